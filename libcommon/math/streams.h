@@ -58,8 +58,7 @@ constexpr uint64_t kStreamsOfRound = 1024;
 struct Rounds {
   uint64_t first, count = 1;
 };
-constexpr Rounds kPictureRound{0}, kScoutRound{1}, kBeyondRound{2}, kPilotRounds{3, 8},
-    kTimingRound{11}, kArrivalRound{12};
+constexpr Rounds kPictureRound{0}, kScoutRound{1}, kPilotRounds{3, 8}, kTimingRound{11};
 
 /// Of an integrator's samples, over kPurposes.
 constexpr uint64_t stream_in(uint64_t round, uint64_t integrator) {
@@ -72,17 +71,17 @@ constexpr Streams streams_of(const Rounds& rounds) {
 }
 
 /// In place of an integrator's.
-constexpr uint64_t kPortalWaysStream = 1023;
-constexpr Streams kPortalWays{kPortalWaysStream * kPurposes, kPurposes},
+constexpr uint64_t kExplorationStream = 1023;
+constexpr Streams kExploration{kExplorationStream * kPurposes, kPurposes},
     kFeaturePlaces{kStreamsOfRound * kPurposes + 15, 1},  // of places in pixels
     kPortalProbe{0x9000, 2, 1},  // of walks from a portal, to the light and to the camera
     kWindowViews{0, 1, 1}, kExpectedWalks{0, 1, 0},
     kCoveredLamps{uint64_t{1} << 32, uint64_t{1} << 32};  // of each triangle
 
-static_assert(disjoint(std::array{
-    streams_of(kPictureRound), streams_of(kScoutRound), streams_of(kBeyondRound),
-    streams_of(kPilotRounds), streams_of(kTimingRound), streams_of(kArrivalRound), kPortalWays,
-    kFeaturePlaces, kPortalProbe, kWindowViews, kExpectedWalks, kCoveredLamps}));
+static_assert(disjoint(std::array{streams_of(kPictureRound), streams_of(kScoutRound),
+                                  streams_of(kPilotRounds), streams_of(kTimingRound), kExploration,
+                                  kFeaturePlaces, kPortalProbe, kWindowViews, kExpectedWalks,
+                                  kCoveredLamps}));
 
 // ffgraph.
 constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{103, 1},

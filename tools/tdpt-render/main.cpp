@@ -134,7 +134,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
 // Says what was decided and where it stands, without a picture.
 int write_plan(const Job& job, SampleRenderer& renderer, const Choice& choice) {
   const std::vector<Portal>& portals = job.in.portals;
-  const RenderResult decided = decide(renderer, choice.candidates, job.settings, choice.ways);
+  const RenderResult decided = decide(renderer, choice.candidates, job.settings, choice);
   const Plan& plan = decided.plan;
   if (stop_requested()) {
     job.common.note("stopped by a signal; no plan is written");
@@ -196,7 +196,7 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
       kept = save({job, choice, standing, plan});
     };
   try {
-    return render(renderer, choice.candidates, job.settings, choice.ways, std::move(course));
+    return render(renderer, choice.candidates, job.settings, choice, std::move(course));
   } catch (const Error& e) {
     if (!kept) throw;
     throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",

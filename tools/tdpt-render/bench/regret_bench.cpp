@@ -23,6 +23,7 @@
 
 #include "libcommon/base/threads.h"
 #include "libcommon/formats/sky_options.h"
+#include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {
@@ -145,7 +146,7 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
   const Camera& camera = scene.camera(s.camera);
   World world(scene, camera, s.width, s.height, portals);
   // As the program does before: which way they work.
-  apply_ways(probe_ways(world, camera, portals, s.depth, 1).ways, portals);
+  apply_ways(explore(world, camera, portals, s.depth, 1).ways, portals);
   world.fill_openings(PortalSet(portals, scene.frame));
   const std::vector<Candidate> candidates = expecting_joins(world, auto_candidates(world), s.depth);
   if (s.seconds > 0) print_truths(name, world, candidates, s);

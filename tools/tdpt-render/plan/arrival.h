@@ -1,16 +1,26 @@
-// How often each kind of light is chosen, by what of it arrives where the camera looks: the sky
-// outside a closed house is worth what comes in through its windows.
-//
-// Method: samples of `nee`, thrown away, add up what emitters, lamps, parallel light and the sky
-// bring. Each kind then keeps a tenth of its share by power, so that nothing that shines is missed
-// because these samples did not find it, and has the rest by what it brings.
+// How often each kind of light is to be chosen, where a sky stands beside other lights: by what
+// arrives of it. By power alone a sky outranks every lamp indoors.
 #pragma once
-#include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/integrators/passes.h"
+#include <utility>
+#include <vector>
+
+#include "tools/tdpt-render/path/sample/path.h"
 
 namespace tdpt {
 
-/// Measured with the portals that `world` has now; those by power where nothing arrives.
-Lights::Shares arriving_shares(const World& world, const SampleRules& rules);
+/// Adds up what paths bring of each kind of light.
+class ArrivingLight {
+ public:
+  /// A path of its samples and its weighted luminance. That a light is seen needs no choice: it
+  /// does not count.
+  void see(const Path& path, double light);
+  void merge(const ArrivingLight& other);
+  /// Shares that add up to 1: nine tenths by what arrived, a tenth `by_power`, which all is where
+  /// nothing arrived. One path tells at most a tenth of all.
+  Lights::Shares shares(const Lights::Shares& by_power) const;
+
+ private:
+  std::vector<std::pair<const LightSource*, double>> found_;
+};
 
 }  // namespace tdpt

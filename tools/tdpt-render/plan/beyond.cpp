@@ -1,78 +1,23 @@
-// Method: a ratio of two sums over groups of samples that pool their light walks; its error from
-// the groups (delta method).
 #include "tools/tdpt-render/plan/beyond.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/base/number_words.h"
-#include "tools/tdpt-render/integrators/spread_pixels.h"
 
 namespace tdpt {
-namespace {
 
-struct Group {
-  double within = 0, beyond = 0;  // luminance
-};
-
-void add_group(PathSampler& sampler, const World& world, uint64_t group) {
-  std::vector<Walk> walks(LightPool::kWalks);
-  LightPool pool;
-  pool.clear(walks.size());
-  const auto each = [&](const auto& visit) {
-    for (uint64_t i = 0; i < walks.size(); ++i) {
-      const uint64_t k = group * walks.size() + i;
-      const auto [x, y] = spread_pixel(k, world.film.width(), world.film.height());
-      sampler.begin(x, y, k << 32);  // runs of 2^32 samples of a pixel are independent
-      visit(walks[i]);
-    }
-  };
-  if (sampler.has_light_phase())
-    each([&](Walk& walk) {
-      sampler.light_phase(walk);
-      pool.add(walk);
-    });
-  if (sampler.has_segment_phase())
-    each([&](const Walk& walk) { sampler.segment_phase(walk, pool); });
-  each([&](const Walk& walk) { sampler.camera_phase(walk, pool); });
-}
-
-}  // namespace
-
-Beyond light_beyond(const World& world, const Integrator& integrator, const SampleRules& rules,
-                    double samples, Film& film) {
-  // Its samples are few: each makes a light walk, and pools are as small as that.
-  Mixture mixture = integrator.mixture;
-  mixture.light_walks = 1;
-  mixture.segments_joined = std::min<double>(mixture.segments_joined, LightPool::kWalks);
-  const SampleSettings how{mixture, kMaxDepth, rules.beta, rules.seed,
-                           stream_in(kBeyondRound.first, integrator.stream)};
-  std::vector<Group> groups(
-      static_cast<size_t>(std::clamp(samples, 64.0, 16384.0) / LightPool::kWalks));
-  tbb::parallel_for(size_t{0}, groups.size(), [&](size_t g) {
-    Group& group = groups[g];
-    const PathObserver observer = [&](const Contribution& found) {
-      const double light =
-          luminance(found.value) * found.path.weight(how.mixture, found.strategy, how.beta);
-      if (std::isfinite(light))
-        (found.path.k() > rules.max_depth ? group.beyond : group.within) += light;
-    };
-    Tally tally(film.unit());
-    PathSampler sampler(world, how, film, tally, &observer);
-    add_group(sampler, world, g);
-  });
-  Beyond result{rules.max_depth, 0, 0};
+Beyond LightByDepth::beyond() const {
+  Beyond result{depth_, 0, 0};
   double all = 0, beyond = 0, squares = 0;
-  for (const Group& g : groups) {
+  for (const Group& g : groups_) {
     all += g.within + g.beyond;
     beyond += g.beyond;
   }
   if (!(all > 0)) return result;
   result.share = beyond / all;
-  for (const Group& g : groups) {
+  for (const Group& g : groups_) {
     const double off = g.beyond - result.share * (g.within + g.beyond);
     squares += off * off;
   }

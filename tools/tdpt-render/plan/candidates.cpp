@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/plan/candidates.h"
 
+#include <algorithm>
+
 #include "tools/tdpt-render/path/sample/light_pool.h"
 
 namespace tdpt {
@@ -82,8 +84,17 @@ std::vector<Candidate> auto_candidates(const World& world, std::span<const Integ
 
 std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
                                        int max_depth) {
-  for (Candidate& c : candidates)
-    c.integrator.mixture = expecting_joins(world, c.integrator.mixture, max_depth);
+  // Those of one guiding have the same walks.
+  std::vector<std::pair<Guiding, LightVertices>> known;
+  for (Candidate& c : candidates) {
+    Mixture& m = c.integrator.mixture;
+    if (!m.techniques.walks_from_light()) continue;
+    auto at = std::find_if(known.begin(), known.end(),
+                           [&](const auto& k) { return k.first == m.guiding; });
+    if (at == known.end())
+      at = known.insert(at, {m.guiding, expected_light_vertices(world, m.guiding, max_depth)});
+    m = expecting_joins(at->second, m);
+  }
   return candidates;
 }
 

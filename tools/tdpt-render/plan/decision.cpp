@@ -47,11 +47,11 @@ void choose_by_scout(Session& session, const std::vector<Candidate>& candidates,
 
 }  // namespace
 
-Decision decided(Session& session, const std::vector<Candidate>& candidates,
-                 const std::vector<PortalWay>& ways, Film& film) {
+Decision decided(Session& session, const std::vector<Candidate>& candidates, const Known& known,
+                 Film& film) {
   Decision out;
-  out.plan = {candidates[0].integrator, candidates[0].label, session.settings.spp, ways,
-              session.world.lights.shares()};
+  out.plan = {candidates[0].integrator,      candidates[0].label, session.settings.spp, known.ways,
+              session.world.lights.shares(), known.beyond};
   out.longest = shorter(session);
   if (candidates.size() > 1) {
     out.chosen_label = candidates[0].label;

@@ -10,6 +10,12 @@
 
 namespace tdpt {
 
+/// What was found out before, for the plan.
+struct Known {
+  std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
+  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out
+};
+
 struct Decision {
   Plan plan;           ///< what was decided by measuring
   bool hasty = false;  ///< a signal came before it was: another run would decide otherwise
@@ -24,8 +30,8 @@ struct Decision {
 
 /// The best of the candidates, found by a scout if the budget allows one [scout.h], else the first;
 /// and its samples. `film`: empty, as large as the picture; it is left so.
-Decision decided(Session& session, const std::vector<Candidate>& candidates,
-                 const std::vector<PortalWay>& ways, Film& film);
+Decision decided(Session& session, const std::vector<Candidate>& candidates, const Known& known,
+                 Film& film);
 /// What a plan says.
 Decision obeyed(const Plan& plan, const Session& session, const std::vector<Candidate>& candidates);
 

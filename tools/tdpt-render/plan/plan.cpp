@@ -65,25 +65,28 @@ nlohmann::ordered_json json_of(const Plan& plan) {
   for (const PortalWay& w : plan.ways)
     ways.push_back({{"portal", w.portal}, {"way", kWays[static_cast<size_t>(w.way)]}});
   const Mixture& m = plan.integrator.mixture;
-  return nlohmann::ordered_json{{"integrator", plan.integrator.name},
-                                {"stream", plan.integrator.stream},
-                                {"label", plan.label},
-                                {"first_direct", m.first_direct},
-                                {"later_direct", m.later_direct},
-                                {"segments", m.segments},
-                                {"light_walks", m.light_walks},
-                                {"joined", m.joined},
-                                {"joined_to_segments", m.joined_to_segments},
-                                {"segments_joined", m.segments_joined},
-                                {"guide_light", m.guiding.chance[0]},
-                                {"guide_camera", m.guiding.chance[1]},
-                                {"through_windows", m.through_windows},
-                                {"spp", plan.spp},
-                                {"portals", ways},
-                                {"surfaces", plan.lights.surfaces},
-                                {"lamps", plan.lights.lamps},
-                                {"parallel", plan.lights.parallel},
-                                {"sky", plan.lights.sky}};
+  nlohmann::ordered_json all{{"integrator", plan.integrator.name},
+                             {"stream", plan.integrator.stream},
+                             {"label", plan.label},
+                             {"first_direct", m.first_direct},
+                             {"later_direct", m.later_direct},
+                             {"segments", m.segments},
+                             {"light_walks", m.light_walks},
+                             {"joined", m.joined},
+                             {"joined_to_segments", m.joined_to_segments},
+                             {"segments_joined", m.segments_joined},
+                             {"guide_light", m.guiding.chance[0]},
+                             {"guide_camera", m.guiding.chance[1]},
+                             {"through_windows", m.through_windows},
+                             {"spp", plan.spp},
+                             {"portals", ways},
+                             {"surfaces", plan.lights.surfaces},
+                             {"lamps", plan.lights.lamps},
+                             {"parallel", plan.lights.parallel},
+                             {"sky", plan.lights.sky}};
+  if (const auto& b = plan.beyond)
+    all["beyond"] = {{"depth", b->depth}, {"share", b->share}, {"error", b->error}};
+  return all;
 }
 
 }  // namespace
@@ -129,6 +132,12 @@ Plan read_plan(const std::string& text, const std::string& file) {
   }
   plan.lights = {in.within("surfaces", 0, 1), in.within("lamps", 0, 1), in.within("parallel", 0, 1),
                  in.within("sky", 0, 1)};
+  if (const auto beyond = from.find("beyond"); beyond != from.end()) {
+    if (!beyond->is_object()) in.fail("beyond", "is no object");
+    const Reader of(*beyond, file);
+    plan.beyond = {static_cast<int>(of.within("depth", 1, kMaxDepth)), of.within("share", 0, 1),
+                   of.within("error", 0, 1e3)};
+  }
   const Lights::Shares& s = plan.lights;
   const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
   if (sum != 0 && std::abs(sum - 1) > 1e-9)

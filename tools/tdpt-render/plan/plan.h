@@ -1,11 +1,13 @@
 // All that a run decides by measuring, before it renders. Given scene, portals, settings and plan,
 // each range of samples has the same bytes, on however many threads, in however many parts.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/integrators/integrator.h"
+#include "tools/tdpt-render/plan/beyond.h"
 #include "tools/tdpt-render/plan/portal_ways.h"
 
 namespace tdpt {
@@ -16,7 +18,9 @@ struct Plan {
   uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
   std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
   Lights::Shares lights;         ///< how often each kind is chosen
+  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out, where there is one
 
+  /// Whether they make the same picture.
   friend bool operator==(const Plan& a, const Plan& b);
 };
 

@@ -8,7 +8,7 @@
 namespace tdpt::plan_test {
 
 TEST(plan, is_read_as_it_was_written) {
-  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}};
+  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}, {}};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   plan.integrator.mixture.joined = 2.625;
   plan.integrator.mixture.joined_to_segments = 1.7;
@@ -27,6 +27,13 @@ TEST(plan, is_read_as_it_was_written) {
   other.integrator.mixture.light_walks = 0.5;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
   EXPECT_EQ(read_plan(plan_text(other), "a"), other);
+  EXPECT_FALSE(read_plan(plan_text(plan), "a").beyond);
+  plan.beyond = {6, 0.25, 0.125};
+  const auto beyond = read_plan(plan_text(plan), "a").beyond;
+  ASSERT_TRUE(beyond);
+  EXPECT_EQ(beyond->depth, 6);
+  EXPECT_EQ(beyond->share, 0.25);
+  EXPECT_EQ(beyond->error, 0.125);
 }
 
 TEST(plan, that_is_none_is_refused_with_its_place) {
@@ -53,6 +60,10 @@ TEST(plan, that_is_none_is_refused_with_its_place) {
             "p.json:portals: has an entry that is no object");
   EXPECT_EQ(message(good, "\"integrator\":\"bdpt\"", "\"integrator\":\"b\""),
             "p.json:integrator: is not known");
+  EXPECT_EQ(message(good, "\"spp\":0", "\"spp\":0,\"beyond\":1"), "p.json:beyond: is no object");
+  EXPECT_EQ(
+      message(good, "\"spp\":0", "\"spp\":0,\"beyond\":{\"depth\":6,\"share\":2,\"error\":0}"),
+      "p.json:share: is out of range");
   EXPECT_EQ(message(good, "", ""), "read");
 }
 

@@ -7,7 +7,6 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kWalks = 800;
-constexpr size_t kMostProbed = 8;
 // The first steps are too near the portal to know how large the room is.
 constexpr int kSteps = 8, kSkipped = 2;
 
@@ -46,16 +45,6 @@ double probed_conductance(const World& world, const Portal& portal) {
       narrowest = std::max(narrowest, static_cast<double>(crossed) / static_cast<double>(bounces));
   }
   return narrowest;
-}
-
-void probe(const World& world, std::vector<Portal>& portals) {
-  size_t probed = 0;
-  for (Portal& portal : portals) {
-    if (portal.triangles.empty() || portal.figures.contains("conductance") ||
-        ++probed > kMostProbed)
-      continue;
-    portal.figures["conductance"] = probed_conductance(world, portal);
-  }
 }
 
 }  // namespace tdpt

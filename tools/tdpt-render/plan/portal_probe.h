@@ -13,7 +13,4 @@ namespace tdpt {
 /// surface, the conductance of cut(5). Some ten thousand rays; a function of its arguments alone.
 double probed_conductance(const World& world, const Portal& portal);
 
-/// Gives portals without one their `conductance`; the first few of many.
-void probe(const World& world, std::vector<Portal>& portals);
-
 }  // namespace tdpt

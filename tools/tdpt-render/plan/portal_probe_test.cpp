@@ -30,12 +30,4 @@ TEST(portal_probe, measures_the_opening_against_the_room) {
   EXPECT_LT(conductance_in("two-rooms.glb", portal_in_the_hole()), 0.01);
 }
 
-TEST(portal_probe, is_for_portals_without_figures) {
-  const Scene scene = read_gltf(two_rooms_path());
-  std::vector<Portal> portals(1, portal_in_the_hole());
-  portals[0].figures["conductance"] = 0.5;
-  probe(World(scene, scene.camera(""), 8, 6, portals), portals);
-  EXPECT_EQ(portals[0].figures, (std::map<std::string, double>{{"conductance", 0.5}}));
-}
-
 }  // namespace tdpt::portal_probe_test

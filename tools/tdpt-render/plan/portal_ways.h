@@ -1,16 +1,16 @@
 // Which way the light that reaches the camera passes each portal, found before rendering: a portal
 // that faces the wrong way costs time and brings nothing, and modelling programs do not tell.
 //
-// A small picture is rendered by tdpt-guided through all portals, each working both ways. Every
-// path that brings light, whichever technique made it, adds its weighted luminance to each portal
-// and way that one of its edges crosses (the camera's own edge never counts):
+// Every path that brings light in a small picture [exploration.h] adds its weighted luminance to
+// each portal and way that one of its edges crosses (the camera's own edge never counts):
 //   E(portal, way) = sum over paths of w * value * crossings,
 // so what is compared is the light of the picture itself, of lamps with and without surface alike.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "libcommon/formats/portal.h"
-#include "tools/tdpt-render/path/sample/world.h"
+#include "tools/tdpt-render/path/sample/path.h"
 
 namespace tdpt {
 
@@ -50,20 +50,55 @@ struct PortalLight {
   uint64_t samples = 0, of = 0;  ///< samples whose light passed it, of all; 0 of 0: not measured
   double share = 0;              ///< of the picture's light
 };
-struct PortalProbe {
-  std::vector<PortalWay> ways;
-  std::vector<PortalLight> light;
+
+/// Adds up what paths carry through each of some portals.
+class PassedPortals {
+ public:
+  /// `fronts`: each portal as if it worked one way; they stay the caller's.
+  explicit PassedPortals(const std::vector<PortalSet>& fronts);
+  /// A path of the sample and its weighted luminance; a light seen directly passes nothing.
+  void see(const Path& path, double light);
+  void end_sample();
+  void merge(const PassedPortals& other);
+
+ private:
+  friend class WayFinder;
+  /// With the normal and against it.
+  using BothWays = std::array<PassedLight, 2>;
+
+  const std::vector<PortalSet>& fronts_;
+  std::vector<BothWays> ways_;
+  std::vector<PortalLight> either_;   // way, each path once; `share`: the sum of it
+  double total_ = 0, brightest_ = 0;  // of all samples; the most that one brought
+  uint64_t lit_ = 0;                  // samples
+  std::vector<std::array<double, 2>> of_sample_;
+  double sample_ = 0;  // what it brought
 };
 
 /// For each portal which way it should work; those beyond the first 16 as drawn. Where 100 samples
 /// brought light, one is left out that less than a ten thousandth of it passed, or that fewer than
-/// 10 samples passed in a picture without the others. A function of
-/// scene, camera, aspect of the picture, portals, depth, seed and `samples`, of which two small
-/// pictures at most have about so many each; kProbeSamples are enough. `world` must hold the
-/// portals' scene; it is as before afterwards.
-inline constexpr double kProbeSamples = 3072;
-PortalProbe probe_ways(World& world, const Camera& camera, const std::vector<Portal>& portals,
-                       int max_depth, uint64_t seed, double samples = kProbeSamples);
+/// 10 samples passed in a picture without the others.
+class WayFinder {
+ public:
+  explicit WayFinder(const std::vector<Portal>& portals);
+  /// Whether another picture is to be made: one at first. Small portals beside large ones may get
+  /// next to no segments: a second one is theirs alone.
+  bool asks(uint64_t made) const { return made == 0 || (made == 1 && some_silent_); }
+  /// Those to be looked at in it, each working both ways.
+  std::vector<Portal> opened() const;
+  /// What that picture showed of them, in a world that has them.
+  void learn(const PassedPortals& passed, const World& world);
+  void tell(std::vector<PortalWay>& ways, std::vector<PortalLight>& light) const;
+
+ private:
+  const std::vector<Portal>& portals_;
+  std::vector<size_t> open_;
+  std::vector<PortalWay> ways_;
+  std::vector<PortalLight> light_;
+  std::vector<bool> dark_;
+  uint64_t lit_ = 0;
+  bool some_silent_ = false;  // but not all
+};
 
 /// Makes the portals work that way; one that is left out keeps its area as a figure and no
 /// triangle. Throws std::out_of_range for one that there is not.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::portal_ways_test {
@@ -27,7 +28,7 @@ std::vector<PortalWay::Way> ways_in(const Scene& scene, const std::vector<Portal
                                     uint64_t seed = 1) {
   World world(scene, scene.camera(""), 320, 240, portals);
   std::vector<PortalWay::Way> ways;
-  for (const PortalWay& w : probe_ways(world, scene.camera(""), portals, 6, seed).ways) {
+  for (const PortalWay& w : explore(world, scene.camera(""), portals, 6, seed).ways) {
     EXPECT_EQ(w.portal, ways.size());
     ways.push_back(w.way);
   }
@@ -77,7 +78,7 @@ TEST(way_of, asks_for_light_that_is_clear) {
   }
 }
 
-TEST(probe_ways, turns_the_small_portal_of_a_door_ajar) {
+TEST(portal_ways, turns_the_small_portal_of_a_door_ajar) {
   const Scene scene = scene_of("door-ajar.glb");
   const std::vector<Portal> right = round_the_leaf();
   EXPECT_EQ(ways_in(scene, right), (Ways{kAsDrawn, kAsDrawn}));
@@ -90,7 +91,7 @@ TEST(probe_ways, turns_the_small_portal_of_a_door_ajar) {
             (Ways{kFront, kBack}));
 }
 
-TEST(probe_ways, tells_holes_and_windows_alike) {
+TEST(portal_ways, tells_holes_and_windows_alike) {
   const std::vector<std::pair<const char*, Portal>> openings{
       {"small-hole.glb", in_the_wall(2.05, 0.95, 1.05, -0.05, 0.05)},
       {"two-rooms.glb", portal_in_the_hole()},
@@ -104,7 +105,7 @@ TEST(probe_ways, tells_holes_and_windows_alike) {
   }
 }
 
-TEST(probe_ways, finds_a_hole_beside_far_larger_portals) {
+TEST(portal_ways, finds_a_hole_beside_far_larger_portals) {
   const Scene scene = scene_of("small-hole.glb");
   const Portal across = in_the_wall(1.2, 0.02, 1.98, -0.98, 0.98);
   const Ways ways =
@@ -113,7 +114,7 @@ TEST(probe_ways, finds_a_hole_beside_far_larger_portals) {
   EXPECT_EQ(ways[1], kBack);
 }
 
-TEST(probe_ways, leaves_out_what_no_light_passes) {
+TEST(portal_ways, leaves_out_what_no_light_passes) {
   const Scene scene = scene_of("two-rooms.glb");
   const Portal in_the_stone = in_the_wall(2.05, 1.5, 1.9, -0.8, 0.8);
   const Portal away = in_the_wall(9, 0, 2, -1, 1);
@@ -132,7 +133,7 @@ TEST(probe_ways, leaves_out_what_no_light_passes) {
 
 // Across the camera's room: what comes from the window goes on, and comes back from the walls. All
 // of the section is a wide way, where two ways cost more than they bring; a slip of it is not.
-TEST(probe_ways, lets_light_pass_both_ways_where_it_does) {
+TEST(portal_ways, lets_light_pass_both_ways_where_it_does) {
   const Scene scene = scene_of("window.glb");
   const Portal section = in_the_wall(0.8, 0.02, 1.98, -0.98, 0.98);
   EXPECT_EQ(ways_in(scene, {section, turned_round(section)}), (Ways{kAsDrawn, kAsDrawn}));
@@ -143,7 +144,7 @@ TEST(probe_ways, lets_light_pass_both_ways_where_it_does) {
   EXPECT_EQ(ways_in(scene, {for_both_ways(slip)}), Ways{kAsDrawn});
 }
 
-TEST(probe_ways, portals_in_a_row_are_told_one_by_one) {
+TEST(portal_ways, portals_in_a_row_are_told_one_by_one) {
   const Scene scene = scene_of("three-rooms.glb");
   const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25);
   const Portal second = in_the_wall(2.05, 0.75, 1.25, -0.25, 0.25);
@@ -154,7 +155,7 @@ TEST(probe_ways, portals_in_a_row_are_told_one_by_one) {
 
 // A lamp without surface: one in the far room, and the sun, which shines straight through the hole
 // from where there is nothing to reflect it.
-TEST(probe_ways, knows_light_of_lamps_without_surface) {
+TEST(portal_ways, knows_light_of_lamps_without_surface) {
   Scene scene = scene_of("two-rooms.glb");
   for (Material& m : scene.materials) m.emission = {};
   PunctualLight lamp;
@@ -180,14 +181,14 @@ TEST(probe_ways, knows_light_of_lamps_without_surface) {
 
 // All light of the camera's room came through the first of two holes in a row; it sees the wall of
 // the middle room through the second.
-TEST(probe_ways, measures_the_share_of_the_light_that_passes) {
+TEST(portal_ways, measures_the_share_of_the_light_that_passes) {
   const Scene scene = scene_of("three-rooms.glb");
   const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25),
                half = in_the_wall(4.15, 0.75, 1.25, -0.25, 0),
                second = in_the_wall(2.05, 0.75, 1.25, -0.25, 0.25);
   const std::vector<Portal> portals{first, half, second, in_the_wall(2.05, 1.5, 1.9, -0.8, 0.8)};
   World world(scene, scene.camera(""), 320, 240, portals);
-  const auto light = probe_ways(world, scene.camera(""), portals, 6, 1).light;
+  const auto light = explore(world, scene.camera(""), portals, 6, 1).light;
   EXPECT_NEAR(light[0].share, 1, 1e-9);
   EXPECT_NEAR(light[1].share, 0.5, 0.2);
   EXPECT_GT(light[2].share, 0.1);
@@ -198,7 +199,7 @@ TEST(probe_ways, measures_the_share_of_the_light_that_passes) {
   EXPECT_EQ(light[0].of, 3072u);
 }
 
-TEST(probe_ways, is_a_function_of_its_arguments) {
+TEST(portal_ways, is_a_function_of_its_arguments) {
   const Scene scene = scene_of("door-ajar.glb");
   EXPECT_EQ(ways_in(scene, round_the_leaf(), 7), ways_in(scene, round_the_leaf(), 7));
 }

@@ -3,10 +3,8 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/plan/arrival.h"
+#include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/longest_path.h"
-#include "tools/tdpt-render/plan/portal_probe.h"
-#include "tools/tdpt-render/plan/portal_ways.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/run/portal_report.h"
 
@@ -29,14 +27,14 @@ std::vector<Candidate> candidates_of(const Request& request, const World& world)
   return auto_candidates(world, request.guided);
 }
 
-void tell_left_out(const World& world, const std::vector<Portal>& portals,
-                   const PortalProbe& probed, const cli::Common& common) {
+void tell_left_out(const World& world, const std::vector<Portal>& portals, const Explored& explored,
+                   const cli::Common& common) {
   std::vector<std::string> sentences;
-  for (const PortalWay& w : probed.ways) {
+  for (const PortalWay& w : explored.ways) {
     if (w.way != PortalWay::left_out) continue;
     const Portal& portal = portals[w.portal];
     const std::string unit = unit_words(portal, world.tracer, world.scene.frame);
-    sentences.push_back(left_out(portal, probed.light[w.portal]) +
+    sentences.push_back(left_out(portal, explored.light[w.portal]) +
                         (unit.empty() ? "" : "; it " + unit));
   }
   for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
@@ -64,6 +62,19 @@ void use_portals(const std::vector<PortalWay>& ways, World& world, std::vector<P
   for (const std::string& turning : turnings(portals, ways)) common.note(turning);
   apply_ways(ways, portals);
   world.fill_openings(PortalSet(portals, world.scene.frame));
+}
+
+// As they were seen to be of use.
+void take_portals(const Explored& explored, World& world, std::vector<Portal>& portals,
+                  const cli::Common& common) {
+  if (explored.ways.empty()) return;
+  tell_left_out(world, portals, explored, common);
+  use_portals(explored.ways, world, portals, common);
+  for (size_t i = 0; i < portals.size(); ++i) {
+    portals[i].figures.erase(kLight);
+    if (explored.light[i].of > 0) portals[i].figures[kLight] = explored.light[i].share;
+  }
+  for (const std::string& description : descriptions(portals)) common.note(description);
 }
 
 // By power alone a sky outranks every lamp indoors.
@@ -126,29 +137,21 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   Choice choice;
   warn_of_no_portal(request, world, common);
   const bool sampled = is_sampled(world, settings);
-  if (sampled && goes_through_portals(request, world)) {
-    // A small part of the work.
-    constexpr double kShare = 0.02, kFewest = 256;
-    const double ahead = samples_foreseen(settings, world.film);
-    const PortalProbe probed = probe_ways(world, camera, portals, settings.max_depth, settings.seed,
-                                          std::clamp(kShare * ahead, kFewest, kProbeSamples));
-    choice.ways = probed.ways;
-    tell_left_out(world, portals, probed, common);
-    use_portals(choice.ways, world, portals, common);
-    for (size_t i = 0; i < portals.size(); ++i) {
-      portals[i].figures.erase(kLight);
-      if (probed.light[i].of > 0) portals[i].figures[kLight] = probed.light[i].share;
-    }
-    if (kShare * ahead > kProbeSamples) probe(world, portals);
-    for (const std::string& description : descriptions(portals)) common.note(description);
-    choice.probed = true;
-  }
-  choice.phases.done("probe");
+  choice.probed = sampled && goes_through_portals(request, world);
   choice.by_arrival = sampled && competes_with_sky(world);
-  if (choice.by_arrival)
-    world.lights.choose_by(
-        arriving_shares(world, {settings.max_depth, settings.beta, settings.seed}));
-  choice.phases.done("arrival");
+  const bool asks_for_depth = sampled && settings.max_depth < kMaxDepth;
+  const std::vector<Portal> probed = choice.probed ? portals : std::vector<Portal>();
+  if (!probed.empty() || choice.by_arrival || asks_for_depth) {
+    const double samples = std::clamp(kExplorationsShare * samples_foreseen(settings, world.film),
+                                      kExplorationFewest, kExplorationEnough);
+    const Explored explored =
+        explore(world, camera, probed, settings.max_depth, settings.seed, samples);
+    static_cast<Known&>(choice) = {explored.ways, explored.beyond};
+    choice.explored = explored.samples;
+    if (choice.by_arrival) world.lights.choose_by(explored.arriving);
+    take_portals(explored, world, portals, common);
+  }
+  choice.phases.done("exploration");
   find_candidates(request, world, choice);
   warn_of_missing_light(choice, world, common);
   return choice;
@@ -174,6 +177,7 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
     check_kinds(plan.lights, world.lights.shares(), file);
     world.lights.choose_by(plan.lights);
   }
+  choice.beyond = plan.beyond;
   choice.planned = true;
   find_candidates(request, world, choice);
   warn_of_missing_light(choice, world, common);

@@ -19,18 +19,18 @@ struct Request {
 /// Throws UsageError where numbers for directed walks are given to an integrator that has none.
 Request request_of(const Arguments& a);
 
-struct Choice {
+struct Choice : Known {
   std::vector<Candidate> candidates;
-  std::vector<PortalWay> ways;  ///< which way portals work; empty: as drawn
-  Integrator integrator;        ///< the only candidate, or `auto` with the techniques of all
-  bool probed = false;          ///< portals were looked at
-  bool planned = false;         ///< a plan said all that
-  bool by_arrival = false;      ///< kinds of light are chosen by what arrives
-  Phases phases;                ///< probe, arrival
+  Integrator integrator;    ///< the only candidate, or `auto` with the techniques of all
+  bool probed = false;      ///< portals were looked at
+  bool planned = false;     ///< a plan said all that
+  bool by_arrival = false;  ///< kinds of light are chosen by what arrives
+  uint64_t explored = 0;    ///< samples that were drawn to choose by, before
+  Phases phases;            ///< exploration
 };
-/// Warns of light that will be missing. If portals will be used, they are probed, turned to the way
-/// that light passes them or left out where none does, in `portals` and in the world, and what was
-/// measured is told [portal_ways.h, portal_probe.h].
+/// Warns of light that will be missing, and explores the scene where something hangs on it
+/// [exploration.h]. Portals that will be used are turned to the way that light passes them, or left
+/// out where none does, in `portals` and in the world, and what was measured is told.
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common);
 

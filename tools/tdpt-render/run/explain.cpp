@@ -47,6 +47,26 @@ Decision windows(const Rendered& r) {
           "no summed-area table is made"};
 }
 
+// CPU time, and its share of the rendering where there is one.
+std::string price_in(double cpu_seconds, const Rendered& r) {
+  if (r.result.spp == 0) return cli::price_of(cpu_seconds);
+  return cli::price_of(cpu_seconds) + ", " +
+         percent_words(cpu_seconds / std::max(r.result.cpu_seconds, 1e-9)) + " of the rendering";
+}
+
+Decision exploration(const Rendered& r) {
+  if (r.choice.explored == 0)
+    return {"exploration", "left out",
+            r.choice.planned ? "a plan says what it would tell" : "nothing hangs on it",
+            "no sample is thrown away"};
+  double cpu = 0;
+  for (const Phases::Phase& p : r.choice.phases.all()) cpu += p.cpu_seconds;
+  return {"exploration", counted(r.choice.explored, "sample") + " drawn",
+          "they tell which portals the light passes, which kinds of light arrive, and what a limit "
+          "of depth leaves out",
+          price_in(cpu, r)};
+}
+
 // How lights are chosen among their kinds.
 Decision kinds_of_light(const Rendered& r) {
   if (r.result.longest)
@@ -58,7 +78,7 @@ Decision kinds_of_light(const Rendered& r) {
   if (r.choice.by_arrival)
     return {"kinds of light", r.choice.planned ? "chosen as planned" : "chosen by what arrives",
             "by power a sky would outrank every lamp indoors: " + shares,
-            cli::price_of(r.choice.phases, {"arrival"})};
+            r.choice.planned ? "nothing is measured" : "told by the exploration"};
   return {"kinds of light", "chosen by power", "no sky stands beside other lights: " + shares,
           "nothing is measured"};
 }
@@ -96,7 +116,7 @@ Decisions portals(const Rendered& r) {
         {"portals", "looked at",
          fmt::format("a small picture tells which of the {} the light passes, and which way",
                      r.portals.size()),
-         cli::price_of(r.choice.phases, {"probe"})});
+         "told by the exploration"});
   for (const PortalWay& w : r.choice.ways) {
     const Portal& portal = r.portals[w.portal];
     const auto light = portal.figures.find(kLight);
@@ -114,12 +134,6 @@ Decisions portals(const Rendered& r) {
   return all;
 }
 
-std::string share_of_rendering(const Rendered& r) {
-  if (r.result.spp == 0) return "";  // there is a plan alone
-  const double share = r.result.scout_cpu_seconds / std::max(r.result.cpu_seconds, 1e-9);
-  return ", " + percent_words(share) + " of the rendering";
-}
-
 Decision scout(const Rendered& r) {
   if (r.choice.candidates.size() < 2)
     return {"scout", "left out",
@@ -134,7 +148,7 @@ Decision scout(const Rendered& r) {
   return {
       "scout", counted(r.result.scouted, "sample") + " drawn",
       fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
-      cli::price_of(r.result.scout_cpu_seconds) + share_of_rendering(r)};
+      price_in(r.result.scout_cpu_seconds, r)};
 }
 
 // Why the candidate rendered or did not.
@@ -206,9 +220,9 @@ Decision depth(const Rendered& r) {
             "Russian roulette ends walks"};
   return {"length of paths", fmt::format("{} edges at most", r.settings.max_depth),
           "--max-depth says so",
-          r.result.beyond ? fmt::format("leaves out about {} of the light",
-                                        percent_words(r.result.beyond->share))
-                          : "what that leaves out is not known"};
+          r.result.plan.beyond ? fmt::format("leaves out about {} of the light",
+                                             percent_words(r.result.plan.beyond->share))
+                               : "what that leaves out is not known"};
 }
 
 Decision pilot(const Rendered& r) {
@@ -251,6 +265,7 @@ Decision samples_planned(const Rendered& r) {
 Decisions decisions_of_integrator(const Rendered& r) {
   Decisions all = uses_of(r.world.scene, all_needs());
   all.push_back(panels(r));
+  all.push_back(exploration(r));
   append(all, portals(r));
   all.push_back(windows(r));
   all.push_back(kinds_of_light(r));

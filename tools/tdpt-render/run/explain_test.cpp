@@ -28,7 +28,7 @@ struct Told {
     const Request request = request_of(a);
     const Choice choice = choose(request, settings, scene.camera(""), world, portals, common);
     CpuRenderer cpu(world);
-    result = render(cpu, choice.candidates, settings, choice.ways);
+    result = render(cpu, choice.candidates, settings, choice);
     decisions = decisions_of({world, portals, request, choice, settings, result});
   }
 

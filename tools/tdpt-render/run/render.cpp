@@ -215,18 +215,6 @@ void take_count(const SampleCount& count, const Course& course, Standing& standi
   standing.whole = course.whole;
 }
 
-// Of the parts of a picture the first tells it for all.
-void look_beyond(Session& session, RenderResult& result) {
-  const Standing& standing = *result.standing;
-  if (session.settings.max_depth >= kMaxDepth || result.longest || standing.first > 0) return;
-  // A hundredth of the picture's samples, but of few of them up to a tenth; by the clock, enough.
-  const double all = static_cast<double>(standing.goal) * static_cast<double>(session.pixels);
-  constexpr double kEnough = 2048;
-  const double samples = all > 0 ? std::max(0.01 * all, std::min(0.1 * all, kEnough)) : kEnough;
-  Film film = session.film_aside();
-  result.beyond = light_beyond(session.world, result.plan.integrator, session.rules, samples, film);
-}
-
 // What there is when all is rendered.
 void finish(const Session& session, RenderResult& result) {
   Standing& standing = *result.standing;
@@ -245,8 +233,7 @@ void finish(const Session& session, RenderResult& result) {
 }  // namespace
 
 RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& given,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways,
-                    Course course) {
+                    const RenderSettings& settings, const Known& known, Course course) {
   RenderResult result;
   result.renderer = renderer.name();
   const bool goes_on = course.standing.has_value();
@@ -256,9 +243,8 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& give
   result.standing = beginning(session, candidates, course);
   Standing& standing = *result.standing;
   static_cast<Decision&>(result) = course.plan ? obeyed(*course.plan, session, candidates)
-                                               : decided(session, candidates, ways, standing.film);
+                                               : decided(session, candidates, known, standing.film);
   if (!goes_on) take_count(result.count, course, standing);
-  look_beyond(session, result);
   if (!goes_on) standing.began = session.clock.seconds();
   Rendering(session, course, result).run();
   finish(session, result);
@@ -266,14 +252,14 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& give
 }
 
 RenderResult decide(SampleRenderer& renderer, const std::vector<Candidate>& given,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways) {
+                    const RenderSettings& settings, const Known& known) {
   RenderResult result;
   result.renderer = renderer.name();
   Session session(renderer, settings);
   const auto candidates = expecting_joins(session.world, given, settings.max_depth);
   Course none;
   const auto standing = beginning(session, candidates, none);
-  static_cast<Decision&>(result) = decided(session, candidates, ways, standing->film);
+  static_cast<Decision&>(result) = decided(session, candidates, known, standing->film);
   result.target = result.count.target_at_start;
   result.seconds = session.clock.seconds();
   result.cpu_seconds = session.clock.cpu();

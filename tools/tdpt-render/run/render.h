@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/tdpt-render/plan/beyond.h"
 #include "tools/tdpt-render/plan/decision.h"
 #include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/run/standing.h"
@@ -64,7 +63,6 @@ struct RenderResult : Decision {
 
   std::optional<TargetOutcome> target;  ///< as it came out, where the settings have one
   std::optional<Noise> noise;           ///< where they have none, as far as it can be told
-  std::optional<Beyond> beyond;         ///< what the limit of depth leaves out, where there is one
 
   Vec3d mean() const { return mean_of(picture); }
   double nonzero() const { return nonzero_of(picture); }
@@ -72,11 +70,9 @@ struct RenderResult : Decision {
 
 /// Renders with the best of the candidates [decision.h], in passes over the whole picture, so every
 /// pixel has the same number of samples whenever it stops. The picture is a function of (scene,
-/// settings, plan, spp) alone. `ways`: how the portals of the world were turned before, for the
-/// plan.
+/// settings, plan, spp) alone.
 RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways = {},
-                    Course course = {});
+                    const RenderSettings& settings, const Known& known = {}, Course course = {});
 RenderResult render(SampleRenderer& renderer, const Integrator& integrator,
                     const RenderSettings& settings);
 /// By the CPU.
@@ -87,6 +83,6 @@ RenderResult render(const World& world, const Integrator& integrator,
 
 /// All that the same call would decide before its first sample, and by what: a result without one.
 RenderResult decide(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const std::vector<PortalWay>& ways);
+                    const RenderSettings& settings, const Known& known);
 
 }  // namespace tdpt

@@ -77,7 +77,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   auto& lengths = j["light_by_length"] = nlohmann::ordered_json::array();
   for (const double light : result.tally.by_length)
     lengths.push_back(total > 0 ? light / total : 0.0);
-  if (const auto& beyond = result.beyond)
+  if (const auto& beyond = result.plan.beyond)
     j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
   j["not_finite"] = result.tally.not_finite;
   if (!portals.empty()) j["portals"] = portals_json(portals, result);
@@ -133,7 +133,7 @@ std::string plan_json(const RenderResult& decided, const std::vector<Portal>& po
 }
 
 std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
-  if (result.beyond) return sentence(*result.beyond);
+  if (result.plan.beyond) return sentence(*result.plan.beyond);
   const double total = total_energy(result), last = result.tally.by_length.back();
   if (settings.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
   return fmt::format(

@@ -90,31 +90,42 @@ double LightPool::draw(bool starts, double u, std::vector<const LightVertex*>& d
   return walks_ / step;
 }
 
-Mixture expecting_joins(const World& world, const Mixture& mixture, int max_depth) {
-  Mixture expecting = mixture;
-  if (!mixture.techniques.walks_from_light()) return expecting;
+LightVertices expected_light_vertices(const World& world, const Guiding& guiding, int max_depth) {
   constexpr int kWalks = 512;
+  Mixture mixture;
+  mixture.guiding = guiding;
   const Guide guide(world, mixture);
   RayCounts rays;
   Walk y;
-  double starts = 0, scattered = 0;
+  LightVertices sum;
   for (int i = 0; i < kWalks; ++i) {
     walk_from_light(
         world, guide, max_depth - 1,
         Sequence(*kExpectedWalks.seed, kExpectedWalks.first, 0, static_cast<uint64_t>(i)), y, rays);
     for (int j = 0; j < y.size; ++j)
-      if (y[j].connectible) ++(j == 0 ? starts : scattered);
+      if (y[j].connectible) ++(j == 0 ? sum.first : sum.later);
   }
+  return {sum.first / kWalks, sum.later / kWalks};
+}
+
+Mixture expecting_joins(const LightVertices& vertices, const Mixture& mixture) {
+  Mixture expecting = mixture;
+  if (!mixture.techniques.walks_from_light()) return expecting;
   // A pool has no more than its walks.
-  const auto joins = [](double vertices) {
-    return LightPool::kCandidates * kWalks /
-           std::max(vertices, double{LightPool::kCandidates} * kWalks / LightPool::kWalks);
+  const auto joins = [](double of_walk) {
+    return LightPool::kCandidates /
+           std::max(of_walk, double{LightPool::kCandidates} / LightPool::kWalks);
   };
-  expecting.joined = joins(scattered);
-  expecting.joined_to_segments = joins(starts + scattered);
+  expecting.joined = joins(vertices.later);
+  expecting.joined_to_segments = joins(vertices.first + vertices.later);
   if (mixture.has(Technique::portal))
     expecting.segments_joined = static_cast<double>(samples_of_pool(mixture));
   return expecting;
+}
+
+Mixture expecting_joins(const World& world, const Mixture& mixture, int max_depth) {
+  if (!mixture.techniques.walks_from_light()) return mixture;
+  return expecting_joins(expected_light_vertices(world, mixture.guiding, max_depth), mixture);
 }
 
 }  // namespace tdpt

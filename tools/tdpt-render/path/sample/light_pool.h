@@ -86,8 +86,14 @@ uint64_t pixel_of_pool(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixel
 /// How many of a pool's samples make a light walk; one at least, if any technique needs one.
 uint64_t light_walks_of(const Mixture& mixture, uint64_t samples);
 
-/// `mixture` with the numbers of joins that are to be expected of its light walks
-/// [Mixture::joined], told by a few of them: the same for the same world, mixture and length.
+/// Vertices of a light walk that can be joined, on average.
+struct LightVertices {
+  double first = 0, later = 0;
+};
+/// Told by a few walks that are guided so: the same for the same world, guiding and length.
+LightVertices expected_light_vertices(const World& world, const Guiding& guiding, int max_depth);
+/// `mixture` with the numbers of joins that are to be expected of such walks [Mixture::joined].
+Mixture expecting_joins(const LightVertices& vertices, const Mixture& mixture);
 Mixture expecting_joins(const World& world, const Mixture& mixture, int max_depth);
 
 }  // namespace tdpt
