@@ -15,8 +15,8 @@ constexpr int kDeepest = 8;  // edges, where no limit asks for what lies beyond
 
 // The observers, of a part of the samples.
 struct Observers {
-  Observers(const std::vector<PortalSet>& fronts, int depth)
-      : passed(fronts), by_depth(depth), max_depth(depth) {}
+  Observers(const std::vector<PassedPortals::Opening>& openings, int depth)
+      : passed(openings), by_depth(depth), max_depth(depth) {}
   void see(const Path& path, double light) {
     by_depth.see(path, light);
     if (path.k() > max_depth) return;
@@ -36,8 +36,8 @@ struct Observers {
 };
 
 // One sample of each pixel of the world's film.
-Observers look(const World& world, const std::vector<PortalSet>& fronts, int max_depth,
-               uint64_t seed, uint64_t round) {
+Observers look(const World& world, const std::vector<PassedPortals::Opening>& openings,
+               int max_depth, uint64_t seed, uint64_t round) {
   const int width = world.film.width(), height = world.film.height();
   // Its samples are few: each makes a light walk and draws a segment.
   Mixture mixture = tdpt_guided.mixture;
@@ -45,7 +45,7 @@ Observers look(const World& world, const std::vector<PortalSet>& fronts, int max
   const SampleSettings how{mixture, max_depth < kMaxDepth ? kMaxDepth : kDeepest, 1, seed,
                            kExplorationStream};
   Film film(width, height, world.lights.power());
-  std::vector<Observers> rows(static_cast<size_t>(height), Observers(fronts, max_depth));
+  std::vector<Observers> rows(static_cast<size_t>(height), Observers(openings, max_depth));
   tbb::parallel_for(0, height, [&](int y) {
     Observers& row = rows[static_cast<size_t>(y)];
     const PathObserver observer = [&](const Contribution& found) {
@@ -73,7 +73,8 @@ FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels)
   return FilmPlane(camera, size(pixels / height), height);
 }
 
-// A world that is to have another film and other portals for a while.
+// A world that is to have another film and other portals for a while. Next events look for the sky
+// as they did.
 class Lent {
  public:
   Lent(World& world, FilmPlane film) : world_(world), film_(world.film), drawn_(world.portals) {
@@ -81,7 +82,7 @@ class Lent {
   }
   ~Lent() {
     world_.film = film_;
-    world_.fill_openings(std::move(drawn_));
+    world_.portals = std::move(drawn_);
   }
   Lent(const Lent&) = delete;
   Lent& operator=(const Lent&) = delete;
@@ -104,13 +105,10 @@ Explored explore(World& world, const Camera& camera, const std::vector<Portal>& 
     const Lent lent(world, small_film(camera, world.film, samples));
     for (uint64_t round = 0; !world.lights.empty() && finder.asks(round); ++round) {
       const std::vector<Portal> open = finder.opened();
-      std::vector<PortalSet> fronts;
-      for (Portal portal : open) {
-        portal.both_ways = false;
-        fronts.emplace_back(std::vector{portal}, world.scene.frame);
-      }
-      world.fill_openings(PortalSet(open, world.scene.frame));
-      const Observers seen = look(world, fronts, max_depth, seed, round);
+      const std::vector<PassedPortals::Opening> openings =
+          PassedPortals::openings(open, world.scene.frame);
+      world.portals = PortalSet(open, world.scene.frame);
+      const Observers seen = look(world, openings, max_depth, seed, round);
       finder.learn(seen.passed, world);
       arriving.merge(seen.arriving);
       by_depth.merge(seen.by_depth);

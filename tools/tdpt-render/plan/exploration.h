@@ -24,8 +24,8 @@ struct Explored {
 };
 
 /// Share of a picture's samples that it may take, and how many are enough or tell nothing.
-inline constexpr double kExplorationsShare = 0.007, kExplorationEnough = 3072,
-                        kExplorationFewest = 256;
+inline constexpr double kExplorationsShare = 0.005, kExplorationEnough = 3072,
+                        kExplorationFewest = 128;
 
 /// A function of scene, camera, aspect of the picture, portals, rules and `samples`: the small
 /// picture has about so many pixels, and a second one, for portals that few samples of the first

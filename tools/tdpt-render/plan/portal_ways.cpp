@@ -38,23 +38,37 @@ PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const Passe
   return sure(against) > least && !wide ? PortalWay::both : PortalWay::as_drawn;
 }
 
-PassedPortals::PassedPortals(const std::vector<PortalSet>& fronts)
-    : fronts_(fronts), ways_(fronts.size()), either_(fronts.size()), of_sample_(fronts.size()) {}
+std::vector<PassedPortals::Opening> PassedPortals::openings(const std::vector<Portal>& portals,
+                                                            const Frame& frame) {
+  std::vector<Opening> openings;
+  for (Portal portal : portals) {
+    portal.both_ways = true;
+    PortalSet both({portal}, frame);
+    portal.both_ways = false;
+    openings.push_back({PortalSet({portal}, frame), std::move(both)});
+  }
+  return openings;
+}
+
+PassedPortals::PassedPortals(const std::vector<Opening>& openings)
+    : openings_(openings),
+      ways_(openings.size()),
+      either_(openings.size()),
+      of_sample_(openings.size()) {}
 
 void PassedPortals::see(const Path& path, double light) {
   if (path.k() < 2) return;
   total_ += light;
   sample_ += light;
-  for (size_t p = 0; p < fronts_.size(); ++p) {
+  for (size_t p = 0; p < openings_.size(); ++p) {
     bool passes = false;
     for (int i = 0; i + 1 < path.k(); ++i) {
       const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
       const Vec3d from = a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
-      const bool with = fronts_[p].density(from, b.position) > 0;
-      const bool against = fronts_[p].density(b.position, from) > 0;
-      if (with) of_sample_[p][0] += light;
-      if (against) of_sample_[p][1] += light;
-      passes |= with || against;
+      if (!(openings_[p].both.density(from, b.position) > 0)) continue;
+      passes = true;
+      if (openings_[p].front.density(from, b.position) > 0) of_sample_[p][0] += light;
+      if (openings_[p].front.density(b.position, from) > 0) of_sample_[p][1] += light;
     }
     if (passes) either_[p].share += light;
   }
@@ -64,7 +78,7 @@ void PassedPortals::end_sample() {
   lit_ += sample_ > 0;
   brightest_ = std::max(brightest_, sample_);
   sample_ = 0;
-  for (size_t p = 0; p < fronts_.size(); ++p) {
+  for (size_t p = 0; p < openings_.size(); ++p) {
     ++either_[p].of;
     either_[p].samples += of_sample_[p][0] > 0 || of_sample_[p][1] > 0;
     for (size_t way = 0; way < 2; ++way) {
@@ -82,7 +96,7 @@ void PassedPortals::merge(const PassedPortals& other) {
   total_ += other.total_;
   lit_ += other.lit_;
   brightest_ = std::max(brightest_, other.brightest_);
-  for (size_t p = 0; p < fronts_.size(); ++p) {
+  for (size_t p = 0; p < openings_.size(); ++p) {
     either_[p].samples += other.either_[p].samples;
     either_[p].of += other.either_[p].of;
     either_[p].share += other.either_[p].share;

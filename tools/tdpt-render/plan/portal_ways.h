@@ -54,8 +54,14 @@ struct PortalLight {
 /// Adds up what paths carry through each of some portals.
 class PassedPortals {
  public:
-  /// `fronts`: each portal as if it worked one way; they stay the caller's.
-  explicit PassedPortals(const std::vector<PortalSet>& fronts);
+  /// A portal as if it worked one way, and both.
+  struct Opening {
+    PortalSet front, both;
+  };
+  static std::vector<Opening> openings(const std::vector<Portal>& portals, const Frame& frame);
+
+  /// `openings` stay the caller's.
+  explicit PassedPortals(const std::vector<Opening>& openings);
   /// A path of the sample and its weighted luminance; a light seen directly passes nothing.
   void see(const Path& path, double light);
   void end_sample();
@@ -66,7 +72,7 @@ class PassedPortals {
   /// With the normal and against it.
   using BothWays = std::array<PassedLight, 2>;
 
-  const std::vector<PortalSet>& fronts_;
+  const std::vector<Opening>& openings_;
   std::vector<BothWays> ways_;
   std::vector<PortalLight> either_;   // way, each path once; `share`: the sum of it
   double total_ = 0, brightest_ = 0;  // of all samples; the most that one brought

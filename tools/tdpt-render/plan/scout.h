@@ -149,7 +149,7 @@ class Scout {
 };
 
 /// Share of the work of a picture that a scout may take up.
-inline constexpr double kScoutsShare = 0.03;
+inline constexpr double kScoutsShare = 0.025;
 /// Fewer groups tell nothing, more tell enough.
 inline constexpr uint64_t kFewestGroups = ScoutSums::kBatches, kMostGroups = 8192;
 /// Whether a picture of `spp` samples of each pixel can spare the fewest.

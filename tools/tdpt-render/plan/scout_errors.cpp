@@ -228,12 +228,7 @@ bool can_spare(double spp, uint64_t pixels, const Scout& scout) {
 
 uint64_t groups_for(double spp, uint64_t pixels, const Scout& scout) {
   const Forecast told = scout.forecast();
-  // The work of what may turn out to be the best.
-  const double perhaps = 1 + 8 / std::sqrt(static_cast<double>(scout.groups()));
-  double work = 0;
-  for (const Prospect& p : told.prospects)
-    if (p.cost <= perhaps * told.prospects[told.best].cost) work = std::max(work, p.work);
-  work *= spp * static_cast<double>(pixels);
+  const double work = told.prospects[told.best].work * spp * static_cast<double>(pixels);
   const double groups = std::min(kScoutsShare * work / scout.work_of_group(), 0. + kMostGroups);
   return static_cast<uint64_t>(groups) / ScoutSums::kBatches * ScoutSums::kBatches;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/longest_path.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
@@ -134,6 +135,7 @@ Request request_of(const Arguments& a) {
 
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common) {
+  surfaces();  // whoever renders needs their tables: they are none of the exploration's price
   Choice choice;
   warn_of_no_portal(request, world, common);
   const bool sampled = is_sampled(world, settings);
@@ -146,12 +148,12 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
                                       kExplorationFewest, kExplorationEnough);
     const Explored explored =
         explore(world, camera, probed, settings.max_depth, settings.seed, samples);
+    choice.phases.done("exploration");
     static_cast<Known&>(choice) = {explored.ways, explored.beyond};
     choice.explored = explored.samples;
     if (choice.by_arrival) world.lights.choose_by(explored.arriving);
     take_portals(explored, world, portals, common);
   }
-  choice.phases.done("exploration");
   find_candidates(request, world, choice);
   warn_of_missing_light(choice, world, common);
   return choice;

@@ -37,7 +37,7 @@ struct World {
   Tracer tracer;
   Lights lights;
   FilmPlane film;
-  PortalSet portals;  ///< changed by fill_openings() alone
+  PortalSet portals;  ///< changed by fill_openings(), and for a while to explore
   WindowSky windows;
   NextEvents next_events{scene, lights, windows};
   bool layered = false;    ///< some surface is more than diffuse about its own normal
