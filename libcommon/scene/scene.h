@@ -11,6 +11,7 @@
 #include "libcommon/scene/lamp_units.h"
 #include "libcommon/scene/scene_defaults.h"
 #include "libcommon/scene/sky.h"
+#include "shaders/shared/path/surface_layout.h"
 
 namespace tdpt {
 
@@ -46,12 +47,16 @@ struct TextureMap {
 };
 
 /// glTF 2.0 metallic-roughness with specular, ior, transmission, volume, clear coat, sheen and
-/// emissive strength.
-/// Factors are linear; a texture multiplies its factor. The default is diffuse grey.
-struct Material {
+/// emissive strength. Factors are those of the record; a texture multiplies its factor. What the
+/// record tells in flags and of panes, surface_material() fills in. The default is diffuse grey.
+struct Material : shader::SurfaceMaterial {
+  Material() : shader::SurfaceMaterial{} {
+    base_color = Rgb(0.8f);
+    roughness = 1, ior = 1.5f, normal_scale = coat_normal_scale = 1;
+    specular_color = Rgb(1.0f);
+  }
+
   std::string name;
-  Rgb base_color{0.8f, 0.8f, 0.8f};  ///< each in [0,1]
-  Rgb emission{};  ///< radiance [W/m2/sr], on the front side only unless double_sided
   bool double_sided = false;
 
   /// Nothing but base_color and emission matters: no lobe, texture or alpha beyond them.
@@ -60,20 +65,7 @@ struct Material {
   float alpha = 1;  ///< factor of coverage
   enum class Alpha : uint8_t { opaque, mask, blend } alpha_mode = Alpha::opaque;
   float alpha_cutoff = 0.5f;  ///< mask: absent below it
-  float metallic = 0;
-  float roughness = 1;  ///< perceptual; GGX alpha = roughness^2
-  float ior = 1.5f;     ///< behind the front side, against 1 before it
-  float specular = 0;   ///< strength of the dielectric reflection, [0,1]
-  Rgb specular_color{1.0f};
-  float transmission = 0;  ///< share of the light that is not reflected and goes through
-  bool solid = false;      ///< encloses a volume: refracts. Otherwise it is a thin sheet.
-  Rgb absorption{};        ///< inside a solid, per canonical length
-  float normal_scale = 1;
-  float coat = 0;            ///< strength of the clear coat, [0,1]
-  float coat_roughness = 0;  ///< perceptual, [0,1]
-  float coat_normal_scale = 1;
-  Rgb sheen_color{};          ///< each in [0,1]
-  float sheen_roughness = 0;  ///< perceptual, [0,1]
+  bool solid = false;         ///< encloses a volume: refracts. Otherwise it is a thin sheet.
   bool sheened() const { return sheen_color.x > 0 || sheen_color.y > 0 || sheen_color.z > 0; }
   bool coloured = false;  ///< some vertex colour of its surfaces is not white
 

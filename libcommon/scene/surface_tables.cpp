@@ -146,19 +146,12 @@ class Builder {
 }  // namespace
 
 shader::SurfaceMaterial surface_material(const Material& m) {
-  shader::SurfaceMaterial r{};
+  shader::SurfaceMaterial r = m;
   const bool emits = m.emission.x + m.emission.y + m.emission.z > 0;
   const bool absorbs = m.solid && max_component(m.absorption) > 0;
   r.flags = (m.plain ? MATERIAL_PLAIN : 0u) | (emits ? MATERIAL_EMITS : 0u) |
             (m.double_sided ? MATERIAL_DOUBLE_SIDED : 0u) | (m.solid ? MATERIAL_SOLID : 0u) |
             (m.glossy_map ? MATERIAL_GLOSSY_MAP : 0u) | (absorbs ? MATERIAL_ABSORBS : 0u);
-  r.base_color = m.base_color, r.emission = m.emission;
-  r.roughness = m.roughness, r.metallic = m.metallic;
-  r.specular_color = m.specular_color, r.specular = m.specular;
-  r.absorption = m.absorption, r.ior = m.ior, r.transmission = m.transmission;
-  r.sheen_color = m.sheen_color, r.sheen_roughness = m.sheen_roughness;
-  r.normal_scale = m.normal_scale, r.coat_normal_scale = m.coat_normal_scale;
-  r.coat = m.coat, r.coat_roughness = m.coat_roughness;
   if (const Pane pane = pane_of(m))
     r.pane_share = pane.share, r.pane_f0 = pane.f0, r.pane_f90 = pane.f90;
   return r;

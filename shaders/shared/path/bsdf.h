@@ -50,7 +50,7 @@ SHARED bool has_coat(IN(Bsdf) b) MEMBER_CONST {
 }
 /// Index of refraction on the side of w.
 SHARED REAL index_at(IN(Bsdf) b, VEC3 w) MEMBER_CONST {
-  return w.z < 0.0f && !b.thin && transmits(b) ? REAL(b.eta) : REAL(1.0f);
+  return w.z < 0.0f && b.thin == 0u && transmits(b) ? REAL(b.eta) : REAL(1.0f);
 }
 
 /// The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
@@ -73,7 +73,7 @@ struct View {
 
 /// 1 - E of an interface.
 SHARED VEC3 interface_left_over(IN(Bsdf) b, InterfaceAlbedo e) MEMBER_CONST {
-  return not_below_0(VEC3(1.0f) - (VEC3(b.f0) * e.a + VEC3(b.f90) * e.b));
+  return not_below_0(VEC3(1.0f) - (VEC3(b.f0) * e.a + VEC3(REAL(b.f90) * e.b)));
 }
 /// Of a diffuse lobe.
 SHARED VEC3 left_over(IN(Bsdf) b, IN(View) view, REAL mu) MEMBER_CONST {
@@ -90,8 +90,8 @@ SHARED View view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
   view.back = from.z < 0.0f;
   view.from = turned(view, from);
   view.passes = transmits(b);
-  view.solid = view.passes && !b.thin;
-  view.interfaced = view.passes || is_positive(b.f90);
+  view.solid = view.passes && b.thin == 0u;
+  view.interfaced = view.passes || b.f90 > 0.0f;
   bool inside = view.solid && view.back;
   view.diffuse = is_positive(b.diffuse) && !inside;
   view.sheen = has_sheen(b) && !inside;
@@ -140,10 +140,10 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine, REAL q
     else
       curve = exact_curve(c, q, view.ratio, view.rise);
   }
-  VEC3 f90 = VEC3(b.f90);
-  VEC3 way = f90 - VEC3(b.f0);
+  REAL f90 = REAL(b.f90);
+  VEC3 way = VEC3(f90) - VEC3(b.f0);
   r.back = VEC3(b.f0) + way * curve.part;
-  r.rest = (VEC3(1.0f) - f90) + way * curve.rest;
+  r.rest = VEC3(1.0f - f90) + way * curve.rest;
   return r;
 }
 
@@ -206,7 +206,7 @@ SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(View) view, REAL mu_to, Covers covers) M
   VEC3 mean = VEC3(1.0f);
   if (has_coat(b)) {
     p = p * (covers.from * covers.to);
-    mean = VEC3(b.under_coat);
+    mean = VEC3(b.coat.under);
   } else {
     mean = interface_left_over(
         b, view.alpha > 0.0f ? interface_average_in(view.row) : smooth_interface_average());
@@ -226,7 +226,7 @@ SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
     i = sum_of(r.back) + sum_of(r.rest * VEC3(b.through));
   } else {
     // Microfacets reflect more than their mean at some angles: never starve them.
-    i = sum_of(VEC3(1.0f) - view.left + view.left * VEC3(b.through)) + 1e-3f * sum_of(b.f90);
+    i = sum_of(VEC3(1.0f) - view.left + view.left * VEC3(b.through)) + 3e-3f * b.f90;
   }
   return d + i > 1e-30f ? d * reciprocal(d + i) : REAL(-1.0f);
 }
@@ -245,7 +245,7 @@ SHARED Shares shares_of(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
   REAL s = sum_of(b.sheen) * max(e, 0.05f);
   REAL under = 0.0f;
   if (view.diffuse) under += sum_of(b.diffuse);
-  if (view.interfaced) under += sum_of(b.f90);  // at most
+  if (view.interfaced) under += 3.0f * b.f90;  // at most
   under = min(under, 3.0f) * (1.0f - largest(b.sheen) * e);
   bool alone = shares.diffuse < 0.0f;
   shares.sheen = alone ? REAL(1.0f) : s * reciprocal(s + under);

@@ -31,7 +31,7 @@ SHARED Seen seen_from(IN(Point) p, VEC3 w) MEMBER_CONST {
   if (!has_coat(p.bsdf)) return seen;
   if (!same_normals(p)) seen.coat = to_local(onb_about(VEC3(p.bsdf.coat.normal)), seen.base);
   seen.on_coat = below ? seen.coat.z < 0.0f : seen.side > 0.0f && seen.coat.z > 0.0f;
-  bool inside = below && !p.bsdf.thin && transmits(p.bsdf);
+  bool inside = below && p.bsdf.thin == 0u && transmits(p.bsdf);
   seen.on_coat = seen.on_coat && !inside;
   if (below) seen.coat.z = -seen.coat.z;
   return seen;

@@ -44,7 +44,7 @@ SHARED JoinEnd join_end(Point p, vec3 back, vec3 throughput, uint slot, uint num
   e.cosine = max(abs(c), 1e-3f);
   e.alpha2 = max(p.bsdf.alpha * p.bsdf.alpha, 1e-6f);
   e.f0 = throughput * p.bsdf.f0;
-  e.more = throughput * (p.bsdf.f90 - p.bsdf.f0);
+  e.more = throughput * (vec3(p.bsdf.f90) - p.bsdf.f0);
   vec3 left = vec3(max(1.0f - p.bsdf.f0.x, 0.05f), max(1.0f - p.bsdf.f0.y, 0.05f),
                    max(1.0f - p.bsdf.f0.z, 0.05f));
   float coat = 0.1f * p.bsdf.coat.strength;

@@ -8,6 +8,7 @@
 #define TDPT_SHADERS_SHARED_PATH_POINT_H
 
 #include "shaders/shared/elementary.h"
+#include "shaders/shared/records.h"
 #include "shaders/shared/vector.h"
 
 #include "shaders/shared/language.h"
@@ -33,26 +34,33 @@ using Source = uint;  // a scope in doubles has its own
 #define Source uint
 #endif
 
-struct Coat {
-  float strength;  ///< [0,1]; 0: none
-  float alpha;     ///< GGX; below 1e-4: smooth
-  vec3 normal;     ///< unit, in the shading frame of what lies under it
-};
+#define TEXELS_OF_Coat(VEC, WORDS, PART)                                    \
+  /* normal: unit, in the shading frame of what lies under it */            \
+  /* strength: [0,1]; 0: none */                                            \
+  VEC(normal, float, strength)                                              \
+  /* under: average of what interface and coat leave to the diffuse lobe */ \
+  /* alpha: GGX; below 1e-4: smooth */                                      \
+  VEC(under, float, alpha)
+RECORD(Coat)
 
 /// How a place scatters [bsdf.h].
-struct Bsdf {
-  vec3 diffuse;       ///< colour under the interface, [0,1]
-  vec3 f0;            ///< reflectance of the interface at normal incidence
-  vec3 f90;           ///< and at grazing incidence (Schlick); all 0: no interface
-  vec3 through;       ///< colour of what goes through; 0: opaque
-  float alpha;        ///< GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth
-  float eta;          ///< index behind the front side / before it; used when it transmits
-  bool thin;          ///< transmits straight on, without refraction
-  vec3 sheen;         ///< colour, [0,1]
-  float sheen_alpha;  ///< squared roughness; 0: no sheen
-  Coat coat;
-  vec3 under_coat;  ///< average of what interface and coat leave to the diffuse lobe, if coated
-};
+#define TEXELS_OF_Bsdf(VEC, WORDS, PART)                                          \
+  /* diffuse: colour under the interface, [0,1] */                                \
+  /* thin: 1: transmits straight on, without refraction */                        \
+  VEC(diffuse, uint, thin)                                                        \
+  /* f0: reflectance of the interface at normal incidence */                      \
+  /* f90: and at grazing incidence (Schlick); 0: no interface */                  \
+  VEC(f0, float, f90)                                                             \
+  /* through: colour of what goes through; 0: opaque */                           \
+  /* eta: index behind the front side / before it; used when it transmits */      \
+  VEC(through, float, eta)                                                        \
+  /* sheen: colour, [0,1] */                                                      \
+  /* sheen_alpha: squared roughness; 0: no sheen */                               \
+  VEC(sheen, float, sheen_alpha)                                                  \
+  /* alpha: GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth */ \
+  WORDS(float, alpha, float, pad0, float, pad1, float, pad2)                      \
+  PART(Coat, coat)
+RECORD(Bsdf)
 
 /// What is told of a direction of the sky.
 struct InSky {

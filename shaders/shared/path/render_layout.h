@@ -4,6 +4,7 @@
 #define TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 
 #include "shaders/shared/path/connections.h"
+#include "shaders/shared/path/point.h"
 #include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
@@ -117,18 +118,11 @@ struct StepParameters {
 RECORD(PathVertex)
 const uint POINT_SIMPLE = 1u;
 const uint POINT_CONNECTIBLE = 2u;
-const uint POINT_THIN = 4u;
 
 /// And of vertices that are not simple.
 #define TEXELS_OF_PathBsdf(VEC, WORDS, PART) \
-  VEC(shading, float, alpha)                 \
-  VEC(diffuse, float, eta)                   \
-  VEC(f0, float, sheen_alpha)                \
-  VEC(f90, float, coat_strength)             \
-  VEC(through, float, coat_alpha)            \
-  VEC(sheen, float, pad0)                    \
-  VEC(coat_normal, float, pad1)              \
-  VEC(under_coat, float, pad2)
+  VEC(shading, float, pad)                   \
+  PART(Bsdf, bsdf)
 RECORD(PathBsdf)
 
 /// How a walk leaves its last vertex, and what its ray meets.

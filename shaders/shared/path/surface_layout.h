@@ -13,15 +13,26 @@ SHARED_BEGIN
 
 const uint kNoMap = 0xFFFFFFFFu;
 
-/// tdpt::Material, but for its maps.
+/// Factors of tdpt::Material, linear.
 #define TEXELS_OF_SurfaceMaterial(VEC, WORDS, PART)                                          \
+  /* base_color: each in [0,1] */                                                            \
   /* flags: MATERIAL_* */                                                                    \
   VEC(base_color, uint, flags)                                                               \
+  /* emission: radiance [W/m2/sr], on the front only unless double-sided */                  \
+  /* roughness: perceptual; GGX alpha = roughness^2 */                                       \
   VEC(emission, float, roughness)                                                            \
+  /* specular: strength of the dielectric reflection, [0,1] */                               \
   VEC(specular_color, float, specular)                                                       \
+  /* absorption: inside a solid, per canonical length */                                     \
+  /* ior: behind the front side, against 1 before it */                                      \
   VEC(absorption, float, ior)                                                                \
+  /* sheen_color: each in [0,1] */                                                           \
+  /* sheen_roughness: perceptual, [0,1] */                                                   \
   VEC(sheen_color, float, sheen_roughness)                                                   \
+  /* transmission: share of the light that is not reflected and goes through */              \
   WORDS(float, metallic, float, transmission, float, normal_scale, float, coat_normal_scale) \
+  /* coat: strength of the clear coat, [0,1] */                                              \
+  /* coat_roughness: perceptual, [0,1] */                                                    \
   /* pane_share: of what is not reflected, gets through; 0: no pane */                       \
   WORDS(float, coat, float, coat_roughness, float, pane_share, float, pane_f0)               \
   /* maps_of_normals: 1: it has some */                                                      \

@@ -27,26 +27,12 @@ SHARED void keep_point(uint slot, Point p, INOUT(PathVertex) v) MEMBER {
   bool in_sky = p.source == SOURCE_SKY;
   v.emission = in_sky ? p.in_sky.radiance : p.emission;
   v.plain_w = p.in_sky.plain_w;
-  v.made_of = (p.simple ? POINT_SIMPLE : 0u) | (p.connectible ? POINT_CONNECTIBLE : 0u) |
-              (p.bsdf.thin ? POINT_THIN : 0u);
+  v.made_of = (p.simple ? POINT_SIMPLE : 0u) | (p.connectible ? POINT_CONNECTIBLE : 0u);
   if (!scene_has_layers || p.simple) return;
   PathBsdf b;
   b.shading = p.shading;
-  b.alpha = p.bsdf.alpha;
-  b.diffuse = p.bsdf.diffuse;
-  b.eta = p.bsdf.eta;
-  b.f0 = p.bsdf.f0;
-  b.sheen_alpha = p.bsdf.sheen_alpha;
-  b.f90 = p.bsdf.f90;
-  b.coat_strength = p.bsdf.coat.strength;
-  b.through = p.bsdf.through;
-  b.coat_alpha = p.bsdf.coat.alpha;
-  b.sheen = p.bsdf.sheen;
-  b.pad0 = 0.0f;
-  b.coat_normal = p.bsdf.coat.normal;
-  b.pad1 = 0.0f;
-  b.under_coat = p.bsdf.under_coat;
-  b.pad2 = 0.0f;
+  b.pad = 0.0f;
+  b.bsdf = p.bsdf;
   path_bsdfs[slot] = b;
 }
 /// The point of a vertex. The density of starts in the sky is not kept.
@@ -67,19 +53,7 @@ SHARED Point kept_point(uint slot, PathVertex v) MEMBER_CONST {
   if (!scene_has_layers || p.simple) return p;
   PathBsdf b = load_path_bsdf(slot);
   p.shading = b.shading;
-  p.bsdf.diffuse = b.diffuse;
-  p.bsdf.f0 = b.f0;
-  p.bsdf.f90 = b.f90;
-  p.bsdf.through = b.through;
-  p.bsdf.alpha = b.alpha;
-  p.bsdf.eta = b.eta;
-  p.bsdf.thin = (v.made_of & POINT_THIN) != 0u;
-  p.bsdf.sheen = b.sheen;
-  p.bsdf.sheen_alpha = b.sheen_alpha;
-  p.bsdf.coat.strength = b.coat_strength;
-  p.bsdf.coat.alpha = b.coat_alpha;
-  p.bsdf.coat.normal = b.coat_normal;
-  p.bsdf.under_coat = b.under_coat;
+  p.bsdf = b.bsdf;
   return p;
 }
 

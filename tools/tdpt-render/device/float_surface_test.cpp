@@ -52,15 +52,14 @@ double distance(const Rgb& a, const Rgb& b) {
   return length(Vec3d(a) - Vec3d(b));
 }
 double distance(const shader::Bsdf& a, const Bsdf& b) {
-  const auto [strength, alpha, normal] = a.coat;
-  double d = distance(a.diffuse, b.diffuse) + distance(a.f0, b.f0) + distance(a.f90, b.f90) +
+  double d = distance(a.diffuse, b.diffuse) + distance(a.f0, b.f0) + std::abs(a.f90 - b.f90) +
              distance(a.through, b.through) + distance(a.sheen, b.sheen) +
              std::abs(a.alpha - b.alpha) + std::abs(a.eta - b.eta) + (a.thin != b.thin);
   if (max_component(b.sheen) > 0) d += std::abs(a.sheen_alpha - b.sheen_alpha);
-  d += std::abs(strength - b.coat.strength);
+  d += std::abs(a.coat.strength - b.coat.strength);
   if (!(b.coat.strength > 0)) return d;
-  d += std::abs(alpha - b.coat.alpha) + distance(normal, Vec3d(b.coat.normal));
-  return max_component(b.diffuse) > 0 ? d + distance(a.under_coat, b.under_coat) : d;
+  d += std::abs(a.coat.alpha - b.coat.alpha) + distance(a.coat.normal, Vec3d(b.coat.normal));
+  return max_component(b.diffuse) > 0 ? d + distance(a.coat.under, b.coat.under) : d;
 }
 double distance(const shader::Point& a, const Point& b) {
   double d = distance(a.position, b.position) + distance(a.normal, b.normal);

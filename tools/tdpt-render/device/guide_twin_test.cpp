@@ -102,7 +102,7 @@ class Points {
     p.theirs.shading = p.theirs.normal;
     b = surfaces().diffuse_bsdf(Rgb(0.5f * number(rng)));
     b.f0 = Rgb(0.04f);
-    b.f90 = Rgb(1.0f);
+    b.f90 = 1;
     b.eta = 1.5f;
     b.thin = true;
     b.alpha = rng.uniform() < 0.3 ? 0 : number(rng);

@@ -17,7 +17,7 @@ struct NamedBsdf {
 inline Bsdf make(const Rgb& diffuse, const Rgb& f0, float f90, const Rgb& through, float alpha,
                  float eta = 1.5f, bool thin = false) {
   Bsdf b = surfaces().diffuse_bsdf(diffuse);
-  b.f0 = f0, b.f90 = Rgb(f90), b.through = through;
+  b.f0 = f0, b.f90 = f90, b.through = through;
   b.alpha = alpha, b.eta = eta, b.thin = thin;
   return b;
 }
@@ -37,7 +37,7 @@ inline Bsdf glass(float alpha, float eta = 1.5f, bool thin = false, const Rgb& t
 
 inline Bsdf coated_by(float alpha, Bsdf b, float strength = 1) {
   b.coat.strength = strength, b.coat.alpha = alpha;
-  b.under_coat = Rgb(surfaces().average_under_coat(b));
+  b.coat.under = Rgb(surfaces().average_under_coat(b));
   return b;
 }
 inline Bsdf cloth(float alpha, Bsdf b, const Rgb& sheen) {

@@ -56,7 +56,7 @@ struct View {
         from(turn(w)),
         through(b.through),
         solid(positive(through) && !b.thin),
-        interface(positive(through) || positive(Vec3d(b.f90))),
+        interface(positive(through) || b.f90 > 0),
         diffuse(solid && back ? Vec3d() : Vec3d(b.diffuse)),
         sheen(b.sheen_alpha > 0 && !(solid && back) ? Vec3d(b.sheen) : Vec3d()),
         alpha(b.alpha < kLeastAlpha || (solid && std::abs(b.eta - 1) < 1e-4) ? 0.0 : b.alpha),
@@ -85,13 +85,13 @@ struct View {
         s = std::max(0.0, (0.5 * (rs * rs + rp * rp) - r0) / (1 - r0));
       }
     }
-    return Vec3d(b.f0) + (Vec3d(b.f90) - Vec3d(b.f0)) * s;
+    return Vec3d(b.f0) + (Vec3d(double{b.f90}) - Vec3d(b.f0)) * s;
   }
   Vec3d transmittance(const Vec3d& fresnel) const { return (Vec3d(1.0) - fresnel) * through; }
 
   // 1 - E, what the interface leaves to the diffuse lobe.
   Vec3d left_over(const shader::Surfaces::InterfaceAlbedo& e) const {
-    return max(Vec3d(1.0) - (Vec3d(b.f0) * e.a + Vec3d(b.f90) * e.b), Vec3d(0.0));
+    return max(Vec3d(1.0) - (Vec3d(b.f0) * e.a + Vec3d(double{b.f90}) * e.b), Vec3d(0.0));
   }
   Vec3d left_over(double mu) const {
     return interface ? left_over(surfaces().interface_albedo(mu, alpha)) : Vec3d(1.0);
@@ -139,7 +139,7 @@ struct View {
     const Vec3d left = left_over(from.z), F = fresnel(from.z);
     const double d = sum(diffuse * left);
     const double i = smooth() ? sum(F) + sum(transmittance(F))
-                              : sum(Vec3d(1.0) - left + left * through) + 1e-3 * sum(Vec3d(b.f90));
+                              : sum(Vec3d(1.0) - left + left * through) + 3e-3 * b.f90;
     return d + i > 0 ? d / (d + i) : -1;
   }
   // Those of the diffuse lobe and of the sheen; the interface has the rest. Less than 0: nothing.
@@ -147,7 +147,7 @@ struct View {
     const double d = diffuse_or_interface();
     if (!positive(sheen)) return {d, 0};
     const double e = surfaces().sheen_albedo(from.z, b.sheen_alpha);
-    const double under = std::min(sum(diffuse) + (interface ? sum(Vec3d(b.f90)) : 0), 3.0) *
+    const double under = std::min(sum(diffuse) + (interface ? 3.0 * b.f90 : 0), 3.0) *
                          (1 - max_component(sheen) * e);
     const double s =
         d < 0 ? 1 : sum(sheen) * std::max(e, 0.05) / (sum(sheen) * std::max(e, 0.05) + under);
@@ -199,7 +199,7 @@ bool transmits(const Bsdf& b) {
   return positive(Vec3d(b.through));
 }
 bool only_diffuse(const Bsdf& b) {
-  return !positive(Vec3d(b.f90)) && !transmits(b) && !(b.sheen_alpha > 0) && !(b.coat.strength > 0);
+  return !(b.f90 > 0) && !transmits(b) && !(b.sheen_alpha > 0) && !(b.coat.strength > 0);
 }
 double index(const Bsdf& b, const Vec3d& w) {
   return w.z < 0 && !b.thin && transmits(b) ? double{b.eta} : 1.0;

@@ -55,7 +55,7 @@ void for_pairs(uint64_t stream, Use use) {
 TEST(coated, the_coat_is_that_of_the_format) {
   for (const double roughness : {0.1, 0.3, 0.6, 1.0})
     for_pairs(1, [&](const Vec3d& l, const Vec3d& v) {
-      const shader::Coat coat{1, static_cast<float>(roughness * roughness), {0, 0, 1}};
+      const shader::Coat coat{{0, 0, 1}, 1, {}, static_cast<float>(roughness * roughness)};
       const double expected = coat_of_the_format(std::sqrt(double{coat.alpha}), l, v);
       EXPECT_NEAR(surfaces().coat_f(coat, l, v), expected, 1e-5 * expected);
     });
@@ -227,7 +227,8 @@ TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
   p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
   const Vec3d low = direction(0.2, std::numbers::pi), up(0, 0, 1);
   ASSERT_LT(dot(low, p.shading), 0);
-  EXPECT_NEAR(layered_bsdf(p, low, up).y, surfaces().coat_f({1, 0.3f, {0, 0, 1}}, low, up), 1e-5);
+  EXPECT_NEAR(layered_bsdf(p, low, up).y, surfaces().coat_f({{0, 0, 1}, 1, {}, 0.3f}, low, up),
+              1e-5);
   EXPECT_GT(scatter_pdf_w(p, Incidence(p, low), up, false), 0);
   EXPECT_GT(albedo_of(p, Incidence(p, low)).y, 0.1);
   // What the coat mirrors there has not gone into the glass.

@@ -36,7 +36,7 @@ struct Ends::Gloss {
     put(red, end.carried * (b.diffuse * left + above) * static_cast<float>(std::numbers::inv_pi));
     of[alpha2] = std::max(b.alpha * b.alpha, kMirror);
     put(f0_red, end.carried * b.f0);
-    put(f90_red, end.carried * (b.f90 - b.f0));
+    put(f90_red, end.carried * (Rgb(b.f90) - b.f0));
   }
   static constexpr float kGrazing = 1e-3f, kMirror = 1e-6f;
 };
