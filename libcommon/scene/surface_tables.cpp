@@ -67,8 +67,8 @@ class Builder {
     std::array<uint32_t, MAPS_OF_MATERIAL> maps;
     maps.fill(shader::kNoMap);
     if (!m.plain) fill_maps(m, maps);
-    r.maps_of_normals =
-        maps[MAP_NORMAL] != shader::kNoMap || maps[MAP_COAT_NORMAL] != shader::kNoMap;
+    if (maps[MAP_NORMAL] != shader::kNoMap || maps[MAP_COAT_NORMAL] != shader::kNoMap)
+      r.flags |= MATERIAL_BENDS;
     tables_.material_maps.insert(tables_.material_maps.end(), maps.begin(), maps.end());
   }
   void fill_maps(const Material& m, std::array<uint32_t, MAPS_OF_MATERIAL>& maps) {

@@ -8,7 +8,7 @@
 SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Point) p) MEMBER_CONST {
   p.simple = false;
   bool bent_coat =
-      scene_has_coats && m.coat > 0.0f && scene_has_textures && m.maps_of_normals != 0u;
+      scene_has_coats && m.coat > 0.0f && scene_has_textures && (m.flags & MATERIAL_BENDS) != 0u;
   vec3 coat_normal = face.normal;
   for (uint k = 0u; k < (bent_coat ? 2u : 1u); ++k) {
     vec3 n = shading_normal_at(face,

@@ -35,8 +35,7 @@ const uint kNoMap = 0xFFFFFFFFu;
   /* coat_roughness: perceptual, [0,1] */                                                    \
   /* pane_share: of what is not reflected, gets through; 0: no pane */                       \
   WORDS(float, coat, float, coat_roughness, float, pane_share, float, pane_f0)               \
-  /* maps_of_normals: 1: it has some */                                                      \
-  WORDS(float, pane_f90, uint, maps_of_normals, uint, pad0, uint, pad1)
+  WORDS(float, pane_f90, uint, pad0, uint, pad1, uint, pad2)
 RECORD(SurfaceMaterial)
 // material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the
 // order in which they count.
@@ -60,6 +59,7 @@ RECORD(SurfaceMaterial)
 #define MATERIAL_SOLID 8u
 #define MATERIAL_GLOSSY_MAP 16u
 #define MATERIAL_ABSORBS 32u
+#define MATERIAL_BENDS 64u  // has maps of normals
 
 /// tdpt::TextureMap.
 #define TEXELS_OF_SurfaceMap(VEC, WORDS, PART)                      \
