@@ -97,12 +97,25 @@ void check_alpha(Checker& c, Json& m, const std::string& at) {
   if (!c.tolerate(check_cutoff)) m.erase("alphaCutoff");
 }
 
+// A complex index of refraction in the extras: both parts, or none.
+void check_conductor(Checker& c, Json& m, const std::string& at) {
+  if (!m.contains("extras") || !m["extras"].is_object()) return;
+  Json& extras = m["extras"];
+  const std::string here = at + ".extras";
+  const bool eta = extras.contains("tdpt_eta"), k = extras.contains("tdpt_k");
+  if (eta != k)
+    c.fail_because(here, fmt::format("has {}, expected both or neither",
+                                     eta ? "tdpt_eta without tdpt_k" : "tdpt_k without tdpt_eta"));
+  c.check(extras, here, {numbers("tdpt_eta", 3, 1e-3, 1e3), numbers("tdpt_k", 3, 0, 1e3)});
+}
+
 Textures check_material(Checker& c, Json& m, const std::string& at) {
   Textures seen;
   c.check(m, at,
           {name_of("name"), numbers("emissiveFactor", 3, 0), boolean("doubleSided"),
            object("pbrMetallicRoughness"), object("extensions")});
   check_alpha(c, m, at);
+  check_conductor(c, m, at);
   check_texture(c, m, at, "emissiveTexture", seen);
   check_texture(c, m, at, "normalTexture", seen);
   if (m.contains("pbrMetallicRoughness")) {

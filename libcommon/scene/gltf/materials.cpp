@@ -10,6 +10,7 @@
 #include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf/specular_glossiness.h"
 #include "libcommon/scene/gltf/textures.h"
+#include "shaders/shared/path/fresnel.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -102,6 +103,7 @@ class Reader {
     m.name = j.value("name", "");
     called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
     m.double_sided = j.value("doubleSided", false);
+    conducts_ = child(j, "extras").contains("tdpt_eta");
     read_base(j, m);
     const Json& extensions = child(j, "extensions");
     if (extensions.contains("KHR_materials_unlit")) {
@@ -171,9 +173,21 @@ class Reader {
     return {};
   }
 
+  /// Its reflectance at normal incidence; by the complex index of refraction of red, green and
+  /// blue, in place of the factors of colour and metal.
+  static Vec3d conductor(const Json& extras, Material& m) {
+    const Vec3d eta = triple(extras, "tdpt_eta", 1), k = triple(extras, "tdpt_k", 0);
+    Vec3d f0;
+    for (int c = 0; c < 3; ++c) {
+      f0[c] = shader::conductor_reflectance(1.0, eta[c], k[c]);
+      m.dip[c] = static_cast<float>(shader::conductor_dip(eta[c], k[c]));
+    }
+    return f0;
+  }
+
   void read_base(const Json& j, Material& m) {
     const Json& pbr = child(j, "pbrMetallicRoughness");
-    const Vec3d colour = triple(pbr, "baseColorFactor", 1);
+    const Vec3d colour = conducts_ ? conductor(j["extras"], m) : triple(pbr, "baseColorFactor", 1);
     if (max_component(colour) > 1) tell(clamped);
     m.base_color = Rgb(min(colour, Vec3d(1)));
     const std::string mode = j.value("alphaMode", "OPAQUE");
@@ -193,7 +207,7 @@ class Reader {
   void read_lobes(const Json& j, Material& m) {
     const Json& pbr = child(j, "pbrMetallicRoughness");
     const Json& extensions = child(j, "extensions");
-    m.metallic = number(pbr, "metallicFactor", 1);
+    m.metallic = conducts_ ? 1 : number(pbr, "metallicFactor", 1);
     m.roughness = number(pbr, "roughnessFactor", 1);
     // A metal has neither a dielectric reflection nor transmission.
     const bool dielectric = m.metallic < 1 || pbr.contains("metallicRoughnessTexture");
@@ -382,8 +396,9 @@ class Reader {
   std::string called_;                    // of the material at hand
   std::vector<std::string> undecodable_;  // textures, and what they are
   std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
-  bool glossy_ = false;   // it is of the specular-glossiness model
-  float glossiness_ = 1;  // alpha of a specular colour's texture of one colour
+  bool conducts_ = false;  // it has a complex index of refraction
+  bool glossy_ = false;    // it is of the specular-glossiness model
+  float glossiness_ = 1;   // alpha of a specular colour's texture of one colour
   std::array<size_t, kinds> count_{};
   std::array<bool, kinds> told_{};  // of the material at hand
 };

@@ -174,6 +174,23 @@ TEST(Materials, HaveAClearCoatAndASheen) {
   EXPECT_EQ(s.warnings, Sentences{});
 }
 
+TEST(Materials, ConductorsHaveTheColourOfTheirIndex) {
+  Json m = lambert(0.5, 0.5, 0.5);
+  m["pbrMetallicRoughness"]["roughnessFactor"] = 0.25;
+  m["extras"] = {{"tdpt_eta", {0.143, 0.375, 4.37}}, {"tdpt_k", {3.983, 2.386, 3.5}}};
+  const Scene s = scene_with({m});
+  const Material& out = s.materials[0];
+  EXPECT_EQ(out.metallic, 1);
+  EXPECT_EQ(out.roughness, 0.25f);
+  EXPECT_NEAR(out.base_color.x, 0.967, 0.001);  // ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)
+  EXPECT_NEAR(out.base_color.z, 0.575, 0.001);
+  EXPECT_LT(out.dip.x, 0.5f);
+  EXPECT_GT(out.dip.z, 4);
+  EXPECT_EQ(s.needs, Sentences{"specular"});
+  m["extras"] = {{"artist", "nobody"}};
+  EXPECT_TRUE(scene_with({m}).materials[0].dip == Rgb());
+}
+
 TEST(Materials, WithoutStrengthOrColourThereIsNeither) {
   Json m = lambert(0.5, 0.5, 0.5);
   m["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatRoughnessFactor", 0.25},

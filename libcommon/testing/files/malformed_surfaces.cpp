@@ -79,6 +79,11 @@ void materials(MalformedList& l) {
             ".attenuationDistance: is 0, expected more than 0");
   extension("attenuation-color", "volume", {{"attenuationColor", {1, 1, 2}}},
             ".attenuationColor[2]: is 2, expected a number from 0 to 1");
+  l.replace("conductor-half", "/materials/0/extras", {{"tdpt_eta", {1, 1, 1}}},
+            "materials[0].extras: has tdpt_eta without tdpt_k, expected both or neither");
+  l.replace("conductor-range", "/materials/0/extras",
+            {{"tdpt_eta", {1, 0, 1}}, {"tdpt_k", {1, 1, 1}}},
+            "materials[0].extras.tdpt_eta[1]: is 0, expected a number from 0.001 to 1000");
   l.replace("alpha-mode", "/materials/0/alphaMode", "GLASS",
             "materials[0].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND");
   l.replace("texture-missing", "/materials/0/normalTexture", {{"index", 0}},

@@ -14,7 +14,8 @@
 // Interface: GGX, height-correlated Smith, one bounce among microfacets (what shadows lose is lost:
 // rough metal and rough glass darken). Its reflectance goes from f0 to f90: opaque, by Schlick's
 // (1 - cos)^5; with `through`, by the exact curve of unpolarised light for eta, so that
-// f0 = ((eta-1)/(eta+1))^2, f90 = 1 is exact; all of it where reflection is total.
+// f0 = ((eta-1)/(eta+1))^2, f90 = 1 is exact; all of it where reflection is total. A conductor's
+// curve dips below Schlick's [fresnel.h]; E takes no notice, which only makes walks live longer.
 // Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's own
 // directional albedo: white under any interface reflects all that the interface does not.
 // Opaque and thin surfaces look the same from both sides. A solid's diffuse lobe is on its front
@@ -144,6 +145,10 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine, REAL q
   VEC3 way = VEC3(f90) - VEC3(b.f0);
   r.back = VEC3(b.f0) + way * curve.part;
   r.rest = VEC3(1.0f - f90) + way * curve.rest;
+  if (view.passes || !is_positive(b.dip)) return r;
+  VEC3 back = r.back;
+  r.back = not_below_0(back - VEC3(b.dip) * (c * (1.0f - c) * curve.part));
+  r.rest += back - r.back;
   return r;
 }
 

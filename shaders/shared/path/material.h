@@ -13,9 +13,7 @@ SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
   b.f90 = 0.0f;
   b.through = vec3(0.0f);
   b.alpha = 1.0f;
-  b.pad0 = 0.0f;
-  b.pad1 = 0.0f;
-  b.pad2 = 0.0f;
+  b.dip = vec3(0.0f);
   b.eta = 1.0f;
   b.thin = 0u;
   b.sheen = vec3(0.0f);
@@ -37,6 +35,7 @@ SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * m.specular;
   Bsdf b = diffuse_bsdf(m.base_color * (dielectric * (1.0f - m.transmission)));
   b.f0 = m.base_color * m.metallic + f0 * dielectric;
+  b.dip = m.dip * m.metallic;
   b.f90 = m.metallic + (m.ior != 1.0f ? m.specular * dielectric : 0.0f);
   if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
     b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);

@@ -44,21 +44,22 @@ using Source = uint;  // a scope in doubles has its own
 RECORD(Coat)
 
 /// How a place scatters [bsdf.h].
-#define TEXELS_OF_Bsdf(VEC, WORDS, PART)                                          \
-  /* diffuse: colour under the interface, [0,1] */                                \
-  /* thin: 1: transmits straight on, without refraction */                        \
-  VEC(diffuse, uint, thin)                                                        \
-  /* f0: reflectance of the interface at normal incidence */                      \
-  /* f90: and at grazing incidence (Schlick); 0: no interface */                  \
-  VEC(f0, float, f90)                                                             \
-  /* through: colour of what goes through; 0: opaque */                           \
-  /* eta: index behind the front side / before it; used when it transmits */      \
-  VEC(through, float, eta)                                                        \
-  /* sheen: colour, [0,1] */                                                      \
-  /* sheen_alpha: squared roughness; 0: no sheen */                               \
-  VEC(sheen, float, sheen_alpha)                                                  \
-  /* alpha: GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth */ \
-  WORDS(float, alpha, float, pad0, float, pad1, float, pad2)                      \
+#define TEXELS_OF_Bsdf(VEC, WORDS, PART)                                            \
+  /* diffuse: colour under the interface, [0,1] */                                  \
+  /* thin: 1: transmits straight on, without refraction */                          \
+  VEC(diffuse, uint, thin)                                                          \
+  /* f0: reflectance of the interface at normal incidence */                        \
+  /* f90: and at grazing incidence (Schlick); 0: no interface */                    \
+  VEC(f0, float, f90)                                                               \
+  /* through: colour of what goes through; 0: opaque */                             \
+  /* eta: index behind the front side / before it; used when it transmits */        \
+  VEC(through, float, eta)                                                          \
+  /* sheen: colour, [0,1] */                                                        \
+  /* sheen_alpha: squared roughness; 0: no sheen */                                 \
+  VEC(sheen, float, sheen_alpha)                                                    \
+  /* dip: of a conductor, what its reflectance lacks near 82 degrees [fresnel.h] */ \
+  /* alpha: GGX, [0,1]; below 1e-4, or for |eta - 1| < 1e-4 in a solid: smooth */   \
+  VEC(dip, float, alpha)                                                            \
   PART(Coat, coat)
 RECORD(Bsdf)
 

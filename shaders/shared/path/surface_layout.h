@@ -35,7 +35,8 @@ const uint kNoMap = 0xFFFFFFFFu;
   /* coat_roughness: perceptual, [0,1] */                                                    \
   /* pane_share: of what is not reflected, gets through; 0: no pane */                       \
   WORDS(float, coat, float, coat_roughness, float, pane_share, float, pane_f0)               \
-  WORDS(float, pane_f90, uint, pad0, uint, pad1, uint, pad2)
+  /* dip: of a conductor [fresnel.h] */                                                      \
+  VEC(dip, float, pane_f90)
 RECORD(SurfaceMaterial)
 // material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the
 // order in which they count.

@@ -31,6 +31,15 @@ inline Bsdf plastic(float alpha, const Rgb& diffuse = {0.8f, 0.5f, 0.2f}, float 
 inline Bsdf metal(float alpha, const Rgb& f0 = {1.0f, 0.75f, 0.3f}) {
   return make({}, f0, 1, {}, alpha);
 }
+/// By index eta + i k of red, green and blue.
+inline Bsdf conductor(float alpha, const Vec3d& eta, const Vec3d& k) {
+  Bsdf b = metal(alpha);
+  for (int c = 0; c < 3; ++c) {
+    b.f0[c] = static_cast<float>(shader::conductor_reflectance(1.0, eta[c], k[c]));
+    b.dip[c] = static_cast<float>(shader::conductor_dip(eta[c], k[c]));
+  }
+  return b;
+}
 inline Bsdf glass(float alpha, float eta = 1.5f, bool thin = false, const Rgb& through = Rgb(1)) {
   return make({}, normal_reflectance(eta), 1, through, alpha, eta, thin);
 }
@@ -72,6 +81,7 @@ inline std::vector<NamedBsdf> coloured(float alpha) {
       {"plain", make({0.8f, 0.5f, 0.2f}, {}, 0, {}, alpha)},
       {"plastic", plastic(alpha)},
       {"gold", metal(alpha)},
+      {"iron", conductor(alpha, {2.87, 2.95, 2.65}, {3.36, 2.93, 2.81})},
       {"half metal", make({0.4f, 0.2f, 0.1f}, {0.5f, 0.3f, 0.1f}, 1, {}, alpha)},
       {"faint", make({0.4f, 0.2f, 0.1f}, {0.02f, 0.01f, 0}, 0.5f, {}, alpha)},
       {"green glass", glass(alpha, 1.5f, false, {0.1f, 0.9f, 0.2f})},

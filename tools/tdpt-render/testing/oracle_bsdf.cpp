@@ -85,7 +85,8 @@ struct View {
         s = std::max(0.0, (0.5 * (rs * rs + rp * rp) - r0) / (1 - r0));
       }
     }
-    return Vec3d(b.f0) + (Vec3d(double{b.f90}) - Vec3d(b.f0)) * s;
+    const Vec3d f = Vec3d(b.f0) + (Vec3d(double{b.f90}) - Vec3d(b.f0)) * s;
+    return positive(through) ? f : max(f - Vec3d(b.dip) * (c * std::pow(1 - c, 6)), Vec3d(0.0));
   }
   Vec3d transmittance(const Vec3d& fresnel) const { return (Vec3d(1.0) - fresnel) * through; }
 

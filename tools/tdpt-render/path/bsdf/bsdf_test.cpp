@@ -4,6 +4,8 @@
 // a beam from `from` keeps: etendue n^2 |cos| dw is what a loss-free surface conserves.
 #include "tools/tdpt-render/path/bsdf/bsdf.h"
 
+#include <complex>
+
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -310,6 +312,41 @@ TEST(bsdf, a_mirror_follows_schlick) {
   EXPECT_EQ(whole::f(b, {0, 0, 1}, {0, 0, 1}), Vec3d());
   EXPECT_EQ(whole::pdf_w(b, {0, 0, 1}, {0, 0, 1}), 0);
   EXPECT_FALSE(whole::connectible(b));
+}
+
+// Unpolarised, by complex numbers.
+double fresnel(double c, std::complex<double> n) {
+  const std::complex<double> q = std::sqrt(n * n - (1 - c * c));
+  return 0.5 * (std::norm((c - q) / (c + q)) + std::norm((n * n * c - q) / (n * n * c + q)));
+}
+TEST(bsdf, metals_follow_their_complex_index) {
+  const auto off = [](const Bsdf& b, std::complex<double> n) {
+    double most = 0, mean = 0;
+    for (double c = 0.0005; c < 1; c += 0.001) {
+      const double error = reflected(b, c) - fresnel(c, n);
+      most = std::max(most, std::abs(error));
+      mean += 2 * c * error * 0.001;
+    }
+    return std::pair(most, std::abs(mean));
+  };
+  // Gold, copper, aluminium, iron, tungsten; near 530 nm, and aluminium and tungsten near 650.
+  for (const std::complex<double> n :
+       {std::complex(0.375, 2.386), std::complex(0.924, 2.452), std::complex(0.88, 6.269),
+        std::complex(2.95, 2.93), std::complex(3.29, 2.75), std::complex(1.657, 9.224),
+        std::complex(4.37, 3.5)}) {
+    const Bsdf b = test::conductor(0, Vec3d(n.real()), Vec3d(n.imag()));
+    EXPECT_NEAR(reflected(b, 1), fresnel(1, n), 1e-6);
+    EXPECT_NEAR(reflected(b, 1.0 / 7), fresnel(1.0 / 7, n), 1e-6);
+    const auto [most, mean] = off(b, n);
+    EXPECT_LT(most, 0.055);
+    EXPECT_LT(mean, 0.005);
+  }
+  // Twin: by Schlick's curve alone.
+  Bsdf tungsten = test::conductor(0, Vec3d(4.37), Vec3d(3.5));
+  tungsten.dip = {};
+  const auto [most, mean] = off(tungsten, {4.37, 3.5});
+  EXPECT_GT(most, 0.2);
+  EXPECT_GT(mean, 0.02);
 }
 TEST(bsdf, plain_diffuse_is_colour_over_pi_by_the_cosine) {
   const Bsdf b = make({0.8f, 0.5f, 0.2f}, {}, 0, {}, 1);
