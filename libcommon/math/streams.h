@@ -41,8 +41,6 @@ enum Integrator : uint64_t {
   tdpt_org,
   tdpt,
   tdpt_guided,
-  with_more_segments,
-  with_fewer_segments,
   bdpt_through_windows,
   nee_through_windows,
   bdpt_aiming,

@@ -74,11 +74,11 @@ class Pair {
 // Most of the time goes into making kernels: most stages have the integrators between which all
 // kernels are run, and one has all. What an integrator's kernels are made for is the same for all
 // its samples.
-const std::vector<const Integrator*> kFew{&nee, &bdpt, &kGuided[2]};
+const std::vector<const Integrator*> kFew{&nee, &bdpt, &tdpt_guided};
 
 Samples samples_of(const Integrator& integrator, const SampleRange& range, int depth,
                    const Stage& stage) {
-  const double beta = kGuided[0].name == std::string_view(integrator.name) ? 2 : 1;
+  const double beta = tdpt_guided.name == std::string_view(integrator.name) ? 2 : 1;
   return {range, {depth, beta, range.first}, stage.alpha, &integrator != &bdpt};
 }
 
@@ -94,7 +94,7 @@ void expect_all_same(const gpu::Device& device, const Stage& stage,
   for (const Integrator* integrator : chosen)
     for (const int depth : {1, 2, 3, 8, 16})
       expect_same(kWidth, kHeight, *integrator, {++seed, 2}, depth);
-  for (const Integrator* integrator : {&bdpt, &kGuided[2]}) {
+  for (const Integrator* integrator : {&bdpt, &tdpt_guided}) {
     expect_same(1, 1, *integrator, {0, 5}, 5);
     expect_same(7, 5, *integrator, {0, 3}, 5);
     expect_same(kWidth, kHeight, *integrator, {0, 2}, 5, {1u << 13, kMostOfPool});

@@ -63,7 +63,7 @@ TEST(agreement, glowing_ceiling) {
 // Portal segments in a quarter of the samples stand for all, as those auto tries may.
 TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
   const GlowingCeiling box;
-  expect_agreement(box.world(), {&kGuided[2], &kGuided[1]}, kGross);
+  expect_agreement(box.world(), {&tdpt_guided}, kGross);
 }
 
 TEST(agreement, glowing_ceiling_by_the_power_heuristic) {
@@ -309,7 +309,7 @@ TEST_F(agreement_twin, a_technique_that_is_run_twice) {
 }
 
 TEST_F(agreement_twin, segments_in_more_samples_than_they_are_weighed_for) {
-  expect_caught("segments twice, in a quarter", {kGuided[2], run_twice<Technique::portal>},
+  expect_caught("segments twice, in a quarter", {tdpt_guided, run_twice<Technique::portal>},
                 GlowingCeiling::kSettings);
 }
 

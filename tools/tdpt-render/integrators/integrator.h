@@ -45,17 +45,6 @@ inline constexpr std::array kIntegrators{
                stream::tdpt_guided,
                {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
 
-/// tdpt-guided as `auto` tries it, the likeliest first: as it stands in the table, with more
-/// segments, and less often directed with fewer.
-inline constexpr std::array kGuided{
-    kIntegrators[5],
-    Integrator{"tdpt-guided",
-               stream::with_more_segments,
-               {kThreeWays, 6, 2, 0.5, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}},
-    Integrator{"tdpt-guided",
-               stream::with_fewer_segments,
-               {kThreeWays, 6, 2, 0.125, {{0.5, 0.2}}, kThroughWindows, kFewLightWalks}}};
-
 /// The row of that name; null when there is none.
 constexpr const Integrator* find_integrator(std::string_view name) {
   for (const Integrator& integrator : kIntegrators)

@@ -197,7 +197,7 @@ TEST(long_sky_agreement, glossy_surfaces_mirror_and_glass) {
 TEST(long_sky_agreement, all_that_auto_tries) {
   const Room r(room({}), uneven_sky({kSun}));
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
-  for (const Candidate& c : auto_candidates(world, kGuided)) {
+  for (const Candidate& c : auto_candidates(world)) {
     if (c.integrator.name == pt.name) continue;  // meets the sun by chance
     EXPECT_TRUE(r.verdict(c.label, world, c.integrator).holds()) << c.label;
   }

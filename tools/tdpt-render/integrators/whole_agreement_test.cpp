@@ -44,7 +44,7 @@ void expect_whole_agreement(const World& world, const std::vector<const Integrat
 TEST(whole_agreement, two_rooms) {
   const Scene scene = bright_rooms();
   expect_whole_agreement(World(scene, scene.camera(""), 32, 24, {portal_in_the_hole()}),
-                         {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided, &kGuided[2]});
+                         {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided});
 }
 
 TEST(whole_agreement, of_light_walks_in_any_share_of_the_samples) {

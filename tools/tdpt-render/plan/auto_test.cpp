@@ -218,9 +218,9 @@ TEST(candidates, share_no_samples_and_no_names) {
     streams.insert(c.integrator.stream);
     labels.insert(c.label);
   }
-  EXPECT_EQ(streams.size(), 8u);
-  EXPECT_EQ(labels.size(), 8u);
-  EXPECT_EQ(room.candidates.size(), 8u);
+  EXPECT_EQ(streams.size(), 5u);
+  EXPECT_EQ(labels.size(), 5u);
+  EXPECT_EQ(room.candidates.size(), 5u);
   const World without(room.scene, room.scene.camera(""), 16, 12, {});
   for (const Candidate& c : auto_candidates(without)) EXPECT_FALSE(c.with_portals()) << c.label;
 }

@@ -1,6 +1,5 @@
 // Those that `auto` chooses among.
 #pragma once
-#include <span>
 #include <string>
 #include <vector>
 
@@ -20,12 +19,11 @@ struct Candidate {
 };
 
 /// For this scene, with the techniques that its portals allow: the first is taken where nothing can
-/// be told. `guided`: those of tdpt-guided that are to be tried.
+/// be told. `guided`: what is to be tried with portals.
 std::vector<Candidate> possible_candidates(const World& world,
-                                           std::span<const Integrator> guided = kGuided);
+                                           const Integrator& guided = tdpt_guided);
 /// Those that miss no light of the scene [light_missed]; the first of all where each does.
-std::vector<Candidate> auto_candidates(const World& world,
-                                       std::span<const Integrator> guided = kGuided);
+std::vector<Candidate> auto_candidates(const World& world, const Integrator& guided = tdpt_guided);
 
 /// With the numbers of joins that are to be expected of each [light_pool.h].
 std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,

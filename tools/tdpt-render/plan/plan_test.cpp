@@ -8,7 +8,7 @@
 namespace tdpt::plan_test {
 
 TEST(plan, is_read_as_it_was_written) {
-  Plan plan{kGuided[2], "tdpt-guided 0.5 0.2 0.25", 1000, {{1, PortalWay::back}}, {}, {}};
+  Plan plan{tdpt_guided, "tdpt-guided", 1000, {{1, PortalWay::back}}, {}, {}};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   plan.integrator.mixture.joined = 2.625;
   plan.integrator.mixture.joined_to_segments = 1.7;

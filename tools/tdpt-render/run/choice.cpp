@@ -24,7 +24,6 @@ Integrator guided_as_given(const Arguments& a, Integrator guided) {
 
 std::vector<Candidate> candidates_of(const Request& request, const World& world) {
   if (!request.automatic) return {{request.named, label_of(request.named)}};
-  if (request.guided.empty()) return auto_candidates(world);
   return auto_candidates(world, request.guided);
 }
 
@@ -128,8 +127,8 @@ Request request_of(const Arguments& a) {
     refuse("--set light-walks", "has no walks from the light");
   if (a.segments >= 0 && !row.mixture.has(Technique::portal))
     refuse("--set segments", "draws no portal segments");
-  request.guided = {guided_as_given(a, row)};
-  if (!request.automatic) request.named = request.guided.front();
+  request.guided = guided_as_given(a, row);
+  if (!request.automatic) request.named = request.guided;
   return request;
 }
 

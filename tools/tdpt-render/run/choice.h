@@ -10,11 +10,9 @@ namespace tdpt {
 
 /// What the command line asks for.
 struct Request {
-  bool automatic = false;   ///< `auto`, by name or because there are portals
-  Integrator named = bdpt;  ///< that to render with, when it is not automatic
-  /// tdpt-guided with the numbers that were given, the only one for `auto` to try; empty: none was
-  /// given.
-  std::vector<Integrator> guided;
+  bool automatic = false;           ///< `auto`, by name or because there are portals
+  Integrator named = bdpt;          ///< that to render with, when it is not automatic
+  Integrator guided = tdpt_guided;  ///< for `auto` to try, with the numbers that were given
 };
 /// Throws UsageError where numbers for directed walks are given to an integrator that has none.
 Request request_of(const Arguments& a);

@@ -197,7 +197,7 @@ TEST(panel_paths_beside_a_sky, are_the_oracles) {
   const World world(scene, scene.camera(""), 16, 12, portals);
   ASSERT_TRUE(world.next_events.by_panels() && !world.windows.empty());
   int caught = 0;
-  for (const Candidate& c : auto_candidates(world, kGuided)) {
+  for (const Candidate& c : auto_candidates(world)) {
     const Worst worst = compare(scene, c.integrator, Fault::none, 6, 48, portals);
     EXPECT_LT(worst.weight, 1e-5) << c.label;
     EXPECT_LT(worst.value, 1e-4) << c.label;

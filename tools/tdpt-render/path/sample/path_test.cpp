@@ -318,7 +318,7 @@ TEST(path_twin, walks_that_are_thought_immortal_are_caught) {
 
 // Vertices of a pool are joined more often, or less, than once for each of a walk.
 TEST(paths_joined, any_number_of_times_are_the_oracles) {
-  for (const Integrator* row : {&bdpt, &tdpt_org, &tdpt_ref, &kGuided[2]})
+  for (const Integrator* row : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided})
     for (const auto& [joined, to_segments] : {std::pair{2.5, 1.7}, {0.6, 0.4}})
       for (const int depth : {6, kMaxDepth}) {
         Integrator integrator = *row;
