@@ -238,8 +238,8 @@ SHARED void scatter_end(uint i, bool of_light) MEMBER {
 
 // Joining.
 
-SHARED Half no_half() MEMBER_CONST {
-  Half h;
+SHARED OF_FLOAT(Half) no_half() MEMBER_CONST {
+  OF_FLOAT(Half) h;
   h.slot = kNoVertex;
   h.first_A = 0.0f;
   h.second_A = 0.0f;
@@ -384,14 +384,14 @@ SHARED void join(uint i) MEMBER {
   // Walks always go on at their first two vertices.
   float y_goes_on = next_event ? 1.0f : survival_at(joint.of_light);
   float z_goes_on = to_camera ? 1.0f : survival_at(joint.of_camera);
-  Half light = no_half();
+  OF_FLOAT(Half) light = no_half();
   if (!next_event) {
     light.slot = j.light;
     light.first_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
     if (is_met_behind(joint.of_light))
       light.second_A = (t <= 1u ? 1.0f : joint.at_y.albedo) * of_y.behind_A;
   }
-  Half camera = no_half();
+  OF_FLOAT(Half) camera = no_half();
   if (!to_camera) {
     camera.slot = j.camera;
     camera.first_A = y_goes_on * of_y.onward_A;
@@ -404,9 +404,10 @@ SHARED void join(uint i) MEMBER {
   if (next_event) {
     technique = TECHNIQUE_DIRECT;
     float camera_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
-    weight = weight_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, pair_A);
+    weight = share_of(weight_of_direct(k),
+                      strategies_of_next_event(camera, k, j.nee_A, j.light_A, camera_A, pair_A));
   } else {
-    weight = weight_of_joined(light, camera, s, k, pair_A);
+    weight = share_of(weight_of_split(s, k), strategies_of_joined(light, camera, s, k, pair_A));
   }
   uint walk =
       to_camera ? joint.light.walk / render.walks_full : joint.camera.walk / render.per_pool;
@@ -432,12 +433,12 @@ SHARED void meet_light(uint slot) MEMBER {
   float weight = 1.0f;
   if (k > 1u) {
     if (scene_has_sky && at.source == SOURCE_SKY) x0.in_sky = look_at_sky(-at.position);
-    Half camera = no_half();
+    OF_FLOAT(Half) camera = no_half();
     camera.slot = slot;
     camera.first_A = light_pdf(x0.source, x0.triangle, x0.position, x0.in_sky);
     camera.second_A = emitted_pdf_A(x0.source, x0.normal, at.aims_emitted, at.back, at.per_prev,
                                     crossing_before(at));
-    weight = weight_of_joined(no_half(), camera, 0u, k, 0.0f);
+    weight = share_of(weight_of_split(0u, k), strategies_of_joined(no_half(), camera, 0u, k, 0.0f));
   }
   add_found(TECHNIQUE_CAMERA, name.pixel, k, name.number, at.throughput * Le, weight);
 }

@@ -234,22 +234,22 @@ const uint kSegmentSides = 1u + kLightSides;
 // Of the weight of a path [weight.h].
 
 /// One chain of a path, from the joint outwards.
-struct Half {
-  uint slot;       ///< of the vertex next to the joint; kNoVertex: there is none
-  float first_A;   ///< its density in a walk from the other end
-  float second_A;  ///< and that of the vertex behind it
+GENERIC_STRUCT Half {
+  uint slot;      ///< of the vertex next to the joint; kNoVertex: there is none
+  REAL first_A;   ///< its density in a walk from the other end
+  REAL second_A;  ///< and that of the vertex behind it
 };
 
 /// What is known of a portal segment x_a -> x_{a+1} within a path.
-struct SegmentDensities {
-  float pair_A;    ///< p_AA, more than 0
-  float light_A0;  ///< of x_a and of x_{a+1} in a walk from the light
-  float light_A1;
-  float camera_A0;  ///< and in one from the camera
-  float camera_A1;
-  float pair_before;  ///< p_AA of the edges x_{a-1} -> x_a, x_{a+1} -> x_{a+2}; 0: there is none
-  float pair_after;
-  float nee_A;  ///< for a of 0 or 1: of x_0 as a next event at x_1
+GENERIC_STRUCT SegmentDensities {
+  REAL pair_A;    ///< p_AA, more than 0
+  REAL light_A0;  ///< of x_a and of x_{a+1} in a walk from the light
+  REAL light_A1;
+  REAL camera_A0;  ///< and in one from the camera
+  REAL camera_A1;
+  REAL pair_before;  ///< p_AA of the edges x_{a-1} -> x_a, x_{a+1} -> x_{a+2}; 0: there is none
+  REAL pair_after;
+  REAL nee_A;  ///< for a of 0 or 1: of x_0 as a next event at x_1
 };
 
 const uint VERTEX_NUMBER = 0xFFFFu;

@@ -336,8 +336,8 @@ SHARED void join_segment(uint i) MEMBER {
   if (!to_camera)
     of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_c, after);
   uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
-  Half camera = no_half();
-  SegmentDensities x;
+  OF_FLOAT(Half) camera = no_half();
+  OF_FLOAT(SegmentDensities) x;
   x.pair_A = s.pair_A;
   x.camera_A0 = (to_camera ? 1.0f : joint.at_y.albedo) * of_c.behind_A;
   x.camera_A1 = (to_camera ? 1.0f : survival_at(joint.of_camera)) * of_z.onward_A;
@@ -358,12 +358,12 @@ SHARED void join_segment(uint i) MEMBER {
     x.light_A1 = side.light_A1;
     x.pair_before = side.pair_before;
     x.nee_A = side.nee_A;
-    Half light = no_half();
+    OF_FLOAT(Half) light = no_half();
     light.slot = side.slot;
     light.first_A = side.first_A;
     light.second_A = side.second_A;
     if (!to_camera) camera.first_A = (a == 0u ? 1.0f : joint.of_light.own_survival) * of_c.onward_A;
-    float weight = weight_of_segment(light, camera, a, k, x);
+    float weight = share_of(weight_of_portal(a, k), strategies_of_segment(light, camera, a, k, x));
     float found = add_found(TECHNIQUE_PORTAL, j.pixel, k, number, side.value * j.radiance, weight);
     if (found > 0.0f) count_lit(s.portal, atomicAdd(segments[j.light].lit, 1u) == 0u, found);
   }

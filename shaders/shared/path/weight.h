@@ -1,15 +1,30 @@
 // The MIS weight of a finished path: the share of the strategy that made it in the densities of all
-// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8;
-// tools/tdpt-render/path/sample/path.cpp says which strategies there are.
+// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8.
 //
-// Method: a path is a chain of light vertices, up to two vertices of a portal segment, and a chain
-// of camera vertices. The weight is found from the joint outwards: R(s) is the density of the path
-// with s vertices from the light, and no segment, over that of the strategy used, so that
+// x_0 ... x_k  vertices, x_0 on a light, x_k on the camera; k edges
+// P>, P<       density [per canonical area] of a vertex in a walk from the light, from the camera
+// s, a         split: how many vertices come from the light
+// p_AA = G D   density of a portal segment [eq. 4, portals.h]
+//
+//   camera    s=0        prod_{i>=0} P<(x_i)
+//   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee may depend on x_1
+//   light     s=k        prod_{i<k} P>(x_i)
+//   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
+//   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
+//
+// At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
+// techniques that would end a prefix or a segment there, or join one to it, have no density. A
+// light without a surface has no P<(x_0).
+//
+// Method: multiple importance sampling (Veach), balance or power heuristic. A path is a chain of
+// light vertices, up to two vertices of a portal segment, and a chain of camera vertices. The
+// weight is found from the joint outwards: R(s) is the density of the path with s vertices from the
+// light, and no segment, over that of the strategy used, so that
 //   R(i) = R(i+1) P<(x_i) / P>(x_i)   at a vertex of the light's chain,
 //   R(i+1) = R(i) P>(x_i) / P<(x_i)   at one of the camera's,
 // and a segment x_a -> x_{a+1} has R(a+2) p_AA / (P>(x_a) P>(x_{a+1})) or the same by P<. All that
-// is divided by is a density of the strategy used, and more than 0. Numbers have an exponent of
-// their own [scaled.h]: what fades along a long path may come back.
+// is divided by is a density of the strategy used, and more than 0. A float is too small for these
+// numbers, and has an exponent of its own [scaled.h]: what fades along a long path may come back.
 //
 // Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and
 // scene_has_portals are.
@@ -25,24 +40,24 @@ SHARED bool has_technique(uint technique) MEMBER_CONST {
 
 // By how much the density of a strategy counts for paths of k edges [Mixture::sample_weight]; 0:
 // the mixture has no such strategy.
-SHARED float weight_of_split(uint s, uint k) MEMBER_CONST {
+SHARED REAL weight_of_split(uint s, uint k) MEMBER_CONST {
   if (s == 0u) return has_technique(TECHNIQUE_CAMERA) ? 1.0f : 0.0f;
   if (s == k) return has_technique(TECHNIQUE_LIGHT) ? render.light_walks : 0.0f;
   return s > 1u && has_technique(TECHNIQUE_BI) ? render.joined : 0.0f;
 }
-SHARED float weight_of_direct(uint k) MEMBER_CONST {
+SHARED REAL weight_of_direct(uint k) MEMBER_CONST {
   if (!has_technique(TECHNIQUE_DIRECT)) return 0.0f;
   return k == 2u ? render.first_direct : render.later_direct;
 }
-SHARED float weight_of_portal(uint a, uint k) MEMBER_CONST {
+SHARED REAL weight_of_portal(uint a, uint k) MEMBER_CONST {
   if (!has_technique(TECHNIQUE_PORTAL)) return 0.0f;
-  float n = render.segments * (a > 0u ? render.joined_to_segments : 1.0f);
+  REAL n = render.segments * (a > 0u ? render.joined_to_segments : 1.0f);
   return a + 2u == k ? n : n * render.segments_joined;
 }
 
 /// Adds a strategy of so many times the density of the used one, that of one sample each, which
 /// counts n times.
-SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_CONST {
+SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, REAL n) MEMBER_CONST {
   if (n == 0.0f) return;
   Scaled p = product(relative, n);
   if (power_heuristic) p = product(p, p);
@@ -50,7 +65,7 @@ SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, float n) MEMBER_C
 }
 
 /// Whether the vertex behind the first of a half turns by a Dirac lobe.
-SHARED bool turns_sharply_behind(Half part) MEMBER_CONST {
+SHARED bool turns_sharply_behind(OF_REAL(Half) part) MEMBER_CONST {
   if (part.slot == kNoVertex) return false;
   uint prev = load_path_density(part.slot).prev;
   return prev != kNoVertex && (load_path_density(prev).flags & VERTEX_DIRAC) != 0u;
@@ -59,16 +74,16 @@ SHARED bool turns_sharply_behind(Half part) MEMBER_CONST {
 /// Adds the strategies that have their joint within a half of a path of k edges: of the light's,
 /// x_{s-1} to x_0, or of the camera's, x_s to x_{k-1}. `R`: R(s). `nee_A`: of x_0 as a next event
 /// at x_1, where the light's half is x_0 alone; else the records tell.
-SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint k, Scaled at_joint,
-                     float nee_A) MEMBER_CONST {
+SHARED void add_half(INOUT(Scaled) total, OF_REAL(Half) part, bool of_light, uint s, uint k,
+                     Scaled at_joint, REAL nee_A) MEMBER_CONST {
   Scaled R = at_joint;
   Scaled R_before = R;               // one vertex nearer to the joint
   Scaled own_before = scaled(1.0f);  // of that vertex
   bool dirac_before = false;         // of it,
   bool dirac_before2 = false;        // and of the one before
-  float pair_before = 0.0f;
-  float survival_before = 1.0f;
-  float next_event_A = nee_A;
+  REAL pair_before = 0.0f;
+  REAL survival_before = 1.0f;
+  REAL next_event_A = nee_A;
   uint slot = part.slot;
   uint count = of_light ? s : k - s;
   for (uint n = 0u; n < count; ++n) {
@@ -82,14 +97,14 @@ SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint
       add_strategy(total, quotient(product(R_before, pair_before), product(own, own_before)),
                    weight_of_portal(of_light ? i : i - 1u, k));
     if (i == 0u) {
-      float direct_A = of_light ? next_event_A : d.nee_A;
+      REAL direct_A = of_light ? next_event_A : d.nee_A;
       if (direct_A > 0.0f && !(of_light ? dirac_before : dirac_behind))
         add_strategy(total, product(quotient(R, own), direct_A), weight_of_direct(k));
     }
     // Whether the other walk went on at the vertex before, of which it is this number.
     uint number = of_light ? k - i - 1u : i - 1u;
-    float survived = (i == 0u && !of_light) || number <= 1u ? 1.0f : survival_before;
-    float other = n == 0u ? part.first_A : n == 1u ? part.second_A : survived * d.other_A;
+    REAL survived = (i == 0u && !of_light) || number <= 1u ? 1.0f : survival_before;
+    REAL other = n == 0u ? part.first_A : n == 1u ? part.second_A : survived * d.other_A;
     R_before = R;
     R = quotient(product(R, other), own);
     if (!dirac && !dirac_behind) add_strategy(total, R, weight_of_split(of_light ? i : i + 1u, k));
@@ -103,21 +118,23 @@ SHARED void add_half(INOUT(Scaled) total, Half part, bool of_light, uint s, uint
   }
 }
 
-SHARED float share_of(float n, Scaled total) MEMBER_CONST {
+/// The weight of the strategy used, which counts n times, of all together [eq. 6].
+SHARED REAL share_of(REAL n, Scaled total) MEMBER_CONST {
   Scaled mine = scaled(n);
   if (power_heuristic) mine = product(mine, mine);
   return narrowed(quotient(mine, total));
 }
 
-/// Of a path of k edges that was joined between x_{s-1} and x_s (0: all of it is the camera's walk,
-/// which met a light; k: the camera sees the last vertex of the light's). `pair_A`: p_AA of the
-/// edge that joins them, of no meaning for s of 0 and k.
-SHARED float weight_of_joined(Half light, Half camera, uint s, uint k, float pair_A) MEMBER_CONST {
-  if (k < 2u) return 1.0f;
+// All strategies together, each as often as it counts, over the density of the one used.
+
+/// Of a path of k edges, two at least, that was joined between x_{s-1} and x_s (0: all of it is the
+/// camera's walk, which met a light; k: the camera sees the last vertex of the light's). `pair_A`:
+/// p_AA of the edge that joins them, of no meaning for s of 0 and k.
+SHARED Scaled strategies_of_joined(OF_REAL(Half) light, OF_REAL(Half) camera, uint s, uint k,
+                                   REAL pair_A) MEMBER_CONST {
   Scaled one = scaled(1.0f);
-  float n = weight_of_split(s, k);
   Scaled total = scaled(0.0f);
-  add_strategy(total, one, n);
+  add_strategy(total, one, weight_of_split(s, k));
   if (scene_has_portals && s > 0u && s < k && pair_A > 0.0f && !turns_sharply_behind(light) &&
       !turns_sharply_behind(camera)) {
     Scaled made =
@@ -126,34 +143,30 @@ SHARED float weight_of_joined(Half light, Half camera, uint s, uint k, float pai
   }
   if (s > 0u) add_half(total, light, true, s, k, one, 0.0f);
   if (s < k) add_half(total, camera, false, s, k, one, 0.0f);
-  return share_of(n, total);
+  return total;
 }
 
 /// Of a next event x_0 of density nee_A at the vertex x_1 of a camera's walk. `light_A`,
 /// `camera_A`: densities of x_0 in walks; `pair_A`: p_AA of x_0 -> x_1.
-SHARED float weight_of_next_event(Half camera, uint k, float nee_A, float light_A, float camera_A,
-                                  float pair_A) MEMBER_CONST {
-  float n = weight_of_direct(k);
+SHARED Scaled strategies_of_next_event(OF_REAL(Half) camera, uint k, REAL nee_A, REAL light_A,
+                                       REAL camera_A, REAL pair_A) MEMBER_CONST {
   Scaled nee = scaled(nee_A);
   Scaled total = scaled(0.0f);
-  add_strategy(total, scaled(1.0f), n);
+  add_strategy(total, scaled(1.0f), weight_of_direct(k));
   add_strategy(total, quotient(scaled(camera_A), nee), weight_of_split(0u, k));
   if (scene_has_portals && pair_A > 0.0f && !turns_sharply_behind(camera)) {
     Scaled made = product(nee, load_path_density(camera.slot).own_A);
     add_strategy(total, quotient(scaled(pair_A), made), weight_of_portal(0u, k));
   }
-  Scaled R = quotient(scaled(light_A), nee);
-  if (k == 1u) return share_of(n, total);
-  add_half(total, camera, false, 1u, k, R, 0.0f);
-  return share_of(n, total);
+  add_half(total, camera, false, 1u, k, quotient(scaled(light_A), nee), 0.0f);
+  return total;
 }
 
-SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
-                               SegmentDensities x) MEMBER_CONST {
-  float n = weight_of_portal(a, k);
+SHARED Scaled strategies_of_segment(OF_REAL(Half) light, OF_REAL(Half) camera, uint a, uint k,
+                                    OF_REAL(SegmentDensities) x) MEMBER_CONST {
   Scaled p = scaled(x.pair_A);
   Scaled total = scaled(0.0f);
-  add_strategy(total, scaled(1.0f), n);
+  add_strategy(total, scaled(1.0f), weight_of_portal(a, k));
   Scaled by_camera = quotient(product(scaled(x.camera_A0), x.camera_A1), p);
   Scaled by_both = quotient(product(scaled(x.light_A0), x.camera_A1), p);
   Scaled by_light = quotient(product(scaled(x.light_A0), x.light_A1), p);
@@ -178,7 +191,7 @@ SHARED float weight_of_segment(Half light, Half camera, uint a, uint k,
     }
     add_half(total, camera, false, a + 2u, k, by_light, 0.0f);
   }
-  return share_of(n, total);
+  return total;
 }
 
 #include "shaders/shared/language_end.h"

@@ -10,6 +10,7 @@
 namespace tdpt::shader::weight_test {
 
 struct Weights {
+  using Real = float;
   RenderParameters render{};
   const PathDensity* path_densities = nullptr;
   bool scene_has_portals = true, power_heuristic = false;
@@ -63,11 +64,11 @@ struct Path {
       records.push_back(d);
     }
   }
-  Half light_half(uint s) const {
+  Half<float> light_half(uint s) const {
     if (s == 0) return {kNoVertex, 0, 0};
     return {s - 1, camera_A[s - 1], s > 1 ? camera_A[s - 2] : 0};
   }
-  Half camera_half(uint s, const std::vector<PathDensity>& records) const {
+  Half<float> camera_half(uint s, const std::vector<PathDensity>& records) const {
     if (s == k) return {kNoVertex, 0, 0};
     return {static_cast<uint>(records.size() - 1), light_A[s], s + 1 < k ? light_A[s + 1] : 0};
   }
@@ -111,15 +112,19 @@ double sum_of_weights(const RenderParameters& render, const Path& p) {
     p.add_camera_records(s, records);
     weights.path_densities = records.data();
     if (!p.joins(s) || !possible(s, s) || weights.weight_of_split(s, p.k) == 0) continue;
-    sum += weights.weight_of_joined(p.light_half(s), p.camera_half(s, records), s, p.k,
-                                    s > 0 && s < p.k ? p.pair_A[s - 1] : 0);
+    sum +=
+        weights.share_of(weights.weight_of_split(s, p.k),
+                         weights.strategies_of_joined(p.light_half(s), p.camera_half(s, records), s,
+                                                      p.k, s > 0 && s < p.k ? p.pair_A[s - 1] : 0));
   }
   if (weights.has_technique(TECHNIQUE_DIRECT) && p.joins(1) && possible(0, 1)) {
     std::vector<PathDensity> records;
     p.add_camera_records(1, records);
     weights.path_densities = records.data();
-    sum += weights.weight_of_next_event(p.camera_half(1, records), p.k, p.nee_A, p.light_A[0],
-                                        p.camera_A[0], p.pair_A[0]);
+    sum += weights.share_of(
+        weights.weight_of_direct(p.k),
+        weights.strategies_of_next_event(p.camera_half(1, records), p.k, p.nee_A, p.light_A[0],
+                                         p.camera_A[0], p.pair_A[0]));
   }
   for (uint a = 0; a + 2 <= p.k && weights.has_technique(TECHNIQUE_PORTAL); ++a) {
     if (!(p.pair_A[a] > 0) || !p.joins(a) || p.dirac[a] || p.dirac[a + 1] ||
@@ -128,7 +133,7 @@ double sum_of_weights(const RenderParameters& render, const Path& p) {
     std::vector<PathDensity> records = p.light_records(a);
     p.add_camera_records(a + 2, records);
     weights.path_densities = records.data();
-    SegmentDensities x{};
+    SegmentDensities<float> x{};
     x.pair_A = p.pair_A[a];
     x.light_A0 = p.light_A[a];
     x.light_A1 = p.light_A[a + 1];
@@ -137,7 +142,9 @@ double sum_of_weights(const RenderParameters& render, const Path& p) {
     x.pair_before = a > 0 ? p.pair_A[a - 1] : 0;
     x.pair_after = a + 2 < p.k ? p.pair_A[a + 1] : 0;
     x.nee_A = p.nee_A;
-    sum += weights.weight_of_segment(p.light_half(a), p.camera_half(a + 2, records), a, p.k, x);
+    sum += weights.share_of(
+        weights.weight_of_portal(a, p.k),
+        weights.strategies_of_segment(p.light_half(a), p.camera_half(a + 2, records), a, p.k, x));
   }
   return sum;
 }
@@ -202,11 +209,14 @@ TEST(weights_of_kernels, twin_a_strategy_that_counts_otherwise_is_seen) {
     std::vector<PathDensity> records = p.light_records(3);
     p.add_camera_records(3, records);
     weights.path_densities = records.data();
-    const float right =
-        weights.weight_of_joined(p.light_half(3), p.camera_half(3, records), 3, 5, p.pair_A[2]);
+    const auto weight = [&] {
+      return weights.share_of(weights.weight_of_split(3, 5),
+                              weights.strategies_of_joined(
+                                  p.light_half(3), p.camera_half(3, records), 3, 5, p.pair_A[2]));
+    };
+    const float right = weight();
     records[1].pair_A *= 1.5f;
-    const float wrong =
-        weights.weight_of_joined(p.light_half(3), p.camera_half(3, records), 3, 5, p.pair_A[2]);
+    const float wrong = weight();
     most = std::max<double>(most, std::abs(wrong - right));
   }
   EXPECT_GT(most, 0.01);

@@ -17,8 +17,6 @@ struct Worst {
   double weight = 0;     ///< largest difference of the weights, balance heuristic
   double power = 0;      ///< of those of the power heuristic
   double power_1_9 = 0;  ///< twin: the oracle's exponent is 1.9 instead
-  double ways = 0;       ///< between weights by products and by logarithms, both heuristics
-  double ways_1_9 = 0;   ///< twin: 1.9 by logarithms, 2 by products
   double value = 0;      ///< largest relative difference of value * times * p and the contribution
   std::array<int, kTechniques> paths{}, sky{};  ///< by technique; those that begin in the sky
   int dirac = 0, lamps = 0;   ///< paths that turn at a mirror, that begin at a lamp
@@ -154,16 +152,6 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     grow(worst.weight, weight_off);
     grow(worst.power, weight(2) - oracle::weight(p, strategy, 2));
     grow(worst.power_1_9, weight(2) - oracle::weight(p, strategy, 1.9));
-    if (path.k() >= 2) {
-      const auto ways = [&](double products, double logarithms) {
-        const auto by_products = path.weight_by_products(integrator.mixture, strategy, products);
-        if (!by_products) return 0.0;  // they underflow
-        return *by_products - path.weight_by_logarithms(integrator.mixture, strategy, logarithms);
-      };
-      grow(worst.ways, ways(1, 1));
-      grow(worst.ways, ways(2, 2));
-      grow(worst.ways_1_9, ways(2, 1.9));
-    }
     for (const auto& d : p) {
       if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
         continue;

@@ -1,35 +1,93 @@
-// The MIS weight of a finished path: the share of the strategy that made it in the densities of all
-// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8.
-//
-// Method: multiple importance sampling (Veach), balance or power heuristic. Two arrays of densities
-// along the path, of the walk from the light and of that from the camera; every strategy is a
-// prefix of the one, a suffix of the other and what joins them, so running products give all.
-//
-// x_0 ... x_k  vertices, x_0 on a light, x_k on the camera; k edges
-// P>, P<       density [per canonical area] of a vertex in a walk from the light, from the camera
-// s, a         split: how many vertices come from the light
-// p_AA = G D   density of a portal segment [eq. 4, portals.h]
-//
-//   camera    s=0        prod_{i>=0} P<(x_i)
-//   direct    s=1        p_nee(x_0) prod_{i>=1} P<(x_i)         p_nee may depend on x_1
-//   light     s=k        prod_{i<k} P>(x_i)
-//   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
-//   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
-//
-// At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
-// techniques that would end a prefix or a segment there, or join one to it, have no density. A
-// light without a surface has no P<(x_0).
-//
-// All are divided by the common factor prod q_i, q_i = P>(x_i) + P<(x_i): every factor then lies in
-// [0,1] (but for p_AA / q_a q_{a+1}), so long paths neither overflow nor underflow where it
-// matters. Where no walk can have made x_i, q_i = 1: techniques that skip it, by a segment that
-// ends there or a next event, keep their density, and those of all others are 0.
+// A finished path and the densities of its vertices in the walks from both ends, which its weights
+// are made of [shaders/shared/path/weight.h].
 #include "tools/tdpt-render/path/sample/path.h"
 
 #include <algorithm>
 #include <limits>
 
+#include "shaders/shared/path/render_layout.h"
+#include "shaders/shared/scaled.h"
 #include "tools/tdpt-render/path/sample/roulette.h"
+
+namespace tdpt::shader {
+
+// The text in doubles, over densities `walks` of a path. A slot is a vertex and the half it is
+// asked of: i of x_i on the light's, i + kOfCamera on the camera's.
+template <bool has_portals, bool any_dirac>
+struct PathWeights {
+  using Real = double;
+  // R is a ratio of what two strategies have at their joints alone: no length takes it out of a
+  // double's range.
+  using Scaled = double;
+  static double scaled(double x) { return x; }
+  static double product(double a, double b) { return a * b; }
+  static double quotient(double a, double b) { return a / b; }
+  static double sum(double a, double b) { return a + b; }
+  static double narrowed(double x) { return x; }
+  struct PathDensity {
+    double own_A, other_A, pair_A, nee_A, other_survival;
+    uint prev, flags;
+  };
+  static constexpr uint kOfCamera = 2 * kMaxDepth;
+
+  const tdpt::Path& path;
+  const WalkDensities& walks;
+  const Mixture& render;
+  bool power_heuristic;
+  uint mixture_techniques = render.techniques.bits();
+  static constexpr bool scene_has_portals = has_portals;
+
+  double nee_A() const { return path.next_event_.of(render.through_windows); }
+  double pair_A(int i) const { return scene_has_portals ? path.pair_A(i) : 0; }
+  PathDensity load_path_density(uint slot) const {
+    const bool of_light = slot < kOfCamera;
+    const int i = static_cast<int>(of_light ? slot : slot - kOfCamera), k = path.k_;
+    const auto& [light_A, camera_A] = walks[i];
+    const uint flags = any_dirac && path.dirac(i) ? VERTEX_DIRAC : 0u;
+    // Densities have survival as a factor.
+    if (of_light)
+      return {light_A,  camera_A, i > 0 ? pair_A(i - 1) : 0, i == 1 ? nee_A() : 0, 1,
+              slot - 1, flags};
+    return {camera_A, light_A, i + 1 < k ? pair_A(i) : 0, i == 0 ? nee_A() : 0, 1, slot + 1, flags};
+  }
+
+#include "shaders/shared/path/weight.h"
+
+  // Of x_{s-1} to x_0, of x_s to x_{k-1}.
+  Half<double> light_half(int s) const {
+    if (s == 0) return {kNoVertex, 0, 0};
+    return {static_cast<uint>(s - 1), walks[s - 1].camera_A, s > 1 ? walks[s - 2].camera_A : 0};
+  }
+  Half<double> camera_half(int s) const {
+    const int k = path.k_;
+    if (s == k) return {kNoVertex, 0, 0};
+    return {kOfCamera + static_cast<uint>(s), walks[s].light_A,
+            s + 1 < k ? walks[s + 1].light_A : 0};
+  }
+  [[gnu::flatten]] double strategies(Strategy used) const {
+    const int s = used.split, k = path.k_;
+    const uint edges = static_cast<uint>(k);
+    if (used.technique == Technique::direct)
+      return strategies_of_next_event(camera_half(1), edges, nee_A(), walks[0].light_A,
+                                      walks[0].camera_A, pair_A(0));
+    if (used.technique == Technique::portal) {
+      const SegmentDensities<double> x{path.pair_A(s),
+                                       walks[s].light_A,
+                                       walks[s + 1].light_A,
+                                       walks[s].camera_A,
+                                       walks[s + 1].camera_A,
+                                       s > 0 ? pair_A(s - 1) : 0,
+                                       s + 2 < k ? pair_A(s + 1) : 0,
+                                       nee_A()};
+      return strategies_of_segment(light_half(s), camera_half(s + 2), static_cast<uint>(s), edges,
+                                   x);
+    }
+    return strategies_of_joined(light_half(s), camera_half(s), static_cast<uint>(s), edges,
+                                s > 0 && s < k ? pair_A(s - 1) : 0);
+  }
+};
+
+}  // namespace tdpt::shader
 
 namespace tdpt {
 namespace {
@@ -37,30 +95,6 @@ namespace {
 size_t u(int i) {
   return static_cast<size_t>(i);
 }
-
-// Prefixes and suffixes of a path of k edges, densities `d` over the q_i of `unit`.
-class Products {
- public:
-  Products(const WalkDensities& d, const WalkDensities& unit, int k) {
-    // Running products in variables: through memory each would wait for the one before.
-    double of_light = 1, of_camera = 1;
-    at_[0].light = at_[u(k)].camera = 1;
-    for (int i = 0, j = k - 1; i < k; ++i, --j) {
-      of_light *= d[i].light_A / unit[i].common();
-      of_camera *= d[j].camera_A / unit[j].common();
-      at_[u(i + 1)].light = of_light;
-      at_[u(j)].camera = of_camera;
-    }
-  }
-  double light(int s) const { return at_[u(s)].light; }    // prod_{i<s} P>(x_i)/q_i
-  double camera(int s) const { return at_[u(s)].camera; }  // prod_{i>=s} P<(x_i)/q_i
-
- private:
-  struct At {
-    double light, camera;
-  };
-  std::array<At, kMaxDepth + 2> at_;
-};
 
 }  // namespace
 
@@ -229,140 +263,55 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
   }
 }
 
-// Densities as products of parts: prefix and suffix are the caller's, the rest is given to `add`.
-template <class Add>
-void Path::for_each_strategy(const Mixture& mixture, const WalkDensities& unit,
-                             const Add& add) const {
-  const auto joins = [&](int s) { return !any_dirac_ || s == 0 || !(dirac(s - 1) || dirac(s)); };
-  const auto join = [&](Technique technique, int s) {
-    if (mixture.has(technique) && joins(s))
-      add(Strategy{technique, s}, s, s, mixture.sample_weight(technique, s, k_));
+double Path::pair_A(int i) const {
+  const double density = place(i).crossing->density;
+  return density > 0 ? density * geometry(x(i), x(i + 1), *place(i).edge) : 0;
+}
+
+double Path::strategies(const Mixture& mixture, const WalkDensities& d, Strategy used,
+                        bool power) const {
+  // What most paths need not ask for is left out.
+  const auto of = [&]<bool portals, bool any_dirac>() {
+    return shader::PathWeights<portals, any_dirac>{*this, d, mixture, power}.strategies(used);
   };
-  join(Technique::camera, 0);
-  if (mixture.has(Technique::direct) && joins(1))
-    add(Strategy{Technique::direct, 1}, 0, 1,
-        next_event_.of(mixture.through_windows) * (1 / unit[0].common()) *
-            mixture.sample_weight(Technique::direct, 1, k_));
-  for (int s = 0; s <= k_ - 2; ++s) {
-    if (s >= 2) join(Technique::bi, s);
-    if (!mixture.has(Technique::portal)) continue;
-    const double density = place(s).crossing->density;
-    if (!(density > 0)) continue;
-    if (any_dirac_ && (!joins(s) || dirac(s) || dirac(s + 1) || dirac(s + 2))) continue;
-    // [eq. 8], p_AA = G D as in [eq. 4].
-    const double g = geometry(x(s), x(s + 1), *place(s).edge);
-    add(Strategy{Technique::portal, s}, s, s + 2,
-        mixture.samples_of(Technique::portal, s, k_) * density * (g / unit[s].common()) /
-            unit[s + 1].common());
-  }
-  if (k_ > 2) join(Technique::bi, k_ - 1);
-  join(Technique::light, k_);
+  if (mixture.has(Technique::portal))
+    return any_dirac_ ? of.operator()<true, true>() : of.operator()<true, false>();
+  return any_dirac_ ? of.operator()<false, true>() : of.operator()<false, false>();
 }
 
 double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
-  const std::optional<double> weight = weight_by_products(mixture, used, beta);
-  return weight ? *weight : weight_by_logarithms(mixture, used, beta);
-}
-
-constexpr double kTiny = 1e-250;
-
-// What most paths take: by the same sums, without asking of each strategy what it is.
-std::optional<double> Path::balanced_weight(const Mixture& mixture, Strategy used) const {
-  const Products products(walks_, walks_, k_);
-  const auto product = [&](int prefix, int rest, double extra) {
-    return products.light(prefix) * extra * products.camera(rest);
-  };
-  const auto portal = [&](int s) {
-    const double g = geometry(x(s), x(s + 1), *place(s).edge);
-    const double extra = mixture.samples_of(Technique::portal, s, k_) * place(s).crossing->density *
-                         (g / walks_[s].common()) / walks_[s + 1].common();
-    return product(s, s + 2, extra);
-  };
-  const double direct = next_event_.of(mixture.through_windows) * (1 / walks_[0].common()) *
-                        mixture.sample_weight(Technique::direct, 1, k_);
-  const double joined = mixture.samples_of(Technique::bi, 0, k_);
-  double total = 0, of_split = 0;  // the latter: of the portal segment used
-  if (mixture.has(Technique::camera)) total += product(0, 0, 1);
-  if (mixture.has(Technique::direct)) total += product(0, 1, direct);
-  const bool joins = mixture.has(Technique::bi), crosses = mixture.has(Technique::portal);
-  for (int s = 0; s <= k_ - 2; ++s) {
-    if (joins && s >= 2) total += product(s, s, joined);
-    if (!crosses || !(place(s).crossing->density > 0)) continue;
-    const double p = portal(s);
-    total += p;
-    if (s == used.split) of_split = p;
-  }
-  if (joins && k_ > 2) total += product(k_ - 1, k_ - 1, joined);
-  const double splats = mixture.samples_of(Technique::light, k_, k_);
-  if (mixture.has(Technique::light)) total += product(k_, k_, splats);
-  const auto [technique, split] = used;
-  if (!mixture.has(technique)) return std::nullopt;
-  const double mine = technique == Technique::portal   ? of_split
-                      : technique == Technique::direct ? product(0, 1, direct)
-                      : technique == Technique::bi     ? product(split, split, joined)
-                      : technique == Technique::light  ? product(k_, k_, splats)
-                                                       : product(0, 0, 1);
-  if (!(total > kTiny && mine > 0)) return std::nullopt;
-  return mine / total;
-}
-
-std::optional<double> Path::weight_by_products(const Mixture& mixture, Strategy used,
-                                               double beta) const {
-  if (beta == 1 && !any_dirac_) return balanced_weight(mixture, used);
-  const Products products(walks_, walks_, k_);
-  double total = 0, mine = 0;
-  for_each_strategy(mixture, walks_, [&](Strategy strategy, int prefix, int rest, double extra) {
-    // [eq. 7], and [eq. 8] with p_AA in `extra`, over prod q_i.
-    double p = products.light(prefix) * extra * products.camera(rest);
-    if (beta != 1) p = std::pow(p, beta);
-    total += p;
-    if (strategy == used) mine = p;
-  });
-  if (!(total > kTiny && mine > 0)) return std::nullopt;
-  return mine / total;  // the balance heuristic [eq. 6] for beta = 1
+  const double total = strategies(mixture, walks_, used, beta == 2);
+  // Infinite or no number: divided by a density that is 0.
+  if (!mixture.has(used.technique) || !std::isfinite(total))
+    return std::numeric_limits<double>::quiet_NaN();
+  const double n = mixture.sample_weight(used.technique, used.split, k_);
+  return (beta == 2 ? n * n : n) / total;
 }
 
 StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const WalkDensities& unit,
                         Strategy used) const {
-  const Products products(d, unit, k_);
-  StrategySums sums;
-  for_each_strategy(mixture, unit, [&](Strategy strategy, int prefix, int rest, double extra) {
-    const double counted = products.light(prefix) * extra * products.camera(rest);
-    const double per_sample =
-        mixture.sample_weight(strategy.technique, strategy.split, k_) /
-        mixture.samples_of(strategy.technique, strategy.split, k_);  // v_s / n_s
-    sums.counted += counted;
-    sums.squares += counted * per_sample;
-    if (strategy == used) sums.used = counted / per_sample;
-  });
-  return sums;
-}
-
-// Long paths whose edges are short and long by turns make every product tiny at once.
-double Path::weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const {
-  std::array<double, kMaxDepth + 2> light_part, camera_part;
-  camera_part[u(k_)] = light_part[0] = 0;
-  for (int i = 0; i < k_; ++i)
-    light_part[u(i + 1)] = light_part[u(i)] + std::log(walks_[i].light_A / walks_[i].common());
-  for (int i = k_ - 1; i >= 0; --i)
-    camera_part[u(i)] = camera_part[u(i + 1)] + std::log(walks_[i].camera_A / walks_[i].common());
-  constexpr double kNone = -std::numeric_limits<double>::infinity();
-  const auto log_p = [&](int prefix, int rest, double extra) {
-    return light_part[u(prefix)] + std::log(extra) + camera_part[u(rest)];
+  const auto over_unit = [&](Strategy strategy) {
+    const auto [technique, s] = strategy;
+    const bool direct = technique == Technique::direct, portal = technique == Technique::portal;
+    double p = direct ? next_event_.of(mixture.through_windows) / unit[0].common() : 1;
+    if (portal) p = pair_A(s) / unit[s].common() / unit[s + 1].common();
+    for (int i = 0; i < (direct ? 0 : s); ++i) p *= d[i].light_A / unit[i].common();
+    for (int i = portal ? s + 2 : s; i < k_; ++i) p *= d[i].camera_A / unit[i].common();
+    return p;
   };
-  double largest = kNone, mine = kNone;
-  for_each_strategy(mixture, walks_, [&](Strategy strategy, int prefix, int rest, double extra) {
-    const double l = log_p(prefix, rest, extra);
-    largest = std::max(largest, l);
-    if (strategy == used) mine = l;
-  });
-  if (mine == kNone) return std::numeric_limits<double>::quiet_NaN();
-  double total = 0;
-  for_each_strategy(mixture, walks_, [&](Strategy, int prefix, int rest, double extra) {
-    total += std::exp(beta * (log_p(prefix, rest, extra) - largest));
-  });
-  return std::exp(beta * (mine - largest)) / total;
+  const double p = over_unit(used);
+  if (!(p > 0)) return {};
+  StrategySums sums;
+  sums.counted = p * strategies(mixture, d, used, false);
+  sums.squares = sums.counted;
+  if (mixture.has(used.technique))
+    sums.used = p * mixture.samples_of(used.technique, used.split, k_);
+  // Of all others v_s / n_s is 1.
+  const double v = mixture.sample_weight(Technique::direct, 1, k_);
+  if (mixture.has(Technique::direct) && v != 1 && !dirac(1))
+    sums.squares += v * (v - 1) * over_unit({Technique::direct, 1});
+  return sums;
 }
 
 }  // namespace tdpt

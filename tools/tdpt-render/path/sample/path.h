@@ -6,6 +6,11 @@
 #include "tools/tdpt-render/path/light/next_event.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 
+namespace tdpt::shader {
+template <bool has_portals, bool any_dirac>
+struct PathWeights;
+}
+
 namespace tdpt {
 
 /// One way of sampling a path of k edges:
@@ -74,11 +79,6 @@ class Path {
   /// 1, power heuristic for beta = 2. Computed from the path alone. NaN when `used` has no density
   /// there: a sample that it cannot have made is a bug, to be counted.
   double weight(const Mixture& mixture, Strategy used, double beta) const;
-  /// The two ways to it for k >= 2. By products of ratios, cheap: none where that of `used` or all
-  /// underflow. By sums of logarithms, always.
-  std::optional<double> weight_by_products(const Mixture& mixture, Strategy used,
-                                           double beta) const;
-  double weight_by_logarithms(const Mixture& mixture, Strategy used, double beta) const;
 
   // The path under other mixtures than that which made it: what it brings to their second moments
   // [scout.h].
@@ -95,7 +95,8 @@ class Path {
                     Strategy used) const;
 
  private:
-  std::optional<double> balanced_weight(const Mixture& mixture, Strategy used) const;
+  template <bool has_portals, bool any_dirac>
+  friend struct shader::PathWeights;
   void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
   void take_light_prefix(const Walk& y, int s);
@@ -118,10 +119,9 @@ class Path {
   const Vertex& x(int i) const { return vertex(i); }
   /// x_i -> x_{i+1}; nothing beyond the ends.
   Edge edge(int i) const { return i < 0 || i >= k_ ? Edge{} : between(x(i), x(i + 1)); }
-  /// Calls add(strategy, end of its light prefix, first index of its camera part, its other factor
-  /// over the q_i of `unit`) for those of `mixture` that can have made the path.
-  template <class Add>
-  void for_each_strategy(const Mixture& mixture, const WalkDensities& unit, const Add& add) const;
+  double strategies(const Mixture& mixture, const WalkDensities& d, Strategy used, bool power) const;
+  /// p_AA of x_i -> x_{i+1}, which is not the camera's own.
+  double pair_A(int i) const;
 
   // What is known of x_i, side by side: arrays of kMaxDepth numbers each would lie a multiple of
   // 4096 bytes and a few apart, where a processor takes what is read for what was just written.

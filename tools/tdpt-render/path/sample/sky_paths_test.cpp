@@ -44,7 +44,6 @@ TEST_P(sky_paths, weights_and_values_are_the_oracles) {
       const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, portals);
       EXPECT_LT(worst.weight, 1e-6);
       EXPECT_LT(worst.power, 2e-6);
-      EXPECT_LT(worst.ways, 1e-12);
       EXPECT_LT(worst.value, 1e-4);
       for (size_t i = 0; i < kTechniques; ++i) {
         if (GetParam()->mixture.has(static_cast<Technique>(i))) {
@@ -60,7 +59,6 @@ TEST_P(sky_paths, over_glossy_surfaces_too) {
     const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, three_portals());
     EXPECT_LT(worst.weight, 1e-4);
     EXPECT_LT(worst.power, 2e-4);
-    EXPECT_LT(worst.ways, 1e-12);
     EXPECT_LE(worst.off, 2);
     EXPECT_LE(worst.short_ones, 5);
     EXPECT_GT(worst.dirac, 10);
@@ -79,7 +77,6 @@ TEST_P(sky_paths, of_walks_without_limit_are_the_oracles) {
   Scene scene = diffuse_with_lamps();
   for (Material& m : scene.materials) m.base_color = Rgb(0.8f);
   const Worst worst = compare(scene, *GetParam(), Fault::none, kMaxDepth, 24, three_portals());
-  EXPECT_LT(worst.ways, 1e-12);
   EXPECT_LE(worst.off, 4);
   if (GetParam() != &pt) {
     EXPECT_GT(worst.longest, 12);
@@ -151,7 +148,6 @@ TEST(sky_paths_at_random, are_the_oracles) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const Case c(seed);
     const Worst worst = compare(c.scene, c.integrator, Fault::none, 6, 8, c.portals);
-    EXPECT_LT(worst.ways, 1e-12) << seed;
     EXPECT_LE(worst.off, 2) << seed;  // rays that pass a portal's border by rounding
     all += worst.all;
     for (const int n : worst.sky) from_sky += n;
