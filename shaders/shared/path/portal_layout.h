@@ -1,5 +1,5 @@
-// Portals as kernels see them: what tdpt::PortalSet [tools/tdpt-render/portals/portals.h] is to the
-// renderer that counts in doubles, in flat tables. Everything is canonical.
+// Portals in flat tables, as portals.h reads them; C++ has them in doubles, too. Everything is
+// canonical.
 #ifndef TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 
@@ -132,6 +132,9 @@ struct PortalPassage {
 };
 
 #ifdef __cplusplus
+RECORD_OF_REALS(PortalPolygon)
+RECORD_OF_REALS(PortalFacet)
+RECORD_OF_REALS(PortalPair)
 static_assert(sizeof(PortalPolygon) == 80 && sizeof(PortalFacet) == 80);
 static_assert(sizeof(PortalCorner) == 16 && sizeof(PortalPair) == 16);
 static_assert(sizeof(GuideParameters) == 32);

@@ -1,12 +1,36 @@
 // Draws segments, and directions of walks, through the portals, and tells the density with which
-// any edge of a path would have been drawn so: tools/tdpt-render/portals/portals.h in floats. The
-// method and all symbols are told there, margins in portal_layout.h.
+// any edge of a path would have been drawn so. Section 3.1.1, eq. 4.
 //
-// Where floats differ. Crossings are found from the nearer end of an edge, and distances to a plane
-// are heights over cosines, so that nothing grows with the edge's smallness. Whether an edge has
-// ends on either side of a plane is asked of their heights everywhere, so that what was drawn and
-// spans a facet crosses it; which of a facet's triangles it crosses, `Drawn` says where that is
-// known.
+// A portal is a set of triangles in the air, each with the normal its winding gives: the direction
+// from the light's side to the camera's side.
+//
+// Portal sampling: a triangle q with probability p(q) in proportion to its area, a point uniform on
+// it (p_A = 1/A_q), a direction with p_w = cos/pi about its normal, both ways to the surfaces x_l
+// (light's side) and x_c (camera's side):
+//   p_AA(x_l, x_c) = G(x_l, x_c) * sum_q p(q) p_A p_w / cos_q                              [eq. 4]
+//                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
+// A portal that light passes both ways is its triangles in both windings, either with its own p(q).
+// cos cancels: no grazing singularity. D [1/(m2 sr)], canonical, is what this file computes.
+//
+// Portals in series: those that follow each other on the light's way (doors of rooms in a row)
+// leave little room for light that passes both without touching a wall between them, and a segment
+// through one meets the other by chance. So a share c of the segments, where there is such a pair
+// (F,G), is drawn through a point uniform on each, a pair with probability p(F,G):
+//   D = (1-c) sum_q p(q) / (A_q pi) + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F
+//   cos_G),
+// d the distance between the points where the segment passes the two.
+//
+// Path guiding [guide.h] aims walks at facets as light sampling aims at lamps: a facet is the
+// triangles of a portal that lie in one plane. From v, facet F is taken in proportion to w_F(v),
+// about its solid angle, and then a point uniform on it; the direction w there has
+//   a(w) = sum over the facets F that the ray (v, w) passes of  w_F(v) / W  * d^2 / (|cos| A_F),
+// d the distance to the plane along w, W the sum of w_F(v) over the facets that v can aim at.
+//
+// Floats shape the arithmetic: crossings are found from the nearer end of an edge, and distances to
+// a plane are heights over cosines, so that nothing grows with the edge's smallness. Whether an
+// edge has ends on either side of a plane is asked of their heights everywhere, so that what was
+// drawn and spans a facet crosses it; which of a facet's triangles it crosses, `Drawn` says where
+// that is known. Margins of floats are told in portal_layout.h.
 //
 // Read within a scope that has
 //   load_portal_facet(i) and all others of TABLES_OF_PORTALS [tables.h]
@@ -19,85 +43,92 @@
 #include "shaders/shared/language.h"
 
 /// Of p over the facet's plane; < 0 on the light's side.
-SHARED float portal_height(PortalFacet f, vec3 p) MEMBER_CONST {
+SHARED REAL portal_height(IN(PortalFacet) f, VEC3 p) MEMBER_CONST {
   return dot(f.normal, p - f.centre);
 }
 
 /// Whether a point of its plane lies in the polygon and `inside` (barycentric) off its borders.
-SHARED bool polygon_holds(PortalPolygon p, vec3 at, float inside) MEMBER_CONST {
-  vec3 d = at - p.p0;
-  float b1 = dot(p.grad1, d);
-  float b2 = dot(p.grad2, d);
+SHARED bool polygon_holds(IN(PortalPolygon) p, VEC3 at, REAL inside) MEMBER_CONST {
+  VEC3 d = at - p.p0;
+  REAL b1 = dot(p.grad1, d);
+  REAL b2 = dot(p.grad2, d);
   return b1 >= inside && b2 >= inside && b1 + b2 <= 1.0f - inside;
 }
 
 /// How many triangles of the facet are crossed at `at`.
-SHARED int portal_crossed(PortalFacet f, vec3 at, Drawn drawn) MEMBER_CONST {
+SHARED int portal_crossed(IN(PortalFacet) f, VEC3 at, Drawn drawn) MEMBER_CONST {
   int first = int(f.first);
   int end = int(f.end);
   bool polygon_here = drawn.polygon >= first && drawn.polygon < end;
   bool second_here = drawn.second >= first && drawn.second < end;
   int here = polygon_here ? drawn.polygon : second_here ? drawn.second : -1;
-  vec3 off = at - f.centre;
+  VEC3 off = at - f.centre;
   bool away = here < 0 && dot(off, off) > f.reach2;
   end = away ? first : end;
-  float inside = here < 0 ? 0.0f : f.border;
+  REAL inside = here < 0 ? 0.0f : f.border;
   int n = 0;
   for (int i = first; i < end; ++i) {
-    PortalPolygon polygon = load_portal_polygon(uint(i));
+    IN(PortalPolygon) polygon = load_portal_polygon(uint(i));
     n += i == here || polygon_holds(polygon, at, inside) ? 1 : 0;
   }
   return n;
 }
 
-/// Where the line through `from` and `to` passes a facet. `beyond`: one of them may be on the wrong
-/// side of it; `d`: to - from; `per_length`: 1 / |d|.
-SHARED PortalPassage portal_passage(PortalFacet f, vec3 from, vec3 to, vec3 d, float per_length,
+/// 1 / |d|; 0: no line to speak of.
+SHARED REAL portal_per_length(VEC3 d) MEMBER_CONST {
+  REAL d2 = dot(d, d);
+  return d2 > 1e-36f ? inverse_root(d2) : REAL(0.0f);
+}
+
+/// Where the line through `from` and `to` passes a facet along its normal. `beyond`: one of them
+/// may be on the wrong side of it; `d`: to - from; `per_length`: 1 / |d|.
+SHARED PortalPassage portal_passage(IN(PortalFacet) f, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
                                     bool beyond, Drawn drawn) MEMBER_CONST {
   PortalPassage p;
+  p.triangles = 0;
+  REAL slope = dot(f.normal, d);
+  if (!(slope > 0.0f)) return p;
   p.before = portal_height(f, from);
   p.after = portal_height(f, to);
-  float slope = dot(f.normal, d);
-  p.cosine = slope * per_length;
-  p.triangles = 0;
   bool begins = p.before < -kPortalMargin;
   bool ends = p.after > kPortalMargin;
+  if (!(begins && ends) && !(beyond && (begins || ends))) return p;
+  p.cosine = slope * per_length;
   bool nearer = abs(p.before) < abs(p.after);
-  float height = nearer ? p.before : p.after;
-  bool passes = (begins && ends) || (beyond && (begins || ends));
-  if (passes && abs(height) < kPortalReach * p.cosine) {
-    vec3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
+  REAL height = nearer ? p.before : p.after;
+  if (abs(height) < kPortalReach * p.cosine) {
+    VEC3 at = (nearer ? from : to) - d * (height * reciprocal(slope));
     p.triangles = portal_crossed(f, at, drawn);
   }
   return p;
 }
 
 /// The part of D of the pairs that light passes facet k first of.
-SHARED float portal_density_of_pairs(uint k, vec3 from, vec3 to, vec3 d, float per_length,
-                                     Drawn drawn) MEMBER_CONST {
-  float all = 0.0f;
-  PortalFacet facet = load_portal_facet(k);
+SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
+                                    Drawn drawn) MEMBER_CONST {
+  REAL all = 0.0f;
+  IN(PortalFacet) facet = load_portal_facet(k);
   PortalPassage of_f = portal_passage(facet, from, to, d, per_length, false, drawn);
-  float per_f = of_f.triangles > 0 ? reciprocal(of_f.cosine) : 0.0f;
+  REAL per_f = of_f.triangles > 0 ? reciprocal(of_f.cosine) : REAL(0.0f);
   uint end = of_f.triangles > 0 ? facet.end_pair : 0u;
   for (uint i = facet.first_pair; i < end; ++i) {
-    PortalPair pair = load_portal_pair(i);
+    IN(PortalPair) pair = load_portal_pair(i);
     PortalPassage of_g =
         portal_passage(load_portal_facet(pair.second), from, to, d, per_length, false, drawn);
     int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
     if (ways > 0) {
-      float per_g = reciprocal(of_g.cosine);
-      float apart = of_g.before * per_g - of_f.before * per_f;
-      all += float(ways) * pair.pdf * (apart * apart) * (per_f * per_g);
+      REAL per_g = reciprocal(of_g.cosine);
+      REAL apart = of_g.before * per_g - of_f.before * per_f;
+      all += REAL(ways) * pair.pdf * (apart * apart) * (per_f * per_g);
     }
   }
   return all;
 }
 /// The part of D that pairs have. `crossed`: those of the first 32 facets that are, a bit each: a
 /// group of lanes goes round as often as the one of them that crosses most.
-SHARED float portal_pair_density(uint crossed, vec3 from, vec3 to, vec3 d, float per_length,
-                                 Drawn drawn) MEMBER_CONST {
-  float all = 0.0f;
+SHARED REAL portal_pair_density(uint crossed, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
+                                Drawn drawn) MEMBER_CONST {
+  REAL all = 0.0f;
   uint rest = crossed;
   while (rest != 0u) {
     uint k = uint(findLSB(rest));
@@ -109,25 +140,18 @@ SHARED float portal_pair_density(uint crossed, vec3 from, vec3 to, vec3 d, float
   return all;
 }
 
-/// 1 / |d|; 0: no line to speak of.
-SHARED float portal_per_length(vec3 d) MEMBER_CONST {
-  float d2 = dot(d, d);
-  return d2 > 1e-36f ? inverse_root(d2) : 0.0f;
-}
-
 /// D of [eq. 4] of the segment `from` (light's side) -> `to` (camera's side); 0 when it crosses no
 /// triangle along its normal.
-SHARED float portal_density(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
+SHARED REAL portal_density(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   if (!scene_has_portals) return 0.0f;
-  float sum = 0.0f;
+  REAL sum = 0.0f;
   uint crossed = 0u;
-  vec3 d = to - from;
-  float per_length = portal_per_length(d);
-  if (per_length == 0.0f) return 0.0f;
+  VEC3 d = to - from;
+  REAL per_length = portal_per_length(d);
   for (uint f = 0u; f < guiding.facets; ++f) {
-    PortalFacet facet = load_portal_facet(f);
+    IN(PortalFacet) facet = load_portal_facet(f);
     PortalPassage p = portal_passage(facet, from, to, d, per_length, false, drawn);
-    sum += float(p.triangles) * facet.density;
+    sum += REAL(p.triangles) * facet.density;
     crossed |= p.triangles > 0 && f < 32u ? 1u << (f & 31u) : 0u;
   }
   if (portals_have_pairs) sum += portal_pair_density(crossed, from, to, d, per_length, drawn);
@@ -135,37 +159,36 @@ SHARED float portal_density(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
 }
 
 /// w_F(v), more than 0 off the plane.
-SHARED float portal_weight(PortalFacet f, vec3 v) MEMBER_CONST {
+SHARED REAL portal_weight(IN(PortalFacet) f, VEC3 v) MEMBER_CONST {
   if (guiding.facets == 1u) return 1.0f;
-  vec3 d = f.centre - v;
-  float d2 = dot(d, d);
+  VEC3 d = f.centre - v;
+  REAL d2 = dot(d, d);
   // Seen at a grazing angle a facet keeps a tenth of the weight.
-  float height = abs(dot(f.normal, d));
-  if (height * height < 0.01f * d2) height = 0.1f * root(d2);
-  float area = f.area;
-  float per_reach = inverse_root(d2 + area * 0.318309886f);
+  REAL height = abs(dot(f.normal, d));
+  if (height * height < REAL(0.01) * d2) height = REAL(0.1) * root(d2);
+  REAL area = f.area;
+  REAL per_reach = inverse_root(d2 + area * INVERSE_PI);
   return area * height * (per_reach * per_reach * per_reach);
 }
 
-SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
+SHARED Crossing portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   Crossing c = no_crossing();
   if (!scene_has_portals) return c;
   uint crossed = 0u;
-  vec3 d = to - from;
-  float per_length = portal_per_length(d);
-  if (per_length == 0.0f) return c;
+  VEC3 d = to - from;
+  REAL per_length = portal_per_length(d);
   for (uint f = 0u; f < guiding.facets; ++f) {
-    PortalFacet facet = load_portal_facet(f);
+    IN(PortalFacet) facet = load_portal_facet(f);
     PortalPassage p = portal_passage(facet, from, to, d, per_length, true, drawn);
     if (p.triangles == 0) continue;
     bool begins = p.before < -kPortalMargin;
     bool ends = p.after > kPortalMargin;
-    float n = float(p.triangles);
+    REAL n = REAL(p.triangles);
     if (begins && ends) c.density += n * facet.density;
     crossed |= begins && ends && f < 32u ? 1u << (f & 31u) : 0u;
     // d^2 / (cos A), where d is the height over the cosine.
-    float per_cosine = reciprocal(p.cosine);
-    float per_area = n * facet.per_area * (per_cosine * per_cosine * per_cosine);
+    REAL per_cosine = reciprocal(p.cosine);
+    REAL per_area = n * facet.per_area * (per_cosine * per_cosine * per_cosine);
     if (begins) c.from_light += portal_weight(facet, from) * (p.before * p.before) * per_area;
     if (ends) c.from_camera += portal_weight(facet, to) * (p.after * p.after) * per_area;
   }
@@ -175,11 +198,11 @@ SHARED Crossing portal_crossing(vec3 from, vec3 to, Drawn drawn) MEMBER_CONST {
 
 /// Whether x_l, x_c lie on either side of all that the segment was drawn through: one that was
 /// drawn through a pair and is stopped between them is of no use.
-SHARED bool segment_spans(Drawn drawn, vec3 x_l, vec3 x_c) MEMBER_CONST {
+SHARED bool segment_spans(Drawn drawn, VEC3 x_l, VEC3 x_c) MEMBER_CONST {
   for (int i = 0; i < 2; ++i) {
     int polygon = i == 0 ? drawn.polygon : drawn.second;
     if (polygon < 0) continue;
-    PortalFacet f = load_portal_facet(load_portal_polygon(uint(polygon)).facet);
+    IN(PortalFacet) f = load_portal_facet(load_portal_polygon(uint(polygon)).facet);
     if (!(portal_height(f, x_l) < -kPortalMargin && portal_height(f, x_c) > kPortalMargin))
       return false;
   }
@@ -187,12 +210,12 @@ SHARED bool segment_spans(Drawn drawn, vec3 x_l, vec3 x_c) MEMBER_CONST {
 }
 
 /// The polygon of first .. end-1 that u falls on, by its share of the area of all or of its facet.
-SHARED uint polygon_picked(uint first, uint end, bool of_all, float u) MEMBER_CONST {
+SHARED uint polygon_picked(uint first, uint end, bool of_all, REAL u) MEMBER_CONST {
   uint low = first;
   uint high = end - 1u;
   while (low < high) {
     uint middle = (low + high) >> 1u;
-    float up_to =
+    REAL up_to =
         of_all ? load_portal_polygon(middle).end_of_all : load_portal_polygon(middle).end_of_facet;
     if (u < up_to)
       high = middle;
@@ -202,23 +225,23 @@ SHARED uint polygon_picked(uint first, uint end, bool of_all, float u) MEMBER_CO
   return low;
 }
 
-SHARED vec3 point_in_polygon(uint i, float u, float v) MEMBER_CONST {
-  float b1 = 0.0f;
-  float b2 = 0.0f;
+SHARED VEC3 point_in_polygon(uint i, REAL u, REAL v) MEMBER_CONST {
+  REAL b1 = 0.0f;
+  REAL b2 = 0.0f;
   uniform_triangle(u, v, b1, b2);
-  PortalPolygon p = load_portal_polygon(i);
+  IN(PortalPolygon) p = load_portal_polygon(i);
   return p.p0 + (p.e1 * b1 + p.e2 * b2);
 }
 
-SHARED vec3 point_on_facet(uint f, float pick, float u, float v, OUT(int) polygon) MEMBER_CONST {
-  PortalFacet facet = load_portal_facet(f);
+SHARED VEC3 point_on_facet(uint f, REAL pick, REAL u, REAL v, OUT(int) polygon) MEMBER_CONST {
+  IN(PortalFacet) facet = load_portal_facet(f);
   uint i = polygon_picked(facet.first, facet.end, false, pick);
   polygon = int(i);
   return point_in_polygon(i, u, v);
 }
 
 /// Whether a corner of the facet is on the side of v that `facing` looks to (0: either).
-SHARED bool portal_above(PortalFacet f, vec3 v, vec3 facing) MEMBER_CONST {
+SHARED bool portal_above(IN(PortalFacet) f, VEC3 v, VEC3 facing) MEMBER_CONST {
   // Where the middle is, a corner is: but for rounding.
   bool above = is_zero(facing) || dot(facing, f.centre - v) > kPortalMargin;
   uint end = f.end_corner;
@@ -229,25 +252,25 @@ SHARED bool portal_above(PortalFacet f, vec3 v, vec3 facing) MEMBER_CONST {
 
 /// W at `v` of walks from either end: of the facets that have v on the side that such walks begin
 /// on, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
-SHARED void portal_aims(vec3 v, vec3 facing, OUT(float) from_light,
-                        OUT(float) from_camera) MEMBER_CONST {
-  float of_light = 0.0f;
-  float of_camera = 0.0f;
+SHARED void portal_aims(VEC3 v, VEC3 facing, OUT(REAL) from_light,
+                        OUT(REAL) from_camera) MEMBER_CONST {
+  REAL of_light = 0.0f;
+  REAL of_camera = 0.0f;
   uint facets = scene_has_portals ? guiding.facets : 0u;
   for (uint f = 0u; f < facets; ++f) {
-    PortalFacet facet = load_portal_facet(f);
-    float height = portal_height(facet, v);
-    float weight = portal_above(facet, v, facing) ? portal_weight(facet, v) : 0.0f;
-    of_light += height < -kPortalMargin ? weight : 0.0f;
-    of_camera += height > kPortalMargin ? weight : 0.0f;
+    IN(PortalFacet) facet = load_portal_facet(f);
+    REAL height = portal_height(facet, v);
+    REAL weight = portal_above(facet, v, facing) ? portal_weight(facet, v) : REAL(0.0f);
+    of_light += height < -kPortalMargin ? weight : REAL(0.0f);
+    of_camera += height > kPortalMargin ? weight : REAL(0.0f);
   }
   from_light = of_light;
   from_camera = of_camera;
 }
 /// The same of walks from one end.
-SHARED float portal_aims(vec3 v, vec3 facing, uint from) MEMBER_CONST {
-  float from_light = 0.0f;
-  float from_camera = 0.0f;
+SHARED REAL portal_aims(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
+  REAL from_light = 0.0f;
+  REAL from_camera = 0.0f;
   portal_aims(v, facing, from_light, from_camera);
   return from == FROM_LIGHT ? from_light : from_camera;
 }
@@ -255,14 +278,14 @@ SHARED float portal_aims(vec3 v, vec3 facing, uint from) MEMBER_CONST {
 /// Unit direction from `v` towards a facet; W must be that of portal_aims() for the same arguments,
 /// and more than 0. `u`, `v_`: place on the facet; `pick`: its choice. Returns the triangle aimed
 /// at.
-SHARED int portal_aim(vec3 v, vec3 facing, uint from, float W, float u, float v_, float pick,
-                      OUT(vec3) w) MEMBER_CONST {
-  float rest = pick * W;
+SHARED int portal_aim(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
+                      OUT(VEC3) w) MEMBER_CONST {
+  REAL rest = pick * W;
   uint chosen = 0u;
-  float weight = 1.0f;
+  REAL weight = 1.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    PortalFacet facet = load_portal_facet(f);
-    float height = portal_height(facet, v);
+    IN(PortalFacet) facet = load_portal_facet(f);
+    REAL height = portal_height(facet, v);
     if (!((from == FROM_LIGHT ? -height : height) > kPortalMargin)) continue;
     if (!portal_above(facet, v, facing)) continue;
     chosen = f;
@@ -271,55 +294,54 @@ SHARED int portal_aim(vec3 v, vec3 facing, uint from, float W, float u, float v_
     if (rest < 0.0f) break;
   }
   // What chose the facet within W chooses the triangle within the facet.
-  float within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
+  REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
   int polygon = 0;
-  vec3 at = point_on_facet(chosen, within, u, v_, polygon);
+  VEC3 at = point_on_facet(chosen, within, u, v_, polygon);
   w = normalized(at - v);
   return polygon;
 }
 
 /// A_F cos_F of parallel light along unit d; 0 edge on and from the front.
-SHARED float portal_across(PortalFacet f, vec3 d) MEMBER_CONST {
-  float cosine = dot(f.normal, d);
-  return cosine > kPortalEdgeOn ? f.area * cosine : 0.0f;
+SHARED REAL portal_across(IN(PortalFacet) f, VEC3 d) MEMBER_CONST {
+  REAL cosine = dot(f.normal, d);
+  return cosine > kPortalEdgeOn ? f.area * cosine : REAL(0.0f);
 }
 
 /// W of parallel light, which travels along unit `d`.
-SHARED float portal_aims_along(vec3 d) MEMBER_CONST {
-  float sum = 0.0f;
+SHARED REAL portal_aims_along(VEC3 d) MEMBER_CONST {
+  REAL sum = 0.0f;
   if (!scene_has_portals) return sum;
   for (uint f = 0u; f < guiding.facets; ++f) sum += portal_across(load_portal_facet(f), d);
   return sum;
 }
 
 /// The point that a line of it goes through; returns the triangle it lies on.
-SHARED int portal_aim_along(vec3 d, float W, float u, float v, float pick,
-                            OUT(vec3) at) MEMBER_CONST {
-  float rest = pick * W;
+SHARED int portal_aim_along(VEC3 d, REAL W, REAL u, REAL v, REAL pick, OUT(VEC3) at) MEMBER_CONST {
+  REAL rest = pick * W;
   uint chosen = 0u;
-  float weight = 1.0f;
+  REAL weight = 1.0f;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    float across = portal_across(load_portal_facet(f), d);
+    REAL across = portal_across(load_portal_facet(f), d);
     if (!(across > 0.0f)) continue;
     chosen = f;
     weight = across;
     rest -= weight;
     if (rest < 0.0f) break;
   }
-  float within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
+  REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
   int polygon = 0;
   at = point_on_facet(chosen, within, u, v, polygon);
   return polygon;
 }
 
 /// How many triangles the line along d that arrives at `to` crosses.
-SHARED int crossed_along(vec3 d, vec3 to, Drawn drawn) MEMBER_CONST {
+SHARED int crossed_along(VEC3 d, VEC3 to, Drawn drawn) MEMBER_CONST {
   int n = 0;
   for (uint f = 0u; f < guiding.facets; ++f) {
-    PortalFacet facet = load_portal_facet(f);
-    float cosine = dot(facet.normal, d);
+    IN(PortalFacet) facet = load_portal_facet(f);
+    REAL cosine = dot(facet.normal, d);
     if (!(cosine > kPortalEdgeOn)) continue;
-    float t = portal_height(facet, to) * reciprocal(cosine);
+    REAL t = portal_height(facet, to) * reciprocal(cosine);
     n += portal_crossed(facet, to - d * t, drawn);
   }
   return n;
@@ -327,11 +349,11 @@ SHARED int crossed_along(vec3 d, vec3 to, Drawn drawn) MEMBER_CONST {
 
 /// A segment: place on a triangle and direction, two numbers each, and three for their choice.
 /// There must be portals.
-SHARED SegmentDraw sample_segment(float u0, float u1, float u2, float u3, float u4, float u5,
-                                  float u6) MEMBER_CONST {
+SHARED SegmentDraw sample_segment(REAL u0, REAL u1, REAL u2, REAL u3, REAL u4, REAL u5,
+                                  REAL u6) MEMBER_CONST {
   SegmentDraw s;
   if (portals_have_pairs && u5 < guiding.pair_share) {
-    float u = u5 * guiding.per_pair_share;
+    REAL u = u5 * guiding.per_pair_share;
     uint low = 0u;
     uint high = guiding.pairs - 1u;
     while (low < high) {
@@ -343,11 +365,12 @@ SHARED SegmentDraw sample_segment(float u0, float u1, float u2, float u3, float 
     }
     int first = 0;
     int second = 0;
-    PortalPair pair = load_portal_pair(low);
+    IN(PortalPair) pair = load_portal_pair(low);
     s.position = point_on_facet(pair.first, u4, u0, u1, first);
-    vec3 to = point_on_facet(pair.second, u6, u2, u3, second);
+    VEC3 to = point_on_facet(pair.second, u6, u2, u3, second);
     s.direction = normalized(to - s.position);
-    s.drawn = drawn_through(first, second);
+    s.drawn.polygon = first;
+    s.drawn.second = second;
     s.portal = load_portal_polygon(first).portal;
     return s;
   }
@@ -355,14 +378,15 @@ SHARED SegmentDraw sample_segment(float u0, float u1, float u2, float u3, float 
   s.position = point_in_polygon(i, u0, u1);
   s.direction =
       normalized(cosine_hemisphere(load_portal_facet(load_portal_polygon(i).facet).normal, u2, u3));
-  s.drawn = drawn_through(int(i));
+  s.drawn.polygon = int(i);
+  s.drawn.second = -1;
   s.portal = load_portal_polygon(i).portal;
   return s;
 }
 
 /// Where both rays of a segment begin: behind the portal by half the margin, so that what lies in
 /// its plane, a pane as like as not, is met by one of them alone.
-SHARED vec3 segment_start(SegmentDraw s) MEMBER_CONST {
+SHARED VEC3 segment_start(SegmentDraw s) MEMBER_CONST {
   uint f = load_portal_polygon(s.drawn.polygon).facet;
   return s.position - load_portal_facet(f).normal * (0.5f * kPortalMargin);
 }

@@ -17,11 +17,6 @@ struct PortalTables {
   std::vector<shader::PortalCorner> corners;
   std::vector<shader::PortalPair> pairs;
   shader::GuideParameters guiding{};
-
- private:
-  void add_facets(const PortalSet& set);
-  void add_polygons(const PortalSet& set);
-  void add_pairs(const PortalSet& set);
 };
 
 }  // namespace tdpt

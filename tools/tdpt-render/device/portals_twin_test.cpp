@@ -480,7 +480,7 @@ TEST(portals_twin, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       const vec3 v = place(rng), facing = i % 4 == 0 ? vec3() : direction(rng), d = direction(rng);
       const uint32_t from = i % 2 == 0 ? FROM_LIGHT : FROM_CAMERA;
       const float u = number(rng), u2 = number(rng), pick = number(rng);
-      const double W = set.aims(Vec3d(v), Vec3d(facing), way(from));
+      const double W = set.aims(Vec3d(v), Vec3d(facing))[from];
       const float mine = twin.portal_aims(v, facing, from);
       if (W > 0 && mine > 0 && std::abs(mine / W - 1) < 1e-5) {
         ++n;

@@ -3,7 +3,47 @@
 #include <algorithm>
 #include <numbers>
 
-#include "libcommon/math/warp.h"
+#include "shaders/shared/warp.h"
+
+namespace tdpt::shader {
+
+// The text in doubles.
+struct PortalText {
+  using Real = double;
+  using Drawn = PortalSet::Drawn;
+  using Crossing = PortalSet::Crossing;
+  using SegmentDraw = PortalSet::Sample;
+  using PortalFacet = PortalFacetOf<double>;
+  using PortalPolygon = PortalPolygonOf<double>;
+  using PortalPair = PortalPairOf<double>;
+  struct PortalPassage {
+    double before, after, cosine;
+    int triangles;
+  };
+  struct Corner {
+    Vec3d at;
+  };
+  static constexpr double kPortalMargin = PortalSet::kMargin, kPortalEdgeOn = 1e-6;
+  static constexpr bool scene_has_portals = true;
+
+  const PortalSet& set;
+  bool portals_have_pairs = !set.pairs_.empty();
+  struct {
+    uint facets, polygons, pairs;
+    double pair_share, per_pair_share;
+  } guiding{static_cast<uint>(set.facets_.size()), static_cast<uint>(set.polygons_.size()),
+            static_cast<uint>(set.pairs_.size()), set.pair_share_, 1 / set.pair_share_};
+
+  const PortalFacet& load_portal_facet(uint i) const { return set.facets_[i]; }
+  const PortalPolygon& load_portal_polygon(uint i) const { return set.polygons_[i]; }
+  Corner load_portal_corner(uint i) const { return {set.corners_[i]}; }
+  const PortalPair& load_portal_pair(uint i) const { return set.pairs_[i]; }
+  static Crossing no_crossing() { return {}; }
+
+#include "shaders/shared/path/portals.h"
+};
+
+}  // namespace tdpt::shader
 
 namespace tdpt {
 
@@ -13,6 +53,19 @@ constexpr double kLeastTwiceArea = 1e-24;  // canonical; less is degenerate
 
 double twice_area(const Corners& t) {
   return length(cross(t[1] - t[0], t[2] - t[0]));
+}
+
+// Tells each entry the share that those up to and with it have of all of `weights`.
+template <class Tell>
+void tell_ends(const std::vector<double>& weights, const Tell& tell) {
+  double all = 0, sum = 0;
+  for (const double w : weights) all += w;
+  for (size_t i = 0; i < weights.size(); ++i)
+    tell(i, i + 1 == weights.size() ? 1 : std::min((sum += weights[i]) / all, 1.0));
+}
+
+uint32_t way(PortalSet::Way way) {
+  return way == PortalSet::Way::with_light ? shader::FROM_LIGHT : shader::FROM_CAMERA;
 }
 
 PlanarFacet turned_round(PlanarFacet facet) {
@@ -51,64 +104,71 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   if (empty()) return;
   std::vector<double> areas;
   double total = 0;
-  for (const Polygon& q : polygons_) {
+  for (const auto& q : polygons_) {
     areas.push_back(0.5 * length(cross(q.e1, q.e2)));
     total += areas.back();
   }
+  tell_ends(areas, [&](size_t i, double end) { polygons_[i].end_of_all = end; });
   // p(q) = A_q / total, so p(q) / (A_q pi) is the same for every triangle.
-  for (Polygon& q : polygons_) q.density = 1 / (total * std::numbers::pi);
-  table_ = CumulativeTable(areas);
+  for (Facet& f : facets_) f.density = 1 / (total * std::numbers::pi);
   make_pairs();
 }
 
 void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
+  constexpr double kBorder = 1e-4;
   Facet f;
   f.normal = facet.normal;
+  f.border = kBorder;
   f.first = static_cast<uint32_t>(polygons_.size());
+  f.first_corner = static_cast<uint32_t>(corners_.size());
   std::vector<double> areas;
   for (const Corners& corners : facet.triangles) {
     const double twice = twice_area(corners);
     if (!(twice > kLeastTwiceArea)) continue;
-    Polygon q;
+    auto& q = polygons_.emplace_back();
     q.portal = portal;
     q.facet = static_cast<uint32_t>(facets_.size());
     q.p0 = corners[0];
     q.e1 = corners[1] - q.p0;
     q.e2 = corners[2] - q.p0;
-    q.normal = f.normal;
-    q.grad1 = cross(q.e2, q.normal) / twice;
-    q.grad2 = cross(q.normal, q.e1) / twice;
-    polygons_.push_back(q);
+    q.grad1 = cross(q.e2, f.normal) / twice;
+    q.grad2 = cross(f.normal, q.e1) / twice;
     const double area = 0.5 * twice;
     f.centre = (f.centre * f.area + (q.p0 + (q.e1 + q.e2) / 3) * area) / (f.area + area);
     f.area += area;
     for (const Vec3d& corner : corners)
-      if (std::none_of(f.corners.begin(), f.corners.end(),
+      if (std::none_of(corners_.begin() + f.first_corner, corners_.end(),
                        [&](const Vec3d& c) { return length(c - corner) < 1e-9; }))
-        f.corners.push_back(corner);
+        corners_.push_back(corner);
     areas.push_back(area);
   }
   f.end = static_cast<uint32_t>(polygons_.size());
+  f.end_corner = static_cast<uint32_t>(corners_.size());
   if (f.end == f.first) return;
-  for (const Vec3d& corner : f.corners)
-    f.reach2 = std::max(f.reach2, dot(corner - f.centre, corner - f.centre));
-  f.p0 = polygons_[f.first].p0;
-  f.table = CumulativeTable(areas);
-  facets_.push_back(std::move(f));
+  for (const Vec3d& corner : corners_of(f))
+    f.reach2 = std::max(f.reach2, (1 + kBorder) * dot(corner - f.centre, corner - f.centre));
+  f.per_area = 1 / f.area;
+  tell_ends(areas, [&](size_t i, double end) { polygons_[f.first + i].end_of_facet = end; });
+  facets_.push_back(f);
 }
 
 std::vector<PortalSet::Outline> PortalSet::outlines() const {
   std::vector<Outline> all;
-  for (const Facet& f : facets_) all.push_back({f.normal, f.centre, f.area, f.corners});
+  for (const Facet& f : facets_) all.push_back({f.normal, f.centre, f.area, corners_of(f)});
   return all;
 }
 
 void PortalSet::make_pairs() {
   constexpr double kShare = 0.25;  // c
-  const auto all = [](const Facet& of, const Facet& f, double side) {
-    return std::all_of(of.corners.begin(), of.corners.end(), [&](const Vec3d& corner) {
-      return side * dot(f.normal, corner - f.p0) > kMargin;
-    });
+  struct Pair {
+    uint32_t first, second;
+    double etendue;  // A_F A_G cos_F cos_G / d^2, from centre to centre; p(F,G) is its share
+  };
+  std::vector<Pair> pairs;
+  const auto all = [&](const Facet& of, const Facet& f, double side) {
+    return std::all_of(
+        corners_.begin() + of.first_corner, corners_.begin() + of.end_corner,
+        [&](const Vec3d& corner) { return side * dot(f.normal, corner - f.centre) > kMargin; });
   };
   // A heap, the weakest of the kept on top.
   const auto stronger = [](const Pair& a, const Pair& b) { return a.etendue > b.etendue; };
@@ -119,214 +179,79 @@ void PortalSet::make_pairs() {
       const double cos_f = dot(f.normal, d), cos_g = dot(g.normal, d), d2 = dot(d, d);
       if (!(cos_f > 0 && cos_g > 0)) continue;
       const double etendue = f.area * g.area * cos_f * cos_g / (d2 * d2);
-      const bool full = pairs_.size() == kMostPairs;
-      if ((full && etendue <= pairs_[0].etendue) || !all(g, f, 1) || !all(f, g, -1)) continue;
+      const bool full = pairs.size() == kMostPairs;
+      if ((full && etendue <= pairs[0].etendue) || !all(g, f, 1) || !all(f, g, -1)) continue;
       if (full) {
-        std::pop_heap(pairs_.begin(), pairs_.end(), stronger);
-        pairs_.pop_back();
+        std::pop_heap(pairs.begin(), pairs.end(), stronger);
+        pairs.pop_back();
       }
-      pairs_.push_back({i, j, etendue, 0});
-      std::push_heap(pairs_.begin(), pairs_.end(), stronger);
+      pairs.push_back({i, j, etendue});
+      std::push_heap(pairs.begin(), pairs.end(), stronger);
     }
-  if (pairs_.empty()) return;
-  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& a, const Pair& b) {
+  if (pairs.empty()) return;
+  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);
   });
   std::vector<double> etendues;
-  for (const Pair& pair : pairs_) etendues.push_back(pair.etendue);
-  pair_table_ = CumulativeTable(etendues);
-  for (uint32_t i = 0; i < pairs_.size(); ++i) {
-    Facet& first = facets_[pairs_[i].first];
-    pairs_[i].pdf = kShare * pair_table_.pdf_1(i) / (first.area * facets_[pairs_[i].second].area);
-    if (first.end_pair == 0) first.first_pair = i;
-    first.end_pair = i + 1;
+  double total = 0;
+  for (const Pair& pair : pairs) {
+    etendues.push_back(pair.etendue);
+    total += pair.etendue;
   }
+  tell_ends(etendues, [&](size_t i, double end) {
+    const auto& [first, second, etendue] = pairs[i];
+    Facet& f = facets_[first];
+    pairs_.push_back(
+        {first, second, kShare * (etendue / total) / (f.area * facets_[second].area), end});
+    if (f.end_pair == 0) f.first_pair = static_cast<uint32_t>(i);
+    f.end_pair = static_cast<uint32_t>(i + 1);
+  });
   pair_share_ = kShare;
-  for (Polygon& q : polygons_) q.density *= 1 - kShare;
+  for (Facet& f : facets_) f.density *= 1 - kShare;
 }
 
-Vec3d PortalSet::point_in(int triangle, double u, double v) const {
-  const Polygon& q = polygon(triangle);
-  double b1, b2;
-  uniform_triangle(u, v, b1, b2);
-  return q.p0 + q.e1 * b1 + q.e2 * b2;
+// Flat: facets are large, and what each function needs of one is little.
+
+[[gnu::flatten]] double PortalSet::density(const Vec3d& from, const Vec3d& to,
+                                           const Drawn& drawn) const {
+  return shader::PortalText{*this}.portal_density(from, to, drawn);
 }
 
-Vec3d PortalSet::point_on(const Facet& f, double pick, double u, double v, int& triangle) const {
-  triangle = static_cast<int>(f.first + f.table.sample(pick));
-  return point_in(triangle, u, v);
+[[gnu::flatten]] PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
+                                                         const Drawn& drawn) const {
+  return shader::PortalText{*this}.portal_crossing(from, to, drawn);
 }
 
-double PortalSet::weight(const Facet& f, const Vec3d& v) const {
-  if (facets_.size() == 1) return 1;
-  const Vec3d d = f.centre - v;
-  const double d2 = dot(d, d);
-  // Seen at a grazing angle a facet keeps a tenth of the weight.
-  double height = std::abs(dot(f.normal, d));
-  if (height * height < 0.01 * d2) height = 0.1 * std::sqrt(d2);
-  const double reach = d2 + f.area / std::numbers::pi;
-  return f.area * height / (reach * std::sqrt(reach));
+[[gnu::flatten]] std::array<double, 2> PortalSet::aims(const Vec3d& v, const Vec3d& facing) const {
+  std::array<double, 2> W{};
+  shader::PortalText{*this}.portal_aims(v, facing, W[0], W[1]);
+  return W;
 }
 
-bool PortalSet::aimable(const Facet& f, const Vec3d& v, const Vec3d& facing, Way way) {
-  const double height = dot(f.normal, v - f.p0);
-  if (!(way == Way::with_light ? height < -kMargin : height > kMargin)) return false;
-  if (facing == Vec3d()) return true;
-  // Where the middle is, a corner is: but for rounding.
-  if (dot(facing, f.centre - v) > kMargin) return true;
-  for (const Vec3d& corner : f.corners)
-    if (dot(facing, corner - v) > 0) return true;
-  return false;
-}
-
-double PortalSet::aims(const Vec3d& v, const Vec3d& facing, Way way) const {
-  double sum = 0;
-  for (const Facet& f : facets_)
-    if (aimable(f, v, facing, way)) sum += weight(f, v);
-  return sum;
-}
-
-int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way way, double W,
+int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way along, double W,
                    const std::array<double, 3>& u, Vec3d& w) const {
-  double rest = u[2] * W;
-  const Facet* chosen = nullptr;
-  for (const Facet& f : facets_) {
-    if (!aimable(f, v, facing, way)) continue;
-    chosen = &f;
-    rest -= weight(f, v);
-    if (rest < 0) break;
-  }
-  // What chose the facet within W chooses the triangle within the facet.
-  const double within = std::clamp(1 + rest / weight(*chosen, v), 0.0, 1.0);
-  int triangle;
-  w = normalize(point_on(*chosen, within, u[0], u[1], triangle) - v);
-  return triangle;
+  return shader::PortalText{*this}.portal_aim(v, facing, way(along), W, u[0], u[1], u[2], w);
 }
 
 double PortalSet::aims_along(const Vec3d& d) const {
-  double sum = 0;
-  for (const Facet& f : facets_) sum += across(f, d);
-  return sum;
+  return shader::PortalText{*this}.portal_aims_along(d);
 }
 
 int PortalSet::aim_along(const Vec3d& d, double W, const std::array<double, 3>& u,
                          Vec3d& at) const {
-  double rest = u[2] * W;
-  const Facet* chosen = nullptr;
-  for (const Facet& f : facets_) {
-    if (!(across(f, d) > 0)) continue;
-    chosen = &f;
-    rest -= across(f, d);
-    if (rest < 0) break;
-  }
-  const double within = std::clamp(1 + rest / across(*chosen, d), 0.0, 1.0);
-  int triangle;
-  at = point_on(*chosen, within, u[0], u[1], triangle);
-  return triangle;
+  return shader::PortalText{*this}.portal_aim_along(d, W, u[0], u[1], u[2], at);
 }
 
 int PortalSet::crossed_along(const Vec3d& d, const Vec3d& to, const Drawn& drawn) const {
-  int n = 0;
-  for (const Facet& f : facets_) {
-    if (!(across(f, d) > 0)) continue;
-    const double t = dot(f.normal, f.p0 - to) / dot(f.normal, d);
-    n += crossed(f, to + d * t, drawn);
-  }
-  return n;
-}
-
-double PortalSet::across(const Facet& f, const Vec3d& d) {
-  constexpr double kEdgeOn = 1e-6;
-  const double cos = dot(f.normal, d);
-  return cos > kEdgeOn ? f.area * cos : 0;
-}
-
-int PortalSet::crossed(const Facet& f, const Vec3d& at, const Drawn& drawn) const {
-  constexpr double kBorder = 1e-4;
-  const auto within = [&](int triangle) {
-    return triangle >= static_cast<int>(f.first) && triangle < static_cast<int>(f.end);
-  };
-  const int here = within(drawn.polygon) ? drawn.polygon : within(drawn.second) ? drawn.second : -1;
-  if (here < 0 && dot(at - f.centre, at - f.centre) > f.reach2 * (1 + kBorder)) return 0;
-  int n = 0;
-  for (int i = static_cast<int>(f.first); i < static_cast<int>(f.end); ++i)
-    n += i == here || polygon(i).holds(at, here >= 0 ? kBorder : 0);
-  return n;
-}
-
-// D of [eq. 4].
-double PortalSet::density(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const {
-  double sum = 0;
-  const Vec3d d = to - from;
-  for (const Facet& f : facets_) {
-    const double before = dot(f.normal, from - f.p0);  // < 0 on the light's side
-    const double slope = dot(f.normal, d);
-    if (!(before < -kMargin && before + slope > kMargin)) continue;
-    sum += polygons_[f.first].density * crossed(f, from - d * (before / slope), drawn);
-  }
-  return sum > 0 && !pairs_.empty() ? sum + pair_density(from, d, drawn) : sum;
-}
-
-PortalSet::Passage PortalSet::passage(const Facet& f, const Vec3d& from, const Vec3d& d,
-                                      const Drawn& drawn) const {
-  const double before = dot(f.normal, from - f.p0);
-  const double slope = dot(f.normal, d);
-  if (!(before < -kMargin && before + slope > kMargin)) return {0, 0, 0};
-  const double t = -before / slope;
-  return {t, slope, crossed(f, from + d * t, drawn)};
-}
-
-double PortalSet::pair_density(const Vec3d& from, const Vec3d& d, const Drawn& drawn) const {
-  double all = 0;
-  for (const Facet& f : facets_) {
-    if (f.first_pair == f.end_pair) continue;
-    const Passage of_f = passage(f, from, d, drawn);
-    double sum = 0;
-    for (uint32_t i = f.first_pair; i < f.end_pair && of_f.triangles > 0; ++i) {
-      const Passage of_g = passage(facets_[pairs_[i].second], from, d, drawn);
-      const int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
-      if (ways == 0) continue;
-      // Distance and cosines by parts of d: (t1 - t0) |d| and slope / |d|.
-      const double d2 = dot(d, d), part = of_g.t - of_f.t;
-      sum += ways * pairs_[i].pdf * part * part * d2 * d2 / (of_f.slope * of_g.slope);
-    }
-    all += sum;
-  }
-  return all;
+  return shader::PortalText{*this}.crossed_along(d, to, drawn);
 }
 
 bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {
-  for (const int triangle : {drawn.polygon, drawn.second}) {
-    if (triangle < 0) continue;
-    const Facet& f = facets_[polygon(triangle).facet];
-    if (!(dot(f.normal, x_l - f.p0) < -kMargin && dot(f.normal, x_c - f.p0) > kMargin))
-      return false;
-  }
-  return true;
+  return shader::PortalText{*this}.segment_spans(drawn, x_l, x_c);
 }
 
-PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
-                                        const Drawn& drawn) const {
-  Crossing c{};
-  const Vec3d d = to - from;
-  for (const Facet& f : facets_) {
-    const double before = dot(f.normal, from - f.p0);
-    const double slope = dot(f.normal, d);
-    const bool begins = before < -kMargin;
-    const bool ends = before + slope > kMargin;
-    if (!(slope > 0) || !(begins || ends)) continue;
-    const double t = -before / slope;
-    const int n = crossed(f, from + d * t, drawn);
-    if (n == 0) continue;
-    if (begins && ends) c.density += n * polygons_[f.first].density;
-    // d^2 / (cos A), the distance along the edge t or 1 - t of it.
-    const double length2 = dot(d, d);
-    const double per_area = n * length2 * std::sqrt(length2) / (slope * f.area);
-    if (begins) c.from_light += weight(f, from) * t * t * per_area;
-    if (ends) c.from_camera += weight(f, to) * (1 - t) * (1 - t) * per_area;
-  }
-  if (c.density > 0 && !pairs_.empty()) c.density += pair_density(from, d, drawn);
-  return c;
+PortalSet::Sample PortalSet::sample(const std::array<double, 7>& u) const {
+  return shader::PortalText{*this}.sample_segment(u[0], u[1], u[2], u[3], u[4], u[5], u[6]);
 }
 
 PortalSet::Sample PortalSet::sample(Rng& rng) const {
@@ -335,22 +260,8 @@ PortalSet::Sample PortalSet::sample(Rng& rng) const {
   return sample(u);
 }
 
-// x_p and w of [eq. 4].
-PortalSet::Sample PortalSet::sample(const std::array<double, 7>& numbers) const {
-  const auto [u, v, s, t, pick, kind, other] = numbers;
-  Sample sample;
-  if (kind < pair_share_) {
-    const Pair& pair = pairs_[pair_table_.sample(kind / pair_share_)];
-    sample.position = point_on(facets_[pair.first], pick, u, v, sample.drawn.polygon);
-    const Vec3d to = point_on(facets_[pair.second], other, s, t, sample.drawn.second);
-    sample.direction = normalize(to - sample.position);
-    return sample;
-  }
-  const int i = static_cast<int>(table_.sample(pick));
-  sample.drawn.polygon = i;
-  sample.position = point_in(i, u, v);
-  sample.direction = normalize(Onb<double>(polygon(i).normal).to_world(cosine_hemisphere(s, t)));
-  return sample;
+Vec3d PortalSet::start(const Sample& sample) const {
+  return shader::PortalText{*this}.segment_start(sample);
 }
 
 }  // namespace tdpt

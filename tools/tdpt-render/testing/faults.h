@@ -9,14 +9,14 @@ namespace tdpt {
 struct PortalSetFaults {
   /// `factor` times the density of all segments.
   static PortalSet scaled(PortalSet set, double factor) {
-    for (PortalSet::Polygon& q : set.polygons_) q.density *= factor;
-    for (PortalSet::Pair& pair : set.pairs_) pair.pdf *= factor;
+    for (auto& f : set.facets_) f.density *= factor;
+    for (auto& pair : set.pairs_) pair.pdf *= factor;
     return set;
   }
   /// `factor` times that of segments to +x (along_x = 1) or to -x (-1).
   static void scale_one_way(PortalSet& set, double along_x, double factor) {
-    for (PortalSet::Polygon& q : set.polygons_)
-      if (q.normal.x * along_x > 0) q.density *= factor;
+    for (auto& f : set.facets_)
+      if (f.normal.x * along_x > 0) f.density *= factor;
   }
 };
 

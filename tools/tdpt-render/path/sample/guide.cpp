@@ -55,7 +55,7 @@ PortalSet::Crossing Guide::crossing(const Point& a, const Point& b, uint64_t& te
 
 double Guide::aims(const Point& v, const Vec3d& facing, From from) const {
   return v.at_infinity() ? portals_.aims_along(v.position)
-                         : portals_.aims(v.position, facing, way(from));
+                         : portals_.aims(v.position, facing)[index(from)];
 }
 
 void Guide::aim_at_surface(const Vec3d& away, Vertex& v) const {

@@ -459,9 +459,7 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
   for (const From from : {From::light, From::camera}) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
-      const double all = s.world.portals.aims(
-          s.at.position, {},
-          from == From::light ? PortalSet::Way::with_light : PortalSet::Way::against_light);
+      const double all = s.world.portals.aims(s.at.position, {})[static_cast<size_t>(from)];
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
     });

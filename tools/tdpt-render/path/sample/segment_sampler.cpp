@@ -22,7 +22,7 @@ void PathSampler::segment_phase(const Walk& y, LightPool& pool) {
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
   PortalSegment& segment = pool.place_for_segment();
-  segment.portal = world_.portals.polygon(sample.drawn.polygon).portal;
+  segment.portal = sample.portal;
   ++tally_.portals[segment.portal].drawn;
   if (!draw_segment(sample, segment)) return;
 
@@ -47,8 +47,7 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   x_l = x_c = {};
   segment.presence = 1;
-  const Vec3f from(sample.position - world_.portals.polygon(sample.drawn.polygon).normal *
-                                         (0.5 * PortalSet::kMargin));
+  const Vec3f from(world_.portals.start(sample));
   const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
