@@ -34,6 +34,23 @@ using Source = uint;  // a scope in doubles has its own
 #define Source uint
 #endif
 
+/// What counts as on one side of a portal lies at least this far from its plane (canonical): where
+/// a portal lies in a surface, rounding would decide.
+const float kPlaneMargin = 2e-6f;
+
+/// How a walk came to a point: unit, the way back; 0: it begins there.
+#ifdef __cplusplus
+using Arrival = vec3;  // a scope in doubles has its own
+#else
+#define Arrival vec3
+#endif
+SHARED bool begins(Arrival back) {
+  return is_zero(back);
+}
+SHARED Arrival no_arrival() {
+  return vec3(0.0f, 0.0f, 0.0f);
+}
+
 #define TEXELS_OF_Coat(VEC, WORDS, PART)                                    \
   /* normal: unit, in the shading frame of what lies under it */            \
   /* strength: [0,1]; 0: none */                                            \

@@ -50,12 +50,15 @@ PortalTables::PortalTables(const PortalSet& set) {
     pairs.push_back(shader::PortalPair(pair));
     pairs.back().pdf = held(pair.pdf);
   }
-  guiding.facets = static_cast<uint32_t>(facets.size());
-  guiding.polygons = static_cast<uint32_t>(polygons.size());
-  guiding.pairs = static_cast<uint32_t>(pairs.size());
-  if (pairs.empty()) return;
-  guiding.pair_share = static_cast<float>(set.pair_share_);
-  guiding.per_pair_share = static_cast<float>(1 / set.pair_share_);
+  const PortalSet::Sizes& sizes = set.sizes_;
+  guiding = {sizes.facets,
+             sizes.polygons,
+             sizes.pairs,
+             static_cast<float>(sizes.pair_share),
+             static_cast<float>(sizes.per_pair_share),
+             0,
+             0,
+             0};
 }
 
 }  // namespace tdpt

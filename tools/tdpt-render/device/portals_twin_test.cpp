@@ -8,6 +8,7 @@
 #include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/statistics/chi_square.h"
+#include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/portal_twin.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
@@ -44,10 +45,6 @@ SegmentDraw draw(const PortalTwin& twin, Rng& rng) {
   std::array<float, 7> u;
   return draw(twin, u, rng);
 }
-PortalSet::Way way(uint32_t from) {
-  return from == FROM_LIGHT ? PortalSet::Way::with_light : PortalSet::Way::against_light;
-}
-
 // An edge that is likely to cross a portal, or ends short of it.
 std::pair<vec3, vec3> edge(const PortalTwin& twin, Rng& rng) {
   const SegmentDraw s = draw(twin, rng);
@@ -470,6 +467,7 @@ TEST(portals_twin, twin_lines_less_directed_than_their_density_says) {
 
 TEST(portals_twin, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
   for (const auto& [name, set] : all_portals()) {
+    const shader::PortalText doubles(set);
     const PortalTables tables(set);
     const PortalTwin twin(tables);
     double area = 0;
@@ -480,13 +478,13 @@ TEST(portals_twin, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       const vec3 v = place(rng), facing = i % 4 == 0 ? vec3() : direction(rng), d = direction(rng);
       const uint32_t from = i % 2 == 0 ? FROM_LIGHT : FROM_CAMERA;
       const float u = number(rng), u2 = number(rng), pick = number(rng);
-      const double W = set.aims(Vec3d(v), Vec3d(facing))[from];
+      const double W = doubles.portal_aims(Vec3d(v), Vec3d(facing), from);
       const float mine = twin.portal_aims(v, facing, from);
       if (W > 0 && mine > 0 && std::abs(mine / W - 1) < 1e-5) {
         ++n;
         Vec3d w;
         vec3 my_w;
-        const int triangle = set.aim(Vec3d(v), Vec3d(facing), way(from), W, {u, u2, pick}, w);
+        const int triangle = doubles.portal_aim(Vec3d(v), Vec3d(facing), from, W, u, u2, pick, w);
         others += triangle != twin.portal_aim(v, facing, from, mine, u, u2, pick, my_w) ||
                   length(w - Vec3d(my_w)) > 2e-5;
       } else {
@@ -498,7 +496,7 @@ TEST(portals_twin, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       Vec3d at;
       vec3 my_at;
       if (along < 0.01) continue;
-      const int triangle = set.aim_along(Vec3d(d), along, {u, u2, pick}, at);
+      const int triangle = doubles.portal_aim_along(Vec3d(d), along, u, u2, pick, at);
       others +=
           triangle != twin.portal_aim_along(d, twin.portal_aims_along(d), u, u2, pick, my_at) ||
           length(at - Vec3d(my_at)) > 1e-6;

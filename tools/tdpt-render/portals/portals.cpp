@@ -3,47 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "shaders/shared/warp.h"
-
-namespace tdpt::shader {
-
-// The text in doubles.
-struct PortalText {
-  using Real = double;
-  using Drawn = PortalSet::Drawn;
-  using Crossing = PortalSet::Crossing;
-  using SegmentDraw = PortalSet::Sample;
-  using PortalFacet = PortalFacetOf<double>;
-  using PortalPolygon = PortalPolygonOf<double>;
-  using PortalPair = PortalPairOf<double>;
-  struct PortalPassage {
-    double before, after, cosine;
-    int triangles;
-  };
-  struct Corner {
-    Vec3d at;
-  };
-  static constexpr double kPortalMargin = PortalSet::kMargin, kPortalEdgeOn = 1e-6;
-  static constexpr bool scene_has_portals = true;
-
-  const PortalSet& set;
-  bool portals_have_pairs = !set.pairs_.empty();
-  struct {
-    uint facets, polygons, pairs;
-    double pair_share, per_pair_share;
-  } guiding{static_cast<uint>(set.facets_.size()), static_cast<uint>(set.polygons_.size()),
-            static_cast<uint>(set.pairs_.size()), set.pair_share_, 1 / set.pair_share_};
-
-  const PortalFacet& load_portal_facet(uint i) const { return set.facets_[i]; }
-  const PortalPolygon& load_portal_polygon(uint i) const { return set.polygons_[i]; }
-  Corner load_portal_corner(uint i) const { return {set.corners_[i]}; }
-  const PortalPair& load_portal_pair(uint i) const { return set.pairs_[i]; }
-  static Crossing no_crossing() { return {}; }
-
-#include "shaders/shared/path/portals.h"
-};
-
-}  // namespace tdpt::shader
+#include "tools/tdpt-render/portals/portal_text.h"
 
 namespace tdpt {
 
@@ -62,10 +22,6 @@ void tell_ends(const std::vector<double>& weights, const Tell& tell) {
   for (const double w : weights) all += w;
   for (size_t i = 0; i < weights.size(); ++i)
     tell(i, i + 1 == weights.size() ? 1 : std::min((sum += weights[i]) / all, 1.0));
-}
-
-uint32_t way(PortalSet::Way way) {
-  return way == PortalSet::Way::with_light ? shader::FROM_LIGHT : shader::FROM_CAMERA;
 }
 
 PlanarFacet turned_round(PlanarFacet facet) {
@@ -101,6 +57,8 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
         add_facet(turned_round(facet), static_cast<uint32_t>(portals_));
     ++portals_;
   }
+  sizes_.facets = static_cast<uint32_t>(facets_.size());
+  sizes_.polygons = static_cast<uint32_t>(polygons_.size());
   if (empty()) return;
   std::vector<double> areas;
   double total = 0;
@@ -206,7 +164,9 @@ void PortalSet::make_pairs() {
     if (f.end_pair == 0) f.first_pair = static_cast<uint32_t>(i);
     f.end_pair = static_cast<uint32_t>(i + 1);
   });
-  pair_share_ = kShare;
+  sizes_.pairs = static_cast<uint32_t>(pairs_.size());
+  sizes_.pair_share = kShare;
+  sizes_.per_pair_share = 1 / kShare;
   for (Facet& f : facets_) f.density *= 1 - kShare;
 }
 
@@ -222,28 +182,8 @@ void PortalSet::make_pairs() {
   return shader::PortalText{*this}.portal_crossing(from, to, drawn);
 }
 
-[[gnu::flatten]] std::array<double, 2> PortalSet::aims(const Vec3d& v, const Vec3d& facing) const {
-  std::array<double, 2> W{};
-  shader::PortalText{*this}.portal_aims(v, facing, W[0], W[1]);
-  return W;
-}
-
-int PortalSet::aim(const Vec3d& v, const Vec3d& facing, Way along, double W,
-                   const std::array<double, 3>& u, Vec3d& w) const {
-  return shader::PortalText{*this}.portal_aim(v, facing, way(along), W, u[0], u[1], u[2], w);
-}
-
 double PortalSet::aims_along(const Vec3d& d) const {
   return shader::PortalText{*this}.portal_aims_along(d);
-}
-
-int PortalSet::aim_along(const Vec3d& d, double W, const std::array<double, 3>& u,
-                         Vec3d& at) const {
-  return shader::PortalText{*this}.portal_aim_along(d, W, u[0], u[1], u[2], at);
-}
-
-int PortalSet::crossed_along(const Vec3d& d, const Vec3d& to, const Drawn& drawn) const {
-  return shader::PortalText{*this}.crossed_along(d, to, drawn);
 }
 
 bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {

@@ -42,9 +42,8 @@ class PortalSet {
   /// that is an eighth more instructions.
   static constexpr size_t kMostPairs = 128;
 
-  /// A portal counts only for segments that begin and end at least this far from its plane
-  /// (canonical): where a portal lies in a surface, rounding would decide what crosses it.
-  static constexpr double kMargin = 2e-6;
+  /// A portal counts only for segments that begin and end at least this far from its plane.
+  static inline const double kMargin = shader::kPlaneMargin;
 
   /// Triangles that a segment was drawn through, the second of a pair; -1: none. They are counted
   /// as crossed, as borders round either way, and a neighbour in their plane only when the crossing
@@ -67,25 +66,8 @@ class PortalSet {
   };
   Crossing crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
 
-  /// Which way a walk goes through the portals: with the light or against it.
-  enum class Way { with_light, against_light };
-  /// W at `v`, of either way: of the facets that have v on the side that the way begins on, and a
-  /// corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
-  std::array<double, 2> aims(const Vec3d& v, const Vec3d& facing) const;
-  /// Unit direction from `v` towards a facet; W must be that of aims() for the same arguments.
-  /// `u`: place on the facet, two numbers, and its choice. Returns the triangle aimed at.
-  int aim(const Vec3d& v, const Vec3d& facing, Way way, double W, const std::array<double, 3>& u,
-          Vec3d& w) const;
-
-  // The same for parallel light, which travels along unit `d`: a line is drawn through a facet, one
-  // in proportion to A_F cos_F, and a point uniform on it, so that all lines through portals are
-  // alike: per area across d each has the density n / W, n the triangles it crosses.
-  /// W.
+  /// W of parallel light, which travels along unit `d`.
   double aims_along(const Vec3d& d) const;
-  /// The point that the line goes through; returns the triangle it lies on.
-  int aim_along(const Vec3d& d, double W, const std::array<double, 3>& u, Vec3d& at) const;
-  /// n of the line along d that arrives at `to`.
-  int crossed_along(const Vec3d& d, const Vec3d& to, const Drawn& drawn) const;
 
   struct Sample {
     Drawn drawn;
@@ -130,7 +112,11 @@ class PortalSet {
   std::vector<shader::PortalPolygonOf<double>> polygons_;
   std::vector<Vec3d> corners_;  // of facets, each once
   std::vector<shader::PortalPairOf<double>> pairs_;
-  double pair_share_ = 0;  ///< c
+  /// Of the tables, and of the segments the share c that is drawn through pairs.
+  struct Sizes {
+    uint32_t facets = 0, polygons = 0, pairs = 0;
+    double pair_share = 0, per_pair_share = 0;
+  } sizes_;
   size_t portals_ = 0;
 };
 

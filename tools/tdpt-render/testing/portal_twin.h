@@ -9,6 +9,7 @@ namespace tdpt::shader {
 
 /// Refers to the tables.
 struct PortalTwin {
+  using Real = float;
   TABLES_OF_PORTALS(REFERS_TO)
   GuideParameters guiding;
   TrialParameters render{0.7f, 0.4f};

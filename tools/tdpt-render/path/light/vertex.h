@@ -12,9 +12,10 @@ namespace tdpt {
 /// Where walks may be directed from a point: W of what they can aim at [portals.h], 0 where that is
 /// nothing (Guide).
 struct Aims {
-  Vec3d facing{};                     ///< side of the surface that the path's edges are on; 0: both
-  std::array<double, 2> scattered{};  ///< of a walk from the light, from the camera, scattered here
-  double emitted = 0;                 ///< of a walk that begins here
+  Vec3d facing{};  ///< side of the surface that the path's edges are on; 0: both
+  double from_light = 0, from_camera = 0;  ///< of a walk from there that is scattered here
+  double emitted = 0;                      ///< of a walk that begins here
+  double of(From from) const { return from == From::light ? from_light : from_camera; }
 };
 
 /// What next events know of a point [next_event.h].

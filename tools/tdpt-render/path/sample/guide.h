@@ -1,29 +1,14 @@
-// Path guiding by the portals: where a walk stands on the side of a portal that it begins on, its
-// next direction is drawn towards a point on the portal with some probability ("the walk is
-// directed"), and as the surface scatters otherwise.
-//
-// Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
-// its density is known in closed form, nothing is learnt.
-//
-// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at most:
-//       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
-//       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
-// p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
-// m     probability that no Dirac lobe was tried: those lobes are left as they are
-// b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
-//       that it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
-//       direction that it is looked at from
-//
-//   pdf_w = (1-qb) p(w) + qb m a(w),
-//
-// and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
-// these; nothing else changes. Every walk is guided: what plain ones gain where lamps are seen
-// directly, MIS sample weights of next events gain without loss elsewhere [mixture.h].
+// Path guiding by the portals [shaders/shared/path/guide.h], in doubles: how a mixture's walks are
+// directed.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/light/vertex.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 #include "tools/tdpt-render/path/sample/world.h"
+
+namespace tdpt::shader {
+struct GuideText;
+}
 
 namespace tdpt {
 
@@ -59,9 +44,7 @@ class Guide {
   void aim_at_light(Vertex& v) const;
 
   /// Whether there is anything to aim at from a surface.
-  bool may_aim(const Vertex& v, From from) const {
-    return v.aims.scattered[static_cast<size_t>(from)] > 0;
-  }
+  bool may_aim(const Vertex& v, From from) const { return v.aims.of(from) > 0; }
   /// Whether a walk at `v` (`in` null: that begins there) is directed, and then the direction and
   /// the triangle aimed at. `u`: as in PortalSet::aim, and whether.
   bool draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
@@ -75,9 +58,9 @@ class Guide {
   /// density [1/canonical area], from the plain one and the edge's crossing.
   double pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e, const Point& to,
                double plain_A, const PortalSet::Crossing& crossing) const {
-    if (!(plain_A > 0 && chance(from) > 0)) return plain_A;
-    const double W = in ? at.aims.scattered[static_cast<size_t>(from)] : at.aims.emitted;
-    return W > 0 ? mixed_pdf_A(from, at, in, e, to, plain_A, crossing, W) : plain_A;
+    const bool may = plain_A > 0 && guiding_.chance[static_cast<size_t>(from)] > 0;
+    const double W = in ? at.aims.of(from) : at.aims.emitted;
+    return may && W > 0 ? mixed_pdf_A(from, at, in, e, to, plain_A, crossing, W) : plain_A;
   }
 
  private:
@@ -87,12 +70,10 @@ class Guide {
         active_(active && !world.portals.empty()),
         sees_portals_(sees_portals && !world.portals.empty()),
         looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
-  double chance(From from) const { return guiding_.chance[static_cast<size_t>(from)]; }
-  double chance(From from, const Vertex& v, const Incidence* in) const;
   double mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
                      const Point& to, double plain_A, const PortalSet::Crossing& crossing,
                      double W) const;
-  double aims(const Point& v, const Vec3d& facing, From from) const;
+  shader::GuideText text() const;
 
   const PortalSet& portals_;
   Guiding guiding_;

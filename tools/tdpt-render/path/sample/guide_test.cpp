@@ -10,6 +10,7 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/surface.h"
 #include "tools/tdpt-render/path/sample/walk.h"
+#include "tools/tdpt-render/portals/portal_text.h"
 
 namespace tdpt::guide_test {
 
@@ -160,7 +161,8 @@ struct Stand {
     return guide.pdf_A(from, at, from_where, e, to, plain, c) * e.d2 / to.cosine(e.w);
   }
   double& aim() {  // W
-    return back == Vec3d() ? at.aims.emitted : at.aims.scattered[from == From::light ? 0 : 1];
+    if (back == Vec3d()) return at.aims.emitted;
+    return from == From::light ? at.aims.from_light : at.aims.from_camera;
   }
   double aim() const { return Stand(*this).aim(); }
 };
@@ -459,7 +461,8 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
   for (const From from : {From::light, From::camera}) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
-      const double all = s.world.portals.aims(s.at.position, {})[static_cast<size_t>(from)];
+      const double all = shader::PortalText(s.world.portals)
+                             .portal_aims(s.at.position, Vec3d(), static_cast<uint32_t>(from));
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
     });
