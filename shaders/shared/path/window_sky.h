@@ -49,7 +49,7 @@ SHARED REAL in_cells(IN(WindowFrame) frame, REAL x, REAL z) MEMBER_CONST {
 SHARED bool sees_window(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
                         VEC3 facing) MEMBER_CONST {
   REAL height = window.z - at.z;
-  if (!(height > REAL(2e-6))) return false;
+  if (!(height > kPlaneMargin)) return false;
   if (is_zero(facing)) return true;
   VEC3 front = to_frame(frame, facing);
   return front.x * ((front.x > 0.0f ? window.x1 : window.x0) - at.x) +
