@@ -285,9 +285,8 @@ double worst_of_triangles(const PortalSet& set, double fault) {
     for (size_t k = 0; k < set.size(); ++k) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, d);
-      if (!(slope > 0) ||
-          !q.holds(Vec3d(from) + d * (dot(q.normal, q.p0 - Vec3d(from)) / slope), 0))
-        continue;
+      const Vec3d at = Vec3d(from) + d * (dot(q.normal, q.p0 - Vec3d(from)) / slope);
+      if (!(slope > 0) || !shader::PortalText(set).polygon_holds(q, at, 0)) continue;
       add(k, value);
       all += value;
     }

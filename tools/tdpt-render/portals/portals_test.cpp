@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/tdpt-render/portals/portal_text.h"
 #include "tools/tdpt-render/testing/faults.h"
 
 namespace tdpt::portals_test {
@@ -209,10 +210,8 @@ double worst_of_triangles(const PortalSet& set, double fault) {
     for (size_t k = 0; k < set.size(); ++k) {
       const PortalSet::Polygon& q = set.polygon(static_cast<int>(k));
       const double slope = dot(q.normal, to - from);
-      if (!(slope > 0)) continue;
-      const Vec3d at = from + (to - from) * (dot(q.normal, q.p0 - from) / slope) - q.p0;
-      const double b1 = dot(q.grad1, at), b2 = dot(q.grad2, at);
-      if (!(b1 >= 0 && b2 >= 0 && b1 + b2 <= 1)) continue;
+      const Vec3d at = from + (to - from) * (dot(q.normal, q.p0 - from) / slope);
+      if (!(slope > 0) || !shader::PortalText(set).polygon_holds(q, at, 0)) continue;
       add(k, value);
       all += value;
     }
