@@ -119,7 +119,8 @@ class Path {
   const Vertex& x(int i) const { return vertex(i); }
   /// x_i -> x_{i+1}; nothing beyond the ends.
   Edge edge(int i) const { return i < 0 || i >= k_ ? Edge{} : between(x(i), x(i + 1)); }
-  double strategies(const Mixture& mixture, const WalkDensities& d, Strategy used, bool power) const;
+  double strategies(const Mixture& mixture, const WalkDensities& d, Strategy used,
+                    bool power) const;
   /// p_AA of x_i -> x_{i+1}, which is not the camera's own.
   double pair_A(int i) const;
 
