@@ -23,8 +23,9 @@ struct Explored {
   uint64_t samples = 0;          ///< that were drawn
 };
 
-/// Share of a picture's samples that it may take, and how many are enough or tell nothing.
-inline constexpr double kExplorationsShare = 0.005, kExplorationEnough = 3072,
+/// Share of a picture's samples that it may take, beside a scout and where there is none, and how
+/// many are enough or tell nothing.
+inline constexpr double kShareBesideScout = 0.005, kShareAlone = 0.02, kExplorationEnough = 3072,
                         kExplorationFewest = 128;
 
 /// A function of scene, camera, aspect of the picture, portals, rules and `samples`: the small

@@ -143,7 +143,8 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   const bool asks_for_depth = sampled && settings.max_depth < kMaxDepth;
   const std::vector<Portal> probed = choice.probed ? portals : std::vector<Portal>();
   if (!probed.empty() || choice.by_arrival || asks_for_depth) {
-    const double samples = std::clamp(kExplorationsShare * samples_foreseen(settings, world.film),
+    const double share = request.automatic ? kShareBesideScout : kShareAlone;
+    const double samples = std::clamp(share * samples_foreseen(settings, world.film),
                                       kExplorationFewest, kExplorationEnough);
     const Explored explored =
         explore(world, camera, probed, settings.max_depth, settings.seed, samples);
