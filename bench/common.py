@@ -270,7 +270,7 @@ class Bench:
         """The file of a scene, None where there is none. NAME-whole is scene NAME."""
         scenes = Path(self.settings.scenes)
         paths = (folder / f"{scene.removesuffix('-whole')}.glb"
-                 for folder in (TESTDATA / "scenes", scenes, scenes / "interiors"))
+                 for folder in (TESTDATA / "scenes", scenes, scenes / "interiors", scenes / "houses"))
         return next((path.resolve() for path in paths if path.exists()), None)
 
     def there(self, names):

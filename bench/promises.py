@@ -2,6 +2,7 @@
 picture has the error that was asked for (doc/target-error.md)."""
 import fileinput
 import functools
+import json
 import math
 import shutil
 from collections import Counter, defaultdict, namedtuple
@@ -12,7 +13,7 @@ import numpy as np
 import pages
 import stats
 from common import Setting, Stop, checked, settings
-from formats import portals_glb
+from formats import Builder, glb_parse, portals_glb
 
 # ---- Regret ----
 WITHOUT = ("bdpt", "nee")
@@ -32,10 +33,30 @@ DRAWN = {
     "classroom-lamps": [((-4.05, 0.9, 0.45), (0, 1.6, 0), (0, 0, 5.15)),
                         ((-4.05, 0.9, -5.7), (0, 1.6, 0), (0, 0, 5.25))],
 }
+# Buildings, of which NAME.openings.json lists the true openings, and cameras in them.
+HOUSES = {"jasmin-night": ("storeroom", "wc", "bedroom", "cellar"), "renga-house": ("corridor", "hall", "living"),
+          "institute-floor": ("corridor-west", "wc"), "niedri-house": ("landing", "kitchen"),
+          "sample-house-night": ("bedroom", "hall"), "five-zone-office": ("core",)}
 ALONE = ("two-rooms", "window", "cornell-box", "bathroom2", "veach-ajar", "kitchen", "bathroom", "living-room-lamps",
          "classroom-lamps")
 FOUND = ("two-rooms", "small-hole", "half-metre-hole", "door-ajar", "three-rooms", "veach-ajar", "cornell-box-portal",
          "bathroom2-channel")
+
+
+def openings_glb(building, camera):
+    """Portals in the openings through which light reaches the camera's room, towards it."""
+    document, _ = glb_parse(building.read_bytes())
+    room = next(n["extras"]["room"] for n in document["nodes"] if "camera" in n and n.get("name") == camera)
+    builder = Builder()
+    for opening in json.loads(building.with_suffix(".openings.json").read_text(encoding="utf-8")):
+        if opening["state"] == "closed" or room not in opening["rooms"]:
+            continue
+        corners = [np.array(c, float) for c in opening["polygon"]]
+        if opening["rooms"][1] != room:
+            corners.reverse()
+        fan = [i for k in range(1, len(corners) - 1) for i in (0, k, k + 1)]
+        builder.mesh(corners, fan, name=opening["name"])
+    return builder.content()
 
 
 class Regret:
@@ -89,9 +110,10 @@ def read_regret(lines):
 
 
 def portals_gain(cost):
-    """Efficiency of the best with portals over that of the best without; None where there are not both."""
-    with_portals = [c for i, c in cost.items() if i.startswith("tdpt-")]  # tdpt itself is no candidate
-    without = [c for i, c in cost.items() if not i.startswith("tdpt")]
+    """Efficiency of the best with portals over that of the best without; None where there are not both. A cost of 0 tells
+    that no light was met."""
+    with_portals = [c for i, c in cost.items() if i.startswith("tdpt-") and c > 0]  # tdpt itself is no candidate
+    without = [c for i, c in cost.items() if not i.startswith("tdpt") and c > 0]
     return min(without) / min(with_portals) if with_portals and without else None
 
 
@@ -121,6 +143,27 @@ def length_table(scenes, lengths):
                         "mean of the best of all", *each), rows)
 
 
+def kind_of(name):
+    _, plus, suffix = name.partition("+")
+    return {"": "no portals", "found": "portals that the stages find", "drawn": "windows drawn by hand",
+            "true": "true openings of buildings"}[suffix if plus else ""]
+
+
+def kind_table(scenes, lengths):
+    """Geometric means over scenes, with the interval of 95 % that their scatter tells."""
+    rows = []
+    for kind in dict.fromkeys(map(kind_of, scenes)):
+        of_kind = [s for name, s in scenes.items() if kind_of(name) == kind]
+        rows.append([kind, len(of_kind)])
+        for n in lengths:
+            logs = np.array([mean([math.log(e[1]) for e in s.efficiencies(n)]) for s in of_kind])
+            error = 1.96 * np.std(logs, ddof=1) / math.sqrt(len(logs)) if len(logs) > 1 else math.inf
+            middle = np.mean(logs)
+            rows[-1].append("%.2f [%.2f, %.2f]" % (math.exp(middle), math.exp(middle - error),
+                                                  min(1, math.exp(middle + error))))
+    return pages.table(("kind of scene", "scenes", *(f"{n} spp" for n in lengths)), rows)
+
+
 def verdict_table(scenes):
     lengths = sorted({length for s in scenes.values() for length, _ in s.told})
     rows, within, held = [], {n: [] for n in lengths}, {n: [] for n in lengths}
@@ -145,6 +188,8 @@ def regret_tables(scenes):
     return pages.sections(
         "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
         length_table(scenes, lengths),
+        "## By kind of scene\n\nEfficiency over that of the best of all: geometric means, and intervals of 95 % from the "
+        "scatter of scenes.", kind_table(scenes, lengths),
         "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.",
         scene_table(scenes, lengths),
         "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
@@ -159,15 +204,15 @@ def regret(bench):
     minutes on two quiet cores. ONLY: names of scenes, with +found or +drawn for those with portals."""
     s, texts = bench.settings, []
 
-    def measure(name, scene, *portal):
-        command = [bench.store.program("regret_bench"), scene, *portal, "--name", name, "--seconds",
+    def measure(name, scene, *portal, options=()):
+        command = [bench.store.program("regret_bench"), scene, *portal, *options, "--name", name, "--seconds",
                    f"{s.seconds_each:g}", "--seeds", s.seeds, "--width", 64, "--height", 48]
         sums = [bench.store.sum_of(path) for path in (command[0], scene, *portal)]
 
         def make(path):
             bench.say(name)
             path.write_text(checked(command).said, encoding="utf-8")
-        texts.append(bench.store.keep([*sums, *command[-9:]], make, ".txt").read_text(encoding="utf-8"))
+        texts.append(bench.store.keep([*sums, *options, *command[-10:]], make, ".txt").read_text(encoding="utf-8"))
 
     for names, suffix in ((ALONE, ""), (DRAWN, "+drawn"), (FOUND, "+found")):
         for name in (n for n in names if not s.only or n + suffix in s.only):
@@ -181,6 +226,14 @@ def regret(bench):
             elif suffix:
                 portal = (bench.portals(path).file,)
             measure(name + suffix, path, *portal)
+    for building, camera in ((b, c) for b, cameras in HOUSES.items() for c in cameras):
+        name = f"{building}.{camera}+true"
+        path = bench.find(building) if not s.only or name in s.only else None
+        if path:
+            portal = bench.cache / f"{building}.{camera}.true.glb"
+            portal.write_bytes(openings_glb(path, camera))
+            sky = path.with_suffix(".env.exr")
+            measure(name, path, portal, options=("--camera", camera, *(("--environment", str(sky)) if sky.exists() else ())))
     if not s.only:
         folder = bench.cache / "rooms"
         folder.mkdir(exist_ok=True)
@@ -201,7 +254,8 @@ integrator is the relMSE of one sample, from eight pictures of {s.seconds_each:g
 its efficiency is that of its choice, less the time of the choice. Of these small pictures the choice takes more than of
 large ones, which need no more samples for it.
 
-`+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`).
+`+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`); `+true`: in the
+true openings of the camera's room, as a building's list has them.
 
 {regret_tables(dict(sorted(measured.items())))}""")
 
