@@ -15,6 +15,8 @@ pack() {
   rm -rf $kit
   mkdir -p $kit/tools
   make tarball
+  cmake --preset release --log-level=WARNING
+  cmake --build --preset release --target device_test device_bench
   tar xf build/tdpt-*-linux-*.tar.gz -C $kit --strip-components 1
   for tool in device_test device_bench; do
     strip -o $kit/tools/$tool build/bin/$tool

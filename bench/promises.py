@@ -252,7 +252,8 @@ Written by `make bench-regret` ({bench.version()}). 64 x 48 pixels, paths of any
 integrator is the relMSE of one sample, from eight pictures of {s.seconds_each:g} CPU seconds in all; its efficiency is
 1 over that and its CPU time for a sample. `auto` chooses {s.seeds} times at each length, each time from other samples;
 its efficiency is that of its choice, less the time of the choice. Of these small pictures the choice takes more than of
-large ones, which need no more samples for it.
+large ones, which need no more samples for it. The exploration before is not in it: it looks at the portals once, by 3072
+samples, where a picture of these sizes has 128 to 3072.
 
 `+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`); `+true`: in the
 true openings of the camera's room, as a building's list has them.

@@ -53,7 +53,7 @@ double distance(const Rgb& a, const Rgb& b) {
 }
 double distance(const shader::Bsdf& a, const Bsdf& b) {
   double d = distance(a.diffuse, b.diffuse) + distance(a.f0, b.f0) + std::abs(a.f90 - b.f90) +
-             distance(a.through, b.through) + distance(a.sheen, b.sheen) +
+             distance(a.through, b.through) + distance(a.dip, b.dip) + distance(a.sheen, b.sheen) +
              std::abs(a.alpha - b.alpha) + std::abs(a.eta - b.eta) + (a.thin != b.thin);
   if (max_component(b.sheen) > 0) d += std::abs(a.sheen_alpha - b.sheen_alpha);
   d += std::abs(a.coat.strength - b.coat.strength);

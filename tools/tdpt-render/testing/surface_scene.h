@@ -66,6 +66,7 @@ class SurfaceHeap {
     if (m.plain) return m;
     if (i % 6 == 1) return pane(m);
     m.metallic = chance(0.3) ? unit_float() : 0;
+    if (m.metallic > 0 && chance(0.5)) m.dip = colour() * 4.0f;
     m.roughness = chance(0.2) ? 0 : unit_float();
     m.ior = chance(0.2) ? 1.0f : 1 + unit_float();
     m.specular = unit_float();

@@ -62,4 +62,26 @@ TEST(specular_glossiness, by_a_texture_of_two_texels) {
   EXPECT_NEAR(black.alpha, rough * rough, 1e-6);
 }
 
+// A conductor's, where a texture of metal halves it: reflectance and its dip follow.
+TEST(conductor, by_its_index_and_a_texture) {
+  const auto model = [](const Json& pbr) {
+    return Json{{"pbrMetallicRoughness", pbr},
+                {"extras", {{"tdpt_eta", {4.37, 4.37, 4.37}}, {"tdpt_k", {3.5, 3.5, 3.5}}}}};
+  };
+  const Bsdf whole = bsdf_at(testing::scene_with({model({{"roughnessFactor", 0.5}})}), 0.25);
+  const auto f0 = static_cast<float>((3.37 * 3.37 + 3.5 * 3.5) / (5.37 * 5.37 + 3.5 * 3.5));
+  expect_near(whole.f0, Rgb(f0));
+  expect_near(whole.diffuse, Rgb());
+  EXPECT_GT(whole.dip.x, 4);
+  const Scene textured =
+      testing::scene_with({model({{"metallicRoughnessTexture", {{"index", 0}}}})},
+                          testing::with(testing::kTwo, {{"magFilter", 9728}}));
+  const Bsdf half = bsdf_at(textured, 0.25);
+  const float metal = half.dip.x / whole.dip.x;
+  EXPECT_GT(metal, 0.05);
+  EXPECT_LT(metal, 0.95);
+  EXPECT_NEAR(half.f90, 1, 1e-5);
+  expect_near(half.f0, Rgb(f0 * metal + 0.04f * (1 - metal)));
+}
+
 }  // namespace tdpt::specular_glossiness_test

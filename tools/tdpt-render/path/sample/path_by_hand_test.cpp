@@ -12,7 +12,7 @@ Walk walk_of(int size) {
 }
 
 // Between two plates 1e-7 apart, by turns straight across and along: the densities of every
-// strategy lie hundreds of orders of magnitude below those of the common factor.
+// strategy lie thousands of orders of magnitude below those of the common factor.
 TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   const Scene scene = diffuse_rooms();
   const World world(scene, scene.camera(""), 16, 12, {});
@@ -20,9 +20,9 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
   Material grey;
   grey.base_color = Rgb(1);  // walks always go on
-  const int k = 60;
+  const int k = 1000;
   Walk y = walk_of(1), z = walk_of(k);
-  const Vec3d across = world.film.forward();  // the camera sees x_59 on its front
+  const Vec3d across = world.film.forward();  // the camera sees x_{k-1} on its front
   const Vec3d along = normalize(cross(across, Vec3d(0, 1, 0)));
   const auto place = [&](int i, Vertex& v) {
     v.position = world.film.position() + across * (0.3 + 1e-7 * (i % 2)) +
