@@ -9,7 +9,6 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr const char* kLights = "KHR_lights_punctual";
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 
 /// What it holds but for its camera, of which the picture knows nothing where it is not shown.
@@ -28,7 +27,8 @@ void check_node(Checker& c, Json& n, const std::string& at, bool shown) {
   if (c.tolerate(check_content)) return;
   for (const char* name : {"mesh", "skin", "weights"}) n.erase(name);
   if (!n.contains("extensions")) return;
-  for (const char* name : {kLights, kInstances}) n["extensions"].erase(name);
+  leave_out_light(n);
+  n["extensions"].erase(kInstances);
 }
 
 void mark_accessors_of_instances(Uses& uses, const Json& extensions) {
@@ -43,7 +43,7 @@ void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
   if (n.contains("camera")) uses.mark("cameras", n["camera"].get<size_t>());
   if (!visible) return;
   const Json extensions = n.value("extensions", Json::object());
-  if (extensions.contains(kLights)) uses.mark("lights", extensions[kLights]["light"].get<size_t>());
+  mark_light_of_node(uses, n);
   if (!n.contains("mesh")) return;
   uses.mark("meshes", n["mesh"].get<size_t>());
   if (n.contains("mesh") && n.contains("skin")) uses.mark("skins", n["skin"].get<size_t>());
@@ -108,13 +108,7 @@ void check_weights(Checker& c, Json& owner, const std::string& at) {
 }
 
 void check_node_extensions(Checker& c, Json& n, const std::string& at) {
-  if (const Json* e = c.check_extension(n, at, kLights, {integer("light", true)})) {
-    const Json& light = (*e)["light"];
-    const size_t lights = c.uses.of("lights").size();
-    if (light.get<uint64_t>() >= lights)
-      c.fail(at + ".extensions." + kLights + ".light", light,
-             fmt::format("an index into the {} lights", lights));
-  }
+  check_light_of_node(c, n, at);
   if (Json* e = c.check_extension(n, at, kInstances, {object("attributes", true)}))
     c.check((*e)["attributes"], at + ".extensions." + kInstances + ".attributes",
             {index("TRANSLATION", "accessors"), index("ROTATION", "accessors"),

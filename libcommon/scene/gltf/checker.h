@@ -238,13 +238,18 @@ void check_draco(Checker& checker, Json& primitive, const std::string& place);
 void check_meshopt_buffer(Checker& checker, Json& buffer, const std::string& place);
 void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
 
-/// Materials with their textures, and KHR_lights_punctual: how many, and each.
 void check_materials(Checker& checker, Json& root);
 void check_textures(Checker& checker, Json& root);
+
+/// Lights: how many, each, and what extensions say of a node that holds one.
 void count_lights(Checker& checker, Json& root);
 void check_lights(Checker& checker, Json& root);
+void check_light_of_node(Checker& checker, Json& node, const std::string& place);
+void mark_light_of_node(Uses& uses, const Json& node);
+/// Of a node with extensions.
+void leave_out_light(Json& node);
 
-/// Skins, and what extensions say of nodes besides their lights.
+/// Skins, and what extensions say of nodes.
 void check_skins(Checker& checker, Json& root);
 void check_node_extensions(Checker& checker, Json& node, const std::string& place);
 /// Weights of morph targets: a node's or a mesh's.

@@ -20,41 +20,44 @@ Vec3d direction_of(const Vec3d& v) {
 
 }  // namespace
 
-std::optional<PunctualLight> read_light(const Document& d, const PlacedNode& n, size_t& flat) {
-  const Json& node = d.json["nodes"][n.node];
-  if (!node.contains("extensions") || !node["extensions"].contains(kName)) return {};
-  const auto index = node["extensions"][kName]["light"].get<size_t>();
-  const Json& l = d.json["extensions"][kName]["lights"][index];
+void LightReader::add(const PlacedNode& n) {
+  const Json extensions = d_.json["nodes"][n.node].value("extensions", Json::object());
+  if (extensions.contains(kName)) add_punctual(n, extensions[kName]);
+}
+
+void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
+  const auto index = extension["light"].get<size_t>();
+  const Json& l = d_.json["extensions"][kName]["lights"][index];
   const std::string type = l["type"].get<std::string>();
 
   PunctualLight out;
   out.name = l.value("name", "");
-  if (out.name.empty()) out.name = node.value("name", "");
+  if (out.name.empty()) out.name = d_.json["nodes"][n.node].value("name", "");
   Vec3d colour(1);
   if (l.contains("color"))
     for (int c = 0; c < 3; ++c) colour[c] = l["color"][static_cast<size_t>(c)].get<double>();
   const Vec3d intensity = colour * l.value("intensity", 1.0);
-  if (max_component(intensity) <= 0) return {};
+  if (max_component(intensity) <= 0) return;
   if (!(max_component(intensity) <= kMost))
-    d.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
-           fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
+    d_.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
+            fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
   out.intensity = Rgb(intensity);
   out.position = n.to_world().t;
-  if (type == "point") return out;
+  if (type == "point") return scene_.lights.push_back(out);
   out.direction = direction_of(-n.to_world().z);
   if (out.direction == Vec3d()) {
-    ++flat;
-    return {};
+    ++flat_;
+    return;
   }
   if (type == "directional") {
     out.kind = PunctualLight::Kind::directional;
-    return out;
+    return scene_.lights.push_back(out);
   }
   out.kind = PunctualLight::Kind::spot;
   const Json spot = l.value("spot", Json::object());
   out.cos_inner = std::cos(spot.value("innerConeAngle", 0.0));
   out.cos_outer = std::max(std::cos(spot.value("outerConeAngle", std::numbers::pi / 4)), 0.0);
-  return out;
+  scene_.lights.push_back(out);
 }
 
 std::string generator_of(const Document& d) {

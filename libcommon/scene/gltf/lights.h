@@ -1,18 +1,29 @@
 // KHR_lights_punctual. Internal to this room.
 #pragma once
-#include <optional>
-
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/nodes.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
 
-/// The light that a node holds, in metres as yet: position [m], intensity of points and spots
-/// [W/sr]. Nothing when it holds none or one without intensity, or when the node's transform leaves
-/// a spot or directional light no direction: then `flat` counts it.
-std::optional<PunctualLight> read_light(const Document& document, const PlacedNode& node,
-                                        size_t& flat);
+/// Adds the lights that nodes hold to the scene, in metres as yet: position [m], intensity of
+/// points and spots [W/sr].
+class LightReader {
+ public:
+  LightReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+
+  /// Nothing where it holds none, or one without intensity, or where its transform leaves a light
+  /// that has a direction none: such are counted.
+  void add(const PlacedNode& node);
+  size_t flat() const { return flat_; }
+
+ private:
+  void add_punctual(const PlacedNode& node, const nlohmann::json& extension);
+
+  const Document& d_;
+  Scene& scene_;
+  size_t flat_ = 0;
+};
 
 /// asset.generator; empty: not told.
 std::string generator_of(const Document& document);

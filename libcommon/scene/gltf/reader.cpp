@@ -30,7 +30,8 @@ constexpr double kCoarsest = 1e-4;  // rounding of vertices that nobody sees, in
 
 class SceneReader {
  public:
-  SceneReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+  SceneReader(const Document& document, Scene& scene)
+      : d_(document), scene_(scene), lights_(document, scene) {}
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
@@ -41,8 +42,7 @@ class SceneReader {
     meshes.run();
     for (const PlacedNode& n : nodes) {
       add_camera(n);
-      if (!n.visible) continue;
-      if (const auto light = read_light(d_, n, flat_lights_)) scene_.lights.push_back(*light);
+      if (n.visible) lights_.add(n);
     }
     scene_.by_blender = is_blender(generator_of(d_));
     if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
@@ -138,14 +138,15 @@ class SceneReader {
     tell(orthographic_, "orthographic camera", "is left out", "are left out");
     tell(flat_cameras_, "camera", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
-    tell(flat_lights_, "lamp", "is left out, as its transform is flat",
+    tell(lights_.flat(), "lamp", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
   }
 
   const Document& d_;
   Scene& scene_;
+  LightReader lights_;
   DistinctNames camera_names_;
-  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0, flat_lights_ = 0;
+  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
 };
 
 }  // namespace
