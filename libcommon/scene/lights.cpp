@@ -3,7 +3,9 @@
 #include <numeric>
 
 #include "libcommon/math/warp.h"
+#include "libcommon/scene/ies.h"
 #include "libcommon/scene/texture.h"
+#include "shaders/shared/elementary.h"
 
 namespace tdpt::shader {
 namespace {
@@ -12,6 +14,8 @@ namespace {
 struct Lamps {
   using Real = double;
   using Lamp = tdpt::Lamp;
+  const uint32_t* light_words = nullptr;  // of the one profile
+  const uint32_t& load_light_word(uint32_t i) const { return light_words[i]; }
 #include "shaders/shared/path/lamp.h"
 };
 
@@ -43,13 +47,14 @@ double mean_luminance(const Scene& scene, uint32_t triangle) {
 
 // Versine of the half angle that light leaves within.
 double cone(const PunctualLight& light) {
+  if (light.profile) return 1 - std::cos(light.profile->reach);
   return light.kind == Kind::spot ? 1 - light.cos_outer : 2;
 }
 
 }  // namespace
 
 Rgb LightSource::lamp_radiance(const Vec3d& w) const {
-  return Rgb(shader::Lamps().lamp_radiance(lamp_, w));
+  return Rgb(shader::Lamps{profile_ ? profile_->words.data() : nullptr}.lamp_radiance(lamp_, w));
 }
 
 double LightSource::lamp_pdf_w(const Vec3d& w) const {
@@ -69,6 +74,13 @@ LightSource LightSource::punctual(const PunctualLight& light, double extent) {
   // Rounding must not leave a lamp's way back outside.
   lamp.edge = spot ? lamp.cone : 4;
   lamp.per_edge = spot ? 1 / std::max(1e-15, light.cos_inner - light.cos_outer) : 1;
+  lamp.profile = shader::kNoProfile;
+  if (light.profile) {
+    source.profile_ = light.profile;
+    lamp.profile = 0, lamp.across = light.across;
+    // What leaves at the edge of its light, rounded, has a density.
+    lamp.edge = 1.0001 * lamp.cone, lamp.per_edge = 1e6 / lamp.cone;
+  }
   return source;
 }
 
@@ -102,7 +114,7 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
     const double extent =
         light.kind == Kind::directional ? pi * radius_ * radius_ : 2 * pi * cone(light);
     punctual_.push_back(LightSource::punctual(light, extent));
-    add(y * extent);
+    add(y * extent * (light.profile ? light.profile->mean : 1));
   }
   if (scene.sky) {
     directions_ = SkyDirections(*scene.sky);

@@ -41,6 +41,8 @@ class LightSource {
   /// Of a surface.
   bool both_sides() const { return both_sides_; }
   const Lamp& lamp() const { return lamp_; }
+  /// Of a lamp, or null.
+  const LightProfile* profile() const { return profile_.get(); }
   /// The side that it shines to, from a place with unit normal `front`; 0: all.
   Vec3d facing(const Vec3d& front) const { return is_surface_ && !both_sides_ ? front : Vec3d(); }
 
@@ -77,6 +79,7 @@ class LightSource {
   bool is_surface_, both_sides_ = false;
   const Sky* sky_ = nullptr;
   Lamp lamp_;  // the sky is parallel light from everywhere; a surface has but an extent
+  std::shared_ptr<const LightProfile> profile_;
   double pdf_1_ = 0;
 };
 

@@ -86,7 +86,9 @@ struct Material : shader::SurfaceMaterial {
   TextureMap sheen_roughness_map;  ///< A
 };
 
-/// A light without extent (KHR_lights_punctual), canonical frame.
+struct LightProfile;
+
+/// A light without extent (KHR_lights_punctual, EXT_lights_ies), canonical frame.
 struct PunctualLight {
   enum class Kind : uint8_t { point, spot, directional } kind = Kind::point;
   std::string name;
@@ -96,6 +98,9 @@ struct PunctualLight {
   /// with canonical d is irradiance [W/m2]. directional: irradiance on a plane across it [W/m2].
   Rgb intensity{};
   double cos_inner = 1, cos_outer = 0;  ///< spot: full light inside, none outside
+  /// point, or null: how it shines about `direction`; `intensity` is the greatest.
+  std::shared_ptr<const LightProfile> profile;
+  Vec3d across{1, 0, 0};  ///< of a profile: unit, orthogonal to `direction`; x of LightProfile
 };
 
 /// Counter-clockwise seen from the front: normal ~ cross(p1-p0, p2-p0).

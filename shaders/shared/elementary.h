@@ -91,6 +91,9 @@ inline double exponential(double x) {
 inline double power(double x, double y) {
   return std::pow(x, y);
 }
+inline double turns_of(double y, double x) {
+  return std::atan2(y, x) * (0.5 * std::numbers::inv_pi);
+}
 
 #endif
 

@@ -7,7 +7,7 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr const char* kLights = "KHR_lights_punctual";
+constexpr const char *kLights = "KHR_lights_punctual", *kProfiles = "EXT_lights_ies";
 
 void check_spot(Checker& c, Json& light, const std::string& at) {
   c.check(light, at, {object("spot")});
@@ -24,14 +24,39 @@ void check_spot(Checker& c, Json& light, const std::string& at) {
                                inner, outer));
 }
 
+// Profiles that a shown node names; the others are not read.
+void check_profiles(Checker& c, Json& root) {
+  if (!root.contains("extensions") || !root["extensions"].contains(kProfiles)) return;
+  Json& profiles = root["extensions"][kProfiles]["lights"];
+  const std::string where = fmt::format("extensions.{}.lights", kProfiles);
+  for (size_t i = 0; i < profiles.size(); ++i) {
+    if (!c.uses.has(kProfiles, i)) continue;
+    Json& p = profiles[i];
+    const std::string at = place(where.c_str(), i);
+    c.check(p, at, {text("uri"), index("bufferView", "bufferViews")});
+    if (p.contains("bufferView"))
+      c.uses.mark("bufferViews", p["bufferView"].get<size_t>());
+    else if (!p.contains("uri"))
+      c.fail_missing(at + ".uri", "a profile needs one or a bufferView");
+  }
+}
+
+void check_index_of_light(Checker& c, const Json& light, const std::string& at, const char* list) {
+  const size_t n = c.uses.of(list).size();
+  if (light.get<uint64_t>() >= n) c.fail(at, light, fmt::format("an index into the {} lights", n));
+}
+
 }  // namespace
 
 void count_lights(Checker& c, Json& root) {
-  const Json* const owner = c.check_extension(root, "", kLights, {objects("lights")});
-  c.uses.count("lights", owner ? owner->value("lights", Json::array()).size() : 0);
+  for (const auto& [name, list] : {std::pair(kLights, "lights"), {kProfiles, kProfiles}}) {
+    const Json* const owner = c.check_extension(root, "", name, {objects("lights")});
+    c.uses.count(list, owner ? owner->value("lights", Json::array()).size() : 0);
+  }
 }
 
 void check_lights(Checker& c, Json& root) {
+  check_profiles(c, root);
   if (!root.contains("extensions") || !root["extensions"].contains(kLights)) return;
   Json& owner = root["extensions"][kLights];
   const std::string where = std::string("extensions.") + kLights;
@@ -48,22 +73,22 @@ void check_lights(Checker& c, Json& root) {
 }
 
 void check_light_of_node(Checker& c, Json& n, const std::string& at) {
-  if (const Json* e = c.check_extension(n, at, kLights, {integer("light", true)})) {
-    const Json& light = (*e)["light"];
-    const size_t lights = c.uses.of("lights").size();
-    if (light.get<uint64_t>() >= lights)
-      c.fail(at + ".extensions." + kLights + ".light", light,
-             fmt::format("an index into the {} lights", lights));
-  }
+  if (const Json* e = c.check_extension(n, at, kLights, {integer("light", true)}))
+    check_index_of_light(c, (*e)["light"], at + ".extensions." + kLights + ".light", "lights");
+  if (const Json* e = c.check_extension(
+          n, at, kProfiles,
+          {integer("light", true), number("multiplier", false, 0), numbers("color", 3, 0)}))
+    check_index_of_light(c, (*e)["light"], at + ".extensions." + kProfiles + ".light", kProfiles);
 }
 
 void mark_light_of_node(Uses& uses, const Json& n) {
   const Json extensions = n.value("extensions", Json::object());
-  if (extensions.contains(kLights)) uses.mark("lights", extensions[kLights]["light"].get<size_t>());
+  for (const auto& [name, list] : {std::pair(kLights, "lights"), {kProfiles, kProfiles}})
+    if (extensions.contains(name)) uses.mark(list, extensions[name]["light"].get<size_t>());
 }
 
 void leave_out_light(Json& n) {
-  n["extensions"].erase(kLights);
+  for (const char* name : {kLights, kProfiles}) n["extensions"].erase(name);
 }
 
 }  // namespace tdpt::gltf

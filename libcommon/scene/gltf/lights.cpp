@@ -4,12 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "libcommon/base/hash.h"
+#include "libcommon/scene/ies.h"
+
 namespace tdpt::gltf {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kName = "KHR_lights_punctual";
+constexpr const char *kName = "KHR_lights_punctual", *kIes = "EXT_lights_ies";
 constexpr double kLeast = 1e-30, kMost = 1e30;
 
 /// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
@@ -18,11 +21,18 @@ Vec3d direction_of(const Vec3d& v) {
   return largest > 0 ? normalize(v / largest) : Vec3d();
 }
 
+void check_intensity(const Document& d, const char* extension, size_t index, const Vec3d& i) {
+  if (!(max_component(i) <= kMost))
+    d.fail(fmt::format("extensions.{}.{}", extension, place("lights", index)),
+           fmt::format("has an intensity of {}, expected at most 1e30", max_component(i)));
+}
+
 }  // namespace
 
 void LightReader::add(const PlacedNode& n) {
   const Json extensions = d_.json["nodes"][n.node].value("extensions", Json::object());
   if (extensions.contains(kName)) add_punctual(n, extensions[kName]);
+  if (extensions.contains(kIes)) add_luminaire(n, extensions[kIes]);
 }
 
 void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
@@ -38,9 +48,7 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
     for (int c = 0; c < 3; ++c) colour[c] = l["color"][static_cast<size_t>(c)].get<double>();
   const Vec3d intensity = colour * l.value("intensity", 1.0);
   if (max_component(intensity) <= 0) return;
-  if (!(max_component(intensity) <= kMost))
-    d_.fail(fmt::format("extensions.{}.{}", kName, place("lights", index)),
-            fmt::format("has an intensity of {}, expected at most 1e30", max_component(intensity)));
+  check_intensity(d_, kName, index, intensity);
   out.intensity = Rgb(intensity);
   out.position = n.to_world().t;
   if (type == "point") return scene_.lights.push_back(out);
@@ -60,6 +68,50 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
   scene_.lights.push_back(out);
 }
 
+std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
+  std::shared_ptr<const LightProfile>& known = profiles_[index];
+  if (known) return known;
+  const Json& json = d_.json["extensions"][kIes]["lights"][index];
+  const std::string where = fmt::format("extensions.{}.{}", kIes, place("lights", index));
+  std::string file, owned;
+  std::string_view text;
+  if (json.contains("bufferView"))
+    text = view_bytes(d_, json["bufferView"].get<size_t>());
+  else
+    text = owned = read_uri(d_, json["uri"].get<std::string>(), where + ".uri", file);
+  if (!file.empty()) {
+    scene_.files.push_back(file);
+    scene_.hash = content_hash(scene_.hash + owned);
+  }
+  known = std::make_shared<LightProfile>(
+      read_ies(text, file.empty() ? d_.file : file, file.empty() ? where : ""));
+  return known;
+}
+
+void LightReader::add_luminaire(const PlacedNode& n, const Json& extension) {
+  const auto index = extension["light"].get<size_t>();
+  PunctualLight out;
+  out.name = d_.json["nodes"][n.node].value("name", "");
+  out.profile = profile(index);
+  Vec3d colour(1);
+  if (extension.contains("color"))
+    for (int c = 0; c < 3; ++c)
+      colour[c] = std::min(extension["color"][static_cast<size_t>(c)].get<double>(), 1.0);
+  const Vec3d intensity = colour * (extension.value("multiplier", 1.0) * out.profile->peak);
+  if (max_component(intensity) <= 0) return;
+  check_intensity(d_, kIes, index, intensity);
+  out.intensity = Rgb(intensity);
+  const Affine& map = n.to_world();
+  out.position = map.t;
+  out.direction = direction_of(-map.z);
+  const Vec3d x = direction_of(map.x);
+  out.across = direction_of(x - out.direction * dot(x, out.direction));
+  if (out.direction == Vec3d() || out.across == Vec3d())
+    ++flat_;
+  else
+    scene_.lights.push_back(out);
+}
+
 std::string generator_of(const Document& d) {
   const Json& asset = d.json["asset"];
   if (!asset.contains("generator") || !asset["generator"].is_string()) return "";
@@ -68,7 +120,8 @@ std::string generator_of(const Document& d) {
 
 LampUnits lamp_units_of(const Document& d) {
   std::vector<LampNumber> numbers;
-  for (const Json& l : d.json["extensions"][kName]["lights"])
+  const Json all = d.json["extensions"].value(kName, Json::object());
+  for (const Json& l : all.value("lights", Json::array()))
     if (const double value = l.value("intensity", 1.0); value > 0)
       numbers.push_back({value, l["type"] == "directional"});
   return tdpt::lamp_units_of(generator_of(d), numbers);
@@ -80,7 +133,7 @@ void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {
   const Vec3d canonical = Vec3d(light.intensity) * frame.scale * frame.scale;
   const double most = max_component(canonical);
   if (!(most >= kLeast && most <= kMost))
-    d.fail(fmt::format("extensions.{}", kName),
+    d.fail(fmt::format("extensions.{}", light.profile ? kIes : kName),
            fmt::format("an intensity of {} W/sr is {} for a scene {} m long",
                        max_component(light.intensity), most > 1 ? "too much" : "too little",
                        2 / frame.scale));

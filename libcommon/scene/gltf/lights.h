@@ -1,5 +1,8 @@
-// KHR_lights_punctual. Internal to this room.
+// KHR_lights_punctual and EXT_lights_ies. Internal to this room.
 #pragma once
+#include <map>
+#include <memory>
+
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/nodes.h"
 #include "libcommon/scene/scene.h"
@@ -7,7 +10,8 @@
 namespace tdpt::gltf {
 
 /// Adds the lights that nodes hold to the scene, in metres as yet: position [m], intensity of
-/// points and spots [W/sr].
+/// points and spots [W/sr]. Profiles in files beside the scene are named in scene.files and change
+/// its hash.
 class LightReader {
  public:
   LightReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
@@ -19,10 +23,13 @@ class LightReader {
 
  private:
   void add_punctual(const PlacedNode& node, const nlohmann::json& extension);
+  void add_luminaire(const PlacedNode& node, const nlohmann::json& extension);
+  std::shared_ptr<const LightProfile> profile(size_t index);
 
   const Document& d_;
   Scene& scene_;
   size_t flat_ = 0;
+  std::map<size_t, std::shared_ptr<const LightProfile>> profiles_;
 };
 
 /// asset.generator; empty: not told.

@@ -6,6 +6,7 @@
 #include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/glb_builder.h"
+#include "libcommon/testing/files/ies_text.h"
 #include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::testing::lights_test {
@@ -151,6 +152,74 @@ TEST(PunctualLights, WhoWroteThemIsKnownWhereThereIsNone) {
   };
   EXPECT_FALSE(by_blender("FBX2glTF"));
   EXPECT_TRUE(by_blender("Khronos glTF Blender I/O v3.4.50"));
+}
+
+const testing::IesText kProfile{.multiplier = 3, .vertical = {0, 90}, .candela = {10, 4}};
+
+/// Two nodes with the first of `lights`.
+Scene luminaires(const Json& lights, const Json& extension, const TempFolder& folder) {
+  GlbBuilder b;
+  const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
+  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}})}});
+  b.json["extensions"]["EXT_lights_ies"]["lights"] = lights;
+  const double h = std::sqrt(0.5);
+  b.node({{"name", "a"},
+          {"translation", {1, 2, 3}},
+          {"rotation", {0, h, 0, h}},
+          {"scale", {3, 1, 2}},
+          {"extensions", {{"EXT_lights_ies", extension}}}});
+  b.node({{"extensions", {{"EXT_lights_ies", extension}}}});
+  return read_gltf(folder.write("scene.glb", b.glb()));
+}
+
+TEST(Luminaires, AimAlongMinusZOfTheirNodesAndTurnWithThem) {
+  const TempFolder folder;
+  const std::string uri = "data:;base64," + base64(kProfile.text());
+  const Scene s = luminaires({{{"uri", uri}}},
+                             {{"light", 0}, {"multiplier", 2}, {"color", {1, 0.5, 7}}}, folder);
+  ASSERT_EQ(s.lights.size(), 2u);
+  const PunctualLight& l = s.lights[0];
+  EXPECT_EQ(l.name, "a");
+  EXPECT_EQ(l.intensity, Rgb(60, 30, 60));  // colours beyond 1 are 1
+  expect_near(s.frame.to_metres(l.position), {1, 2, 3});
+  expect_near(l.direction, {-1, 0, 0});
+  expect_near(l.across, {0, 0, -1});
+  EXPECT_EQ(l.profile, s.lights[1].profile);
+  EXPECT_EQ(s.needs, std::vector<std::string>{"punctual lights"});
+  EXPECT_EQ(s.lamp_units.kind, LampUnits::Kind::radiometric);
+}
+
+TEST(Luminaires, ProfilesLieBesideTheScene) {
+  const TempFolder folder;
+  const Json lights = {{{"uri", "my%20lamp.ies"}}, {{"uri", "nobody asks for it.ies"}}};
+  EXPECT_THROW(luminaires(lights, {{"light", 0}}, folder), InputError);
+  folder.write("my lamp.ies", kProfile.text());
+  const Scene s = luminaires(lights, {{"light", 0}}, folder);
+  EXPECT_EQ(s.lights.size(), 2u);
+  ASSERT_EQ(s.files.size(), 1u);
+  EXPECT_TRUE(s.files[0].ends_with("my lamp.ies"));
+  testing::IesText other = kProfile;
+  other.candela[1] = 5;
+  folder.write("my lamp.ies", other.text());
+  EXPECT_NE(luminaires(lights, {{"light", 0}}, folder).hash, s.hash);
+  folder.write("my lamp.ies", "TILT=NONE\n1 x");
+  try {
+    luminaires(lights, {{"light", 0}}, folder);
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_TRUE(std::string(e.what()).ends_with("my lamp.ies:2: has no number among its lumens"));
+  }
+}
+
+TEST(Luminaires, DarkOnesAreSkipped) {
+  const TempFolder folder;
+  testing::IesText dark = kProfile;
+  dark.candela = {0, 0};
+  EXPECT_TRUE(luminaires({{{"uri", "data:;base64," + base64(dark.text())}}}, {{"light", 0}}, folder)
+                  .lights.empty());
+  EXPECT_TRUE(luminaires({{{"uri", "data:;base64," + base64(kProfile.text())}}},
+                         {{"light", 0}, {"multiplier", 0}}, folder)
+                  .lights.empty());
 }
 
 }  // namespace tdpt::testing::lights_test

@@ -15,8 +15,9 @@ void add(const std::string& name, std::vector<std::string>& names) {
 }
 
 void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
-  for (const char* section : {"buffers", "images"})
-    for (const nlohmann::json& one : gltf.value(section, nlohmann::json::array())) {
+  using Pointer = nlohmann::json::json_pointer;
+  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
+    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
       if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
       const std::string uri = one["uri"].get<std::string>();
       if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);

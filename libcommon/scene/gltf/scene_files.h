@@ -7,8 +7,9 @@
 namespace tdpt {
 
 struct SceneFiles {
-  /// Names of those that it reads beside itself, buffers, images and the environment of its extras,
-  /// each once, as paths from its folder; whether they are there or not, and may be read.
+  /// Names of those that it reads beside itself, buffers, images, profiles of luminaires and the
+  /// environment of its extras, each once, as paths from its folder; whether they are there or not,
+  /// and may be read.
   std::vector<std::string> beside;
   bool has_environment = false;  ///< its extras say what shines from all around
 };

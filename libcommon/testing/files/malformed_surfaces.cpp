@@ -127,6 +127,39 @@ void materials(MalformedList& l) {
       "read");
 }
 
+void luminaires(MalformedList& l) {
+  const auto luminaire = [&](const char* name, const Json& light, const Json& extension,
+                             const std::string& error) {
+    l.spoil(
+        name,
+        [light, extension](GlbBuilder& b) {
+          b.json["extensions"]["EXT_lights_ies"]["lights"] = Json::array({light});
+          b.node({{"extensions", {{"EXT_lights_ies", extension}}}});
+        },
+        error);
+  };
+  const std::string profile = "extensions.EXT_lights_ies.lights[0]", data = "data:;base64,";
+  luminaire("luminaire-missing", Json::object(), {{"light", 1}},
+            "nodes[2].extensions.EXT_lights_ies.light: is 1, expected an index into the 1 lights");
+  luminaire(
+      "luminaire-multiplier", Json::object(), {{"light", 0}, {"multiplier", -1}},
+      "nodes[2].extensions.EXT_lights_ies.multiplier: is -1, expected a number of at least 0");
+  luminaire("luminaire-without-profile", Json::object(), {{"light", 0}},
+            profile + ".uri: is missing, a profile needs one or a bufferView");
+  luminaire("luminaire-view", {{"bufferView", 99}}, {{"light", 0}},
+            profile + ".bufferView: is 99, expected an index into the 2 bufferViews");
+  luminaire("luminaire-no-ies", {{"uri", data + base64("a photo")}}, {{"light", 0}},
+            profile + ", line 1: is no IES file: no line begins with TILT=");
+  luminaire(
+      "luminaire-outside", {{"uri", "../lamp.ies"}}, {{"light", 0}},
+      profile +
+          ".uri: \"../lamp.ies\" is not a file in the scene's folder, which is all that is read");
+  luminaire("luminaire-too-bright",
+            {{"uri", data + base64("TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 5 5")}},
+            {{"light", 0}, {"multiplier", 1e30}},
+            profile + ": has an intensity of 5e+30, expected at most 1e30");
+}
+
 void lights(MalformedList& l) {
   const std::string place = "extensions.KHR_lights_punctual";
   const auto light = [&](const std::string& file, const Json& value, const std::string& expected) {
@@ -162,6 +195,7 @@ void add_malformed_surfaces(MalformedList& l) {
   attributes(l);
   materials(l);
   lights(l);
+  luminaires(l);
 }
 
 }  // namespace tdpt::testing

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "libcommon/testing/files/ies_text.h"
 #include "libcommon/testing/rooms/room_scene.h"
 
 namespace tdpt::testing {
@@ -196,20 +197,29 @@ void add_punctual(RoomScene& s, GlossyRooms::Light kind) {
   Json light = {{"color", {1, 0.9, 0.8}}, {"intensity", kind == Light::sun ? 20 : 12}};
   light["type"] = kind == Light::point ? "point" : kind == Light::spot ? "spot" : "directional";
   if (kind == Light::spot) light["spot"] = {{"innerConeAngle", 0.5}, {"outerConeAngle", 0.9}};
-  s.b.json["extensionsUsed"].push_back("KHR_lights_punctual");
-  s.b.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({light});
+  const char* extension = "KHR_lights_punctual";
+  if (kind == Light::luminaire) {
+    extension = "EXT_lights_ies";
+    const IesText profile{.vertical = {0, 20, 40, 70, 110},
+                          .horizontal = {0, 60, 130, 200, 290},
+                          .candela = {12, 11, 8,  3, 1, 12, 9, 4,  1, 0, 12, 6, 9,
+                                      4,  2,  12, 7, 3, 1,  0, 12, 9, 8, 8,  0}};
+    light = {{"bufferView", s.b.view(profile.text())}, {"mimeType", "application/x-ies-lm-63"}};
+  }
+  s.b.json["extensionsUsed"].push_back(extension);
+  s.b.json["extensions"][extension]["lights"] = Json::array({light});
   // Lights shine along -z of their node. The spot: turned by 20 degrees from straight down towards
   // the window. The sun: into the second room's open end and down by 25 degrees.
   Json node = {{"name", "light"},
                {"translation", {3.3, 1.5, 0.2}},
-               {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}};
+               {"extensions", {{extension, {{"light", 0}}}}}};
   const auto towards = [&](const Vec3d& w) {
     const double yaw = std::atan2(-w.x, -w.z), pitch = std::asin(w.y / length(w));
     node["rotation"] = {
         std::cos(yaw / 2) * std::sin(pitch / 2), std::sin(yaw / 2) * std::cos(pitch / 2),
         -std::sin(yaw / 2) * std::sin(pitch / 2), std::cos(yaw / 2) * std::cos(pitch / 2)};
   };
-  if (kind == Light::spot) towards({-0.34, -0.94, 0.05});
+  if (kind == Light::spot || kind == Light::luminaire) towards({-0.34, -0.94, 0.05});
   if (kind == Light::sun) towards({-0.9, -0.42, 0.1});
   s.b.node(node);
 }

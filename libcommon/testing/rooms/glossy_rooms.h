@@ -20,9 +20,17 @@ struct GlossyRooms {
                        ///< sphere of rough coat over rough metal; one of cloth
 
   /// A lamp of 1.6 x 1.6 m below the ceiling, plain or textured; one that hangs free, shines on
-  /// both sides, is a mirror besides and half transparent; a point, a spot; a sun that shines
-  /// through an open end of the second room.
-  enum class Light { lamp, textured_lamp, mirror_lamp, point, spot, sun } light = Light::lamp;
+  /// both sides, is a mirror besides and half transparent; a point, a spot, a luminaire with an
+  /// uneven profile; a sun that shines through an open end of the second room.
+  enum class Light {
+    lamp,
+    textured_lamp,
+    mirror_lamp,
+    point,
+    spot,
+    luminaire,
+    sun
+  } light = Light::lamp;
 };
 
 /// A .glb. Diffuse but for what is asked for.

@@ -2,7 +2,8 @@
 // edge between its cones is the one that KHR_lights_punctual recommends, without its lower bound of
 // 0.001 on the difference of the cosines, which narrow spots fall below.
 //
-// lights_layout.h comes before, which tells what a Lamp is. C++ has one in doubles, too.
+// Read within a scope that has load_light_word(); lights_layout.h comes before, which tells what a
+// Lamp is. C++ has one in doubles, too.
 
 #include "shaders/shared/language.h"
 
@@ -11,11 +12,63 @@ SHARED REAL versine_from_axis(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   VEC3 d = w - lamp.direction;
   return 0.5f * dot(d, d);
 }
+
+SHARED REAL profile_number(uint i) MEMBER_CONST {
+  return REAL(uintBitsToFloat(load_light_word(i)));
+}
+/// The one of `count` - 1 intervals that x lies in, between numbers that ascend from `first` on.
+SHARED uint profile_interval(uint first, uint count, REAL x) MEMBER_CONST {
+  uint low = 0u;
+  uint high = count - 1u;
+  while (low + 1u < high) {
+    uint middle = (low + high) / 2u;
+    if (profile_number(first + middle) > x)
+      high = middle;
+    else
+      low = middle;
+  }
+  return low;
+}
+/// How far x lies on the way from a number to the next.
+SHARED REAL profile_share(uint at, REAL x) MEMBER_CONST {
+  REAL a = profile_number(at);
+  return min(max((x - a) * reciprocal(profile_number(at + 1u) - a), 0.0f), 1.0f);
+}
+SHARED REAL profile_in_column(uint at, REAL share) MEMBER_CONST {
+  REAL a = profile_number(at);
+  return a + (profile_number(at + 1u) - a) * share;
+}
+/// Intensity along unit w over the greatest, of a lamp with a profile (tdpt::LightProfile).
+SHARED REAL profile_at(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
+  uint rows = load_light_word(lamp.profile);
+  uint columns = load_light_word(lamp.profile + 1u);
+  uint first_row = lamp.profile + 2u;
+  uint first_column = first_row + rows;
+  REAL x = dot(w, lamp.across);
+  REAL y = dot(w, cross(lamp.across, lamp.direction));
+  REAL vertical = turns_of(root(x * x + y * y), dot(w, lamp.direction));
+  if (vertical > profile_number(first_column - 1u)) return REAL(0.0f);
+  if (vertical < profile_number(first_row)) return REAL(0.0f);
+  uint row = profile_interval(first_row, rows, vertical);
+  REAL share = profile_share(first_row + row, vertical);
+  uint value = first_column + columns + row;
+  if (columns == 1u) return profile_in_column(value, share);
+  REAL horizontal = turns_of(y, x);
+  if (horizontal < 0.0f) horizontal = horizontal + 1.0f;
+  uint column = profile_interval(first_column, columns, horizontal);
+  value = value + column * rows;
+  REAL here = profile_in_column(value, share);
+  REAL next = profile_in_column(value + rows, share);
+  return here + (next - here) * profile_share(first_column + column, horizontal);
+}
+
 /// Along unit w: intensity, of parallel light irradiance.
 SHARED VEC3 lamp_radiance(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   REAL inside = (lamp.edge - versine_from_axis(lamp, w)) * lamp.per_edge;
   REAL share = min(max(inside, 0.0f), 1.0f);
-  return lamp.intensity * (share * share);
+  REAL of_greatest = share * share;
+  if (lamp.profile != kNoProfile) of_greatest = of_greatest * profile_at(lamp, w);
+  return lamp.intensity * of_greatest;
 }
 /// Density of the direction w in which a walk leaves [1/sr], uniform within the cone; of parallel
 /// light of the line along w [1/canonical area].

@@ -33,19 +33,24 @@ struct LightPlace {
   VEC(normal, uint, pad)
 RECORD(Emitter)
 
+const uint kNoProfile = 0xFFFFFFFFu;
+
 /// A light without extent [lamp.h]. Versine: 1 - cos, which of narrow cones a float can hold.
-#define TEXELS_OF_Lamp(VEC, WORDS, PART)                                                  \
-  /* parallel: 1: infinitely far */                                                       \
-  VEC(position, uint, parallel)                                                           \
-  VEC(direction, float, pdf_1)                                                            \
-  /* intensity: of parallel light irradiance */                                           \
-  /* extent: of the directions light leaves in [sr], parallel: of the disc across them */ \
-  VEC(intensity, float, extent)                                                           \
-  /* cone: versine of the half angle that light leaves within; 2: all around */           \
-  /* edge: versine beyond which it is dark; above 2: nowhere */                           \
-  /* per_edge: light grows by this per versine from the edge inwards, then squared */     \
-  /* pdf_w: 1/extent */                                                                   \
-  WORDS(float, cone, float, edge, float, per_edge, float, pdf_w)
+#define TEXELS_OF_Lamp(VEC, WORDS, PART)                                                   \
+  /* parallel: 1: infinitely far */                                                        \
+  VEC(position, uint, parallel)                                                            \
+  VEC(direction, float, pdf_1)                                                             \
+  /* intensity: of parallel light irradiance */                                            \
+  /* extent: of the directions light leaves in [sr], parallel: of the disc across them */  \
+  VEC(intensity, float, extent)                                                            \
+  /* cone: versine of the half angle that light leaves within; 2: all around */            \
+  /* edge: versine beyond which it is dark; above 2: nowhere */                            \
+  /* per_edge: light grows by this per versine from the edge inwards, then squared */      \
+  /* pdf_w: 1/extent */                                                                    \
+  WORDS(float, cone, float, edge, float, per_edge, float, pdf_w)                           \
+  /* across: unit, where horizontal angles of its profile are 0 */                         \
+  /* profile: place in light_words[], or kNoProfile: intensity is even but for the edge */ \
+  VEC(across, uint, profile)
 RECORD(Lamp)
 
 #define TEXELS_OF_SkySun(VEC, WORDS, PART)                                                  \
@@ -156,7 +161,7 @@ struct LightSettings {
 
 #ifdef __cplusplus
 RECORD_OF_REALS(Lamp)
-static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 64 && sizeof(SkySun) == 48);
+static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 80 && sizeof(SkySun) == 48);
 static_assert(sizeof(SkyTexel) == 16 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
 static_assert(sizeof(WindowFrame) == 48 && sizeof(LightSettings) == 208);
 #endif

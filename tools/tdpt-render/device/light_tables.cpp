@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 
+#include "libcommon/scene/ies.h"
 #include "tools/tdpt-render/device/sky_tables.h"
 #include "tools/tdpt-render/device/whole_shares.h"
 
@@ -35,12 +37,20 @@ void add_emitters(const World& world, const WordTable& table, LightTables& table
 void add_lamps(const World& world, const WordTable& table, double radiance_unit,
                LightTables& tables) {
   const std::vector<LightSource>& lamps = world.lights.lamps();
+  std::map<const LightProfile*, uint32_t> profiles;  // where they stand
   for (uint32_t i = 0; i < lamps.size(); ++i) {
     tables.lamps.push_back(static_cast<shader::Lamp>(lamps[i].lamp()));
     tables.lamps.back().intensity = Rgb(lamps[i].lamp().intensity / radiance_unit);
     const auto words =
         static_cast<double>(table.words_of(tables.words, tables.settings.emitters + i));
     tables.lamps.back().pdf_1 = static_cast<float>(words * 0x1p-32);
+    if (const LightProfile* profile = lamps[i].profile()) {
+      const auto [at, is_new] =
+          profiles.try_emplace(profile, static_cast<uint32_t>(tables.words.size()));
+      if (is_new)
+        tables.words.insert(tables.words.end(), profile->words.begin(), profile->words.end());
+      tables.lamps.back().profile = at->second;
+    }
   }
   tables.settings.lamps = static_cast<uint32_t>(lamps.size());
   tables.has_lamps = !lamps.empty();

@@ -84,8 +84,8 @@ Differences compare_words(const std::vector<uint32_t>& theirs, const LightTables
 
 // Both of these of one run: a device is long in compiling so many lights.
 TEST(lights_twin, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bit_is_seen) {
-  const std::vector<std::string> named{"panels", "colour and windows", "uneven and windows", "fine",
-                                       "panels and windows"};
+  const std::vector<std::string> named{"panels", "colour and windows", "uneven and windows",
+                                       "fine",   "panels and windows", "luminaires"};
   size_t lamps = 0;
   for (const auto& lit : lit_worlds(named)) {
     const std::vector<shader::Shaded> places = shaded_places(lit->scene);

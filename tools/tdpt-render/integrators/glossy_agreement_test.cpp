@@ -63,6 +63,7 @@ const Case kCases[] = {
      {.plastic_floor = true, .light = Light::mirror_lamp}},
     {"point_light", {.plastic_floor = true, .smooth = true, .light = Light::point}, true},
     {"spot_light", {.metal_walls = true, .textures = true, .light = Light::spot}, true},
+    {"luminaire_with_a_profile", {.plastic_floor = true, .light = Light::luminaire}, true},
     {"sun", {.plastic_floor = true, .metal_walls = true, .light = Light::sun}, true}};
 
 class glossy_agreement : public ::testing::TestWithParam<Case> {

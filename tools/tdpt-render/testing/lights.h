@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "libcommon/scene/ies.h"
+#include "libcommon/testing/files/ies_text.h"
 #include "tools/tdpt-render/testing/panels.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_lights.h"
@@ -58,6 +60,25 @@ inline Scene open_room(std::shared_ptr<const Sky> sky, bool lamps = true) {
   return under(scene, std::move(sky));
 }
 
+/// Two of one profile and one of another.
+inline Scene with_luminaires(Scene scene) {
+  const testing::IesText even{.vertical = {0, 45, 120}, .candela = {3, 2, 1}};
+  const testing::IesText uneven{.vertical = {0, 10, 30, 75},
+                                .horizontal = {0, 90, 180},
+                                .candela = {9, 8, 5, 0, 9, 7, 1, 2, 9, 9, 9, 0}};
+  PunctualLight lamp;
+  for (const Vec3d& towards : {Vec3d(0, -1, 0), Vec3d(1, 2, -0.4), Vec3d(-1, 0.1, 0)}) {
+    if (!lamp.profile || lamp.profile->words.size() < 10)
+      lamp.profile = std::make_shared<LightProfile>(
+          read_ies((lamp.profile ? uneven : even).text(), "lamp.ies", ""));
+    lamp.direction = normalize(towards);
+    lamp.across = normalize(cross(lamp.direction, Vec3d(0.3, 0.1, 1)));
+    lamp.intensity = Rgb(1, 0.8f, 0.5f);
+    scene.lights.push_back(lamp);
+  }
+  return scene;
+}
+
 /// The open end, the hole, and a triangle.
 inline std::vector<Portal> three_windows() {
   return {rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}),
@@ -77,6 +98,7 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
     return std::vector{sun_of({0.3, 1, 0.4}, half_angle, 4)};
   };
   add("lamps", glossy_rooms(), {});
+  add("luminaires", with_luminaires(glossy_rooms()), {});
   add("panels", with_panels(glossy_rooms()), {});
   add("colour", open_room(one_colour_sky({1, 2, 3})), {});
   add("colour and windows", open_room(one_colour_sky({1, 2, 3})), three_windows());

@@ -1,0 +1,260 @@
+// IES profiles: what a lamp of one sends into a direction, and what is wrong with files.
+#include "libcommon/scene/ies.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/base/error.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/math/warp.h"
+#include "libcommon/scene/lights.h"
+#include "libcommon/testing/files/ies_text.h"
+
+namespace tdpt::ies_test {
+
+using testing::IesText;
+constexpr double kDegree = std::numbers::pi / 180;
+
+LightProfile read(const std::string& text) {
+  return read_ies(text, "lamp.ies", "");
+}
+
+// A lamp that aims down, x across: [cd] at angles in degrees.
+struct Lamp {
+  PunctualLight light;
+  LightSource source;
+  explicit Lamp(const std::string& text) : light(light_of(text)), source(source_of(light)) {}
+
+  static PunctualLight light_of(const std::string& text) {
+    PunctualLight light;
+    light.profile = std::make_shared<LightProfile>(read(text));
+    light.intensity = Rgb(static_cast<float>(light.profile->peak));
+    return light;
+  }
+  static LightSource source_of(const PunctualLight& light) {
+    return LightSource::punctual(light,
+                                 2 * std::numbers::pi * (1 - std::cos(light.profile->reach)));
+  }
+  double along(const Vec3d& w) const { return source.emitted({}, {}, w).x; }
+  double at(double vertical, double horizontal) const {
+    const double s = std::sin(vertical * kDegree);
+    return along({s * std::cos(horizontal * kDegree), s * std::sin(horizontal * kDegree),
+                  -std::cos(vertical * kDegree)});
+  }
+};
+
+TEST(ies, between_the_angles_of_a_file_intensity_is_linear) {
+  const Lamp lamp(IesText{
+      .multiplier = 2, .ballast = 0.5, .vertical = {0, 10, 30, 90}, .candela = {100, 80, 40, 10}}
+                      .text());
+  EXPECT_EQ(lamp.light.profile->peak, 100);
+  for (const double around : {0.0, 77.0, 200.0}) {
+    EXPECT_NEAR(lamp.at(0, around), 100, 1e-4);
+    EXPECT_NEAR(lamp.at(5, around), 90, 1e-4);
+    EXPECT_NEAR(lamp.at(10, around), 80, 1e-4);
+    EXPECT_NEAR(lamp.at(25, around), 50, 1e-4);
+    EXPECT_NEAR(lamp.at(89.99, around), 10, 1e-2);
+    EXPECT_EQ(lamp.at(90.01, around), 0);
+    EXPECT_EQ(lamp.at(180, around), 0);
+  }
+}
+
+TEST(ies, a_quarter_or_a_half_stands_for_all_around) {
+  const Lamp quarter(
+      IesText{.vertical = {0, 90}, .horizontal = {0, 30, 90}, .candela = {9, 9, 3, 3, 6, 6}}
+          .text());
+  for (const double a : {30.0, 150.0, 210.0, 330.0}) EXPECT_NEAR(quarter.at(45, a), 3, 1e-5) << a;
+  for (const double a : {60.0, 120.0, 240.0, 300.0}) EXPECT_NEAR(quarter.at(45, a), 4.5, 1e-5) << a;
+  for (const double a : {0.0, 180.0}) EXPECT_NEAR(quarter.at(45, a), 9, 1e-5) << a;
+  const Lamp half(
+      IesText{.vertical = {0, 90}, .horizontal = {0, 90, 180}, .candela = {2, 2, 4, 4, 8, 8}}
+          .text());
+  for (const double a : {45.0, 315.0}) EXPECT_NEAR(half.at(45, a), 3, 1e-5) << a;
+  for (const double a : {135.0, 225.0}) EXPECT_NEAR(half.at(45, a), 6, 1e-5) << a;
+  const Lamp side(
+      IesText{.vertical = {0, 90}, .horizontal = {90, 180, 270}, .candela = {2, 2, 4, 4, 8, 8}}
+          .text());
+  for (const double a : {0.0, 180.0}) EXPECT_NEAR(side.at(45, a), 4, 1e-5) << a;
+  for (const double a : {45.0, 135.0}) EXPECT_NEAR(side.at(45, a), 3, 1e-5) << a;
+  for (const double a : {225.0, 315.0}) EXPECT_NEAR(side.at(45, a), 6, 1e-5) << a;
+  const Lamp all(
+      IesText{.vertical = {0, 90}, .horizontal = {0, 120, 240}, .candela = {3, 3, 6, 6, 9, 9}}
+          .text());
+  for (const auto& [a, value] : {std::pair(60.0, 4.5), {180.0, 7.5}, {300.0, 6.0}, {359.999, 3.0}})
+    EXPECT_NEAR(all.at(45, a), value, 1e-3) << a;
+}
+
+// The vertical plane is that of x and the aim: what is measured above goes to x. To the right of
+// who looks along the aim, x up, lies -y.
+TEST(ies, goniophotometers_of_kinds_a_and_b_are_turned) {
+  IesText text{
+      .vertical = {-90, 0, 90}, .horizontal = {-90, 0, 90}, .candela = {1, 2, 3, 4, 5, 6, 7, 8, 9}};
+  const double h = std::sqrt(0.5);
+  for (const int type : {2, 3}) {
+    text.type = type;
+    const Lamp lamp(text.text());
+    EXPECT_NEAR(lamp.along({0, 0, -1}), 5, 1e-3);
+    EXPECT_NEAR(lamp.along({h, 0, -h}), 5.5, 1e-3) << type;
+    EXPECT_NEAR(lamp.along({-h, 0, -h}), 4.5, 1e-3) << type;
+    EXPECT_NEAR(lamp.along({0, -h, -h}), 6.5, 1e-3) << type;
+    EXPECT_NEAR(lamp.along({0, h, -h}), 3.5, 1e-3) << type;
+    EXPECT_EQ(lamp.along({0, h, h}), 0) << type;
+  }
+  // 45 degrees up of what lies 45 degrees to the right: B turns the plane, A what lies in it.
+  const double half = 0.5;
+  text.type = 2;
+  EXPECT_NEAR(Lamp(text.text()).along({half, -h, -half}), 7, 1e-2);
+  text.type = 3;
+  EXPECT_NEAR(Lamp(text.text()).along({h, -half, -half}), 7, 1e-2);
+  const IesText corner{
+      .type = 2, .vertical = {0, 90}, .horizontal = {0, 90}, .candela = {1, 2, 3, 4}};
+  EXPECT_NEAR(Lamp(corner.text()).along({-half, h, -half}), 2.5, 1e-2);
+}
+
+// Walks of light begin by power: its mean is that of the directions in reach.
+TEST(ies, mean_and_reach_are_those_of_its_directions) {
+  for (const IesText& text : {IesText{.vertical = {0, 20, 35, 60, 90}, .candela = {5, 4, 1, 0, 0}},
+                              IesText{.vertical = {90, 120, 180}, .candela = {1, 7, 2}},
+                              IesText{.vertical = {0, 50, 90},
+                              .horizontal = {0, 45, 90},
+                              .candela = {1, 2, 3, 4, 9, 6, 7, 3, 0}}}) {
+    const Lamp lamp(text.text());
+    constexpr int kDraws = 400000;
+    Rng rng(1, 0, 0);
+    double sum = 0, missed = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      const double cosine = 1 - 2 * v, sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+      const Vec3d w(sine * std::cos(2 * std::numbers::pi * u),
+                    sine * std::sin(2 * std::numbers::pi * u), cosine);
+      const double value = lamp.along(w) / lamp.light.profile->peak;
+      sum += value;
+      if (value > 0 && lamp.source.pdf_w({}, w) == 0) ++missed;
+    }
+    const double solid = 2 * std::numbers::pi * (1 - std::cos(lamp.light.profile->reach));
+    EXPECT_NEAR(4 * std::numbers::pi * sum / kDraws / solid, lamp.light.profile->mean,
+                0.01 * lamp.light.profile->mean);
+    EXPECT_EQ(missed, 0);
+  }
+  EXPECT_NEAR(
+      read(IesText{.vertical = {0, 20, 35, 60, 90}, .candela = {5, 4, 1, 0, 0}}.text()).reach,
+      60 * kDegree, 1e-12);
+}
+
+TEST(ies, is_read_as_makers_write_it) {
+  const IesText plain{.vertical = {0, 45, 90}, .candela = {3, 2, 1}};
+  const LightProfile known = read(plain.text());
+  const auto same = [&](const std::string& text) {
+    const LightProfile other = read(text);
+    return other.words == known.words && other.peak == known.peak;
+  };
+  std::string dos, commas, broken;
+  for (const char c : plain.text()) {
+    dos += c == '\n' ? "\r\n" : std::string(1, c);
+    commas += c;
+    broken += c;
+  }
+  EXPECT_TRUE(same(dos));
+  const size_t numbers = plain.text().find("1 1000");
+  for (size_t i = numbers; i < commas.size(); ++i) {
+    if (commas[i] == ' ') commas[i] = ',';
+    if (broken[i] == ' ') broken[i] = '\n';
+  }
+  EXPECT_TRUE(same(commas));
+  EXPECT_TRUE(same(broken));
+  EXPECT_TRUE(same(plain.text().substr(plain.text().find("TILT="))));  // of 1986
+  IesText tilted = plain;
+  tilted.tilt = "INCLUDE\n1\n2\n0 90\n1 0.9";
+  EXPECT_TRUE(same(tilted.text()));
+  tilted.tilt = "other.tlt";
+  EXPECT_TRUE(same(tilted.text()));
+  std::string plus = plain.text();
+  plus.replace(plus.find("1 1000"), 6, "+1 -1");
+  EXPECT_TRUE(same(plus));
+  EXPECT_EQ(read(IesText{.vertical = {0, 90}, .candela = {0, 0}}.text()).peak, 0);
+}
+
+std::string fault(const std::string& text, const std::string& place = "") {
+  try {
+    read_ies(text, "lamp.ies", place);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ies, what_is_wrong_is_told_with_its_line) {
+  const IesText sound{.vertical = {0, 45, 90}, .candela = {3, 2, 1}};
+  const auto with = [&](auto change) {
+    IesText text = sound;
+    change(text);
+    return fault(text.text());
+  };
+  EXPECT_EQ(fault(""), "lamp.ies:1: is no IES file: no line begins with TILT=");
+  EXPECT_EQ(fault("no lamp\nat all"), "lamp.ies:1: is no IES file: no line begins with TILT=");
+  EXPECT_EQ(fault("TILT=NONE\n1 2 x", "lights[3]"),
+            "lamp.ies:lights[3], line 2: has no number among its multiplier");
+  EXPECT_EQ(with([](IesText& t) { t.candela.pop_back(); }),
+            "lamp.ies:9: ends before its intensities");
+  EXPECT_EQ(with([](IesText& t) { t.candela[1] = -2; }),
+            "lamp.ies:8: intensities: -2, expected 0 to 1e+30");
+  EXPECT_EQ(with([](IesText& t) { t.vertical[1] = 95; }),
+            "lamp.ies:6: vertical angles: 90 follows 95, expected angles that ascend");
+  EXPECT_EQ(with([](IesText& t) { t.vertical[2] = 181; }),
+            "lamp.ies:6: vertical angles: 181, expected 0 to 180");
+  EXPECT_EQ(with([](IesText& t) { t.type = 4; }),
+            "lamp.ies:4: photometric type: 4, expected 1 to 3");
+  EXPECT_EQ(with([](IesText& t) { t.multiplier = -1; }),
+            "lamp.ies:4: multiplier: -1, expected 1e-30 to 1e+30");
+  EXPECT_EQ(with([](IesText& t) {
+              t.horizontal = {0, 45}, t.candela = {1, 2, 3, 4, 5, 6};
+            }),
+            "lamp.ies:8: horizontal angles go from 0 to 45, expected 0 to 90, 180 or 360, or "
+            "90 to 270");
+  EXPECT_EQ(fault("TILT=NONE\n1 1000 1 9e9 1 1 2 0 0 0"),
+            "lamp.ies:2: number of vertical angles: 9000000000, expected 2 to 34");
+  EXPECT_EQ(fault("TILT=NONE\n1 1000 1 2.5 1 1 2 0 0 0"),
+            "lamp.ies:2: number of vertical angles: 2.5, expected an integer");
+}
+
+// Whatever stands in a file: it is refused, or a table whose places exist and whose values are
+// shares.
+TEST(ies, damaged_files_are_refused_or_sound) {
+  const std::string sound = IesText{
+      .vertical = {0, 30, 60, 90},
+      .horizontal = {0, 90, 180},
+      .candela = {9, 8, 7, 6, 5, 4, 3, 2, 1, 0, 1,
+                  2}}.text();
+  int refused = 0, read_all = 0;
+  for (uint64_t i = 0; i < 4000; ++i) {
+    Rng rng(7, 0, i);
+    std::string text = sound;
+    for (uint64_t n = 1 + rng.bits() % 3; n > 0; --n)
+      text[rng.bits() % text.size()] = "0123456789.-+eE \n,x"[rng.bits() % 19];
+    LightProfile p;
+    try {
+      p = read(text);
+    } catch (const InputError&) {
+      ++refused;
+      continue;
+    }
+    ++read_all;
+    if (!(p.peak > 0)) continue;
+    const size_t rows = p.words[0], columns = p.words[1];
+    ASSERT_EQ(p.words.size(), 2 + rows + columns + rows * columns);
+    for (size_t k = 2; k < p.words.size(); ++k) {
+      const auto value = std::bit_cast<float>(p.words[k]);
+      ASSERT_TRUE(value >= 0 && value <= 1) << text;
+      const bool ascends = k > 2 && k != 2 + rows && k < 2 + rows + columns;
+      ASSERT_TRUE(!ascends || value > std::bit_cast<float>(p.words[k - 1])) << text;
+    }
+    ASSERT_TRUE(p.mean > 0 && p.mean <= 1 + 1e-9 && p.reach > 0) << text;
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(read_all, 100);
+}
+
+}  // namespace tdpt::ies_test
