@@ -194,8 +194,8 @@ Web read_web(Reader& in) {
 }
 
 // Over directions between two rows and two columns, whose horizontal angles differ by `across`.
-double integral(const Web& web, size_t r, double across,
-                const std::function<double(size_t)>& value) {
+double part_of_ring(const Web& web, size_t r, double across,
+                    const std::function<double(size_t)>& value) {
   const double a = web.rows[r] * kDegree, b = web.rows[r + 1] * kDegree;
   // Of sin, and of sin times the share of the way from a to b.
   const double all = std::cos(a) - std::cos(b);
@@ -203,15 +203,14 @@ double integral(const Web& web, size_t r, double across,
   return across * (value(r) * (all - upper) + value(r + 1) * upper);
 }
 
-double integral(const Web& web) {
+// Over directions between a row and the next.
+double light_of_ring(const Web& web, size_t r) {
+  if (web.columns.size() == 1)
+    return part_of_ring(web, r, 2 * pi, [&](size_t i) { return web.at(i, 0); });
   double sum = 0;
-  for (size_t r = 0; r + 1 < web.rows.size(); ++r) {
-    if (web.columns.size() == 1)
-      sum += integral(web, r, 2 * pi, [&](size_t i) { return web.at(i, 0); });
-    for (size_t c = 0; c + 1 < web.columns.size(); ++c)
-      sum += integral(web, r, (web.columns[c + 1] - web.columns[c]) * kDegree,
-                      [&](size_t i) { return 0.5 * (web.at(i, c) + web.at(i, c + 1)); });
-  }
+  for (size_t c = 0; c + 1 < web.columns.size(); ++c)
+    sum += part_of_ring(web, r, (web.columns[c + 1] - web.columns[c]) * kDegree,
+                        [&](size_t i) { return 0.5 * (web.at(i, c) + web.at(i, c + 1)); });
   return sum;
 }
 
@@ -222,6 +221,34 @@ double reach_of(const Web& web) {
     for (size_t r = 0; r < web.rows.size(); ++r)
       if (web.at(r, c) > 0) last = std::max(last, r);
   return web.rows[std::min(last + 1, web.rows.size() - 1)] * kDegree;
+}
+
+double versine(double degrees) {
+  const double s = std::sin(0.5 * degrees * kDegree);
+  return 2 * s * s;
+}
+
+struct Ring {
+  double solid_angle, share;  // of the walks that leave
+};
+// In proportion to light, but for a tenth, which leaves evenly within reach: where one column is
+// bright and the others are dark, light is not what a ring has on average.
+std::vector<Ring> rings_of(const Web& web, double reach) {
+  constexpr double kEven = 0.1;
+  std::vector<Ring> rings;
+  double light = 0, solid_angle = 0;
+  for (size_t r = 0; r + 1 < web.rows.size(); ++r) {
+    const double all = 2 * pi * (versine(web.rows[r + 1]) - versine(web.rows[r]));
+    const bool within = web.rows[r] * kDegree < reach;
+    rings.push_back({all, within ? light_of_ring(web, r) : 0});
+    light += rings.back().share;
+    if (within) solid_angle += all;
+  }
+  for (size_t r = 0; r < rings.size(); ++r)
+    rings[r].share =
+        (1 - kEven) * rings[r].share / light +
+        (web.rows[r] * kDegree < reach ? kEven * rings[r].solid_angle / solid_angle : 0);
+  return rings;
 }
 
 }  // namespace
@@ -246,7 +273,10 @@ LightProfile read_ies(std::string_view text, const std::string& file, const std:
   profile.peak = peak * multiplier;
   if (!(peak > 0)) return profile;
   profile.reach = reach_of(web);
-  profile.mean = integral(web) / peak / (2 * pi * (1 - std::cos(profile.reach)));
+  const std::vector<Ring> rings = rings_of(web, profile.reach);
+  double light = 0;
+  for (size_t r = 0; r < rings.size(); ++r) light += light_of_ring(web, r);
+  profile.mean = light / peak / (2 * pi * (1 - std::cos(profile.reach)));
   const auto add = [&](double x) {
     profile.words.push_back(std::bit_cast<uint32_t>(static_cast<float>(x)));
   };
@@ -255,6 +285,11 @@ LightProfile read_ies(std::string_view text, const std::string& file, const std:
   for (const double angle : web.rows) add(angle / 360);
   for (const double angle : web.columns) add(angle / 360);
   for (const double value : web.values) add(value / peak);
+  for (const double angle : web.rows) add(versine(angle));
+  double before = 0;
+  for (const Ring& ring : rings) add(before), before += ring.share;
+  add(1);
+  for (const Ring& ring : rings) add(ring.share > 0 ? ring.share / ring.solid_angle : 0);
   return profile;
 }
 

@@ -16,7 +16,9 @@ struct LightProfile {
   double mean = 0;   ///< over the directions within reach, of intensity / peak
   /// Intensity / peak as lamp.h reads it: how many rows and columns, the rows' vertical angles, the
   /// columns' horizontal ones, ascending [turns], and values column by column, as floats. One
-  /// column, or the last is the first again, a turn later.
+  /// column, or the last is the first again, a turn later. Then what walks that leave are drawn by,
+  /// in rings from one row to the next: of each row 1 - cos of its angle and the probability of the
+  /// rings before it, and of each ring the density of its directions [1/sr].
   std::vector<uint32_t> words;
 };
 

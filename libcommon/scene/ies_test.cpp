@@ -144,6 +144,58 @@ TEST(ies, mean_and_reach_are_those_of_its_directions) {
       60 * kDegree, 1e-12);
 }
 
+// What leaves() draws has the density that pdf_w() tells, and carries the power of the profile.
+TEST(ies, walks_leave_by_the_rings_of_a_profile) {
+  const Lamp lamp(IesText{
+      .vertical = {10, 12, 30, 60, 100, 180},
+      .horizontal = {0, 90, 180},
+      .candela = {9, 8, 2, 0, 0, 0, 9, 9, 1, 1, 0, 0, 9, 9, 0, 0, 0,
+                  0}}.text());
+  Scene scene;
+  const Lights lights(scene);
+  Lights::Point point;
+  point.source = &lamp.source;
+  constexpr int kDraws = 200000, kBins = 40;
+  std::vector<double> drawn(kBins), told(kBins);
+  double carried = 0, squares = 0;
+  Rng rng(5, 0, 0);
+  for (int i = 0; i < kDraws; ++i) {
+    const double u = rng.uniform();
+    const double v = rng.uniform();
+    const Vec3d w = lights.leave(point, u, v).direction;
+    ASSERT_GT(lamp.source.pdf_w({}, w), 0);
+    EXPECT_NEAR(lamp.source.cos_per_pdf_w(w) * lamp.source.pdf_w({}, w), 1, 1e-12);
+    const auto bin = static_cast<size_t>((1 + w.z) / 2 * kBins);
+    drawn[std::min<size_t>(bin, kBins - 1)] += 1.0 / kDraws;
+    const double x = lamp.along(w) * lamp.source.cos_per_pdf_w(w);
+    carried += x / kDraws, squares += x * x / kDraws;
+  }
+  for (size_t b = 0; b < kBins; ++b)
+    for (int k = 0; k < 1000; ++k) {
+      const double z = 2 * (static_cast<double>(b) + (k + 0.5) / 1000) / kBins - 1;
+      // Nothing leaves within the first row's angle.
+      if (z > -std::cos(10 * kDegree))
+        told[b] += lamp.source.pdf_w({}, {std::sqrt(1 - z * z), 0, z}) * 4 * std::numbers::pi /
+                   kBins / 1000;
+    }
+  for (size_t b = 0; b < kBins; ++b)
+    EXPECT_NEAR(drawn[b], told[b], 5 * std::sqrt(told[b] / kDraws) + 2e-4) << b;
+  const LightProfile& p = *lamp.light.profile;
+  const double power = p.peak * p.mean * 2 * std::numbers::pi * (1 - std::cos(p.reach));
+  EXPECT_NEAR(carried, power, 0.02 * power);
+  // Had they left evenly within reach.
+  double evenly = 0;
+  const double reach = 1 - std::cos(p.reach), extent = 2 * std::numbers::pi * reach;
+  for (int i = 0; i < kDraws; ++i) {
+    const double u = rng.uniform();
+    const double h = reach * rng.uniform(), s = std::sqrt(h * (2 - h));
+    const double turn = 2 * std::numbers::pi * u;
+    const double x = extent * lamp.along({s * std::cos(turn), s * std::sin(turn), h - 1});
+    evenly += x * x / kDraws;
+  }
+  EXPECT_LT(squares, 0.5 * evenly) << squares / power / power;
+}
+
 TEST(ies, is_read_as_makers_write_it) {
   const IesText plain{.vertical = {0, 45, 90}, .candela = {3, 2, 1}};
   const LightProfile known = read(plain.text());
@@ -244,8 +296,8 @@ TEST(ies, damaged_files_are_refused_or_sound) {
     ++read_all;
     if (!(p.peak > 0)) continue;
     const size_t rows = p.words[0], columns = p.words[1];
-    ASSERT_EQ(p.words.size(), 2 + rows + columns + rows * columns);
-    for (size_t k = 2; k < p.words.size(); ++k) {
+    ASSERT_EQ(p.words.size(), 2 + rows + columns + rows * columns + 3 * rows - 1);
+    for (size_t k = 2; k < 2 + rows + columns + rows * columns; ++k) {
       const auto value = std::bit_cast<float>(p.words[k]);
       ASSERT_TRUE(value >= 0 && value <= 1) << text;
       const bool ascends = k > 2 && k != 2 + rows && k < 2 + rows + columns;

@@ -51,14 +51,22 @@ double cone(const PunctualLight& light) {
   return light.kind == Kind::spot ? 1 - light.cos_outer : 2;
 }
 
+const uint32_t* words_of(const LightProfile* profile) {
+  return profile ? profile->words.data() : nullptr;
+}
+
 }  // namespace
 
 Rgb LightSource::lamp_radiance(const Vec3d& w) const {
-  return Rgb(shader::Lamps{profile_ ? profile_->words.data() : nullptr}.lamp_radiance(lamp_, w));
+  return Rgb(shader::Lamps{words_of(profile())}.lamp_radiance(lamp_, w));
 }
 
 double LightSource::lamp_pdf_w(const Vec3d& w) const {
-  return shader::Lamps().lamp_pdf_w(lamp_, w);
+  return shader::Lamps{words_of(profile())}.lamp_pdf_w(lamp_, w);
+}
+
+double LightSource::lamp_per_pdf_w(const Vec3d& w) const {
+  return shader::Lamps{words_of(profile())}.lamp_per_pdf_w(lamp_, w);
 }
 
 LightSource LightSource::punctual(const PunctualLight& light, double extent) {
@@ -221,7 +229,7 @@ Lights::Point Lights::sample(double pick, double u, double v, double side) const
 }
 
 Lights::Ray Lights::leave(const Point& point, double u, double v) const {
-  const shader::Lamps text;
+  const shader::Lamps text{words_of(point.source->profile())};
   if (point.source->at_infinity())
     return {text.before_the_disc(point.position, radius_, u, v), point.position};
   if (point.source->is_surface())

@@ -53,17 +53,17 @@ class LightSource {
     return both_sides_ || dot(front, w) > 0 ? radiance : Rgb{};
   }
   /// Density of the direction in which a walk leaves [1/sr]: |cos|/pi on the front of a surface,
-  /// half of that on each side when both emit; uniform over the sphere or the spot's cone; at
-  /// infinity of the line along w [1/canonical area].
+  /// half of that on each side when both emit; uniform over the sphere, the spot's cone or a ring
+  /// of a profile; at infinity of the line along w [1/canonical area].
   double pdf_w(const Vec3d& front, const Vec3d& w) const {
     if (!is_surface_) return lamp_pdf_w(w);
     const double cos = dot(front, w);
     if (both_sides_) return std::abs(cos) * (0.5 * std::numbers::inv_pi);
     return std::max(cos, 0.0) * std::numbers::inv_pi;
   }
-  /// |cos| / pdf_w, the same for every direction that light leaves in: a walk that leaves carries
-  /// this times what is emitted.
-  double cos_per_pdf_w() const { return lamp_.extent; }
+  /// |cos| / pdf_w of a direction w that light leaves in: a walk that leaves carries this times
+  /// what is emitted. The same for all w but of a lamp with a profile.
+  double cos_per_pdf_w(const Vec3d& w) const { return profile_ ? lamp_per_pdf_w(w) : lamp_.extent; }
   /// Probability that a point, spot, parallel light or the sky is chosen to begin a walk.
   double pdf_1() const { return pdf_1_; }
 
@@ -75,6 +75,7 @@ class LightSource {
   }
   Rgb lamp_radiance(const Vec3d& w) const;
   double lamp_pdf_w(const Vec3d& w) const;
+  double lamp_per_pdf_w(const Vec3d& w) const;
 
   bool is_surface_, both_sides_ = false;
   const Sky* sky_ = nullptr;
@@ -162,8 +163,8 @@ class Lights {
   struct Ray {
     Vec3d origin, direction;
   };
-  /// A ray of light from `point`: cos-distributed on a surface, uniform within a lamp's cone, on a
-  /// disc outside the scene from infinity. u, v uniform in [0,1).
+  /// A ray of light from `point`: cos-distributed on a surface, uniform within a lamp's cone or by
+  /// the rings of its profile, on a disc outside the scene from infinity. u, v uniform in [0,1).
   Ray leave(const Point& point, double u, double v) const;
 
   /// How surfaces shine that emit on their front or on both sides.

@@ -70,10 +70,27 @@ SHARED VEC3 lamp_radiance(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   if (lamp.profile != kNoProfile) of_greatest = of_greatest * profile_at(lamp, w);
   return lamp.intensity * of_greatest;
 }
-/// Density of the direction w in which a walk leaves [1/sr], uniform within the cone; of parallel
-/// light of the line along w [1/canonical area].
+/// Where the rings of a profile begin, between one of its rows and the next.
+SHARED uint first_ring(IN(Lamp) lamp) MEMBER_CONST {
+  uint rows = load_light_word(lamp.profile);
+  uint columns = load_light_word(lamp.profile + 1u);
+  return lamp.profile + 2u + rows + columns + rows * columns;
+}
+/// Density of the direction w in which a walk leaves [1/sr], uniform within the cone, or within
+/// each ring of a profile; of parallel light of the line along w [1/canonical area].
 SHARED REAL lamp_pdf_w(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
-  return versine_from_axis(lamp, w) > lamp.edge ? REAL(0.0f) : lamp.pdf_w;
+  REAL h = versine_from_axis(lamp, w);
+  if (h > lamp.edge) return REAL(0.0f);
+  if (lamp.profile == kNoProfile) return lamp.pdf_w;
+  uint edges = load_light_word(lamp.profile);
+  uint rings = first_ring(lamp);
+  return profile_number(rings + 2u * edges + profile_interval(rings, edges, h));
+}
+/// cos / pdf_w, which is 1 / pdf_w of a lamp; 0 where no walk leaves.
+SHARED REAL lamp_per_pdf_w(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
+  if (lamp.profile == kNoProfile) return lamp.extent;
+  REAL pdf = lamp_pdf_w(lamp, w);
+  return pdf > 0.0f ? reciprocal(pdf) : REAL(0.0f);
 }
 /// Such a direction, of a lamp that is not infinitely far.
 SHARED VEC3 leave_lamp(IN(Lamp) lamp, REAL u, REAL v) MEMBER_CONST {
@@ -81,6 +98,14 @@ SHARED VEC3 leave_lamp(IN(Lamp) lamp, REAL u, REAL v) MEMBER_CONST {
   REAL sine = REAL(0);
   cos_sin_turns(u, cosine, sine);
   REAL h = v * lamp.cone;
+  if (lamp.profile != kNoProfile) {
+    uint edges = load_light_word(lamp.profile);
+    uint rings = first_ring(lamp);
+    uint ring = profile_interval(rings + edges, edges, v);
+    REAL inner = profile_number(rings + ring);
+    h = inner +
+        (profile_number(rings + ring + 1u) - inner) * profile_share(rings + edges + ring, v);
+  }
   REAL r = root(h * (2.0f - h));
   VEC3 local = VEC3(r * cosine, r * sine, 1.0f - h);
   return normalized(to_world(onb_about(lamp.direction), local));

@@ -50,13 +50,13 @@ SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   if (!scene_has_lamps) return 0.0f;
   return lamp_pdf_w(load_light_lamp(source - SOURCE_LAMPS), w);
 }
-/// |cos| / pdf_w, the same for every direction that light leaves in.
-SHARED float cos_per_pdf_w(uint source) MEMBER_CONST {
+/// |cos| / pdf_w of a direction w that light leaves in.
+SHARED float cos_per_pdf_w(uint source, vec3 w) MEMBER_CONST {
   if (source == SOURCE_FRONT) return 3.14159265f;
   if (source == SOURCE_BOTH) return 6.28318531f;
   if (is_sky(source)) return light_settings.sky_extent;
   if (!scene_has_lamps || source < SOURCE_LAMPS) return 0.0f;
-  return load_light_lamp(source - SOURCE_LAMPS).extent;
+  return lamp_per_pdf_w(load_light_lamp(source - SOURCE_LAMPS), w);
 }
 
 SHARED LightPlace no_light_place() MEMBER_CONST {

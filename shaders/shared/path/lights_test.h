@@ -66,7 +66,7 @@ SHARED LightWords light_words_of(uint i) MEMBER_CONST {
   add_vec3(drawn, source_radiance(place.source, place.normal, emission, place.in_sky, w));
   add_vec3(drawn, source_facing(place.source, place.normal));
   add_word(drawn, emission_pdf_w(place.source, place.normal, w));
-  add_word(drawn, cos_per_pdf_w(place.source));
+  add_word(drawn, cos_per_pdf_w(place.source, w));
   if (scene_has_sky) add_in_sky(drawn, look_at_sky(w));
 
   Shaded shaded = shaded_places[i % kShadedPlaces];

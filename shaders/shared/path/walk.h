@@ -266,7 +266,7 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   vec3 origin;
   leave_light(place, a, b, origin, ray.w);
   guide_leave(y0, aims, a, b, c, d, origin, ray.w, ray.polygon);
-  ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source);
+  ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source, ray.w);
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = slot;
   ray.origin = step_off(origin, y0.normal, ray.w);

@@ -118,7 +118,7 @@ LightTables make_light_tables(const World& world, double radiance_unit) {
   if (tables.has_sky) {
     const uint64_t words = table.words_of(tables.words, table.entries - 1);
     settings.sky_pdf_1 = static_cast<float>(static_cast<double>(words) * 0x1p-32);
-    settings.sky_extent = static_cast<float>(lights.sky()->cos_per_pdf_w());
+    settings.sky_extent = static_cast<float>(lights.sky()->cos_per_pdf_w({}));
     spread_words(words, settings);
     add_sky(world, radiance_unit, tables);
     add_windows(world, radiance_unit, tables);

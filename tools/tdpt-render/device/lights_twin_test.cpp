@@ -162,7 +162,8 @@ TEST(lights, shine_as_the_renderer_has_them) {
       ASSERT_LT(difference(w, ray.direction), 1e-6) << lit->name;
       EXPECT_EQ(lit->twin.source_met(p.source), source.met());
       EXPECT_EQ(lit->twin.source_at_infinity(p.source), source.at_infinity());
-      EXPECT_NEAR(lit->twin.cos_per_pdf_w(p.source) / source.cos_per_pdf_w(), 1, 1e-6);
+      EXPECT_NEAR(lit->twin.cos_per_pdf_w(p.source, w) / source.cos_per_pdf_w(ray.direction), 1,
+                  1e-6);
       EXPECT_EQ(difference(lit->twin.source_facing(p.source, p.normal), source.facing(q.normal)),
                 0);
       const Vec3f other =

@@ -344,7 +344,7 @@ Scene lamps() {
 // Kind of a punctual light of lamps(), by its density.
 size_t kind_of(const Lights::Point& p) {
   if (p.source->at_infinity()) return static_cast<size_t>(PunctualLight::Kind::directional);
-  const bool all_round = std::abs(p.source->cos_per_pdf_w() - 4 * std::numbers::pi) < 1e-9;
+  const bool all_round = std::abs(p.source->cos_per_pdf_w({}) - 4 * std::numbers::pi) < 1e-9;
   return static_cast<size_t>(all_round ? PunctualLight::Kind::point : PunctualLight::Kind::spot);
 }
 
@@ -448,7 +448,7 @@ double sun_places(double exponent) {
     const Onb<double> onb(ray.direction);
     const double x = dot(onb.x, ray.origin), y = dot(onb.y, ray.origin);
     const double share =
-        std::pow((x * x + y * y) * std::numbers::pi / p.source->cos_per_pdf_w(), exponent);
+        std::pow((x * x + y * y) * std::numbers::pi / p.source->cos_per_pdf_w({}), exponent);
     EXPECT_LE(share, 1 + 1e-12);
     const double turn = std::atan2(y, x) / (2 * std::numbers::pi) + 0.5;
     ++kept;

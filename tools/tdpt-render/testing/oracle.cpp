@@ -122,7 +122,7 @@ double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
 double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
   if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
   if (x0.at_infinity()) return 1 / disc_of(world.scene);
-  if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w();
+  if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w(unit(x0, x1));
   return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
 

@@ -374,7 +374,7 @@ double sun_lines(double fault) {
   guide.aim_at_light(y0);
   EXPECT_GT(y0.aims.emitted, 0);
   constexpr int kSide = 16, kFine = 128;
-  const double radius = std::sqrt(y0.source->cos_per_pdf_w() / std::numbers::pi);
+  const double radius = std::sqrt(y0.source->cos_per_pdf_w({}) / std::numbers::pi);
   const auto bin = [&](const Vec3d& at) {
     const auto index = [&](double x) {
       return std::clamp(static_cast<int>((x / radius + 1) * 0.5 * kSide), 0, kSide - 1);
@@ -391,7 +391,7 @@ double sun_lines(double fault) {
       to.normal = -sun.direction;
       to.position = onb.x * x + onb.y * y;
       uint64_t tests = 0;
-      const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w() : 0;
+      const double plain = x * x + y * y < radius * radius ? 1 / y0.source->cos_per_pdf_w({}) : 0;
       const double p = guide.pdf_A(From::light, y0, nullptr, between(y0, to), to, plain,
                                    guide.crossing(y0, to, tests));
       share[bin(to.position)] += p * cell * cell;

@@ -211,7 +211,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const Rgb Le = emitted(y0, ray.direction);
   if (max_component(Le) <= 0) return;
   const Rgb throughput =
-      walk.state(0).throughput * Le * static_cast<float>(light.source->cos_per_pdf_w());
+      walk.state(0).throughput * Le * static_cast<float>(light.source->cos_per_pdf_w(ray.direction));
   if (max_component(throughput) <= 0) return;
   const Tracer::Origin origin{ray.origin, y0.normal};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
