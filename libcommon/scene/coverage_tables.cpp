@@ -49,7 +49,7 @@ shader::Coverage coverage_of(const Scene& scene, uint32_t triangle, TexelWords& 
   shader::Coverage v{};
   v.alpha0 = alpha(0), v.alpha1 = alpha(1), v.alpha2 = alpha(2);
   v.cutoff = m.alpha_mode == Material::Alpha::mask ? m.alpha_cutoff : -1.0f;
-  if (m.base_map && !m.plain) add_texture(scene, t, m.base_map, words, v);
+  if (m.maps[MAP_BASE] && !m.plain) add_texture(scene, t, m.maps[MAP_BASE], words, v);
   return v;
 }
 

@@ -35,7 +35,7 @@ double share_of_other_coverage(const Material& material, float shift) {
   const CoverageTables tables = make_coverages(scene);
   const kernel::Kernel kernel{
       tables.coverage_of.data(), tables.coverages.data(), tables.texels.data(), true, true, false};
-  scene.materials.back().base_map.transform[2] += shift;
+  scene.materials.back().maps[MAP_BASE].transform[2] += shift;
   int different = 0;
   for (uint64_t i = 0; i < 100000; ++i) {
     Rng rng(8, 0, i);
@@ -92,11 +92,11 @@ TEST(Coverages, without_texture_coordinates_have_the_texel_of_the_transform) {
   Material m;
   m.alpha_mode = Material::Alpha::mask;
   m.alpha_cutoff = 0.5f;
-  m.base_map.image = 0;
-  m.base_map.nearest = true;
+  m.maps[MAP_BASE].image = 0;
+  m.maps[MAP_BASE].nearest = true;
   const Image halves{2, 1, {0, 0, 0, 0, 255, 255, 255, 255}};  // alpha 0, then 1
   EXPECT_EQ(share_uncovered(m, halves, false), 1);
-  m.base_map.transform = {1, 0, 0.75f, 0, 1, 0};
+  m.maps[MAP_BASE].transform = {1, 0, 0.75f, 0, 1, 0};
   EXPECT_EQ(share_uncovered(m, halves, false), 0);
 }
 

@@ -35,7 +35,7 @@ constexpr double kLeastShare = 0.01;  // of the mean power
 double mean_luminance(const Scene& scene, uint32_t triangle) {
   const Material& m = scene.material_of(triangle);
   const double factor = luminance(m.emission);
-  if (!m.emission_map || factor <= 0) return factor;
+  if (!m.maps[MAP_EMISSION] || factor <= 0) return factor;
   constexpr int n = 8;
   double sum = 0;
   int places = 0;

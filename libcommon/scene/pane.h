@@ -24,8 +24,9 @@ struct Pane {
 
 inline Pane pane_of(const Material& m) {
   const auto grey = [](const Rgb& c) { return c.x == c.y && c.y == c.z; };
-  const bool textured = m.base_map || m.metallic_roughness_map || m.normal_map || m.specular_map ||
-                        m.specular_color_map || m.transmission_map;
+  const bool textured = m.maps[MAP_BASE] || m.maps[MAP_METALLIC_ROUGHNESS] || m.maps[MAP_NORMAL] ||
+                        m.maps[MAP_SPECULAR] || m.maps[MAP_SPECULAR_COLOR] ||
+                        m.maps[MAP_TRANSMISSION];
   if (!(m.transmission > 0) || m.solid || m.coloured || m.metallic != 0 || m.roughness >= 0.01f ||
       textured || m.alpha_mode != Material::Alpha::opaque || max_component(m.emission) > 0 ||
       !grey(m.base_color) || !grey(m.specular_color) || m.coat > 0 || m.sheened())

@@ -98,7 +98,7 @@ void open_glass(Scene& scene) {
     if (m.alpha_mode == Material::Alpha::opaque) {
       m.alpha_mode = Material::Alpha::blend;
       m.alpha = 1;
-      m.base_map = {};  // whose alpha would count from now on
+      m.maps[MAP_BASE] = {};  // whose alpha would count from now on
     }
     m.alpha *= 1 - share;
   }

@@ -69,21 +69,12 @@ struct Material : shader::SurfaceMaterial {
   bool sheened() const { return sheen_color.x > 0 || sheen_color.y > 0 || sheen_color.z > 0; }
   bool coloured = false;  ///< some vertex colour of its surfaces is not white
 
-  TextureMap base_map;                ///< RGB colour, A alpha
-  TextureMap metallic_roughness_map;  ///< G roughness, B metallic
-  TextureMap emission_map;            ///< RGB
-  TextureMap normal_map;              ///< tangent space, RGB -> [-1,1]
-  TextureMap specular_map;            ///< A
-  TextureMap specular_color_map;      ///< RGB
+  /// By MAP_* [surface_layout.h], which says what each multiplies [mapped.h]; those of normals, in
+  /// tangent space, bend: RGB -> [-1,1].
+  std::array<TextureMap, MAPS_OF_MATERIAL> maps;
   /// The specular colour's map holds glossiness in A: roughness is 1 - (1 - roughness) A, and the
   /// base colour has 1 less the largest part of the specular colour [specular-glossiness].
   bool glossy_map = false;
-  TextureMap transmission_map;     ///< R
-  TextureMap coat_map;             ///< R
-  TextureMap coat_roughness_map;   ///< G
-  TextureMap coat_normal_map;      ///< as normal_map, which does not bend the coat
-  TextureMap sheen_color_map;      ///< RGB
-  TextureMap sheen_roughness_map;  ///< A
 };
 
 struct LightProfile;

@@ -1,7 +1,5 @@
 #include "libcommon/scene/surface_tables.h"
 
-#include <array>
-
 #include <algorithm>
 #include <cmath>
 
@@ -64,26 +62,10 @@ class Builder {
     return r;
   }
   void add_maps(const Material& m, shader::SurfaceMaterial& r) {
-    std::array<uint32_t, MAPS_OF_MATERIAL> maps;
-    maps.fill(shader::kNoMap);
-    if (!m.plain) fill_maps(m, maps);
-    if (maps[MAP_NORMAL] != shader::kNoMap || maps[MAP_COAT_NORMAL] != shader::kNoMap)
-      r.flags |= MATERIAL_BENDS;
-    tables_.material_maps.insert(tables_.material_maps.end(), maps.begin(), maps.end());
-  }
-  void fill_maps(const Material& m, std::array<uint32_t, MAPS_OF_MATERIAL>& maps) {
-    maps[MAP_BASE] = map(m.base_map);
-    maps[MAP_METALLIC_ROUGHNESS] = map(m.metallic_roughness_map);
-    maps[MAP_SPECULAR] = map(m.specular_map);
-    maps[MAP_SPECULAR_COLOR] = map(m.specular_color_map);
-    maps[MAP_TRANSMISSION] = map(m.transmission_map);
-    maps[MAP_EMISSION] = map(m.emission_map);
-    maps[MAP_COAT] = map(m.coat_map);
-    maps[MAP_COAT_ROUGHNESS] = map(m.coat_roughness_map);
-    maps[MAP_SHEEN_COLOR] = map(m.sheen_color_map);
-    maps[MAP_SHEEN_ROUGHNESS] = map(m.sheen_roughness_map);
-    maps[MAP_NORMAL] = map(m.normal_map);
-    maps[MAP_COAT_NORMAL] = map(m.coat_normal_map);
+    const bool bends = m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL];
+    if (bends && !m.plain) r.flags |= MATERIAL_BENDS;
+    for (const TextureMap& map : m.maps)
+      tables_.material_maps.push_back(m.plain ? shader::kNoMap : this->map(map));
   }
 
   void note_features(const Material& m) {

@@ -29,7 +29,7 @@ inline Scene with_sheet(Material sheet, const Image& image) {
     scene.colours[first + i][3] = i < 2 ? 1.0f : 0.75f;
   }
   sheet.plain = false;
-  sheet.base_map.uv_set = 1;
+  sheet.maps[MAP_BASE].uv_set = 1;
   scene.images = {image};
   scene.materials.push_back(sheet);
   return scene;
@@ -51,19 +51,19 @@ inline std::vector<Material> sheet_materials() {
   std::vector<Material> all;
   all.push_back(m);  // no texture
   m.alpha = 1;
-  m.base_map.image = 0;
-  m.base_map.transform = {80, 3, -0.3f, -2, 7, 0.2f};
-  m.base_map.wrap_u = Wrap::repeat;
-  m.base_map.wrap_v = Wrap::mirror;
+  m.maps[MAP_BASE].image = 0;
+  m.maps[MAP_BASE].transform = {80, 3, -0.3f, -2, 7, 0.2f};
+  m.maps[MAP_BASE].wrap_u = Wrap::repeat;
+  m.maps[MAP_BASE].wrap_v = Wrap::mirror;
   all.push_back(m);
-  m.base_map.wrap_u = Wrap::clamp;
-  m.base_map.wrap_v = Wrap::repeat;
-  m.base_map.transform = {2, 0, -0.5f, 0, 4, 0};
+  m.maps[MAP_BASE].wrap_u = Wrap::clamp;
+  m.maps[MAP_BASE].wrap_v = Wrap::repeat;
+  m.maps[MAP_BASE].transform = {2, 0, -0.5f, 0, 4, 0};
   m.alpha_mode = Material::Alpha::mask;
   m.alpha_cutoff = 0.4f;
   all.push_back(m);
-  m.base_map.nearest = true;
-  m.base_map.wrap_u = Wrap::mirror;
+  m.maps[MAP_BASE].nearest = true;
+  m.maps[MAP_BASE].wrap_u = Wrap::mirror;
   all.push_back(m);
   return all;
 }

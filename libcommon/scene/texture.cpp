@@ -5,14 +5,30 @@
 
 #include "libcommon/scene/srgb.h"
 #include "libcommon/scene/surface_tables.h"
+#include "shaders/shared/vector.h"
+
+namespace tdpt::shader {
+namespace {
+
+// The text in doubles.
+struct Mapped {
+  using Real = double;
+#include "shaders/shared/path/mapped.h"
+};
+constexpr Mapped mapped{};
+
+}  // namespace
+}  // namespace tdpt::shader
 
 namespace tdpt {
 namespace {
 
+using shader::mapped;
 using Texel = std::array<float, 4>;
 
-// Least cosine between a shading normal and the geometric one.
-constexpr double kGrazing = 1e-3;
+shader::Mapped::Texel text(const Texel& t) {
+  return {{t[0], t[1], t[2]}, t[3]};
+}
 
 /// The two texels along one axis that a coordinate lies between, and the share of the second.
 struct Span {
@@ -117,13 +133,6 @@ Tangents derived_tangents(const Scene& scene, const TextureMap& map, uint32_t tr
   return {(s.e1 * m[3] - s.e2 * m[1]) * sign, (s.e1 * m[2] - s.e2 * m[0]) * sign};
 }
 
-/// `v` without its part along the unit `n`, unit; 0 where nothing is left.
-Vec3d across(const Vec3d& v, const Vec3d& n) {
-  const Vec3d flat = v - n * dot(v, n);
-  const double l = length(flat), whole = length(v);
-  return l > 1e-6 * whole && std::isfinite(l) ? flat / l : Vec3d{};
-}
-
 Vec3d bent(const Scene& scene, const TextureMap& map, float scale, const SurfacePlace& place,
            const Vec3d& n) {
   const Triangle& t = scene.triangles[place.triangle];
@@ -131,30 +140,16 @@ Vec3d bent(const Scene& scene, const TextureMap& map, float scale, const Surface
   double hand = 1;
   if (!scene.tangents.empty()) {
     const auto v = interpolated(scene.tangents, t, place);
-    x = across({v[0], v[1], v[2]}, n);
+    x = mapped.across({v[0], v[1], v[2]}, n);
     hand = scene.tangents[t.vertex[0]][3] < 0 ? -1 : 1;
   }
   if (x == Vec3d{}) {
     const Tangents d = derived_tangents(scene, map, place.triangle);
-    x = across(d.u, n);
+    x = mapped.across(d.u, n);
     hand = dot(cross(n, d.u), d.v) < 0 ? -1 : 1;
   }
   if (x == Vec3d{}) return n;
-  const Texel texel = lookup(scene, map, place);
-  const Vec3d y = cross(n, x) * hand;
-  const double sx = (2.0 * texel[0] - 1) * scale;
-  const double sy = (2.0 * texel[1] - 1) * scale;
-  const Vec3d out = x * sx + y * sy + n * (2.0 * texel[2] - 1);
-  const double l = length(out);
-  return l > 1e-9 && std::isfinite(l) ? out / l : n;
-}
-
-/// The unit `n`, mirrored at the surface if it points behind it, never quite along it.
-Vec3d in_front(const Vec3d& n, const Vec3d& geometric) {
-  const double cosine = dot(n, geometric);
-  if (cosine >= kGrazing) return n;
-  const Vec3d flat = n - geometric * cosine;
-  return normalize(flat + geometric * std::max(-cosine, kGrazing));
+  return mapped.bent_by(text(lookup(scene, map, place)), scale, x, hand, n);
 }
 
 }  // namespace
@@ -180,7 +175,7 @@ Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
   Texel out{m.base_color.x, m.base_color.y, m.base_color.z, m.alpha};
   if (m.plain) return out;
-  const Texel texel = lookup(scene, m.base_map, place);
+  const Texel texel = lookup(scene, m.maps[MAP_BASE], place);
   const auto colour = colour_at(scene, place);
   for (size_t c = 0; c < 4; ++c)
     out[c] = std::clamp(out[c] * texel[c] * static_cast<float>(colour[c]), 0.0f, 1.0f);
@@ -190,36 +185,19 @@ Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
 shader::SurfaceMaterial material_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
   shader::SurfaceMaterial v = surface_material(m);
-  const auto texel = [&](const TextureMap& map) { return lookup(scene, map, place); };
-  const auto colour = [](const Texel& t) { return Rgb(t[0], t[1], t[2]); };
-  v.base_color = colour(base_color_at(scene, place));
-  if (m.metallic_roughness_map) {
-    const Texel t = texel(m.metallic_roughness_map);
-    v.roughness *= t[1];
-    v.metallic *= t[2];
-  }
-  if (m.specular_map) v.specular *= texel(m.specular_map)[3];
-  if (m.specular_color_map) {
-    const Texel t = texel(m.specular_color_map);
-    v.specular_color = v.specular_color * colour(t);
-    if (m.glossy_map) v.roughness = 1 - (1 - v.roughness) * t[3];
-  }
-  if (m.transmission_map) v.transmission *= texel(m.transmission_map)[0];
-  if (m.sheened()) {
-    v.sheen_color = v.sheen_color * colour(texel(m.sheen_color_map));
-    v.sheen_roughness *= texel(m.sheen_roughness_map)[3];
-  }
-  if (m.coat > 0) {
-    v.coat *= texel(m.coat_map)[0];
-    v.coat_roughness *= texel(m.coat_roughness_map)[1];
-  }
+  const Texel base = base_color_at(scene, place);
+  v.base_color = {base[0], base[1], base[2]};
+  if (m.plain) return v;
+  for (uint32_t k = MAP_BASE + 1; k < MAPS_OF_FACTORS; ++k)
+    if (k != MAP_EMISSION && m.maps[k])
+      mapped.multiply(v, k, text(lookup(scene, m.maps[k], place)));
   return v;
 }
 
 Rgb emission_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
-  if (!m.emission_map) return m.emission;
-  const Texel texel = lookup(scene, m.emission_map, place);
+  if (!m.maps[MAP_EMISSION]) return m.emission;
+  const Texel texel = lookup(scene, m.maps[MAP_EMISSION], place);
   return m.emission * Rgb(texel[0], texel[1], texel[2]);
 }
 
@@ -244,22 +222,22 @@ Vec3d normal_at(const Scene& scene, const TextureMap& map, float scale, const Su
     if (l > 1e-6) n = sum / l;
   }
   if (map)
-    n = bent(scene, map, scale, place, in_front(n, geometric));
+    n = bent(scene, map, scale, place, mapped.in_front(n, geometric));
   else if (how == 0)
     return geometric;
-  return in_front(n, geometric);
+  return mapped.in_front(n, geometric);
 }
 
 }  // namespace
 
 Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
   const Material& m = scene.material_of(place.triangle);
-  return normal_at(scene, m.normal_map, m.normal_scale, place, geometric);
+  return normal_at(scene, m.maps[MAP_NORMAL], m.normal_scale, place, geometric);
 }
 
 Vec3d coat_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric) {
   const Material& m = scene.material_of(place.triangle);
-  return normal_at(scene, m.coat_normal_map, m.coat_normal_scale, place, geometric);
+  return normal_at(scene, m.maps[MAP_COAT_NORMAL], m.coat_normal_scale, place, geometric);
 }
 
 }  // namespace tdpt

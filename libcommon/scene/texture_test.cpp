@@ -164,7 +164,7 @@ TEST(BaseColour, IsFactorTimesTextureTimesVertexColour) {
   Material& m = s.materials[0];
   m.base_color = {0.5f, 1, 0.25f};
   m.alpha = 0.5f;
-  m.base_map.image = add_image(s, 1, 1, {255, 51, 102, 204});
+  m.maps[MAP_BASE].image = add_image(s, 1, 1, {255, 51, 102, 204});
   s.colours = {{1, 1, 1, 1}, {0, 0.5f, 8, 1}, {1, 1, 1, 0}};
   const auto c = base_color_at(s, {0, 0.5, 0.25});
   EXPECT_NEAR(c[0], 0.5 * 1 * 0.5, 1e-6);
@@ -182,7 +182,7 @@ TEST(Emission, IsFactorTimesTexture) {
   Scene s = triangle();
   s.materials[0].emission = {10, 20, 30};
   EXPECT_EQ(emission_at(s, {0, 0.1, 0.1}), Rgb(10, 20, 30));
-  s.materials[0].emission_map.image = add_image(s, 1, 1, {255, 51, 0, 0});
+  s.materials[0].maps[MAP_EMISSION].image = add_image(s, 1, 1, {255, 51, 0, 0});
   const Rgb e = emission_at(s, {0, 0.1, 0.1});
   EXPECT_NEAR(e.x, 10, 1e-5);
   EXPECT_NEAR(e.y, 4, 1e-5);
@@ -192,8 +192,8 @@ TEST(Emission, IsFactorTimesTexture) {
 TEST(Coverage, FollowsTheMode) {
   Scene s = triangle();
   Material& m = s.materials[0];
-  m.base_map.image = add_image(s, 2, 1, {0, 0, 0, 0, 0, 0, 0, 255});
-  m.base_map.wrap_u = Wrap::clamp;
+  m.maps[MAP_BASE].image = add_image(s, 2, 1, {0, 0, 0, 0, 0, 0, 0, 255});
+  m.maps[MAP_BASE].wrap_u = Wrap::clamp;
   const SurfacePlace quarter{0, 0.375, 0.5}, half{0, 0.5, 0.5}, all{0, 0.75, 0.5};
   EXPECT_EQ(coverage_at(s, quarter), 1);
   m.alpha_mode = Material::Alpha::blend;
@@ -262,7 +262,7 @@ Vec3d bent(const Bytes& texel, std::array<float, 3> u, std::array<float, 3> v,
            const std::vector<std::array<float, 4>>& tangents = {}, float scale = 1) {
   Scene s = triangle();
   for (size_t k = 0; k < 3; ++k) s.uv[0][k] = {u[k], v[k]};
-  s.materials[0].normal_map.image = add_image(s, 1, 1, texel);
+  s.materials[0].maps[MAP_NORMAL].image = add_image(s, 1, 1, texel);
   s.materials[0].normal_scale = scale;
   s.tangents = tangents;
   return shading_normal_at(s, {0, 0.2, 0.2}, kUp);

@@ -21,9 +21,7 @@ std::string of_materials(const Scene& s, bool (*which)(const Material&), const c
 }
 
 bool textured(const Material& m) {
-  return m.base_map || m.metallic_roughness_map || m.emission_map || m.normal_map ||
-         m.specular_map || m.specular_color_map || m.transmission_map || m.coat_map ||
-         m.coat_roughness_map || m.coat_normal_map || m.sheen_color_map || m.sheen_roughness_map;
+  return std::any_of(m.maps.begin(), m.maps.end(), [](const TextureMap& map) { return bool(map); });
 }
 
 // A word of Scene::needs, how many ask for it, and what is saved where none does.
@@ -95,13 +93,14 @@ constexpr std::array kUses{
     Use{"normal maps",
         [](const Scene& s) {
           return of_materials(
-              s, [](const Material& m) { return m.normal_map || m.coat_normal_map; }, "name one");
+              s, [](const Material& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; },
+              "name one");
         },
         "no look-up"},
     Use{"textured emission",
         [](const Scene& s) {
           return of_materials(
-              s, [](const Material& m) { return bool(m.emission_map); }, "name one");
+              s, [](const Material& m) { return bool(m.maps[MAP_EMISSION]); }, "name one");
         },
         "each emitter is even"},
     Use{"a sky",

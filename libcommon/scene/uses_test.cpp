@@ -14,7 +14,7 @@ Scene with_everything() {
   m.alpha_mode = Material::Alpha::mask;
   m.absorption = Rgb(1.0f);
   m.coloured = true;
-  m.normal_map.image = m.emission_map.image = 0;
+  m.maps[MAP_NORMAL].image = m.maps[MAP_EMISSION].image = 0;
   scene.materials = {m, Material{}};
   scene.images.resize(1);
   scene.triangles.resize(3);

@@ -265,7 +265,7 @@ TEST(TextureCoordinates, ThatAreMissingAreToldAndZero) {
   EXPECT_EQ(s.warnings, Words{"1 primitive lacks the texture coordinates that its material asks "
                               "for: taken as 0"});
   // Half of each texel: their border lies at 0.
-  EXPECT_NEAR(lookup(s, s.materials[0].base_map, {0, 0.2, 0.2})[3], 191.5 / 255, 1e-6);
+  EXPECT_NEAR(lookup(s, s.materials[0].maps[MAP_BASE], {0, 0.2, 0.2})[3], 191.5 / 255, 1e-6);
 }
 
 TEST(Normals, OfEveryQuantizedType) {

@@ -28,17 +28,18 @@ TEST(Maps, EveryOneFindsItsPlace) {
   const auto image = [&](const TextureMap& map) {
     return map ? s.images[static_cast<size_t>(map.image)].texels[0] : 0;
   };
-  EXPECT_EQ(image(out.base_map), 100);
-  EXPECT_EQ(image(out.metallic_roughness_map), 101);
-  EXPECT_EQ(image(out.normal_map), 102);
-  EXPECT_EQ(image(out.emission_map), 103);
-  EXPECT_EQ(image(out.specular_map), 104);
-  EXPECT_EQ(image(out.specular_color_map), 105);
-  EXPECT_EQ(image(out.transmission_map), 106);
+  EXPECT_EQ(image(out.maps[MAP_BASE]), 100);
+  EXPECT_EQ(image(out.maps[MAP_METALLIC_ROUGHNESS]), 101);
+  EXPECT_EQ(image(out.maps[MAP_NORMAL]), 102);
+  EXPECT_EQ(image(out.maps[MAP_EMISSION]), 103);
+  EXPECT_EQ(image(out.maps[MAP_SPECULAR]), 104);
+  EXPECT_EQ(image(out.maps[MAP_SPECULAR_COLOR]), 105);
+  EXPECT_EQ(image(out.maps[MAP_TRANSMISSION]), 106);
   EXPECT_EQ(s.images.size(), 7u);  // light that is occluded needs no texture here
-  EXPECT_TRUE(out.base_map.srgb && out.emission_map.srgb && out.specular_color_map.srgb);
-  EXPECT_FALSE(out.metallic_roughness_map.srgb || out.normal_map.srgb || out.specular_map.srgb ||
-               out.transmission_map.srgb);
+  EXPECT_TRUE(out.maps[MAP_BASE].srgb && out.maps[MAP_EMISSION].srgb &&
+              out.maps[MAP_SPECULAR_COLOR].srgb);
+  EXPECT_FALSE(out.maps[MAP_METALLIC_ROUGHNESS].srgb || out.maps[MAP_NORMAL].srgb ||
+               out.maps[MAP_SPECULAR].srgb || out.maps[MAP_TRANSMISSION].srgb);
   EXPECT_EQ(out.normal_scale, 0.5f);
   EXPECT_EQ(s.needs, (Sentences{"textures", "specular", "transmission", "normal maps",
                                 "textured emission"}));
@@ -64,11 +65,12 @@ TEST(Maps, OfCoatAndSheenFindTheirPlaces) {
   const Scene s = scene_with({m}, b);
   const Material& out = s.materials[0];
   int expected = 100;
-  for (const TextureMap* map : {&out.coat_map, &out.coat_roughness_map, &out.coat_normal_map,
-                                &out.sheen_color_map, &out.sheen_roughness_map}) {
+  for (const TextureMap* map :
+       {&out.maps[MAP_COAT], &out.maps[MAP_COAT_ROUGHNESS], &out.maps[MAP_COAT_NORMAL],
+        &out.maps[MAP_SHEEN_COLOR], &out.maps[MAP_SHEEN_ROUGHNESS]}) {
     ASSERT_TRUE(*map);
     EXPECT_EQ(s.images[static_cast<size_t>(map->image)].texels[0], expected++);
-    EXPECT_EQ(map->srgb, map == &out.sheen_color_map);
+    EXPECT_EQ(map->srgb, map == &out.maps[MAP_SHEEN_COLOR]);
   }
   EXPECT_EQ(out.coat_normal_scale, 0.5f);
   EXPECT_EQ(s.needs, (Sentences{"textures", "clear coat", "sheen", "normal maps"}));
@@ -102,21 +104,22 @@ Json textured(const Json& info) {
 }
 
 TEST(Maps, SamplersSayHowTheyAreWrapped) {
-  TextureMap map = material(textured({{"index", 0}}), with(kTwo)).base_map;
+  TextureMap map = material(textured({{"index", 0}}), with(kTwo)).maps[MAP_BASE];
   EXPECT_EQ(map.wrap_u, Wrap::repeat);
   EXPECT_EQ(map.wrap_v, Wrap::repeat);
   EXPECT_FALSE(map.nearest);
   EXPECT_EQ(map.uv_set, 0);
   map = material(textured({{"index", 0}, {"texCoord", 1}}),
                  with(kTwo, {{"wrapS", 33648}, {"wrapT", 33071}, {"magFilter", 9728}}))
-            .base_map;
+            .maps[MAP_BASE];
   EXPECT_EQ(map.wrap_u, Wrap::mirror);
   EXPECT_EQ(map.wrap_v, Wrap::clamp);
   EXPECT_TRUE(map.nearest);
   EXPECT_EQ(map.uv_set, 1);
   EXPECT_FALSE(
       material(textured({{"index", 0}}), with(kTwo, {{"magFilter", 9729}, {"minFilter", 9728}}))
-          .base_map.nearest);
+          .maps[MAP_BASE]
+          .nearest);
 }
 
 TEST(Maps, OnlyTheCoordinatesThatTheyLookUpAreKept) {
@@ -131,7 +134,8 @@ TEST(Maps, TransformsScaleThenTurnThenMove) {
   const auto transform = [&](const Json& t) {
     return material(textured({{"index", 0}, {"extensions", {{"KHR_texture_transform", t}}}}),
                     with(kTwo))
-        .base_map.transform;
+        .maps[MAP_BASE]
+        .transform;
   };
   const auto expect = [](const std::array<float, 6>& a, const std::array<float, 6>& b) {
     for (size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[k], b[k], 1e-6) << k;
@@ -146,7 +150,8 @@ TEST(Maps, TransformsScaleThenTurnThenMove) {
   EXPECT_EQ(material(textured({{"index", 0},
                                {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}}),
                      with(kTwo))
-                .base_map.uv_set,
+                .maps[MAP_BASE]
+                .uv_set,
             1);
 }
 
@@ -206,9 +211,9 @@ TEST(Maps, AFlatNormalMapIsNone) {
   m["normalTexture"] = {{"index", 0}};
   EXPECT_TRUE(material(m, with(png_of(1, 1, "\x80\x80\xff\xff"))).plain);
   EXPECT_TRUE(material(m, with(png_of(1, 1, "\x7f\x80\xff\xff"))).plain);
-  EXPECT_TRUE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).normal_map);
+  EXPECT_TRUE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).maps[MAP_NORMAL]);
   m["normalTexture"]["scale"] = 0;
-  EXPECT_FALSE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).normal_map);
+  EXPECT_FALSE(material(m, with(png_of(1, 1, "\x90\x80\xff\xff"))).maps[MAP_NORMAL]);
 }
 
 TEST(Images, AreKeptOnceHoweverManyUseThem) {
@@ -218,8 +223,8 @@ TEST(Images, AreKeptOnceHoweverManyUseThem) {
   EXPECT_EQ(s.images[0].width, 2);
   EXPECT_EQ(s.images[0].height, 1);
   EXPECT_EQ(std::string(s.images[0].texels.begin(), s.images[0].texels.end()), kTwoTexels);
-  EXPECT_EQ(s.materials[0].base_map.image, 0);
-  EXPECT_EQ(s.materials[1].base_map.image, 0);
+  EXPECT_EQ(s.materials[0].maps[MAP_BASE].image, 0);
+  EXPECT_EQ(s.materials[1].maps[MAP_BASE].image, 0);
   EXPECT_FALSE(s.materials[0].plain);
   EXPECT_EQ(s.needs, Sentences{"textures"});
 }
@@ -398,8 +403,8 @@ TEST(Alpha, IsANeedAndNotPlain) {
   Json black = textured({{"index", 0}});  // its colour matters no more, its holes do
   black["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
   black["alphaMode"] = "BLEND";
-  EXPECT_TRUE(material(black, with(kTwo)).base_map);
-  EXPECT_FALSE(material(black, with(kTwoOpaque)).base_map);
+  EXPECT_TRUE(material(black, with(kTwo)).maps[MAP_BASE]);
+  EXPECT_FALSE(material(black, with(kTwoOpaque)).maps[MAP_BASE]);
   EXPECT_TRUE(material(black, with(kTwoOpaque)).plain);
 }
 

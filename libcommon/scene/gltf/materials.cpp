@@ -370,19 +370,19 @@ class Reader {
       use.uv[to.uv_set] = true;
       from.reset();
     };
-    keep(base_, m.base_map);
-    keep(roughness_, m.metallic_roughness_map);
-    keep(emission_, m.emission_map);
-    keep(normal_, m.normal_map);
-    keep(specular_, m.specular_map);
-    keep(specular_color_, m.specular_color_map);
-    keep(transmission_, m.transmission_map);
-    keep(coat_, m.coat_map);
-    keep(coat_roughness_, m.coat_roughness_map);
-    keep(coat_normal_, m.coat_normal_map);
-    keep(sheen_color_, m.sheen_color_map);
-    keep(sheen_roughness_, m.sheen_roughness_map);
-    use.tangents = m.normal_map || m.coat_normal_map;
+    keep(base_, m.maps[MAP_BASE]);
+    keep(roughness_, m.maps[MAP_METALLIC_ROUGHNESS]);
+    keep(emission_, m.maps[MAP_EMISSION]);
+    keep(normal_, m.maps[MAP_NORMAL]);
+    keep(specular_, m.maps[MAP_SPECULAR]);
+    keep(specular_color_, m.maps[MAP_SPECULAR_COLOR]);
+    keep(transmission_, m.maps[MAP_TRANSMISSION]);
+    keep(coat_, m.maps[MAP_COAT]);
+    keep(coat_roughness_, m.maps[MAP_COAT_ROUGHNESS]);
+    keep(coat_normal_, m.maps[MAP_COAT_NORMAL]);
+    keep(sheen_color_, m.maps[MAP_SHEEN_COLOR]);
+    keep(sheen_roughness_, m.maps[MAP_SHEEN_ROUGHNESS]);
+    use.tangents = m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL];
     use.alpha = m.alpha_mode != Material::Alpha::opaque;
     use.colours = !is_black(m.base_color) || use.alpha;
   }
@@ -428,7 +428,7 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool lobes =
       m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 || m.sheened();
   // Those of lobes come with them.
-  const bool maps = m.base_map || m.emission_map || m.normal_map;
+  const bool maps = m.maps[MAP_BASE] || m.maps[MAP_EMISSION] || m.maps[MAP_NORMAL];
   m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
 }
@@ -451,8 +451,9 @@ std::vector<std::string> needs_of(const Scene& scene) {
   say(!scene.colours.empty(), "vertex colours");
   say(!scene.lights.empty(), "punctual lights");
   say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
-  say(any([](const Material& m) { return m.normal_map || m.coat_normal_map; }), "normal maps");
-  say(any([](const Material& m) { return bool(m.emission_map); }), "textured emission");
+  say(any([](const Material& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; }),
+      "normal maps");
+  say(any([](const Material& m) { return bool(m.maps[MAP_EMISSION]); }), "textured emission");
   return out;
 }
 

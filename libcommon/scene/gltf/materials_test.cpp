@@ -148,13 +148,13 @@ TEST(Materials, AnUnlitOneEmitsItsBaseColour) {
   const Scene s = scene_with({m}, with(kTwo));
   EXPECT_EQ(s.materials[0].base_color, Rgb());
   EXPECT_EQ(s.materials[0].emission, Rgb(0.5f, 1, 0.25f));
-  EXPECT_TRUE(s.materials[0].emission_map && s.materials[0].emission_map.srgb);
-  EXPECT_FALSE(s.materials[0].base_map);
+  EXPECT_TRUE(s.materials[0].maps[MAP_EMISSION] && s.materials[0].maps[MAP_EMISSION].srgb);
+  EXPECT_FALSE(s.materials[0].maps[MAP_BASE]);
   EXPECT_FALSE(s.materials[0].double_sided);
   EXPECT_EQ(s.needs, (Sentences{"textures", "textured emission"}));
   EXPECT_EQ(s.warnings, Sentences{"1 material is unlit: taken as black, emitting the base colour"});
   m["alphaMode"] = "BLEND";  // the same texture cuts its holes
-  EXPECT_TRUE(material(m, with(kTwo)).base_map);
+  EXPECT_TRUE(material(m, with(kTwo)).maps[MAP_BASE]);
 }
 
 TEST(Materials, HaveAClearCoatAndASheen) {
@@ -310,7 +310,7 @@ TEST(SpecularGlossiness, ATextureOfOneColourBecomesFactors) {
   const Material m = material(
       glossy({{"specularFactor", {0.5, 1, 1}}, {"specularGlossinessTexture", {{"index", 0}}}}),
       with(kOne));
-  EXPECT_FALSE(m.specular_color_map);
+  EXPECT_FALSE(m.maps[MAP_SPECULAR_COLOR]);
   EXPECT_FALSE(m.glossy_map);
   EXPECT_NEAR(m.specular_color.x, 0.5, 1e-6);
   EXPECT_NEAR(m.specular_color.y, linear(0.2), 1e-6);
@@ -327,9 +327,9 @@ TEST(SpecularGlossiness, ATextureIsKeptWithItsGlossiness) {
   m["alphaMode"] = "BLEND";
   const Material read = material(m, with(kTwo));
   EXPECT_TRUE(read.glossy_map);
-  EXPECT_TRUE(read.specular_color_map);  // its alpha counts where its colours do not
-  EXPECT_TRUE(read.specular_color_map.srgb);
-  EXPECT_TRUE(read.base_map);
+  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR]);  // its alpha counts where its colours do not
+  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR].srgb);
+  EXPECT_TRUE(read.maps[MAP_BASE]);
   EXPECT_EQ(read.roughness, 0.5f);
   EXPECT_EQ(read.base_color, Rgb(1.0f));
   EXPECT_EQ(read.alpha_mode, Material::Alpha::blend);

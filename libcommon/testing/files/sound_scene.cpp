@@ -45,8 +45,8 @@ std::string fault_at(const Scene& s, const SurfacePlace& place, const Vec3d& geo
   if (!(std::abs(length(normal) - 1) < 1e-9)) return "a normal has length 1";
   if (!(dot(normal, geometric) >= 0.99e-3)) return "a normal is in front";
   const Material& m = s.material_of(place.triangle);
-  for (const TextureMap* map :
-       {&m.metallic_roughness_map, &m.specular_map, &m.specular_color_map, &m.transmission_map})
+  for (const TextureMap* map : {&m.maps[MAP_METALLIC_ROUGHNESS], &m.maps[MAP_SPECULAR],
+                                &m.maps[MAP_SPECULAR_COLOR], &m.maps[MAP_TRANSMISSION]})
     if (!are_shares(lookup(s, *map, place))) return "a texel is a share";
   if (!is_finite(m.absorption) || !is_finite(m.specular_color)) return "a material is finite";
   if (!(m.ior >= 1 && is_share(static_cast<float>(m.roughness)))) return "a material is in range";

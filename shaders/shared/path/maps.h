@@ -5,14 +5,9 @@
 // that those far from 0 lose as little as can be.
 //
 // Read within a scope that has load_x(i) of TABLES_OF_SURFACES [tables.h], scene_has_textures,
-// scene_has_normals and scene_has_colours; texels.h and surface_layout.h come before.
+// scene_has_normals and scene_has_colours; texels.h, surface_layout.h and mapped.h come before.
 
 #include "shaders/shared/language.h"
-
-struct Texel {
-  vec3 rgb;
-  float alpha;
-};
 
 /// A place on a face, and what is told of its corners where anything is.
 struct SurfacePlace {
@@ -80,26 +75,6 @@ SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
   return t;
 }
 
-/// A factor of `m` times what its map says.
-SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST {
-  if (which == MAP_BASE) m.base_color = m.base_color * t.rgb;
-  if (which == MAP_METALLIC_ROUGHNESS) {
-    m.roughness = m.roughness * t.rgb.y;
-    m.metallic = m.metallic * t.rgb.z;
-  }
-  if (which == MAP_SPECULAR) m.specular = m.specular * t.alpha;
-  if (which == MAP_SPECULAR_COLOR) {
-    m.specular_color = m.specular_color * t.rgb;
-    if ((m.flags & MATERIAL_GLOSSY_MAP) != 0u) m.roughness = 1.0f - (1.0f - m.roughness) * t.alpha;
-  }
-  if (which == MAP_TRANSMISSION) m.transmission = m.transmission * t.rgb.x;
-  if (which == MAP_EMISSION) m.emission = m.emission * t.rgb;
-  if (which == MAP_COAT) m.coat = m.coat * t.rgb.x;
-  if (which == MAP_COAT_ROUGHNESS) m.coat_roughness = m.coat_roughness * t.rgb.y;
-  if (which == MAP_SHEEN_COLOR) m.sheen_color = m.sheen_color * t.rgb;
-  if (which == MAP_SHEEN_ROUGHNESS) m.sheen_roughness = m.sheen_roughness * t.alpha;
-}
-
 /// The material of a place: all that textures and vertex colours say is in its factors, the base
 /// colour's each in [0,1].
 SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST {
@@ -121,20 +96,6 @@ SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST 
   m.base_color =
       vec3(min(max(c.x, 0.0f), 1.0f), min(max(c.y, 0.0f), 1.0f), min(max(c.z, 0.0f), 1.0f));
   return m;
-}
-
-/// `v` over its largest component, so that its square is a number; 0 stays 0.
-SHARED vec3 brought_near_1(vec3 v) MEMBER_CONST {
-  float most = max(max(abs(v.x), abs(v.y)), abs(v.z));
-  return most > 1e-30f && most < 1e30f ? v * reciprocal(most) : vec3(0.0f);
-}
-
-/// `v` without its part along the unit `n`, unit; 0 where nothing is left.
-SHARED vec3 across(vec3 v, vec3 n) MEMBER_CONST {
-  vec3 near_1 = brought_near_1(v);
-  vec3 flat_part = near_1 - n * dot(near_1, n);
-  float l2 = dot(flat_part, flat_part);
-  return l2 > 1e-12f * dot(near_1, near_1) ? flat_part * inverse_root(l2) : vec3(0.0f);
 }
 
 /// Directions of +X (right) and +Y (up) of a normal map, from the corners' places and texture
@@ -185,20 +146,7 @@ SHARED vec3 bent_normal(uint map, float scale, Face face, SurfacePlace at, vec3 
     hand = either_sign(dot(cross(n, brought_near_1(u)), brought_near_1(v)));
   }
   if (is_zero(x)) return n;
-  vec3 texel = lookup(map, at).rgb;
-  vec3 y = cross(n, x) * hand;
-  vec3 bent = x * ((2.0f * texel.x - 1.0f) * scale) + y * ((2.0f * texel.y - 1.0f) * scale) +
-              n * (2.0f * texel.z - 1.0f);
-  float l2 = dot(bent, bent);
-  return l2 > 1e-18f && l2 < 1e37f ? bent * inverse_root(l2) : n;
-}
-
-/// The unit `n`, mirrored at the surface if it points behind it, never quite along it.
-SHARED vec3 in_front(vec3 n, vec3 geometric) MEMBER_CONST {
-  float cosine = dot(n, geometric);
-  if (cosine >= 1e-3f) return n;
-  vec3 flat_part = n - geometric * cosine;
-  return normalized(flat_part + geometric * max(-cosine, 1e-3f));
+  return bent_by(lookup(map, at), scale, x, hand, n);
 }
 
 /// Unit shading normal of the front side: of the corners, bent by a map.

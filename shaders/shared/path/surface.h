@@ -26,6 +26,8 @@
 
 #include "shaders/shared/path/material.h"
 
+#include "shaders/shared/path/mapped.h"
+
 #include "shaders/shared/path/maps.h"
 
 #include "shaders/shared/path/place.h"

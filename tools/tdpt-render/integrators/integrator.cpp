@@ -26,7 +26,7 @@ std::string label_of(const Integrator& integrator) {
 
 namespace {
 bool has_smooth_lobe(const Material& m) {
-  return !m.plain && (m.roughness < 0.01f || m.metallic_roughness_map) &&
+  return !m.plain && (m.roughness < 0.01f || m.maps[MAP_METALLIC_ROUGHNESS]) &&
          (m.metallic > 0 || m.specular > 0 || m.transmission > 0);
 }
 }  // namespace

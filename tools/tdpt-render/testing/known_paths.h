@@ -85,7 +85,7 @@ inline Scene coated_rooms() {
     m.plain = false;
     m.coat = i % 4 == 3 ? 0 : 1 - 0.1f * static_cast<float>(i % 5);
     m.coat_roughness = i % 2 == 0 ? 0 : 0.3f + 0.05f * static_cast<float>(i % 7);
-    if (i % 3 != 0) m.coat_normal_map.image = 0;
+    if (i % 3 != 0) m.maps[MAP_COAT_NORMAL].image = 0;
     if (i % 3 != 1) m.sheen_color = {0.6f, 0.4f, 0.3f}, m.sheen_roughness = 0.5f;
   }
   return scene;

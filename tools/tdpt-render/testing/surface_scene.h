@@ -95,19 +95,19 @@ class SurfaceHeap {
     m.alpha_cutoff = 0.3f;
   }
   void add_maps(Material& m) {
-    m.base_map = map(0.5, true);
-    m.metallic_roughness_map = map(0.4);
-    m.emission_map = map(0.5, true);
-    m.normal_map = map(0.4);
-    m.specular_map = map(0.3);
-    m.specular_color_map = map(0.3, true);
-    m.glossy_map = m.specular_color_map && chance(0.5);
-    m.transmission_map = map(0.3);
-    m.coat_map = map(0.3);
-    m.coat_roughness_map = map(0.3);
-    m.coat_normal_map = map(0.3);
-    m.sheen_color_map = map(0.3, true);
-    m.sheen_roughness_map = map(0.3);
+    m.maps[MAP_BASE] = map(0.5, true);
+    m.maps[MAP_METALLIC_ROUGHNESS] = map(0.4);
+    m.maps[MAP_EMISSION] = map(0.5, true);
+    m.maps[MAP_NORMAL] = map(0.4);
+    m.maps[MAP_SPECULAR] = map(0.3);
+    m.maps[MAP_SPECULAR_COLOR] = map(0.3, true);
+    m.glossy_map = m.maps[MAP_SPECULAR_COLOR] && chance(0.5);
+    m.maps[MAP_TRANSMISSION] = map(0.3);
+    m.maps[MAP_COAT] = map(0.3);
+    m.maps[MAP_COAT_ROUGHNESS] = map(0.3);
+    m.maps[MAP_COAT_NORMAL] = map(0.3);
+    m.maps[MAP_SHEEN_COLOR] = map(0.3, true);
+    m.maps[MAP_SHEEN_ROUGHNESS] = map(0.3);
   }
 
   void add_triangle(uint32_t i, double reach) {

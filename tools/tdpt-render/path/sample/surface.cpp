@@ -14,7 +14,7 @@ void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
     p.bsdf = text.diffuse_bsdf(m.base_color);
     return;
   }
-  const bool bent_coat = m.coat > 0 && (m.normal_map || m.coat_normal_map);
+  const bool bent_coat = m.coat > 0 && (m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]);
   text.put_material(material_at(scene, place), bent_coat,
                     bent_coat ? coat_normal_at(scene, place, p.normal) : p.normal, p);
 }
