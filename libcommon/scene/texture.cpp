@@ -171,6 +171,10 @@ Texel lookup(const Scene& scene, const TextureMap& map, const SurfacePlace& plac
   return y.share == 0 ? row(y.first) : mixed(row(y.first), row(y.second), y.share);
 }
 
+void multiply(shader::SurfaceMaterial& m, uint32_t map, const Texel& texel) {
+  mapped.multiply(m, map, text(texel));
+}
+
 Texel base_color_at(const Scene& scene, const SurfacePlace& place) {
   const Material& m = scene.material_of(place.triangle);
   Texel out{m.base_color.x, m.base_color.y, m.base_color.z, m.alpha};

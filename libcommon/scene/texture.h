@@ -18,6 +18,9 @@ struct SurfacePlace {
 /// Texel at a place, linear RGBA in [0,1]; 1 when the map has no image.
 std::array<float, 4> lookup(const Scene& scene, const TextureMap& map, const SurfacePlace& place);
 
+/// The factors that map MAP_* of a material multiplies times what it says; not alpha.
+void multiply(shader::SurfaceMaterial& material, uint32_t map, const std::array<float, 4>& texel);
+
 /// Base colour with alpha: factor x texture x vertex colour. Linear, each in [0,1].
 std::array<float, 4> base_color_at(const Scene& scene, const SurfacePlace& place);
 

@@ -10,6 +10,7 @@
 #include "libcommon/base/shown.h"
 #include "libcommon/scene/gltf/specular_glossiness.h"
 #include "libcommon/scene/gltf/textures.h"
+#include "libcommon/scene/texture.h"
 #include "shaders/shared/path/fresnel.h"
 
 namespace tdpt::gltf {
@@ -111,7 +112,8 @@ class Reader {
       use.unlit = true;
     } else {
       read_lobes(j, m);
-      if (glossy_) finish_specular_glossiness(specular_color_.has_value(), glossiness_, m);
+      if (glossy_)
+        finish_specular_glossiness(maps_[MAP_SPECULAR_COLOR].has_value(), glossiness_, m);
       read_coat(child(extensions, "KHR_materials_clearcoat"), m);
       read_sheen(child(extensions, "KHR_materials_sheen"), m);
       read_normal_map(j, m);
@@ -161,16 +163,19 @@ class Reader {
 
   /// The texture called `name`, if there is one; one of a single colour goes into the factors.
   template <class Fold>
-  std::optional<Texture> texture(const Json& parent, const char* name, bool srgb,
-                                 const Fold& fold) {
+  void texture(const Json& parent, const char* name, bool srgb, uint32_t map, const Fold& fold) {
     const auto info = parent.find(name);
-    if (info == parent.end()) return {};
+    if (info == parent.end()) return;
     TextureReader::Fault fault{};
     const std::optional<Texture> t = textures_.read(*info, srgb, fault);
     note(name, fault);
-    if (!t || !t->uniform) return t;
-    fold(t->value);
-    return {};
+    if (t && t->uniform)
+      fold(t->value);
+    else
+      maps_[map] = t;
+  }
+  void texture(const Json& parent, const char* name, bool srgb, uint32_t map, Material& m) {
+    texture(parent, name, srgb, map, [&](const std::array<float, 4>& v) { multiply(m, map, v); });
   }
 
   /// Its reflectance at normal incidence; by the complex index of refraction of red, green and
@@ -198,8 +203,8 @@ class Reader {
     if (!opaque && pbr.contains("baseColorFactor"))
       m.alpha = static_cast<float>(std::min(pbr["baseColorFactor"][3].get<double>(), 1.0));
     if (is_black(m.base_color) && opaque) return;
-    base_ = texture(pbr, "baseColorTexture", true, [&](const std::array<float, 4>& v) {
-      m.base_color = m.base_color * Rgb(v[0], v[1], v[2]);
+    texture(pbr, "baseColorTexture", true, MAP_BASE, [&](const std::array<float, 4>& v) {
+      multiply(m, MAP_BASE, v);
       if (!opaque) m.alpha *= v[3];
     });
   }
@@ -216,30 +221,24 @@ class Reader {
     const Json& specular = child(extensions, "KHR_materials_specular");
     m.specular = m.ior == 1 ? 0 : number(specular, "specularFactor", 1);
     m.specular_color = Rgb(min(triple(specular, "specularColorFactor", 1), Vec3d(1e6)));
-    if (m.specular > 0 && dielectric)
-      specular_ = texture(specular, "specularTexture", false,
-                          [&](const std::array<float, 4>& v) { m.specular *= v[3]; });
+    if (m.specular > 0 && dielectric) texture(specular, "specularTexture", false, MAP_SPECULAR, m);
     glossiness_ = 1;
     if (m.specular > 0 && dielectric && (glossy_ || !is_black(m.specular_color)))
-      specular_color_ = texture(specular, "specularColorTexture", true, [&](const auto& v) {
-        m.specular_color = m.specular_color * Rgb(v[0], v[1], v[2]);
+      texture(specular, "specularColorTexture", true, MAP_SPECULAR_COLOR, [&](const auto& v) {
+        multiply(m, MAP_SPECULAR_COLOR, v);
         glossiness_ = v[3];
       });
     if (const Json& t = child(extensions, "KHR_materials_transmission"); dielectric) {
       m.transmission = number(t, "transmissionFactor", 0);
-      if (m.transmission > 0)
-        transmission_ = texture(t, "transmissionTexture", false,
-                                [&](const std::array<float, 4>& v) { m.transmission *= v[0]; });
+      if (m.transmission > 0) texture(t, "transmissionTexture", false, MAP_TRANSMISSION, m);
     }
     const bool glossy = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
     if (m.metallic > 0 || (glossy && m.roughness > 0))
-      roughness_ = texture(pbr, "metallicRoughnessTexture", false, [&](const auto& v) {
-        m.roughness *= v[1];
-        m.metallic *= v[2];
-      });
-    if (m.metallic >= 1 && !roughness_) {
+      texture(pbr, "metallicRoughnessTexture", false, MAP_METALLIC_ROUGHNESS, m);
+    if (m.metallic >= 1 && !maps_[MAP_METALLIC_ROUGHNESS]) {
       m.transmission = 0;
-      specular_.reset(), specular_color_.reset(), transmission_.reset();
+      for (const uint32_t map : {MAP_SPECULAR, MAP_SPECULAR_COLOR, MAP_TRANSMISSION})
+        maps_[map].reset();
     }
     if (m.transmission > 0) read_volume(child(extensions, "KHR_materials_volume"), m);
   }
@@ -257,33 +256,25 @@ class Reader {
 
   void read_coat(const Json& j, Material& m) {
     m.coat = number(j, "clearcoatFactor", 0);
-    if (m.coat > 0)
-      coat_ = texture(j, "clearcoatTexture", false, [&](const auto& v) { m.coat *= v[0]; });
+    if (m.coat > 0) texture(j, "clearcoatTexture", false, MAP_COAT, m);
     if (m.coat <= 0) return;
     m.coat_roughness = number(j, "clearcoatRoughnessFactor", 0);
-    if (m.coat_roughness > 0)
-      coat_roughness_ = texture(j, "clearcoatRoughnessTexture", false,
-                                [&](const auto& v) { m.coat_roughness *= v[1]; });
-    coat_normal_ = bends(j, "clearcoatNormalTexture", m.coat_normal_scale);
+    if (m.coat_roughness > 0) texture(j, "clearcoatRoughnessTexture", false, MAP_COAT_ROUGHNESS, m);
+    maps_[MAP_COAT_NORMAL] = bends(j, "clearcoatNormalTexture", m.coat_normal_scale);
   }
 
   void read_sheen(const Json& j, Material& m) {
     m.sheen_color = Rgb(min(triple(j, "sheenColorFactor", 0), Vec3d(1)));
-    if (m.sheened())
-      sheen_color_ = texture(j, "sheenColorTexture", true, [&](const auto& v) {
-        m.sheen_color = m.sheen_color * Rgb(v[0], v[1], v[2]);
-      });
+    if (m.sheened()) texture(j, "sheenColorTexture", true, MAP_SHEEN_COLOR, m);
     if (!m.sheened()) return;
     m.sheen_roughness = number(j, "sheenRoughnessFactor", 0);
-    if (m.sheen_roughness > 0)
-      sheen_roughness_ = texture(j, "sheenRoughnessTexture", false,
-                                 [&](const auto& v) { m.sheen_roughness *= v[3]; });
+    if (m.sheen_roughness > 0) texture(j, "sheenRoughnessTexture", false, MAP_SHEEN_ROUGHNESS, m);
   }
 
   void read_normal_map(const Json& j, Material& m) {
     const bool black = is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0;
     if (black && m.transmission <= 0 && !m.sheened()) return;
-    normal_ = bends(j, "normalTexture", m.normal_scale);
+    maps_[MAP_NORMAL] = bends(j, "normalTexture", m.normal_scale);
   }
 
   /// The normal map called `name`, if it bends anything.
@@ -337,7 +328,7 @@ class Reader {
     const Json& extension = child(child(j, "extensions"), "KHR_materials_emissive_strength");
     Vec3d radiance = triple(j, "emissiveFactor", 0) * extension.value("emissiveStrength", 1.0);
     if (max_component(radiance) > 0)
-      emission_ = texture(j, "emissiveTexture", true, [&](const std::array<float, 4>& v) {
+      texture(j, "emissiveTexture", true, MAP_EMISSION, [&](const std::array<float, 4>& v) {
         radiance = radiance * Vec3d(v[0], v[1], v[2]);
       });
     if (!(max_component(radiance) <= kBrightest))
@@ -346,7 +337,7 @@ class Reader {
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
     if (max_component(radiance) > 0 && max_component(radiance) < kFaintest) {
       tell(faint);
-      emission_.reset();
+      maps_[MAP_EMISSION].reset();
       return;
     }
     m.emission = Rgb(radiance);
@@ -356,45 +347,33 @@ class Reader {
     tell(unlit);
     m.emission = m.base_color;
     m.base_color = Rgb(0.0f);
-    if (base_ && !is_black(m.emission)) emission_ = base_;
-    if (m.alpha_mode == Material::Alpha::opaque) base_.reset();
+    if (base() && !is_black(m.emission)) maps_[MAP_EMISSION] = base();
+    if (m.alpha_mode == Material::Alpha::opaque) base().reset();
   }
 
   void keep_maps(Material& m, MaterialUse& use) {
-    use.least_alpha = m.alpha * (base_ ? base_->least_alpha : 1);
+    use.least_alpha = m.alpha * (base() ? base()->least_alpha : 1);
     // A texture that is opaque all over does not cut holes; then black needs it no more.
-    if (base_ && is_black(m.base_color) && base_->least_alpha >= 1) base_.reset();
-    const auto keep = [&](std::optional<Texture>& from, TextureMap& to) {
-      if (!from) return;
-      to = textures_.keep(*from);
-      use.uv[to.uv_set] = true;
-      from.reset();
-    };
-    keep(base_, m.maps[MAP_BASE]);
-    keep(roughness_, m.maps[MAP_METALLIC_ROUGHNESS]);
-    keep(emission_, m.maps[MAP_EMISSION]);
-    keep(normal_, m.maps[MAP_NORMAL]);
-    keep(specular_, m.maps[MAP_SPECULAR]);
-    keep(specular_color_, m.maps[MAP_SPECULAR_COLOR]);
-    keep(transmission_, m.maps[MAP_TRANSMISSION]);
-    keep(coat_, m.maps[MAP_COAT]);
-    keep(coat_roughness_, m.maps[MAP_COAT_ROUGHNESS]);
-    keep(coat_normal_, m.maps[MAP_COAT_NORMAL]);
-    keep(sheen_color_, m.maps[MAP_SHEEN_COLOR]);
-    keep(sheen_roughness_, m.maps[MAP_SHEEN_ROUGHNESS]);
+    if (base() && is_black(m.base_color) && base()->least_alpha >= 1) base().reset();
+    for (size_t k = 0; k < maps_.size(); ++k) {
+      if (!maps_[k]) continue;
+      m.maps[k] = textures_.keep(*maps_[k]);
+      use.uv[m.maps[k].uv_set] = true;
+      maps_[k].reset();
+    }
     use.tangents = m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL];
     use.alpha = m.alpha_mode != Material::Alpha::opaque;
     use.colours = !is_black(m.base_color) || use.alpha;
   }
 
+  std::optional<Texture>& base() { return maps_[MAP_BASE]; }
+
   const Document& d_;
   Scene& scene_;
   TextureReader textures_;
-  std::optional<Texture> base_, roughness_, emission_, normal_, specular_, specular_color_,
-      transmission_, coat_, coat_roughness_, coat_normal_, sheen_color_,
-      sheen_roughness_;                   // of the material at hand
-  std::string called_;                    // of the material at hand
-  std::vector<std::string> undecodable_;  // textures, and what they are
+  std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the material at hand
+  std::string called_;                                         // of the material at hand
+  std::vector<std::string> undecodable_;                       // textures, and what they are
   std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
   bool conducts_ = false;  // it has a complex index of refraction
   bool glossy_ = false;    // it is of the specular-glossiness model
