@@ -76,8 +76,9 @@ class Reader {
     size_t n = 0;
     const Json none;
     const Json& extensions = d_.json.value("extensions", none);
-    if (const auto at = extensions.find("KHR_lights_punctual"); at != extensions.end())
-      n += at->value("lights", none).size();
+    for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies"})
+      if (const auto at = extensions.find(name); at != extensions.end())
+        n += at->value("lights", none).size();
     for (const Json& material : d_.json.value("materials", none))
       for (const Json& e : material.value("emissiveFactor", none))
         if (e.get<double>() > 0) {

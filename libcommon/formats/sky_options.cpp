@@ -113,8 +113,7 @@ LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
 bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
   std::vector<double> changes;
   for (const PunctualLight& lamp : scene.lights) {
-    const bool sun = lamp.kind == PunctualLight::Kind::directional;
-    changes.push_back(to_radiometric(units, sun) / to_radiometric(scene.lamp_units.kind, sun));
+    changes.push_back(to_radiometric(units, lamp) / to_radiometric(scene.lamp_units.kind, lamp));
   }
   if (with_map || has_emission(scene)) changes.push_back(1);
   return std::adjacent_find(changes.begin(), changes.end(), std::not_equal_to<>()) != changes.end();

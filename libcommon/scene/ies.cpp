@@ -7,10 +7,9 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <span>
+#include <utility>
 
 #include "libcommon/base/error.h"
-#include "libcommon/math/vec.h"
 
 namespace tdpt {
 namespace {
@@ -91,52 +90,43 @@ struct Web {
   double at(size_t row, size_t column) const { return values[column * rows.size() + row]; }
 };
 
-// Linear in both angles; 0 outside.
-double value_at(const Web& web, double vertical, double horizontal) {
-  const auto interval = [](const std::vector<double>& angles, double a) {
-    const auto above = std::upper_bound(angles.begin(), angles.end() - 1, a);
-    return static_cast<size_t>(std::max<std::ptrdiff_t>(above - angles.begin(), 1)) - 1;
-  };
-  const auto outside = [](const std::vector<double>& angles, double a) {
-    return a < angles.front() - 1e-9 || a > angles.back() + 1e-9;
-  };
-  if (outside(web.rows, vertical)) return 0;
-  const size_t r = interval(web.rows, vertical);
-  const double t = std::clamp((vertical - web.rows[r]) / (web.rows[r + 1] - web.rows[r]), 0.0, 1.0);
-  const auto in_column = [&](size_t c) { return std::lerp(web.at(r, c), web.at(r + 1, c), t); };
-  if (web.columns.size() == 1) return in_column(0);
-  if (outside(web.columns, horizontal)) return 0;
-  const size_t c = interval(web.columns, horizontal);
-  const double u =
-      std::clamp((horizontal - web.columns[c]) / (web.columns[c + 1] - web.columns[c]), 0.0, 1.0);
-  return std::lerp(in_column(c), in_column(c + 1), u);
+// What lies evenly to both sides of 0 may be told of one.
+void mirror_rows(Web& web) {
+  if (web.rows.front() < 0) return;
+  const Web half = web;
+  web = {{}, half.columns, {}};
+  const size_t n = half.rows.size(), twice = half.rows.front() == 0 ? 1 : 0;
+  for (size_t r = n; r-- > twice;) web.rows.push_back(-half.rows[r]);
+  web.rows.insert(web.rows.end(), half.rows.begin(), half.rows.end());
+  for (size_t c = 0; c < half.columns.size(); ++c) {
+    for (size_t r = n; r-- > twice;) web.values.push_back(half.at(r, c));
+    for (size_t r = 0; r < n; ++r) web.values.push_back(half.at(r, c));
+  }
 }
 
-// A web of another kind at the places of one of type C: `angles_of` tells where there a direction
-// is, z along the aim.
-Web as_type_c(const Web& web,
-              const std::function<void(const Vec3d&, double&, double&)>& angles_of) {
-  double step = 1;
-  for (const std::vector<double>* angles : {&web.rows, &web.columns})
-    for (size_t i = 1; i < angles->size(); ++i)
-      step = std::min(step, (*angles)[i] - (*angles)[i - 1]);
-  const int n = static_cast<int>(std::ceil(90 / std::max(step, 0.25)));
-  Web out;
-  for (int r = 0; r <= n; ++r) out.rows.push_back(90.0 * r / n);
-  for (int c = 0; c <= 4 * n; ++c) out.columns.push_back(90.0 * c / n);
-  for (const double column : out.columns)
-    for (const double row : out.rows) {
-      const double s = std::sin(row * kDegree);
-      double vertical = 0, horizontal = 0;
-      angles_of(
-          {s * std::cos(column * kDegree), s * std::sin(column * kDegree), std::cos(row * kDegree)},
-          vertical, horizontal);
-      // Half of what lies evenly to both sides may be left out.
-      if (web.rows.front() >= 0) vertical = std::abs(vertical);
-      if (web.columns.front() >= 0) horizontal = std::abs(horizontal);
-      out.values.push_back(value_at(web, vertical / kDegree, horizontal / kDegree));
-    }
+Web transposed(const Web& web) {
+  Web out{web.columns, web.rows, {}};
+  for (size_t r = 0; r < web.rows.size(); ++r)
+    for (size_t c = 0; c < web.columns.size(); ++c) out.values.push_back(web.at(r, c));
   return out;
+}
+
+// A web of angles up and aside, -90 to 90, about the poles of what lies aside (B), or up (A): that
+// pole's angle is 90 more than the one aside, or 90 less the one up.
+Web about_a_pole(Web web, bool aside) {
+  mirror_rows(web);
+  web = transposed(web);
+  mirror_rows(web);
+  if (!aside) {
+    web = transposed(web);
+    std::reverse(web.rows.begin(), web.rows.end());
+    for (size_t c = 0; c < web.columns.size(); ++c) {
+      const auto first = web.values.begin() + static_cast<std::ptrdiff_t>(c * web.rows.size());
+      std::reverse(first, first + static_cast<std::ptrdiff_t>(web.rows.size()));
+    }
+  }
+  for (double& angle : web.rows) angle = aside ? 90 + angle : 90 - angle;
+  return web;
 }
 
 // All around from a quarter, a half, or all but the last column.
@@ -168,29 +158,31 @@ Web all_around(const Reader& in, const Web& web) {
   return out;
 }
 
-Web read_web(Reader& in) {
-  constexpr size_t kWithoutEnd = 1;
+Web read_web(Reader& in, bool has_lamp_factor, LightProfile& profile) {
   const auto vertical = in.count("number of vertical angles", 2);
-  const auto horizontal = in.count("number of horizontal angles", kWithoutEnd);
+  const auto horizontal = in.count("number of horizontal angles", 1);
   const double type = in.number("photometric type", 1, 3);
   for (const char* name : {"units", "width", "length", "height"}) in.number(name);
-  const double ballast = in.number("ballast factor", kLeast, kMost);
-  const double lamp = in.number("ballast-lamp factor", 0, kMost);  // of no use since 1991
+  profile.peak *= in.number("ballast factor", kLeast, kMost);
+  const double lamp = in.number("ballast-lamp factor");
+  if (has_lamp_factor && lamp > 0) profile.peak *= lamp;
   in.number("watts");
   Web web;
   web.rows = in.angles("vertical angles", vertical, type == 1 ? 0 : -90, type == 1 ? 180 : 90);
   web.columns =
       in.angles("horizontal angles", horizontal, type == 1 ? 0 : -90, type == 1 ? 360 : 90);
   for (size_t i = 0; i < vertical * horizontal; ++i)
-    web.values.push_back(in.number("intensities", 0, kMost) * ballast * (lamp > 0 ? lamp : 1));
+    web.values.push_back(in.number("intensities", 0, kMost));
+  const double greatest = *std::max_element(web.values.begin(), web.values.end());
+  profile.peak *= greatest;
+  if (greatest > 0)
+    for (double& value : web.values) value /= greatest;
   if (type == 1) return all_around(in, web);
-  if (type == 2)
-    return as_type_c(web, [](const Vec3d& d, double& v, double& h) {
-      v = std::atan2(d.x, d.z), h = std::asin(std::clamp(-d.y, -1.0, 1.0));
-    });
-  return as_type_c(web, [](const Vec3d& d, double& v, double& h) {
-    v = std::asin(std::clamp(d.x, -1.0, 1.0)), h = std::atan2(-d.y, d.z);
-  });
+  if (horizontal < 2)
+    in.fail("has one horizontal angle, expected two at least of a goniophotometer of type A or B");
+  profile.pole = type == 2 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0);
+  profile.zero = {0, 0, -1};
+  return about_a_pole(web, type == 2);
 }
 
 // Over directions between two rows and two columns, whose horizontal angles differ by `across`.
@@ -228,26 +220,38 @@ double versine(double degrees) {
   return 2 * s * s;
 }
 
-struct Ring {
-  double solid_angle, share;  // of the walks that leave
+// What walks that leave are drawn by, in rings from one row to the next. The densities are those of
+// these very floats.
+struct Rings {
+  std::vector<float> edges, before, densities;
 };
 // In proportion to light, but for a tenth, which leaves evenly within reach: where one column is
 // bright and the others are dark, light is not what a ring has on average.
-std::vector<Ring> rings_of(const Web& web, double reach) {
+Rings rings_of(const Web& web, double reach) {
   constexpr double kEven = 0.1;
-  std::vector<Ring> rings;
-  double light = 0, solid_angle = 0;
-  for (size_t r = 0; r + 1 < web.rows.size(); ++r) {
-    const double all = 2 * pi * (versine(web.rows[r + 1]) - versine(web.rows[r]));
+  const size_t n = web.rows.size() - 1;
+  std::vector<double> shares(n);
+  double light = 0;
+  for (size_t r = 0; r < n; ++r) light += shares[r] = light_of_ring(web, r);
+  const double all = versine(reach / kDegree) - versine(web.rows[0]);
+  Rings rings;
+  for (size_t r = 0; r <= n; ++r) rings.edges.push_back(static_cast<float>(versine(web.rows[r])));
+  for (size_t r = 0; r < n; ++r) {
     const bool within = web.rows[r] * kDegree < reach;
-    rings.push_back({all, within ? light_of_ring(web, r) : 0});
-    light += rings.back().share;
-    if (within) solid_angle += all;
+    const double wide = versine(web.rows[r + 1]) - versine(web.rows[r]);
+    shares[r] = (1 - kEven) * shares[r] / light + (within ? kEven * wide / all : 0);
+    // Near the back pole two rows may be one to floats: the ring before is drawn instead.
+    if (r > 0 && rings.edges[r] == rings.edges[r + 1]) shares[r - 1] += std::exchange(shares[r], 0);
   }
-  for (size_t r = 0; r < rings.size(); ++r)
-    rings[r].share =
-        (1 - kEven) * rings[r].share / light +
-        (web.rows[r] * kDegree < reach ? kEven * rings[r].solid_angle / solid_angle : 0);
+  double before = 0;
+  for (size_t r = 0; r < n; ++r)
+    rings.before.push_back(static_cast<float>(before)), before += shares[r];
+  rings.before.push_back(1);
+  for (size_t r = 0; r < n; ++r) {
+    const double share = double{rings.before[r + 1]} - rings.before[r];
+    const double wide = double{rings.edges[r + 1]} - rings.edges[r];
+    rings.densities.push_back(share > 0 ? static_cast<float>(share / (2 * pi * wide)) : 0);
+  }
   return rings;
 }
 
@@ -255,10 +259,18 @@ std::vector<Ring> rings_of(const Web& web, double reach) {
 
 LightProfile read_ies(std::string_view text, const std::string& file, const std::string& place) {
   Reader in{text, file, place};
-  std::string_view line;
-  while (!(line = in.next_line()).starts_with("TILT=")) {
+  std::string_view line = in.next_line();
+  // Later files have something else there.
+  const bool has_lamp_factor =
+      line.find("LM-63-1995") == line.npos && line.find("LM-63-20") == line.npos;
+  const auto is_tilt = [&] {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    return line.starts_with("TILT=");
+  };
+  while (!is_tilt()) {
     if (in.at == text.size()) in.fail(1, "is no IES file: no line begins with TILT=");
     in.pass_line_end();
+    line = in.next_line();
   }
   if (line.starts_with("TILT=INCLUDE")) {
     in.number("lamp's place in the luminaire");
@@ -266,17 +278,17 @@ LightProfile read_ies(std::string_view text, const std::string& file, const std:
   }
   in.number("number of lamps");
   in.number("lumens");
-  const double multiplier = in.number("multiplier", kLeast, kMost);
-  const Web web = read_web(in);
   LightProfile profile;
-  const double peak = *std::max_element(web.values.begin(), web.values.end());
-  profile.peak = peak * multiplier;
-  if (!(peak > 0)) return profile;
+  profile.peak = in.number("multiplier", kLeast, kMost);
+  const Web web = read_web(in, has_lamp_factor, profile);
+  if (!(profile.peak >= kLeast)) {
+    profile.peak = 0;
+    return profile;
+  }
   profile.reach = reach_of(web);
-  const std::vector<Ring> rings = rings_of(web, profile.reach);
   double light = 0;
-  for (size_t r = 0; r < rings.size(); ++r) light += light_of_ring(web, r);
-  profile.mean = light / peak / (2 * pi * (1 - std::cos(profile.reach)));
+  for (size_t r = 0; r + 1 < web.rows.size(); ++r) light += light_of_ring(web, r);
+  profile.mean = light / (2 * pi * versine(profile.reach / kDegree));
   const auto add = [&](double x) {
     profile.words.push_back(std::bit_cast<uint32_t>(static_cast<float>(x)));
   };
@@ -284,12 +296,10 @@ LightProfile read_ies(std::string_view text, const std::string& file, const std:
                    static_cast<uint32_t>(web.columns.size())};
   for (const double angle : web.rows) add(angle / 360);
   for (const double angle : web.columns) add(angle / 360);
-  for (const double value : web.values) add(value / peak);
-  for (const double angle : web.rows) add(versine(angle));
-  double before = 0;
-  for (const Ring& ring : rings) add(before), before += ring.share;
-  add(1);
-  for (const Ring& ring : rings) add(ring.share > 0 ? ring.share / ring.solid_angle : 0);
+  for (const double value : web.values) add(value);
+  const Rings rings = rings_of(web, profile.reach);
+  for (const auto* numbers : {&rings.edges, &rings.before, &rings.densities})
+    for (const float x : *numbers) add(x);
   return profile;
 }
 

@@ -31,6 +31,7 @@ struct Lamp {
     PunctualLight light;
     light.profile = std::make_shared<LightProfile>(read(text));
     light.intensity = Rgb(static_cast<float>(light.profile->peak));
+    light.direction = light.profile->pole, light.across = light.profile->zero;
     return light;
   }
   static LightSource source_of(const PunctualLight& light) {
@@ -196,6 +197,86 @@ TEST(ies, walks_leave_by_the_rings_of_a_profile) {
   EXPECT_LT(squares, 0.5 * evenly) << squares / power / power;
 }
 
+// A narrow beam aside of two that turn about other axes: found by a walk that leaves, with the
+// density it is told to have.
+TEST(ies, walks_leave_by_the_rings_about_other_poles) {
+  for (const int type : {2, 3}) {
+    const Lamp lamp(IesText{.type = type,
+                            .vertical = {0, 5, 10, 90},
+                            .horizontal = {-90, 20, 25, 30, 90},
+                            .candela = {0, 0, 0, 0, 0, 0, 0, 0, 5, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}
+                        .text());
+    const double power = lamp.light.profile->peak * lamp.light.profile->mean * 2 *
+                         std::numbers::pi * (1 - std::cos(lamp.light.profile->reach));
+    Scene scene;
+    const Lights lights(scene);
+    Lights::Point point;
+    point.source = &lamp.source;
+    double carried = 0;
+    constexpr int kDraws = 400000;
+    Rng rng(6, 0, 0);
+    for (int i = 0; i < kDraws; ++i) {
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      const Vec3d w = lights.leave(point, u, v).direction;
+      carried += lamp.along(w) * lamp.source.cos_per_pdf_w(w) / kDraws;
+    }
+    EXPECT_NEAR(carried, power, 0.03 * power) << type;
+  }
+}
+
+// Two rows that are one to floats, and angles a ten thousandth of a degree apart.
+TEST(ies, extremes_keep_their_densities) {
+  for (const IesText& text :
+       {IesText{.vertical = {0, 179.99, 180}, .candela = {0, 0, 1}},
+        IesText{.vertical = {0, 179.9998, 179.9999, 180}, .candela = {1, 0, 1, 1}},
+        IesText{.vertical = {0, 0.0001, 0.0002}, .candela = {5, 5, 5}},
+        IesText{.multiplier = 1e30,
+        .ballast = 1e-20,
+        .vertical = {0, 45, 90},
+        .candela = {5e-30, 3e-30, 0}}}) {
+    const Lamp lamp(text.text());
+    ASSERT_GT(lamp.light.profile->peak, 0);
+    Scene scene;
+    const Lights lights(scene);
+    Lights::Point point;
+    point.source = &lamp.source;
+    double all = 0;
+    constexpr int kDraws = 100000;
+    Rng rng(7, 0, 0);
+    for (int i = 0; i < kDraws; ++i) {
+      const double u = rng.uniform();
+      const double v = rng.uniform();
+      const Vec3d w = lights.leave(point, u, v).direction;
+      const double pdf = lamp.source.pdf_w({}, w);
+      ASSERT_TRUE(pdf > 0 && std::isfinite(pdf)) << text.text();
+      all += 1 / pdf / kDraws;
+    }
+    const double solid = 2 * std::numbers::pi * (1 - std::cos(lamp.light.profile->reach));
+    EXPECT_NEAR(all, solid, 0.05 * solid) << text.text();
+  }
+  // As dark as floats can hold, or darker.
+  const IesText dark{.multiplier = 1e-30,
+                     .ballast = 1e-30,
+                     .vertical = {0, 45, 90},
+                     .candela = {5e-304, 5e-304, 0}};
+  EXPECT_EQ(read(dark.text()).peak, 0);
+}
+
+TEST(ies, what_stands_behind_the_ballast_factor_counts_in_old_files_alone) {
+  const std::string text = IesText{.vertical = {0, 90}, .candela = {100, 50}}.text();
+  const auto peak = [&](const std::string& first) {
+    std::string other = first + text.substr(text.find('\n'));
+    other.replace(other.find("\n1 1 60"), 7, "\n1 1.1 60");
+    return read(other).peak;
+  };
+  EXPECT_EQ(peak("IESNA:LM-63-1995"), 100);
+  EXPECT_EQ(peak("IESNA:LM-63-2002"), 100);
+  EXPECT_EQ(peak("IES:LM-63-2019"), 100);
+  EXPECT_NEAR(peak("IESNA91"), 110, 1e-9);
+  EXPECT_NEAR(peak("[of 1986]"), 110, 1e-9);
+}
+
 TEST(ies, is_read_as_makers_write_it) {
   const IesText plain{.vertical = {0, 45, 90}, .candela = {3, 2, 1}};
   const LightProfile known = read(plain.text());
@@ -266,6 +347,10 @@ TEST(ies, what_is_wrong_is_told_with_its_line) {
             }),
             "lamp.ies:8: horizontal angles go from 0 to 45, expected 0 to 90, 180 or 360, or "
             "90 to 270");
+  EXPECT_EQ(
+      with([](IesText& t) { t.type = 2; }),
+      "lamp.ies:8: has one horizontal angle, expected two at least of a goniophotometer of type "
+      "A or B");
   EXPECT_EQ(fault("TILT=NONE\n1 1000 1 9e9 1 1 2 0 0 0"),
             "lamp.ies:2: number of vertical angles: 9000000000, expected 2 to 34");
   EXPECT_EQ(fault("TILT=NONE\n1 1000 1 2.5 1 1 2 0 0 0"),

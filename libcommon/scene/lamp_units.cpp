@@ -122,11 +122,15 @@ double to_radiometric(LampUnits::Kind units, bool directional) {
   return 1;
 }
 
+double to_radiometric(Kind units, const PunctualLight& lamp) {
+  if (lamp.profile && units == Kind::watts) units = Kind::photometric;
+  return to_radiometric(units, lamp.kind == PunctualLight::Kind::directional);
+}
+
 void take_lamps_as(Scene& scene, LampUnits::Kind units) {
   if (units == Kind::radiometric) return;
   for (PunctualLight& lamp : scene.lights)
-    lamp.intensity = Rgb(Vec3d(lamp.intensity) *
-                         to_radiometric(units, lamp.kind == PunctualLight::Kind::directional));
+    lamp.intensity = Rgb(Vec3d(lamp.intensity) * to_radiometric(units, lamp));
 }
 
 }  // namespace tdpt

@@ -8,6 +8,7 @@
 
 namespace tdpt {
 
+struct PunctualLight;
 struct Scene;
 
 struct LampUnits {
@@ -41,6 +42,8 @@ bool is_blender(std::string_view generator);
 
 /// What a number of these units is multiplied by to be W/sr or W/m2.
 double to_radiometric(LampUnits::Kind units, bool directional);
+/// Of this lamp. A profile is in candela: never in watts.
+double to_radiometric(LampUnits::Kind units, const PunctualLight& lamp);
 
 /// Takes the scene's lamps, which are as the file has them, as these. Once.
 void take_lamps_as(Scene& scene, LampUnits::Kind units);

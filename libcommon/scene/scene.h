@@ -83,15 +83,16 @@ struct LightProfile;
 struct PunctualLight {
   enum class Kind : uint8_t { point, spot, directional } kind = Kind::point;
   std::string name;
-  Vec3d position{};           ///< point, spot
-  Vec3d direction{0, 0, -1};  ///< spot, directional: unit, the way the light travels
+  Vec3d position{};  ///< point, spot
+  /// spot, directional: unit, the way the light travels; of a profile its pole.
+  Vec3d direction{0, 0, -1};
   /// point, spot: radiant intensity in canonical area [W/sr * scale^2], so that intensity / d^2
   /// with canonical d is irradiance [W/m2]. directional: irradiance on a plane across it [W/m2].
   Rgb intensity{};
   double cos_inner = 1, cos_outer = 0;  ///< spot: full light inside, none outside
   /// point, or null: how it shines about `direction`; `intensity` is the greatest.
   std::shared_ptr<const LightProfile> profile;
-  Vec3d across{1, 0, 0};  ///< of a profile: unit, orthogonal to `direction`; x of LightProfile
+  Vec3d across{1, 0, 0};  ///< of a profile: unit, orthogonal to `direction`, its zero
 };
 
 /// Counter-clockwise seen from the front: normal ~ cross(p1-p0, p2-p0).

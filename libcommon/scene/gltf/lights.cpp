@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "libcommon/base/hash.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/ies.h"
 
 namespace tdpt::gltf {
@@ -14,6 +15,8 @@ using Json = nlohmann::json;
 
 constexpr const char *kName = "KHR_lights_punctual", *kIes = "EXT_lights_ies";
 constexpr double kLeast = 1e-30, kMost = 1e30;
+// Of memory that a profile's text is brought to: a quarter of all around, a number in two bytes.
+constexpr uint64_t kMostPerByte = 40;
 
 /// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
 Vec3d direction_of(const Vec3d& v) {
@@ -21,10 +24,9 @@ Vec3d direction_of(const Vec3d& v) {
   return largest > 0 ? normalize(v / largest) : Vec3d();
 }
 
-void check_intensity(const Document& d, const char* extension, size_t index, const Vec3d& i) {
+void check_intensity(const Document& d, const std::string& where, const Vec3d& i) {
   if (!(max_component(i) <= kMost))
-    d.fail(fmt::format("extensions.{}.{}", extension, place("lights", index)),
-           fmt::format("has an intensity of {}, expected at most 1e30", max_component(i)));
+    d.fail(where, fmt::format("has an intensity of {}, expected at most 1e30", max_component(i)));
 }
 
 }  // namespace
@@ -48,7 +50,7 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
     for (int c = 0; c < 3; ++c) colour[c] = l["color"][static_cast<size_t>(c)].get<double>();
   const Vec3d intensity = colour * l.value("intensity", 1.0);
   if (max_component(intensity) <= 0) return;
-  check_intensity(d_, kName, index, intensity);
+  check_intensity(d_, fmt::format("extensions.{}.{}", kName, place("lights", index)), intensity);
   out.intensity = Rgb(intensity);
   out.position = n.to_world().t;
   if (type == "point") return scene_.lights.push_back(out);
@@ -69,20 +71,22 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
 }
 
 std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
-  std::shared_ptr<const LightProfile>& known = profiles_[index];
-  if (known) return known;
   const Json& json = d_.json["extensions"][kIes]["lights"][index];
   const std::string where = fmt::format("extensions.{}.{}", kIes, place("lights", index));
+  const bool in_view = json.contains("bufferView");
+  std::shared_ptr<const LightProfile>& known = profiles_[json[in_view ? "bufferView" : "uri"].dump(
+      -1, ' ', true, Json::error_handler_t::replace)];
+  if (known) return known;
   std::string file, owned;
-  std::string_view text;
-  if (json.contains("bufferView"))
-    text = view_bytes(d_, json["bufferView"].get<size_t>());
-  else
-    text = owned = read_uri(d_, json["uri"].get<std::string>(), where + ".uri", file);
+  if (!in_view) owned = read_uri(d_, json["uri"].get<std::string>(), where + ".uri", file);
   if (!file.empty()) {
     scene_.files.push_back(file);
     scene_.hash = content_hash(scene_.hash + owned);
   }
+  const std::string_view text = in_view ? view_bytes(d_, json["bufferView"].get<size_t>()) : owned;
+  bytes_of_profiles_ += text.size();
+  expect_memory(d_.file, where, fmt::format("{} bytes of profiles", bytes_of_profiles_),
+                kMostPerByte * bytes_of_profiles_);
   known = std::make_shared<LightProfile>(
       read_ies(text, file.empty() ? d_.file : file, file.empty() ? where : ""));
   return known;
@@ -91,25 +95,31 @@ std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
 void LightReader::add_luminaire(const PlacedNode& n, const Json& extension) {
   const auto index = extension["light"].get<size_t>();
   PunctualLight out;
-  out.name = d_.json["nodes"][n.node].value("name", "");
+  out.name = d_.json["extensions"][kIes]["lights"][index].value("name", "");
+  if (out.name.empty()) out.name = d_.json["nodes"][n.node].value("name", "");
   out.profile = profile(index);
   Vec3d colour(1);
   if (extension.contains("color"))
     for (int c = 0; c < 3; ++c)
       colour[c] = std::min(extension["color"][static_cast<size_t>(c)].get<double>(), 1.0);
   const Vec3d intensity = colour * (extension.value("multiplier", 1.0) * out.profile->peak);
-  if (max_component(intensity) <= 0) return;
-  check_intensity(d_, kIes, index, intensity);
+  if (!(max_component(intensity) > 0)) return;
+  check_intensity(d_, place("nodes", n.node), intensity);
   out.intensity = Rgb(intensity);
   const Affine& map = n.to_world();
   out.position = map.t;
-  out.direction = direction_of(-map.z);
-  const Vec3d x = direction_of(map.x);
-  out.across = direction_of(x - out.direction * dot(x, out.direction));
-  if (out.direction == Vec3d() || out.across == Vec3d())
+  const Vec3d z = direction_of(map.z), along_x = direction_of(map.x);
+  Vec3d x = direction_of(along_x - z * dot(along_x, z));
+  if (x == Vec3d()) x = direction_of(cross(direction_of(map.y), z));
+  if (z == Vec3d() || x == Vec3d()) {
     ++flat_;
-  else
-    scene_.lights.push_back(out);
+    return;
+  }
+  const Vec3d y = cross(z, x);
+  const auto turned = [&](const Vec3d& v) { return normalize(x * v.x + y * v.y + z * v.z); };
+  out.direction = turned(out.profile->pole);
+  out.across = turned(out.profile->zero);
+  scene_.lights.push_back(out);
 }
 
 std::string generator_of(const Document& d) {
@@ -124,7 +134,10 @@ LampUnits lamp_units_of(const Document& d) {
   for (const Json& l : all.value("lights", Json::array()))
     if (const double value = l.value("intensity", 1.0); value > 0)
       numbers.push_back({value, l["type"] == "directional"});
-  return tdpt::lamp_units_of(generator_of(d), numbers);
+  const std::string generator = generator_of(d);
+  // Luminaires alone, in candela, beside surfaces in W/m2/sr.
+  if (numbers.empty() && is_blender(generator)) return {LampUnits::Kind::photometric, ""};
+  return tdpt::lamp_units_of(generator, numbers);
 }
 
 void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {

@@ -29,7 +29,8 @@ class LightReader {
   const Document& d_;
   Scene& scene_;
   size_t flat_ = 0;
-  std::map<size_t, std::shared_ptr<const LightProfile>> profiles_;
+  uint64_t bytes_of_profiles_ = 0;
+  std::map<std::string, std::shared_ptr<const LightProfile>> profiles_;  // by where it stands
 };
 
 /// asset.generator; empty: not told.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "libcommon/base/error.h"
+#include "libcommon/scene/ies.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/glb_builder.h"
@@ -157,8 +158,10 @@ TEST(PunctualLights, WhoWroteThemIsKnownWhereThereIsNone) {
 const testing::IesText kProfile{.multiplier = 3, .vertical = {0, 90}, .candela = {10, 4}};
 
 /// Two nodes with the first of `lights`.
-Scene luminaires(const Json& lights, const Json& extension, const TempFolder& folder) {
+Scene luminaires(const Json& lights, const Json& extension, const TempFolder& folder,
+                 const std::string& generator = "") {
   GlbBuilder b;
+  b.json["asset"]["generator"] = generator;
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
   b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}})}});
   b.json["extensions"]["EXT_lights_ies"]["lights"] = lights;
@@ -209,6 +212,37 @@ TEST(Luminaires, ProfilesLieBesideTheScene) {
   } catch (const InputError& e) {
     EXPECT_TRUE(std::string(e.what()).ends_with("my lamp.ies:2: has no number among its lumens"));
   }
+}
+
+// Candela are never watts, and Blender's surfaces are in W/m2/sr.
+TEST(Luminaires, AreInCandela) {
+  PunctualLight lamp;
+  lamp.profile = std::make_shared<LightProfile>();
+  using Units = LampUnits::Kind;
+  EXPECT_EQ(to_radiometric(Units::radiometric, lamp), 1);
+  EXPECT_EQ(to_radiometric(Units::photometric, lamp), 1 / LampUnits::kLumensPerWatt);
+  EXPECT_EQ(to_radiometric(Units::watts, lamp), 1 / LampUnits::kLumensPerWatt);
+  const TempFolder folder;
+  const Json lights = {{{"uri", "data:;base64," + base64(kProfile.text())}}};
+  EXPECT_EQ(
+      luminaires(lights, {{"light", 0}}, folder, "Khronos glTF Blender I/O v4.2.0").lamp_units.kind,
+      Units::photometric);
+}
+
+// Each place of a text is read once.
+TEST(Luminaires, OneTextIsOneProfile) {
+  const TempFolder folder;
+  folder.write("lamp.ies", kProfile.text());
+  const Json lights = {{{"uri", "lamp.ies"}}, {{"uri", "lamp.ies"}}};
+  GlbBuilder b;
+  const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
+  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}})}});
+  b.json["extensions"]["EXT_lights_ies"]["lights"] = lights;
+  for (int i = 0; i < 2; ++i) b.node({{"extensions", {{"EXT_lights_ies", {{"light", i}}}}}});
+  const Scene s = read_gltf(folder.write("scene.glb", b.glb()));
+  ASSERT_EQ(s.lights.size(), 2u);
+  EXPECT_EQ(s.lights[0].profile, s.lights[1].profile);
+  EXPECT_EQ(s.files.size(), 1u);
 }
 
 TEST(Luminaires, DarkOnesAreSkipped) {

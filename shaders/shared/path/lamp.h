@@ -1,4 +1,5 @@
-// What leaves a lamp, a light without extent: a point, a spot, or parallel light. A spot's smooth
+// What leaves a lamp, a light without extent: a point, even or with a profile, a spot, or parallel
+// light. A spot's smooth
 // edge between its cones is the one that KHR_lights_punctual recommends, without its lower bound of
 // 0.001 on the difference of the cosines, which narrow spots fall below.
 //
@@ -54,7 +55,8 @@ SHARED REAL profile_at(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   uint value = first_column + columns + row;
   if (columns == 1u) return profile_in_column(value, share);
   REAL horizontal = turns_of(y, x);
-  if (horizontal < 0.0f) horizontal = horizontal + 1.0f;
+  if (horizontal < profile_number(first_column)) horizontal = horizontal + 1.0f;
+  if (horizontal > profile_number(first_column + columns - 1u)) return REAL(0.0f);
   uint column = profile_interval(first_column, columns, horizontal);
   value = value + column * rows;
   REAL here = profile_in_column(value, share);

@@ -145,8 +145,8 @@ SHARED LightPlace sample_light(float pick, float u, float v, float side) MEMBER_
   return place;
 }
 
-/// A ray of light from a place: cos-distributed on a surface, uniform within a lamp's cone, on a
-/// disc outside the scene from infinity.
+/// A ray of light from a place: cos-distributed on a surface, from a lamp as lamp_pdf_w() says, on
+/// a disc outside the scene from infinity.
 SHARED void leave_light(LightPlace place, float u, float v, OUT(vec3) origin,
                         OUT(vec3) direction) MEMBER_CONST {
   origin = place.position;

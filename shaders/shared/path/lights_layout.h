@@ -35,7 +35,8 @@ RECORD(Emitter)
 
 const uint kNoProfile = 0xFFFFFFFFu;
 
-/// A light without extent [lamp.h]. Versine: 1 - cos, which of narrow cones a float can hold.
+/// A light without extent [lamp.h]. Versine: 1 - cos, which of narrow cones a float can hold. Where
+/// there is a profile, its rings say where light leaves; cone, extent and pdf_w are of its reach.
 #define TEXELS_OF_Lamp(VEC, WORDS, PART)                                                   \
   /* parallel: 1: infinitely far */                                                        \
   VEC(position, uint, parallel)                                                            \
