@@ -102,9 +102,10 @@ void LightReader::add_luminaire(const PlacedNode& n, const Json& extension) {
   if (extension.contains("color"))
     for (int c = 0; c < 3; ++c)
       colour[c] = std::min(extension["color"][static_cast<size_t>(c)].get<double>(), 1.0);
-  const Vec3d intensity = colour * (extension.value("multiplier", 1.0) * out.profile->peak);
-  if (!(max_component(intensity) > 0)) return;
-  check_intensity(d_, place("nodes", n.node), intensity);
+  const double greatest = extension.value("multiplier", 1.0) * out.profile->peak;
+  check_intensity(d_, place("nodes", n.node), Vec3d(greatest));
+  const Vec3d intensity = colour * greatest;
+  if (max_component(intensity) <= 0) return;
   out.intensity = Rgb(intensity);
   const Affine& map = n.to_world();
   out.position = map.t;

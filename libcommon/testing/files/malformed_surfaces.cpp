@@ -158,6 +158,10 @@ void luminaires(MalformedList& l) {
             {{"uri", data + base64("TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 5 5")}},
             {{"light", 0}, {"multiplier", 1e30}},
             "nodes[2]: has an intensity of 5e+30, expected at most 1e30");
+  luminaire("luminaire-infinitely-bright",
+            {{"uri", data + base64("TILT=NONE\n1 1 1 2 1 1 2 0 0 0 1 1 1 0 90 0 5 5")}},
+            {{"light", 0}, {"multiplier", 1e308}, {"color", {0, 0, 1}}},
+            "nodes[2]: has an intensity of inf, expected at most 1e30");
 }
 
 void lights(MalformedList& l) {
