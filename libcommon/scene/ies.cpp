@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <utility>
 
 #include "libcommon/base/error.h"
 
@@ -240,9 +239,10 @@ Rings rings_of(const Web& web, double reach) {
     const bool within = web.rows[r] * kDegree < reach;
     const double wide = versine(web.rows[r + 1]) - versine(web.rows[r]);
     shares[r] = (1 - kEven) * shares[r] / light + (within ? kEven * wide / all : 0);
-    // Near the back pole two rows may be one to floats: the ring before is drawn instead.
-    if (r > 0 && rings.edges[r] == rings.edges[r + 1]) shares[r - 1] += std::exchange(shares[r], 0);
   }
+  // Near the back pole two rows may be one to floats.
+  for (size_t r = n; r-- > 0;)
+    rings.edges[r] = std::min(rings.edges[r], std::nextafter(rings.edges[r + 1], 0.0f));
   double before = 0;
   for (size_t r = 0; r < n; ++r)
     rings.before.push_back(static_cast<float>(before)), before += shares[r];

@@ -21,9 +21,9 @@ struct LightProfile {
   Vec3d pole{0, 0, -1}, zero{1, 0, 0};
   /// Intensity / peak as lamp.h reads it: how many rows and columns, the rows' angles and the
   /// columns', ascending [turns], and values column by column, as floats. One column stands for all
-  /// around. Then what walks that leave are drawn by,
-  /// in rings from one row to the next: of each row 1 - cos of its angle and the probability of the
-  /// rings before it, and of each ring the density of its directions [1/sr].
+  /// around. Walks leave by rings, from one row to the next: behind the values follow of each row
+  /// 1 - cos of its angle, of each the probability of the rings before it, and of each ring the
+  /// density of its directions [1/sr].
   std::vector<uint32_t> words;
 };
 
