@@ -34,7 +34,8 @@ struct PortalFile {
   Provenance provenance;
   std::string hash;                  ///< content hash of the file read
   std::vector<std::string> files{};  ///< paths of buffers read beside it
-  /// Of the file read; lamps are punctual lights, luminaires and materials that emit. Portals need neither.
+  /// Of the file read; lamps are punctual lights, luminaires and materials that emit. Portals need
+  /// neither.
   size_t cameras = 0, lamps = 0;
   std::string camera = {};  ///< that it was made for [viewpoint.h]; empty: unknown
 };

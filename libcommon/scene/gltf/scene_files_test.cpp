@@ -19,12 +19,12 @@ TEST(scene_files, are_those_that_its_json_names) {
     "images":[{"uri":"maps/wood.png"},{"uri":"a%20b.bin"},{"bufferView":0}],
     "extensions":{"EXT_lights_ies":{"lights":[{"uri":"spot.ies"},{"bufferView":0}]}},
     "scenes":[{"extras":{"tdpt_environment":"my%20sky.exr"}}]})");
-  EXPECT_EQ(all.beside, (Names{"a b.bin", "maps/wood.png", "spot.ies", "my%20sky.exr", "my sky.exr"}));
+  EXPECT_EQ(all.beside,
+            (Names{"a b.bin", "maps/wood.png", "spot.ies", "my%20sky.exr", "my sky.exr"}));
   EXPECT_TRUE(all.has_environment);
   // One that is wrong names none.
-  for (const char* wrong :
-       {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})",
-        R"({"extensions":{"EXT_lights_ies":7}})"}) {
+  for (const char* wrong : {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})",
+                            R"({"extensions":{"EXT_lights_ies":7}})"}) {
     EXPECT_EQ(files(wrong).beside, Names{}) << wrong;
     EXPECT_FALSE(files(wrong).has_environment);
   }

@@ -210,8 +210,8 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   // Black beside what shines, where rounding has put it, with a density of 0.
   const Rgb Le = emitted(y0, ray.direction);
   if (max_component(Le) <= 0) return;
-  const Rgb throughput =
-      walk.state(0).throughput * Le * static_cast<float>(light.source->cos_per_pdf_w(ray.direction));
+  const Rgb throughput = walk.state(0).throughput * Le *
+                         static_cast<float>(light.source->cos_per_pdf_w(ray.direction));
   if (max_component(throughput) <= 0) return;
   const Tracer::Origin origin{ray.origin, y0.normal};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
