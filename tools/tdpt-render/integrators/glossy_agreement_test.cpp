@@ -5,6 +5,9 @@
 // there; and pt never meets these lights.
 #include <gtest/gtest.h>
 
+#include <bit>
+
+#include "libcommon/scene/ies.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/glossy_rooms.h"
 #include "tools/tdpt-render/testing/agreement.h"
@@ -125,6 +128,26 @@ TEST(glossy_agreement_twin, a_portal_off_by_5_percent_is_caught_on_glossy_surfac
   EXPECT_TRUE(holds(paired_verdict(with, without), "portals and none", with, without));
   world.portals = PortalSetFaults::scaled(world.portals, 1.05);
   EXPECT_FALSE(paired_verdict(render_runs(world, tdpt_ref, kShort), without).holds());
+}
+
+// In the room of luminaire_with_a_profile: its light walks leave as before, and are told otherwise.
+TEST(glossy_agreement_twin, densities_of_a_profile_a_fifth_too_large_are_caught) {
+  const Scene scene = scene_of({.plastic_floor = true, .light = Light::luminaire});
+  const DepthRuns reference = render_runs(world_of(scene), nee, kSettings.of_reference());
+  Scene faulty = scene;
+  LightProfile profile = *scene.lights[0].profile;
+  for (size_t r = 1; r < profile.words[0]; ++r) {
+    uint32_t& word = profile.words[profile.words.size() - r];
+    word = std::bit_cast<uint32_t>(std::bit_cast<float>(word) * 1.2f);
+  }
+  faulty.lights[0].profile = std::make_shared<LightProfile>(profile);
+  const auto holds = [&](const Scene& of) {
+    const Verdict verdict = judge(render_runs(world_of(of), bdpt, kSettings), reference);
+    std::printf("depths caught %d, least p %.1e\n", verdict.disagreements, verdict.worst_p);
+    return verdict.holds();
+  };
+  EXPECT_TRUE(holds(scene));
+  EXPECT_FALSE(holds(faulty));
 }
 
 TEST(glossy_agreement_twin, a_scene_without_its_coats_or_its_cloth_is_caught) {
