@@ -21,7 +21,7 @@ const bool coverage_has_textures = true;
 #endif
 // Its glass is open: panes are surfaces that are not opaque like others.
 const bool scene_has_panes = false;
-float presence_at(uint triangle, vec3 w) { return 1.0; }
+float opacity_at(uint triangle, vec3 w) { return 1.0; }
 
 // What all kernels of the light grid bind, by the names that shaders/shared/ knows.
 layout(local_size_x = LIGHT_GROUP) in;

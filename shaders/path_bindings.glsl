@@ -19,7 +19,7 @@ layout(constant_id = 10) const bool coverage_has_textures = true;
 layout(constant_id = 11) const bool scene_has_sky = true;
 layout(constant_id = 12) const bool scene_has_sky_map = true;
 layout(constant_id = 13) const bool scene_has_lamps = true;
-layout(constant_id = 14) const bool scene_has_panels = true;
+layout(constant_id = 14) const bool scene_has_rect_lights = true;
 layout(constant_id = 15) const bool scene_has_windows = true;
 layout(constant_id = 16) const bool scene_prefers = true;
 layout(constant_id = 17) const bool scene_has_portals = true;

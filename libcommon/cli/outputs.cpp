@@ -16,19 +16,19 @@ namespace tdpt::cli {
 namespace {
 
 /// What a path leads to: a file that is there, or the place where it will be.
-struct Place {
+struct FileIdentity {
   std::optional<std::pair<dev_t, ino_t>> file;
   std::filesystem::path full;  ///< without links and dots; empty for standard streams
 
-  bool operator==(const Place& other) const {
+  bool operator==(const FileIdentity& other) const {
     return (file && file == other.file) || (!full.empty() && full == other.full);
   }
 };
 
 // `stream`: what "-" stands for. It counts as the file it was redirected to; a terminal, a pipe or
 // /dev/null is none.
-Place place_of(const std::string& path, int stream) {
-  Place place;
+FileIdentity place_of(const std::string& path, int stream) {
+  FileIdentity place;
   struct stat info {};
   if (path == "-") {
     if (::fstat(stream, &info) == 0 && S_ISREG(info.st_mode))
@@ -44,11 +44,11 @@ Place place_of(const std::string& path, int stream) {
 }  // namespace
 
 void check_outputs(const std::vector<NamedFile>& outputs) {
-  std::vector<Place> taken;
+  std::vector<FileIdentity> taken;
   for (const NamedFile& output : outputs) {
     if (output.path == "-" && output.option != "-o")
       throw UsageError(output.option + " -: cannot go to the standard output, name a file");
-    const Place place = place_of(output.path, STDOUT_FILENO);
+    const FileIdentity place = place_of(output.path, STDOUT_FILENO);
     if (std::find(taken.begin(), taken.end(), place) != taken.end())
       throw UsageError("two outputs would be written to " + output.path);
     check_output(output.path);

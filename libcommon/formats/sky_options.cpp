@@ -205,7 +205,7 @@ void note_lost_light(const Scene& scene, const cli::Common& common) {
 
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   if (scene.lights.empty() || !has_emission(scene)) return;
-  const Lights::Shares power = Lights(scene).powers();
+  const Lights::KindProbabilities power = Lights(scene).powers();
   if (!(power.surfaces > 0 && power.lamps > kOutshines * power.surfaces)) return;
   const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
   common.warn_of(

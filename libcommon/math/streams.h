@@ -43,8 +43,8 @@ enum Integrator : uint64_t {
   tdpt_guided,
   bdpt_through_windows,
   nee_through_windows,
-  bdpt_aiming,
-  nee_aiming,
+  bdpt_guided_to_windows,
+  nee_guided_to_windows,
   bdpt_with_few_light_walks,
   bdpt_favouring_next_events
 };
@@ -56,7 +56,7 @@ constexpr uint64_t kStreamsOfRound = 1024;
 struct Rounds {
   uint64_t first, count = 1;
 };
-constexpr Rounds kPictureRound{0}, kScoutRound{1}, kPilotRounds{3, 8}, kTimingRound{11};
+constexpr Rounds kPictureRound{0}, kPilotRound{1}, kErrorPilotRounds{3, 8}, kTimingRound{11};
 
 /// Of an integrator's samples, over kPurposes.
 constexpr uint64_t stream_in(uint64_t round, uint64_t integrator) {
@@ -76,10 +76,10 @@ constexpr Streams kExploration{kExplorationStream * kPurposes, kPurposes},
     kWindowViews{0, 1, 1}, kExpectedWalks{0, 1, 0},
     kCoveredLamps{uint64_t{1} << 32, uint64_t{1} << 32};  // of each triangle
 
-static_assert(disjoint(std::array{streams_of(kPictureRound), streams_of(kScoutRound),
-                                  streams_of(kPilotRounds), streams_of(kTimingRound), kExploration,
-                                  kFeaturePlaces, kPortalProbe, kWindowViews, kExpectedWalks,
-                                  kCoveredLamps}));
+static_assert(disjoint(std::array{streams_of(kPictureRound), streams_of(kPilotRound),
+                                  streams_of(kErrorPilotRounds), streams_of(kTimingRound),
+                                  kExploration, kFeaturePlaces, kPortalProbe, kWindowViews,
+                                  kExpectedWalks, kCoveredLamps}));
 
 // ffgraph.
 constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{103, 1},

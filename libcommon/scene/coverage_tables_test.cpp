@@ -23,7 +23,7 @@ using namespace shader;
 struct Kernel {
   TABLES_OF_COVERAGE(REFERS_TO)
   bool scene_has_coverage, coverage_has_textures, scene_has_panes;
-  static float presence_at(uint, const vec3&) { return 1; }
+  static float opacity_at(uint, const vec3&) { return 1; }
 #include "shaders/shared/coverage.h"
 };
 }  // namespace kernel

@@ -148,8 +148,8 @@ const LightSource& Lights::source_of(size_t entry) const {
   return lamp < punctual_.size() ? punctual_[lamp] : sky_;
 }
 
-void Lights::choose_by(const Shares& shares) {
-  Shares plain, wanted = shares;
+void Lights::choose_by(const KindProbabilities& shares) {
+  KindProbabilities plain, wanted = shares;
   for (size_t i = 0; i < powers_.size(); ++i) plain.of(source_of(i)) += powers_[i];
   std::vector<double> weights = powers_;
   for (size_t i = 0; i < weights.size(); ++i)

@@ -95,21 +95,21 @@ class Lights {
   double power() const { return power_; }
 
   /// How often lights of a kind are chosen, together.
-  struct Shares {
+  struct KindProbabilities {
     double surfaces = 0, lamps = 0, parallel = 0, sky = 0;  ///< sum 1; points and spots are lamps
     double& of(const LightSource& source) {
       if (source.is_sky()) return sky;
       if (source.is_surface()) return surfaces;
       return source.at_infinity() ? parallel : lamps;
     }
-    friend bool operator==(const Shares&, const Shares&) = default;
+    friend bool operator==(const KindProbabilities&, const KindProbabilities&) = default;
   };
   /// Of emitted power, by kind; canonical area, luminance, as power().
-  const Shares& powers() const { return emitted_; }
+  const KindProbabilities& powers() const { return emitted_; }
   /// In proportion to power, but for the faint, unless choose_by() said otherwise.
-  const Shares& shares() const { return shares_; }
+  const KindProbabilities& shares() const { return shares_; }
   /// Those of a kind that there are have more than 0.
-  void choose_by(const Shares& shares);
+  void choose_by(const KindProbabilities& shares);
 
   /// What is told of a direction of the sky, by one look at the map.
   struct InSky {
@@ -205,7 +205,7 @@ class Lights {
   CumulativeTable table_;
   std::vector<float> pdf_A_;    // per scene triangle
   std::vector<double> powers_;  // of the entries; the faintest are taken for more [lights.cpp]
-  Shares shares_, emitted_;
+  KindProbabilities shares_, emitted_;
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
 };

@@ -15,7 +15,7 @@ struct Pane {
 
   explicit operator bool() const { return share > 0; }
   /// Probability that a ray finds the pane: 1 - share (1 - F), cos its cosine to the normal.
-  double presence(double cos) const {
+  double opacity(double cos) const {
     const double m = 1 - std::abs(cos);
     const double f = f0 + (double{f90} - f0) * m * m * m * m * m;
     return 1 - share * (1 - f);

@@ -1,5 +1,5 @@
 // Surfaces of a scene in the layout of shaders/shared/path/surface_layout.h: what kernels, and
-// their twins, know of materials, textures and faces.
+// their scalar build, know of materials, textures and faces.
 #pragma once
 #include <vector>
 

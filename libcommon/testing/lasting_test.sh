@@ -239,12 +239,12 @@ traps() {
   same t1.exr t2.exr "a checkpoint of a given error is no picture"
 
   # Before all is decided nothing is kept, however often checkpoints are written.
-  run="exec" few --target-error 0.02 --checkpoint hasty.exr --set checkpoint-every=0 -o p.exr &
+  run="exec" few --target-error 0.02 --checkpoint early.exr --set checkpoint-every=0 -o p.exr &
   pid=$!
   sleep 0.15
   kill -TERM $pid
   wait $pid
-  [ ! -e hasty.exr ] || { few --target-error 0.02 --resume hasty.exr -o p.exr && few --target-error 0.02 -o q.exr && same p.exr q.exr "what was not decided goes on"; }
+  [ ! -e early.exr ] || { few --target-error 0.02 --resume early.exr -o p.exr && few --target-error 0.02 -o q.exr && same p.exr q.exr "what was not decided goes on"; }
 
   # No file is written over that is not gone on from.
   few --spp 16 --shard 0/2 -o s0.exr && few --spp 16 --shard 1/2 -o s1.exr || fail "no shards"

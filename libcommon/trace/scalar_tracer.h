@@ -1,4 +1,4 @@
-// shaders/shared/traversal.h as C++, one ray at a time: the twin of a kernel's ray queries.
+// shaders/shared/traversal.h as C++, one ray at a time: the scalar build of a kernel's ray queries.
 #pragma once
 #include "libcommon/trace/bvh.h"
 #include "shaders/shared/tables.h"

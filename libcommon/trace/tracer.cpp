@@ -29,11 +29,11 @@ struct Tracer::Impl {
   }
   void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
   bool present(uint32_t triangle, float u, float v, const Vec3d& w, const uint32_t* coin) const;
-  /// See Hit::presence. `w` of any length.
-  double presence(uint32_t triangle, const Vec3d& w) const {
+  /// See Hit::opacity. `w` of any length.
+  double opacity(uint32_t triangle, const Vec3d& w) const {
     if (panes.empty()) return 1;
     const Pane& pane = panes[traced->triangles[triangle].material];
-    return pane ? pane.presence(dot(shapes[triangle].normal, w) / length(w)) : 1;
+    return pane ? pane.opacity(dot(shapes[triangle].normal, w) / length(w)) : 1;
   }
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -114,7 +114,7 @@ bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
                            const uint32_t* coin) const {
   const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
   const double coverage =
-      alpha ? double{coverage_at(*traced, {triangle, u, v})} : presence(triangle, w);
+      alpha ? double{coverage_at(*traced, {triangle, u, v})} : opacity(triangle, w);
   if (coverage >= 1 || coverage <= 0) return coverage > 0;
   if (coin) return double{shader::hashed_unit(*coin, triangle)} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
@@ -242,7 +242,7 @@ template <class Query>
   hit.b2 = found.hit.v;
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
   hit.normal = s.normal;
-  hit.presence = impl_->presence(hit.triangle, w);
+  hit.opacity = impl_->opacity(hit.triangle, w);
   hit.distance = length(hit.position - from);
   return hit.distance > 0;
 }

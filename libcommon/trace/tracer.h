@@ -31,7 +31,7 @@ struct Hit {
   Vec3d normal;     ///< unit geometric normal of the front side (counter-clockwise)
   /// Coverage of a pane: probability that a ray at this angle is stopped by it; what it scatters is
   /// to be divided by it. 1 for all else: a blend scatters its alpha's share, so the two cancel.
-  double presence = 1;
+  double opacity = 1;
 };
 
 class Tracer {

@@ -276,7 +276,7 @@ TEST(tracer, a_pane_lets_pass_what_it_does_not_reflect) {
     const double x = i * 1e-3 - 0.5;
     ASSERT_TRUE(tracer.closest({{x, 0.3 * x, 0.5}, {}}, {0, 0, -1}, hit));
     if (hit.triangle == 2) continue;
-    EXPECT_NEAR(hit.presence, 1 - 0.9 * 0.96, 1e-6);
+    EXPECT_NEAR(hit.opacity, 1 - 0.9 * 0.96, 1e-6);
   }
   // Anything that colours, bends or blurs the light is no pane: rays stop there.
   for (int k = 0; k < 5; ++k) {

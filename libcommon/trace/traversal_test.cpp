@@ -8,7 +8,7 @@
 #include "libcommon/trace/test_meshes.h"
 #include "libcommon/trace/tracer.h"
 
-// Twins of ScalarTracer.
+// Controls of ScalarTracer.
 namespace tdpt::shader::traversal_test {
 
 /// With plain edge functions that do not count what is exactly on an edge.
@@ -354,7 +354,7 @@ Compared against_embree(const Scene& scene, const Bvh& bvh, int pairs) {
 
 // In its robust mode, from inside, through edges and in random directions. Of rays aimed at exactly
 // a corner of the sphere 1 in 70 slips through, and so do some from far outside. That these rays
-// find what leaks, the twins of our own hierarchy show.
+// find what leaks, the scalar build of our own hierarchy show.
 TEST(traversal, no_ray_leaves_a_closed_mesh_by_embree) {
   for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
     const Tracer tracer(scene);

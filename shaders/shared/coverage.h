@@ -5,7 +5,7 @@
 // libcommon/scene/texture.h does, in floats.
 //
 // Read within a scope that has load_x(i) of TABLES_OF_COVERAGE [tables.h], scene_has_coverage,
-// coverage_has_textures, and presence_at(triangle, w), which is 1 where there are no panes: a GLSL
+// coverage_has_textures, and opacity_at(triangle, w), which is 1 where there are no panes: a GLSL
 // file behind its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/rng.h"
@@ -43,7 +43,7 @@ SHARED float coverage_at(uint triangle, float b1, float b2) MEMBER_CONST {
 /// `coin`: a number of the ray's own.
 SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w) MEMBER_CONST {
   if (!scene_has_coverage && !scene_has_panes) return true;
-  return hashed_unit(coin, triangle) < coverage_at(triangle, b1, b2) * presence_at(triangle, w);
+  return hashed_unit(coin, triangle) < coverage_at(triangle, b1, b2) * opacity_at(triangle, w);
 }
 
 #include "shaders/shared/language_end.h"

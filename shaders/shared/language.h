@@ -1,8 +1,8 @@
 // What lets one text be C++ and GLSL. Every header of this folder is read by both compilers, so
-// that a kernel and its twin on the CPU run the same operations in the same order and give the same
-// bits. It begins with this file, behind the other headers it needs, and ends with language_end.h,
-// so that no macro is left to who includes it. A text that stands in a struct's body in C++ has no
-// include guard; the headers that it includes C++ has read before the struct.
+// that a kernel and its scalar build on the CPU run the same operations in the same order and give
+// the same bits. It begins with this file, behind the other headers it needs, and ends with
+// language_end.h, so that no macro is left to who includes it. A text that stands in a struct's
+// body in C++ has no include guard; the headers that it includes C++ has read before the struct.
 //
 // Vulkan rounds sums and products of floats correctly, and every device we know to the nearest, as
 // long as none is contracted into a fused one: cmake/compile-shader.sh sees to that. It does not

@@ -43,7 +43,7 @@
   TABLE(Lamp, light_lamp, light_lamps)          \
   TABLE(SkySun, sky_sun, sky_suns)              \
   TABLE(SkyTexel, sky_texel, sky_texels)        \
-  TABLE(Panel, light_panel, light_panels)       \
+  TABLE(RectLight, rect_light, rect_lights)     \
   TABLE(SkyWindow, sky_window, sky_windows)     \
   TABLE(WindowFrame, window_frame, window_frames)
 #define TABLES_OF_PORTALS(TABLE)                        \

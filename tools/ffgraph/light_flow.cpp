@@ -108,7 +108,8 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   for (const Walks* walks : {&both.light, &both.camera})
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
-      return is_hit(h) ? std::optional(PatchMap::Place{h.face, Vec3d(h.position)}) : std::nullopt;
+      return is_hit(h) ? std::optional(PatchMap::SurfacePoint{h.face, Vec3d(h.position)})
+                       : std::nullopt;
     });
 
   Fragments fragments = Fragments::with_all_of_split(f.patches);

@@ -103,12 +103,12 @@ class PatchMap {
   /// The same, made when it does not exist yet.
   uint32_t find_or_add(uint32_t face, const Vec3d& canonical);
 
-  struct Place {
+  struct SurfacePoint {
     uint32_t face;
     Vec3d canonical;
   };
   /// As find_or_add() of place(0), ..., place(n - 1), one after the other, those left out that are
-  /// none; looks up many at once, with all threads. place(k): std::optional<Place>.
+  /// none; looks up many at once, with all threads. place(k): std::optional<SurfacePoint>.
   template <class PlaceAt>
   void add_all(size_t n, const PlaceAt& place);
 
@@ -182,12 +182,12 @@ void PatchMap::add_all(size_t n, const PlaceAt& place) {
   for (size_t first = 0, block = 1 << 10; first < n; first += is_new.size()) {
     is_new.assign(std::min(block, n - first), 0);
     tbb::parallel_for(size_t{0}, is_new.size(), [&](size_t k) {
-      const std::optional<Place> p = place(first + k);
+      const std::optional<SurfacePoint> p = place(first + k);
       is_new[k] = p && find(p->face, p->canonical) == kNoPatch;
     });
     for (size_t k = 0; k < is_new.size(); ++k)
       if (is_new[k]) {
-        const std::optional<Place> p = place(first + k);
+        const std::optional<SurfacePoint> p = place(first + k);
         find_or_add(p->face, p->canonical);
       }
     block = std::min<size_t>(2 * block, 1 << 18);

@@ -24,7 +24,7 @@ Scene sheet(uint32_t n) {
   return s;
 }
 
-PatchMap::Place random_place(const Scene& s, uint64_t k) {
+PatchMap::SurfacePoint random_place(const Scene& s, uint64_t k) {
   Rng rng(4, 0, k);
   const uint32_t t = rng.below(static_cast<uint32_t>(s.triangles.size()));
   const double u = rng.uniform();
@@ -99,7 +99,7 @@ Scene sheet_on_a_ground(bool ground) {
 Walks walks_on(const Scene& s, size_t far_one_in) {
   Walks walks;
   for (size_t k = 0; k < 20000; ++k) {
-    PatchMap::Place p = random_place(sheet(30), k);
+    PatchMap::SurfacePoint p = random_place(sheet(30), k);
     Rng rng(5, 0, k);
     if (k % far_one_in == 0) {
       const double x = rng.uniform();

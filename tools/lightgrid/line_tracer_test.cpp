@@ -134,25 +134,25 @@ TEST_F(LineTracers, make_the_same_file) {
     LightGridReport report;
     return light_grid_bytes(make_light_grid(c.scene, c.cut, "a.cut", options, report, {}, make));
   };
-  const std::string twin = bytes(make_scalar_lines);
-  EXPECT_TRUE(twin == bytes([&](const Scene& scene, const LineTables& tables, const LightGrid& grid,
-                                uint64_t seed) {
+  const std::string scalar = bytes(make_scalar_lines);
+  EXPECT_TRUE(scalar == bytes([&](const Scene& scene, const LineTables& tables,
+                                  const LightGrid& grid, uint64_t seed) {
                 return make_gpu_lines(*device, scene, tables, grid, seed);
               }));
 }
 
-// Share of segments that Embree answers otherwise than the twin. `shift` [voxels of 1/256] moves
-// every triangle of the twin's scene.
+// Share of segments that Embree answers otherwise than the scalar build. `shift` [voxels of 1/256]
+// moves every triangle of the scalar build's scene.
 double share_unlike_embree(const Case& c, uint32_t n, float shift = 0) {
   const LightGrid grid = empty_grid(c.scene, 64);
   Scene moved = c.scene;
   for (Vec3f& p : moved.positions) p.x += shift / 256;
   const auto embree = make_embree_lines(c.scene, c.tables, grid, kSeed);
-  const auto twin = make_scalar_lines(moved, c.tables, grid, kSeed);
+  const auto scalar = make_scalar_lines(moved, c.tables, grid, kSeed);
   size_t different = 0;
   TracedLines a, b;
   embree->between_pivots(0, 0, n, a);
-  twin->between_pivots(0, 0, n, b);
+  scalar->between_pivots(0, 0, n, b);
   for (size_t i = 0; i < n; ++i) {
     different += a.fate[i] != b.fate[i];
     EXPECT_EQ(a.ends[i].light, b.ends[i].light);

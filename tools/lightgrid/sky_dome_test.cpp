@@ -41,29 +41,31 @@ Case under_a_sky() {
 TEST_F(LineTracers, device_and_twin_count_the_same_under_a_sky) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);
-  const Outcome twin = on_twin(c, grid, 20000);
-  expect_same(on_device(c, grid, 20000), twin);
+  const Outcome scalar = on_twin(c, grid, 20000);
+  expect_same(on_device(c, grid, 20000), scalar);
   size_t from_sky = 0;
-  for (size_t i = 0; i < twin.segments.size(); ++i)
-    from_sky += twin.segments.fate[i] == LineFate::joins &&
-                twin.segments.ends[i].light_face >= c.tables.first_sky_face;
+  for (size_t i = 0; i < scalar.segments.size(); ++i)
+    from_sky += scalar.segments.fate[i] == LineFate::joins &&
+                scalar.segments.ends[i].light_face >= c.tables.first_sky_face;
   EXPECT_GT(from_sky, 100u);
   // Where a grid ends no lines pile up that pass it by: every line in it has come through the top
   // layer's air.
   const size_t layer = static_cast<size_t>(grid.dim[0]) * static_cast<size_t>(grid.dim[1]);
-  EXPECT_GT(std::count_if(twin.count.begin(), twin.count.end(), [](uint32_t n) { return n > 0; }),
-            static_cast<std::ptrdiff_t>(layer / 4));
+  EXPECT_GT(
+      std::count_if(scalar.count.begin(), scalar.count.end(), [](uint32_t n) { return n > 0; }),
+      static_cast<std::ptrdiff_t>(layer / 4));
 }
 
-// The twin's triangles are as exact as before; its dome makes all else 32 times as large.
+// The scalar build's triangles are as exact as before; its dome makes all else 32 times as large.
 TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_3000_at_most_under_a_sky) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);
   constexpr uint32_t kLines = 40000;
   const Outcome embree =
       outcome_of(*make_embree_lines(c.scene, c.tables, grid, kSeed), grid, kLines);
-  const Outcome twin = outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, kLines);
-  EXPECT_LE(differences(embree.segments, twin.segments), kLines / 3000);
+  const Outcome scalar =
+      outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, kLines);
+  EXPECT_LE(differences(embree.segments, scalar.segments), kLines / 3000);
 }
 
 // What a line from the sky meets on its way is what a plain ray meets, and it is cut off at the

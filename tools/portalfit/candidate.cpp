@@ -67,7 +67,7 @@ double fullness_of(const Aperture& a) {
   for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
   portal.triangles = triangulate(a.polygon);
   const PortalShape shape = shape_of(portal);
-  std::vector<Crossing> crossings;
+  std::vector<LineCrossing> crossings;
   for (const uint32_t l : a.lines.which)
     if (const auto at = crossing(shape.plane, a.lines.line(l)); at && contains(shape, *at))
       crossings.push_back({l, *at});

@@ -20,8 +20,9 @@ namespace {
 
 constexpr double kFewestInCone = 60;
 
-std::vector<Crossing> crossings_of(const std::vector<LightLine>& lines, const PortalShape& shape) {
-  std::vector<Crossing> found;
+std::vector<LineCrossing> crossings_of(const std::vector<LightLine>& lines,
+                                       const PortalShape& shape) {
+  std::vector<LineCrossing> found;
   for (uint32_t l = 0; l < lines.size(); ++l)
     if (const auto at = crossing(shape.plane, lines[l]); at && contains(shape, *at))
       found.push_back({l, *at});
@@ -31,9 +32,9 @@ std::vector<Crossing> crossings_of(const std::vector<LightLine>& lines, const Po
 // The cut with the largest share of whose lines the portal is crossed: shares, as cuts may have
 // different numbers of them.
 size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of_cut,
-              const std::vector<Crossing>& crossings) {
+              const std::vector<LineCrossing>& crossings) {
   std::vector<size_t> crossed(of_cut.size(), 0);
-  for (const Crossing& c : crossings) ++crossed[lines[c.line].cut];
+  for (const LineCrossing& c : crossings) ++crossed[lines[c.line].cut];
   const auto share = [&](size_t k) {
     return of_cut[k] ? static_cast<double>(crossed[k]) / static_cast<double>(of_cut[k]) : 0.0;
   };
@@ -46,10 +47,10 @@ size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of
 }  // namespace
 
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<Crossing>& crossings) {
+                                   const std::vector<LineCrossing>& crossings) {
   if (crossings.empty()) return {};
-  const auto in_the_middle = [&](const Crossing& c) { return contains(shape, c.at * 2); };
-  const auto squared_sine = [&](const Crossing& c) {
+  const auto in_the_middle = [&](const LineCrossing& c) { return contains(shape, c.at * 2); };
+  const auto squared_sine = [&](const LineCrossing& c) {
     const LightLine& line = lines[c.line];
     const double cosine = dot(normalize(line.camera - line.light), shape.plane.n);
     return 1 - cosine * cosine;
@@ -59,7 +60,7 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
   for (double sine2 = 1; sine2 > 1e-4; sine2 *= 0.25) {
     const auto inside = static_cast<double>(std::count_if(
         crossings.begin(), crossings.end(),
-        [&](const Crossing& c) { return in_the_middle(c) && squared_sine(c) <= sine2; }));
+        [&](const LineCrossing& c) { return in_the_middle(c) && squared_sine(c) <= sine2; }));
     if (inside < kFewestInCone) break;
     densest = std::max(densest, inside / (std::numbers::pi * sine2 * 0.25 * shape.area));
   }
@@ -72,7 +73,7 @@ namespace {
 struct Appraised {
   Portal* portal;
   size_t cut;
-  std::vector<Crossing> crossings;
+  std::vector<LineCrossing> crossings;
   std::optional<double> tightness;
 };
 
@@ -86,7 +87,7 @@ void appraise_cut(const LightGrid& grid, size_t c, size_t lines,
   const auto counts = [&](const Appraised& a) { return a.cut == c && a.tightness; };
   for (const Appraised& a : portals) {
     if (!counts(a)) continue;
-    for (const Crossing& line : a.crossings)
+    for (const LineCrossing& line : a.crossings)
       if (!met[line.line]) met[line.line] = 1, ++passing;
   }
   if (!(passing > 0)) return;
@@ -106,9 +107,9 @@ void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
   std::vector<Appraised> appraised;
   for (Portal& portal : portals) {
     const PortalShape shape = shape_of(portal);
-    std::vector<Crossing> crossings = crossings_of(grid.lines, shape);
+    std::vector<LineCrossing> crossings = crossings_of(grid.lines, shape);
     const size_t cut = cut_of(grid.lines, lines, crossings);
-    std::erase_if(crossings, [&](const Crossing& c) { return grid.lines[c.line].cut != cut; });
+    std::erase_if(crossings, [&](const LineCrossing& c) { return grid.lines[c.line].cut != cut; });
     const auto tightness = tightness_of(grid.lines, shape, crossings);
     portal.figures["cut"] = static_cast<double>(cut);
     if (tightness) portal.figures["tightness"] = *tightness;

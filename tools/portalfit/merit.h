@@ -11,7 +11,7 @@
 namespace tdpt {
 
 /// A line that crosses a portal along its normal.
-struct Crossing {
+struct LineCrossing {
   uint32_t line;
   Vec2d at;  ///< in the plane of the portal's shape
 };
@@ -19,7 +19,7 @@ struct Crossing {
 /// Share of a portal's lines that pass from one side to the other; nothing when none crosses.
 /// `crossings`: of one cut, by the grid's `lines`.
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<Crossing>& crossings);
+                                   const std::vector<LineCrossing>& crossings);
 
 /// Adds figures of portal(5) to each portal: `cut` (the one most of whose lines cross it),
 /// `tightness` (share of its lines that pass from one side to the other: places uniform on it,

@@ -17,8 +17,8 @@
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/choice.h"
-#include "tools/tdpt-render/run/course.h"
 #include "tools/tdpt-render/run/covered_lamps.h"
 #include "tools/tdpt-render/run/delivery.h"
 #include "tools/tdpt-render/run/explain.h"
@@ -103,7 +103,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   const Loaded& in = job.in;
   const RenderSettings& settings = job.settings;
   common.summary(summary_json(choice.integrator, settings, result, in.portals));
-  for (const Tally::Place& place : result.tally.not_finite_at)
+  for (const Tally::SamplePixel& place : result.tally.not_finite_at)
     common.warn(
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
                     "holds, and is left out",
@@ -112,7 +112,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
     common.note(idleness(in.portals, share));
-  for (const std::string& sentence : disappointments(in.portals, result)) common.note(sentence);
+  for (const std::string& sentence : useless_portals(in.portals, result)) common.note(sentence);
   std::string name = choice.integrator.name;
   if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
   const std::string of = job.is_shard() ? " of the shard" : "";
@@ -121,7 +121,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
                           result.picture.height, result.seconds, result.cpu_seconds));
   if (result.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
-  if (result.hasty && !(job.checkpoint() + job.a.plan).empty())
+  if (result.cut_short && !(job.checkpoint() + job.a.plan).empty())
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
   std::vector<std::string> last;
@@ -174,29 +174,29 @@ int print_shards(const Arguments& a, const cli::Common& common) {
 constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // What looks at the rendering while it forms.
-void add_visitors(const Job& job, const Choice& choice, Course& course) {
+void add_visitors(const Job& job, const Choice& choice, RenderSchedule& schedule) {
   const double every = job.a.checkpoint_every < 0 ? kCheckpointEvery : job.a.checkpoint_every;
   if (!job.checkpoint().empty())
-    course.visitors.push_back({every, [&](Standing& standing, const Plan& plan) {
-                                 save({job, choice, standing, plan});
-                               }});
+    schedule.visitors.push_back({every, [&](RenderState& render_state, const Plan& plan) {
+                                   save({job, choice, render_state, plan});
+                                 }});
   if (!job.a.preview.empty())
-    course.visitors.push_back({kPreviewEvery, [&](Standing& standing, const Plan&) {
-                                 show(job, standing.film.picture());
-                               }});
+    schedule.visitors.push_back({kPreviewEvery, [&](RenderState& render_state, const Plan&) {
+                                   show(job, render_state.film.picture());
+                                 }});
 }
 
 // A device that is lost on the way leaves what a checkpoint can hold.
 RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& choice,
-                      Course course) {
-  add_visitors(job, choice, course);
+                      RenderSchedule schedule) {
+  add_visitors(job, choice, schedule);
   bool kept = false;
   if (!job.checkpoint().empty())
-    course.rescue = [&](Standing& standing, const Plan& plan) {
-      kept = save({job, choice, standing, plan});
+    schedule.rescue = [&](RenderState& render_state, const Plan& plan) {
+      kept = save({job, choice, render_state, plan});
     };
   try {
-    return render(renderer, choice.candidates, job.settings, choice, std::move(course));
+    return render(renderer, choice.candidates, job.settings, choice, std::move(schedule));
   } catch (const Error& e) {
     if (!kept) throw;
     throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",
@@ -205,18 +205,19 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
 }
 
 // Renders, and tells of it.
-int render(const Job& job, SampleRenderer& renderer, const Choice& choice, Course course) {
+int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
+           RenderSchedule schedule) {
   const World& world = renderer.world;
   const std::vector<Portal>& portals = job.in.portals;
-  const RenderResult result = rendered(job, renderer, choice, std::move(course));
+  const RenderResult result = rendered(job, renderer, choice, std::move(schedule));
   if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  if (result.hasty && job.is_shard()) {
+  if (result.cut_short && job.is_shard()) {
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return static_cast<int>(Exit::interrupted);
   }
-  deliver({job, choice, *result.standing, result.plan, result.target, channels_of(job, world)},
+  deliver({job, choice, *result.render_state, result.plan, result.target, channels_of(job, world)},
           result);
   report(job, world, choice, result);
   job.common.explain_by([&] {
@@ -230,7 +231,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
-  check_course(a);
+  check_schedule(a);
   catch_signals();
   Job job{a,
           common,
@@ -257,13 +258,13 @@ int run(const Arguments& a, const cli::Common& common) {
                    common.seed};
   job.shape = shape_of(a, by);
   job.film_shape = film_shape_of(a, by);
-  job.given = course_of(a, by, world, obeys_plan(a, common.output_given), job.settings);
+  job.given = read_checkpoint(a, by, world, obeys_plan(a, common.output_given), job.settings);
   warn_of_processors(job);
-  if (const auto& standing = job.given.course.standing)
+  if (const auto& render_state = job.given.schedule.render_state)
     common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
-                            display_name(a.resume), standing->film.samples(),
-                            std::max(standing->goal, standing->film.samples())));
-  const std::optional<Plan>& plan = job.given.course.plan;
+                            display_name(a.resume), render_state->film.samples(),
+                            std::max(render_state->goal, render_state->film.samples())));
+  const std::optional<Plan>& plan = job.given.schedule.plan;
   const Choice choice =
       plan ? choose_as_planned(*plan, job.given.plan_file, job.request, job.settings, world,
                                in.portals, common)
@@ -274,7 +275,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (device) common.note("samples are rendered by " + words_of(device->info()) + ".");
   check_film(job.given, film_options(world, choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, *renderer, choice);
-  return render(job, *renderer, choice, std::move(job.given.course));
+  return render(job, *renderer, choice, std::move(job.given.schedule));
 }
 
 }  // namespace

@@ -55,16 +55,16 @@ with open(sys.argv[2]) as stream:
     m = json.load(stream)
 first, last, steps = (m["with"][key] for key in ("first", "last", "steps"))
 assert first["chosen"] == last["chosen"], (first["chosen"], last["chosen"])
-assert "scout" in first and "scout" not in last, "it was decided again"
+assert "pilot" in first and "pilot" not in last, "it was decided again"
 assert len(steps) > 2 and steps[0]["spp"] == max(1, first["spp"] // 16), (first["spp"], steps)
-assert steps[0]["cpu"] > first["scout"]["cpu"], "the scout is not counted"
-assert ": technique portal: " in m["with"]["text"] and m["with"]["text"].count(": scout: ") == 1, m["with"]["text"]
+assert steps[0]["cpu"] > first["pilot"]["cpu"], "the pilot is not counted"
+assert ": technique portal: " in m["with"]["text"] and m["with"]["text"].count(": pilot: ") == 1, m["with"]["text"]
 # The same with another choice: portals that are left out are worth nothing in any headline, whatever was foretold.
 candidates = [{"integrator": "tdpt-guided 0.7", "portals": True, "relmse": 1.0, "work": 1.0, "cost": 1.0},
               {"integrator": "nee", "portals": False, "relmse": 1.0, "work": 1.3, "cost": 1.3}]
 for gain, chosen, told, not_told in ((1.3, "nee", "left it out", "worth"), (0.79, "nee", "left it out", "worth"),
                                      (1.3, "tdpt-guided 0.7", "worth 1.3 times", "left it out")):
-    first["scout"].update(portals_gain=gain, candidates=candidates)
+    first["pilot"].update(portals_gain=gain, candidates=candidates)
     last["chosen"] = chosen
     words = report_page.Verdict(m).sentence()
     assert told in words and not_told not in words and report_page.figure(gain) + " times" in words, words

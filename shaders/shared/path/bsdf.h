@@ -55,7 +55,7 @@ SHARED REAL index_at(IN(Bsdf) b, VEC3 w) MEMBER_CONST {
 }
 
 /// The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
-struct View {
+struct OrientedBsdf {
   VEC3 from;
   bool back;
   bool passes;  ///< transmits
@@ -77,17 +77,17 @@ SHARED VEC3 interface_left_over(IN(Bsdf) b, InterfaceAlbedo e) MEMBER_CONST {
   return not_below_0(VEC3(1.0f) - (VEC3(b.f0) * e.a + VEC3(REAL(b.f90) * e.b)));
 }
 /// Of a diffuse lobe.
-SHARED VEC3 left_over(IN(Bsdf) b, IN(View) view, REAL mu) MEMBER_CONST {
+SHARED VEC3 left_over(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu) MEMBER_CONST {
   if (!view.interfaced) return VEC3(1.0f);
   if (!(view.alpha > 0.0f)) return interface_left_over(b, smooth_interface_albedo(mu));
   return interface_left_over(b, interface_albedo_in(view.row, mu));
 }
 
-SHARED VEC3 turned(IN(View) view, VEC3 w) MEMBER_CONST {
+SHARED VEC3 turned(IN(OrientedBsdf) view, VEC3 w) MEMBER_CONST {
   return view.back ? VEC3(w.x, w.y, -w.z) : w;
 }
-SHARED View view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
-  View view;
+SHARED OrientedBsdf view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
+  OrientedBsdf view;
   view.back = from.z < 0.0f;
   view.from = turned(view, from);
   view.passes = transmits(b);
@@ -112,10 +112,10 @@ SHARED View view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
   view.left = left_over(b, view, view.from.z);
   return view;
 }
-SHARED bool is_rough(IN(View) view) MEMBER_CONST {
+SHARED bool is_rough(IN(OrientedBsdf) view) MEMBER_CONST {
   return view.interfaced && view.alpha > 0.0f;
 }
-SHARED bool is_smooth(IN(View) view) MEMBER_CONST {
+SHARED bool is_smooth(IN(OrientedBsdf) view) MEMBER_CONST {
   return view.interfaced && !(view.alpha > 0.0f);
 }
 
@@ -126,7 +126,8 @@ struct Reflectance {
 };
 
 /// At a cosine to the (microfacet's) normal; q: refracted_q().
-SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine, REAL q) MEMBER_CONST {
+SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(OrientedBsdf) view, REAL cosine,
+                                  REAL q) MEMBER_CONST {
   REAL c = min(cosine, 1.0f);
   Reflectance r;
   OF_REAL(FresnelCurve) curve;
@@ -152,7 +153,7 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine, REAL q
   return r;
 }
 
-SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(View) view, REAL cosine) MEMBER_CONST {
+SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(OrientedBsdf) view, REAL cosine) MEMBER_CONST {
   REAL q = 0.0f;
   if (view.passes) q = refracted_q(cosine, view.ratio, view.rise);
   return reflectance_at(b, view, cosine, q);
@@ -166,17 +167,17 @@ struct Covers {
 };
 
 /// What a coat leaves along a direction that is turned as view.from is, and what the sheen does.
-SHARED REAL under_coat_along(IN(Bsdf) b, IN(View) view, VEC3 w) MEMBER_CONST {
+SHARED REAL under_coat_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 w) MEMBER_CONST {
   bool inside = view.solid && (w.z < 0.0f) != view.back;
   if (!has_coat(b) || inside) return 1.0f;
   return coat_left_over(b.coat, dot(turned(view, w), VEC3(b.coat.normal)));
 }
-SHARED REAL under_sheen_along(IN(Bsdf) b, IN(View) view, VEC3 w) MEMBER_CONST {
+SHARED REAL under_sheen_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 w) MEMBER_CONST {
   bool inside = view.solid && (w.z < 0.0f) != view.back;
   if (!has_sheen(b) || inside) return 1.0f;
   return 1.0f - largest(b.sheen) * sheen_albedo(abs(w.z), REAL(b.sheen_alpha));
 }
-SHARED Covers covers_along(IN(Bsdf) b, IN(View) view, VEC3 to) MEMBER_CONST {
+SHARED Covers covers_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   Covers covers;
   covers.from = 1.0f;
   covers.to = 1.0f;
@@ -190,7 +191,7 @@ SHARED Covers covers_along(IN(Bsdf) b, IN(View) view, VEC3 to) MEMBER_CONST {
 
 /// 2 int (1 - E) c mu dmu, as if interface and coat had one normal.
 SHARED VEC3 average_under_coat(IN(Bsdf) b) MEMBER_CONST {
-  View view = view_of(b, VEC3(0.0f, 0.0f, 1.0f));
+  OrientedBsdf view = view_of(b, VEC3(0.0f, 0.0f, 1.0f));
   VEC3 mean = VEC3(0.0f);
   for (uint i = 0u; i < kGaussNodes; ++i) {
     REAL x = load_surface_curve(kGauss + 2u * i);
@@ -204,7 +205,8 @@ SHARED VEC3 average_under_coat(IN(Bsdf) b) MEMBER_CONST {
 }
 
 /// Diffuse lobe [1/sr] to another direction on this side.
-SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(View) view, REAL mu_to, Covers covers) MEMBER_CONST {
+SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu_to,
+                         Covers covers) MEMBER_CONST {
   VEC3 d = VEC3(b.diffuse) * INVERSE_PI;
   if (!view.interfaced && !has_coat(b)) return d;
   VEC3 p = view.left * left_over(b, view, mu_to);
@@ -221,7 +223,7 @@ SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(View) view, REAL mu_to, Covers covers) M
 }
 
 /// That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
-SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
+SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   if (!view.diffuse) return view.interfaced ? REAL(0.0f) : REAL(-1.0f);
   if (!view.interfaced) return 1.0f;
   REAL d = sum_of(VEC3(b.diffuse) * view.left);
@@ -237,12 +239,12 @@ SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
 }
 
 /// Probabilities that a lobe is taken; the interface has the rest. diffuse < 0: none is.
-struct Shares {
+struct LobeProbabilities {
   REAL diffuse;
   REAL sheen;
 };
-SHARED Shares shares_of(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
-  Shares shares;
+SHARED LobeProbabilities lobe_probabilities_of(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
+  LobeProbabilities shares;
   shares.diffuse = diffuse_or_interface(b, view);
   shares.sheen = 0.0f;
   if (!view.sheen) return shares;
@@ -263,7 +265,7 @@ struct Split {
   REAL reflect;
   REAL transmit;
 };
-SHARED Split split_of(IN(Bsdf) b, IN(View) view, Reflectance at) MEMBER_CONST {
+SHARED Split split_of(IN(Bsdf) b, IN(OrientedBsdf) view, Reflectance at) MEMBER_CONST {
   Split split;
   split.reflect = 1.0f;
   split.transmit = 0.0f;
@@ -276,7 +278,7 @@ SHARED Split split_of(IN(Bsdf) b, IN(View) view, Reflectance at) MEMBER_CONST {
   return split;
 }
 
-/// Microfacet that joins view.from and `to` (mirrored like it) and how densely it does.
+/// Microfacet that connects view.from and `to` (mirrored like it) and how densely it does.
 struct Facet {
   VEC3 h;
   REAL cosine;      ///< from.h > 0
@@ -284,16 +286,16 @@ struct Facet {
                     ///< symmetric where it nearly grazes
   REAL dh_dto;      ///< solid angle of h per solid angle of `to`
   REAL f_jacobian;  ///< f = Fresnel part * D * G2/(cos cos) * this
-  bool joins;
+  bool connections;
 };
-SHARED Facet facet_between(IN(View) view, VEC3 to) MEMBER_CONST {
+SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   Facet facet;
   facet.h = VEC3(0.0f, 0.0f, 1.0f);
   facet.cosine = 0.0f;
   facet.q = 0.0f;
   facet.dh_dto = 0.0f;
   facet.f_jacobian = 0.0f;
-  facet.joins = false;
+  facet.connections = false;
   bool reflects = to.z > 0.0f;
   if (!(view.from.z > kRoughGrazing) || !(abs(to.z) > kRoughGrazing)) return facet;
   if (!reflects && !view.passes) return facet;
@@ -307,8 +309,8 @@ SHARED Facet facet_between(IN(View) view, VEC3 to) MEMBER_CONST {
   facet.h = h * (!mirrored && h.z < 0.0f ? -over_l : over_l);
   facet.cosine = dot(view.from, facet.h);
   REAL cos_to = mirrored ? facet.cosine : -dot(to, facet.h);
-  facet.joins = facet.cosine > 0.0f && cos_to > 0.0f;
-  if (!facet.joins) return facet;
+  facet.connections = facet.cosine > 0.0f && cos_to > 0.0f;
+  if (!facet.connections) return facet;
   if (mirrored) {
     if (view.passes) facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
     facet.dh_dto = 0.25f * reciprocal(facet.cosine);
@@ -331,7 +333,7 @@ struct Lobes {
 
 /// The lobes that are not Dirac, or, by `dirac`, the one that is: reflection on the same side,
 /// transmission on the other. 0 where a direction lies in the surface.
-SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to,
+SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares, VEC3 to,
                         bool dirac) MEMBER_CONST {
   Lobes lobes;
   lobes.f = VEC3(0.0f);
@@ -347,7 +349,7 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to,
     if (view.sheen) lobes.pdf_w += shares.sheen * (0.5f * INVERSE_PI);
   }
   Facet m = facet_between(view, w);
-  if (view.interfaced && dirac == is_smooth(view) && (dirac || m.joins)) {
+  if (view.interfaced && dirac == is_smooth(view) && (dirac || m.connections)) {
     REAL c = dirac ? view.from.z : m.cosine;
     REAL q = m.q;
     if (dirac && view.passes) q = refracted_q(c, view.ratio, view.rise);
@@ -373,7 +375,7 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(View) view, Shares shares, VEC3 to,
 }
 
 /// Directional albedo: the share that leaves of what comes from view.from.
-SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
+SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return VEC3(1.0f);  // all, beyond some angle
   VEC3 left = VEC3(1.0f);
   if (is_smooth(view)) left = reflectance_at(b, view, view.from.z).rest;
@@ -391,8 +393,8 @@ SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(View) view) MEMBER_CONST {
 }
 
 /// Takes a lobe and a direction from it; three numbers in [0,1). False when the walk is absorbed.
-SHARED bool bsdf_turn(IN(Bsdf) b, IN(View) view, Shares shares, REAL choice, REAL u, REAL v,
-                      OUT(VEC3) to, OUT(bool) dirac) MEMBER_CONST {
+SHARED bool bsdf_turn(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares, REAL choice,
+                      REAL u, REAL v, OUT(VEC3) to, OUT(bool) dirac) MEMBER_CONST {
   to = VEC3(0.0f);
   dirac = false;
   if (!(view.from.z > kInSurface)) return false;
@@ -445,7 +447,8 @@ SHARED bool bsdf_connectible(IN(Bsdf) b) MEMBER_CONST {
   return is_positive(b.diffuse) || has_sheen(b) || is_rough(view_of(b, VEC3(0.0f, 0.0f, 1.0f)));
 }
 
-SHARED OF_REAL(Odds) bsdf_odds(IN(Bsdf) b, IN(View) view, Shares shares) MEMBER_CONST {
+SHARED OF_REAL(Odds)
+    bsdf_odds(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares) MEMBER_CONST {
   REAL broad = max(shares.diffuse + shares.sheen, 0.0f);
   bool dirac = is_smooth(view) && shares.diffuse >= 0.0f;
   OF_REAL(Odds) odds;

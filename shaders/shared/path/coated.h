@@ -44,26 +44,26 @@ SHARED bool both_on_coat(IN(Seen) a, IN(Seen) b) MEMBER_CONST {
 }
 
 /// Where a walk scatters: what it sees, having come along `seen`, and what it may take.
-struct Standing {
+struct ScatterContext {
   Seen seen;
-  View view;
-  Shares shares;
+  OrientedBsdf view;
+  LobeProbabilities shares;
   REAL coat;  ///< that the coat is taken
 };
 
 /// In proportion to what the coat reflects and what else leaves.
-SHARED REAL coat_probability(IN(Bsdf) b, IN(Seen) from, IN(View) view) MEMBER_CONST {
+SHARED REAL coat_probability(IN(Bsdf) b, IN(Seen) from, IN(OrientedBsdf) view) MEMBER_CONST {
   if (!from.on_coat) return 0.0f;
   if (!from.on_base) return 1.0f;
   // Facets reflect more than their mean at some angles.
   REAL e = 1.0f - coat_left_over(b.coat, from.coat.z) + REAL(0.02) * b.coat.strength;
   return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, view)), 1e-30f));
 }
-SHARED Standing standing_at(IN(Point) p, VEC3 back) MEMBER_CONST {
-  Standing here;
+SHARED ScatterContext scatter_context_at(IN(Point) p, VEC3 back) MEMBER_CONST {
+  ScatterContext here;
   here.seen = seen_from(p, back);
   here.view = view_of(p.bsdf, here.seen.base);
-  here.shares = shares_of(p.bsdf, here.view);
+  here.shares = lobe_probabilities_of(p.bsdf, here.view);
   here.coat = coat_probability(p.bsdf, here.seen, here.view);
   return here;
 }
@@ -84,7 +84,8 @@ SHARED bool coat_is_nearer(IN(Point) p, IN(Seen) back, IN(Seen) to) MEMBER_CONST
   return abs(dot(h, VEC3(p.bsdf.coat.normal))) > abs(h.z);
 }
 
-SHARED Layers layers_between(IN(Point) p, IN(Standing) here, IN(Seen) to, bool dirac) MEMBER_CONST {
+SHARED Layers layers_between(IN(Point) p, IN(ScatterContext) here, IN(Seen) to,
+                             bool dirac) MEMBER_CONST {
   Seen back = here.seen;
   Layers layers;
   layers.base = VEC3(0.0f);
@@ -114,8 +115,8 @@ SHARED Layers layers_between(IN(Point) p, IN(Standing) here, IN(Seen) to, bool d
 }
 
 /// As bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was taken.
-SHARED bool coated_turn(IN(Point) p, IN(Standing) here, REAL u, REAL v, REAL choice, OUT(VEC3) to,
-                        OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
+SHARED bool coated_turn(IN(Point) p, IN(ScatterContext) here, REAL u, REAL v, REAL choice,
+                        OUT(VEC3) to, OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
   REAL taken = here.coat;
   by_coat = choice < taken;
   if (!by_coat) {
@@ -134,14 +135,14 @@ SHARED bool coated_turn(IN(Point) p, IN(Standing) here, REAL u, REAL v, REAL cho
   return true;
 }
 
-SHARED VEC3 coated_albedo(IN(Point) p, IN(Standing) here) MEMBER_CONST {
+SHARED VEC3 coated_albedo(IN(Point) p, IN(ScatterContext) here) MEMBER_CONST {
   VEC3 albedo = VEC3(0.0f);
   if (here.seen.on_base || !has_coat(p.bsdf)) albedo = bsdf_albedo(p.bsdf, here.view);
   if (here.seen.on_coat) albedo += VEC3(1.0f - coat_left_over(p.bsdf.coat, here.seen.coat.z));
   return albedo;
 }
 
-SHARED OF_REAL(Odds) coated_odds(IN(Point) p, IN(Standing) here) MEMBER_CONST {
+SHARED OF_REAL(Odds) coated_odds(IN(Point) p, IN(ScatterContext) here) MEMBER_CONST {
   OF_REAL(Odds) odds;
   odds.dirac = 0.0f;
   odds.broad = 1.0f;

@@ -1,16 +1,17 @@
-// Ends of walks for joins: what their estimates need of them [joins.h], listed pool by pool.
+// Ends of walks for connections: what their estimates need of them [connection_estimates.h], listed
+// cache by cache.
 //
-// Read behind joinings.h.
+// Read behind connect.h.
 
 #include "shaders/shared/language.h"
 
-/// Of a light's vertex that can be joined.
+/// Of a light's vertex that can be connected.
 SHARED void list_end(uint slot) MEMBER {
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   PathVertex v = load_path_vertex(slot);
-  JoinEnd end = join_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
-  join_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
+  ConnectionEnd end = connection_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
+  connection_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
 }
 /// Of y_0 of a light walk.
 SHARED void list_start(uint walk) MEMBER {
@@ -18,13 +19,13 @@ SHARED void list_start(uint walk) MEMBER {
   PathDensity d = load_path_density(walk);
   if ((d.flags & VERTEX_THERE) == 0u) return;
   Point y0 = kept_point(walk, v);
-  JoinEnd end = join_end(y0, v.back, v.throughput, walk, 0u);
+  ConnectionEnd end = connection_end(y0, v.back, v.throughput, walk, 0u);
   // About what leaves it; which way is for those that are taken.
   vec3 straight = at_infinity(y0) ? y0.position : y0.normal;
   end.carried = v.throughput * emitted(y0, straight);
   end.facing = v.facing;
   if (at_infinity(y0)) end.alpha2 = -1.0f;
-  join_ends[walk] = end;
+  connection_ends[walk] = end;
 }
 
 #include "shaders/shared/language_end.h"

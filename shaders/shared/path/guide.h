@@ -5,7 +5,8 @@
 // Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
 // its density is known in closed form, nothing is learnt.
 //
-// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at most:
+// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at
+// most:
 //       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
 //       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
@@ -41,8 +42,8 @@ SHARED bool has_crossing(IN(Point) a, IN(Point) b) MEMBER_CONST {
   return scene_has_portals && on_surface(b) && (source_met(a.source) || guide_active);
 }
 /// What can have made it.
-SHARED Crossing edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMBER_CONST {
-  Crossing c = no_crossing();
+SHARED CrossingDensity edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMBER_CONST {
+  CrossingDensity c = no_crossing();
   if (!has_crossing(a, b)) return c;
   bool far_away = source_at_infinity(a.source);
   VEC3 from = far_away ? before_the_scene(b.position, a.position) : a.position;
@@ -56,9 +57,9 @@ SHARED Crossing edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMBER_CONS
   return c;
 }
 
-SHARED REAL guide_aims(IN(Point) p, VEC3 facing, uint from) MEMBER_CONST {
-  if (source_at_infinity(p.source)) return portal_aims_along(p.position);
-  return portal_aims(p.position, facing, from);
+SHARED REAL guide_total_at(IN(Point) p, VEC3 facing, uint from) MEMBER_CONST {
+  if (source_at_infinity(p.source)) return portal_guide_total_along(p.position);
+  return portal_guide_totals(p.position, facing, from);
 }
 
 /// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
@@ -70,35 +71,37 @@ SHARED VEC3 guide_facing(IN(Point) p, VEC3 away) MEMBER_CONST {
 
 /// How walks are directed at a surface that is seen along unit `away` from it, or was left along
 /// it.
-SHARED Aims aim_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST {
-  Aims aims;
-  aims.facing = guide_facing(p, away);
-  aims.from_light = 0.0f;
-  aims.from_camera = 0.0f;
-  aims.emitted = 0.0f;
-  if (!scene_has_portals || !guide_active) return aims;
-  if (p.connectible) portal_aims(p.position, aims.facing, aims.from_light, aims.from_camera);
+SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST {
+  GuideTotals guide_totals;
+  guide_totals.facing = guide_facing(p, away);
+  guide_totals.from_light = 0.0f;
+  guide_totals.from_camera = 0.0f;
+  guide_totals.emitted = 0.0f;
+  if (!scene_has_portals || !guide_active) return guide_totals;
+  if (p.connectible)
+    portal_guide_totals(p.position, guide_totals.facing, guide_totals.from_light,
+                        guide_totals.from_camera);
   if (p.source != SOURCE_NONE)
-    aims.emitted = guide_aims(p, source_facing(p.source, p.normal), FROM_LIGHT);
-  return aims;
+    guide_totals.emitted = guide_total_at(p, source_facing(p.source, p.normal), FROM_LIGHT);
+  return guide_totals;
 }
 
 /// The same at y_0, a place on a light.
-SHARED Aims aim_at_light(IN(Point) y0) MEMBER_CONST {
-  Aims aims;
-  aims.facing = source_facing(y0.source, y0.normal);
-  aims.from_light = 0.0f;
-  aims.from_camera = 0.0f;
-  aims.emitted = 0.0f;
-  if (!scene_has_portals || !guide_active) return aims;
-  aims.emitted = guide_aims(y0, aims.facing, FROM_LIGHT);
-  return aims;
+SHARED GuideTotals guide_totals_at_light(IN(Point) y0) MEMBER_CONST {
+  GuideTotals guide_totals;
+  guide_totals.facing = source_facing(y0.source, y0.normal);
+  guide_totals.from_light = 0.0f;
+  guide_totals.from_camera = 0.0f;
+  guide_totals.emitted = 0.0f;
+  if (!scene_has_portals || !guide_active) return guide_totals;
+  guide_totals.emitted = guide_total_at(y0, guide_totals.facing, FROM_LIGHT);
+  return guide_totals;
 }
 
 /// W at a vertex that a walk came to from unit `back` (0: it begins there).
-SHARED REAL guide_aim_of(IN(Aims) aims, Arrival back, uint from) MEMBER_CONST {
-  if (begins(back)) return aims.emitted;
-  return from == FROM_LIGHT ? aims.from_light : aims.from_camera;
+SHARED REAL guide_total_of(IN(GuideTotals) guide_totals, Arrival back, uint from) MEMBER_CONST {
+  if (begins(back)) return guide_totals.emitted;
+  return from == FROM_LIGHT ? guide_totals.from_light : guide_totals.from_camera;
 }
 
 SHARED REAL guide_first_chance(uint from) MEMBER_CONST {
@@ -125,35 +128,37 @@ SHARED OF_REAL(Odds) guide_odds(IN(Point) at, Arrival back) MEMBER_CONST {
 /// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then the
 /// direction and the triangle aimed at (else -1). Numbers: place on a facet, its choice, and
 /// whether.
-SHARED bool guide_draw(IN(Point) v, IN(Aims) aims, Arrival back, uint from, REAL u0, REAL u1,
-                       REAL u2, REAL u3, OUT(VEC3) w, OUT(int) triangle) MEMBER_CONST {
+SHARED bool guide_draw(IN(Point) v, IN(GuideTotals) guide_totals, Arrival back, uint from, REAL u0,
+                       REAL u1, REAL u2, REAL u3, OUT(VEC3) w, OUT(int) triangle) MEMBER_CONST {
   triangle = -1;
   w = VEC3(0.0f);
   if (!scene_has_portals || !guide_active) return false;
-  REAL W = guide_aim_of(aims, back, from);
+  REAL W = guide_total_of(guide_totals, back, from);
   if (!(W > 0.0f)) return false;
   REAL q = guide_chance(from, v, back);
   if (!(u3 < q) || !(u3 < q * guide_odds(v, back).broad)) return false;
-  triangle = portal_aim(v.position, aims.facing, from, W, u0, u1, u2, w);
+  triangle = draw_towards_portal(v.position, guide_totals.facing, from, W, u0, u1, u2, w);
   return true;
 }
 
 /// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at (else
 /// -1).
-SHARED bool guide_leave(IN(Point) y0, IN(Aims) aims, REAL u0, REAL u1, REAL u2, REAL u3,
-                        INOUT(VEC3) origin, INOUT(VEC3) direction, OUT(int) triangle) MEMBER_CONST {
+SHARED bool guide_leave(IN(Point) y0, IN(GuideTotals) guide_totals, REAL u0, REAL u1, REAL u2,
+                        REAL u3, INOUT(VEC3) origin, INOUT(VEC3) direction,
+                        OUT(int) triangle) MEMBER_CONST {
   triangle = -1;
   if (!scene_has_portals || !guide_active) return false;
   if (!source_at_infinity(y0.source)) {
     VEC3 w = VEC3(0.0f);
-    if (!guide_draw(y0, aims, no_arrival(), FROM_LIGHT, u0, u1, u2, u3, w, triangle)) return false;
+    if (!guide_draw(y0, guide_totals, no_arrival(), FROM_LIGHT, u0, u1, u2, u3, w, triangle))
+      return false;
     origin = y0.position;
     direction = w;
     return true;
   }
-  if (!(aims.emitted > 0.0f && u3 < render.guide_light)) return false;
+  if (!(guide_totals.emitted > 0.0f && u3 < render.guide_light)) return false;
   VEC3 at = VEC3(0.0f);
-  triangle = portal_aim_along(direction, aims.emitted, u0, u1, u2, at);
+  triangle = draw_parallel_through_portal(direction, guide_totals.emitted, u0, u1, u2, at);
   origin = before_the_scene(at, direction);
   return true;
 }
@@ -162,7 +167,7 @@ SHARED bool guide_leave(IN(Point) y0, IN(Aims) aims, REAL u0, REAL u1, REAL u2, 
 /// from the plain one. W: of what it may aim at; q: that it aims, scope: Odds of where it scatters;
 /// per_area: |cos| / d^2 at the edge's other end.
 SHARED REAL guided_pdf_A(uint from, REAL W, REAL q, OF_REAL(Odds) scope, REAL plain_A,
-                         REAL per_area, Crossing crossing) MEMBER_CONST {
+                         REAL per_area, CrossingDensity crossing) MEMBER_CONST {
   if (!(plain_A > 0.0f && guide_first_chance(from) > 0.0f && W > 0.0f)) return plain_A;
   REAL by_surface = (1.0f - q * scope.broad) * plain_A;
   // What the infinite ray crosses.
@@ -172,9 +177,9 @@ SHARED REAL guided_pdf_A(uint from, REAL W, REAL q, OF_REAL(Odds) scope, REAL pl
   return by_surface + share * towards * per_area;
 }
 /// The same at a point that the walk came to from unit `back`, or begins at (0).
-SHARED REAL guided_pdf_A(uint from, IN(Point) at, IN(Aims) aims, Arrival back, REAL plain_A,
-                         REAL per_area, Crossing crossing) MEMBER_CONST {
-  return guided_pdf_A(from, guide_aim_of(aims, back, from), guide_chance(from, at, back),
+SHARED REAL guided_pdf_A(uint from, IN(Point) at, IN(GuideTotals) guide_totals, Arrival back,
+                         REAL plain_A, REAL per_area, CrossingDensity crossing) MEMBER_CONST {
+  return guided_pdf_A(from, guide_total_of(guide_totals, back, from), guide_chance(from, at, back),
                       guide_odds(at, back), plain_A, per_area, crossing);
 }
 

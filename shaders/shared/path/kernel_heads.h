@@ -2,8 +2,8 @@
 #ifndef TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
 #define TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
 
+#include "shaders/shared/path/connection_estimates.h"
 #include "shaders/shared/path/film_units.h"
-#include "shaders/shared/path/joins.h"
 #include "shaders/shared/path/purposes.h"
 #include "shaders/shared/path/surface_heads.h"
 #include "shaders/shared/path/tables.h"

@@ -1,5 +1,5 @@
-// All that the renderer's kernels do, for a kernel and for its scalar build (the testing/twin.cpp
-// of the renderer).
+// All that the renderer's kernels do, for a kernel and for its scalar build (the
+// testing/scalar_build.cpp of the renderer).
 //
 // Read within a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
 // arrays of the latter and of PATH_WORDS, what a scene has (see path_bindings.glsl), `render`,
@@ -32,7 +32,7 @@
 
 #include "shaders/shared/path/walk.h"
 
-#include "shaders/shared/path/joinings.h"
+#include "shaders/shared/path/connect.h"
 
 #include "shaders/shared/path/segments.h"
 

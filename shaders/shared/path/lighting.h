@@ -1,7 +1,7 @@
-// Lights, for kernels and their twins: the whole text, which next events are drawn with.
+// Lights, for kernels and their scalar build: the whole text, which next events are drawn with.
 //
 // Read within a scope that has load_name() of TABLES_OF_LIGHTS [tables.h], light_settings,
-// scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows and
+// scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_rect_lights, scene_has_windows and
 // scene_prefers: a GLSL file behind its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/path/lights_layout.h"
@@ -12,7 +12,7 @@
 
 #include "shaders/shared/path/lights.h"
 
-#include "shaders/shared/path/panels.h"
+#include "shaders/shared/path/rect_lights.h"
 
 #include "shaders/shared/path/window_sky.h"
 

@@ -90,20 +90,20 @@ struct SkyPlace {
   float down;
 };
 
-/// An emitting rectangle: tdpt::Panel.
-#define TEXELS_OF_Panel(VEC, WORDS, PART)                                            \
-  VEC(corner, float, length_x)                                                       \
-  VEC(x, float, length_y)                                                            \
-  VEC(y, float, least_height)                                                        \
-  /* weight: of what it sends, per area */                                           \
-  VEC(normal, float, weight)                                                         \
-  /* source: SOURCE_FRONT or SOURCE_BOTH */                                          \
-  /* triangle0: above the diagonal (x, then y) */                                    \
-  /* triangle1: below it */                                                          \
-  /* corners: two bits each: which of the panel's are b1's, b2's of triangle0, of */ \
-  /* triangle1 */                                                                    \
+/// An emitting rectangle: tdpt::RectLight.
+#define TEXELS_OF_RectLight(VEC, WORDS, PART)                                             \
+  VEC(corner, float, length_x)                                                            \
+  VEC(x, float, length_y)                                                                 \
+  VEC(y, float, least_height)                                                             \
+  /* weight: of what it sends, per area */                                                \
+  VEC(normal, float, weight)                                                              \
+  /* source: SOURCE_FRONT or SOURCE_BOTH */                                               \
+  /* triangle0: above the diagonal (x, then y) */                                         \
+  /* triangle1: below it */                                                               \
+  /* corners: two bits each: which of the rect_light's are b1's, b2's of triangle0, of */ \
+  /* triangle1 */                                                                         \
   WORDS(uint, source, uint, triangle0, uint, triangle1, uint, corners)
-RECORD(Panel)
+RECORD(RectLight)
 
 /// A portal's rectangle before the sky: tdpt::WindowSky::Window, along its frame's axes.
 #define TEXELS_OF_SkyWindow(VEC, WORDS, PART)       \
@@ -132,7 +132,7 @@ struct LightSettings {
   uint emitters;  ///< how many
   uint lamps;
   uint suns;
-  uint panels;
+  uint rect_lights;
   uint pad0;
   uint first_pdf_A;  ///< floats, by triangle of the scene
   uint first_row;    ///< of the sky's map, SkyRow
@@ -163,7 +163,7 @@ struct LightSettings {
 #ifdef __cplusplus
 RECORD_OF_REALS(Lamp)
 static_assert(sizeof(Emitter) == 64 && sizeof(Lamp) == 80 && sizeof(SkySun) == 48);
-static_assert(sizeof(SkyTexel) == 16 && sizeof(Panel) == 80 && sizeof(SkyWindow) == 32);
+static_assert(sizeof(SkyTexel) == 16 && sizeof(RectLight) == 80 && sizeof(SkyWindow) == 32);
 static_assert(sizeof(WindowFrame) == 48 && sizeof(LightSettings) == 208);
 #endif
 

@@ -10,7 +10,7 @@ layout(std430, binding = 2) readonly buffer Emitters { Emitter light_emitters[];
 layout(std430, binding = 3) readonly buffer Lamps { Lamp light_lamps[]; };
 layout(std430, binding = 4) readonly buffer Suns { SkySun sky_suns[]; };
 layout(std430, binding = 5) readonly buffer Texels { SkyTexel sky_texels[]; };
-layout(std430, binding = 6) readonly buffer Panels { Panel light_panels[]; };
+layout(std430, binding = 6) readonly buffer RectLights { RectLight rect_lights[]; };
 layout(std430, binding = 7) readonly buffer Windows { SkyWindow sky_windows[]; };
 layout(std430, binding = 8) readonly buffer Frames { WindowFrame window_frames[]; };
 layout(std430, binding = 9) readonly buffer Places { Shaded shaded_places[]; };
@@ -19,7 +19,7 @@ layout(push_constant) uniform Has { uint has; };
 bool scene_has_sky = (has & HAS_SKY) != 0u;
 bool scene_has_sky_map = (has & HAS_SKY_MAP) != 0u;
 bool scene_has_lamps = (has & HAS_LAMPS) != 0u;
-bool scene_has_panels = (has & HAS_PANELS) != 0u;
+bool scene_has_rect_lights = (has & HAS_RECT_LIGHTS) != 0u;
 bool scene_has_windows = (has & HAS_WINDOWS) != 0u;
 bool scene_prefers = (has & PREFERS) != 0u;
 TABLES_OF_LIGHTS(LOADS)

@@ -1,5 +1,5 @@
 // Test only: what the functions on lights make of numbers drawn for each index, as words, to hold a
-// device's against those of its twin. Read behind next_event.h, within a scope that has
+// device's against those of its scalar build. Read behind next_event.h, within a scope that has
 // shaded_places[] besides.
 
 #include "shaders/shared/language.h"
@@ -71,16 +71,16 @@ SHARED LightWords light_words_of(uint i) MEMBER_CONST {
 
   Shaded shaded = shaded_places[i % kShadedPlaces];
   Point p = shaded_point(shaded);
-  Outlook outlook;
-  look_out(p, shaded.facing, outlook);
-  add_word(drawn, outlook.seen);
-  add_word(drawn, outlook.sent);
+  LightContext light_context;
+  look_out(p, shaded.facing, light_context);
+  add_word(drawn, light_context.seen);
+  add_word(drawn, light_context.sent);
   float q = shaded.through_windows;
-  LightPlace next = sample_next_event(p, outlook, q, side, u, v, pick);
+  LightPlace next = sample_next_event(p, light_context, q, side, u, v, pick);
   add_place(drawn, next);
-  add_word(drawn,
-           next_event_pdf(p, outlook, q, next.source, next.triangle, next.position, next.in_sky));
-  add_word(drawn, next_event_pdf(p, outlook, q, place.source, place.triangle, place.position,
+  add_word(drawn, next_event_pdf(p, light_context, q, next.source, next.triangle, next.position,
+                                 next.in_sky));
+  add_word(drawn, next_event_pdf(p, light_context, q, place.source, place.triangle, place.position,
                                  place.in_sky));
   while (drawn.count < kLightWords) add_word(drawn, 0.0f);
   return drawn;

@@ -31,7 +31,7 @@ struct Shaded {
 const uint HAS_SKY = 1u;
 const uint HAS_SKY_MAP = 2u;
 const uint HAS_LAMPS = 4u;
-const uint HAS_PANELS = 8u;
+const uint HAS_RECT_LIGHTS = 8u;
 const uint HAS_WINDOWS = 16u;
 const uint PREFERS = 32u;
 

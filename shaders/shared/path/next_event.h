@@ -5,44 +5,47 @@
 #include "shaders/shared/language.h"
 
 /// What is seen from `p`, whose side `facing` light comes to (0: both).
-SHARED void look_out(Point p, vec3 facing, OUT(Outlook) o) MEMBER_CONST {
+SHARED void look_out(Point p, vec3 facing, OUT(LightContext) o) MEMBER_CONST {
   o.facing = facing;
   o.seen = 0.0f;
   o.sent = 0.0f;
   if (!p.connectible) return;
   if (scene_has_windows) o.seen = seen_through_windows(p.position, facing);
-  if (scene_has_panels) o.sent = sent_by_panels(p, facing);
+  if (scene_has_rect_lights) o.sent = sent_by_rect_lights(p, facing);
 }
 
-/// A place on a light for `p`, which has looked out; none where no panel sends anything.
-/// `through_windows`: how often a direction of the sky is drawn through those that there are. What
-/// is below the horizon is not looked at: its density is 0. Four numbers in [0,1), as sample_light.
-SHARED LightPlace sample_next_event(Point p, INOUT(Outlook) outlook, float through_windows,
-                                    float pick, float u, float v, float side) MEMBER_CONST {
+/// A place on a light for `p`, which has looked out; none where no rectangular light sends
+/// anything. `through_windows`: how often a direction of the sky is drawn through those that there
+/// are. What is below the horizon is not looked at: its density is 0. Four numbers in [0,1), as
+/// sample_light.
+SHARED LightPlace sample_next_event(Point p, INOUT(LightContext) light_context,
+                                    float through_windows, float pick, float u, float v,
+                                    float side) MEMBER_CONST {
   LightPlace place = no_light_place();
   if (light_settings.entries == 0u) return place;
   uint word = pick_word(pick, side);
   uint entry = drawn_light(word);
-  if (scene_has_panels && entry < light_settings.emitters) {
-    place = place_on_panels(p, outlook, float(word) * light_settings.per_surfaces, u, v);
+  if (scene_has_rect_lights && entry < light_settings.emitters) {
+    place = place_on_rect_lights(p, light_context, float(word) * light_settings.per_surfaces, u, v);
     place.pdf = place.pdf * light_settings.surfaces;
     return place;
   }
   if (!is_sky_entry(entry)) return place_on_light(entry, u, v, side);
   if (scene_has_sky) {
     place.source = SOURCE_SKY;
-    bool through = scene_has_windows && outlook.seen > 0.0f && side < through_windows;
+    bool through = scene_has_windows && light_context.seen > 0.0f && side < through_windows;
     SkyPlace drawn;
     if (through)
-      drawn = any_place(towards_window(p.position, outlook.facing, outlook.seen,
+      drawn = any_place(towards_window(p.position, light_context.facing, light_context.seen,
                                        side * reciprocal(through_windows), u, v));
     else
       drawn = drawn_in_sky(light_settings.plain, word_in_sky(word, side), u, v);
     place.position = -drawn.towards;
-    if (!is_zero(outlook.facing) && !(dot(outlook.facing, drawn.towards) > 0.0f)) return place;
+    if (!is_zero(light_context.facing) && !(dot(light_context.facing, drawn.towards) > 0.0f))
+      return place;
     place.in_sky = look_in_sky(drawn);
-    place.pdf = next_event_pdf(p, outlook, through_windows, SOURCE_SKY, kNoTriangle, place.position,
-                               place.in_sky);
+    place.pdf = next_event_pdf(p, light_context, through_windows, SOURCE_SKY, kNoTriangle,
+                               place.position, place.in_sky);
   }
   return place;
 }

@@ -52,7 +52,7 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
 }
 
 /// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
-SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
+SHARED float opacity_at(uint triangle, vec3 w) MEMBER_CONST {
   if (!scene_has_panes) return 1.0f;
   SurfaceMaterial m = load_material(load_face(triangle).material);
   if (!(m.pane_share > 0.0f)) return 1.0f;
@@ -61,8 +61,8 @@ SHARED float presence_at(uint triangle, vec3 w) MEMBER_CONST {
   return 1.0f - m.pane_share * ((1.0f - m.pane_f90) + (m.pane_f90 - m.pane_f0) * f.rest);
 }
 
-SHARED float presence_of(Point p, vec3 w) MEMBER_CONST {
-  return max(presence_at(p.triangle, w), 1e-6f);
+SHARED float opacity_of(Point p, vec3 w) MEMBER_CONST {
+  return max(opacity_at(p.triangle, w), 1e-6f);
 }
 SHARED bool is_in_sky(Point p) MEMBER_CONST {
   return p.source == SOURCE_SKY;

@@ -1,4 +1,4 @@
-// A point where a path begins, turns or ends, for kernels and their twins: what
+// A point where a path begins, turns or ends, for kernels and their scalar build: what
 // tools/tdpt-render/path/bsdf/point.h is to the renderer that counts in doubles, with indices in
 // place of pointers. Everything is canonical; radiance is over the power of two that the upload
 // chose.
@@ -141,7 +141,7 @@ SHARED bool same_side(Point p, vec3 wi, vec3 wo) {
 }
 
 /// Where walks may be directed from a point: W of what they can aim at, 0 where that is nothing.
-struct Aims {
+struct GuideTotals {
   vec3 facing;        ///< side of the surface that the path's edges are on; 0: both
   float from_light;   ///< of a walk from the light, scattered here
   float from_camera;  ///< and of one from the camera
@@ -149,10 +149,10 @@ struct Aims {
 };
 
 /// What next events know of a point.
-struct Outlook {
+struct LightContext {
   vec3 facing;  ///< side of the surface that light comes to; 0: both
   float seen;   ///< of the sky through the windows
-  float sent;   ///< by the panels
+  float sent;   ///< by the rectangular lights
 };
 
 /// The next direction of a walk.

@@ -100,15 +100,15 @@ SHARED Drawn drawn_otherwise() {
 }
 
 /// What can have made an edge from the light's side to the camera's.
-struct Crossing {
+struct CrossingDensity {
   float density;  ///< D
   /// a(w) * W [1/sr], of parallel light the triangles crossed: of a walk from the light that stands
   /// at the edge's beginning, and of one from the camera that stands at its end.
   float from_light;
   float from_camera;
 };
-SHARED Crossing no_crossing() {
-  Crossing c;
+SHARED CrossingDensity no_crossing() {
+  CrossingDensity c;
   c.density = 0.0f;
   c.from_light = 0.0f;
   c.from_camera = 0.0f;

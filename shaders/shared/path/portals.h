@@ -171,8 +171,8 @@ SHARED REAL portal_weight(IN(PortalFacet) f, VEC3 v) MEMBER_CONST {
   return area * height * (per_reach * per_reach * per_reach);
 }
 
-SHARED Crossing portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
-  Crossing c = no_crossing();
+SHARED CrossingDensity portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
+  CrossingDensity c = no_crossing();
   if (!scene_has_portals) return c;
   uint crossed = 0u;
   VEC3 d = to - from;
@@ -252,8 +252,8 @@ SHARED bool portal_above(IN(PortalFacet) f, VEC3 v, VEC3 facing) MEMBER_CONST {
 
 /// W at `v` of walks from either end: of the facets that have v on the side that such walks begin
 /// on, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
-SHARED void portal_aims(VEC3 v, VEC3 facing, OUT(REAL) from_light,
-                        OUT(REAL) from_camera) MEMBER_CONST {
+SHARED void portal_guide_totals(VEC3 v, VEC3 facing, OUT(REAL) from_light,
+                                OUT(REAL) from_camera) MEMBER_CONST {
   REAL of_light = 0.0f;
   REAL of_camera = 0.0f;
   uint facets = scene_has_portals ? guiding.facets : 0u;
@@ -268,18 +268,18 @@ SHARED void portal_aims(VEC3 v, VEC3 facing, OUT(REAL) from_light,
   from_camera = of_camera;
 }
 /// The same of walks from one end.
-SHARED REAL portal_aims(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
+SHARED REAL portal_guide_totals(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
   REAL from_light = 0.0f;
   REAL from_camera = 0.0f;
-  portal_aims(v, facing, from_light, from_camera);
+  portal_guide_totals(v, facing, from_light, from_camera);
   return from == FROM_LIGHT ? from_light : from_camera;
 }
 
-/// Unit direction from `v` towards a facet; W must be that of portal_aims() for the same arguments,
-/// and more than 0. `u`, `v_`: place on the facet; `pick`: its choice. Returns the triangle aimed
-/// at.
-SHARED int portal_aim(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
-                      OUT(VEC3) w) MEMBER_CONST {
+/// Unit direction from `v` towards a facet; W must be that of portal_guide_totals() for the same
+/// arguments, and more than 0. `u`, `v_`: place on the facet; `pick`: its choice. Returns the
+/// triangle aimed at.
+SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
+                               OUT(VEC3) w) MEMBER_CONST {
   REAL rest = pick * W;
   uint chosen = 0u;
   REAL weight = 1.0f;
@@ -308,7 +308,7 @@ SHARED REAL portal_across(IN(PortalFacet) f, VEC3 d) MEMBER_CONST {
 }
 
 /// W of parallel light, which travels along unit `d`.
-SHARED REAL portal_aims_along(VEC3 d) MEMBER_CONST {
+SHARED REAL portal_guide_total_along(VEC3 d) MEMBER_CONST {
   REAL sum = 0.0f;
   if (!scene_has_portals) return sum;
   for (uint f = 0u; f < guiding.facets; ++f) sum += portal_across(load_portal_facet(f), d);
@@ -316,7 +316,8 @@ SHARED REAL portal_aims_along(VEC3 d) MEMBER_CONST {
 }
 
 /// The point that a line of it goes through; returns the triangle it lies on.
-SHARED int portal_aim_along(VEC3 d, REAL W, REAL u, REAL v, REAL pick, OUT(VEC3) at) MEMBER_CONST {
+SHARED int draw_parallel_through_portal(VEC3 d, REAL W, REAL u, REAL v, REAL pick,
+                                        OUT(VEC3) at) MEMBER_CONST {
   REAL rest = pick * W;
   uint chosen = 0u;
   REAL weight = 1.0f;

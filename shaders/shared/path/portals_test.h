@@ -75,7 +75,7 @@ SHARED void tell(INOUT(PortalTrial) trial, vec3 v) MEMBER_CONST {
   tell(trial, v.y);
   tell(trial, v.z);
 }
-SHARED void tell(INOUT(PortalTrial) trial, Crossing c) MEMBER_CONST {
+SHARED void tell(INOUT(PortalTrial) trial, CrossingDensity c) MEMBER_CONST {
   tell(trial, c.density);
   tell(trial, c.from_light);
   tell(trial, c.from_camera);
@@ -120,12 +120,12 @@ SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   vec3 away = normalized(trial_place(rng));
   vec3 back = trial_number(rng) < 0.3f ? vec3(0.0f) : away;
   uint from = is_zero(back) ? FROM_LIGHT : random_word(rng) & 1u;
-  Aims aims = aim_at_surface(at, away);
-  if (is_zero(back)) aims = aim_at_light(at);
-  tell(trial, aims.facing);
-  tell(trial, aims.from_light);
-  tell(trial, aims.from_camera);
-  tell(trial, aims.emitted);
+  GuideTotals guide_totals = guide_totals_at_surface(at, away);
+  if (is_zero(back)) aims = guide_totals_at_light(at);
+  tell(trial, guide_totals.facing);
+  tell(trial, guide_totals.from_light);
+  tell(trial, guide_totals.from_camera);
+  tell(trial, guide_totals.emitted);
   float u0 = trial_number(rng);
   float u1 = trial_number(rng);
   float u2 = trial_number(rng);
@@ -136,16 +136,16 @@ SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   bool directed;
   if (is_zero(back)) {
     w = at.position;
-    directed = guide_leave(at, aims, u0, u1, u2, u3, origin, w, triangle);
+    directed = guide_leave(at, guide_totals, u0, u1, u2, u3, origin, w, triangle);
   } else {
-    directed = guide_draw(at, aims, back, from, u0, u1, u2, u3, w, triangle);
+    directed = guide_draw(at, guide_totals, back, from, u0, u1, u2, u3, w, triangle);
   }
   tell(trial, directed ? 1 : 0);
   tell(trial, triangle);
   tell(trial, w);
   tell(trial, origin);
   if (directed) to.position = origin + w * 0.7f;
-  Crossing c;
+  CrossingDensity c;
   if (from == FROM_LIGHT)
     c = edge_crossing(at, to, drawn_through(triangle));
   else
@@ -154,7 +154,8 @@ SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   Edge e;
   e.w = w;
   e.d2 = 0.49f;
-  tell(trial, guided_pdf_A(from, at, aims, back, 0.3f, cosine_to(to, e.w) * reciprocal(e.d2), c));
+  tell(trial,
+       guided_pdf_A(from, at, guide_totals, back, 0.3f, cosine_to(to, e.w) * reciprocal(e.d2), c));
 }
 
 /// What invocation i finds.

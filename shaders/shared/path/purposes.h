@@ -12,7 +12,7 @@ const uint PURPOSE_CAMERA_WALK = 1u;
 const uint PURPOSE_LIGHT_WALK = 2u;
 const uint PURPOSE_NEXT_EVENT = 3u;
 const uint PURPOSE_SEGMENT = 4u;  ///< a segment's place on a portal
-const uint PURPOSE_CHOICES = 5u;  ///< of vertices that are joined
+const uint PURPOSE_CHOICES = 5u;  ///< of vertices that are connected
 
 SHARED_END
 

@@ -18,8 +18,8 @@ const uint TECHNIQUE_LIGHT = 2u;
 const uint TECHNIQUE_BI = 3u;
 const uint TECHNIQUE_PORTAL = 4u;
 
-/// What all samples of a submission share. A group is a pool of samples (light_pool.h of the
-/// renderer) of one number; groups are counted pool by pool, then sample by sample.
+/// What all samples of a submission share. A group is a cache of samples (light_vertex_cache.h of
+/// the renderer) of one number; groups are counted cache by cache, then sample by sample.
 struct RenderParameters {
   vec3 camera_position;
   float half_width;  ///< of the film, at distance 1
@@ -36,11 +36,11 @@ struct RenderParameters {
 
   uint width;
   uint height;
-  uint first_pool;  ///< of the first group
-  uint groups;      ///< of this submission
-  uint pools;
-  uint per_pool;    ///< samples of a pool, or one less
-  uint walks_full;  ///< light walks of a pool of so many
+  uint first_cache;  ///< of the first group
+  uint groups;       ///< of this submission
+  uint caches;
+  uint per_cache;   ///< samples of a cache, or one less
+  uint walks_full;  ///< light walks of a cache of so many
   uint walks_less;  ///< and of one less
 
   uint techniques;  ///< bits
@@ -48,9 +48,9 @@ struct RenderParameters {
   float first_direct;
   float later_direct;
   float light_walks;
-  float joined;
-  float joined_to_segments;
-  float segments_joined;
+  float connected;
+  float connected_to_segments;
+  float segments_connected;
   float segments;
   float through_windows;
   float guide_light;
@@ -76,7 +76,7 @@ struct RenderParameters {
 const uint RAYS_CLOSEST = 0u;
 const uint RAYS_SHADOW = 1u;
 const uint RAYS_PORTAL = 2u;
-const uint RAYS_JOIN = 3u;
+const uint RAYS_CONNECT = 3u;
 const uint TALLY_ENERGIES = 4u;
 const uint kTallySums = 16u;
 const uint kTallyWords = 68u;
@@ -94,26 +94,27 @@ struct StepParameters {
 };
 
 /// A vertex of a walk: where it is, and what came there.
-#define TEXELS_OF_PathVertex(VEC, WORDS, PART)                                              \
-  /* position: at infinity unit, the way that light travels */                              \
-  VEC(position, uint, triangle)                                                             \
-  /* back: unit, towards the vertex before; 0: the walk begins here */                      \
-  VEC(back, uint, source)                                                                   \
-  /* throughput: of all before, without what is emitted or scattered here */                \
-  /* per_prev: |cos| / d^2 at the vertex before: of densities along the edge those there */ \
-  VEC(throughput, float, per_prev)                                                          \
-  /* facing: side of the surface that the path's edges are on; 0: both */                   \
-  /* walk: number of it within the submission */                                            \
-  VEC(facing, uint, walk)                                                                   \
-  WORDS(float, aims_light, float, aims_camera, float, aims_emitted, float, seen)            \
-  /* from_light: of the edge from the vertex before, what its Crossing has beside D */      \
-  /* ordinal: of those after y_0 that can be joined, how many came before */                \
-  WORDS(float, sent, float, from_light, float, from_camera, uint, ordinal)                  \
-  /* What it is made of [keep_point()]. */                                                  \
-  VEC(normal, uint, material)                                                               \
-  /* made_of: POINT_* */                                                                    \
-  VEC(color, uint, made_of)                                                                 \
-  /* emission: in the sky its radiance */                                                   \
+#define TEXELS_OF_PathVertex(VEC, WORDS, PART)                                                  \
+  /* position: at infinity unit, the way that light travels */                                  \
+  VEC(position, uint, triangle)                                                                 \
+  /* back: unit, towards the vertex before; 0: the walk begins here */                          \
+  VEC(back, uint, source)                                                                       \
+  /* throughput: of all before, without what is emitted or scattered here */                    \
+  /* per_prev: |cos| / d^2 at the vertex before: of densities along the edge those there */     \
+  VEC(throughput, float, per_prev)                                                              \
+  /* facing: side of the surface that the path's edges are on; 0: both */                       \
+  /* walk: number of it within the submission */                                                \
+  VEC(facing, uint, walk)                                                                       \
+  WORDS(float, guide_total_light, float, guide_total_camera, float, guide_total_emitted, float, \
+        seen)                                                                                   \
+  /* from_light: of the edge from the vertex before, what its CrossingDensity has beside D */   \
+  /* ordinal: of those after y_0 that can be connected, how many came before */                 \
+  WORDS(float, sent, float, from_light, float, from_camera, uint, ordinal)                      \
+  /* What it is made of [keep_point()]. */                                                      \
+  VEC(normal, uint, material)                                                                   \
+  /* made_of: POINT_* */                                                                        \
+  VEC(color, uint, made_of)                                                                     \
+  /* emission: in the sky its radiance */                                                       \
   VEC(emission, float, plain_w)
 RECORD(PathVertex)
 const uint POINT_SIMPLE = 1u;
@@ -154,9 +155,9 @@ const uint RAY_BY_FILM = 4u;
   WORDS(float, dirac_behind, float, broad_behind, float, pad0, float, pad1)
 RECORD(Scattering)
 
-/// Two ends that may be joined: one of the light's side and one of the camera's.
-#define TEXELS_OF_Joining(VEC, WORDS, PART)                   \
-  /* kind: JOINING_* */                                       \
+/// Two ends that may be connected: one of the light's side and one of the camera's.
+#define TEXELS_OF_Connection(VEC, WORDS, PART)                \
+  /* kind: CONNECTION_* */                                    \
   /* light: slot; of a segment its number */                  \
   /* camera: slot */                                          \
   /* times: samples that it stands for */                     \
@@ -170,13 +171,13 @@ RECORD(Scattering)
   VEC(radiance, float, nee_A)                                 \
   /* pixel: of what the camera sees; of a side its segment */ \
   WORDS(float, light_A, uint, pixel, uint, pad0, uint, pad1)
-RECORD(Joining)
-const uint JOINING_NEXT_EVENT = 0u;
-const uint JOINING_BI = 1u;
-const uint JOINING_SPLAT = 2u;
-const uint JOINING_SIDE = 3u;     ///< of a segment: y with x_l
-const uint JOINING_SEEN = 4u;     ///< x_c with the camera
-const uint JOINING_SEGMENT = 5u;  ///< x_c with z
+RECORD(Connection)
+const uint CONNECTION_NEXT_EVENT = 0u;
+const uint CONNECTION_BI = 1u;
+const uint CONNECTION_SPLAT = 2u;
+const uint CONNECTION_SIDE = 3u;     ///< of a segment: y with x_l
+const uint CONNECTION_SEEN = 4u;     ///< x_c with the camera
+const uint CONNECTION_SEGMENT = 5u;  ///< x_c with z
 
 /// What the weights of paths need of it [weight.h].
 #define TEXELS_OF_PathDensity(VEC, WORDS, PART)                                            \
@@ -192,9 +193,9 @@ const uint JOINING_SEGMENT = 5u;  ///< x_c with z
   WORDS(float, own_survival, float, other_survival, uint, prev, uint, flags)
 RECORD(PathDensity)
 
-/// The end of a light's walk as joins see it, in the order of pools and walks: what it sends,
-/// roughly, for estimates that choose few of many [joins.h].
-#define TEXELS_OF_JoinEnd(VEC, WORDS, PART)                                             \
+/// The end of a light's walk as connections see it, in the order of caches and walks: what it
+/// sends, roughly, for estimates that choose few of many [connection_estimates.h].
+#define TEXELS_OF_ConnectionEnd(VEC, WORDS, PART)                                       \
   VEC(position, uint, slot)                                                             \
   /* facing: normal on the side that light leaves to; 0: it has no estimate */          \
   /* alpha2: of a glossy one squared GGX alpha; 0: it is diffuse; -1: infinitely far */ \
@@ -210,7 +211,7 @@ RECORD(PathDensity)
   VEC(more, float, light0)                                                              \
   VEC(back, float, light1)                                                              \
   VEC(normal, float, light2)
-RECORD(JoinEnd)
+RECORD(ConnectionEnd)
 
 /// A portal segment that a sample has drawn. Its ends are vertices in slots of their own.
 #define TEXELS_OF_PortalSegment(VEC, WORDS, PART)                                 \
@@ -262,8 +263,8 @@ const uint kNoVertex = 0xFFFFFFFFu;
 
 #ifdef __cplusplus
 static_assert(sizeof(PathVertex) == 144 && sizeof(PathBsdf) == 128 && sizeof(PathDensity) == 32);
-static_assert(sizeof(JoinEnd) == 112 && sizeof(WalkRay) == 64 && sizeof(Scattering) == 48);
-static_assert(sizeof(Joining) == 96 && sizeof(PortalSegment) == 32 && sizeof(SegmentSide) == 48);
+static_assert(sizeof(ConnectionEnd) == 112 && sizeof(WalkRay) == 64 && sizeof(Scattering) == 48);
+static_assert(sizeof(Connection) == 96 && sizeof(PortalSegment) == 32 && sizeof(SegmentSide) == 48);
 static_assert(sizeof(RenderParameters) == 208);
 #endif
 

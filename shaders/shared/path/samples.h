@@ -1,6 +1,6 @@
-// Which samples there are, which pools they are of, and their random numbers.
+// Which samples there are, which caches they are of, and their random numbers.
 //
-// Read behind sequence.h and purposes.h, where `render` and load_pool_offset() are.
+// Read behind sequence.h and purposes.h, where `render` and load_cache_offset() are.
 
 #include "shaders/shared/language.h"
 
@@ -14,25 +14,26 @@ struct SampleName {
   word64 number;
 };
 
-/// Pixel i of a pool. Each is of a stretch of its own, as long as there are pools.
-SHARED uint pixel_of_pool(uint pool, uint i) MEMBER_CONST {
-  uint stretch = i * render.pools;
-  if (stretch + render.pools > render.width * render.height) return stretch + pool;
-  return stretch + (pool + load_pool_offset(i)) % render.pools;
+/// Pixel i of a cache. Each is of a stretch of its own, as long as there are caches.
+SHARED uint pixel_of_cache(uint cache, uint i) MEMBER_CONST {
+  uint stretch = i * render.caches;
+  if (stretch + render.caches > render.width * render.height) return stretch + cache;
+  return stretch + (cache + load_cache_offset(i)) % render.caches;
 }
-SHARED uint pool_of_group(uint group) MEMBER_CONST {
-  return (render.first_pool + group) % render.pools;
+SHARED uint cache_of_group(uint group) MEMBER_CONST {
+  return (render.first_cache + group) % render.caches;
 }
-SHARED uint samples_of_pool(uint pool) MEMBER_CONST {
-  return (render.width * render.height - pool + render.pools - 1u) / render.pools;
+SHARED uint samples_of_cache(uint cache) MEMBER_CONST {
+  return (render.width * render.height - cache + render.caches - 1u) / render.caches;
 }
-SHARED uint walks_of_pool(uint pool) MEMBER_CONST {
-  return samples_of_pool(pool) == render.per_pool ? render.walks_full : render.walks_less;
+SHARED uint walks_of_cache(uint cache) MEMBER_CONST {
+  return samples_of_cache(cache) == render.per_cache ? render.walks_full : render.walks_less;
 }
 SHARED SampleName sample_of_group(uint group, uint i) MEMBER_CONST {
   SampleName s;
-  s.pixel = pixel_of_pool(pool_of_group(group), i);
-  s.number = sum64(render.first_sample, word64_of(0u, (render.first_pool + group) / render.pools));
+  s.pixel = pixel_of_cache(cache_of_group(group), i);
+  s.number =
+      sum64(render.first_sample, word64_of(0u, (render.first_cache + group) / render.caches));
   return s;
 }
 

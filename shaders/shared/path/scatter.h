@@ -9,7 +9,7 @@
 // Read behind coated.h, within the same scope, which has for a Point p
 //   bool on_surface(p), is_in_sky(p), same_side(p, a, b)
 //   VEC3 absorption_of(p)        of an absorbing solid, else 0
-//   REAL presence_of(p, back)    probability that a ray along `back` finds it: of panes; else 1
+//   REAL opacity_of(p, back)    probability that a ray along `back` finds it: of panes; else 1
 
 #include "shaders/shared/language.h"
 
@@ -30,7 +30,7 @@ SHARED VEC3 of_radiance(IN(Point) p, IN(Layers) layers, IN(Seen) l, IN(Seen) c) 
 SHARED VEC3 bsdf_at(IN(Point) p, VEC3 to_light, VEC3 to_camera) MEMBER_CONST {
   if (!is_layered(p))
     return same_side(p, to_light, to_camera) ? VEC3(p.color) * INVERSE_PI : VEC3(0.0f);
-  Standing l = standing_at(p, to_light);
+  ScatterContext l = scatter_context_at(p, to_light);
   Seen c = seen_from(p, to_camera);
   return of_radiance(p, layers_between(p, l, c, false), l.seen, c);
 }
@@ -49,19 +49,19 @@ SHARED REAL simple_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CON
   REAL cosine = dot(p.normal, to);
   return !dirac && dot(p.normal, back) * cosine > 0.0f ? abs(cosine) * INVERSE_PI : REAL(0.0f);
 }
-SHARED REAL layered_pdf_w(IN(Point) p, IN(Standing) here, VEC3 to, bool dirac) MEMBER_CONST {
+SHARED REAL layered_pdf_w(IN(Point) p, IN(ScatterContext) here, VEC3 to, bool dirac) MEMBER_CONST {
   Seen next = seen_from(p, to);
   Layers layers = layers_between(p, here, next, dirac);
   return dirac ? layers.pdf_w * dirac_measure(p, layers, next) : layers.pdf_w;
 }
 SHARED REAL scatter_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CONST {
   if (!is_layered(p)) return simple_pdf_w(p, back, to, dirac);
-  return layered_pdf_w(p, standing_at(p, back), to, dirac);
+  return layered_pdf_w(p, scatter_context_at(p, back), to, dirac);
 }
 
 /// f cos / pdf_w of the way from `back` to `to`, or reflectance by probability; false: none leads
 /// there.
-SHARED bool weigh(IN(Point) p, uint from, IN(Standing) here, IN(Seen) to, bool dirac,
+SHARED bool weigh(IN(Point) p, uint from, IN(ScatterContext) here, IN(Seen) to, bool dirac,
                   OUT(VEC3) weight) MEMBER_CONST {
   Layers layers = layers_between(p, here, to, dirac);
   Seen back = here.seen;
@@ -94,8 +94,8 @@ SHARED bool simple_turn(IN(Point) p, VEC3 back, REAL u, REAL v, OUT(OF_REAL(Turn
   t.w = cosine_hemisphere(n, u, v);
   return true;
 }
-SHARED bool layered_turn(IN(Point) p, uint from, IN(Standing) here, REAL u, REAL v, REAL choice,
-                         OUT(OF_REAL(Turn)) t) MEMBER_CONST {
+SHARED bool layered_turn(IN(Point) p, uint from, IN(ScatterContext) here, REAL u, REAL v,
+                         REAL choice, OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   VEC3 to;
   bool by_coat;
   t.dirac = false;
@@ -111,11 +111,11 @@ SHARED bool layered_turn(IN(Point) p, uint from, IN(Standing) here, REAL u, REAL
 SHARED bool turn(IN(Point) p, uint from, VEC3 back, REAL u, REAL v, REAL choice,
                  OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   if (!is_layered(p)) return simple_turn(p, back, u, v, t);
-  return layered_turn(p, from, standing_at(p, back), u, v, choice, t);
+  return layered_turn(p, from, scatter_context_at(p, back), u, v, choice, t);
 }
 
 /// The next direction given: `t` is by a lobe that is not Dirac.
-SHARED bool layered_turn_towards(IN(Point) p, uint from, IN(Standing) here, VEC3 w,
+SHARED bool layered_turn_towards(IN(Point) p, uint from, IN(ScatterContext) here, VEC3 w,
                                  OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   t.w = w;
   t.dirac = false;
@@ -127,7 +127,7 @@ SHARED bool turn_towards(IN(Point) p, uint from, VEC3 back, VEC3 w,
   t.dirac = false;
   t.weight = VEC3(p.color);
   if (!is_layered(p)) return same_side(p, back, w);
-  return layered_turn_towards(p, from, standing_at(p, back), w, t);
+  return layered_turn_towards(p, from, scatter_context_at(p, back), w, t);
 }
 
 SHARED OF_REAL(Odds) odds_at(IN(Point) p, VEC3 back) MEMBER_CONST {
@@ -135,7 +135,7 @@ SHARED OF_REAL(Odds) odds_at(IN(Point) p, VEC3 back) MEMBER_CONST {
   odds.dirac = 0.0f;
   odds.broad = 1.0f;
   if (!is_layered(p)) return odds;
-  return coated_odds(p, standing_at(p, back));
+  return coated_odds(p, scatter_context_at(p, back));
 }
 
 SHARED REAL held_albedo(REAL albedo) MEMBER_CONST {
@@ -144,16 +144,16 @@ SHARED REAL held_albedo(REAL albedo) MEMBER_CONST {
 SHARED REAL simple_albedo(IN(Point) p) MEMBER_CONST {
   return on_surface(p) ? held_albedo(REAL(largest(p.color))) : REAL(1.0f);
 }
-SHARED REAL layered_albedo(IN(Point) p, IN(Standing) here, VEC3 back) MEMBER_CONST {
+SHARED REAL layered_albedo(IN(Point) p, IN(ScatterContext) here, VEC3 back) MEMBER_CONST {
   REAL albedo = largest(coated_albedo(p, here));
-  if (scene_has_panes) albedo = albedo * reciprocal(presence_of(p, back));
+  if (scene_has_panes) albedo = albedo * reciprocal(opacity_of(p, back));
   return held_albedo(albedo);
 }
 /// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least, 1
 /// at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
 SHARED REAL albedo_at(IN(Point) p, VEC3 back) MEMBER_CONST {
   if (!on_surface(p) || !is_layered(p)) return simple_albedo(p);
-  return layered_albedo(p, standing_at(p, back), back);
+  return layered_albedo(p, scatter_context_at(p, back), back);
 }
 
 /// Share of what the surface emits along w that its clear coat lets through.

@@ -23,7 +23,7 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
   }
   // Each way in turn: one text of a surface is enough for a kernel.
   for (uint i = 0u; i < 2u; ++i) {
-    Standing here = standing_at(p, i == 0u ? back : w);
+    ScatterContext here = scatter_context_at(p, i == 0u ? back : w);
     Seen to = seen_from(p, i == 0u ? w : back);
     Layers layers = layers_between(p, here, to, dirac);
     OF_FLOAT(Odds) odds = coated_odds(p, here);
@@ -47,7 +47,7 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
       s.albedo = largest(coated_albedo(p, here));
     }
   }
-  if (scene_has_panes) s.albedo = s.albedo * reciprocal(presence_of(p, w));
+  if (scene_has_panes) s.albedo = s.albedo * reciprocal(opacity_of(p, w));
   s.albedo = held_albedo(s.albedo);
   return s;
 }

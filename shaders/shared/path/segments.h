@@ -1,9 +1,9 @@
-// Portal segments: drawn, joined with the light's side, then with the camera's. Sections 3.1.1 and
-// 3.2, tools/tdpt-render/path/sample/segment_sampler.cpp. x_l and x_c are the ends on the light's
-// and on the camera's side. A sample's segment has its number within the submission.
+// Portal segments: drawn, connected with the light's side, then with the camera's. Sections 3.1.1
+// and 3.2, tools/tdpt-render/path/sample/segment_sampler.cpp. x_l and x_c are the ends on the
+// light's and on the camera's side. A sample's segment has its number within the submission.
 //
-// Read behind joinings.h, where walk_last, rank, estimate, segment_side, lit_segment and lit_first
-// are loaded, and what is written: segments[], segment_sides[], join_ends[], lit_segments[],
+// Read behind connect.h, where walk_last, rank, estimate, segment_side, lit_segment and lit_first
+// are loaded, and what is written: segments[], segment_sides[], connection_ends[], lit_segments[],
 // lit_first[] and estimates[].
 
 #include "shaders/shared/language.h"
@@ -15,9 +15,9 @@ SHARED void begin_segment(uint segment) MEMBER {
   segments[segment].lit = 0u;
   walk_rays[2u * segment] = no_ray(segment);
   walk_rays[2u * segment + 1u] = no_ray(segment);
-  uint group = segment / render.per_pool;
-  uint i = segment % render.per_pool;
-  if (i >= samples_of_pool(pool_of_group(group)) || render.max_depth < 2u) return;
+  uint group = segment / render.per_cache;
+  uint i = segment % render.per_cache;
+  if (i >= samples_of_cache(cache_of_group(group)) || render.max_depth < 2u) return;
   Sequence numbers = numbers_of(sample_of_group(group, i), PURPOSE_SEGMENT);
   float u0 = uniform_of(numbers);
   float u1 = uniform_of(numbers);
@@ -75,13 +75,13 @@ SHARED void end_segment(uint i) MEMBER {
   v.facing = guide_facing(p, v.back);
   // Of both ends the segment's one throughput will be; here the coverage of a pane.
   if (met && scene_has_panes)
-    v.throughput = v.throughput * reciprocal(presence_at(ray.triangle, ray.w));
+    v.throughput = v.throughput * reciprocal(opacity_at(ray.triangle, ray.w));
   if (scene_has_portals && guide_active)
-    keep_aims(v, met ? aim_at_surface(p, v.back) : aim_at_light(p));
-  Outlook outlook = outlook_of(v);
-  if (has_technique(TECHNIQUE_DIRECT) && met) look_out(p, v.facing, outlook);
-  v.seen = outlook.seen;
-  v.sent = outlook.sent;
+    keep_guide_totals(v, met ? guide_totals_at_surface(p, v.back) : guide_totals_at_light(p));
+  LightContext light_context = light_context_of(v);
+  if (has_technique(TECHNIQUE_DIRECT) && met) look_out(p, v.facing, light_context);
+  v.seen = light_context.seen;
+  v.sent = light_context.sent;
   path_vertices[slot] = v;
   PathDensity d = empty_density();
   d.own_survival = albedo_at(p, v.back);
@@ -93,13 +93,14 @@ SHARED void end_segment(uint i) MEMBER {
 /// Light that begins at x_l and goes along w to x_c, `per_area` of what it would have per solid
 /// angle there; l, c: the vertices of both.
 SHARED SegmentSide side_of_source(vec3 Le, Point x_l, PathVertex l, Point x_c, PathVertex c, vec3 w,
-                                  float per_area, Crossing crossing) MEMBER_CONST {
+                                  float per_area, CrossingDensity crossing) MEMBER_CONST {
   if (scene_has_sky && x_l.source == SOURCE_SKY) x_l.in_sky = look_at_sky(-x_l.position);
   SegmentSide side = empty_side(Le, kNoVertex);
   side.light_A0 = light_pdf(x_l.source, x_l.triangle, x_l.position, x_l.in_sky);
-  side.light_A1 = emitted_pdf_A(x_l.source, x_l.normal, l.aims_emitted, w, per_area, crossing);
+  side.light_A1 =
+      emitted_pdf_A(x_l.source, x_l.normal, l.guide_total_emitted, w, per_area, crossing);
   if (has_technique(TECHNIQUE_DIRECT))
-    side.nee_A = next_event_pdf(x_c, outlook_of(c), render.through_windows, x_l.source,
+    side.nee_A = next_event_pdf(x_c, light_context_of(c), render.through_windows, x_l.source,
                                 x_l.triangle, x_l.position, x_l.in_sky);
   return side;
 }
@@ -121,7 +122,7 @@ SHARED void put_segment_together(uint segment) MEMBER {
       drawn_through(load_walk_ray(2u * segment).polygon, load_walk_ray(2u * segment + 1u).polygon);
   vec3 begin = at_infinity(x_l) ? before_the_scene(x_c.position, x_l.position) : x_l.position;
   if (!(e.d2 > 1e-30f) || !segment_spans(drawn, begin, x_c.position)) return;
-  Crossing crossing = crossing_of(FROM_LIGHT, x_l, x_c, drawn);
+  CrossingDensity crossing = crossing_of(FROM_LIGHT, x_l, x_c, drawn);
   if (!(crossing.density > 0.0f)) return;
   float per_d2 = reciprocal(e.d2);
   path_vertices[slot].per_prev = cosine_to(x_c, e.w) * per_d2;
@@ -136,7 +137,7 @@ SHARED void put_segment_together(uint segment) MEMBER {
   s.pair_A = crossing.density * geometry(x_l, x_c, e);
   s.through = absorbed(l.throughput * c.throughput * reciprocal(render.segments * crossing.density),
                        x_l, x_c, e);
-  join_ends[segment_ends() + segment] = join_end(x_c, -e.w, s.through, segment, 0u);
+  connection_ends[segment_ends() + segment] = connection_end(x_c, -e.w, s.through, segment, 0u);
   if (!is_zero(Le)) {
     segment_sides[segment * kSegmentSides] =
         side_of_source(Le, x_l, l, x_c, c, e.w, cosine_to(x_c, e.w) * per_d2, crossing);
@@ -154,23 +155,24 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
   PathVertex l = load_path_vertex(slot);
   Point x_l = kept_point(slot, l);
   if (at_infinity(x_l)) return;
-  uint group = segment / render.per_pool;
-  Sequence numbers = numbers_of(sample_of_group(group, segment % render.per_pool), PURPOSE_SEGMENT);
+  uint group = segment / render.per_cache;
+  Sequence numbers =
+      numbers_of(sample_of_group(group, segment % render.per_cache), PURPOSE_SEGMENT);
   seek(numbers, 8u);
   float u = uniform_of(numbers);
-  float u_few = uniform_of(numbers);
-  uint n = first_end(group + 1u) - first_end(group) + walks_of_pool(pool_of_group(group));
-  JoinEnd here = join_end(x_l, l.back, vec3(1.0f, 1.0f, 1.0f), slot, 0u);
-  choose_ends(place, 2u, JOINING_SIDE, group, n, here, slot, 3u, segment, u, u_few);
+  float u_resampling = uniform_of(numbers);
+  uint n = first_end(group + 1u) - first_end(group) + walks_of_cache(cache_of_group(group));
+  ConnectionEnd here = connection_end(x_l, l.back, vec3(1.0f, 1.0f, 1.0f), slot, 0u);
+  choose_ends(place, 2u, CONNECTION_SIDE, group, n, here, slot, 3u, segment, u, u_resampling);
 }
 
-/// Joins x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
-SHARED void join_side(uint i) MEMBER {
-  Joining j = load_joining(i);
+/// Connects x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
+SHARED void connect_side(uint i) MEMBER {
+  Connection j = load_connection(i);
   uint segment = j.pixel;
   uint place = segment * kSegmentSides + 1u + (i & 1u);
   Joint joint = joint_of(j, i);
-  Crossing crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
+  CrossingDensity crossing = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   float per_d2 = reciprocal(j.d2);
   float per_y = cosine_to(joint.y, j.w) * per_d2;
   float per_l = cosine_to(joint.z, j.w) * per_d2;
@@ -188,7 +190,7 @@ SHARED void join_side(uint i) MEMBER {
   if (a == 1u && has_technique(TECHNIQUE_DIRECT)) {
     if (scene_has_sky && joint.y.source == SOURCE_SKY)
       joint.y.in_sky = look_at_sky(-joint.y.position);
-    side.nee_A = next_event_pdf(joint.z, outlook_of(joint.camera), render.through_windows,
+    side.nee_A = next_event_pdf(joint.z, light_context_of(joint.camera), render.through_windows,
                                 joint.y.source, joint.y.triangle, joint.y.position, joint.y.in_sky);
   }
   segment_sides[place] = side;
@@ -215,14 +217,14 @@ SHARED void gather_sides(uint segment, uint place) MEMBER {
     if (there) prefixes |= min(prefix_of(side), kMostPrefix) << (10u * i);
   }
   uint end = segment_ends() + segment;
-  join_ends[end].number = prefixes;
-  join_ends[end].light0 = light[0];
-  join_ends[end].light1 = light[1];
-  join_ends[end].light2 = light[2];
+  connection_ends[end].number = prefixes;
+  connection_ends[end].light0 = light[0];
+  connection_ends[end].light1 = light[1];
+  connection_ends[end].light2 = light[2];
 }
 
 /// Luminance of prefixes that leave room for t vertices from the camera.
-SHARED float light_of(JoinEnd far, uint t) MEMBER_CONST {
+SHARED float light_of(ConnectionEnd far, uint t) MEMBER_CONST {
   uint most = render.max_depth - min(render.max_depth, t + 1u);
   float light = (far.number & kMostPrefix) <= most ? far.light0 : 0.0f;
   light += (far.number >> 10u & kMostPrefix) <= most ? far.light1 : 0.0f;
@@ -230,30 +232,30 @@ SHARED float light_of(JoinEnd far, uint t) MEMBER_CONST {
   return light;
 }
 
-/// Whether a segment is to be seen and to be joined, and that with the camera: one place.
+/// Whether a segment is to be seen and to be connected, and that with the camera: one place.
 SHARED void choose_seen(uint segment, uint place) MEMBER {
   flags[place] = 0u;
   if (load_segment(segment).density > 0.0f)
-    choose_camera(place, JOINING_SEEN, segment, slot_of_x_c(segment), 1.0f);
+    choose_camera(place, CONNECTION_SEEN, segment, slot_of_x_c(segment), 1.0f);
 }
 SHARED void flag_lit(uint segment, uint place) MEMBER {
   flags[place] = load_segment(segment).density > 0.0f ? 1u : 0u;
 }
-/// Lists the segments that are flagged; of each pool the first.
+/// Lists the segments that are flagged; of each cache the first.
 SHARED void list_lit(uint segment) MEMBER {
   uint rank = load_rank(segment);
   if (flags[segment] != 0u) lit_segments[rank] = segment;
-  if (segment % render.per_pool == 0u) lit_first[segment / render.per_pool] = rank;
+  if (segment % render.per_cache == 0u) lit_first[segment / render.per_cache] = rank;
   if (segment + 1u == work.count) lit_first[render.groups] = rank + flags[segment];
 }
 
 // Of each of the camera's vertices: the sum of its estimates, how many are not zero, and all of
-// them, one for each lit segment of its pool.
+// them, one for each lit segment of its cache.
 SHARED uint row_of_estimates(uint i) MEMBER_CONST {
-  return i * (render.per_pool + 2u);
+  return i * (render.per_cache + 2u);
 }
 
-/// What the segments of its pool would bring to the camera's vertex in slot `slot`, into row i.
+/// What the segments of its cache would bring to the camera's vertex in slot `slot`, into row i.
 SHARED void estimate_segments(uint slot, uint i) MEMBER {
   uint row = row_of_estimates(i);
   estimates[row] = 0.0f;
@@ -263,25 +265,25 @@ SHARED void estimate_segments(uint slot, uint i) MEMBER {
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
   if (t + 1u > render.max_depth) return;
   PathVertex at = load_path_vertex(slot);
-  uint group = at.walk / render.per_pool;
+  uint group = at.walk / render.per_cache;
   uint first = load_lit_first(group);
   uint n = load_lit_first(group + 1u) - first;
-  JoinEnd here = join_end(kept_point(slot, at), at.back, at.throughput, slot, t);
+  ConnectionEnd here = connection_end(kept_point(slot, at), at.back, at.throughput, slot, t);
   float total = 0.0f;
   uint not_zero = 0u;
   for (uint k = 0u; k < n; ++k) {
-    JoinEnd far = load_join_end(segment_ends() + load_lit_segment(first + k));
-    float estimate = estimate_join(far, here) * light_of(far, t);
+    ConnectionEnd far = load_connection_end(segment_ends() + load_lit_segment(first + k));
+    float estimate = estimate_connection(far, here) * light_of(far, t);
     estimates[row + 2u + k] = estimate;
     total += estimate;
     not_zero += estimate > 0.0f ? 1u : 0u;
   }
-  count_rays(RAYS_JOIN, n);
+  count_rays(RAYS_CONNECT, n);
   estimates[row] = total;
   estimates[row + 1u] = float(not_zero);
 }
 
-/// Of all pairs of a vertex of a camera's walk with a segment of its pool those few that would
+/// Of all pairs of a vertex of a camera's walk with a segment of its cache those few that would
 /// bring most: three places. `first_slot`: of the first row of estimates.
 SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
   for (uint i = 0u; i < kPairs; ++i) flags[place + i] = 0u;
@@ -294,40 +296,40 @@ SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
     not_zero += uint(load_estimate(row + 1u));
   }
   if (not_zero == 0u) return;
-  uint group = walk / render.per_pool;
+  uint group = walk / render.per_cache;
   uint first = load_lit_first(group);
   uint n = load_lit_first(group + 1u) - first;
-  float segments_there = float(samples_of_pool(pool_of_group(group)));
-  SampleName name = sample_of_group(group, walk % render.per_pool);
+  float segments_there = float(samples_of_cache(cache_of_group(group)));
+  SampleName name = sample_of_group(group, walk % render.per_cache);
   Sequence numbers = numbers_of(name, PURPOSE_SEGMENT);
   seek(numbers, 12u);
-  Few few = few_of(total, not_zero, kPairs, uniform_of(numbers));
+  Resampling resampling = resampling_of(total, not_zero, kPairs, uniform_of(numbers));
   uint put = 0u;
   for (uint slot = last; slot != kNoVertex; slot = load_path_density(slot).prev) {
     uint row = row_of_estimates(slot - first_slot);
     uint of_row = load_estimate(row + 1u) > 0.0f ? n : 0u;
     for (uint k = 0u; k < of_row && put < kPairs; ++k) {
       float chance;
-      if (!takes(few, load_estimate(row + 2u + k), chance)) continue;
+      if (!takes(resampling, load_estimate(row + 2u + k), chance)) continue;
       uint segment = load_lit_segment(first + k);
-      put_joining(place + put, JOINING_SEGMENT, segment,
-                  load_join_end(segment_ends() + segment).position, false, slot,
-                  load_path_vertex(slot).position, segments_there * chance, name.pixel);
+      put_connection(place + put, CONNECTION_SEGMENT, segment,
+                     load_connection_end(segment_ends() + segment).position, false, slot,
+                     load_path_vertex(slot).position, segments_there * chance, name.pixel);
       put += 1u;
     }
   }
 }
 
 /// Adds all paths of a segment with the camera's side that was chosen, or with the camera itself.
-SHARED void join_segment(uint i) MEMBER {
-  Joining j = load_joining(i);
+SHARED void connect_segment(uint i) MEMBER {
+  Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
-  bool to_camera = j.kind == JOINING_SEEN;
+  bool to_camera = j.kind == CONNECTION_SEEN;
   PortalSegment s = load_segment(j.light);
   float per_d2 = reciprocal(j.d2);
   float per_c = cosine_to(joint.y, j.w) * per_d2;
   float per_z = cosine_to(joint.z, j.w) * per_d2;
-  Crossing after = no_crossing();
+  CrossingDensity after = no_crossing();
   if (!to_camera) after = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   AtJoint of_c = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, after);
   AtJoint of_z;
@@ -346,7 +348,7 @@ SHARED void join_segment(uint i) MEMBER {
     camera.slot = j.camera;
     if (joint.of_camera.prev != kNoVertex) camera.second_A = joint.at_z.albedo * of_z.behind_A;
   }
-  uint group = to_camera ? j.light / render.per_pool : joint.camera.walk / render.per_pool;
+  uint group = to_camera ? j.light / render.per_cache : joint.camera.walk / render.per_cache;
   word64 number = sample_of_group(group, 0u).number;
   for (uint side_number = 0u; side_number < kSegmentSides; ++side_number) {
     if ((s.there >> side_number & 1u) == 0u) continue;

@@ -1,5 +1,5 @@
-// Surfaces, for kernels and their twins: what a place is made of, and how it scatters. The whole
-// text; who reads it needs the functions of place.h and scatter.h, surface_stops() and
+// Surfaces, for kernels and their scalar build: what a place is made of, and how it scatters. The
+// whole text; who reads it needs the functions of place.h and scatter.h, surface_stops() and
 // coverage_at() of coverage.h.
 //
 // Read within a scope that has

@@ -76,7 +76,7 @@ SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
   put(words, odds.dirac);
   put(words, odds.broad);
   put(words, emission_under_coat(p, back));
-  put(words, presence_at(triangle, back));
+  put(words, opacity_at(triangle, back));
   put(words, coverage_at(triangle, b1, b2));
   put(words, surface_stops(triangle, b1, b2, i, back));
   put(words, transmittance(p, p, back, 0.5f));

@@ -22,23 +22,23 @@
 
 // Of the submission: TABLE(binding, type, name, array, count). Kernels read them as texels and
 // write them as storage buffers; `count` is C++, of a Room `room` [device/machine.h].
-#define PATH_TABLES(TABLE)                                                         \
-  TABLE(3, uint, pool_offset, pool_offsets, kMostOfPool)                           \
-  TABLE(4, uint, alive, alive, room.flags())                                       \
-  TABLE(5, uint, rank, ranks, room.flags())                                        \
-  TABLE(6, uint, end_first, end_first, room.samples + 1)                           \
-  TABLE(7, uint, walk_last, walk_last, room.samples)                               \
-  TABLE(8, PathVertex, path_vertex, path_vertices, room.vertices)                  \
-  TABLE(9, PathDensity, path_density, path_densities, room.vertices)               \
-  TABLE(10, WalkRay, walk_ray, walk_rays, 2 * room.samples)                        \
-  TABLE(11, Joining, joining, joinings, room.joinings())                           \
-  TABLE(12, Scattering, scattering, scatterings, 2 * room.joinings())              \
-  TABLE(13, JoinEnd, join_end, join_ends, room.vertices + 2 * room.samples)        \
-  TABLE(14, PortalSegment, segment, segments, room.samples)                        \
-  TABLE(15, SegmentSide, segment_side, segment_sides, kSegmentSides* room.samples) \
-  TABLE(16, uint, lit_segment, lit_segments, room.samples)                         \
-  TABLE(17, uint, lit_first, lit_first, room.samples + 1)                          \
-  TABLE(18, float, estimate, estimates, room.estimates())                          \
+#define PATH_TABLES(TABLE)                                                                    \
+  TABLE(3, uint, cache_offset, cache_offsets, kMostOfCache)                                   \
+  TABLE(4, uint, alive, alive, room.flags())                                                  \
+  TABLE(5, uint, rank, ranks, room.flags())                                                   \
+  TABLE(6, uint, end_first, end_first, room.samples + 1)                                      \
+  TABLE(7, uint, walk_last, walk_last, room.samples)                                          \
+  TABLE(8, PathVertex, path_vertex, path_vertices, room.vertices)                             \
+  TABLE(9, PathDensity, path_density, path_densities, room.vertices)                          \
+  TABLE(10, WalkRay, walk_ray, walk_rays, 2 * room.samples)                                   \
+  TABLE(11, Connection, connection, connections, room.connections())                          \
+  TABLE(12, Scattering, scattering, scatterings, 2 * room.connections())                      \
+  TABLE(13, ConnectionEnd, connection_end, connection_ends, room.vertices + 2 * room.samples) \
+  TABLE(14, PortalSegment, segment, segments, room.samples)                                   \
+  TABLE(15, SegmentSide, segment_side, segment_sides, kSegmentSides* room.samples)            \
+  TABLE(16, uint, lit_segment, lit_segments, room.samples)                                    \
+  TABLE(17, uint, lit_first, lit_first, room.samples + 1)                                     \
+  TABLE(18, float, estimate, estimates, room.estimates())                                     \
   TABLE(19, PathBsdf, path_bsdf, path_bsdfs, layered ? room.vertices : 0)
 // WORDS(binding, array, count).
 #define PATH_WORDS(WORDS)                  \

@@ -66,37 +66,37 @@ SHARED vec3 emitted(Point p, vec3 w) MEMBER_CONST {
   return light;
 }
 
-SHARED Outlook outlook_of(PathVertex v) MEMBER_CONST {
-  Outlook o;
+SHARED LightContext light_context_of(PathVertex v) MEMBER_CONST {
+  LightContext o;
   o.facing = v.facing;
   o.seen = v.seen;
   o.sent = v.sent;
   return o;
 }
-SHARED void keep_aims(INOUT(PathVertex) v, Aims aims) MEMBER_CONST {
-  v.aims_light = aims.from_light;
-  v.aims_camera = aims.from_camera;
-  v.aims_emitted = aims.emitted;
+SHARED void keep_guide_totals(INOUT(PathVertex) v, GuideTotals guide_totals) MEMBER_CONST {
+  v.guide_total_light = guide_totals.from_light;
+  v.guide_total_camera = guide_totals.from_camera;
+  v.guide_total_emitted = guide_totals.emitted;
 }
 
 /// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`,
 /// `scope`: as the vertex is seen from where the walk came.
 SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope,
-                             float pdf_w, float per_area, Crossing crossing) MEMBER_CONST {
+                             float pdf_w, float per_area, CrossingDensity crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
-  float W = from == FROM_LIGHT ? at.aims_light : at.aims_camera;
+  float W = from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
   return guided_pdf_A(from, W, guide_chance_at(from, albedo), scope, plain_A, per_area, crossing);
 }
 /// And where light leaves a place on a light.
-SHARED float emitted_pdf_A(uint source, vec3 normal, float aims_emitted, vec3 w, float per_area,
-                           Crossing crossing) MEMBER_CONST {
+SHARED float emitted_pdf_A(uint source, vec3 normal, float guide_total_emitted, vec3 w,
+                           float per_area, CrossingDensity crossing) MEMBER_CONST {
   float plain_A = emission_pdf_w(source, normal, w) * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
   OF_FLOAT(Odds) all;
   all.dirac = 0.0f;
   all.broad = 1.0f;
-  return guided_pdf_A(FROM_LIGHT, aims_emitted, render.guide_light, all, plain_A, per_area,
+  return guided_pdf_A(FROM_LIGHT, guide_total_emitted, render.guide_light, all, plain_A, per_area,
                       crossing);
 }
 SHARED OF_FLOAT(Odds) odds_onward(Scattering s) MEMBER_CONST {
@@ -111,8 +111,8 @@ SHARED OF_FLOAT(Odds) odds_behind(Scattering s) MEMBER_CONST {
   odds.broad = s.broad_behind;
   return odds;
 }
-SHARED Crossing crossing_before(PathVertex v) MEMBER_CONST {
-  Crossing c = no_crossing();
+SHARED CrossingDensity crossing_before(PathVertex v) MEMBER_CONST {
+  CrossingDensity c = no_crossing();
   c.from_light = v.from_light;
   c.from_camera = v.from_camera;
   return c;
@@ -129,7 +129,7 @@ SHARED uint flags_of(Point p, uint number) MEMBER_CONST {
   return told;
 }
 
-SHARED Crossing crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {
+SHARED CrossingDensity crossing_of(uint from, Point at, Point to, Drawn drawn) MEMBER {
   if (!scene_has_portals) return no_crossing();
   count_ray(RAYS_PORTAL);
   Point light = at;
@@ -151,9 +151,9 @@ SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
   v.per_prev = 0.0f;
   v.facing = vec3(0.0f, 0.0f, 0.0f);
   v.walk = walk;
-  v.aims_light = 0.0f;
-  v.aims_camera = 0.0f;
-  v.aims_emitted = 0.0f;
+  v.guide_total_light = 0.0f;
+  v.guide_total_camera = 0.0f;
+  v.guide_total_emitted = 0.0f;
   v.seen = 0.0f;
   v.sent = 0.0f;
   v.from_light = 0.0f;
@@ -214,9 +214,9 @@ SHARED Point point_on_light(LightPlace place) MEMBER_CONST {
 SHARED void begin_camera_walk(uint walk) MEMBER {
   walk_last[walk] = kNoVertex;
   WalkRay ray = no_ray(walk);
-  uint group = walk / render.per_pool;
-  uint i = walk % render.per_pool;
-  if (i < samples_of_pool(pool_of_group(group))) {
+  uint group = walk / render.per_cache;
+  uint i = walk % render.per_cache;
+  if (i < samples_of_cache(cache_of_group(group))) {
     SampleName name = sample_of_group(group, i);
     Sequence numbers = numbers_of(name, PURPOSE_FILM);
     float x = float(name.pixel % render.width) + uniform_of(numbers);
@@ -236,7 +236,7 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   walk_rays[walk] = no_ray(walk);
   uint group = walk / render.walks_full;
   uint i = walk % render.walks_full;
-  if (i >= walks_of_pool(pool_of_group(group))) return;
+  if (i >= walks_of_cache(cache_of_group(group))) return;
   Sequence numbers = numbers_of(sample_of_group(group, i), PURPOSE_LIGHT_WALK);
   float u = uniform_of(numbers);
   float v = uniform_of(numbers);
@@ -249,8 +249,8 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   float per_pdf = reciprocal(place.pdf);
   at.throughput = vec3(per_pdf, per_pdf, per_pdf);
   at.facing = source_facing(place.source, y0.normal);
-  Aims aims = aim_at_light(y0);
-  keep_aims(at, aims);
+  GuideTotals guide_totals = guide_totals_at_light(y0);
+  keep_guide_totals(at, guide_totals);
   path_vertices[slot] = at;
   PathDensity density = empty_density();
   density.own_A = place.pdf;
@@ -265,7 +265,7 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   WalkRay ray = no_ray(walk);
   vec3 origin;
   leave_light(place, a, b, origin, ray.w);
-  guide_leave(y0, aims, a, b, c, d, origin, ray.w, ray.polygon);
+  guide_leave(y0, guide_totals, a, b, c, d, origin, ray.w, ray.polygon);
   ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source, ray.w);
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = slot;
@@ -275,7 +275,7 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
 }
 
 SHARED Sequence numbers_of_walk(uint from, uint walk) MEMBER_CONST {
-  uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_pool;
+  uint per_group = from == FROM_LIGHT ? render.walks_full : render.per_cache;
   SampleName name = sample_of_group(walk / per_group, walk % per_group);
   return numbers_of(name, from == FROM_LIGHT ? PURPOSE_LIGHT_WALK : PURPOSE_CAMERA_WALK);
 }
@@ -303,33 +303,33 @@ SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float
   t.dirac = false;
   t.weight = p.color;
   t.w = at.back;
-  float W = from == FROM_LIGHT ? at.aims_light : at.aims_camera;
+  float W = from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
   float q = guide_active && W > 0.0f ? guide_chance_at(from, albedo) : 0.0f;
   if (!is_layered(p)) {
     if (scene_has_portals && guide_active && d < q) {
-      polygon = portal_aim(p.position, at.facing, from, W, a, b, c, t.w);
+      polygon = draw_towards_portal(p.position, at.facing, from, W, a, b, c, t.w);
       return same_side(p, at.back, t.w);
     }
     vec3 n = dot(p.normal, at.back) > 0.0f ? p.normal : -p.normal;
     t.w = cosine_hemisphere(n, u, v);
     return true;
   }
-  Standing here = standing_at(p, at.back);
+  ScatterContext here = scatter_context_at(p, at.back);
   vec3 to;
   bool by_coat;
   bool turned = coated_turn(p, here, u, v, lobe, to, t.dirac, by_coat);
-  bool aims = false;
+  bool guided = false;
   if (scene_has_portals && guide_active && d < q && !t.dirac)
-    aims = d < q * coated_odds(p, here).broad;
-  if (aims)
-    polygon = portal_aim(p.position, at.facing, from, W, a, b, c, t.w);
+    guided = d < q * coated_odds(p, here).broad;
+  if (guided)
+    polygon = draw_towards_portal(p.position, at.facing, from, W, a, b, c, t.w);
   else if (turned)
     t.w = normalized(to_world(onb_about(p.shading), to));
   else
     return false;
   Seen next = seen_from(p, t.w);
   // Bent normals may send it to a side where the lobe that it comes from is not seen.
-  if (!aims && !(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
+  if (!guided && !(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
   return weigh(p, from, here, next, t.dirac, t.weight);
 }
 
@@ -384,14 +384,15 @@ SHARED void trace_ray(uint i) MEMBER {
 /// the ray as it would be if no walk were directed; nothing comes of one that has none. Where it
 /// was scattered, v and the vertex before it learn what a walk from the other end would do there.
 SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathDensity known,
-                           vec3 w, float per_area, Crossing crossing, OUT(float) plain_A) MEMBER {
+                           vec3 w, float per_area, CrossingDensity crossing,
+                           OUT(float) plain_A) MEMBER {
   if ((ray.flags & RAY_BY_FILM) != 0u) {
     plain_A = camera_pdf_w(ray.w) * per_area;
     return plain_A;
   }
   if (is_zero(at.back)) {
     plain_A = emission_pdf_w(v.source, v.normal, w) * per_area;
-    return emitted_pdf_A(v.source, v.normal, at.aims_emitted, w, per_area, crossing);
+    return emitted_pdf_A(v.source, v.normal, at.guide_total_emitted, w, per_area, crossing);
   }
   bool dirac = (ray.flags & RAY_DIRAC) != 0u;
   Scattering s = scattering_at(v, from, at.back, w, dirac);
@@ -416,7 +417,7 @@ SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathD
 /// The vertex that a ray has come to from v along the edge e, with all but its throughput and
 /// number. looks_out: next events are asked for there.
 SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge e,
-                                 Crossing crossing, bool looks_out) MEMBER {
+                                 CrossingDensity crossing, bool looks_out) MEMBER {
   PathVertex r = empty_vertex(ray.walk);
   keep_point(slot, to, r);
   r.back = -e.w;
@@ -424,14 +425,14 @@ SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge
   r.per_prev = cosine_to(v, e.w) * reciprocal(e.d2);
   if (scene_has_portals && guide_active) {
     if (ray.triangle != kNoTriangle)
-      keep_aims(r, aim_at_surface(to, -e.w));
+      keep_guide_totals(r, guide_totals_at_surface(to, -e.w));
     else
-      keep_aims(r, aim_at_light(to));
+      keep_guide_totals(r, guide_totals_at_light(to));
   }
-  Outlook outlook = outlook_of(r);
-  if (looks_out) look_out(to, r.facing, outlook);
-  r.seen = outlook.seen;
-  r.sent = outlook.sent;
+  LightContext light_context = light_context_of(r);
+  if (looks_out) look_out(to, r.facing, light_context);
+  r.seen = light_context.seen;
+  r.sent = light_context.sent;
   r.from_light = crossing.from_light;
   r.from_camera = crossing.from_camera;
   return r;
@@ -446,13 +447,13 @@ SHARED float edge_nee_A(uint from, uint number, Point v, PathVertex at_v, Point 
   if (!has_technique(TECHNIQUE_DIRECT) || !(from_y0 || to_x0)) return 0.0f;
   Point lit = to;
   Point light = v;
-  Outlook outlook = outlook_of(at_to);
+  LightContext light_context = light_context_of(at_to);
   if (to_x0) {
     lit = v;
     light = to;
-    outlook = outlook_of(at_v);
+    light_context = light_context_of(at_v);
   }
-  return next_event_pdf(lit, outlook, render.through_windows, light.source, light.triangle,
+  return next_event_pdf(lit, light_context, render.through_windows, light.source, light.triangle,
                         light.position, light.in_sky);
 }
 
@@ -483,14 +484,14 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   if (met && !at_infinity(v) && !(e.d2 > 1e-30f)) return;
   float per_area = cosine_to(to, e.w) * reciprocal(e.d2);
   Drawn drawn = drawn_through(ray.polygon);
-  Crossing crossing = crossing_of(from, v, to, drawn);
+  CrossingDensity crossing = crossing_of(from, v, to, drawn);
   float plain_A;
   float own_A = arrival_pdf_A(from, ray, v, at, known, e.w, per_area, crossing, plain_A);
   if (!(plain_A > 0.0f)) return;
 
   vec3 throughput = ray.throughput * (plain_A * reciprocal(own_A));
-  float presence = met && scene_has_panes ? presence_at(ray.triangle, ray.w) : 1.0f;
-  if (presence < 1.0f) throughput = throughput * reciprocal(presence);
+  float opacity = met && scene_has_panes ? opacity_at(ray.triangle, ray.w) : 1.0f;
+  if (opacity < 1.0f) throughput = throughput * reciprocal(opacity);
   bool looks_out = has_technique(TECHNIQUE_DIRECT) && met && (from == FROM_CAMERA || number == 1u);
   PathVertex record = arrived_vertex(next, ray, v, to, e, crossing, looks_out);
   record.throughput = absorbed(throughput, v, to, e);

@@ -13,7 +13,7 @@
 //   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
 //
 // At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
-// techniques that would end a prefix or a segment there, or join one to it, have no density. A
+// techniques that would end a prefix or a segment there, or connect one to it, have no density. A
 // light without a surface has no P<(x_0).
 //
 // Method: multiple importance sampling (Veach), balance or power heuristic. A path is a chain of
@@ -43,7 +43,7 @@ SHARED bool has_technique(uint technique) MEMBER_CONST {
 SHARED REAL weight_of_split(uint s, uint k) MEMBER_CONST {
   if (s == 0u) return has_technique(TECHNIQUE_CAMERA) ? 1.0f : 0.0f;
   if (s == k) return has_technique(TECHNIQUE_LIGHT) ? render.light_walks : 0.0f;
-  return s > 1u && has_technique(TECHNIQUE_BI) ? render.joined : 0.0f;
+  return s > 1u && has_technique(TECHNIQUE_BI) ? render.connected : 0.0f;
 }
 SHARED REAL weight_of_direct(uint k) MEMBER_CONST {
   if (!has_technique(TECHNIQUE_DIRECT)) return 0.0f;
@@ -51,8 +51,8 @@ SHARED REAL weight_of_direct(uint k) MEMBER_CONST {
 }
 SHARED REAL weight_of_portal(uint a, uint k) MEMBER_CONST {
   if (!has_technique(TECHNIQUE_PORTAL)) return 0.0f;
-  REAL n = render.segments * (a > 0u ? render.joined_to_segments : 1.0f);
-  return a + 2u == k ? n : n * render.segments_joined;
+  REAL n = render.segments * (a > 0u ? render.connected_to_segments : 1.0f);
+  return a + 2u == k ? n : n * render.segments_connected;
 }
 
 /// Adds a strategy of so many times the density of the used one, that of one sample each, which
@@ -127,11 +127,11 @@ SHARED REAL share_of(REAL n, Scaled total) MEMBER_CONST {
 
 // All strategies together, each as often as it counts, over the density of the one used.
 
-/// Of a path of k edges, two at least, that was joined between x_{s-1} and x_s (0: all of it is the
-/// camera's walk, which met a light; k: the camera sees the last vertex of the light's). `pair_A`:
-/// p_AA of the edge that joins them, of no meaning for s of 0 and k.
-SHARED Scaled strategies_of_joined(OF_REAL(Half) light, OF_REAL(Half) camera, uint s, uint k,
-                                   REAL pair_A) MEMBER_CONST {
+/// Of a path of k edges, two at least, that was connected between x_{s-1} and x_s (0: all of it is
+/// the camera's walk, which met a light; k: the camera sees the last vertex of the light's).
+/// `pair_A`: p_AA of the edge that connects them, of no meaning for s of 0 and k.
+SHARED Scaled strategies_of_connected(OF_REAL(Half) light, OF_REAL(Half) camera, uint s, uint k,
+                                      REAL pair_A) MEMBER_CONST {
   Scaled one = scaled(1.0f);
   Scaled total = scaled(0.0f);
   add_strategy(total, one, weight_of_split(s, k));

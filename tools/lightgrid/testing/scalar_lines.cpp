@@ -17,7 +17,7 @@ struct ScalarRays {
   bool scene_has_coverage, coverage_has_textures;
   static constexpr bool scene_has_panes = false;
 
-  static float presence_at(uint, const vec3&) { return 1; }
+  static float opacity_at(uint, const vec3&) { return 1; }
 
 #include "shaders/shared/coverage.h"
 

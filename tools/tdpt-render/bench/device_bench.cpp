@@ -112,7 +112,7 @@ struct Stage {
     const FilmPlaces places(pixels(), false, world.portals.portals());
     renderer = std::make_shared<WavefrontRenderer>(
         world,
-        make_gpu_machine(device, tables, room_on(device, tables, places.words), places.words,
+        make_gpu_machine(device, tables, capacity_on(device, tables, places.words), places.words,
                          &work),
         device.info().name);
   }
@@ -220,14 +220,15 @@ void print_speeds(const std::string& scene, const std::vector<Measured>& all) {
 void print_traffic(const std::string& scene, const Measured& m, bool layered, bool first) {
   if (first)
     std::puts(
-        "\n| scene | integrator | closest-hit rays | shadow rays | estimates of joins | bytes read "
+        "\n| scene | integrator | closest-hit rays | shadow rays | estimates of connections | "
+        "bytes read "
         "| bytes written | submissions | samples of one |\n|---|---|---|---|---|---|---|---|---|");
   const StepWork& begun = m.work.steps[static_cast<size_t>(Step::begin_camera_walks)];
-  const Traffic t = traffic_of(m.work, m.rays.join, layered);
+  const Traffic t = traffic_of(m.work, m.rays.connect, layered);
   fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.1f} | {:.0f} | {:.0f} | {} | {:.0f} |\n", scene,
              m.label, static_cast<double>(m.rays.closest) / m.samples,
              static_cast<double>(m.rays.shadow) / m.samples,
-             static_cast<double>(m.rays.join) / m.samples, t.read / m.samples,
+             static_cast<double>(m.rays.connect) / m.samples, t.read / m.samples,
              t.written / m.samples, begun.runs, m.samples / static_cast<double>(begun.runs));
 }
 

@@ -11,8 +11,8 @@ struct Traffic {
 
 /// Of records [shaders/shared/path/render_layout.h], each counted whole, once for every invocation
 /// that reads or writes it, as if no cache held it and no walk had ended: an upper bound but for
-/// what weights read along a path, the scene, and the film, which are not counted. `joins`: pairs
-/// of ends whose contribution was estimated. `layered`: vertices keep what they are made of.
-Traffic traffic_of(const DeviceWork& work, uint64_t joins, bool layered);
+/// what weights read along a path, the scene, and the film, which are not counted. `connections`:
+/// pairs of ends whose contribution was estimated. `layered`: vertices keep what they are made of.
+Traffic traffic_of(const DeviceWork& work, uint64_t connections, bool layered);
 
 }  // namespace tdpt

@@ -12,8 +12,8 @@
 //
 //   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample, ns by
 //                                     the model of work
-//   told   SCENE SPP SEED INTEGRATOR  relMSE as it is judged, and work, from the samples of a scout
-//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the scout, its groups; pixels; the
+//   told   SCENE SPP SEED INTEGRATOR  relMSE as it is judged, and work, from the samples of a pilot
+//   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the pilot, its groups; pixels; the
 //                                     gain by portals, its interval, the best with and without them
 #include <cmath>
 #include <cstdio>
@@ -148,7 +148,8 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
   // As the program does before: which way they work.
   apply_ways(explore(world, camera, portals, s.depth, 1).ways, portals);
   world.fill_openings(PortalSet(portals, scene.frame));
-  const std::vector<Candidate> candidates = expecting_joins(world, auto_candidates(world), s.depth);
+  const std::vector<Candidate> candidates =
+      expecting_connections(world, auto_candidates(world), s.depth);
   if (s.seconds > 0) print_truths(name, world, candidates, s);
   const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
   Film film(s.width, s.height, world.lights.power());
@@ -158,24 +159,24 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
       SampleRules rules;
       rules.max_depth = s.depth;
       rules.seed = static_cast<uint64_t>(seed);
-      Scout scout(world, candidates, rules);
-      scout.draw(kFewestGroups, film);
-      const uint64_t enough = groups_for(static_cast<double>(length), pixels, scout);
-      if (enough > scout.groups()) scout.draw(enough - scout.groups(), film);
-      const Forecast told = scout.forecast();
+      Pilot pilot(world, candidates, rules);
+      pilot.draw(kFewestGroups, film);
+      const uint64_t enough = groups_for(static_cast<double>(length), pixels, pilot);
+      if (enough > pilot.groups()) pilot.draw(enough - pilot.groups(), film);
+      const Forecast told = pilot.forecast();
       const double spent = cpu_seconds() - cpu;
       film.clear();
-      for (const Prospect& p : told.prospects)
+      for (const CandidateEstimate& p : told.estimates)
         std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
                     static_cast<unsigned long long>(length), seed, p.integrator.c_str(),
                     p.cost / p.work, p.work);
       const PortalsGain gain = told.portals.value_or(PortalsGain{});
       std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\t%.5g\t%.5g\t%.5g\t%s\t%s\n", name,
                   static_cast<unsigned long long>(length), seed,
-                  told.prospects[told.best].integrator.c_str(), spent,
-                  static_cast<unsigned long long>(scout.groups()), s.width * s.height, gain.times,
-                  gain.low, gain.high, told.prospects[gain.with].integrator.c_str(),
-                  told.prospects[gain.without].integrator.c_str());
+                  told.estimates[told.best].integrator.c_str(), spent,
+                  static_cast<unsigned long long>(pilot.groups()), s.width * s.height, gain.times,
+                  gain.low, gain.high, told.estimates[gain.with].integrator.c_str(),
+                  told.estimates[gain.without].integrator.c_str());
     }
   std::fflush(stdout);
 }

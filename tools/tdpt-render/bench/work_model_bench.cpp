@@ -24,7 +24,7 @@ constexpr std::pair<const char*, double WorkCosts::*> kTerms[] = {
     {"closest", &WorkCosts::closest},
     {"closest_deeper", &WorkCosts::closest_deeper},
     {"shadow", &WorkCosts::shadow},
-    {"join", &WorkCosts::join},
+    {"connect", &WorkCosts::connect},
     {"portal", &WorkCosts::portal},
     {"portal_triangle", &WorkCosts::portal_triangle},
     {"directed", &WorkCosts::directed},

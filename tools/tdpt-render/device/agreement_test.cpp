@@ -1,6 +1,6 @@
-// The renderer of devices, by its twin on the CPU, makes the picture of the renderer that counts in
-// doubles: block by block with random numbers of its own, and all but pixel by pixel with the same
-// ones; and what is wrong by some per cent in its tables does not.
+// The renderer of devices, by its scalar build on the CPU, makes the picture of the renderer that
+// counts in doubles: block by block with random numbers of its own, and all but pixel by pixel with
+// the same ones; and what is wrong by some per cent in its tables does not.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -58,29 +58,29 @@ testing::Agreement asked(testing::Agreement (*how)(const testing::BlockRuns&,
   return a;
 }
 
-// With the same random numbers the twin's mean agrees with the CPU's to some hundredths of a per
-// cent; with its own, `blocks_too`, block by block.
+// With the same random numbers the scalar build's mean agrees with the CPU's to some hundredths of
+// a per cent; with its own, `blocks_too`, block by block.
 void expect_agreement(const Stage& stage, const Runs& runs,
                       const std::vector<const Integrator*>& chosen = {&nee, &tdpt_org,
                                                                       &tdpt_guided},
                       bool blocks_too = false) {
   const auto world = stage.world(kWidth, kHeight);
   CpuRenderer cpu(*world);
-  TwinRenderer twin(*world);
+  ScalarRenderer scalar(*world);
   Runs others = runs;
   others.first_seed += 1000;
   for (const Integrator* integrator : chosen) {
     const testing::BlockRuns by_cpu = blocks(cpu, *integrator, runs),
-                             paired = blocks(twin, *integrator, runs);
+                             paired = blocks(scalar, *integrator, runs);
     const std::string what = stage.name + ", " + integrator->name + " of the device";
     const testing::Agreement same = asked(testing::compare_paired, paired, by_cpu, runs);
     EXPECT_TRUE(testing::holds(same, what + ", paired", paired, by_cpu, kWidth / kBlock));
     std::printf("%-10s %-11s depth %2d: paired %+.5f %% p %.1e\n", stage.name.c_str(),
                 integrator->name, runs.max_depth, 100 * same.relative, same.p_drift);
     if (!blocks_too) continue;
-    const testing::BlockRuns by_twin = blocks(twin, *integrator, others);
-    const testing::Agreement free = asked(testing::compare, by_twin, by_cpu, runs);
-    EXPECT_TRUE(testing::holds(free, what, by_twin, by_cpu, kWidth / kBlock));
+    const testing::BlockRuns by_scalar = blocks(scalar, *integrator, others);
+    const testing::Agreement free = asked(testing::compare, by_scalar, by_cpu, runs);
+    EXPECT_TRUE(testing::holds(free, what, by_scalar, by_cpu, kWidth / kBlock));
   }
 }
 
@@ -146,7 +146,7 @@ TEST(device_agreement, sky_sun_and_windows) {
 }
 
 // Pixels that differ by more than a thousandth, of the pixel or of the mean, by the same samples of
-// the same paths. Integrators that choose which pairs of many to join choose others on a device.
+// the same paths. Integrators that choose which pairs of many to connect choose others on a device.
 double share_that_differs(SampleRenderer& device, const Integrator& integrator) {
   const Runs runs{.spp = 4};
   CpuRenderer cpu(device.world);
@@ -164,9 +164,9 @@ double share_that_differs(SampleRenderer& device, const Integrator& integrator) 
 TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
   for (const Stage& stage : {two_rooms_stage(), door_stage(), lamps_stage(), solids_stage()}) {
     const auto world = stage.world(kWidth, kHeight);
-    TwinRenderer twin(*world);
+    ScalarRenderer scalar(*world);
     for (const Integrator* integrator : {&pt, &nee}) {
-      const double share = share_that_differs(twin, *integrator);
+      const double share = share_that_differs(scalar, *integrator);
       std::printf("%-10s %-11s %.4f of the pixels differ\n", stage.name.c_str(), integrator->name,
                   share);
       EXPECT_LT(share, 0.02) << stage.name << " " << integrator->name;
@@ -178,9 +178,9 @@ TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
 class device_agreement_twin : public ::testing::Test {
  protected:
   testing::Agreement of(const char* what, const Integrator& integrator, const Faults& faults) {
-    TwinRenderer twin(*world_, kEnough, faults);
+    ScalarRenderer scalar(*world_, kEnough, faults);
     CpuRenderer cpu(*world_);
-    const testing::BlockRuns found = blocks(twin, integrator, runs_),
+    const testing::BlockRuns found = blocks(scalar, integrator, runs_),
                              known = blocks(cpu, integrator, runs_);
     const testing::Agreement same = asked(testing::compare_paired, found, known, runs_);
     std::printf("%-36s %-11s %+.4f %% p %.1e\n", what, integrator.name, 100 * same.relative,
@@ -206,7 +206,8 @@ TEST_F(device_agreement_twin, control_nothing_is_wrong) {
     EXPECT_TRUE(of("control", *integrator, {}).holds());
   // Weights may expect what they like, as long as all strategies' do.
   EXPECT_TRUE(
-      of("joins expected twice", bdpt, {.parameters = [](auto& p) { p.joined *= 2; }}).holds());
+      of("connections expected twice", bdpt, {.parameters = [](auto& p) { p.connected *= 2; }})
+          .holds());
 }
 
 TEST_F(device_agreement_twin, a_density_off_by_2_percent_is_caught) {
@@ -270,9 +271,10 @@ TEST_F(device_agreement_twin, a_sky_or_a_sun_that_is_wrong_is_caught) {
 }
 
 TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) {
-  EXPECT_FALSE(of("segments are not joined", tdpt_ref, {.skipped = Step::join_segments}).holds());
-  EXPECT_FALSE(of("sides are not joined", tdpt_ref, {.skipped = Step::join_sides}).holds());
-  EXPECT_FALSE(of("nothing is joined", nee, {.skipped = Step::join}).holds());
+  EXPECT_FALSE(
+      of("segments are not connected", tdpt_ref, {.skipped = Step::connect_segments}).holds());
+  EXPECT_FALSE(of("sides are not connected", tdpt_ref, {.skipped = Step::connect_sides}).holds());
+  EXPECT_FALSE(of("nothing is connected", nee, {.skipped = Step::connect}).holds());
   stand_before(door_stage());
   EXPECT_FALSE(of("lights are not met", pt, {.skipped = Step::meet_lights}).holds());
 }
@@ -280,10 +282,10 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
 // Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
-  TwinRenderer twin(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
+  ScalarRenderer scalar(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
     for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.005f;
   }});
-  EXPECT_GT(share_that_differs(twin, nee), 0.5);
+  EXPECT_GT(share_that_differs(scalar, nee), 0.5);
 }
 
 }  // namespace tdpt::agreement_test

@@ -15,7 +15,7 @@
 namespace tdpt {
 namespace shader {
 
-struct FilmTwin {
+struct ScalarFilm {
   uint* film_words;
 
 #include "shaders/shared/path/film_sum.h"
@@ -49,10 +49,10 @@ struct Film {
 Film expected() {
   std::vector<FixedSum> sums(kSums);
   Film film;
-  const shader::FilmTwin twin{nullptr};
+  const shader::ScalarFilm scalar{nullptr};
   for (uint32_t i = 0; i < kInvocations; ++i) {
     shader::Rng rng = shader::rng_of(5, 0, i, 0);
-    const Vec3d value(twin.film_trial_radiance(rng));
+    const Vec3d value(scalar.film_trial_radiance(rng));
     const uint64_t coin = shader::random_bits(rng);
     std::array<Units, 3> units;
     film.held[i] = 1;
@@ -65,12 +65,12 @@ Film expected() {
       film.words[4 * k + word] = words_of(sums[k].units())[word];
   return film;
 }
-Film by_twin(uint32_t step) {
+Film by_scalar(uint32_t step) {
   Film film;
-  const shader::FilmTwin twin{film.words.data()};
+  const shader::ScalarFilm scalar{film.words.data()};
   for (uint32_t n = 0; n < kInvocations; ++n) {
     const uint32_t i = n * step % kInvocations;
-    film.held[i] = twin.film_trial(i);
+    film.held[i] = scalar.film_trial(i);
   }
   return film;
 }
@@ -88,13 +88,13 @@ TEST(film_sum, of_a_device_and_its_twin_is_the_fixed_sum_whatever_the_order) {
   const auto held = std::count(film.held.begin(), film.held.end(), 1u);
   EXPECT_GT(held, kInvocations / 2);
   EXPECT_LT(held, kInvocations);
-  EXPECT_EQ(by_twin(1), film);
-  EXPECT_EQ(by_twin(4097), film);
+  EXPECT_EQ(by_scalar(1), film);
+  EXPECT_EQ(by_scalar(4097), film);
   EXPECT_EQ(by_device(), film);
 }
 TEST(film_sum, twin_one_unit_more_is_seen) {
-  Film film = by_twin(1);
-  shader::FilmTwin{film.words.data()}.film_add_units(8, shader::uvec4(1, 0, 0, 0));
+  Film film = by_scalar(1);
+  shader::ScalarFilm{film.words.data()}.film_add_units(8, shader::uvec4(1, 0, 0, 0));
   EXPECT_NE(film, expected());
 }
 
@@ -148,7 +148,7 @@ TEST(film_sum, what_cannot_be_held_is_refused) {
 TEST(film_sum, threads_carry_every_wrap_once) {
   std::vector<uint32_t> words(4);
   FixedSum sum;
-  const shader::FilmTwin twin{words.data()};
+  const shader::ScalarFilm scalar{words.data()};
   constexpr uint64_t kOfThread = 40000;
   const auto units = [](uint64_t i) {
     // Words that are full, so that each carries, and empty ones between them.
@@ -159,15 +159,15 @@ TEST(film_sum, threads_carry_every_wrap_once) {
   for (uint64_t t = 0; t < 4; ++t)
     threads.emplace_back([&, t] {
       for (uint64_t i = 0; i < kOfThread; ++i)
-        EXPECT_TRUE(twin.film_add_units(0, words_of(units(t * kOfThread + i))));
+        EXPECT_TRUE(scalar.film_add_units(0, words_of(units(t * kOfThread + i))));
     });
-  for (std::thread& t : threads) t.join();
+  for (std::thread& t : threads) t.connect();
   for (uint64_t i = 0; i < 4 * kOfThread; ++i) sum.add(units(i));
   EXPECT_TRUE(units_of({words[0], words[1], words[2], words[3]}) == sum.units());
   // Beyond the top it is told.
   const Units rest = ~sum.units();
-  EXPECT_TRUE(twin.film_add_units(0, words_of(rest)));
-  EXPECT_FALSE(twin.film_add_units(0, words_of(1)));
+  EXPECT_TRUE(scalar.film_add_units(0, words_of(rest)));
+  EXPECT_FALSE(scalar.film_add_units(0, words_of(1)));
   EXPECT_EQ(words, std::vector<uint32_t>(4));
 }
 

@@ -25,13 +25,13 @@ Camera any_camera() {
 // A heap in doubles and in floats.
 struct Both {
   explicit Both(double reach = 3)
-      : heap(reach), tables(make_surfaces(heap.scene(), kUnit)), twin(tables, curves) {}
+      : heap(reach), tables(make_surfaces(heap.scene(), kUnit)), scalar(tables, curves) {}
   const Scene& scene() const { return heap.scene(); }
 
   SurfaceHeap heap;
   shader::Curves curves;
   SurfaceTables tables;
-  shader::SurfaceTwin twin;
+  shader::ScalarSurface scalar;
 };
 
 struct Place {
@@ -80,7 +80,7 @@ std::vector<double> distances(const Both& both, float shift) {
   for (uint64_t i = 0; i < 40 * SurfaceHeap::kTriangles; ++i) {
     const Place at = draw_place(i);
     shader::Point mine;
-    both.twin.place_on_surface(at.triangle, at.b1 + shift, at.b2, mine);
+    both.scalar.place_on_surface(at.triangle, at.b1 + shift, at.b2, mine);
     Hit hit;
     const TriangleShape s = shape_of(both.scene(), at.triangle);
     hit.triangle = at.triangle, hit.b1 = at.b1, hit.b2 = at.b2;
@@ -110,12 +110,12 @@ TEST(float_surface, textures_hold_where_coordinates_are_far_from_0) {
   EXPECT_LT(quantile(distances(Both(300), 0), 0.9), 1e-2);
 }
 
-TEST(float_surface, coverage_and_presence_are_those_of_doubles) {
+TEST(float_surface, coverage_and_opacity_are_those_of_doubles) {
   const Both both;
   int different = 0, alphas = 0, panes = 0;
   for (uint64_t i = 0; i < 40 * SurfaceHeap::kTriangles; ++i) {
     const Place at = draw_place(i);
-    const float mine = both.twin.coverage_at(at.triangle, at.b1, at.b2);
+    const float mine = both.scalar.coverage_at(at.triangle, at.b1, at.b2);
     const float exact = coverage_at(both.scene(), {at.triangle, at.b1, at.b2});
     different += std::abs(mine - exact) > 1e-4f;
     alphas += exact > 0 && exact < 1;
@@ -123,23 +123,24 @@ TEST(float_surface, coverage_and_presence_are_those_of_doubles) {
     const Vec3d w(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
     const Pane pane = pane_of(both.scene().material_of(at.triangle));
     const double cos = dot(shape_of(both.scene(), at.triangle).normal, w) / length(w);
-    const double presence = pane ? pane.presence(cos) : 1;
-    EXPECT_NEAR(both.twin.presence_at(at.triangle, Vec3f(w * 1e-3)), presence, 2e-6);
-    panes += presence < 1;
+    const double opacity = pane ? pane.opacity(cos) : 1;
+    EXPECT_NEAR(both.scalar.opacity_at(at.triangle, Vec3f(w * 1e-3)), opacity, 2e-6);
+    panes += opacity < 1;
   }
   EXPECT_LT(different, 30);
   EXPECT_GT(alphas, 500);
   EXPECT_GT(panes, 500);
 }
 
-TEST(float_surface, rays_are_stopped_as_often_as_coverage_and_presence_say) {
+TEST(float_surface, rays_are_stopped_as_often_as_coverage_and_opacity_say) {
   const Both both;
   const Vec3f w(0.3f, -0.5f, 0.9f);
   for (uint32_t t = 0; t < SurfaceHeap::kTriangles; ++t) {
-    const double share = double{both.twin.coverage_at(t, 0.3f, 0.2f)} * both.twin.presence_at(t, w);
+    const double share =
+        double{both.scalar.coverage_at(t, 0.3f, 0.2f)} * both.scalar.opacity_at(t, w);
     int stopped = 0;
     for (uint32_t coin = 0; coin < 2000; ++coin)
-      stopped += both.twin.surface_stops(t, 0.3f, 0.2f, coin * 0x9E3779B9u, w);
+      stopped += both.scalar.surface_stops(t, 0.3f, 0.2f, coin * 0x9E3779B9u, w);
     EXPECT_NEAR(stopped / 2000.0, share, 5 * std::sqrt(share * (1 - share) / 2000) + 1e-9) << t;
   }
 }
@@ -150,19 +151,19 @@ TEST(float_surface, the_inside_of_a_solid_absorbs) {
   int absorbed = 0;
   for (uint64_t i = 0; i < SurfaceHeap::kTriangles; ++i) {
     shader::Point a, b;
-    both.twin.place_on_surface(draw_place(i).triangle, 0.2f, 0.3f, a);
-    both.twin.place_on_surface(draw_place(i + 7).triangle, 0.2f, 0.3f, b);
+    both.scalar.place_on_surface(draw_place(i).triangle, 0.2f, 0.3f, a);
+    both.scalar.place_on_surface(draw_place(i + 7).triangle, 0.2f, 0.3f, b);
     const auto exact_of = [&](const shader::Point& p) {
       Point q;
       q.normal = Vec3d(p.normal), q.material = &both.scene().material_of(p.triangle);
       return q;
     };
     const Vec3f w = shader::normalized(b.position - a.position);
-    const Rgb mine = both.twin.transmittance(a, b, w, 0.7f);
+    const Rgb mine = both.scalar.transmittance(a, b, w, 0.7f);
     EXPECT_LT(distance(mine, transmittance(exact_of(a), exact_of(b), Vec3d(w), double{0.7f})),
               1e-6);
     absorbed += mine != Rgb(1.0f);
-    EXPECT_EQ(both.twin.transmittance(a, b, w, 0), Rgb(1.0f));
+    EXPECT_EQ(both.scalar.transmittance(a, b, w, 0), Rgb(1.0f));
   }
   EXPECT_GT(absorbed, 20);
 }
@@ -189,15 +190,15 @@ TEST(float_surface, any_texture_coordinates_will_do) {
       for (size_t i = 0; i < uv.size(); i += 2) uv[i] = {odd, odd};
     const SurfaceTables tables = make_surfaces(scene, 1);
     const shader::Curves curves;
-    const shader::SurfaceTwin twin(tables, curves);
+    const shader::ScalarSurface scalar(tables, curves);
     for (uint64_t i = 0; i < 4 * SurfaceHeap::kTriangles; ++i) {
       const Place at = draw_place(i);
       shader::Point p;
-      twin.place_on_surface(at.triangle, at.b1, at.b2, p);
+      scalar.place_on_surface(at.triangle, at.b1, at.b2, p);
       ASSERT_TRUE(is_finite(p.shading) && is_finite(p.bsdf.diffuse) && is_finite(p.emission))
           << odd;
       ASSERT_NEAR(length(Vec3d(p.shading)), 1, 1e-5) << odd;
-      const float covered = twin.coverage_at(at.triangle, at.b1, at.b2);
+      const float covered = scalar.coverage_at(at.triangle, at.b1, at.b2);
       ASSERT_TRUE(covered >= 0 && covered <= 1) << odd;
     }
   }
@@ -216,10 +217,10 @@ class OnDevice {
       c.dispatch(kernel_, gpu::push(SurfaceHeap::kTriangles), kGroups);
     });
     const auto theirs = words_.download<uint32_t>(size_t{kPlaces} * shader::kWordsOfPlace);
-    const shader::SurfaceWords twin(tables, curves);
+    const shader::SurfaceWords scalar(tables, curves);
     size_t n = 0;
     for (uint32_t i = 0; i < kPlaces; ++i) {
-      const auto mine = twin.words_of_place(i, SurfaceHeap::kTriangles);
+      const auto mine = scalar.words_of_place(i, SurfaceHeap::kTriangles);
       for (uint32_t k = 0; k < shader::kWordsOfPlace; ++k)
         n += mine.words[k] != theirs[i * shader::kWordsOfPlace + k];
     }

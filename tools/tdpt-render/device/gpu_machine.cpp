@@ -44,7 +44,7 @@ enum Table : size_t {
 };
 }  // namespace path
 
-gpu::Tables room_for_paths(const Room& room, bool layered, const Device& device) {
+gpu::Tables room_for_paths(const Capacity& room, bool layered, const Device& device) {
   using namespace shader;
   gpu::Tables tables;
 #define ADD_ROOM(binding, type, name, array, count) tables.add_room(sizeof(type) * uint64_t{count});
@@ -69,7 +69,7 @@ struct Words {
   PATH_WORDS(BUFFER)
 #undef BUFFER
 };
-Words words_for(const Room& room, uint32_t words_of_film, const Device& device) {
+Words words_for(const Capacity& room, uint32_t words_of_film, const Device& device) {
 #define BUFFER(binding, array, count) Buffer(device, sizeof(uint32_t) * uint64_t{count}),
   return {PATH_WORDS(BUFFER)};
 #undef BUFFER
@@ -89,7 +89,7 @@ static_assert([] {
 
 class GpuMachine : public Machine {
  public:
-  GpuMachine(const Device& device, const RenderTables& t, const Room& room, uint32_t film_words,
+  GpuMachine(const Device& device, const RenderTables& t, const Capacity& room, uint32_t film_words,
              DeviceWork* work)
       : device_(device),
         room_(room),
@@ -118,12 +118,12 @@ class GpuMachine : public Machine {
     device_.run([&](gpu::Commands& c) { c.clear(words_.film_words); });
   }
 
-  Room room() const override { return room_; }
+  Capacity room() const override { return room_; }
 
-  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& pool_offsets) override {
+  void set(const shader::RenderParameters& p, const std::vector<uint32_t>& cache_offsets) override {
     settings_host_.render = p;
     settings_.write(std::as_bytes(std::span(&settings_host_, 1)));
-    path_.write(path::pool_offsets, std::as_bytes(std::span(pool_offsets)));
+    path_.write(path::cache_offsets, std::as_bytes(std::span(cache_offsets)));
     kind_ = {p.guide_light > 0 || p.guide_camera > 0,
              p.culls != 0,
              p.techniques,
@@ -215,7 +215,7 @@ class GpuMachine : public Machine {
             t.lights.has_sky,
             t.lights.has_sky_map,
             t.lights.has_lamps,
-            t.lights.has_panels,
+            t.lights.has_rect_lights,
             t.lights.has_windows,
             t.lights.prefers,
             !t.portals.facets.empty(),
@@ -266,7 +266,7 @@ class GpuMachine : public Machine {
   }
 
   Device device_;
-  const Room room_;
+  const Capacity room_;
   DeviceWork* const work_;  // or none
   shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
@@ -299,17 +299,18 @@ std::array<std::vector<gpu::Statistic>, kOfSteps> step_statistics(const gpu::Dev
   return all;
 }
 
-Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words) {
+Capacity capacity_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words) {
   size_t buffers = 0;
   for (const std::span<const uint32_t> program : kPrograms)
     buffers = std::max(buffers, gpu::storage_buffers_in(program));
-  return room_on(device.info().name, device.limits(),
-                 {shares_of(tables), sizeof(uint32_t) * uint64_t{film_words},
-                  tables.surfaces.features.layers, buffers});
+  return capacity_on(device.info().name, device.limits(),
+                     {shares_of(tables), sizeof(uint32_t) * uint64_t{film_words},
+                      tables.surfaces.features.layers, buffers});
 }
 
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
-                                          const Room& room, uint32_t film_words, DeviceWork* work) {
+                                          const Capacity& room, uint32_t film_words,
+                                          DeviceWork* work) {
   return std::make_unique<GpuMachine>(device, tables, room, film_words, work);
 }
 

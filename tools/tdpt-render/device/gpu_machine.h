@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "libcommon/gpu/kernel.h"
-#include "tools/tdpt-render/device/room.h"
+#include "tools/tdpt-render/device/capacity.h"
 
 namespace tdpt {
 
@@ -25,12 +25,12 @@ std::array<std::vector<gpu::Statistic>, static_cast<size_t>(Step::kSteps)> step_
 
 /// As much as suits the device beside the scene and the film. Throws Error (no_device), with both
 /// numbers, where they are too large for it.
-Room room_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words);
+Capacity capacity_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words);
 
 /// `film_words`: of the film and of what is counted beside it. Adds to `work`, if there is one.
 /// Throws Error (no_device) where others have taken the memory.
 std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
-                                          const Room& room, uint32_t film_words,
+                                          const Capacity& room, uint32_t film_words,
                                           DeviceWork* work = nullptr);
 
 }  // namespace tdpt

@@ -19,7 +19,7 @@ GpuUpload::GpuUpload(const gpu::Device& device, const World& world, bool layers)
       world_(world),
       layers_(layers),
       tables_(world),
-      room_(room_on(device, tables_, film_words(world, layers))) {}
+      room_(capacity_on(device, tables_, film_words(world, layers))) {}
 
 std::shared_ptr<SampleRenderer> GpuUpload::renderer() {
   tables_.follow(world_);

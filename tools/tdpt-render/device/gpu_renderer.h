@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "libcommon/gpu/device.h"
-#include "tools/tdpt-render/device/room.h"
+#include "tools/tdpt-render/device/capacity.h"
 #include "tools/tdpt-render/integrators/sample_renderer.h"
 
 namespace tdpt {
@@ -23,7 +23,7 @@ class GpuUpload {
   const World& world_;
   const bool layers_;
   RenderTables tables_;
-  const Room room_;
+  const Capacity room_;
 };
 
 }  // namespace tdpt

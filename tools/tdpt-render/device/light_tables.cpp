@@ -56,25 +56,25 @@ void add_lamps(const World& world, const WordTable& table, double radiance_unit,
   tables.has_lamps = !lamps.empty();
 }
 
-void add_panels(const World& world, LightTables& tables) {
-  for (const Panel& panel : world.next_events.panels()) {
-    shader::Panel p{};
-    p.corner = Vec3f(panel.corner);
-    p.x = Vec3f(panel.x);
-    p.y = Vec3f(panel.y);
-    p.normal = Vec3f(panel.normal);
-    p.length_x = static_cast<float>(panel.length_x);
-    p.length_y = static_cast<float>(panel.length_y);
-    p.least_height = static_cast<float>(panel.least_height);
-    p.weight = static_cast<float>(panel.weight);
-    p.source = panel.source->both_sides() ? shader::SOURCE_BOTH : shader::SOURCE_FRONT;
-    p.triangle0 = panel.triangle0;
-    p.triangle1 = panel.triangle1;
-    p.corners = panel.corners;
-    tables.panels.push_back(p);
+void add_rect_lights(const World& world, LightTables& tables) {
+  for (const RectLight& rect_light : world.next_events.rect_lights()) {
+    shader::RectLight p{};
+    p.corner = Vec3f(rect_light.corner);
+    p.x = Vec3f(rect_light.x);
+    p.y = Vec3f(rect_light.y);
+    p.normal = Vec3f(rect_light.normal);
+    p.length_x = static_cast<float>(rect_light.length_x);
+    p.length_y = static_cast<float>(rect_light.length_y);
+    p.least_height = static_cast<float>(rect_light.least_height);
+    p.weight = static_cast<float>(rect_light.weight);
+    p.source = rect_light.source->both_sides() ? shader::SOURCE_BOTH : shader::SOURCE_FRONT;
+    p.triangle0 = rect_light.triangle0;
+    p.triangle1 = rect_light.triangle1;
+    p.corners = rect_light.corners;
+    tables.rect_lights.push_back(p);
   }
-  tables.settings.panels = static_cast<uint32_t>(tables.panels.size());
-  tables.has_panels = !tables.panels.empty();
+  tables.settings.rect_lights = static_cast<uint32_t>(tables.rect_lights.size());
+  tables.has_rect_lights = !tables.rect_lights.empty();
 }
 
 // 2^64 over the words of the sky.
@@ -89,7 +89,7 @@ void fill_up(LightTables& tables) {
     if (all.empty()) all.emplace_back();
   };
   fill(tables.words), fill(tables.emitters), fill(tables.lamps), fill(tables.suns);
-  fill(tables.texels), fill(tables.panels), fill(tables.windows), fill(tables.frames);
+  fill(tables.texels), fill(tables.rect_lights), fill(tables.windows), fill(tables.frames);
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ LightTables make_light_tables(const World& world, double radiance_unit) {
     add_sky(world, radiance_unit, tables);
     add_windows(world, radiance_unit, tables);
   }
-  add_panels(world, tables);
+  add_rect_lights(world, tables);
   fill_up(tables);
   return tables;
 }

@@ -16,7 +16,7 @@ struct LightTables {
   std::vector<shader::Lamp> lamps;
   std::vector<shader::SkySun> suns;
   std::vector<shader::SkyTexel> texels;
-  std::vector<shader::Panel> panels;
+  std::vector<shader::RectLight> rect_lights;
   std::vector<shader::SkyWindow> windows;
   std::vector<shader::WindowFrame> frames;
 
@@ -24,7 +24,7 @@ struct LightTables {
   bool has_sky = false;
   bool has_sky_map = false;  ///< of more than one colour
   bool has_lamps = false;
-  bool has_panels = false;
+  bool has_rect_lights = false;
   bool has_windows = false;
   bool prefers = false;  ///< walks prefer some directions of the sky
 };

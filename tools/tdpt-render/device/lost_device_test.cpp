@@ -4,9 +4,9 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/run/course.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/testing/rooms.h"
-#include "tools/tdpt-render/testing/twin.h"
+#include "tools/tdpt-render/testing/scalar_build.h"
 
 namespace tdpt::lost_device_test {
 
@@ -15,7 +15,7 @@ class LostMachine : public Machine {
  public:
   LostMachine(std::unique_ptr<Machine> sound, int& steps)
       : sound_(std::move(sound)), left_(steps) {}
-  Room room() const override { return sound_->room(); }
+  Capacity room() const override { return sound_->room(); }
   void set(const shader::RenderParameters& p, const std::vector<uint32_t>& offsets) override {
     sound_->set(p, offsets);
   }
@@ -43,22 +43,22 @@ class lost_device : public ::testing::Test {
     const FilmPlaces places(24 * 18, true, world_.portals.portals());
     return std::make_shared<WavefrontRenderer>(
         world_,
-        std::make_unique<LostMachine>(make_twin(tables_, {1u << 16, 1u << 10}, places.words),
-                                      left_),
+        std::make_unique<LostMachine>(
+            make_scalar_machine(tables_, {1u << 16, 1u << 10}, places.words), left_),
         "lost");
   }
   static RenderResult rendered(const std::shared_ptr<SampleRenderer>& renderer,
-                               Course course = {}) {
+                               RenderSchedule schedule = {}) {
     RenderSettings settings;
     settings.spp = 9;
     settings.max_depth = 6;
     settings.layers = settings.alpha = true;
     settings.frames = true;  // one sample at a time
-    return render(*renderer, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(course));
+    return render(*renderer, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(schedule));
   }
-  std::string bytes_of(Standing& standing, const Plan& plan) const {
-    standing.seconds = standing.cpu_seconds = standing.began = 0;
-    return film_bytes(standing, plan, {}, kGpuCode, {}, {}, {});
+  std::string bytes_of(RenderState& render_state, const Plan& plan) const {
+    render_state.seconds = render_state.cpu_seconds = render_state.began = 0;
+    return film_bytes(render_state, plan, {}, kGpuCode, {}, {}, {});
   }
 
   const Scene scene_ = read_gltf(two_rooms_path());
@@ -69,23 +69,25 @@ class lost_device : public ::testing::Test {
 
 TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes) {
   const RenderResult whole = rendered(lost_after(-1));
-  const std::string expected = bytes_of(*whole.standing, whole.plan);
+  const std::string expected = bytes_of(*whole.render_state, whole.plan);
   const int all = -1 - left_;
   for (const int steps : {all / 4, all / 2, all / 2 + 1, all - 1}) {
     std::string kept;
-    Course course;
-    course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
-    EXPECT_THROW(rendered(lost_after(steps), std::move(course)), Error);
+    RenderSchedule schedule;
+    schedule.rescue = [&](RenderState& render_state, const Plan& plan) {
+      kept = bytes_of(render_state, plan);
+    };
+    EXPECT_THROW(rendered(lost_after(steps), std::move(schedule)), Error);
     FilmFile film = parse_film(kept, "kept");
     const uint64_t samples = film.film.samples();
     EXPECT_GT(samples, 0u);
     EXPECT_LT(samples, 9u);
-    Course rest;
+    RenderSchedule rest;
     rest.plan = read_plan(film.facts.plan, "kept");
-    rest.standing = standing_of(std::move(film), "kept");
+    rest.render_state = render_state_of(std::move(film), "kept");
     const RenderResult result = rendered(lost_after(-1), std::move(rest));
     EXPECT_EQ(result.picture.pixels, whole.picture.pixels);
-    EXPECT_EQ(bytes_of(*result.standing, result.plan), expected) << samples;
+    EXPECT_EQ(bytes_of(*result.render_state, result.plan), expected) << samples;
   }
 }
 
@@ -111,13 +113,15 @@ class Careless : public SampleRenderer {
 TEST_F(lost_device, twin_part_of_a_pass_in_the_film_is_caught) {
   const RenderResult whole = rendered(lost_after(-1));
   std::string kept;
-  Course course;
-  course.rescue = [&](Standing& standing, const Plan& plan) { kept = bytes_of(standing, plan); };
-  EXPECT_THROW(rendered(std::make_shared<Careless>(lost_after(-1), 4), std::move(course)), Error);
+  RenderSchedule schedule;
+  schedule.rescue = [&](RenderState& render_state, const Plan& plan) {
+    kept = bytes_of(render_state, plan);
+  };
+  EXPECT_THROW(rendered(std::make_shared<Careless>(lost_after(-1), 4), std::move(schedule)), Error);
   FilmFile film = parse_film(kept, "kept");
-  Course rest;
+  RenderSchedule rest;
   rest.plan = read_plan(film.facts.plan, "kept");
-  rest.standing = standing_of(std::move(film), "kept");
+  rest.render_state = render_state_of(std::move(film), "kept");
   EXPECT_NE(rendered(lost_after(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
 }
 

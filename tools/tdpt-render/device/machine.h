@@ -1,5 +1,5 @@
-// What renders a submission step by step: a device, or its twin on the CPU. The schedule of steps
-// [wavefront.h] is the same for both.
+// What renders a submission step by step: a device, or its scalar build on the CPU. The schedule of
+// steps [wavefront.h] is the same for both.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -23,26 +23,26 @@ inline constexpr std::array<const char*, static_cast<size_t>(Step::kSteps)> kSte
 };
 
 /// How much room there is.
-struct Room {
+struct Capacity {
   uint32_t vertices = 0;  ///< slots
-  uint32_t samples = 0;   ///< of a submission; kMostOfPool at least
-  constexpr uint32_t joinings() const { return 4 * samples; }  ///< at a time
+  uint32_t samples = 0;   ///< of a submission; kMostOfCache at least
+  constexpr uint32_t connections() const { return 4 * samples; }  ///< at a time
   constexpr uint64_t estimates() const { return 16 * uint64_t{vertices}; }
   /// As many flags as any step asks for.
-  constexpr uint32_t flags() const { return std::max(vertices, joinings()); }
+  constexpr uint32_t flags() const { return std::max(vertices, connections()); }
 };
 
-/// Samples of a pool.
-constexpr uint32_t kMostOfPool = 256;
+/// Samples of a cache.
+constexpr uint32_t kMostOfCache = 256;
 
 class Machine {
  public:
   virtual ~Machine() = default;
-  virtual Room room() const = 0;
-  /// For all steps that follow. `pool_offsets`: how far along its stretch the pixel of each sample
-  /// of pool 0 lies.
+  virtual Capacity room() const = 0;
+  /// For all steps that follow. `cache_offsets`: how far along its stretch the pixel of each sample
+  /// of cache 0 lies.
   virtual void set(const shader::RenderParameters& parameters,
-                   const std::vector<uint32_t>& pool_offsets) = 0;
+                   const std::vector<uint32_t>& cache_offsets) = 0;
   /// Makes ready what these steps take, for what was set: the first run of each would do it, and be
   /// long. Tells of each.
   virtual void prepare(const std::vector<Step>&, Progress&) {}
@@ -54,7 +54,7 @@ class Machine {
   /// Of 0 .. count-1 those that a step has flagged, in order, and of each how many come before it.
   /// Returns how many there are.
   virtual uint32_t pick(uint32_t count) = 0;
-  /// Finds a place for each end that light walks have for joins, walk by walk.
+  /// Finds a place for each end that light walks have for connections, walk by walk.
   virtual void place_ends(uint32_t walks) = 0;
   /// All words of the film and of what is counted beside it; 0 from then on.
   virtual std::vector<uint32_t> take_film() = 0;

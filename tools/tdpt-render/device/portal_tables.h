@@ -1,4 +1,5 @@
-// Portals as the tables that kernels and their twin read [shaders/shared/path/portal_layout.h].
+// Portals as the tables that kernels and their scalar build read
+// [shaders/shared/path/portal_layout.h].
 #pragma once
 #include <vector>
 

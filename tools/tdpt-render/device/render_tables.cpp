@@ -48,7 +48,7 @@ shader::SceneSpans::SceneSpans(const RenderTables& t)
       light_lamps(t.lights.lamps),
       sky_suns(t.lights.suns),
       sky_texels(t.lights.texels),
-      light_panels(t.lights.panels),
+      rect_lights(t.lights.rect_lights),
       sky_windows(t.lights.windows),
       window_frames(t.lights.frames),
       portal_facets(t.portals.facets),

@@ -1,4 +1,4 @@
-// A device makes the bytes of its twin on the CPU, whatever is in the scene, and Vulkan's
+// A device makes the bytes of its scalar build on the CPU, whatever is in the scene, and Vulkan's
 // validation has nothing to say.
 #include <gtest/gtest.h>
 
@@ -41,14 +41,14 @@ class Pair {
       : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_) {
     const uint32_t words = film_words(*largest_, true);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
-    twin_ = make_twin(tables_, kEnough, words);
+    twin_ = make_scalar_machine(tables_, kEnough, words);
   }
 
   struct Outcomes {
-    Outcome gpu, twin;
+    Outcome gpu, scalar;
   };
   Outcomes rendered(int width, int height, const Integrator& integrator, const Samples& samples,
-                    const Room& room = kEnough) const {
+                    const Capacity& room = kEnough) const {
     const auto world = stage_.world(width, height);
     const auto by = [&](Machine& machine) {
       WavefrontRenderer renderer(*world, std::make_unique<Borrowed>(machine, room), "borrowed");
@@ -58,10 +58,10 @@ class Pair {
   }
 
   void expect_same(int width, int height, const Integrator& integrator, const Samples& samples,
-                   const Room& room = kEnough) const {
+                   const Capacity& room = kEnough) const {
     const Outcomes both = rendered(width, height, integrator, samples, room);
-    EXPECT_EQ(both.gpu, both.twin) << stage_.name << " " << integrator.name << " " << width << " x "
-                                   << height << ", depth " << samples.rules.max_depth;
+    EXPECT_EQ(both.gpu, both.scalar) << stage_.name << " " << integrator.name << " " << width
+                                     << " x " << height << ", depth " << samples.rules.max_depth;
   }
 
  private:
@@ -87,7 +87,8 @@ void expect_all_same(const gpu::Device& device, const Stage& stage,
   const auto begin = std::chrono::steady_clock::now();
   const Pair pair(device, stage);
   const auto expect_same = [&](int width, int height, const Integrator& integrator,
-                               const SampleRange& range, int depth, const Room& room = kEnough) {
+                               const SampleRange& range, int depth,
+                               const Capacity& room = kEnough) {
     pair.expect_same(width, height, integrator, samples_of(integrator, range, depth, stage), room);
   };
   uint64_t seed = 0;
@@ -97,7 +98,7 @@ void expect_all_same(const gpu::Device& device, const Stage& stage,
   for (const Integrator* integrator : {&bdpt, &tdpt_guided}) {
     expect_same(1, 1, *integrator, {0, 5}, 5);
     expect_same(7, 5, *integrator, {0, 3}, 5);
-    expect_same(kWidth, kHeight, *integrator, {0, 2}, 5, {1u << 13, kMostOfPool});
+    expect_same(kWidth, kHeight, *integrator, {0, 2}, 5, {1u << 13, kMostOfCache});
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::printf("%-12s %.1f s\n", stage.name.c_str(), took.count());
@@ -150,15 +151,15 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   settings.max_depth = 6;
   settings.alpha = settings.layers = settings.variance = true;
   const auto by_device = GpuUpload(device(), *world, true).renderer();
-  TwinRenderer by_twin(*world);
+  ScalarRenderer by_scalar(*world);
   std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
   all.push_back({{tdpt_guided, ""}});
   for (const std::vector<Candidate>& candidates : all) {
     const RenderResult a = render(*by_device, candidates, settings),
-                       b = render(by_twin, candidates, settings);
+                       b = render(by_scalar, candidates, settings);
     EXPECT_EQ(a.chosen, b.chosen);
-    EXPECT_EQ(outcome_of(a.standing->film, a.standing->tally),
-              outcome_of(b.standing->film, b.standing->tally))
+    EXPECT_EQ(outcome_of(a.render_state->film, a.render_state->tally),
+              outcome_of(b.render_state->film, b.render_state->tally))
         << candidates[0].integrator.name;
   }
 }
@@ -188,10 +189,10 @@ TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
       [&](RenderTables& t) { up(t.lights.emitters[0].pdf_A); }};
   const Samples samples{{0, 4}, {8}};
   const Pair::Outcomes both = Pair(device(), stage).rendered(kWidth, kHeight, tdpt_org, samples);
-  EXPECT_EQ(both.gpu, both.twin);
+  EXPECT_EQ(both.gpu, both.scalar);
   const auto world = stage.world(kWidth, kHeight);
   for (size_t i = 0; i < spoils.size(); ++i) {
-    TwinRenderer spoilt(*world, kEnough, {.tables = spoils[i]});
+    ScalarRenderer spoilt(*world, kEnough, {.tables = spoils[i]});
     EXPECT_NE(both.gpu, rendered_by(spoilt, *world, tdpt_org, samples)) << i;
   }
 }

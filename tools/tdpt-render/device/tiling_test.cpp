@@ -8,16 +8,16 @@
 
 namespace tdpt::tiling_test {
 
-// One pool at a time has room, and less than that where paths are long.
-const std::vector<Room> kRooms{{1u << 13, kMostOfPool}, {1u << 14, 777}, {1u << 15, 1u << 14}};
+// One cache at a time has room, and less than that where paths are long.
+const std::vector<Capacity> kRooms{{1u << 13, kMostOfCache}, {1u << 14, 777}, {1u << 15, 1u << 14}};
 
 void expect_same_in_all_rooms(const Stage& stage, int width, int height, const Samples& samples) {
   const auto world = stage.world(width, height);
-  TwinRenderer large(*world);
+  ScalarRenderer large(*world);
   for (const Integrator* integrator : integrators()) {
     const Outcome whole = rendered_by(large, *world, *integrator, samples);
-    for (const Room& room : kRooms) {
-      TwinRenderer small(*world, room);
+    for (const Capacity& room : kRooms) {
+      ScalarRenderer small(*world, room);
       EXPECT_EQ(whole, rendered_by(small, *world, *integrator, samples))
           << stage.name << " " << integrator->name << " " << room.vertices;
     }
@@ -38,7 +38,7 @@ TEST(tiling, walks_that_have_no_room_leave_nothing_behind) {
   const auto world = stage.world(24, 18);
   const Samples samples{{0, 4}, {64, 2, 3}, true};
   for (const Integrator* integrator : integrators()) {
-    TwinRenderer large(*world, {1u << 19, 1u << 14}), small(*world, {1u << 13, 1u << 11});
+    ScalarRenderer large(*world, {1u << 19, 1u << 14}), small(*world, {1u << 13, 1u << 11});
     EXPECT_EQ(rendered_by(large, *world, *integrator, samples),
               rendered_by(small, *world, *integrator, samples))
         << integrator->name;
@@ -54,16 +54,17 @@ TEST(tiling, of_the_smallest_pictures) {
 TEST(tiling, in_any_calls_is_the_same) {
   const Stage stage = sky_stage();
   const auto world = stage.world(33, 17);
-  TwinRenderer twin(*world);
+  ScalarRenderer scalar(*world);
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_guided}) {
     Integrator expecting = *integrator;
-    expecting.mixture = expecting_joins(*world, integrator->mixture, 5);
+    expecting.mixture = expecting_connections(*world, integrator->mixture, 5);
     Film film = film_for(*world, TechniqueSet(), true);
     Tally tally(film.unit());
     Progress progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
-      twin.render(expecting, {5}, 0, range, film, tally, progress);
-    EXPECT_EQ(rendered_by(twin, *world, *integrator, {{0, 6}, {5}, true}), outcome_of(film, tally))
+      scalar.render(expecting, {5}, 0, range, film, tally, progress);
+    EXPECT_EQ(rendered_by(scalar, *world, *integrator, {{0, 6}, {5}, true}),
+              outcome_of(film, tally))
         << integrator->name;
   }
 }
@@ -72,13 +73,13 @@ TEST(tiling, in_any_calls_is_the_same) {
 TEST(tiling, twin_other_samples_are_seen) {
   const Stage stage = two_rooms_stage();
   const auto world = stage.world(7, 5);
-  TwinRenderer twin(*world);
-  const Outcome one = rendered_by(twin, *world, bdpt, {{0, 2}, {8}});
-  EXPECT_EQ(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8}}));
-  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{1, 2}, {8}}));
-  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 1, 2}}));
-  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {7}}));
-  EXPECT_NE(one, rendered_by(twin, *world, bdpt, {{0, 2}, {8, 2}}));
+  ScalarRenderer scalar(*world);
+  const Outcome one = rendered_by(scalar, *world, bdpt, {{0, 2}, {8}});
+  EXPECT_EQ(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{1, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8, 1, 2}}));
+  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {7}}));
+  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8, 2}}));
 }
 
 // A lamp that is brighter than films hold, by what the CPU says of the same samples.
@@ -95,21 +96,21 @@ TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
     const Samples samples{range, {1}};
     const Outcome known = rendered_by(cpu, *world, pt, samples);
     ASSERT_EQ(known.not_finite_at.size(), Tally::kMostPlaces);
-    for (const Room& room : kRooms) {
-      TwinRenderer twin(*world, room);
-      const Outcome found = rendered_by(twin, *world, pt, samples);
+    for (const Capacity& room : kRooms) {
+      ScalarRenderer scalar(*world, room);
+      const Outcome found = rendered_by(scalar, *world, pt, samples);
       EXPECT_EQ(found.not_finite_at, known.not_finite_at);
       EXPECT_EQ(found.counts[4], known.counts[4]);  // how many there are
     }
   }
 }
 
-TEST(tiling, a_pool_that_has_no_room_is_refused_with_both_numbers) {
+TEST(tiling, a_cache_that_has_no_room_is_refused_with_both_numbers) {
   const Stage stage{"furnace", read_gltf(furnace_path()), {}};
   const auto world = stage.world(16, 16);
-  TwinRenderer twin(*world, {100, kMostOfPool});
+  ScalarRenderer scalar(*world, {100, kMostOfCache});
   try {
-    rendered_by(twin, *world, bdpt, {{0, 1}, {64}});
+    rendered_by(scalar, *world, bdpt, {{0, 1}, {64}});
     FAIL() << "nothing was thrown";
   } catch (const Error& e) {
     EXPECT_EQ(e.code, Exit::no_device);

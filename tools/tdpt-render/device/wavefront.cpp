@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {
 
@@ -52,31 +52,31 @@ void set_mixture(const Mixture& m, RenderParameters& p) {
   p.first_direct = static_cast<float>(m.first_direct);
   p.later_direct = static_cast<float>(m.later_direct);
   p.light_walks = static_cast<float>(m.light_walks);
-  p.joined = static_cast<float>(m.joined);
-  p.joined_to_segments = static_cast<float>(m.joined_to_segments);
-  p.segments_joined = static_cast<float>(m.segments_joined);
+  p.connected = static_cast<float>(m.connected);
+  p.connected_to_segments = static_cast<float>(m.connected_to_segments);
+  p.segments_connected = static_cast<float>(m.segments_connected);
   p.segments = static_cast<float>(m.segments);
   p.through_windows = static_cast<float>(m.through_windows);
   p.guide_light = static_cast<float>(m.guiding.chance[0]);
   p.guide_camera = static_cast<float>(m.guiding.chance[1]);
 }
 
-void set_pools(const Mixture& m, RenderParameters& p) {
+void set_caches(const Mixture& m, RenderParameters& p) {
   const uint64_t pixels = uint64_t{p.width} * p.height;
-  const uint64_t per_pool = samples_of_pool(m);
-  const uint64_t pools = (pixels + per_pool - 1) / per_pool;
-  // The first pools have the most samples.
-  const uint64_t most = (pixels + pools - 1) / pools;
-  p.pools = static_cast<uint32_t>(pools);
-  p.per_pool = static_cast<uint32_t>(most);
+  const uint64_t per_cache = samples_of_cache(m);
+  const uint64_t caches = (pixels + per_cache - 1) / per_cache;
+  // The first caches have the most samples.
+  const uint64_t most = (pixels + caches - 1) / caches;
+  p.caches = static_cast<uint32_t>(caches);
+  p.per_cache = static_cast<uint32_t>(most);
   p.walks_full = static_cast<uint32_t>(light_walks_of(m, most));
   p.walks_less = static_cast<uint32_t>(light_walks_of(m, most - 1));
 }
 
-// As far as pixel_of_pool() takes sample i along its stretch.
-uint32_t pool_offset(uint64_t i, uint64_t pools) {
-  const uint64_t stretch = i * pools;
-  return static_cast<uint32_t>(pixel_of_pool(0, i, pools, stretch + pools) - stretch);
+// As far as pixel_of_cache() takes sample i along its stretch.
+uint32_t cache_offset(uint64_t i, uint64_t caches) {
+  const uint64_t stretch = i * caches;
+  return static_cast<uint32_t>(pixel_of_cache(0, i, caches, stretch + caches) - stretch);
 }
 
 Units units_at(const std::vector<uint32_t>& words, size_t first) {
@@ -130,9 +130,9 @@ void add_to_tally(const std::vector<uint32_t>& words, const FilmPlaces& places, 
   }
 }
 
-std::vector<uint32_t> pool_offsets(const RenderParameters& p) {
+std::vector<uint32_t> cache_offsets(const RenderParameters& p) {
   std::vector<uint32_t> offsets;
-  for (uint32_t i = 0; i < p.per_pool; ++i) offsets.push_back(pool_offset(i, p.pools));
+  for (uint32_t i = 0; i < p.per_cache; ++i) offsets.push_back(cache_offset(i, p.caches));
   return offsets;
 }
 
@@ -151,7 +151,7 @@ Error no_room(const RenderParameters& p) {
       Exit::no_device,
       fmt::format("the device has room for {} vertices of paths, and {} samples that share "
                   "light walks take more: --max-depth makes paths shorter",
-                  p.most_vertices, p.per_pool));
+                  p.most_vertices, p.per_cache));
 }
 
 }  // namespace
@@ -170,7 +170,7 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
   RenderParameters p{};
   set_camera(world.film, p);
   set_mixture(integrator.mixture, p);
-  set_pools(integrator.mixture, p);
+  set_caches(integrator.mixture, p);
   p.seed = rules.seed;
   p.stream = stream_in(round, integrator.stream) * kPurposes;
   p.beta = static_cast<float>(rules.beta);
@@ -212,26 +212,26 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
 
 void WavefrontRenderer::submit_all(RenderParameters p, const SampleRange& samples,
                                    Progress& progress) {
-  const std::vector<uint32_t> offsets = pool_offsets(p);
+  const std::vector<uint32_t> offsets = cache_offsets(p);
   p.first_number = static_cast<uint32_t>(samples.first);
-  for (uint64_t sample = samples.first, pool = 0; sample < samples.end();) {
-    const uint64_t left = (samples.end() - sample) * p.pools - pool;
+  for (uint64_t sample = samples.first, cache = 0; sample < samples.end();) {
+    const uint64_t left = (samples.end() - sample) * p.caches - cache;
     p.first_sample = sample;
-    p.first_pool = static_cast<uint32_t>(pool);
-    const uint64_t most = std::max<uint32_t>(samples_ / p.per_pool, 1);
+    p.first_cache = static_cast<uint32_t>(cache);
+    const uint64_t most = std::max<uint32_t>(samples_ / p.per_cache, 1);
     p.groups = static_cast<uint32_t>(std::min(left, most));
     const auto start = std::chrono::steady_clock::now();
     if (!submit(p, offsets)) {
       if (p.groups == 1) throw no_room(p);
-      samples_ = most_samples_ = p.groups / 2 * p.per_pool;
+      samples_ = most_samples_ = p.groups / 2 * p.per_cache;
       continue;
     }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (took.count() > kLong) samples_ = std::max(samples_ / 2, p.per_pool);
+    if (took.count() > kLong) samples_ = std::max(samples_ / 2, p.per_cache);
     if (took.count() < kShort) samples_ = std::min(2 * samples_, most_samples_);
-    progress.advance(uint64_t{p.groups} * p.per_pool);
-    sample += (pool + p.groups) / p.pools;
-    pool = (pool + p.groups) % p.pools;
+    progress.advance(uint64_t{p.groups} * p.per_cache);
+    sample += (cache + p.groups) / p.caches;
+    cache = (cache + p.groups) % p.caches;
   }
 }
 
@@ -246,22 +246,22 @@ class Submission {
         techniques_(TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques))),
         crosses_(crosses),
         walks_(techniques_.walks_from_light() ? p.groups * p.walks_full : 0),
-        samples_(p.groups * p.per_pool),
+        samples_(p.groups * p.per_cache),
         room_(crosses ? p.segments_first : p.most_vertices) {}
 
   /// False when there was no room for all of it: then nothing has come of it.
   bool run() {
     if (!light_walks() || !camera_walks()) return false;
-    const uint64_t row = p_.per_pool + 2;
+    const uint64_t row = p_.per_cache + 2;
     if (crosses_ && (camera_end_ - camera_) * row > machine_.room().estimates()) return false;
     // From here on the film is added to.
     run(Step::meet_lights, camera_end_ - camera_, camera_);
     if (techniques_.has(Technique::direct))
-      pairs({Step::choose_next_events, Step::join, 1, Ends::camera}, camera_, camera_end_);
+      pairs({Step::choose_next_events, Step::connect, 1, Ends::camera}, camera_, camera_end_);
     if (techniques_.has(Technique::bi))
-      pairs({Step::choose_joins, Step::join, 2, Ends::both}, camera_, camera_end_);
+      pairs({Step::choose_connections, Step::connect, 2, Ends::both}, camera_, camera_end_);
     if (techniques_.has(Technique::light))
-      pairs({Step::choose_splats, Step::join, 1, Ends::light}, walks_, lights_end_);
+      pairs({Step::choose_splats, Step::connect, 1, Ends::light}, walks_, lights_end_);
     if (crosses_) segments();
     return true;
   }
@@ -310,14 +310,14 @@ class Submission {
   // Which ends of pairs scatter.
   enum class Ends : uint8_t { light, camera, both };
   struct Pairing {
-    Step choose, join;
+    Step choose, connect;
     uint32_t each;  // places
     Ends ends;
   };
 
   // Of first .. end: pairs that are chosen for each, and the paths that they make.
   void pairs(const Pairing& p, uint32_t first, uint32_t end) {
-    const uint32_t most = machine_.room().joinings() / p.each;
+    const uint32_t most = machine_.room().connections() / p.each;
     for (uint32_t at = first; at < end; at += most) {
       const uint32_t n = std::min(most, end - at);
       run(p.choose, n, at, camera_);
@@ -325,7 +325,7 @@ class Submission {
       if (p.ends != Ends::camera) run(Step::scatter_ends, chosen, 0);
       if (p.ends != Ends::light) run(Step::scatter_ends, chosen, 1);
       run(Step::see, chosen);
-      run(p.join, chosen > 0 ? machine_.pick(p.each * n) : 0);
+      run(p.connect, chosen > 0 ? machine_.pick(p.each * n) : 0);
       if (p.choose == Step::choose_sides) run(Step::gather_sides, n, at);
     }
   }
@@ -336,13 +336,13 @@ class Submission {
     run(Step::trace, 2 * samples_);
     run(Step::end_segments, 2 * samples_);
     run(Step::put_segments, samples_);
-    pairs({Step::choose_sides, Step::join_sides, 2, Ends::both}, 0, samples_);
-    pairs({Step::choose_seen, Step::join_segments, 1, Ends::light}, 0, samples_);
+    pairs({Step::choose_sides, Step::connect_sides, 2, Ends::both}, 0, samples_);
+    pairs({Step::choose_seen, Step::connect_segments, 1, Ends::light}, 0, samples_);
     run(Step::flag_lit, samples_);
     if (machine_.pick(samples_) == 0) return;
     run(Step::list_lit, samples_);
     run(Step::estimate_segments, camera_end_ - camera_, camera_);
-    pairs({Step::choose_segments, Step::join_segments, 3, Ends::both}, 0, samples_);
+    pairs({Step::choose_segments, Step::connect_segments, 3, Ends::both}, 0, samples_);
   }
 
   Machine& machine_;
@@ -356,10 +356,10 @@ class Submission {
 // Lists the steps of a submission, if some of its walks go on and all end.
 class StepList : public Machine {
  public:
-  explicit StepList(const Room& room) : room_(room) {}
+  explicit StepList(const Capacity& room) : room_(room) {}
   const std::vector<Step>& steps() const { return steps_; }
 
-  Room room() const override { return room_; }
+  Capacity room() const override { return room_; }
   void set(const RenderParameters&, const std::vector<uint32_t>&) override {}
   void run(Step step, const StepParameters&) override {
     if (std::find(steps_.begin(), steps_.end(), step) == steps_.end()) steps_.push_back(step);
@@ -373,7 +373,7 @@ class StepList : public Machine {
   std::vector<uint32_t> take_film() override { return {}; }
 
  private:
-  const Room room_;
+  const Capacity room_;
   std::vector<Step> steps_;
   bool goes_on_ = false;
 };
@@ -384,8 +384,8 @@ void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules&
                                 const Film& film, bool quiet) {
   RenderParameters p = parameters_of(integrator, rules, 0, film);
   p.groups = 1;
-  p.segments_first = p.most_vertices - 2 * p.per_pool;
-  machine_->set(p, pool_offsets(p));
+  p.segments_first = p.most_vertices - 2 * p.per_cache;
+  machine_->set(p, cache_offsets(p));
   StepList list(machine_->room());
   Submission(list, p, crosses(p)).run();
   Progress progress("making kernels", "kernels", list.steps().size(), quiet);
@@ -397,12 +397,12 @@ bool WavefrontRenderer::crosses(const RenderParameters& p) const {
   return techniques.has(Technique::portal) && !world.portals.empty();
 }
 
-bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& pool_offsets) {
-  p.segments_first = p.most_vertices - 2 * p.groups * p.per_pool;
-  machine_->set(p, pool_offsets);
+bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& cache_offsets) {
+  p.segments_first = p.most_vertices - 2 * p.groups * p.per_cache;
+  machine_->set(p, cache_offsets);
   if (Submission(*machine_, p, crosses(p)).run()) return true;
   p.ray_counts_as = UINT32_MAX;
-  machine_->set(p, pool_offsets);
+  machine_->set(p, cache_offsets);
   Submission(*machine_, p, crosses(p)).run();
   return false;
 }

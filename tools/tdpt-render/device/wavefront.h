@@ -1,4 +1,4 @@
-// Renders samples in submissions of a device: all light walks of some pools, a vertex of each at a
+// Renders samples in submissions of a device: all light walks of some caches, a vertex of each at a
 // time, then their segments, then all that the camera's walks do with them.
 #pragma once
 #include <memory>
@@ -16,7 +16,7 @@ class WavefrontRenderer : public SampleRenderer {
   bool on_device() const override { return true; }
   void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,
                bool quiet) override;
-  /// Throws Error (no_device), with both numbers, where not even one pool's paths have room.
+  /// Throws Error (no_device), with both numbers, where not even one cache's paths have room.
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
 
@@ -32,7 +32,7 @@ class WavefrontRenderer : public SampleRenderer {
   void submit_all(shader::RenderParameters parameters, const SampleRange& samples,
                   Progress& progress);
   /// False when there was no room.
-  bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& pool_offsets);
+  bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& cache_offsets);
 
   std::unique_ptr<Machine> machine_;
   const std::string name_;

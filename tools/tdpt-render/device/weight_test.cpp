@@ -31,7 +31,7 @@ struct Path {
   // Survival of walks at x_i, which densities of the next vertex have as a factor.
   float light_survival[kLongest + 1], camera_survival[kLongest + 1];
 
-  bool joins(uint s) const { return s == 0 || !(dirac[s - 1] || dirac[s]); }
+  bool connections(uint s) const { return s == 0 || !(dirac[s - 1] || dirac[s]); }
 
   // Records of x_{s-1} .. x_0 in slots 0 ..
   std::vector<PathDensity> light_records(uint s) const {
@@ -111,13 +111,13 @@ double sum_of_weights(const RenderParameters& render, const Path& p) {
     std::vector<PathDensity> records = p.light_records(s);
     p.add_camera_records(s, records);
     weights.path_densities = records.data();
-    if (!p.joins(s) || !possible(s, s) || weights.weight_of_split(s, p.k) == 0) continue;
-    sum +=
-        weights.share_of(weights.weight_of_split(s, p.k),
-                         weights.strategies_of_joined(p.light_half(s), p.camera_half(s, records), s,
-                                                      p.k, s > 0 && s < p.k ? p.pair_A[s - 1] : 0));
+    if (!p.connections(s) || !possible(s, s) || weights.weight_of_split(s, p.k) == 0) continue;
+    sum += weights.share_of(
+        weights.weight_of_split(s, p.k),
+        weights.strategies_of_connected(p.light_half(s), p.camera_half(s, records), s, p.k,
+                                        s > 0 && s < p.k ? p.pair_A[s - 1] : 0));
   }
-  if (weights.has_technique(TECHNIQUE_DIRECT) && p.joins(1) && possible(0, 1)) {
+  if (weights.has_technique(TECHNIQUE_DIRECT) && p.connections(1) && possible(0, 1)) {
     std::vector<PathDensity> records;
     p.add_camera_records(1, records);
     weights.path_densities = records.data();
@@ -127,7 +127,7 @@ double sum_of_weights(const RenderParameters& render, const Path& p) {
                                          p.camera_A[0], p.pair_A[0]));
   }
   for (uint a = 0; a + 2 <= p.k && weights.has_technique(TECHNIQUE_PORTAL); ++a) {
-    if (!(p.pair_A[a] > 0) || !p.joins(a) || p.dirac[a] || p.dirac[a + 1] ||
+    if (!(p.pair_A[a] > 0) || !p.connections(a) || p.dirac[a] || p.dirac[a + 1] ||
         (a + 2 < p.k && p.dirac[a + 2]) || !possible(a, a + 2))
       continue;
     std::vector<PathDensity> records = p.light_records(a);
@@ -156,10 +156,10 @@ RenderParameters mixture_of(TechniqueSet techniques) {
   render.first_direct = 6;
   render.later_direct = 2;
   render.light_walks = 0.25f;
-  render.joined = 1.7f;
-  render.joined_to_segments = 1.3f;
+  render.connected = 1.7f;
+  render.connected_to_segments = 1.3f;
   render.segments = 0.5f;
-  render.segments_joined = 16;
+  render.segments_connected = 16;
   return render;
 }
 
@@ -211,7 +211,7 @@ TEST(weights_of_kernels, twin_a_strategy_that_counts_otherwise_is_seen) {
     weights.path_densities = records.data();
     const auto weight = [&] {
       return weights.share_of(weights.weight_of_split(3, 5),
-                              weights.strategies_of_joined(
+                              weights.strategies_of_connected(
                                   p.light_half(3), p.camera_half(3, records), 3, 5, p.pair_A[2]));
     };
     const float right = weight();

@@ -168,14 +168,14 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   }
 }
 
-// Others choose what they join among other vertices: each length has the same light in the mean.
+// Others choose what they connect among other vertices: each length has the same light in the mean.
 TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
   const GlowingCeiling box;
   const World world = box.world();
   const auto with_depth = [&](const Integrator& integrator, int depth) {
     AgreementSettings settings = kGross;
     settings.max_depth = depth;
-    DepthRuns runs = render_runs(world, Variant::pooled(world, integrator, depth), settings);
+    DepthRuns runs = render_runs(world, Variant::cached(world, integrator, depth), settings);
     runs.of_depth.resize(5);
     runs.of_depth.erase(runs.of_depth.begin());  // all together are less light
     return runs;
@@ -216,7 +216,7 @@ TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
     return worst / brightest;
   };
   for (const Integrator* integrator : integrators()) {
-    Variant power = Variant::pooled(world, *integrator, kMaxDepth);
+    Variant power = Variant::cached(world, *integrator, kMaxDepth);
     power.beta.fill(2);
     EXPECT_LE(off(power, 2), 2e-6) << integrator->name;
     if (integrator != &pt) {

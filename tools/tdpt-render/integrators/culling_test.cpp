@@ -44,7 +44,7 @@ double mean(const Picture& picture) {
   return sum / static_cast<double>(picture.pixels.size());
 }
 
-#ifndef TDPT_BY_TWIN
+#ifndef TDPT_BY_SCALAR
 constexpr AgreementSettings kSettings{.runs = 32, .spp = 4};
 
 // Outside the end wall of the camera's room, which it looks through.

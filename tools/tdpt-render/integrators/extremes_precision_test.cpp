@@ -24,7 +24,7 @@ void each_path(float albedo, int pixels, int least_edges, int most_edges, const 
   for (int i = 0; i < pixels; ++i) variant.sample(sampler, i % 8, i / 8, 0);
 }
 
-const Mixture kJoins{TechniqueSet(Technique::camera, Technique::light, Technique::bi)};
+const Mixture kConnections{TechniqueSet(Technique::camera, Technique::light, Technique::bi)};
 
 /// Weight of `used` by the balance heuristic, from products of densities as [eq. 7] has them.
 template <class Real>
@@ -36,7 +36,7 @@ Real weight_by_plain_products(const Path& path, Strategy used) {
     const Technique technique = s == 0   ? Technique::camera
                                 : s == k ? Technique::light
                                          : Technique::bi;
-    Real p = static_cast<Real>(kJoins.sample_weight(technique, s, k));
+    Real p = static_cast<Real>(kConnections.sample_weight(technique, s, k));
     for (int i = 0; i < k; ++i) {
       const WalkDensities::At& at = path.walks()[i];
       p *= static_cast<Real>(i < s ? at.light_A : at.camera_A);
@@ -59,13 +59,13 @@ Wrong weights_of_paths(float albedo, int pixels, int most, int least_edges, int 
         if (found.strategy.technique == Technique::direct || wrong.paths == most) return;
         ++wrong.paths;
         const double expected =
-            oracle::weight(oracle::densities(world, found.path, kJoins), found.strategy, 1);
+            oracle::weight(oracle::densities(world, found.path, kConnections), found.strategy, 1);
         const auto off = [&](double weight) {
           return !(std::abs(weight - expected) < 1e-3 * expected);
         };
         wrong.in_floats += off(double{weight_by_plain_products<float>(found.path, found.strategy)});
         wrong.in_doubles += off(weight_by_plain_products<double>(found.path, found.strategy));
-        wrong.by_ratios += off(found.path.weight(kJoins, found.strategy, 1));
+        wrong.by_ratios += off(found.path.weight(kConnections, found.strategy, 1));
       });
   std::printf("%d paths, wrong in floats %d, in doubles %d, by ratios %d\n", wrong.paths,
               wrong.in_floats, wrong.in_doubles, wrong.by_ratios);

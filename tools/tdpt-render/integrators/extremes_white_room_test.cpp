@@ -2,7 +2,7 @@
 // white room [testing/extremes.h]: it shows the radiance of its ceiling, or the row is wrong.
 //
 // A path tracer's samples are all alike there, and tell leaks and losses of a hundred thousandth;
-// those of techniques that join walks are not, and tell densities that are off.
+// those of techniques that connect walks are not, and tell densities that are off.
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
 

@@ -49,7 +49,8 @@ TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
     }
 }
 
-// Every path of a strategy that joins walks of a hundred edges takes as long as they: few samples.
+// Every path of a strategy that connects walks of a hundred edges takes as long as they: few
+// samples.
 void expect_100(const std::vector<const Integrator*>& chosen) {
   const Furnace f(0.99f, 8, 6);
   for (const Integrator* integrator : chosen) {
@@ -69,7 +70,7 @@ TEST(long_furnace, of_albedo_0_99_shows_100) {
   expect_100(integrators());
 }
 
-#ifndef TDPT_BY_TWIN
+#ifndef TDPT_BY_SCALAR
 // Survival of the walks that made a path by that strategy.
 double survived(const Path& path, const Strategy& strategy) {
   double all = 1;

@@ -13,41 +13,42 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                                 stream_in(round, integrator.stream)};
   const auto width = static_cast<uint64_t>(world.film.width());
   const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
-  // Light walks are pooled over pixels far apart, so that what those have in common is not seen.
-  const uint64_t per_pool = samples_of_pool(integrator.mixture);
-  const uint64_t pools = (pixels + per_pool - 1) / per_pool;
-  const uint64_t in_task = (width + per_pool - 1) / per_pool;
-  std::vector<Tally> tallies((pools + in_task - 1) / in_task, Tally(film.unit()));
+  // Light walks are cached over pixels far apart, so that what those have in common is not seen.
+  const uint64_t per_cache = samples_of_cache(integrator.mixture);
+  const uint64_t caches = (pixels + per_cache - 1) / per_cache;
+  const uint64_t in_task = (width + per_cache - 1) / per_cache;
+  std::vector<Tally> tallies((caches + in_task - 1) / in_task, Tally(film.unit()));
   tbb::parallel_for(size_t{0}, tallies.size(), [&](size_t task) {
     PathSampler sampler(world, settings, film, tallies[task]);
-    std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_pool));
+    std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_cache));
     const Walk none;
-    LightPool pool;
-    // The first `count` pixels of a pool.
+    LightVertexCache cache;
+    // The first `count` pixels of a cache.
     const auto each = [&](uint64_t first, uint64_t count, uint64_t sample, const auto& visit) {
       for (uint64_t i = 0; i < count; ++i) {
-        const uint64_t p = pixel_of_pool(first, i, pools, pixels);
+        const uint64_t p = pixel_of_cache(first, i, caches, pixels);
         sampler.begin(static_cast<int>(p % width), static_cast<int>(p / width), sample);
         visit(i);
       }
     };
-    const uint64_t begin = task * in_task, end = std::min(pools, begin + in_task);
+    const uint64_t begin = task * in_task, end = std::min(caches, begin + in_task);
     uint64_t done = 0;
     for (uint64_t first = begin; first < end; ++first) {
-      const uint64_t in_pool = (pixels - first + pools - 1) / pools;
-      const uint64_t walks = light_walks_of(integrator.mixture, in_pool);
+      const uint64_t in_cache = (pixels - first + caches - 1) / caches;
+      const uint64_t walks = light_walks_of(integrator.mixture, in_cache);
       for (uint64_t i = 0; i < samples.count; ++i) {
         const uint64_t sample = samples.first + i;
-        pool.clear(in_pool);
+        cache.clear(in_cache);
         each(first, walks, sample, [&](uint64_t w) {
           sampler.light_phase(light_walks[w]);
-          pool.add(light_walks[w]);
+          cache.add(light_walks[w]);
         });
         if (sampler.has_segment_phase())
-          each(first, in_pool, sample,
-               [&](uint64_t w) { sampler.segment_phase(w < walks ? light_walks[w] : none, pool); });
-        each(first, in_pool, sample, [&](uint64_t w) {
-          sampler.camera_phase(w < walks ? light_walks[w] : none, pool);
+          each(first, in_cache, sample, [&](uint64_t w) {
+            sampler.segment_phase(w < walks ? light_walks[w] : none, cache);
+          });
+        each(first, in_cache, sample, [&](uint64_t w) {
+          sampler.camera_phase(w < walks ? light_walks[w] : none, cache);
           sampler.end();
           ++done;
         });

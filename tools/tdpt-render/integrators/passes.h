@@ -38,7 +38,7 @@ struct RenderTally {
   };
   std::vector<OfPortal> portals;  ///< as in Tally
   uint64_t not_finite = 0;
-  std::vector<Tally::Place> not_finite_at;
+  std::vector<Tally::SamplePixel> not_finite_at;
 
   void add(const Tally& tally);
 };

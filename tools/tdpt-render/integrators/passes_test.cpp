@@ -1,4 +1,4 @@
-// Samples that pool their light walks lie in pixels far apart.
+// Samples that cache their light walks lie in pixels far apart.
 #include <algorithm>
 #include <cmath>
 
@@ -40,13 +40,13 @@ double correlation_down_columns(const std::vector<Luminance>& pictures) {
   return most;
 }
 
-class Pools : public ::testing::Test {
+class Caches : public ::testing::Test {
  protected:
   const Scene scene_ = read_gltf(two_rooms_path());
   const World world_{scene_, scene_.camera(""), kWidth, kHeight, {portal_in_the_hole()}};
 };
 
-TEST_F(Pools, leave_no_trace_down_the_columns_of_a_picture) {
+TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
   std::vector<Luminance> pictures;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     RenderSettings settings;
@@ -60,11 +60,11 @@ TEST_F(Pools, leave_no_trace_down_the_columns_of_a_picture) {
   EXPECT_LT(correlation_down_columns(pictures), 0.03);
 }
 
-// Twin: pixels of a pool as many apart as there are pools, 192, are those of two columns.
-TEST_F(Pools, twin_pixels_evenly_apart_are_caught) {
-  Variant variant = Variant::pooled(world_, tdpt_guided, 6);
-  variant.pixel = [](uint64_t pool, uint64_t i, uint64_t pools, uint64_t) {
-    return pool + i * pools;
+// Twin: pixels of a cache as many apart as there are caches, 192, are those of two columns.
+TEST_F(Caches, twin_pixels_evenly_apart_are_caught) {
+  Variant variant = Variant::cached(world_, tdpt_guided, 6);
+  variant.pixel = [](uint64_t cache, uint64_t i, uint64_t caches, uint64_t) {
+    return cache + i * caches;
   };
   AgreementSettings settings;
   settings.spp = 1;

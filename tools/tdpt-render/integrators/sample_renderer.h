@@ -18,8 +18,9 @@ class SampleRenderer {
   /// Makes ready what takes its time, once: no time of a rendering has it in it.
   virtual void prepare(const Integrator&, const SampleRules&, const Film&, bool /*quiet*/) {}
   /// As render_samples(): a pure function of the renderer and its arguments, however samples are
-  /// split into calls. The integrator expects its joins [expecting_joins()]. Where it throws Error
-  /// the film and the tally have the samples that the film says, and no part of others.
+  /// split into calls. The integrator expects its connections [expecting_connections()]. Where it
+  /// throws Error the film and the tally have the samples that the film says, and no part of
+  /// others.
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
                       const SampleRange& samples, Film& film, Tally& tally, Progress& progress) = 0;
   /// Samples, of all pixels together, that suit a call where nothing wants fewer: small pictures

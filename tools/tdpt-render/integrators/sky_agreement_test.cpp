@@ -210,9 +210,9 @@ TEST(sky_agreement, whole_light) {
   const Room r(room({}), uneven_sky({kSun}), settings);
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Integrator* integrator : kAll)
-    EXPECT_TRUE(r.verdict("whole", world, Variant::pooled(world, *integrator, kMaxDepth)).holds())
+    EXPECT_TRUE(r.verdict("whole", world, Variant::cached(world, *integrator, kMaxDepth)).holds())
         << integrator->name;
-  Variant twice = Variant::pooled(world, tdpt_org, kMaxDepth);
+  Variant twice = Variant::cached(world, tdpt_org, kMaxDepth);
   twice.besides = [](PathSampler& sampler) { sampler.run(Technique::portal); };
   EXPECT_FALSE(r.verdict("twin, segments twice", world, twice).holds());
 }

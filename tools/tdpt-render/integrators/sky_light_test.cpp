@@ -172,7 +172,7 @@ TEST(sky_light, a_white_alcove_is_as_bright_as_the_sky) {
   const Portal half = rectangle({0.7, 0.4, -0.9}, {0, 0, 1}, {0.2, 1, 0});
   for (const auto& portals : {std::vector<Portal>{}, {open}, {half}})
     expect_shown("alcove", out.world(one_colour_sky(Rgb(1)), portals),
-                 {.quarters = alike(1), .spp = 32, .error = kByTwin ? 0.12 : 0.06});
+                 {.quarters = alike(1), .spp = 32, .error = kByScalar ? 0.12 : 0.06});
 }
 
 // A thin pane, a veil of alpha 1/2, a mirror and a block of clear glass in the open.
@@ -293,7 +293,7 @@ TEST(sky_light, of_a_sun_through_a_hole_falls_where_it_should) {
   }
 }
 
-#ifndef TDPT_BY_TWIN  // of the CPU's densities
+#ifndef TDPT_BY_SCALAR  // of the CPU's densities
 // Twins: densities that claim 5 % more than they have.
 TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
   HoleInTheCeiling room;

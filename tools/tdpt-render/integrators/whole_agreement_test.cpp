@@ -34,8 +34,8 @@ Integrator with_light_walks(Integrator integrator, double share) {
 void expect_whole_agreement(const World& world, const std::vector<const Integrator*>& others) {
   std::vector<Variant> variants;
   for (const Integrator* integrator : others)
-    variants.push_back(Variant::pooled(world, *integrator, kMaxDepth));
-  // The reference joins the vertices of a sample with each other alone.
+    variants.push_back(Variant::cached(world, *integrator, kMaxDepth));
+  // The reference connects the vertices of a sample with each other alone.
   const DepthRuns reference = render_runs(world, bdpt, kSettings.of_reference());
   EXPECT_GT(reference.of_depth.back().mean(), 0.01 * reference.of_depth[0].mean());
   expect_agreement(world, variants, reference, kSettings);
@@ -67,9 +67,9 @@ TEST(whole_agreement, glossy_rooms) {
 class whole_agreement_twin : public ::testing::Test {
  protected:
   static Variant expecting(const Integrator& integrator, const World& world, double more) {
-    Variant v = Variant::pooled(world, integrator, kMaxDepth);
-    v.integrator.mixture.joined *= more;
-    v.integrator.mixture.joined_to_segments *= more;
+    Variant v = Variant::cached(world, integrator, kMaxDepth);
+    v.integrator.mixture.connected *= more;
+    v.integrator.mixture.connected_to_segments *= more;
     return v;
   }
   Verdict verdict(const char* what, const Variant& variant) const {
@@ -85,12 +85,12 @@ class whole_agreement_twin : public ::testing::Test {
 };
 
 // Weights may expect what they like, as long as all strategies' do.
-TEST_F(whole_agreement_twin, control_weights_that_expect_twice_as_many_joins) {
-  EXPECT_TRUE(verdict("bdpt, joins expected twice", expecting(bdpt, world_, 2)).holds());
+TEST_F(whole_agreement_twin, control_weights_that_expect_twice_as_many_connections) {
+  EXPECT_TRUE(verdict("bdpt, connections expected twice", expecting(bdpt, world_, 2)).holds());
   EXPECT_TRUE(verdict("tdpt-org, the same", expecting(tdpt_org, world_, 2)).holds());
 }
 
-TEST_F(whole_agreement_twin, joins_that_are_made_twice_as_well_are_caught) {
+TEST_F(whole_agreement_twin, connections_that_are_made_twice_as_well_are_caught) {
   Variant twice = expecting(bdpt, world_, 2);
   twice.besides = [](PathSampler& sampler) { sampler.run(Technique::bi); };
   EXPECT_FALSE(verdict("bi twice, expected twice", twice).holds());
@@ -100,18 +100,18 @@ TEST_F(whole_agreement_twin, joins_that_are_made_twice_as_well_are_caught) {
 }
 
 TEST_F(whole_agreement_twin, splats_of_few_light_walks_that_count_for_others_are_caught) {
-  Variant twice = Variant::pooled(world_, with_light_walks(bdpt, 0.25), kMaxDepth);
+  Variant twice = Variant::cached(world_, with_light_walks(bdpt, 0.25), kMaxDepth);
   twice.besides = [](PathSampler& sampler) { sampler.run(Technique::light); };
   EXPECT_FALSE(verdict("light twice, in a quarter", twice).holds());
-  Variant uncounted = Variant::pooled(world_, with_light_walks(bdpt, 0.5), kMaxDepth);
+  Variant uncounted = Variant::cached(world_, with_light_walks(bdpt, 0.5), kMaxDepth);
   uncounted.counted_samples = 0.5;
   EXPECT_FALSE(verdict("light walks counted as all", uncounted).holds());
 }
 
 TEST_F(whole_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught) {
-  Variant without = Variant::pooled(world_, nee, kMaxDepth);
-  without.integrator.mixture = expecting_joins(world_, bdpt.mixture, kMaxDepth);
-  without.pools = false;
+  Variant without = Variant::cached(world_, nee, kMaxDepth);
+  without.integrator.mixture = expecting_connections(world_, bdpt.mixture, kMaxDepth);
+  without.caches = false;
   without.run = run_only<Technique::camera, Technique::direct, Technique::light>;
   EXPECT_FALSE(verdict("bi missing", without).holds());
 }

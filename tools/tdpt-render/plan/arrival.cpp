@@ -8,7 +8,7 @@ namespace {
 constexpr double kByPower = 0.1;
 constexpr double kBrightest = 0.1;  // most of all that one path may tell
 
-void add(Lights::Shares& sum, const Lights::Shares& s, double factor) {
+void add(Lights::KindProbabilities& sum, const Lights::KindProbabilities& s, double factor) {
   sum.surfaces += factor * s.surfaces;
   sum.lamps += factor * s.lamps;
   sum.parallel += factor * s.parallel;
@@ -25,10 +25,10 @@ void ArrivingLight::merge(const ArrivingLight& other) {
   found_.insert(found_.end(), other.found_.begin(), other.found_.end());
 }
 
-Lights::Shares ArrivingLight::shares(const Lights::Shares& by_power) const {
+Lights::KindProbabilities ArrivingLight::shares(const Lights::KindProbabilities& by_power) const {
   double all = 0, sum = 0;
   for (const auto& [source, light] : found_) all += light;
-  Lights::Shares arrived, shares;
+  Lights::KindProbabilities arrived, shares;
   for (const auto& [source, light] : found_) {
     const double told = std::min(light, kBrightest * all);
     arrived.of(*source) += told;

@@ -15,9 +15,9 @@ class ArrivingLight {
   /// does not count.
   void see(const Path& path, double light);
   void merge(const ArrivingLight& other);
-  /// Shares that add up to 1: nine tenths by what arrived, a tenth `by_power`, which all is where
-  /// nothing arrived. One path tells at most a tenth of all.
-  Lights::Shares shares(const Lights::Shares& by_power) const;
+  /// Shares that add up to 1: nine tenths by what arrived, a tenth `by_power`, which all
+  /// is where nothing arrived. One path tells at most a tenth of all.
+  Lights::KindProbabilities shares(const Lights::KindProbabilities& by_power) const;
 
  private:
   std::vector<std::pair<const LightSource*, double>> found_;

@@ -21,7 +21,7 @@ struct Room {
   Room(const std::string& path, const std::vector<Portal>& portals, int width, int height)
       : scene(read_gltf(path)),
         world(scene, scene.camera(""), width, height, portals),
-        candidates(expecting_joins(world, auto_candidates(world), kMaxDepth)) {}
+        candidates(expecting_connections(world, auto_candidates(world), kMaxDepth)) {}
 
   RenderResult render(const RenderSettings& settings) const {
     return tdpt::render(world, candidates, settings);
@@ -52,24 +52,24 @@ TEST(auto_choice, is_the_same_and_so_is_the_picture_for_any_number_of_threads) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     results.push_back(room.render(settings));
   }
-  ASSERT_EQ(results[0].forecast.prospects.size(), room.candidates.size());
+  ASSERT_EQ(results[0].forecast.estimates.size(), room.candidates.size());
   for (size_t r : {1, 2}) {
     EXPECT_EQ(results[0].picture.pixels, results[r].picture.pixels);
     EXPECT_EQ(results[0].chosen_label, results[r].chosen_label);
     for (size_t i = 0; i < room.candidates.size(); ++i) {
-      EXPECT_EQ(results[0].forecast.prospects[i].relmse, results[r].forecast.prospects[i].relmse);
-      EXPECT_EQ(results[0].forecast.prospects[i].work, results[r].forecast.prospects[i].work);
+      EXPECT_EQ(results[0].forecast.estimates[i].relmse, results[r].forecast.estimates[i].relmse);
+      EXPECT_EQ(results[0].forecast.estimates[i].work, results[r].forecast.estimates[i].work);
     }
     for (const auto& [name, layer] : results[0].layers)
       EXPECT_EQ(layer.pixels, results[r].layers.at(name).pixels) << name;
   }
 }
 
-TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_prospects) {
+TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_estimates) {
   const Room room = two_rooms();
   const RenderResult one = room.render(of(20, 1)), two = room.render(of(20, 2));
   EXPECT_NE(one.picture.pixels, two.picture.pixels);
-  EXPECT_NE(one.forecast.prospects[0].relmse, two.forecast.prospects[0].relmse);
+  EXPECT_NE(one.forecast.estimates[0].relmse, two.forecast.estimates[0].relmse);
 }
 
 // From 8 samples of each pixel on.
@@ -98,11 +98,11 @@ TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_wi
   }
 }
 
-// The scout's samples are thrown away: the picture is that of the chosen one, sample by sample.
+// The pilot's samples are thrown away: the picture is that of the chosen one, sample by sample.
 TEST(auto_choice, renders_as_the_chosen_one_does_alone) {
   const Room room = two_rooms();
   const RenderResult r = room.render(of(24));
-  EXPECT_GT(r.scouted, 0u);
+  EXPECT_GT(r.pilot_samples, 0u);
   EXPECT_EQ(r.spp, 24u);
   EXPECT_EQ(r.picture.pixels,
             render(room.world, room.candidates[r.chosen].integrator, of(24)).picture.pixels);
@@ -114,8 +114,8 @@ TEST(auto_choice, is_bdpt_where_the_samples_are_too_few_to_tell) {
   const Room room = two_rooms(16, 12);
   const RenderResult r = room.render(of(2));
   EXPECT_EQ(r.chosen_label, "bdpt with few light walks");
-  EXPECT_TRUE(r.forecast.prospects.empty());
-  EXPECT_EQ(r.scouted, 0u);
+  EXPECT_TRUE(r.forecast.estimates.empty());
+  EXPECT_EQ(r.pilot_samples, 0u);
   EXPECT_EQ(choice_sentence(r),
             "auto chose bdpt with few light walks; the samples are too few to tell more");
   EXPECT_EQ(verdict_sentence(r), "");
@@ -124,21 +124,21 @@ TEST(auto_choice, is_bdpt_where_the_samples_are_too_few_to_tell) {
 TEST(auto_choice, costs_a_small_part_of_the_work) {
   const Room room = two_rooms(64, 48);
   Film film(64, 48, room.world.lights.power());
-  Scout scout(room.world, room.candidates, {});
-  EXPECT_FALSE(can_spare(4, 20, scout));
-  EXPECT_TRUE(can_spare(4, 64 * 48, scout));
-  scout.draw(kFewestGroups, film);
-  const Forecast told = scout.forecast();
-  const double work = told.prospects[told.best].work;
+  Pilot pilot(room.world, room.candidates, {});
+  EXPECT_FALSE(can_spare(4, 20, pilot));
+  EXPECT_TRUE(can_spare(4, 64 * 48, pilot));
+  pilot.draw(kFewestGroups, film);
+  const Forecast told = pilot.forecast();
+  const double work = told.estimates[told.best].work;
   for (const double spp : {4.0, 8.0, 32.0, 256.0, 1e4, 1e9}) {
-    const uint64_t groups = groups_for(spp, 64 * 48, scout);
+    const uint64_t groups = groups_for(spp, 64 * 48, pilot);
     const double share =
-        static_cast<double>(groups) * scout.work_of_group() / (spp * 64 * 48 * work);
-    EXPECT_LE(share, 1.5 * kScoutsShare);  // of what may be the best
-    EXPECT_EQ(groups % ScoutSums::kBatches, 0u);
+        static_cast<double>(groups) * pilot.work_of_group() / (spp * 64 * 48 * work);
+    EXPECT_LE(share, 1.5 * kPilotShare);  // of what may be the best
+    EXPECT_EQ(groups % PilotSums::kBatches, 0u);
     EXPECT_LE(groups, kMostGroups);
   }
-  EXPECT_EQ(groups_for(1e9, 64 * 48, scout), kMostGroups);
+  EXPECT_EQ(groups_for(1e9, 64 * 48, pilot), kMostGroups);
 }
 
 TEST(auto_choice, by_the_clock_looks_around_in_a_part_of_the_time) {
@@ -146,8 +146,8 @@ TEST(auto_choice, by_the_clock_looks_around_in_a_part_of_the_time) {
   RenderSettings settings;
   settings.seconds = 1;
   const RenderResult r = room.render(settings);
-  EXPECT_GE(r.scouted, kFewestGroups);
-  EXPECT_LT(r.scout_cpu_seconds, 0.5 * r.cpu_seconds);
+  EXPECT_GE(r.pilot_samples, kFewestGroups);
+  EXPECT_LT(r.pilot_cpu_seconds, 0.5 * r.cpu_seconds);
   EXPECT_GE(r.spp, 1u);
 }
 
@@ -159,29 +159,29 @@ TEST(auto_choice, stands_in_the_statistics) {
   const auto j = nlohmann::json::parse(stats_json(any, settings, r, {portal_in_the_hole()}));
   EXPECT_EQ(j["integrator"], "auto");
   EXPECT_EQ(j["chosen"], r.chosen_label);
-  EXPECT_EQ(j["scout"]["samples"], r.scouted);
-  EXPECT_EQ(j["scout"]["portals_gain"], r.forecast.portals->times);
-  EXPECT_EQ(j["scout"]["portals_gain_interval"][1], r.forecast.portals->high);
-  ASSERT_EQ(j["scout"]["candidates"].size(), r.forecast.prospects.size());
-  for (size_t i = 0; i < r.forecast.prospects.size(); ++i) {
-    const auto& entry = j["scout"]["candidates"][i];
-    EXPECT_EQ(entry["integrator"], r.forecast.prospects[i].integrator);
-    EXPECT_EQ(entry["relmse"], r.forecast.prospects[i].relmse);
-    EXPECT_EQ(entry["work"], r.forecast.prospects[i].work);
+  EXPECT_EQ(j["pilot"]["samples"], r.pilot_samples);
+  EXPECT_EQ(j["pilot"]["portals_gain"], r.forecast.portals->times);
+  EXPECT_EQ(j["pilot"]["portals_gain_interval"][1], r.forecast.portals->high);
+  ASSERT_EQ(j["pilot"]["candidates"].size(), r.forecast.estimates.size());
+  for (size_t i = 0; i < r.forecast.estimates.size(); ++i) {
+    const auto& entry = j["pilot"]["candidates"][i];
+    EXPECT_EQ(entry["integrator"], r.forecast.estimates[i].integrator);
+    EXPECT_EQ(entry["relmse"], r.forecast.estimates[i].relmse);
+    EXPECT_EQ(entry["work"], r.forecast.estimates[i].work);
     EXPECT_EQ(entry["portals"], room.candidates[i].with_portals());
   }
   EXPECT_EQ(j["techniques"].size(), size_t{kTechniques});
   const RenderResult plain = render(room.world, bdpt, of(2));
   const auto without = nlohmann::json::parse(stats_json(bdpt, settings, plain, {}));
   EXPECT_FALSE(without.contains("chosen"));
-  EXPECT_FALSE(without.contains("scout"));
+  EXPECT_FALSE(without.contains("pilot"));
 }
 
 TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   RenderResult r;
-  r.scouted = 512;
+  r.pilot_samples = 512;
   r.chosen_label = "tdpt-org";
-  r.forecast.prospects = {{"bdpt", false, 45, 200, 9000}, {"tdpt-org", true, 10, 300, 3000}};
+  r.forecast.estimates = {{"bdpt", false, 45, 200, 9000}, {"tdpt-org", true, 10, 300, 3000}};
   r.chosen = 1;
   r.forecast.portals = {{3, 2, 4.5}, 1, 0};
   EXPECT_EQ(
@@ -190,7 +190,7 @@ TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   EXPECT_EQ(verdict_sentence(r),
             "portals: 3 times, 2 to 4.5, the efficiency of bdpt, the best without them, by "
             "tdpt-org");
-  r.forecast.prospects[1].cost = 18000;
+  r.forecast.estimates[1].cost = 18000;
   r.forecast.portals = {{0.5, 0.4, 0.62}, 1, 0};
   r.chosen = 0;
   r.chosen_label = "bdpt";
@@ -200,11 +200,11 @@ TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   EXPECT_EQ(verdict_sentence(r),
             "portals: 0.5 times, 0.4 to 0.62, the efficiency of bdpt, the best without them, by "
             "tdpt-org: they are left out");
-  r.forecast.prospects[1].cost = INFINITY;
+  r.forecast.estimates[1].cost = INFINITY;
   EXPECT_EQ(choice_sentence(r), "auto chose bdpt: all others miss light");
-  for (Prospect& p : r.forecast.prospects) p.cost = 0;
+  for (CandidateEstimate& p : r.forecast.estimates) p.cost = 0;
   EXPECT_EQ(choice_sentence(r), "auto chose bdpt: no error showed in 512 samples");
-  r.forecast.prospects.clear();
+  r.forecast.estimates.clear();
   r.interrupted = true;
   EXPECT_EQ(choice_sentence(r), "auto chose bdpt; it was stopped before more could be told");
 }
@@ -243,19 +243,19 @@ class Told : public testing::Test {
  protected:
   static constexpr int kWidth = 24, kHeight = 18;
 
-  // [candidate]: by several scouts together, since a bright path that one of them meets may be half
+  // [candidate]: by several pilots together, since a bright path that one of them meets may be half
   // of what it tells.
   static std::vector<double> told(const World& world, const std::vector<Candidate>& candidates) {
-    constexpr uint64_t kScouts = 6;
+    constexpr uint64_t kPilots = 6;
     Film film(kWidth, kHeight, world.lights.power());
     std::vector<double> errors(candidates.size());
-    for (uint64_t seed = 1; seed <= kScouts; ++seed) {
+    for (uint64_t seed = 1; seed <= kPilots; ++seed) {
       SampleRules rules;
       rules.seed = seed;
-      Scout scout(world, candidates, rules);
-      scout.draw(2048, film);
-      const std::vector<Prospect> prospects = scout.forecast().prospects;
-      for (size_t i = 0; i < errors.size(); ++i) errors[i] += prospects[i].relmse / kScouts;
+      Pilot pilot(world, candidates, rules);
+      pilot.draw(2048, film);
+      const std::vector<CandidateEstimate> estimates = pilot.forecast().estimates;
+      for (size_t i = 0; i < errors.size(); ++i) errors[i] += estimates[i].relmse / kPilots;
     }
     return errors;
   }
@@ -289,10 +289,10 @@ TEST_F(Told, errors_of_what_seldom_finds_light_are_large_at_once) {
   for (uint64_t seed = 1; seed <= 8; ++seed) {
     SampleRules rules;
     rules.seed = seed;
-    Scout scout(room.world, room.candidates, rules);
-    scout.draw(64, film);
-    const Forecast told = scout.forecast();
-    EXPECT_TRUE(told.prospects[told.best].with_portals);
+    Pilot pilot(room.world, room.candidates, rules);
+    pilot.draw(64, film);
+    const Forecast told = pilot.forecast();
+    EXPECT_TRUE(told.estimates[told.best].with_portals);
     logarithms += std::log(told.portals->times) / 8;
   }
   EXPECT_GT(std::exp(logarithms), 2.5);  // 8 in the long run

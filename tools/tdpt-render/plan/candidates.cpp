@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {
 namespace {
@@ -60,8 +60,8 @@ std::vector<Candidate> possible_candidates(const World& world, const Integrator&
   if (!world.windows.empty()) {
     all.push_back({few(bdpt, stream::bdpt_through_windows), "bdpt through windows"});
     all.push_back({with_stream(nee, stream::nee_through_windows), "nee through windows"});
-    all.push_back({aiming(few(bdpt, 0), stream::bdpt_aiming), "bdpt aiming at windows"});
-    all.push_back({aiming(nee, stream::nee_aiming), "nee aiming at windows"});
+    all.push_back({aiming(few(bdpt, 0), stream::bdpt_guided_to_windows), "bdpt guided to windows"});
+    all.push_back({aiming(nee, stream::nee_guided_to_windows), "nee guided to windows"});
   }
   return all;
 }
@@ -76,8 +76,8 @@ std::vector<Candidate> auto_candidates(const World& world, const Integrator& gui
   return candidates;
 }
 
-std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
-                                       int max_depth) {
+std::vector<Candidate> expecting_connections(const World& world, std::vector<Candidate> candidates,
+                                             int max_depth) {
   // Those of one guiding have the same walks.
   std::vector<std::pair<Guiding, LightVertices>> known;
   for (Candidate& c : candidates) {
@@ -87,7 +87,7 @@ std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate
                            [&](const auto& k) { return k.first == m.guiding; });
     if (at == known.end())
       at = known.insert(at, {m.guiding, expected_light_vertices(world, m.guiding, max_depth)});
-    m = expecting_joins(at->second, m);
+    m = expecting_connections(at->second, m);
   }
   return candidates;
 }

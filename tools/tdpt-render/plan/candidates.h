@@ -25,9 +25,9 @@ std::vector<Candidate> possible_candidates(const World& world,
 /// Those that miss no light of the scene [light_missed]; the first of all where each does.
 std::vector<Candidate> auto_candidates(const World& world, const Integrator& guided = tdpt_guided);
 
-/// With the numbers of joins that are to be expected of each [light_pool.h].
-std::vector<Candidate> expecting_joins(const World& world, std::vector<Candidate> candidates,
-                                       int max_depth);
+/// With the numbers of connections that are to be expected of each [light_vertex_cache.h].
+std::vector<Candidate> expecting_connections(const World& world, std::vector<Candidate> candidates,
+                                             int max_depth);
 
 /// `auto` by name, with all techniques of the candidates; it cannot be run.
 Integrator either_of(const std::vector<Candidate>& candidates);

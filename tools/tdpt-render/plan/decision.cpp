@@ -14,32 +14,32 @@ std::optional<int> shorter(const Session& session) {
 }
 
 // In rounds, each as large as all before, so that a short time is not overrun by much.
-void look_around(const Session& session, Scout& scout, Film& film) {
+void look_around(const Session& session, Pilot& pilot, Film& film) {
   const RenderSettings& settings = session.settings;
   const auto spp = static_cast<double>(spp_foreseen(settings));
   const bool by_clock = settings.seconds > 0;
-  const double time = 0.5 * kScoutsShare * settings.seconds;  // the last round is the rest
-  if (spp > 0 && !can_spare(spp, session.pixels, scout)) return;
+  const double time = 0.5 * kPilotShare * settings.seconds;  // the last round is the rest
+  if (spp > 0 && !can_spare(spp, session.pixels, pilot)) return;
   for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
-    scout.draw(n, film);
+    pilot.draw(n, film);
     if (by_clock && session.clock.seconds() > time) break;
-    const uint64_t enough = spp > 0 ? groups_for(spp, session.pixels, scout) : kMostGroups;
-    n = std::min(scout.groups(), enough - std::min(enough, scout.groups()));
+    const uint64_t enough = spp > 0 ? groups_for(spp, session.pixels, pilot) : kMostGroups;
+    n = std::min(pilot.groups(), enough - std::min(enough, pilot.groups()));
   }
   film.clear();
 }
 
-void choose_by_scout(Session& session, const std::vector<Candidate>& candidates, Film& film,
+void choose_by_pilot(Session& session, const std::vector<Candidate>& candidates, Film& film,
                      Decision& out) {
   const double cpu = session.clock.cpu();
-  Scout scout(session.world, candidates, session.rules,
+  Pilot pilot(session.world, candidates, session.rules,
               session.renderer.on_device() ? kDeviceWork : kCpuWork);
-  look_around(session, scout, film);
-  out.scout_cpu_seconds = session.clock.cpu() - cpu;
-  if (scout.groups() > 0) {
-    out.forecast = scout.forecast();
+  look_around(session, pilot, film);
+  out.pilot_cpu_seconds = session.clock.cpu() - cpu;
+  if (pilot.groups() > 0) {
+    out.forecast = pilot.forecast();
     out.chosen = out.forecast.best;
-    out.scouted = scout.groups() * scout.samples_of_group();
+    out.pilot_samples = pilot.groups() * pilot.samples_of_group();
   }
   out.plan.integrator = candidates[out.chosen].integrator;
   out.plan.label = out.chosen_label = candidates[out.chosen].label;
@@ -55,11 +55,11 @@ Decision decided(Session& session, const std::vector<Candidate>& candidates, con
   out.longest = shorter(session);
   if (candidates.size() > 1) {
     out.chosen_label = candidates[0].label;
-    if (!out.longest) choose_by_scout(session, candidates, film, out);
+    if (!out.longest) choose_by_pilot(session, candidates, film, out);
   }
   out.count = count_samples(session, out.plan.integrator, film);
   if (out.count.measured) out.plan.spp = out.count.goal;
-  out.hasty = stop_requested();
+  out.cut_short = stop_requested();
   return out;
 }
 

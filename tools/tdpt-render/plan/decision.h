@@ -4,31 +4,31 @@
 #include <string>
 #include <vector>
 
+#include "tools/tdpt-render/plan/pilot.h"
 #include "tools/tdpt-render/plan/plan.h"
 #include "tools/tdpt-render/plan/sample_count.h"
-#include "tools/tdpt-render/plan/scout.h"
 
 namespace tdpt {
 
 /// What was found out before, for the plan.
 struct Known {
-  std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
-  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out
+  std::vector<PortalWay> ways;       ///< which way portals work; empty: as drawn
+  std::optional<Truncation> beyond;  ///< what the limit of depth leaves out
 };
 
 struct Decision {
-  Plan plan;           ///< what was decided by measuring
-  bool hasty = false;  ///< a signal came before it was: another run would decide otherwise
+  Plan plan;               ///< what was decided by measuring
+  bool cut_short = false;  ///< a signal came before it was: another run would decide otherwise
   SampleCount count;
   std::optional<int> longest;  ///< path worth sampling, if shorter than asked [longest_path.h]
   size_t chosen = 0;           ///< which of the candidates renders
   std::string chosen_label;    ///< empty when there is only one
-  Forecast forecast;           ///< of the candidates; no prospects where none was looked at
-  uint64_t scouted = 0;        ///< samples that they are told from
-  double scout_cpu_seconds = 0;
+  Forecast forecast;           ///< of the candidates; no estimates where none was looked at
+  uint64_t pilot_samples = 0;  ///< samples that they are told from
+  double pilot_cpu_seconds = 0;
 };
 
-/// The best of the candidates, found by a scout if the budget allows one [scout.h], else the first;
+/// The best of the candidates, found by a pilot if the budget allows one [pilot.h], else the first;
 /// and its samples. `film`: empty, as large as the picture; it is left so.
 Decision decided(Session& session, const std::vector<Candidate>& candidates, const Known& known,
                  Film& film);

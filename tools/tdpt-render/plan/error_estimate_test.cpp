@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/plan/pilot.h"
+#include "tools/tdpt-render/plan/error_pilot.h"
 
 namespace tdpt::error_estimate_test {
 
@@ -118,9 +118,9 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
   std::vector<double> better;
   constexpr size_t kPictures = 200;
   for (size_t n = 0; n < kPictures; ++n) {
-    PictureParts last(Pilot::kParts);
-    const Pilot pilot =
-        run_pilot(pixels, target, 1 << 20, [&](uint64_t part, const SampleRange& samples) {
+    PictureParts last(ErrorPilot::kParts);
+    const ErrorPilot pilot =
+        run_error_pilot(pixels, target, 1 << 20, [&](uint64_t part, const SampleRange& samples) {
           std::vector<Vec3d> sums = scene.sums(samples.count, random);
           last[part].clear();
           for (const Vec3d& s : sums)

@@ -4,28 +4,28 @@
 // Method: a small picture is rendered by tdpt-guided through all portals, each working both ways,
 // one sample of each pixel. Every path that brings light, whichever technique made it, is seen with
 // its weighted luminance by those who ask which way light passes portals [portal_ways.h], which
-// kind of light arrives [arrival.h], and what a limit of depth leaves out [beyond.h].
+// kind of light arrives [arrival.h], and what a limit of depth leaves out [truncation.h].
 #pragma once
 #include <optional>
 
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/plan/arrival.h"
-#include "tools/tdpt-render/plan/beyond.h"
 #include "tools/tdpt-render/plan/portal_ways.h"
+#include "tools/tdpt-render/plan/truncation.h"
 
 namespace tdpt {
 
 struct Explored {
   std::vector<PortalWay> ways;     ///< by portal
   std::vector<PortalLight> light;  ///< by portal
-  Lights::Shares arriving;
-  std::optional<Beyond> beyond;  ///< where there is a limit of depth
-  uint64_t samples = 0;          ///< that were drawn
+  Lights::KindProbabilities arriving;
+  std::optional<Truncation> beyond;  ///< where there is a limit of depth
+  uint64_t samples = 0;              ///< that were drawn
 };
 
-/// Share of a picture's samples that it may take, beside a scout and where there is none, and how
+/// Share of a picture's samples that it may take, beside a pilot and where there is none, and how
 /// many are enough or tell nothing.
-inline constexpr double kShareBesideScout = 0.005, kShareAlone = 0.02, kExplorationEnough = 3072,
+inline constexpr double kShareBesidePilot = 0.005, kShareAlone = 0.02, kExplorationEnough = 3072,
                         kExplorationFewest = 128;
 
 /// A function of scene, camera, aspect of the picture, portals, rules and `samples`: the small

@@ -10,7 +10,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/json_depth.h"
 #include "libcommon/formats/format_version.h"
-#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {
 namespace {
@@ -72,9 +72,9 @@ nlohmann::ordered_json json_of(const Plan& plan) {
                              {"later_direct", m.later_direct},
                              {"segments", m.segments},
                              {"light_walks", m.light_walks},
-                             {"joined", m.joined},
-                             {"joined_to_segments", m.joined_to_segments},
-                             {"segments_joined", m.segments_joined},
+                             {"connected", m.connected},
+                             {"connected_to_segments", m.connected_to_segments},
+                             {"segments_connected", m.segments_connected},
                              {"guide_light", m.guiding.chance[0]},
                              {"guide_camera", m.guiding.chance[1]},
                              {"through_windows", m.through_windows},
@@ -113,9 +113,10 @@ Plan read_plan(const std::string& text, const std::string& file) {
   m.later_direct = in.within("later_direct", 1e-3, 1e3);
   m.segments = in.within("segments", 0.01, 1);
   m.light_walks = in.within("light_walks", kFewestLightWalks, 1);
-  m.joined = in.within("joined", 1e-3, LightPool::kWalks);
-  m.joined_to_segments = in.within("joined_to_segments", 1e-3, LightPool::kWalks);
-  m.segments_joined = in.within("segments_joined", 1, LightPool::kWalks / kFewestLightWalks);
+  m.connected = in.within("connected", 1e-3, LightVertexCache::kWalks);
+  m.connected_to_segments = in.within("connected_to_segments", 1e-3, LightVertexCache::kWalks);
+  m.segments_connected =
+      in.within("segments_connected", 1, LightVertexCache::kWalks / kFewestLightWalks);
   m.guiding.chance = {in.within("guide_light", 0, 0.95), in.within("guide_camera", 0, 0.95)};
   m.through_windows = in.within("through_windows", 0, 0.95);
   plan.spp = in.get<uint64_t>("spp");
@@ -138,7 +139,7 @@ Plan read_plan(const std::string& text, const std::string& file) {
     plan.beyond = {static_cast<int>(of.within("depth", 1, kMaxDepth)), of.within("share", 0, 1),
                    of.within("error", 0, 1e3)};
   }
-  const Lights::Shares& s = plan.lights;
+  const Lights::KindProbabilities& s = plan.lights;
   const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
   if (sum != 0 && std::abs(sum - 1) > 1e-9)
     in.fail("surfaces", "and the other shares add up to no 1");

@@ -7,18 +7,18 @@
 
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/plan/beyond.h"
 #include "tools/tdpt-render/plan/portal_ways.h"
+#include "tools/tdpt-render/plan/truncation.h"
 
 namespace tdpt {
 
 struct Plan {
-  Integrator integrator = bdpt;  ///< renders the picture's own samples
-  std::string label;             ///< of the candidate that it is
-  uint64_t spp = 0;              ///< samples of each pixel; 0: as many as the time allows
-  std::vector<PortalWay> ways;   ///< which way portals work; empty: as drawn
-  Lights::Shares lights;         ///< how often each kind is chosen
-  std::optional<Beyond> beyond;  ///< what the limit of depth leaves out, where there is one
+  Integrator integrator = bdpt;      ///< renders the picture's own samples
+  std::string label;                 ///< of the candidate that it is
+  uint64_t spp = 0;                  ///< samples of each pixel; 0: as many as the time allows
+  std::vector<PortalWay> ways;       ///< which way portals work; empty: as drawn
+  Lights::KindProbabilities lights;  ///< how often each kind is chosen
+  std::optional<Truncation> beyond;  ///< what the limit of depth leaves out, where there is one
 
   /// Whether they make the same picture.
   friend bool operator==(const Plan& a, const Plan& b);

@@ -10,18 +10,18 @@ namespace tdpt::plan_test {
 TEST(plan, is_read_as_it_was_written) {
   Plan plan{tdpt_guided, "tdpt-guided", 1000, {{1, PortalWay::back}}, {}, {}};
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
-  plan.integrator.mixture.joined = 2.625;
-  plan.integrator.mixture.joined_to_segments = 1.7;
-  plan.integrator.mixture.segments_joined = 16;
+  plan.integrator.mixture.connected = 2.625;
+  plan.integrator.mixture.connected_to_segments = 1.7;
+  plan.integrator.mixture.segments_connected = 16;
   EXPECT_EQ(read_plan(plan_text(plan), "a"), plan);
   Plan other = plan;
-  other.integrator.mixture.joined = 2;
+  other.integrator.mixture.connected = 2;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
   other = plan;
   other.integrator.mixture.segments = 0.5;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
   other = plan;
-  other.integrator.mixture.segments_joined = 8;
+  other.integrator.mixture.segments_connected = 8;
   EXPECT_FALSE(read_plan(plan_text(other), "a") == plan);
   other = plan;
   other.integrator.mixture.light_walks = 0.5;

@@ -36,7 +36,7 @@ uint64_t samples_in_time(Session& session, const Integrator& integrator, const F
   return samples;
 }
 
-Pilot piloted(const Session& session, const Integrator& integrator) {
+ErrorPilot piloted(const Session& session, const Integrator& integrator) {
   const RenderSettings& settings = session.settings;
   const auto give_up = [&] {
     const bool late = settings.seconds > 0 && session.clock.seconds() > 0.5 * settings.seconds;
@@ -45,8 +45,8 @@ Pilot piloted(const Session& session, const Integrator& integrator) {
   Film aside = session.film_aside();
   Progress progress("measuring the error", "samples", 0, settings.quiet);
   const uint64_t most = settings.spp > 0 ? settings.spp : kMostSamples;
-  return run_pilot(session.renderer, integrator, session.rules, settings.target_error, most,
-                   give_up, aside, progress);
+  return run_error_pilot(session.renderer, integrator, session.rules, settings.target_error, most,
+                         give_up, aside, progress);
 }
 
 void aim_at_error(Session& session, const Integrator& integrator, const Film& film,
@@ -64,8 +64,8 @@ void aim_at_error(Session& session, const Integrator& integrator, const Film& fi
   session.make_ready(integrator, film);
   const double cpu = session.clock.cpu();
   count.pilot = piloted(session, integrator);
-  const Pilot& pilot = count.pilot;
-  target.pilot_samples = Pilot::kParts * pilot.part_samples();
+  const ErrorPilot& pilot = count.pilot;
+  target.pilot_samples = ErrorPilot::kParts * pilot.part_samples();
   target.pilot_cpu_seconds = session.clock.cpu() - cpu;
   target.fixed = pilot.needed;
   // Where the pilot met no light the picture gets as many samples: they may.
@@ -127,7 +127,7 @@ void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutco
   ErrorEstimate told = told_by(at.blocks);
   uint64_t of = at.blocks.size();
   if (!tells(told) && of < kTelling && !at.pilot.rounds.empty()) {
-    const Pilot::Round& round = at.pilot.about(at.samples);
+    const ErrorPilot::Round& round = at.pilot.about(at.samples);
     if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !told.lit))
       told = round.estimate, of = round.samples;
   }

@@ -3,7 +3,7 @@
 #pragma once
 #include <optional>
 
-#include "tools/tdpt-render/plan/pilot.h"
+#include "tools/tdpt-render/plan/error_pilot.h"
 #include "tools/tdpt-render/plan/session.h"
 
 namespace tdpt {
@@ -38,7 +38,7 @@ struct SampleCount {
   uint64_t goal = 0;      ///< samples of each pixel; 0: as many as the time allows
   bool measured = false;  ///< rather than asked for
   std::optional<TargetOutcome> target_at_start;  ///< where an error is asked for
-  Pilot pilot;
+  ErrorPilot pilot;
 };
 /// Before the first sample of the picture. Where an error is asked for, or a time that is to be
 /// fixed, by samples that are thrown away.
@@ -49,7 +49,7 @@ struct TargetProgress {
   uint64_t samples, goal;  ///< of each pixel: there, and asked for
   bool interrupted;        ///< by a signal
   const PictureBlocks& blocks;
-  const Pilot& pilot;
+  const ErrorPilot& pilot;
 };
 /// Says what the picture's own blocks tell of its error, and what ended it.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target);

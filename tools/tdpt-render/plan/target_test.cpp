@@ -3,7 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/tdpt-render/plan/pilot.h"
+#include "tools/tdpt-render/plan/error_pilot.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/run/target_report.h"
 #include "tools/tdpt-render/testing/rooms.h"
@@ -65,7 +65,7 @@ double told_over_true(bool one_round) {
                    progress);
     return std::optional(film.sums());
   };
-  const Pilot pilot = run_pilot(kWidth * kHeight, 1e6, 1, draw);
+  const ErrorPilot pilot = run_error_pilot(kWidth * kHeight, 1e6, 1, draw);
   double mean = 0;
   constexpr uint64_t kPictures = 12;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {

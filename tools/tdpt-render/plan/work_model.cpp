@@ -11,7 +11,7 @@ WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkTable
           Guide(world, mixture).sees_portals() ? tables.with_portals : tables.without_portals) {}
 
 WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs)
-    : sample_(costs.sample), shadow_(costs.shadow), join_(costs.join) {
+    : sample_(costs.sample), shadow_(costs.shadow), connect_(costs.connect) {
   const double depth =
       std::max(0.0, std::log2(static_cast<double>(world.scene.triangles.size() + 1) / 64));
   closest_ = costs.closest + costs.closest_deeper * depth;
@@ -29,7 +29,7 @@ double WorkModel::per_sample(const RayCounts& rays, uint64_t samples) const {
   const double n = static_cast<double>(std::max<uint64_t>(samples, 1));
   return sample_ + closest_ * static_cast<double>(rays.closest) / n +
          shadow_ * static_cast<double>(rays.shadow) / n +
-         join_ * static_cast<double>(rays.join) / n +
+         connect_ * static_cast<double>(rays.connect) / n +
          portal_ * static_cast<double>(rays.portal) / n;
 }
 

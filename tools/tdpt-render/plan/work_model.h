@@ -2,7 +2,7 @@
 // measurements. `auto` weighs errors by it and never by the clock, so that it chooses alike in
 // every run.
 //   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
-//          + rays.join x join
+//          + rays.connect x connect
 //          + rays.portal (portal + portal_triangle T + directed D + (facets + facet F) [D and F >
 //          1])
 //          + rays.closest (looking_out + window F) where there is a sky to look for,
@@ -19,7 +19,7 @@ struct WorkCosts {
   double closest = 0;         ///< a first hit
   double closest_deeper = 0;  ///< more for each doubling of the scene's triangles
   double shadow = 0;          ///< a visibility test
-  double join = 0;            ///< a pair of ends that comes into question for a join
+  double connect = 0;         ///< a pair of ends that comes into question for a connection
   double portal = 0;          ///< an edge tested against the portals, with the weighing of its path
   double portal_triangle = 0;  ///< more for each triangle of the portals
   double directed = 0;         ///< more where the edge's ends are told how to aim
@@ -40,7 +40,7 @@ inline constexpr WorkCosts kWorkWithPortals{
     .closest = 60,
     .closest_deeper = 25,
     .shadow = 218,
-    .join = 19,
+    .connect = 19,
     .portal = 132,
     .portal_triangle = 2,
     .directed = 86,
@@ -53,7 +53,7 @@ inline constexpr WorkCosts kWorkWithoutPortals{
     .closest = 193,
     .closest_deeper = 25,
     .shadow = 297,
-    .join = 6,
+    .connect = 6,
     .looking_out = 70,
     .window = 20,
 };
@@ -67,7 +67,7 @@ inline constexpr WorkCosts kDeviceWorkWithPortals{
     .closest = 474,
     .closest_deeper = 129,
     .shadow = 750,
-    .join = 48,
+    .connect = 48,
     .portal_triangle = 5,
     .directed = 317,
     .facets = 145,
@@ -79,7 +79,7 @@ inline constexpr WorkCosts kDeviceWorkWithoutPortals{
     .closest = 474,
     .closest_deeper = 117,
     .shadow = 845,
-    .join = 19,
+    .connect = 19,
     .looking_out = 172,
     .window = 49,
 };
@@ -102,7 +102,7 @@ class WorkModel {
   double per_sample(const RayCounts& rays, uint64_t samples) const;
 
  private:
-  double sample_, closest_, shadow_, join_, portal_;
+  double sample_, closest_, shadow_, connect_, portal_;
 };
 
 }  // namespace tdpt

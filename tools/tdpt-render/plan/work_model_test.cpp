@@ -58,7 +58,7 @@ TEST_F(WorkModelTest, is_linear_in_its_table) {
               cost({.sample = 3, .closest = 7, .facet = 5}), 1e-9);
   EXPECT_NEAR(cost({.closest = 1}), 10, 1e-12);
   EXPECT_NEAR(cost({.facet = 1}), 40, 1e-12);
-  EXPECT_NEAR(cost({.join = 1}), 3, 1e-12);
+  EXPECT_NEAR(cost({.connect = 1}), 3, 1e-12);
 }
 
 }  // namespace tdpt::work_model_test

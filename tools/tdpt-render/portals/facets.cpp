@@ -1,5 +1,5 @@
-// Region growing: the largest triangle that is left begins a facet, and the others join from near
-// to far as long as the plane of all that joined holds every corner.
+// Region growing: the largest triangle that is left begins a facet, and the others join from
+// near to far as long as the plane of all that joined holds every corner.
 #include "tools/tdpt-render/portals/facets.h"
 
 #include <algorithm>

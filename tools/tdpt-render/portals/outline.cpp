@@ -18,24 +18,24 @@ namespace {
 // Ear clipping takes the square of it, and more where there are many dents.
 constexpr size_t kMostCorners = 1024;
 
-struct Place {
+struct Point2 {
   double x, y;
-  friend bool operator==(const Place&, const Place&) = default;
+  friend bool operator==(const Point2&, const Point2&) = default;
 };
-using Places = std::vector<Place>;
+using Points = std::vector<Point2>;
 using Loop = std::vector<uint32_t>;
 using Triple = std::array<uint32_t, 3>;
 
 // Twice the area of abc; more than 0 where they run counter-clockwise.
-double turn(const Place& a, const Place& b, const Place& c) {
+double turn(const Point2& a, const Point2& b, const Point2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
-double distance(const Place& a, const Place& b) {
+double distance(const Point2& a, const Point2& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
 // Whether two segments have a point in common.
-bool meet(const Place& a, const Place& b, const Place& c, const Place& d) {
+bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
       std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
     return false;
@@ -64,11 +64,11 @@ struct Numbered {
   }
   std::vector<Triple> triangles;
   std::vector<Vec3d> corners;
-  Places places;
+  Points places;
 };
 
 // Triangles that share edges, together.
-std::vector<std::vector<Triple>> connected(const std::vector<Triple>& triangles) {
+std::vector<std::vector<Triple>> joined(const std::vector<Triple>& triangles) {
   std::vector<size_t> root(triangles.size());
   std::iota(root.begin(), root.end(), size_t{0});
   const auto find = [&](size_t i) {
@@ -113,7 +113,7 @@ std::optional<std::vector<Loop>> outline_of(const std::vector<Triple>& triangles
   return loops;
 }
 
-double twice_area(const Loop& loop, const Places& at) {
+double twice_area(const Loop& loop, const Points& at) {
   double sum = 0;
   for (size_t i = 1; i + 1 < loop.size(); ++i)
     sum += turn(at[loop[0]], at[loop[i]], at[loop[i + 1]]);
@@ -121,7 +121,7 @@ double twice_area(const Loop& loop, const Places& at) {
 }
 
 // Without the corners that lie within `tolerance` of a side between those that stay.
-Loop straightened(const Loop& loop, const Places& at, double tolerance) {
+Loop straightened(const Loop& loop, const Points& at, double tolerance) {
   const size_t n = loop.size();
   const auto place = [&](size_t i) { return at[loop[i % n]]; };
   // Begins at one that is surely a corner: none is further from the first.
@@ -129,11 +129,11 @@ Loop straightened(const Loop& loop, const Places& at, double tolerance) {
   for (size_t i = 1; i < n; ++i)
     if (distance(place(0), place(i)) > distance(place(0), place(first))) first = i;
   const auto straight = [&](size_t from, size_t to) {
-    const Place a = place(from), b = place(to);
+    const Point2 a = place(from), b = place(to);
     const double length = distance(a, b);
     double along = 0;
     for (size_t i = from + 1; i < to; ++i) {
-      const Place p = place(i);
+      const Point2 p = place(i);
       const double here = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / length;
       if (!(std::abs(turn(a, b, p)) <= tolerance * length && here > along && here < length))
         return false;
@@ -152,7 +152,7 @@ Loop straightened(const Loop& loop, const Places& at, double tolerance) {
 }
 
 // Whether no two sides have a point in common but the corner between neighbours.
-bool simple(const std::vector<Loop>& loops, const Places& at) {
+bool simple(const std::vector<Loop>& loops, const Points& at) {
   struct Side {
     uint32_t a, b;
   };
@@ -170,25 +170,25 @@ bool simple(const std::vector<Loop>& loops, const Places& at) {
 }
 
 // Whether the way from corner i of the loop to `to` begins on its covered side.
-bool begins_inside(const Loop& loop, size_t i, const Place& to, const Places& at) {
+bool begins_inside(const Loop& loop, size_t i, const Point2& to, const Points& at) {
   const size_t n = loop.size();
-  const Place &here = at[loop[i]], &before = at[loop[(i + n - 1) % n]],
-              &after = at[loop[(i + 1) % n]];
+  const Point2 &here = at[loop[i]], &before = at[loop[(i + n - 1) % n]],
+               &after = at[loop[(i + 1) % n]];
   const bool left_of_first = turn(before, here, to) > 0, left_of_second = turn(here, after, to) > 0;
   return turn(before, here, after) > 0 ? left_of_first && left_of_second
                                        : left_of_first || left_of_second;
 }
 
-bool in_sight(const Place& a, const Place& b, const Loop& loop, const Places& at) {
+bool in_sight(const Point2& a, const Point2& b, const Loop& loop, const Points& at) {
   for (size_t i = 0; i < loop.size(); ++i) {
-    const Place &c = at[loop[i]], &d = at[loop[(i + 1) % loop.size()]];
+    const Point2 &c = at[loop[i]], &d = at[loop[(i + 1) % loop.size()]];
     if (c != a && c != b && d != a && d != b && meet(a, b, c, d)) return false;
   }
   return true;
 }
 
 // Joins a hole to the loop round it by a bridge, there and back; false where there is none.
-bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Places& at) {
+bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Points& at) {
   const Loop& inner = holes[hole];
   std::vector<std::pair<double, std::pair<size_t, size_t>>> ways;
   for (size_t i = 0; i < outer.size(); ++i)
@@ -197,7 +197,7 @@ bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Plac
   std::sort(ways.begin(), ways.end());
   for (const auto& [length, ends] : ways) {
     const auto [i, k] = ends;
-    const Place &a = at[outer[i]], &b = at[inner[k]];
+    const Point2 &a = at[outer[i]], &b = at[inner[k]];
     bool free = begins_inside(outer, i, b, at) && begins_inside(inner, k, a, at) &&
                 in_sight(a, b, outer, at);
     for (size_t h = hole; h < holes.size() && free; ++h) free = in_sight(a, b, holes[h], at);
@@ -212,18 +212,18 @@ bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Plac
 }
 
 // Whether corner i and its neighbours make a triangle that the rest of the loop stays out of.
-bool is_ear(const Loop& loop, size_t i, const Places& at) {
+bool is_ear(const Loop& loop, size_t i, const Points& at) {
   const size_t n = loop.size();
-  const Place &a = at[loop[(i + n - 1) % n]], &b = at[loop[i]], &c = at[loop[(i + 1) % n]];
+  const Point2 &a = at[loop[(i + n - 1) % n]], &b = at[loop[i]], &c = at[loop[(i + 1) % n]];
   if (!(turn(a, b, c) > 0)) return false;
   return std::none_of(loop.begin(), loop.end(), [&](uint32_t other) {
-    const Place& p = at[other];
+    const Point2& p = at[other];
     return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 &&
            turn(c, a, p) >= 0;
   });
 }
 
-std::optional<std::vector<Triple>> without_ears(Loop loop, const Places& at) {
+std::optional<std::vector<Triple>> without_ears(Loop loop, const Points& at) {
   std::vector<Triple> triangles;
   size_t i = 0, tried = 0;
   while (loop.size() >= 3) {
@@ -244,7 +244,7 @@ std::optional<std::vector<Triple>> without_ears(Loop loop, const Places& at) {
 
 // As `triangles`, which share edges, but fewer; nothing where that cannot be.
 std::optional<std::vector<Triple>> retriangulated(const std::vector<Triple>& triangles,
-                                                  const Places& at, double tolerance) {
+                                                  const Points& at, double tolerance) {
   auto loops = outline_of(triangles);
   if (!loops) return {};
   size_t corners = 0;
@@ -273,7 +273,7 @@ std::optional<std::vector<Triple>> retriangulated(const std::vector<Triple>& tri
 std::vector<Corners> fewest_triangles(const PlanarFacet& facet, double tolerance) {
   const Numbered mesh(facet);
   std::vector<Corners> out;
-  for (const std::vector<Triple>& part : connected(mesh.triangles))
+  for (const std::vector<Triple>& part : joined(mesh.triangles))
     for (const Triple& t : retriangulated(part, mesh.places, tolerance).value_or(part))
       out.push_back({mesh.corners[t[0]], mesh.corners[t[1]], mesh.corners[t[2]]});
   return out;

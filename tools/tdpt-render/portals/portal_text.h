@@ -10,7 +10,7 @@ struct PortalText {
 
   using Real = double;
   using Drawn = PortalSet::Drawn;
-  using Crossing = PortalSet::Crossing;
+  using CrossingDensity = PortalSet::CrossingDensity;
   using SegmentDraw = PortalSet::Sample;
   using PortalFacet = PortalFacetOf<double>;
   using PortalPolygon = PortalPolygonOf<double>;
@@ -35,7 +35,7 @@ struct PortalText {
   const PortalPolygon& load_portal_polygon(uint i) const { return set.polygons_[i]; }
   Corner load_portal_corner(uint i) const { return {set.corners_[i]}; }
   const PortalPair& load_portal_pair(uint i) const { return set.pairs_[i]; }
-  static Crossing no_crossing() { return {}; }
+  static CrossingDensity no_crossing() { return {}; }
 
 #include "shaders/shared/path/portals.h"
 };

@@ -177,13 +177,13 @@ void PortalSet::make_pairs() {
   return shader::PortalText{*this}.portal_density(from, to, drawn);
 }
 
-[[gnu::flatten]] PortalSet::Crossing PortalSet::crossing(const Vec3d& from, const Vec3d& to,
-                                                         const Drawn& drawn) const {
+[[gnu::flatten]] PortalSet::CrossingDensity PortalSet::crossing(const Vec3d& from, const Vec3d& to,
+                                                                const Drawn& drawn) const {
   return shader::PortalText{*this}.portal_crossing(from, to, drawn);
 }
 
-double PortalSet::aims_along(const Vec3d& d) const {
-  return shader::PortalText{*this}.portal_aims_along(d);
+double PortalSet::guide_total_along(const Vec3d& d) const {
+  return shader::PortalText{*this}.portal_guide_total_along(d);
 }
 
 bool PortalSet::spans(const Drawn& drawn, const Vec3d& x_l, const Vec3d& x_c) const {

@@ -57,17 +57,17 @@ class PortalSet {
   double density(const Vec3d& from, const Vec3d& to) const { return density(from, to, Drawn{}); }
 
   /// What can have made an edge from the light's side to the camera's.
-  struct Crossing {
+  struct CrossingDensity {
     double density;  ///< D
     /// a(w) * W [1/sr], of parallel light the triangles crossed [crossed_along()]: of a walk from
     /// the light that stands at `from` and is directed at `to`'s side, and of one from the camera
     /// that stands at `to`.
     double from_light, from_camera;
   };
-  Crossing crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
+  CrossingDensity crossing(const Vec3d& from, const Vec3d& to, const Drawn& drawn) const;
 
   /// W of parallel light, which travels along unit `d`.
-  double aims_along(const Vec3d& d) const;
+  double guide_total_along(const Vec3d& d) const;
 
   struct Sample {
     Drawn drawn;

@@ -83,7 +83,7 @@ bool competes_with_sky(const World& world) {
 }
 
 // Throws InputError where a plan chooses a kind of light never that there is, or one that is not.
-void check_kinds(const Lights::Shares& planned, const Lights::Shares& there,
+void check_kinds(const Lights::KindProbabilities& planned, const Lights::KindProbabilities& there,
                  const std::string& file) {
   const auto same = [](double a, double b) { return (a > 0) == (b > 0); };
   if (!same(planned.surfaces, there.surfaces) || !same(planned.lamps, there.lamps) ||
@@ -143,7 +143,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
   const bool asks_for_depth = sampled && settings.max_depth < kMaxDepth;
   const std::vector<Portal> probed = choice.probed ? portals : std::vector<Portal>();
   if (!probed.empty() || choice.by_arrival || asks_for_depth) {
-    const double share = request.automatic ? kShareBesideScout : kShareAlone;
+    const double share = request.automatic ? kShareBesidePilot : kShareAlone;
     const double samples = std::clamp(share * samples_foreseen(settings, world.film),
                                       kExplorationFewest, kExplorationEnough);
     const Explored explored =

@@ -1,5 +1,5 @@
 // Which integrator renders, as far as that is known before the first sample: the one that the
-// command line names, or candidates among which a scout chooses [scout.h].
+// command line names, or candidates among which a pilot chooses [pilot.h].
 #pragma once
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"

@@ -1,5 +1,5 @@
-// Lamps that lie in another surface: a panel modelled in the plane of its ceiling, a mesh that is
-// there twice.
+// Lamps that lie in another surface: a panel modelled in the plane of its ceiling, a
+// mesh that is there twice.
 //
 // Which of two surfaces in one place a ray meets is decided by its rounding. Walks from the camera
 // would meet such a lamp now and then, next events would always reach it, and each integrator would

@@ -46,7 +46,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
 }
 
 std::string film_of(const Outcome& r) {
-  return film_bytes(r.standing, r.plan, r.job.film_shape,
+  return film_bytes(r.render_state, r.plan, r.job.film_shape,
                     merged_words(r.job.given.processor, r.job.code), derived_of(r.job.a),
                     attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
 }
@@ -56,7 +56,7 @@ std::string picture_of(const Outcome& r) {
   FilmFacts facts;
   facts.derived = derived_of(r.job.a);
   facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
-  return exr_bytes(finished_picture(r.standing.film, facts, r.channels));
+  return exr_bytes(finished_picture(r.render_state.film, facts, r.channels));
 }
 
 void write_all(const Outcome& r, const RenderResult& result) {
@@ -66,7 +66,7 @@ void write_all(const Outcome& r, const RenderResult& result) {
   cli::deliver({{job.common.output, [&] { return picture_of(r); }},
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
                 {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
-                {job.writes_plan() && !result.hasty ? a.plan : "",
+                {job.writes_plan() && !result.cut_short ? a.plan : "",
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
@@ -121,7 +121,7 @@ void show(const Job& job, const Picture& picture) {
 }
 
 void deliver(const Outcome& r, const RenderResult& result) {
-  const bool saved = !r.job.checkpoint().empty() && !result.hasty && save(r);
+  const bool saved = !r.job.checkpoint().empty() && !result.cut_short && save(r);
   try {
     write_all(r, result);
   } catch (const OutputError& e) {

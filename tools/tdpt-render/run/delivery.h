@@ -11,7 +11,7 @@ namespace tdpt {
 struct Outcome {
   const Job& job;
   const Choice& choice;
-  Standing& standing;
+  RenderState& render_state;
   const Plan& plan;
   std::optional<TargetOutcome> target{};
   Channels channels{};

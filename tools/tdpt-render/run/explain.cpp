@@ -23,17 +23,18 @@ void append(Decisions& all, Decisions more) {
 // Where no light comes by more than the camera's own ray.
 constexpr const char* kNothingBeyond = "no path beyond the camera's ray can bring light";
 
-Decision panels(const Rendered& r) {
-  const size_t n = r.world.next_events.panels().size();
+Decision rect_lights(const Rendered& r) {
+  const size_t n = r.world.next_events.rect_lights().size();
   if (n > 0)
-    return {"panels", "used",
+    return {"rectangular lights", "used",
             fmt::format("{} flat rectangles are all that emits: next events choose among them by "
                         "what arrives",
                         n),
-            "four corners looked at for each panel and next event"};
-  return {"panels", "left out",
-          fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", kMostPanels),
-          "next events draw by power alone"};
+            "four corners looked at for each rectangular light and next event"};
+  return {
+      "rectangular lights", "left out",
+      fmt::format("the surfaces that emit are not one big rectangle or 2 to {}", kMostRectLights),
+      "next events draw by power alone"};
 }
 
 Decision windows(const Rendered& r) {
@@ -71,7 +72,7 @@ Decision exploration(const Rendered& r) {
 Decision kinds_of_light(const Rendered& r) {
   if (r.result.longest)
     return {"kinds of light", "none chosen", kNothingBeyond, "nothing is measured"};
-  const Lights::Shares s = r.world.lights.shares();
+  const Lights::KindProbabilities s = r.world.lights.shares();
   const std::string shares = fmt::format("surfaces {}, lamps {}, parallel light {}, the sky {}",
                                          number_words(s.surfaces, 2), number_words(s.lamps, 2),
                                          number_words(s.parallel, 2), number_words(s.sky, 2));
@@ -134,27 +135,27 @@ Decisions portals(const Rendered& r) {
   return all;
 }
 
-Decision scout(const Rendered& r) {
+Decision pilot(const Rendered& r) {
   if (r.choice.candidates.size() < 2)
-    return {"scout", "left out",
+    return {"pilot", "left out",
             r.request.automatic ? "there is one candidate only" : "the integrator is named",
             "no sample is thrown away"};
   if (r.choice.planned)
-    return {"scout", "left out", "a plan says who renders", "no sample is thrown away"};
-  if (r.result.longest) return {"scout", "left out", kNothingBeyond, "no sample is thrown away"};
-  if (r.result.forecast.prospects.empty())
-    return {"scout", "left out", "the samples asked for cannot spare the fewest that tell anything",
+    return {"pilot", "left out", "a plan says who renders", "no sample is thrown away"};
+  if (r.result.longest) return {"pilot", "left out", kNothingBeyond, "no sample is thrown away"};
+  if (r.result.forecast.estimates.empty())
+    return {"pilot", "left out", "the samples asked for cannot spare the fewest that tell anything",
             "the first candidate renders"};
   return {
-      "scout", counted(r.result.scouted, "sample") + " drawn",
+      "pilot", counted(r.result.pilot_samples, "sample") + " drawn",
       fmt::format("auto weighs {} candidates by what they would find", r.choice.candidates.size()),
-      price_in(r.result.scout_cpu_seconds, r)};
+      price_in(r.result.pilot_cpu_seconds, r)};
 }
 
 // Why the candidate rendered or did not.
 std::string why(const Rendered& r, size_t i) {
-  const std::vector<Prospect>& all = r.result.forecast.prospects;
-  const Prospect &p = all[i], &chosen = all[r.result.chosen];
+  const std::vector<CandidateEstimate>& all = r.result.forecast.estimates;
+  const CandidateEstimate &p = all[i], &chosen = all[r.result.chosen];
   if (!std::isfinite(p.cost)) return "it misses light that others found";
   if (i == r.result.chosen) return "it is likely to take the least time for the same noise";
   if (!(chosen.cost > 0)) return "no error showed";
@@ -168,8 +169,8 @@ Decisions candidates(const Rendered& r) {
   for (const Candidate& c : possible_candidates(r.world))
     if (const std::string missed = light_missed(c.integrator, r.world.scene); !missed.empty())
       all.push_back({c.label, "not weighed", missed, "no work"});
-  for (size_t i = 0; i < r.result.forecast.prospects.size(); ++i) {
-    const Prospect& p = r.result.forecast.prospects[i];
+  for (size_t i = 0; i < r.result.forecast.estimates.size(); ++i) {
+    const CandidateEstimate& p = r.result.forecast.estimates[i];
     all.push_back({p.integrator, i == r.result.chosen ? "chosen" : "refused", why(r, i),
                    fmt::format("relMSE {} x {} us a sample", number_words(p.relmse),
                                number_words(1e-3 * p.work))});
@@ -225,7 +226,7 @@ Decision depth(const Rendered& r) {
                                : "what that leaves out is not known"};
 }
 
-Decision pilot(const Rendered& r) {
+Decision error_pilot(const Rendered& r) {
   const TargetOutcome& target = *r.result.target;
   if (target.pilot_samples == 0)
     return {"pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
@@ -240,7 +241,7 @@ Decision pilot(const Rendered& r) {
 std::string why_so_many(const Rendered& r) {
   if (r.result.longest == 0) return "each is black, and none is traced";
   if (r.result.interrupted) return "a signal ended the rendering";
-  if (r.result.standing && r.result.standing->whole > 0) return "the shard has so many";
+  if (r.result.render_state && r.result.render_state->whole > 0) return "the shard has so many";
   if (r.settings.spp > 0 && r.result.spp >= r.settings.spp) return "so many were asked for";
   if (r.settings.fixed && !r.result.target) return "--time allows so many, by the plan";
   using Stop = TargetOutcome::Stop;
@@ -264,12 +265,12 @@ Decision samples_planned(const Rendered& r) {
 
 Decisions decisions_of_integrator(const Rendered& r) {
   Decisions all = uses_of(r.world.scene, all_needs());
-  all.push_back(panels(r));
+  all.push_back(rect_lights(r));
   all.push_back(exploration(r));
   append(all, portals(r));
   all.push_back(windows(r));
   all.push_back(kinds_of_light(r));
-  all.push_back(scout(r));
+  all.push_back(pilot(r));
   append(all, candidates(r));
   return all;
 }
@@ -288,14 +289,14 @@ Decisions decisions_of(const Rendered& r) {
   append(all, techniques(r));
   append(all, outputs(r));
   all.push_back(depth(r));
-  if (r.result.target) all.push_back(pilot(r));
+  if (r.result.target) all.push_back(error_pilot(r));
   all.push_back(samples(r));
   return all;
 }
 
 Decisions decisions_of_plan(const Rendered& r) {
   Decisions all = decisions_of_integrator(r);
-  if (r.result.target) all.push_back(pilot(r));
+  if (r.result.target) all.push_back(error_pilot(r));
   all.push_back(samples_planned(r));
   return all;
 }

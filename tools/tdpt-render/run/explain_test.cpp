@@ -49,14 +49,14 @@ TEST(explain, one_candidate_is_chosen_and_it_is_the_one_that_rendered) {
   const Told told("auto", {portal_in_the_hole()});
   EXPECT_EQ(told.with("chosen"), 1u);
   EXPECT_EQ(told.about(told.result.plan.label).chosen, "chosen");
-  EXPECT_EQ(told.with("refused"), told.result.forecast.prospects.size() - 1);
-  EXPECT_NE(told.about("scout").price.find(" % of the rendering"), std::string::npos);
+  EXPECT_EQ(told.with("refused"), told.result.forecast.estimates.size() - 1);
+  EXPECT_NE(told.about("pilot").price.find(" % of the rendering"), std::string::npos);
 }
 
 TEST(explain, a_named_integrator_weighs_nothing) {
   const Told told("bdpt", {});
   EXPECT_EQ(told.with("chosen"), 0u);
-  EXPECT_EQ(told.about("scout").chosen, "left out");
+  EXPECT_EQ(told.about("pilot").chosen, "left out");
   EXPECT_EQ(told.about("portals").chosen, "left out");
   EXPECT_EQ(told.about("technique bi").chosen, "run");
   EXPECT_EQ(told.about("technique portal").chosen, "left out");
@@ -90,7 +90,7 @@ TEST(explain, says_that_a_pilot_fixed_the_samples) {
 
 TEST(explain, samples_too_few_to_weigh_are_said_to_be) {
   const Told told("auto", {portal_in_the_hole()}, 1, 8);
-  EXPECT_EQ(told.about("scout").chosen, "left out");
+  EXPECT_EQ(told.about("pilot").chosen, "left out");
   EXPECT_EQ(told.with("chosen"), 0u);
 }
 

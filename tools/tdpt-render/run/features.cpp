@@ -32,7 +32,7 @@ void look(const World& world, double x, double y, Seen& seen) {
   place_on_surface(world, hit, p);
   const Vec3d normal = p.simple ? p.normal : p.shading;
   ++seen.met;
-  seen.albedo += albedo_at(p, -w) / hit.presence;
+  seen.albedo += albedo_at(p, -w) / hit.opacity;
   seen.normal += dot(p.normal, w) > 0 ? -normal : normal;
   seen.position += hit.position;
   seen.depth += dot(hit.position - world.film.position(), world.film.forward());

@@ -125,7 +125,7 @@ double told_over_seen_variance(double share) {
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     settings.seed = seed;
     const RenderResult r = render(*renderer_under_test(world), bdpt, settings);
-    const std::vector<double> variance = r.standing->film.variance();
+    const std::vector<double> variance = r.render_state->film.variance();
     for (size_t i = 0; i < 108; ++i) {
       const auto y = static_cast<double>(luminance(r.picture.pixels[i]));
       sum[i] += y, square[i] += y * y;

@@ -5,8 +5,8 @@
 
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/choice.h"
-#include "tools/tdpt-render/run/course.h"
 #include "tools/tdpt-render/run/picture_size.h"
 
 namespace tdpt {
@@ -29,7 +29,7 @@ struct Job {
   Loaded in;
   Request request;
   RenderSettings settings;
-  GivenCourse given;
+  Checkpoint given;
   Shape shape, film_shape;
   std::string code;  ///< that renders [FilmFacts::processor]
 

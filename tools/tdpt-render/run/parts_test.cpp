@@ -33,7 +33,7 @@ class parts : public ::testing::Test {
   const Scene scene_ = read_gltf(two_rooms_path());
   const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
   const Integrator integrator_{tdpt_org.name, tdpt_org.stream,
-                               expecting_joins(world_, tdpt_org.mixture, kMaxDepth)};
+                               expecting_connections(world_, tdpt_org.mixture, kMaxDepth)};
   double energy_ = 0;
 };
 

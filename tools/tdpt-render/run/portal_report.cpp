@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kMostSentences = 4;
 
 // What became of the samples of one portal, as shares.
-struct Deeds {
+struct PortalStatistics {
   uint64_t samples = 0;
   double lit = 0;     // of the samples
   double energy = 0;  // of the picture's
@@ -25,8 +25,8 @@ struct Deeds {
   }
 };
 
-Deeds deeds_of(size_t portal, const RenderResult& result) {
-  Deeds d;
+PortalStatistics portal_statistics_of(size_t portal, const RenderResult& result) {
+  PortalStatistics d;
   if (portal >= result.tally.portals.size()) return d;
   const RenderTally::OfPortal& tally = result.tally.portals[portal];
   const auto& all = result.tally.energy;
@@ -115,13 +115,13 @@ std::vector<std::string> turnings(const std::vector<Portal>& portals,
   return first_few(std::move(sentences));
 }
 
-std::vector<std::string> disappointments(const std::vector<Portal>& portals,
+std::vector<std::string> useless_portals(const std::vector<Portal>& portals,
                                          const RenderResult& result) {
   std::vector<std::string> sentences;
   for (size_t i = 0; i < portals.size(); ++i)
-    if (const Deeds d = deeds_of(i, result); d.useless())
+    if (const PortalStatistics d = portal_statistics_of(i, result); d.useless())
       sentences.push_back(
-          fmt::format("{} is useless: {} of its {} joined a lamp with the camera, they "
+          fmt::format("{} is useless: {} of its {} connected a lamp with the camera, they "
                       "brought {} of the light",
                       portals[i].name, percent_words(d.lit), counted(d.samples, "sample"),
                       percent_words(d.energy)));
@@ -132,7 +132,7 @@ nlohmann::ordered_json portals_json(const std::vector<Portal>& portals,
                                     const RenderResult& result) {
   auto list = nlohmann::ordered_json::array();
   for (size_t i = 0; i < portals.size(); ++i) {
-    const Deeds d = deeds_of(i, result);
+    const PortalStatistics d = portal_statistics_of(i, result);
     const bool used = !portals[i].triangles.empty();
     nlohmann::ordered_json entry{
         {"name", portals[i].name},

@@ -8,8 +8,8 @@
 namespace tdpt {
 
 /// A portal brought next to no light when its samples brought less than the first share of it, or
-/// less than the second and less than the third share of them joined a lamp with the camera; told
-/// once there are as many samples as the last says.
+/// less than the second and less than the third share of them connected a lamp with the camera;
+/// told once there are as many samples as the last says.
 inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.25;
 inline constexpr uint64_t kEnoughSamples = 1000;
 
@@ -37,7 +37,7 @@ std::vector<std::string> turnings(const std::vector<Portal>& portals,
 
 /// After rendering: a sentence for each portal whose samples brought next to no light; for many the
 /// first ones. Empty when nothing was drawn through portals.
-std::vector<std::string> disappointments(const std::vector<Portal>& portals,
+std::vector<std::string> useless_portals(const std::vector<Portal>& portals,
                                          const RenderResult& result);
 
 /// The array `portals` of the statistics.

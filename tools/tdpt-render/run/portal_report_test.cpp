@@ -25,10 +25,11 @@ TEST(portals_report, a_portal_off_the_lights_way_is_called_useless_and_one_in_th
   std::vector<Portal> portals{portal_in_the_hole(), in_the_corner()};
   portals[1].name = "corner";
   const RenderResult result = render_with(portals);
-  const auto said = disappointments(portals, result);
+  const auto said = useless_portals(portals, result);
   ASSERT_EQ(said.size(), 1u);
   EXPECT_EQ(said[0].find("corner is useless: "), 0u) << said[0];
-  EXPECT_NE(said[0].find("samples joined a lamp with the camera, they brought"), std::string::npos);
+  EXPECT_NE(said[0].find("samples connected a lamp with the camera, they brought"),
+            std::string::npos);
   // Each sample of the picture drew one segment, and what they brought is what the technique did.
   ASSERT_EQ(result.tally.portals.size(), 2u);
   EXPECT_EQ(result.tally.portals[0].drawn + result.tally.portals[1].drawn, 32u * 24 * 32);
@@ -44,7 +45,7 @@ TEST(portals_report, a_portal_off_the_lights_way_is_called_useless_and_one_in_th
 TEST(portals_report, a_portal_that_faces_the_lamp_is_useless) {
   Portal back = portal_in_the_hole();
   for (auto& t : back.triangles) std::swap(t[1], t[2]);
-  EXPECT_EQ(disappointments({back}, render_with({back})).size(), 1u);
+  EXPECT_EQ(useless_portals({back}, render_with({back})).size(), 1u);
 }
 
 TEST(portals_report, every_portal_that_is_turned_is_told) {
@@ -71,15 +72,16 @@ TEST(portals_report, few_samples_prove_nothing) {
   RenderResult result;
   result.tally.energy[0] = 1;
   result.tally.portals = {{kEnoughSamples - 1, 0, 0}};
-  EXPECT_TRUE(disappointments({portal_in_the_hole()}, result).empty());
+  EXPECT_TRUE(useless_portals({portal_in_the_hole()}, result).empty());
   result.tally.portals[0].drawn = kEnoughSamples;
-  EXPECT_EQ(disappointments({portal_in_the_hole()}, result),
-            std::vector<std::string>{"rectangle is useless: 0 % of its 1000 samples joined a lamp "
-                                     "with the camera, they brought 0 % of the light"});
+  EXPECT_EQ(
+      useless_portals({portal_in_the_hole()}, result),
+      std::vector<std::string>{"rectangle is useless: 0 % of its 1000 samples connected a lamp "
+                               "with the camera, they brought 0 % of the light"});
   // Much light from few of them is worth having.
   result.tally.portals[0].lit = 1;
   result.tally.portals[0].energy = 0.5;
-  EXPECT_TRUE(disappointments({portal_in_the_hole()}, result).empty());
+  EXPECT_TRUE(useless_portals({portal_in_the_hole()}, result).empty());
 }
 
 // Figures that were measured; no word of what the picture would gain.

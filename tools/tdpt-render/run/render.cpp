@@ -40,13 +40,13 @@ namespace {
 // Renders what was decided, pass by pass.
 class Rendering {
  public:
-  Rendering(Session& session, const Course& course, RenderResult& result)
+  Rendering(Session& session, const RenderSchedule& schedule, RenderResult& result)
       : session_(session),
         settings_(session.settings),
-        course_(course),
+        schedule_(schedule),
         result_(result),
-        standing_(*result.standing),
-        film_(standing_.film),
+        render_state_(*result.render_state),
+        film_(render_state_.film),
         watch_(film_),
         framed_(film_.samples()) {}
 
@@ -64,9 +64,9 @@ class Rendering {
 
   Session& session_;
   const RenderSettings& settings_;
-  const Course& course_;
+  const RenderSchedule& schedule_;
   RenderResult& result_;
-  Standing& standing_;
+  RenderState& render_state_;
   Film& film_;
   NoiseWatch watch_;
   uint64_t framed_;          // samples when the last frame was recorded
@@ -74,18 +74,19 @@ class Rendering {
 };
 
 TargetProgress Rendering::stand() const {
-  return {film_.samples(), standing_.goal, result_.interrupted, standing_.blocks, standing_.pilot};
+  return {film_.samples(), render_state_.goal, result_.interrupted, render_state_.blocks,
+          render_state_.pilot};
 }
 
 // "relMSE about 0.02", as the pilot foresees it, or the picture tells.
 std::string Rendering::error_so_far() const {
-  if (!standing_.target) {
+  if (!render_state_.target) {
     const std::optional<Noise> noise = watch_.noise(film_);
     return noise && noise->tells ? fmt::format("relMSE about {}", number_words(noise->relmse, 2))
                                  : "";
   }
-  if (standing_.pilot.rounds.empty() || film_.samples() == 0) return "";
-  const Pilot::Round& round = standing_.pilot.about(film_.samples());
+  if (render_state_.pilot.rounds.empty() || film_.samples() == 0) return "";
+  const ErrorPilot::Round& round = render_state_.pilot.about(film_.samples());
   if (!(round.estimate.relmse > 0)) return "";
   const double of = static_cast<double>(round.samples) / static_cast<double>(film_.samples());
   return fmt::format("relMSE about {}", number_words(round.estimate.relmse * of, 2));
@@ -104,36 +105,36 @@ void Rendering::record_frame() {
 
 // How many samples come next; 0: the picture is done, or the time is up.
 uint64_t Rendering::next_pass() const {
-  const uint64_t done = film_.samples(), goal = standing_.goal;
+  const uint64_t done = film_.samples(), goal = render_state_.goal;
   if (goal > 0 && done >= goal) return 0;
   const uint64_t most =
       std::max<uint64_t>(session_.renderer.samples_of_pass() / session_.pixels, 1);
   uint64_t n = goal == 0 ? most : std::min(most, goal - done);
   if (film_.options().error_block > 0) n = 1;  // of a block
-  n = std::min(n, (standing_.target ? standing_.blocks.next() : watch_.next()) - done);
+  n = std::min(n, (render_state_.target ? render_state_.blocks.next() : watch_.next()) - done);
   if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (session_.longest == 0) return 0;
   if (settings_.seconds == 0) return n;
   if (done == 0) return 1;  // there must be a picture
   // Samples take about as long as the ones before: stop where the limit is nearest.
   const double now = session_.clock.seconds();
-  const double per_sample = (now - standing_.began) / static_cast<double>(done);
+  const double per_sample = (now - render_state_.began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - now) / per_sample;
   return in_time < 0.5 ? 0 : std::min(n, static_cast<uint64_t>(std::max(in_time, 1.0)));
 }
 
 // Not more than a tenth of the time goes into one, however large the picture.
 void Rendering::receive_visitors() {
-  if (result_.hasty) return;
-  due_.resize(course_.visitors.size(), standing_.began);
+  if (result_.cut_short) return;
+  due_.resize(schedule_.visitors.size(), render_state_.began);
   for (size_t i = 0; i < due_.size(); ++i) {
-    const Course::Visitor& visitor = course_.visitors[i];
+    const RenderSchedule::Visitor& visitor = schedule_.visitors[i];
     const double now = session_.clock.seconds();
     if (now < due_[i] + visitor.every) continue;
-    standing_.seconds = now;
-    standing_.cpu_seconds = session_.clock.cpu();
+    render_state_.seconds = now;
+    render_state_.cpu_seconds = session_.clock.cpu();
     const auto before = std::chrono::steady_clock::now();
-    session_.clock.aside([&] { visitor.visit(standing_, result_.plan); });
+    session_.clock.aside([&] { visitor.visit(render_state_, result_.plan); });
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
     due_[i] = now + std::max(0.0, 10 * took.count() - visitor.every);
   }
@@ -142,18 +143,18 @@ void Rendering::receive_visitors() {
 void Rendering::render_pass(uint64_t samples, Progress& progress) {
   try {
     session_.renderer.render(result_.plan.integrator, session_.rules, 0,
-                             {standing_.next(), samples}, film_, standing_.tally, progress);
+                             {render_state_.next(), samples}, film_, render_state_.tally, progress);
   } catch (const Error&) {
-    standing_.seconds = session_.clock.seconds();
-    standing_.cpu_seconds = session_.clock.cpu();
-    if (course_.rescue && film_.samples() > 0 && !result_.hasty)
-      course_.rescue(standing_, result_.plan);
+    render_state_.seconds = session_.clock.seconds();
+    render_state_.cpu_seconds = session_.clock.cpu();
+    if (schedule_.rescue && film_.samples() > 0 && !result_.cut_short)
+      schedule_.rescue(render_state_, result_.plan);
     throw;
   }
 }
 
 void Rendering::render_goal() {
-  const uint64_t goal = standing_.goal;
+  const uint64_t goal = render_state_.goal;
   if (next_pass() > 0) session_.make_ready(result_.plan.integrator, film_);
   Progress progress("rendering", "samples",
                     (goal - std::min(goal, film_.samples())) * session_.pixels, settings_.quiet);
@@ -162,15 +163,15 @@ void Rendering::render_goal() {
     watch_ = NoiseWatch(film_, goal - film_.samples());
   if (const uint64_t all = std::max<uint64_t>(goal, 1);
       session_.longest == 0 && film_.samples() < all)
-    film_.complete({standing_.next(), all - film_.samples()});
+    film_.complete({render_state_.next(), all - film_.samples()});
   while (const uint64_t n = next_pass()) {
     // A signal that comes when all is there cuts nothing short, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
     render_pass(n, progress);
-    if (standing_.target) {
-      if (film_.samples() == standing_.blocks.next()) standing_.blocks.add(film_.sums());
+    if (render_state_.target) {
+      if (film_.samples() == render_state_.blocks.next()) render_state_.blocks.add(film_.sums());
     } else if (film_.samples() == watch_.next()) {
       watch_.look(film_);
     }
@@ -181,10 +182,10 @@ void Rendering::render_goal() {
 
 void Rendering::run() {
   render_goal();
-  if (auto& target = standing_.target) {
+  if (auto& target = render_state_.target) {
     judge(settings_, stand(), *target);
     if (const auto goal = goal_of_retry(settings_, stand(), *target)) {
-      standing_.goal = *goal;
+      render_state_.goal = *goal;
       render_goal();
       judge(settings_, stand(), *target);
     }
@@ -195,58 +196,64 @@ void Rendering::run() {
   if (settings_.frames && (frames.empty() || frames.back().spp != film_.samples())) record_frame();
 }
 
-std::shared_ptr<Standing> beginning(const Session& session,
-                                    const std::vector<Candidate>& candidates, Course& course) {
-  if (course.standing) return std::make_shared<Standing>(std::move(*course.standing));
+std::shared_ptr<RenderState> beginning(const Session& session,
+                                       const std::vector<Candidate>& candidates,
+                                       RenderSchedule& schedule) {
+  if (schedule.render_state)
+    return std::make_shared<RenderState>(std::move(*schedule.render_state));
   const FilmPlane& film = session.world.film;
-  return std::make_shared<Standing>(Film(film.width(), film.height(), session.world.lights.power(),
-                                         film_options(session.world, candidates, session.settings)),
-                                    session.settings);
+  return std::make_shared<RenderState>(
+      Film(film.width(), film.height(), session.world.lights.power(),
+           film_options(session.world, candidates, session.settings)),
+      session.settings);
 }
 
 // A picture that begins, or a part of one.
-void take_count(const SampleCount& count, const Course& course, Standing& standing) {
-  standing.goal = count.goal;
-  standing.target = count.target_at_start;
-  standing.pilot = count.pilot;
-  if (course.part.count == 0) return;
-  standing.first = course.part.first;
-  standing.goal = course.part.count;
-  standing.whole = course.whole;
+void take_count(const SampleCount& count, const RenderSchedule& schedule,
+                RenderState& render_state) {
+  render_state.goal = count.goal;
+  render_state.target = count.target_at_start;
+  render_state.pilot = count.pilot;
+  if (schedule.part.count == 0) return;
+  render_state.first = schedule.part.first;
+  render_state.goal = schedule.part.count;
+  render_state.whole = schedule.whole;
 }
 
 // What there is when all is rendered.
 void finish(const Session& session, RenderResult& result) {
-  Standing& standing = *result.standing;
-  standing.seconds = result.seconds = session.clock.seconds();
-  standing.cpu_seconds = result.cpu_seconds = session.clock.cpu();
-  result.spp = standing.film.samples();
-  result.tally.add(standing.tally);
+  RenderState& render_state = *result.render_state;
+  render_state.seconds = result.seconds = session.clock.seconds();
+  render_state.cpu_seconds = result.cpu_seconds = session.clock.cpu();
+  result.spp = render_state.film.samples();
+  result.tally.add(render_state.tally);
   // What has ended by the clock has ended.
-  if (standing.goal == 0 && !result.interrupted) standing.goal = result.spp;
-  result.target = standing.target;
-  result.picture = standing.film.picture();
+  if (render_state.goal == 0 && !result.interrupted) render_state.goal = result.spp;
+  result.target = render_state.target;
+  result.picture = render_state.film.picture();
   for (size_t i = 0; i < kTechniques; ++i)
-    if (standing.film.has_layer(i)) result.layers[kTechniqueNames[i]] = standing.film.layer(i);
+    if (render_state.film.has_layer(i))
+      result.layers[kTechniqueNames[i]] = render_state.film.layer(i);
 }
 
 }  // namespace
 
 RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& given,
-                    const RenderSettings& settings, const Known& known, Course course) {
+                    const RenderSettings& settings, const Known& known, RenderSchedule schedule) {
   RenderResult result;
   result.renderer = renderer.name();
-  const bool goes_on = course.standing.has_value();
-  Session session(renderer, settings, goes_on ? course.standing->seconds : 0,
-                  goes_on ? course.standing->cpu_seconds : 0);
-  const auto candidates = expecting_joins(session.world, given, settings.max_depth);
-  result.standing = beginning(session, candidates, course);
-  Standing& standing = *result.standing;
-  static_cast<Decision&>(result) = course.plan ? obeyed(*course.plan, session, candidates)
-                                               : decided(session, candidates, known, standing.film);
-  if (!goes_on) take_count(result.count, course, standing);
-  if (!goes_on) standing.began = session.clock.seconds();
-  Rendering(session, course, result).run();
+  const bool goes_on = schedule.render_state.has_value();
+  Session session(renderer, settings, goes_on ? schedule.render_state->seconds : 0,
+                  goes_on ? schedule.render_state->cpu_seconds : 0);
+  const auto candidates = expecting_connections(session.world, given, settings.max_depth);
+  result.render_state = beginning(session, candidates, schedule);
+  RenderState& render_state = *result.render_state;
+  static_cast<Decision&>(result) = schedule.plan
+                                       ? obeyed(*schedule.plan, session, candidates)
+                                       : decided(session, candidates, known, render_state.film);
+  if (!goes_on) take_count(result.count, schedule, render_state);
+  if (!goes_on) render_state.began = session.clock.seconds();
+  Rendering(session, schedule, result).run();
   finish(session, result);
   return result;
 }
@@ -256,10 +263,10 @@ RenderResult decide(SampleRenderer& renderer, const std::vector<Candidate>& give
   RenderResult result;
   result.renderer = renderer.name();
   Session session(renderer, settings);
-  const auto candidates = expecting_joins(session.world, given, settings.max_depth);
-  Course none;
-  const auto standing = beginning(session, candidates, none);
-  static_cast<Decision&>(result) = decided(session, candidates, known, standing->film);
+  const auto candidates = expecting_connections(session.world, given, settings.max_depth);
+  RenderSchedule none;
+  const auto render_state = beginning(session, candidates, none);
+  static_cast<Decision&>(result) = decided(session, candidates, known, render_state->film);
   result.target = result.count.target_at_start;
   result.seconds = session.clock.seconds();
   result.cpu_seconds = session.clock.cpu();

@@ -9,7 +9,7 @@
 
 #include "tools/tdpt-render/plan/decision.h"
 #include "tools/tdpt-render/plan/noise.h"
-#include "tools/tdpt-render/run/standing.h"
+#include "tools/tdpt-render/run/render_state.h"
 
 namespace tdpt {
 
@@ -18,9 +18,9 @@ Film::Options film_options(const World& world, const std::vector<Candidate>& can
                            const RenderSettings& settings);
 
 /// What a rendering obeys, goes on from, or is a part of.
-struct Course {
-  std::optional<Plan> plan;          ///< to obey; none: it is decided
-  std::optional<Standing> standing;  ///< to go on from, by a plan
+struct RenderSchedule {
+  std::optional<Plan> plan;                 ///< to obey; none: it is decided
+  std::optional<RenderState> render_state;  ///< to go on from, by a plan
   /// Samples of the plan's that are to be rendered; count 0: all.
   SampleRange part{};
   uint64_t whole = 0;  ///< samples of the whole picture then
@@ -28,11 +28,11 @@ struct Course {
   /// for more than a tenth of the time; not counted as rendering.
   struct Visitor {
     double every;  ///< seconds
-    std::function<void(Standing&, const Plan&)> visit;
+    std::function<void(RenderState&, const Plan&)> visit;
   };
   std::vector<Visitor> visitors{};
   /// Where the renderer fails with an Error, keeps what there is.
-  std::function<void(Standing&, const Plan&)> rescue{};
+  std::function<void(RenderState&, const Plan&)> rescue{};
 };
 
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
@@ -54,9 +54,9 @@ struct RenderResult : Decision {
   Picture picture;                      ///< with its alpha where the settings ask for it
   std::string renderer;                 ///< its name
   uint64_t spp = 0;                     ///< samples each pixel got
-  double seconds = 0, cpu_seconds = 0;  ///< the scout's counted, measuring frames not
+  double seconds = 0, cpu_seconds = 0;  ///< the pilot's counted, measuring frames not
   bool interrupted = false;  ///< a signal ended it early; the picture holds what was there
-  std::shared_ptr<Standing> standing;  ///< where it ended
+  std::shared_ptr<RenderState> render_state;  ///< where it ended
   RenderTally tally;
   std::map<std::string, Picture> layers;  ///< by technique; they add up to the picture
   std::vector<FrameRecord> frames;        ///< the last one is the picture
@@ -72,7 +72,8 @@ struct RenderResult : Decision {
 /// pixel has the same number of samples whenever it stops. The picture is a function of (scene,
 /// settings, plan, spp) alone.
 RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
-                    const RenderSettings& settings, const Known& known = {}, Course course = {});
+                    const RenderSettings& settings, const Known& known = {},
+                    RenderSchedule schedule = {});
 RenderResult render(SampleRenderer& renderer, const Integrator& integrator,
                     const RenderSettings& settings);
 /// By the CPU.

@@ -117,10 +117,10 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
   EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
   // What is there already needs no device to be ready.
   device.calls.clear(), device.prepared = 0;
-  Course course;
-  course.plan = r.plan;
-  course.standing.emplace(std::move(*r.standing));
-  EXPECT_EQ(render(device, {{bdpt, bdpt.name}}, settings, {}, std::move(course)).picture.pixels,
+  RenderSchedule schedule;
+  schedule.plan = r.plan;
+  schedule.render_state.emplace(std::move(*r.render_state));
+  EXPECT_EQ(render(device, {{bdpt, bdpt.name}}, settings, {}, std::move(schedule)).picture.pixels,
             by_cpu.picture.pixels);
   EXPECT_EQ(device.prepared, 0);
   decide(device, {{bdpt, bdpt.name}}, settings, {});

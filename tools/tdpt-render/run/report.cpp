@@ -23,14 +23,14 @@ nlohmann::ordered_json numbers(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-nlohmann::ordered_json scout_json(const RenderResult& result) {
-  nlohmann::ordered_json j{{"samples", result.scouted}, {"cpu", result.scout_cpu_seconds}};
+nlohmann::ordered_json pilot_json(const RenderResult& result) {
+  nlohmann::ordered_json j{{"samples", result.pilot_samples}, {"cpu", result.pilot_cpu_seconds}};
   if (const auto& gain = result.forecast.portals) {
     j["portals_gain"] = gain->times;
     j["portals_gain_interval"] = {gain->low, gain->high};
   }
   auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
-  for (const Prospect& p : result.forecast.prospects)
+  for (const CandidateEstimate& p : result.forecast.estimates)
     candidates.push_back({{"integrator", p.integrator},
                           {"portals", p.with_portals},
                           {"relmse", p.relmse},
@@ -44,7 +44,7 @@ nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderRes
   j["integrator"] = integrator.name;
   if (!result.chosen_label.empty()) {
     j["chosen"] = result.chosen_label;
-    if (result.scouted > 0) j["scout"] = scout_json(result);
+    if (result.pilot_samples > 0) j["pilot"] = pilot_json(result);
   }
   return j;
 }
@@ -86,7 +86,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
 
 // "bdpt would take 3.4 times as long, nee 5 times": for the error of the chosen one.
 std::string times_of_others(const RenderResult& result) {
-  const std::vector<Prospect>& all = result.forecast.prospects;
+  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
   std::vector<std::string> others;
   for (size_t i = 0; i < all.size(); ++i) {
     if (i == result.chosen || !std::isfinite(all[i].cost)) continue;
@@ -142,14 +142,14 @@ std::string length_sentence(const RenderSettings& settings, const RenderResult& 
 }
 
 std::string choice_sentence(const RenderResult& result) {
-  const std::vector<Prospect>& all = result.forecast.prospects;
+  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
   const std::string chose = "auto chose " + result.chosen_label;
   if (result.longest) return chose + ": there is nothing to choose by";
   if (all.empty())
     return chose + (result.interrupted ? "; it was stopped before more could be told"
                                        : "; the samples are too few to tell more");
   if (all.size() < 2) return chose;
-  const std::string from = counted(result.scouted, "sample");
+  const std::string from = counted(result.pilot_samples, "sample");
   if (!(all[result.chosen].cost > 0)) return chose + fmt::format(": no error showed in {}", from);
   const std::string others = times_of_others(result);
   if (others.empty()) return chose + ": all others miss light";
@@ -159,7 +159,7 @@ std::string choice_sentence(const RenderResult& result) {
 std::string verdict_sentence(const RenderResult& result) {
   const std::optional<PortalsGain>& gain = result.forecast.portals;
   if (!gain) return "";
-  const std::vector<Prospect>& all = result.forecast.prospects;
+  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
   return fmt::format(
       "portals: {} times, {} to {}, the efficiency of {}, the best without them, by {}{}",
       number_words(gain->times, 2), number_words(gain->low, 2), number_words(gain->high, 2),

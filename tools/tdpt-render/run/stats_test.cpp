@@ -115,9 +115,9 @@ struct Spoilt {
 
 // Kernels may take what is no number for any other, but not more than films hold.
 const std::vector<float> kNoNumbers =
-    kByTwin ? std::vector{1e30f, 3e38f}
-            : std::vector{std::numeric_limits<float>::quiet_NaN(),
-                          std::numeric_limits<float>::infinity(), 1e30f};
+    kByScalar ? std::vector{1e30f, 3e38f}
+              : std::vector{std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity(), 1e30f};
 
 TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
   const Scene furnace = read_gltf(furnace_path());
@@ -134,7 +134,7 @@ TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
     EXPECT_GT(r.tally.not_finite, 100u);
     EXPECT_NEAR(static_cast<double>(r.tally.not_finite), missing, 1e-3 * missing);
     ASSERT_EQ(r.tally.not_finite_at.size(), 4u);
-    for (const Tally::Place& place : r.tally.not_finite_at) {
+    for (const Tally::SamplePixel& place : r.tally.not_finite_at) {
       ASSERT_TRUE(place.x >= 0 && place.x < Spoilt::width);
       ASSERT_TRUE(place.y >= 0 && place.y < Spoilt::height);
       EXPECT_LT(place.sample, Spoilt::spp);

@@ -138,7 +138,7 @@ inline double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 inline shader::Surfaces::Layers dirac(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   const Point p = point(b);
   const shader::Surfaces& s = surfaces();
-  return s.layers_between(p, s.standing_at(p, from), s.seen_from(p, to), true);
+  return s.layers_between(p, s.scatter_context_at(p, from), s.seen_from(p, to), true);
 }
 inline double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   return dirac(b, from, to).pdf_w;
@@ -149,7 +149,7 @@ inline Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to
 }
 inline Vec3d albedo(const Bsdf& b, const Vec3d& from) {
   const Point p = point(b);
-  return surfaces().coated_albedo(p, surfaces().standing_at(p, from));
+  return surfaces().coated_albedo(p, surfaces().scatter_context_at(p, from));
 }
 struct Scattered {
   Vec3d to;

@@ -5,9 +5,9 @@
 #include <ostream>
 
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 #include "tools/tdpt-render/run/render.h"
-#include "tools/tdpt-render/testing/twin.h"
+#include "tools/tdpt-render/testing/scalar_build.h"
 
 namespace tdpt {
 
@@ -15,7 +15,7 @@ namespace tdpt {
 struct Outcome {
   std::vector<unsigned char> film;  ///< its numbers as they lie in memory
   std::vector<Units> counts;        ///< of the tally
-  std::vector<Tally::Place> not_finite_at;
+  std::vector<Tally::SamplePixel> not_finite_at;
   double brightness = 0;  ///< mean luminance over pixels and samples
 
   friend bool operator==(const Outcome& a, const Outcome& b) {
@@ -33,7 +33,7 @@ inline Outcome outcome_of(Film& film, const Tally& tally) {
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const Film::Numbers& n : film.numbers())
     o.film.insert(o.film.end(), n.first, n.first + pixels * n.each * n.bytes);
-  o.counts = {tally.rays.closest, tally.rays.shadow, tally.rays.portal, tally.rays.join,
+  o.counts = {tally.rays.closest, tally.rays.shadow, tally.rays.portal, tally.rays.connect,
               tally.not_finite};
   for (const UnitSum& sum : tally.energy) o.counts.push_back(sum.units());
   for (const UnitSum& sum : tally.by_length) o.counts.push_back(sum.units());
@@ -54,7 +54,7 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
                            const Integrator& integrator, const Samples& samples) {
   const int depth = samples.rules.max_depth;
   Integrator expecting = integrator;
-  expecting.mixture = expecting_joins(world, integrator.mixture, depth);
+  expecting.mixture = expecting_connections(world, integrator.mixture, depth);
   Film film = film_for(world, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
                        samples.alpha);
   Tally tally(film.unit());
@@ -73,15 +73,15 @@ struct Faults {
 /// A machine of someone else, with less room.
 class Borrowed : public Machine {
  public:
-  Borrowed(Machine& machine, const Room& room, const Faults& faults = {})
+  Borrowed(Machine& machine, const Capacity& room, const Faults& faults = {})
       : machine_(machine), room_(room), faults_(faults) {}
 
-  Room room() const override { return room_; }
+  Capacity room() const override { return room_; }
   void set(const shader::RenderParameters& parameters,
-           const std::vector<uint32_t>& pool_offsets) override {
+           const std::vector<uint32_t>& cache_offsets) override {
     shader::RenderParameters p = parameters;
     if (faults_.parameters) faults_.parameters(p);
-    machine_.set(p, pool_offsets);
+    machine_.set(p, cache_offsets);
   }
   void run(Step step, const shader::StepParameters& p) override {
     if (step != faults_.skipped) machine_.run(step, p);
@@ -95,7 +95,7 @@ class Borrowed : public Machine {
 
  private:
   Machine& machine_;
-  const Room room_;
+  const Capacity room_;
   const Faults faults_;
 };
 
@@ -106,17 +106,18 @@ inline uint32_t film_words(const World& world, bool layers) {
   return FilmPlaces(pixels, layers, world.portals.portals()).words;
 }
 
-constexpr Room kEnough{1u << 17, 1u << 12};
+constexpr Capacity kEnough{1u << 17, 1u << 12};
 
-/// By the twin of devices.
-class TwinRenderer : public SampleRenderer {
+/// By the scalar build of devices.
+class ScalarRenderer : public SampleRenderer {
  public:
-  explicit TwinRenderer(const World& world_, const Room& room = kEnough, const Faults& faults = {})
+  explicit ScalarRenderer(const World& world_, const Capacity& room = kEnough,
+                          const Faults& faults = {})
       : SampleRenderer(world_), tables_(world_) {
     if (faults.tables) faults.tables(tables_);
-    machine_ = make_twin(tables_, room, film_words(world, true));
+    machine_ = make_scalar_machine(tables_, room, film_words(world, true));
     renderer_ = std::make_unique<WavefrontRenderer>(
-        world, std::make_unique<Borrowed>(*machine_, room, faults), "twin");
+        world, std::make_unique<Borrowed>(*machine_, room, faults), "scalar build");
   }
   bool on_device() const override { return true; }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,

@@ -1,20 +1,20 @@
 // Test only: points of the renderer that counts in doubles, as kernels see them.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/point.h"
-#include "tools/tdpt-render/testing/surface_twin.h"
+#include "tools/tdpt-render/testing/scalar_surfaces.h"
 
 namespace tdpt::test {
 
-/// A twin of no scene in particular, which has whatever a Bsdf may have.
-inline const shader::SurfaceTwin& any_surface() {
+/// A scalar build of no scene in particular, which has whatever a Bsdf may have.
+inline const shader::ScalarSurface& any_surface() {
   static const shader::Curves curves;
-  static const shader::SurfaceTwin twin = [] {
+  static const shader::ScalarSurface scalar = [] {
     static const SurfaceTables none;
-    shader::SurfaceTwin t(none, curves);
+    shader::ScalarSurface t(none, curves);
     t.scene_has_layers = t.scene_has_coats = t.scene_has_sheen = t.scene_has_transmission = true;
     return t;
   }();
-  return twin;
+  return scalar;
 }
 
 inline shader::Point in_floats(const Point& p) {

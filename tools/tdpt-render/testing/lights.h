@@ -1,4 +1,4 @@
-// For tests: worlds with lights of all kinds, their tables and their twin.
+// For tests: worlds with lights of all kinds, their tables and their scalar build.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "libcommon/scene/ies.h"
 #include "libcommon/testing/files/ies_text.h"
-#include "tools/tdpt-render/testing/panels.h"
+#include "tools/tdpt-render/testing/rect_lights.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_lights.h"
 #include "tools/tdpt-render/testing/sky.h"
@@ -22,14 +22,14 @@ struct LitWorld {
   Scene scene;
   World world;
   LightTables tables;
-  shader::ScalarLights twin;
+  shader::ScalarLights scalar;
 
   LitWorld(std::string name_, Scene scene_, const std::vector<Portal>& portals)
       : name(std::move(name_)),
         scene(std::move(scene_)),
         world(scene, scene.cameras[0], 4, 4, portals),
         tables(make_light_tables(world, kUnit)),
-        twin(tables) {}
+        scalar(tables) {}
   LitWorld(const LitWorld&) = delete;
 };
 
@@ -99,7 +99,7 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
   };
   add("lamps", glossy_rooms(), {});
   add("luminaires", with_luminaires(glossy_rooms()), {});
-  add("panels", with_panels(glossy_rooms()), {});
+  add("rectangular lights", with_rect_lights(glossy_rooms()), {});
   add("colour", open_room(one_colour_sky({1, 2, 3})), {});
   add("colour and windows", open_room(one_colour_sky({1, 2, 3})), three_windows());
   add("uneven", open_room(uneven_sky(sun(12 * kDegree))), {});
@@ -111,7 +111,8 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
   add("fine and windows", open_room(fine_sky()), three_windows());
   add("sun alone", open_room(std::make_shared<Sky>(Sky::Map{}, 0, sun(kDegree)), false),
       three_windows());
-  add("panels and windows", with_panels(open_room(fine_sky(), false)), three_windows());
+  add("rectangular lights and windows", with_rect_lights(open_room(fine_sky(), false)),
+      three_windows());
   return all;
 }
 

@@ -7,7 +7,7 @@
 #include "tools/tdpt-render/path/bsdf/surfaces.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
 #include "tools/tdpt-render/testing/oracle_coat.h"
-#include "tools/tdpt-render/testing/oracle_panels.h"
+#include "tools/tdpt-render/testing/oracle_rect_lights.h"
 
 namespace tdpt::oracle {
 namespace {
@@ -107,9 +107,9 @@ double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Faul
 double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
                       double through_windows, Fault fault) {
   const Vertex& x0 = path.vertex(0);
-  if (x0.on_surface() && !world.next_events.panels().empty())
-    return (fault == Fault::panel_5_percent ? 1.05 : 1) * world.lights.shares().surfaces *
-           panel_pdf_A(world, x0, path.vertex(1), path.vertex(2));
+  if (x0.on_surface() && !world.next_events.rect_lights().empty())
+    return (fault == Fault::rect_light_5_percent ? 1.05 : 1) * world.lights.shares().surfaces *
+           rect_light_pdf_A(world, x0, path.vertex(1), path.vertex(2));
   if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
   const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
   const double through = fault == Fault::window_5_percent ? 1.05 : 1;
@@ -258,7 +258,7 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
 }
 
 /// Density of the line of light from infinity to `to` among those through portals [1/area across].
-double aim_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
+double guide_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
   double total = 0;
   int number = 0;
   for (const Triangles& triangles : surfaces(world)) {
@@ -273,8 +273,8 @@ double aim_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
 
 /// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
 /// the walk begins there.
-double aim_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
-                 const Vertex& to) {
+double guide_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
+                   const Vertex& to) {
   const Vec3d w = unit(at, to);
   double total = 0, sum = 0;
   for (const Triangles& triangles : surfaces(world)) {
@@ -307,7 +307,7 @@ double albedo(const Vertex& back, const Vertex& at) {
   const Surface s(at);
   double share = coated(at) ? CoatedSurface(at).albedo(unit(at, back))
                             : max_component(bsdf::albedo(s.bsdf, s.local(unit(at, back))));
-  if (const Pane pane = pane_of(*at.material)) share /= pane.presence(cosine_at(at, back));
+  if (const Pane pane = pane_of(*at.material)) share /= pane.opacity(cosine_at(at, back));
   return std::clamp(share, 0.05, 1.0);
 }
 
@@ -321,8 +321,8 @@ struct Directed {
            const Vertex& at, const Vertex& to)
       : chance(guiding.chance[static_cast<size_t>(from)]) {
     if (back && !at.connectible) return;
-    aimed = at.at_infinity() ? aim_line_pdf(world, unit(at, to), to)
-                             : aim_pdf_w(world, from, back, at, to);
+    aimed = at.at_infinity() ? guide_line_pdf(world, unit(at, to), to)
+                             : guide_pdf_w(world, from, back, at, to);
     if (!back) return;
     chance = std::min(chance, 0.4 * (1 - albedo(*back, at)));
     if (at.simple) return;
@@ -344,7 +344,7 @@ struct Directed {
 /// Density of the direction of a directed walk.
 double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
   if (dirac || plain == 0 || d.aimed < 0) return plain;
-  const double matt = fault == Fault::aim_5_percent ? 1.05 * d.matt : d.matt;
+  const double matt = fault == Fault::guide_5_percent ? 1.05 * d.matt : d.matt;
   return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
 }
 
@@ -423,15 +423,15 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
-      p *= mixture.segments * (split > 0 ? mixture.joined_to_segments : 1);
+      p *= mixture.segments * (split > 0 ? mixture.connected_to_segments : 1);
       // A sample's own segment alone is seen by the camera; its vertices meet those of all.
-      if (split + 2 < k) p *= mixture.segments_joined;
+      if (split + 2 < k) p *= mixture.segments_connected;
       const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;
       if (fault == Fault::one_way_5_percent && to_x) p *= 1.05;
       log_p += std::log(p);
     }
-    if (technique == Technique::bi) log_p += std::log(mixture.joined);
+    if (technique == Technique::bi) log_p += std::log(mixture.connected);
     if (technique == Technique::light) log_p += std::log(mixture.light_walks);
     const double sample_weight = technique != Technique::direct ? 1
                                  : k == 2                       ? mixture.first_direct

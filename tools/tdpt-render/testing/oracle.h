@@ -1,5 +1,5 @@
-// The slow, obvious twin of path.cpp: every density of a path from its places and normals alone, as
-// logarithms, without ratios, caches or the walks that made it. For tests.
+// The slow, obvious reference for path.cpp: every density of a path from its places and normals
+// alone, as logarithms, without ratios, caches or the walks that made it. For tests.
 #pragma once
 #include <vector>
 
@@ -21,12 +21,12 @@ enum class Fault {
   one_way_5_percent,  ///< density of segments to +x
   missing_cosine,
   connection_at_a_mirror,
-  aim_5_percent,         ///< density of the directions towards portals
+  guide_5_percent,       ///< density of the directions towards portals
   immortal,              ///< walks that always go on
   sky_5_percent,         ///< density of the sky's directions
   sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
   window_5_percent,      ///< density of next events through windows
-  panel_5_percent,       ///< density of next events at panels
+  rect_light_5_percent,  ///< density of next events at rectangular lights
   sky_segment_cosine,    ///< the portal's cosine is not cancelled in those
 };
 

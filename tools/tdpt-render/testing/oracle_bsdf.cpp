@@ -49,8 +49,8 @@ double g2(const Vec3d& v, const Vec3d& w, double a) {
 }
 
 // The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
-struct View {
-  View(const Bsdf& bsdf, const Vec3d& w)
+struct OrientedBsdf {
+  OrientedBsdf(const Bsdf& bsdf, const Vec3d& w)
       : b(bsdf),
         back(w.z < 0),
         from(turn(w)),
@@ -170,9 +170,9 @@ struct View {
   double n_from = 1, n_behind = 1;  // index where directions live
 };
 
-// Microfacet that joins view.from and `to` (mirrored like it) and how densely it does.
+// Microfacet that connects view.from and `to` (mirrored like it) and how densely it does.
 struct Facet {
-  Facet(const View& view, const Vec3d& to) : reflects(to.z > 0) {
+  Facet(const OrientedBsdf& view, const Vec3d& to) : reflects(to.z > 0) {
     if (!reflects && !positive(view.through)) return;
     const bool bends = !reflects && view.solid;
     const Vec3d way = bends ? view.from * view.n_from + to * view.n_behind
@@ -207,7 +207,7 @@ double index(const Bsdf& b, const Vec3d& w) {
 }
 
 Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  const View view(b, from);
+  const OrientedBsdf view(b, from);
   const Vec3d w = view.turn(to);
   const double coat = std::min(view.under_coat(view.from), view.under_coat(w));
   Vec3d all;
@@ -226,7 +226,7 @@ Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 }
 
 double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  const View view(b, from);
+  const OrientedBsdf view(b, from);
   const Vec3d w = view.turn(to);
   const auto [diffuse, sheen] = view.shares();
   if (diffuse < 0) return 0;
@@ -239,7 +239,7 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 }
 
 Vec3d albedo(const Bsdf& b, const Vec3d& from) {
-  const View view(b, from);
+  const OrientedBsdf view(b, from);
   if (view.solid && view.back && view.rough()) return Vec3d(1.0);  // all of it, beyond some angle
   const Vec3d left =
       view.smooth() ? Vec3d(1.0) - view.fresnel(view.from.z) : view.left_over(view.from.z);
@@ -250,7 +250,7 @@ Vec3d albedo(const Bsdf& b, const Vec3d& from) {
 }
 
 double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  const View view(b, from);
+  const OrientedBsdf view(b, from);
   if (!view.smooth()) return 0;
   const auto [diffuse, sheen] = view.shares();
   const double reflect = view.reflect_probability(view.fresnel(view.from.z));
@@ -259,7 +259,7 @@ double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 }
 
 Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
-  const View view(b, from);
+  const OrientedBsdf view(b, from);
   if (!view.smooth()) return {};
   const Vec3d F = view.fresnel(view.from.z), w = view.turn(to);
   return (w.z > 0 ? F : view.transmittance(F)) *
@@ -268,7 +268,7 @@ Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 }
 
 double diffuse_probability(const Bsdf& b, const Vec3d& from) {
-  const auto [diffuse, sheen] = View(b, from).shares();
+  const auto [diffuse, sheen] = OrientedBsdf(b, from).shares();
   return std::max(0.0, diffuse + sheen);
 }
 

@@ -1,5 +1,5 @@
-// The slow, obvious twin of shaders/shared/path/coated.h: both surfaces as if they were two, each
-// with its own normal in the world. For tests.
+// The slow, obvious reference for shaders/shared/path/coated.h: both surfaces as if they were two,
+// each with its own normal in the world. For tests.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/point.h"
 

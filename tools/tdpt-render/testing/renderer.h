@@ -1,23 +1,23 @@
-// For tests: who renders. Those that are compiled with TDPT_BY_TWIN ask of the renderer that
+// For tests: who renders. Those that are compiled with TDPT_BY_SCALAR ask of the renderer that
 // devices have what they ask of the CPU's.
 #pragma once
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/variant.h"
-#ifdef TDPT_BY_TWIN
+#ifdef TDPT_BY_SCALAR
 #include "tools/tdpt-render/testing/device.h"
 #endif
 
 namespace tdpt {
 
-#ifdef TDPT_BY_TWIN
-inline constexpr bool kByTwin = true;
+#ifdef TDPT_BY_SCALAR
+inline constexpr bool kByScalar = true;
 #else
-inline constexpr bool kByTwin = false;
+inline constexpr bool kByScalar = false;
 #endif
 
 inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
-#ifdef TDPT_BY_TWIN
-  return std::make_shared<TwinRenderer>(world);
+#ifdef TDPT_BY_SCALAR
+  return std::make_shared<ScalarRenderer>(world);
 #else
   return std::make_shared<CpuRenderer>(world);
 #endif
@@ -26,7 +26,7 @@ inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
 /// Of the scalar build, which takes ten times as long a sample, those that run all kernels between
 /// them.
 inline std::vector<const Integrator*> integrators_under_test() {
-  if (kByTwin) return {&pt, &nee, &tdpt_org, &tdpt_guided};
+  if (kByScalar) return {&pt, &nee, &tdpt_org, &tdpt_guided};
   return integrators();
 }
 

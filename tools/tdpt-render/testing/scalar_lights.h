@@ -10,7 +10,7 @@ struct ScalarLights {
   using Real = float;
   TABLES_OF_LIGHTS(REFERS_TO)
   const LightSettings& light_settings;
-  bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_panels, scene_has_windows,
+  bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_rect_lights, scene_has_windows,
       scene_prefers;
 
   explicit ScalarLights(const LightTables& t)
@@ -19,14 +19,14 @@ struct ScalarLights {
         light_lamps(t.lamps.data()),
         sky_suns(t.suns.data()),
         sky_texels(t.texels.data()),
-        light_panels(t.panels.data()),
+        rect_lights(t.rect_lights.data()),
         sky_windows(t.windows.data()),
         window_frames(t.frames.data()),
         light_settings(t.settings),
         scene_has_sky(t.has_sky),
         scene_has_sky_map(t.has_sky_map),
         scene_has_lamps(t.has_lamps),
-        scene_has_panels(t.has_panels),
+        scene_has_rect_lights(t.has_rect_lights),
         scene_has_windows(t.has_windows),
         scene_prefers(t.prefers) {}
 

@@ -1,12 +1,12 @@
 // Test only: shaders/shared/path/surface_test.h as C++.
 #pragma once
 #include "shaders/shared/path/surface_words.h"
-#include "tools/tdpt-render/testing/surface_twin.h"
+#include "tools/tdpt-render/testing/scalar_surfaces.h"
 
 namespace tdpt::shader {
 
-struct SurfaceWords : SurfaceTwin {
-  using SurfaceTwin::SurfaceTwin;
+struct SurfaceWords : ScalarSurface {
+  using ScalarSurface::ScalarSurface;
 #include "shaders/shared/path/surface_test.h"
 };
 

@@ -1,4 +1,4 @@
-// For tests: the error that a scout is to tell, from many pictures.
+// For tests: the error that a pilot is to tell, from many pictures.
 #pragma once
 #include <vector>
 

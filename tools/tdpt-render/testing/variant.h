@@ -22,12 +22,12 @@ struct Variant {
   Variant(TechniqueSet techniques, void (*run_)(PathSampler&))
       : integrator{"faulty", 9, {techniques}}, run(run_) {}
 
-  /// As a picture is rendered [passes.h]: light walks are pooled, and the weights expect as many
-  /// joins as there are.
-  static Variant pooled(const World& world, const Integrator& integrator, int max_depth) {
+  /// As a picture is rendered [passes.h]: light walks are cached, and the weights expect as many
+  /// connections as there are.
+  static Variant cached(const World& world, const Integrator& integrator, int max_depth) {
     Variant v(integrator);
-    v.pools = true;
-    v.integrator.mixture = expecting_joins(world, integrator.mixture, max_depth);
+    v.caches = true;
+    v.integrator.mixture = expecting_connections(world, integrator.mixture, max_depth);
     return v;
   }
 
@@ -44,17 +44,17 @@ struct Variant {
   void picture(PathSampler& sampler, int width, int height, uint64_t spp, const At& at) const;
 
   Integrator integrator;
-  bool pools = false;
+  bool caches = false;
   /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
   std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
-  /// Share of a pool's samples that its light walks are counted as those of.
+  /// Share of a cache's samples that its light walks are counted as those of.
   double counted_samples = 1;
-  /// Which pixels have a pool in common.
-  uint64_t (*pixel)(uint64_t pool, uint64_t i, uint64_t pools, uint64_t pixels) = pixel_of_pool;
+  /// Which pixels have a cache in common.
+  uint64_t (*pixel)(uint64_t cache, uint64_t i, uint64_t caches, uint64_t pixels) = pixel_of_cache;
   /// Contributions that get lost on the way to the film; null: none.
   bool (*loses)(const World&, const Contribution&) = nullptr;
-  /// What a sample with pools does beside its phases.
+  /// What a sample with caches does beside its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
 
@@ -62,38 +62,38 @@ template <class At>
 void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
                       const At& at) const {
   const auto pixels = static_cast<uint64_t>(width * height);
-  const uint64_t per_pool = pools ? samples_of_pool(integrator.mixture) : 1;
-  const uint64_t step = (pixels + per_pool - 1) / per_pool;
-  std::vector<Walk> walks(per_pool);
+  const uint64_t per_cache = caches ? samples_of_cache(integrator.mixture) : 1;
+  const uint64_t step = (pixels + per_cache - 1) / per_cache;
+  std::vector<Walk> walks(per_cache);
   const Walk none;
-  LightPool pool;
+  LightVertexCache cache;
   for (uint64_t first = 0; first < step; ++first)
     for (uint64_t s = 0; s < spp; ++s) {
       const uint64_t samples = (pixels - first + step - 1) / step;
-      const uint64_t walking = pools ? light_walks_of(integrator.mixture, samples) : 0;
+      const uint64_t walking = caches ? light_walks_of(integrator.mixture, samples) : 0;
       const auto each = [&](uint64_t count, const auto& visit) {
         for (uint64_t i = 0; i < count; ++i) {
           const auto p = static_cast<int>(pixel(first, i, step, pixels));
           visit(p % width, p / width, i);
         }
       };
-      pool.clear(
+      cache.clear(
           static_cast<uint64_t>(std::lround(counted_samples * static_cast<double>(samples))));
       each(walking, [&](int x, int y, uint64_t i) {
         sampler.begin(x, y, s);
         sampler.light_phase(walks[i]);
-        pool.add(walks[i]);
+        cache.add(walks[i]);
       });
-      if (pools && sampler.has_segment_phase())
+      if (caches && sampler.has_segment_phase())
         each(samples, [&](int x, int y, uint64_t i) {
           sampler.begin(x, y, s);
-          sampler.segment_phase(i < walking ? walks[i] : none, pool);
+          sampler.segment_phase(i < walking ? walks[i] : none, cache);
         });
       each(samples, [&](int x, int y, uint64_t i) {
         at(x, y);
-        if (!pools) return sample(sampler, x, y, s);
+        if (!caches) return sample(sampler, x, y, s);
         sampler.begin(x, y, s);
-        sampler.camera_phase(i < walking ? walks[i] : none, pool);
+        sampler.camera_phase(i < walking ? walks[i] : none, cache);
         besides(sampler);
         sampler.end();
       });

@@ -39,7 +39,7 @@ bool symmetric(const Vec3d& ab, const Vec3d& ba) {
   return difference(ab, ba) <= 2e-4 * std::max(1e-6, max_component(max(ab, ba)));
 }
 
-// Pairs drawn evenly, and pairs that sample() joins; asymmetric(b, from, to) = f.
+// Pairs drawn evenly, and pairs that sample() connects; asymmetric(b, from, to) = f.
 template <class F>
 int asymmetric_pairs(const Bsdf& b, F f) {
   int bad = 0;
@@ -63,8 +63,8 @@ double apart(const Vec3d& mine, const Vec3d& of_books) {
   return difference(mine, of_books) /
          std::max({max_component(mine), max_component(of_books), 1e-9});
 }
-// Of all kinds, at pairs drawn evenly and pairs that sample() joins: how far the text is from the
-// formulas of books [oracle_bsdf.h], at most. Twin: a text of another alpha.
+// Of all kinds, at pairs drawn evenly and pairs that sample() connects: how far the text is from
+// the formulas of books [oracle_bsdf.h], at most. Twin: a text of another alpha.
 double most_apart(float alpha, float of_text) {
   double most = 0;
   for (const NamedBsdf& k : all(alpha))

@@ -194,7 +194,7 @@ struct Dirac {
   Dirac(const Point& p, const Vec3d& back, const Vec3d& to) {
     const shader::Surfaces& s = surfaces();
     const auto next = s.seen_from(p, to);
-    const auto layers = s.layers_between(p, s.standing_at(p, back), next, true);
+    const auto layers = s.layers_between(p, s.scatter_context_at(p, back), next, true);
     probability = layers.pdf_w;
     reflectance = layers.base.y + layers.coat;
     measure = s.dirac_measure(p, layers, next);

@@ -14,7 +14,9 @@ double emission_under_coat(const Point& p, Vec3d w) {
 
 [[gnu::flatten]] void Incidence::see_layers(const Point& p) {
   struct Made {  // where it is to be
-    operator shader::Surfaces::Standing() const { return surfaces().standing_at(p, back); }
+    operator shader::Surfaces::ScatterContext() const {
+      return surfaces().scatter_context_at(p, back);
+    }
     const Point& p;
     const Vec3d& back;
   };

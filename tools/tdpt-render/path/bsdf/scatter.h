@@ -18,8 +18,8 @@ struct Incidence {
     if (!p.simple) see_layers(p);
   }
 
-  Vec3d back;                                        ///< unit, away from the surface
-  std::optional<shader::Surfaces::Standing> layers;  ///< of a point that is not simple
+  Vec3d back;                                              ///< unit, away from the surface
+  std::optional<shader::Surfaces::ScatterContext> layers;  ///< of a point that is not simple
 
  private:
   void see_layers(const Point& p);

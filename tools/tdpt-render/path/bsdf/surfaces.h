@@ -28,9 +28,9 @@ struct Surfaces {
   Vec3d absorption_of(const Point& p) const {
     return p.material->solid ? Vec3d(p.material->absorption) : Vec3d();
   }
-  double presence_of(const Point& p, const Vec3d& back) const {
+  double opacity_of(const Point& p, const Vec3d& back) const {
     const Pane pane = p.material ? pane_of(*p.material) : Pane{};
-    return pane ? pane.presence(dot(p.normal, back)) : 1;
+    return pane ? pane.opacity(dot(p.normal, back)) : 1;
   }
 
 #include "shaders/shared/path/interface_albedo.h"

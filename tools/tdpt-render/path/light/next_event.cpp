@@ -10,24 +10,24 @@ namespace {
 struct NextEvents {
   using Real = double;
   using Point = tdpt::Point;
-  using Outlook = tdpt::Outlook;
+  using LightContext = tdpt::LightContext;
   using InSky = Lights::InSky;
   using Source = const LightSource*;
-  using Panel = tdpt::Panel;
+  using RectLight = tdpt::RectLight;
   using LightPlace = Lights::Point;
 
   const Lights& lights;
   const WindowSky& windows;
-  const std::vector<Panel>& panels;
+  const std::vector<RectLight>& rect_lights;
 
   static constexpr bool scene_has_windows = true;
-  bool scene_has_panels = !panels.empty();
+  bool scene_has_rect_lights = !rect_lights.empty();
   struct {
-    uint panels;
+    uint rect_lights;
     double surfaces, sky_pdf_1;
-  } light_settings{static_cast<uint>(panels.size()), lights.shares().surfaces,
+  } light_settings{static_cast<uint>(rect_lights.size()), lights.shares().surfaces,
                    lights.sky() ? lights.sky()->pdf_1() : 0};
-  const Panel& load_light_panel(uint i) const { return panels[i]; }
+  const RectLight& load_rect_light(uint i) const { return rect_lights[i]; }
   static bool is_surface(Source source) { return source->is_surface(); }
   static bool is_sky(Source source) { return source->is_sky(); }
   static bool is_two_sided(Source source) { return source->both_sides(); }
@@ -39,7 +39,7 @@ struct NextEvents {
     return windows.pdf_w(x, facing, seen, to);
   }
 
-#include "shaders/shared/path/panels.h"
+#include "shaders/shared/path/rect_lights.h"
   // Apart: each begins with language.h.
 #include "shaders/shared/path/next_event_pdf.h"
 };
@@ -49,44 +49,45 @@ struct NextEvents {
 
 namespace tdpt {
 
-[[gnu::flatten]] double NextEvents::sent_by_panels(const Vertex& v) const {
-  return shader::NextEvents{lights_, windows_, panels_}.sent_by_panels(v, v.outlook.facing);
+[[gnu::flatten]] double NextEvents::sent_by_rect_lights(const Vertex& v) const {
+  return shader::NextEvents{lights_, windows_, rect_lights_}.sent_by_rect_lights(
+      v, v.light_context.facing);
 }
 
-// As the text's place_on_panels(), which looks at each again.
-[[gnu::flatten]] Lights::Point NextEvents::sample_panels(Vertex& v, double pick, double a,
-                                                         double b) const {
-  const shader::NextEvents text{lights_, windows_, panels_};
-  const Vec3d up = text.panel_horizon(v, v.outlook.facing);
-  const bool both_ways = shader::is_zero(v.outlook.facing);
-  std::array<shader::NextEvents::PanelView, kMostPanels> views;
-  double& sent = v.outlook.sent;
+// As the text's place_on_rect_lights(), which looks at each again.
+[[gnu::flatten]] Lights::Point NextEvents::sample_rect_lights(Vertex& v, double pick, double a,
+                                                              double b) const {
+  const shader::NextEvents text{lights_, windows_, rect_lights_};
+  const Vec3d up = text.rect_light_horizon(v, v.light_context.facing);
+  const bool both_ways = shader::is_zero(v.light_context.facing);
+  std::array<shader::NextEvents::RectLightView, kMostRectLights> views;
+  double& sent = v.light_context.sent;
   sent = 0;
-  for (size_t i = 0; i < panels_.size(); ++i) {
-    views[i] = text.look_at_panel(panels_[i], v.position, up, both_ways);
-    sent += panels_[i].weight * views[i].total;
+  for (size_t i = 0; i < rect_lights_.size(); ++i) {
+    views[i] = text.look_at_rect_light(rect_lights_[i], v.position, up, both_ways);
+    sent += rect_lights_[i].weight * views[i].total;
   }
   double left = pick * sent;
-  size_t chosen = panels_.size();
-  for (size_t i = 0; i < panels_.size() && left >= 0; ++i) {
-    const double share = panels_[i].weight * views[i].total;
+  size_t chosen = rect_lights_.size();
+  for (size_t i = 0; i < rect_lights_.size() && left >= 0; ++i) {
+    const double share = rect_lights_[i].weight * views[i].total;
     if (!(share > 0)) continue;
     chosen = i;
     left = left < share ? -1 : left - share;
   }
-  if (chosen == panels_.size()) return {};
-  return text.place_on_panel(panels_[chosen], views[chosen], sent, a, b);
+  if (chosen == rect_lights_.size()) return {};
+  return text.place_on_rect_light(rect_lights_[chosen], views[chosen], sent, a, b);
 }
 
 Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double pick, double u,
                                  double v, double side) const {
-  if (const double share = lights_.shares().surfaces; by_panels() && pick < share) {
-    Lights::Point point = sample_panels(shaded, pick / share, u, v);
+  if (const double share = lights_.shares().surfaces; by_rect_lights() && pick < share) {
+    Lights::Point point = sample_rect_lights(shaded, pick / share, u, v);
     point.pdf *= share;
     return point;
   }
   if (!lights_.picks_sky(pick)) return lights_.sample(pick, u, v, side);
-  const auto& [facing, seen, sent] = shaded.outlook;
+  const auto& [facing, seen, sent] = shaded.light_context;
   const double q = seen > 0 ? through_windows : 0;
   // What is below the horizon is as good as black: it is not looked at.
   const auto above = [&facing = facing](const Vec3d& towards) {
@@ -107,14 +108,15 @@ Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double 
 }
 
 [[gnu::flatten]] NextEventPdf NextEvents::pdf(const Vertex& shaded, const Point& light) const {
-  const shader::NextEvents text{lights_, windows_, panels_};
-  Outlook outlook = shaded.outlook;
-  if (outlook.sent < 0 && light.source->is_surface()) outlook.sent = sent_by_panels(shaded);
+  const shader::NextEvents text{lights_, windows_, rect_lights_};
+  LightContext light_context = shaded.light_context;
+  if (light_context.sent < 0 && light.source->is_surface())
+    light_context.sent = sent_by_rect_lights(shaded);
   const auto pdf_by = [&](double q) {
-    return text.next_event_pdf(shaded, outlook, q, light.source, light.triangle, light.position,
-                               light.in_sky);
+    return text.next_event_pdf(shaded, light_context, q, light.source, light.triangle,
+                               light.position, light.in_sky);
   };
-  const bool sees_windows = light.source->is_sky() && outlook.seen > 0;
+  const bool sees_windows = light.source->is_sky() && light_context.seen > 0;
   return {pdf_by(0), sees_windows ? pdf_by(1) : 0, sees_windows};
 }
 

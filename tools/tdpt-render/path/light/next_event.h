@@ -2,7 +2,7 @@
 // [shaders/shared/path/next_event_pdf.h], q [Mixture::through_windows].
 #pragma once
 #include "libcommon/scene/lights.h"
-#include "tools/tdpt-render/path/light/panels.h"
+#include "tools/tdpt-render/path/light/rect_lights.h"
 #include "tools/tdpt-render/path/light/vertex.h"
 #include "tools/tdpt-render/path/light/window_sky.h"
 
@@ -18,41 +18,42 @@ struct NextEventPdf {
 class NextEvents {
  public:
   NextEvents(const Scene& scene, const Lights& lights, const WindowSky& windows)
-      : lights_(lights), windows_(windows), panels_(panels_of(scene, lights)) {}
+      : lights_(lights), windows_(windows), rect_lights_(rect_lights_of(scene, lights)) {}
 
   /// Whether their densities depend on the shaded point by more than what windows show.
-  bool by_panels() const { return !panels_.empty(); }
-  const std::vector<Panel>& panels() const { return panels_; }
+  bool by_rect_lights() const { return !rect_lights_.empty(); }
+  const std::vector<RectLight>& rect_lights() const { return rect_lights_; }
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees;
-  /// of panels later, when that is asked for.
+  /// of rectangular lights later, when that is asked for.
   void look_out(const Vec3d& away, Vertex& v) const {
-    if (windows_.empty() && panels_.empty()) return;
-    v.outlook.facing = facing(v, away);
+    if (windows_.empty() && rect_lights_.empty()) return;
+    v.light_context.facing = facing(v, away);
     if (!windows_.empty())
-      v.outlook.seen = v.connectible ? windows_.seen(v.position, v.outlook.facing) : 0;
-    if (!panels_.empty()) v.outlook.sent = v.connectible ? -1 : 0;
+      v.light_context.seen = v.connectible ? windows_.seen(v.position, v.light_context.facing) : 0;
+    if (!rect_lights_.empty()) v.light_context.sent = v.connectible ? -1 : 0;
   }
-  /// And of the panels at once: for one that many paths ask.
-  void look_at_panels(Vertex& v) const {
-    if (v.outlook.sent < 0) v.outlook.sent = sent_by_panels(v);
+  /// And of the rectangular lights at once: for one that many paths ask.
+  void look_at_rect_lights(Vertex& v) const {
+    if (v.light_context.sent < 0) v.light_context.sent = sent_by_rect_lights(v);
   }
 
-  /// A place on a light, without one where no panel sends anything; in the sky without its density,
-  /// and black where it is below the horizon of `shaded`, which has looked out if q is more than 0
-  /// or there are panels, and is told what they send. Four numbers in [0,1), as Lights::sample.
+  /// A place on a light, without one where no rectangular light sends anything; in the sky without
+  /// its density, and black where it is below the horizon of `shaded`, which has looked out if q is
+  /// more than 0 or there are rectangular lights, and is told what they send. Four numbers in
+  /// [0,1), as Lights::sample.
   Lights::Point sample(Vertex& shaded, double q, double pick, double u, double v,
                        double side) const;
   /// Density of `sample` at a place on a light.
   NextEventPdf pdf(const Vertex& shaded, const Point& light) const;
 
  private:
-  double sent_by_panels(const Vertex& v) const;
-  Lights::Point sample_panels(Vertex& v, double pick, double a, double b) const;
+  double sent_by_rect_lights(const Vertex& v) const;
+  Lights::Point sample_rect_lights(Vertex& v, double pick, double a, double b) const;
 
   const Lights& lights_;
   const WindowSky& windows_;
-  std::vector<Panel> panels_;
+  std::vector<RectLight> rect_lights_;
 };
 
 }  // namespace tdpt

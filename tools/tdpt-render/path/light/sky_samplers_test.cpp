@@ -191,7 +191,7 @@ TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
       sum += all.pdf_A(t) * shape_of(scene, t).area;
     return sum;
   };
-  const Lights::Shares before = all.shares();
+  const Lights::KindProbabilities before = all.shares();
   EXPECT_NEAR(of_emitters(), before.surfaces, 1e-6);
   EXPECT_NEAR(before.surfaces + before.lamps + before.parallel + before.sky, 1, 1e-12);
   all.choose_by({0.1, 0.2, 0.3, 0.4});
@@ -229,7 +229,7 @@ double next_events(const Shaded& shaded, double fault) {
   v.simple = shaded.simple;
   if (!v.simple) v.bsdf.through = Rgb(0.5f);  // both sides count
   world.next_events.look_out(v.normal, v);
-  EXPECT_GT(v.outlook.seen, 0);
+  EXPECT_GT(v.light_context.seen, 0);
   Vertex sky;
   double q = kThroughWindows;
   const auto density = [&](const Vec3d& w) {
@@ -316,7 +316,7 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
       const double y = 1 - (2 * i + 1.0) / kUp, phi = 2 * pi * (j + 0.5) / kAround;
       const double r = std::sqrt(1 - y * y);
       place_in_sky(world, {r * std::cos(phi), y, r * std::sin(phi)}, y0);
-      if (guide.active()) guide.aim_at_light(y0);
+      if (guide.active()) guide.guide_totals_at_light(y0);
       const double begins = world.lights.pdf(*y0.source, ~0u, y0.position, y0.in_sky);
       if (begins == 0) continue;
       for (int a = 0; a < kFine * kSide; ++a)

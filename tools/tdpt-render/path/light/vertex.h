@@ -11,7 +11,7 @@ namespace tdpt {
 
 /// Where walks may be directed from a point: W of what they can aim at [portals.h], 0 where that is
 /// nothing (Guide).
-struct Aims {
+struct GuideTotals {
   Vec3d facing{};  ///< side of the surface that the path's edges are on; 0: both
   double from_light = 0, from_camera = 0;  ///< of a walk from there that is scattered here
   double emitted = 0;                      ///< of a walk that begins here
@@ -19,15 +19,15 @@ struct Aims {
 };
 
 /// What next events know of a point [next_event.h].
-struct Outlook {
+struct LightContext {
   Vec3d facing{};   ///< side of the surface that light comes to; 0: both
   double seen = 0;  ///< of the sky through the windows: sum S_F [window_sky.h]
-  double sent = 0;  ///< by the panels [panels.h]; less than 0: not yet told
+  double sent = 0;  ///< by the rectangular lights [rect_lights.h]; less than 0: not yet told
 };
 
 struct Vertex : Point {
-  Aims aims;
-  Outlook outlook;  ///< of those that next events may be made at
+  GuideTotals guide_totals;
+  LightContext light_context;  ///< of those that next events may be made at
 };
 
 }  // namespace tdpt

@@ -131,7 +131,7 @@ TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
     v.normal = {0, 1, 0};
     v.material = &house.scene.materials[0];
     house.world.next_events.look_out(v.normal, v);
-    return v.outlook.seen;
+    return v.light_context.seen;
   };
   EXPECT_GT(seen_at({1, 0, 0}), 0);
   EXPECT_GT(seen_at({3, 0, 0}), 0);

@@ -7,7 +7,7 @@ namespace tdpt::shader {
 // The text in doubles.
 struct GuideText : PortalText {
   using Point = tdpt::Point;
-  using Aims = tdpt::Aims;
+  using GuideTotals = tdpt::GuideTotals;
   using Arrival = const Incidence*;  // null: a walk begins
   using Source = const LightSource*;
   static constexpr Source SOURCE_NONE = nullptr;
@@ -48,37 +48,38 @@ shader::GuideText Guide::text() const {
           active_};
 }
 
-[[gnu::flatten]] PortalSet::Crossing Guide::crossing(const Point& a, const Point& b,
-                                                     uint64_t& tests,
-                                                     const PortalSet::Drawn& drawn) const {
+[[gnu::flatten]] PortalSet::CrossingDensity Guide::crossing(const Point& a, const Point& b,
+                                                            uint64_t& tests,
+                                                            const PortalSet::Drawn& drawn) const {
   const shader::GuideText guide = text();
   if (!guide.has_crossing(a, b)) return {};
   ++tests;
   return guide.edge_crossing(a, b, drawn);
 }
 
-[[gnu::flatten]] void Guide::aim_at_surface(const Vec3d& away, Vertex& v) const {
-  v.aims = text().aim_at_surface(v, away);
+[[gnu::flatten]] void Guide::guide_totals_at_surface(const Vec3d& away, Vertex& v) const {
+  v.guide_totals = text().guide_totals_at_surface(v, away);
 }
 
-void Guide::aim_at_light(Vertex& v) const {
-  v.aims = text().aim_at_light(v);
+void Guide::guide_totals_at_light(Vertex& v) const {
+  v.guide_totals = text().guide_totals_at_light(v);
 }
 
 bool Guide::draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
                  Vec3d& w, int& triangle) const {
-  return text().guide_draw(v, v.aims, in, index(from), u[0], u[1], u[2], u[3], w, triangle);
+  return text().guide_draw(v, v.guide_totals, in, index(from), u[0], u[1], u[2], u[3], w, triangle);
 }
 
 bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
                   int& triangle) const {
-  return text().guide_leave(y0, y0.aims, u[0], u[1], u[2], u[3], ray.origin, ray.direction,
+  return text().guide_leave(y0, y0.guide_totals, u[0], u[1], u[2], u[3], ray.origin, ray.direction,
                             triangle);
 }
 
 [[gnu::flatten]] double Guide::mixed_pdf_A(From from, const Vertex& at, const Incidence* in,
                                            const Edge& e, const Point& to, double plain_A,
-                                           const PortalSet::Crossing& crossing, double W) const {
+                                           const PortalSet::CrossingDensity& crossing,
+                                           double W) const {
   const shader::GuideText guide = text();
   return guide.guided_pdf_A(index(from), W, guide.guide_chance(index(from), at, in),
                             guide.guide_odds(at, in), plain_A, to.cosine(e.w) / e.d2, crossing);

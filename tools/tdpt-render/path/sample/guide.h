@@ -19,13 +19,14 @@ class Guide {
       : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
               mixture.has(Technique::portal) || mixture.guiding != Guiding{},
               mixture.looks_out() ||
-                  (mixture.has(Technique::direct) && world.next_events.by_panels())) {}
+                  (mixture.has(Technique::direct) && world.next_events.by_rect_lights())) {}
   /// The same, and all is known that the densities of any other directed walks depend on.
   static Guide knowing_all(const World& world, const Mixture& mixture) {
     return Guide(world, mixture.guiding, true, true, true);
   }
 
-  /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has Aims.
+  /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has
+  /// guide totals.
   bool active() const { return active_; }
   /// Whether edges have crossings at all.
   bool sees_portals() const { return sees_portals_; }
@@ -34,17 +35,17 @@ class Guide {
 
   /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
   /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
-  PortalSet::Crossing crossing(const Point& a, const Point& b, uint64_t& tests,
-                               const PortalSet::Drawn& drawn = {}) const;
+  PortalSet::CrossingDensity crossing(const Point& a, const Point& b, uint64_t& tests,
+                                      const PortalSet::Drawn& drawn = {}) const;
 
   /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
   /// directed there.
-  void aim_at_surface(const Vec3d& away, Vertex& v) const;
+  void guide_totals_at_surface(const Vec3d& away, Vertex& v) const;
   /// Tells y_0, a place on a light.
-  void aim_at_light(Vertex& v) const;
+  void guide_totals_at_light(Vertex& v) const;
 
   /// Whether there is anything to aim at from a surface.
-  bool may_aim(const Vertex& v, From from) const { return v.aims.of(from) > 0; }
+  bool may_guide(const Vertex& v, From from) const { return v.guide_totals.of(from) > 0; }
   /// Whether a walk at `v` (`in` null: that begins there) is directed, and then the direction and
   /// the triangle aimed at. `u`: as in PortalSet::aim, and whether.
   bool draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
@@ -57,9 +58,9 @@ class Guide {
   /// Of a walk at `at` (`in` null: that begins there) which reaches `to` along `e`: the guided
   /// density [1/canonical area], from the plain one and the edge's crossing.
   double pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e, const Point& to,
-               double plain_A, const PortalSet::Crossing& crossing) const {
+               double plain_A, const PortalSet::CrossingDensity& crossing) const {
     const bool may = plain_A > 0 && guiding_.chance[static_cast<size_t>(from)] > 0;
-    const double W = in ? at.aims.of(from) : at.aims.emitted;
+    const double W = in ? at.guide_totals.of(from) : at.guide_totals.emitted;
     return may && W > 0 ? mixed_pdf_A(from, at, in, e, to, plain_A, crossing, W) : plain_A;
   }
 
@@ -69,9 +70,9 @@ class Guide {
         guiding_(guiding),
         active_(active && !world.portals.empty()),
         sees_portals_(sees_portals && !world.portals.empty()),
-        looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_panels())) {}
+        looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_rect_lights())) {}
   double mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
-                     const Point& to, double plain_A, const PortalSet::Crossing& crossing,
+                     const Point& to, double plain_A, const PortalSet::CrossingDensity& crossing,
                      double W) const;
   shader::GuideText text() const;
 

@@ -154,15 +154,15 @@ struct Stand {
                         : scatter_pdf_A(at, Incidence(at, between(at, before).w), e, to, false),
         least);
     uint64_t tests = 0;
-    const PortalSet::Crossing c =
+    const PortalSet::CrossingDensity c =
         from == From::light ? guide.crossing(at, to, tests) : guide.crossing(to, at, tests);
     const Incidence in(at, back);
     const Incidence* const from_where = back == Vec3d() ? nullptr : &in;
     return guide.pdf_A(from, at, from_where, e, to, plain, c) * e.d2 / to.cosine(e.w);
   }
   double& aim() {  // W
-    if (back == Vec3d()) return at.aims.emitted;
-    return from == From::light ? at.aims.from_light : at.aims.from_camera;
+    if (back == Vec3d()) return at.guide_totals.emitted;
+    return from == From::light ? at.guide_totals.from_light : at.guide_totals.from_camera;
   }
   double aim() const { return Stand(*this).aim(); }
 };
@@ -217,7 +217,7 @@ Stand stand_of(const World& world, const Case& c) {
   if (c.from == From::light) {
     place_on_light(world, world.lights.sample(0.5, 1.0 / 3, 0.5, 0), c.begins ? s.at : s.before);
     if (c.begins) {
-      s.guide.aim_at_light(s.at);
+      s.guide.guide_totals_at_light(s.at);
       return s;
     }
   } else {
@@ -230,7 +230,7 @@ Stand stand_of(const World& world, const Case& c) {
   EXPECT_TRUE(world.tracer.closest(s.before.origin(), w, hit));
   place_on_surface(world, hit, s.at);
   EXPECT_LT(length(s.at.position), 1e-6);
-  s.guide.aim_at_surface(-w, s.at);
+  s.guide.guide_totals_at_surface(-w, s.at);
   s.back = -w;
   return s;
 }
@@ -267,14 +267,15 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
   return j;
 }
 
-// Every density adds up to at most 1 and is followed. `aims`: whether there is anything to aim at.
-void all_hold(const std::vector<Case>& cases, bool aims = true) {
+// Every density adds up to at most 1 and is followed. `guided`: whether there is anything to aim
+// at.
+void all_hold(const std::vector<Case>& cases, bool guided = true) {
   const double least = sidak(kLevel, 2 * cases.size());
   for (size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     const World world = c.world();
     const Stand s = stand_of(world, c);
-    EXPECT_EQ(s.aim() > 0, aims) << c.name;
+    EXPECT_EQ(s.aim() > 0, guided) << c.name;
     const Judgement j = judge(c, s, i, [&](const Vec3d& w) { return s.pdf_w(w); });
     const std::string name = c.name + (c.from == From::light ? ", from the light" : "");
     EXPECT_GT(j.p, least) << name;
@@ -371,8 +372,8 @@ double sun_lines(double fault) {
   const Guide guide(world, tdpt_guided.mixture);
   Vertex y0;
   place_on_light(world, world.lights.sample(0.5, 0.5, 0.5, 0), y0);
-  guide.aim_at_light(y0);
-  EXPECT_GT(y0.aims.emitted, 0);
+  guide.guide_totals_at_light(y0);
+  EXPECT_GT(y0.guide_totals.emitted, 0);
   constexpr int kSide = 16, kFine = 128;
   const double radius = std::sqrt(y0.source->cos_per_pdf_w({}) / std::numbers::pi);
   const auto bin = [&](const Vec3d& at) {
@@ -461,8 +462,9 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
   for (const From from : {From::light, From::camera}) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
-      const double all = shader::PortalText(s.world.portals)
-                             .portal_aims(s.at.position, Vec3d(), static_cast<uint32_t>(from));
+      const double all =
+          shader::PortalText(s.world.portals)
+              .portal_guide_totals(s.at.position, Vec3d(), static_cast<uint32_t>(from));
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
     });

@@ -73,27 +73,27 @@ struct Mixture {
   /// there are any [next_event.h].
   double through_windows = kThroughWindows;
 
-  /// Share of the samples that make a light walk. Those of others are joined with, and what they
-  /// splat counts for all [light_pool.h].
+  /// Share of the samples that make a light walk. Those of others are connected with, and what they
+  /// splat counts for all [light_vertex_cache.h].
   double light_walks = 1;
 
-  /// How many candidates a vertex is joined with, for each vertex that a light walk has on average
-  /// after y_0: of those, and of those with y_0 [light_pool.h, expecting_joins()]. 1: with all of
-  /// one walk.
-  double joined = 1, joined_to_segments = 1;
-  /// Camera walks whose vertices each segment is joined with.
-  double segments_joined = 1;
+  /// How many candidates a vertex is connected with, for each vertex that a light walk has on
+  /// average after y_0: of those, and of those with y_0 [light_vertex_cache.h,
+  /// expecting_connections()]. 1: with all of one walk.
+  double connected = 1, connected_to_segments = 1;
+  /// Camera walks whose vertices each segment is connected with.
+  double segments_connected = 1;
 
   bool has(Technique t) const { return techniques.has(t); }
   bool looks_out() const { return has(Technique::direct) && through_windows > 0; }
   /// How often a sample of the picture runs a strategy of paths of k edges, on average. All
-  /// segments of a pool are joined with its vertices, but only its own is seen by the camera.
+  /// segments of a cache are connected with its vertices, but only its own is seen by the camera.
   constexpr double samples_of(Technique t, int split, int k) const {
-    if (t == Technique::bi) return joined;
+    if (t == Technique::bi) return connected;
     if (t == Technique::light) return light_walks;
     if (t != Technique::portal) return 1;
-    return segments * (split > 0 ? joined_to_segments : 1) *
-           (sees_segment(split, k) ? 1 : segments_joined);
+    return segments * (split > 0 ? connected_to_segments : 1) *
+           (sees_segment(split, k) ? 1 : segments_connected);
   }
   /// Whether the end of the segment is what the camera sees.
   static constexpr bool sees_segment(int split, int k) { return split == k - 2; }

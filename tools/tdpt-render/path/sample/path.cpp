@@ -82,8 +82,8 @@ struct PathWeights {
       return strategies_of_segment(light_half(s), camera_half(s + 2), static_cast<uint>(s), edges,
                                    x);
     }
-    return strategies_of_joined(light_half(s), camera_half(s), static_cast<uint>(s), edges,
-                                s > 0 && s < k ? pair_A(s - 1) : 0);
+    return strategies_of_connected(light_half(s), camera_half(s), static_cast<uint>(s), edges,
+                                   s > 0 && s < k ? pair_A(s - 1) : 0);
   }
 };
 
@@ -129,8 +129,8 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
     place(s + 1).crossing = &segment->after;
     if (s > 0) place(s - 1).crossing = &segment->before;
   } else if (s > 0 && t > 1) {
-    joining_ = guide_.crossing(x(s - 1), x(s), rays.portal);
-    place(s - 1).crossing = &joining_;
+    connection_ = guide_.crossing(x(s - 1), x(s), rays.portal);
+    place(s - 1).crossing = &connection_;
   }
   fill_joint(world, s, first_z);
   if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
@@ -140,7 +140,7 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
 void Path::take_light_prefix(const Walk& y, int s) {
   for (int i = s - 1; i >= 0; --i) {
     const WalkState& state = y.state(i);
-    Place& here = place(i);
+    VertexFacts& here = place(i);
     here.x = &y[i];
     here.dirac = i + 1 < s && state.dirac;
     any_dirac_ |= here.dirac;
@@ -159,7 +159,7 @@ void Path::take_camera_prefix(const Walk& z, int t) {
   for (int j = t - 1; j >= 0; --j) {
     const WalkState& state = z.state(j);
     const int i = k_ - j;
-    Place& here = place(i);
+    VertexFacts& here = place(i);
     here.x = &z[j];
     here.dirac = j + 1 < t && state.dirac;
     any_dirac_ |= here.dirac;

@@ -47,11 +47,13 @@ struct StrategySums {
   double used = 0;     ///< n_s p_s of one of them
 };
 
-/// Crossings (portals.h) of a portal segment and of the edges that join it to its prefixes.
+/// Crossings (portals.h) of a portal segment and of the edges that connect it to its prefixes.
 struct SegmentCrossings {
-  PortalSet::Crossing own;     ///< x_l -> x_c; D is more than 0
-  PortalSet::Crossing before;  ///< last light vertex -> x_l; of no meaning without a light prefix
-  PortalSet::Crossing after;   ///< x_c -> last camera vertex; of no meaning when that is the camera
+  PortalSet::CrossingDensity own;  ///< x_l -> x_c; D is more than 0
+  PortalSet::CrossingDensity
+      before;  ///< last light vertex -> x_l; of no meaning without a light prefix
+  PortalSet::CrossingDensity
+      after;  ///< x_c -> last camera vertex; of no meaning when that is the camera
 };
 
 /// x_0 (on a light) ... x_k (the camera), assembled from a light prefix, 0 or 2 vertices of a
@@ -81,7 +83,7 @@ class Path {
   double weight(const Mixture& mixture, Strategy used, double beta) const;
 
   // The path under other mixtures than that which made it: what it brings to their second moments
-  // [scout.h].
+  // [pilot.h].
 
   /// Densities in walks as those that made it.
   const WalkDensities& walks() const { return walks_; }
@@ -126,23 +128,23 @@ class Path {
 
   // What is known of x_i, side by side: arrays of kMaxDepth numbers each would lie a multiple of
   // 4096 bytes and a few apart, where a processor takes what is read for what was just written.
-  struct Place {
+  struct VertexFacts {
     const Vertex* x;
-    const PortalSet::Crossing* crossing;  ///< of x_i -> x_{i+1}
-    const Edge* edge;                     ///< the same, from the end that its walk came from
-    std::array<double, 2> survival;       ///< [From], 1 at both ends
+    const PortalSet::CrossingDensity* crossing;  ///< of x_i -> x_{i+1}
+    const Edge* edge;                            ///< the same, from the end that its walk came from
+    std::array<double, 2> survival;              ///< [From], 1 at both ends
     bool dirac;
   };
-  Place& place(int i) { return places_[static_cast<size_t>(i)]; }
-  const Place& place(int i) const { return places_[static_cast<size_t>(i)]; }
+  VertexFacts& place(int i) { return places_[static_cast<size_t>(i)]; }
+  const VertexFacts& place(int i) const { return places_[static_cast<size_t>(i)]; }
 
   const Guide& guide_;
   int k_ = 0;
   bool any_dirac_ = false;
-  NextEventPdf next_event_;      ///< p_nee(x_0): its density as a next event at x_1
-  std::array<Edge, 3> joint_;    ///< edges that no walk knows, from the light
-  PortalSet::Crossing joining_;  ///< where no walk and no segment knows it
-  std::array<Place, kMaxDepth + 1> places_;
+  NextEventPdf next_event_;                ///< p_nee(x_0): its density as a next event at x_1
+  std::array<Edge, 3> joint_;              ///< edges that no walk knows, from the light
+  PortalSet::CrossingDensity connection_;  ///< where no walk and no segment knows it
+  std::array<VertexFacts, kMaxDepth + 1> places_;
   WalkDensities walks_;
 };
 

@@ -30,9 +30,9 @@ void PathSampler::begin(int x, int y, uint64_t sample) {
 }
 
 void PathSampler::run() {
-  own_pool_.clear();
+  own_cache_.clear();
   if (has_light_phase()) walk_from_light();
-  camera_phase(light_walk_, own_pool_);
+  camera_phase(light_walk_, own_cache_);
 }
 
 void PathSampler::light_phase(Walk& y) {
@@ -40,13 +40,13 @@ void PathSampler::light_phase(Walk& y) {
                         numbers(shader::PURPOSE_LIGHT_WALK), y, tally_.rays);
 }
 
-void PathSampler::join_with(const Walk& y, LightPool& pool) {
+void PathSampler::connect_with(const Walk& y, LightVertexCache& cache) {
   light_ = &y;
-  pool_ = &pool;
+  cache_ = &cache;
 }
 
-void PathSampler::camera_phase(const Walk& y, LightPool& pool) {
-  join_with(y, pool);
+void PathSampler::camera_phase(const Walk& y, LightVertexCache& cache) {
+  connect_with(y, cache);
   const TechniqueSet& techniques = settings_.mixture.techniques;
   walk_from_camera();
   if (film_.has_alpha() && !looks_out()) film_.meet(x_, y_);
@@ -87,10 +87,10 @@ void PathSampler::walk_from_camera() {
 
 void PathSampler::walk_from_light() {
   light_phase(light_walk_);
-  own_pool_.clear();
-  own_pool_.add(light_walk_);
-  if (has_segment_phase()) segment_phase(light_walk_, own_pool_);
-  join_with(light_walk_, own_pool_);
+  own_cache_.clear();
+  own_cache_.add(light_walk_);
+  if (has_segment_phase()) segment_phase(light_walk_, own_cache_);
+  connect_with(light_walk_, own_cache_);
 }
 
 uint64_t PathSampler::coin() {
@@ -208,7 +208,7 @@ void PathSampler::direct() {
                            : world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
     const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
     if (black(value)) continue;
-    if (guide_.active()) guide_.aim_at_light(light_point_.v[0]);
+    if (guide_.active()) guide_.guide_totals_at_light(light_point_.v[0]);
     const Path path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::direct, 1}, value, 1});
   }
@@ -216,7 +216,7 @@ void PathSampler::direct() {
 
 void PathSampler::light() {
   const Walk& y = *light_;
-  const double times = pool_->walks_per_sample();
+  const double times = cache_->walks_per_sample();
   for (int i = 1; i < y.size; ++i) {
     if (!y[i].connectible) continue;
     Vec3d to_camera;
@@ -231,29 +231,29 @@ void PathSampler::light() {
   }
 }
 
-void PathSampler::join_drawn(const End& end, int edges) {
-  few_.clear(drawn_.size());
+void PathSampler::connect_drawn(const End& end, int edges) {
+  resampling_.clear(drawn_.size());
   values_.resize(drawn_.size());
-  tally_.rays.join += drawn_.size();
+  tally_.rays.connect += drawn_.size();
   const bool in_columns = Ends::has(end) && !world_.absorbing;
-  if (in_columns) pool_->estimate(drawn_, end, estimates_);
+  if (in_columns) cache_->estimate(drawn_, end, estimates_);
   for (size_t c = 0; c < drawn_.size(); ++c) {
     const LightVertex& y = *drawn_[c];
     if (y.index + edges > settings_.max_depth) {
-      few_.add(0);
+      resampling_.add(0);
     } else if (in_columns && Ends::has(y)) {
-      few_.add(estimates_[c]);
+      resampling_.add(estimates_[c]);
     } else {
-      values_[c] = join(world_, y, end);
-      few_.add(luminance(values_[c]));
+      values_[c] = connect(world_, y, end);
+      resampling_.add(luminance(values_[c]));
     }
   }
 }
 
 // What was estimated in columns alone is computed when it is taken.
-Rgb PathSampler::joined(const End& l, const End& c, size_t number) const {
+Rgb PathSampler::connected(const End& l, const End& c, size_t number) const {
   const bool in_columns = Ends::has(l) && Ends::has(c) && !world_.absorbing;
-  return in_columns ? join(world_, l, c) : values_[number];
+  return in_columns ? connect(world_, l, c) : values_[number];
 }
 
 void PathSampler::bi() {
@@ -262,16 +262,16 @@ void PathSampler::bi() {
   for (int t = 2; t <= z.size; ++t) {
     if (!z[t - 1].connectible) continue;
     random.seek(2 * static_cast<uint32_t>(t));
-    const auto [u_candidates, u_few] = random.uniforms<2>();
-    const double times = pool_->draw(false, u_candidates, drawn_);
+    const auto [u_candidates, u_resampling] = random.uniforms<2>();
+    const double times = cache_->draw(false, u_candidates, drawn_);
     const End& end = camera_end(t - 1);
-    join_drawn(end, t);
-    for (const auto& [c, chance] : few_.choose(shader::connections_of(t), u_few)) {
+    connect_drawn(end, t);
+    for (const auto& [c, chance] : resampling_.choose(shader::connections_of(t), u_resampling)) {
       const LightVertex& y = *drawn_[c];
       if (!visible(*y.vertex, z[t - 1])) continue;
       const double n = times * chance;
       const Path path(world_, guide_, *y.walk, y.index + 1, z, t, tally_.rays);
-      const Rgb value = joined(y, end, c) * static_cast<float>(1 / n);
+      const Rgb value = connected(y, end, c) * static_cast<float>(1 / n);
       to_pixel({path, {Technique::bi, y.index + 1}, value, n});
     }
   }

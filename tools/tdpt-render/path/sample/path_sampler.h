@@ -1,22 +1,23 @@
 // One sample of a picture: a walk from the camera, one from a light, one segment through a portal,
-// and all paths that the techniques of a mixture join from them, each with its MIS weight.
+// and all paths that the techniques of a mixture connect from them, each with its MIS weight.
 //
 // Method: tri-directional path tracing (sections 3.1 to 3.3), which is bidirectional path tracing
 // with a third kind of sub-path. y_0 y_1 ... are the vertices of a light's walk, z_0 z_1 ... of
 // the camera's, x_l and x_c the ends of the segment on the light's and on the camera's side.
 //
-// Not all are joined with all. Light walks and segments of several samples are pooled
-// [light_pool.h]; what a camera vertex, x_l or x_c could be joined with is estimated without
-// visibility, and few of those get their ray [few.h]. Those are the ones that matter, so that the
-// weights take no notice of the choice; what is brought is divided by its chance.
+// Not all are connected with all. Light walks and segments of several samples are cached
+// [light_vertex_cache.h]; what a camera vertex, x_l or x_c could be connected with is estimated
+// without visibility, and few of those get their ray [resampling.h]. Those are the ones that
+// matter, so that the weights take no notice of the choice; what is brought is divided by its
+// chance.
 #pragma once
 #include <functional>
 
 #include "libcommon/film/film.h"
 #include "shaders/shared/path/purposes.h"
-#include "tools/tdpt-render/path/sample/few.h"
-#include "tools/tdpt-render/path/sample/light_pool.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 #include "tools/tdpt-render/path/sample/path.h"
+#include "tools/tdpt-render/path/sample/resampling.h"
 
 namespace tdpt {
 
@@ -59,14 +60,14 @@ class PathSampler {
   void begin(int x, int y, uint64_t sample);
   /// The walks and techniques that the mixture has.
   void run();
-  // The same in phases, for samples that pool what comes from the light: their walks, kept by the
+  // The same in phases, for samples that cache what comes from the light: their walks, kept by the
   // caller, then their segments, then all else. Each after begin() of the sample.
   bool has_light_phase() const { return settings_.mixture.techniques.walks_from_light(); }
   void light_phase(Walk& y);
   bool has_segment_phase() const { return settings_.mixture.has(Technique::portal); }
-  /// `y`: the sample's own walk, of no vertices where it makes none; `pool` has all walks.
-  void segment_phase(const Walk& y, LightPool& pool);
-  void camera_phase(const Walk& y, LightPool& pool);
+  /// `y`: the sample's own walk, of no vertices where it makes none; `cache` has all walks.
+  void segment_phase(const Walk& y, LightVertexCache& cache);
+  void camera_phase(const Walk& y, LightVertexCache& cache);
   /// Adds what the camera side gathered to the pixel.
   void end();
 
@@ -74,16 +75,16 @@ class PathSampler {
   // the walks of its prefixes.
 
   void walk_from_camera();
-  void walk_from_light();  ///< and pools that walk alone, and a segment that is joined with it
+  void walk_from_light();  ///< and caches that walk alone, and a segment that is connected with it
   /// `y`: the sample's own light walk, of no vertices where it makes none.
-  void join_with(const Walk& y, LightPool& pool);
+  void connect_with(const Walk& y, LightVertexCache& cache);
 
   void run(Technique technique);
   void camera();  ///< the camera walk hits a light; on a transparent film not the sky behind all
   void direct();  ///< a point on a light for each camera vertex
   void light();   ///< each light vertex projected to the film
-  void bi();      ///< each camera vertex joined with a few light vertices
-  void portal();  ///< the camera and its vertices joined with few segments that cross a portal
+  void bi();      ///< each camera vertex connected with a few light vertices
+  void portal();  ///< the camera and its vertices connected with few segments that cross a portal
 
  private:
   Sequence numbers(uint32_t purpose) const;
@@ -113,18 +114,18 @@ class PathSampler {
   /// Importance of the pinhole for light leaving p: radiance of a splat per unit of f * throughput.
   /// False when p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
-  /// What drawn_ bring to `end`, to few_; nothing where the path would be too long: of y_0 it would
-  /// have so many edges.
-  void join_drawn(const End& end, int edges);
-  /// join() of two ends that were estimated under this number.
-  Rgb joined(const End& l, const End& c, size_t number) const;
+  /// What drawn_ bring to `end`, to resampling_; nothing where the path would be too long: of y_0
+  /// it would have so many edges.
+  void connect_drawn(const End& end, int edges);
+  /// connect() of two ends that were estimated under this number.
+  Rgb connected(const End& l, const End& c, size_t number) const;
   /// What all segments bring to z_{t-1}, the i-th to estimates_[(t-2) row + i]: a row for each t.
   void estimate_segments(int t);
   // Of segments [segment_sampler.cpp].
-  /// Whether it joins anything.
+  /// Whether it connects anything.
   bool draw_segment(const PortalSet::Sample& sample, PortalSegment& segment);
-  /// What x_l can be joined with, few of it.
-  void join_with_light(PortalSegment& segment, const std::array<double, 2>& u);
+  /// What x_l can be connected with, few of it.
+  void connect_with_light(PortalSegment& segment, const std::array<double, 2>& u);
   /// Light of prefixes that leave room for t vertices from the camera.
   Rgb light_of(const PortalSegment& segment, int t) const;
   /// All paths through a segment to z_{t-1}, `value` of them but for the light at x_l, each
@@ -132,7 +133,7 @@ class PathSampler {
   void through(PortalSegment& segment, int t, const Rgb& value, double times,
                const std::array<double, 2>& raster);
   void see(PortalSegment& segment);
-  void join_with_segments();
+  void connect_with_segments();
 
   const World& world_;
   SampleSettings settings_;
@@ -146,14 +147,14 @@ class PathSampler {
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< that of the sample
-  LightPool own_pool_;
-  LightPool* pool_ = &own_pool_;
+  LightVertexCache own_cache_;
+  LightVertexCache* cache_ = &own_cache_;
   std::vector<End> camera_ends_;  ///< [j-1] of z_j
   // Of one vertex at a time.
   std::vector<const LightVertex*> drawn_;
   std::vector<Rgb> values_;  ///< of those that were not estimated in columns
   std::vector<double> estimates_;
-  Few few_;
+  Resampling resampling_;
 };
 
 }  // namespace tdpt

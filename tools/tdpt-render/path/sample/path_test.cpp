@@ -131,18 +131,18 @@ TEST(paths_guided, of_any_probability_are_the_oracles) {
 }
 
 TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
-  Mixture often = tdpt_guided.mixture, seldom = tdpt_guided.mixture, joined = tdpt_org.mixture;
+  Mixture often = tdpt_guided.mixture, seldom = tdpt_guided.mixture, connected = tdpt_org.mixture;
   often.guiding = {{0.9, 0.8}};
   seldom.guiding = {{0.3, 0}};
   seldom.segments = 0.25;
-  joined.joined = often.joined = 2.5;
-  joined.joined_to_segments = often.joined_to_segments = 1.7;
-  joined.segments_joined = often.segments_joined = 16;
+  connected.connected = often.connected = 2.5;
+  connected.connected_to_segments = often.connected_to_segments = 1.7;
+  connected.segments_connected = often.segments_connected = 16;
   seldom.light_walks = 0.125;
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms()})
     for (const Integrator* made : {&tdpt_org, &tdpt_guided})
       for (const Mixture& asked :
-           {nee.mixture, bdpt.mixture, tdpt_org.mixture, joined, often, seldom}) {
+           {nee.mixture, bdpt.mixture, tdpt_org.mixture, connected, often, seldom}) {
         // Edges so short that rounding turns them, as above.
         EXPECT_LE(weighed_as_others(scene, *made, asked, asked), 3) << made->name;
         // Twin: directed a little more often than was asked.
@@ -151,19 +151,19 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
         told.guiding.chance[0] += 0.05;
         EXPECT_GT(weighed_as_others(scene, *made, asked, told), 100) << made->name;
       }
-  // Twins: joined a little more often than was asked.
-  Mixture told = joined;
-  told.joined *= 1.05;
-  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
-  told = joined;
-  told.joined_to_segments *= 1.05;
-  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
-  told = joined;
-  told.segments_joined *= 1.05;
-  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
-  told = joined;
+  // Twins: connected a little more often than was asked.
+  Mixture told = connected;
+  told.connected *= 1.05;
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, connected, told), 100);
+  told = connected;
+  told.connected_to_segments *= 1.05;
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, connected, told), 100);
+  told = connected;
+  told.segments_connected *= 1.05;
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, connected, told), 100);
+  told = connected;
   told.light_walks = 0.95;
-  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, joined, told), 100);
+  EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, connected, told), 100);
 }
 
 TEST(path_twin, a_portal_density_off_is_caught_where_a_share_of_the_samples_draws_segments) {
@@ -225,7 +225,7 @@ TEST(path_twin, directed_walks_that_carry_twice_as_much_are_caught) {
   EXPECT_GT(carried_by_directed_walks(2), 8);
 }
 
-TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
+TEST(mixtures, weigh_next_events_and_count_connections_and_the_share_of_segments) {
   Mixture less = tdpt_guided.mixture;
   EXPECT_EQ(less.segments, 0.25);
   EXPECT_EQ(less.sample_weight(Technique::portal, 2, 4), 0.25);
@@ -234,14 +234,14 @@ TEST(mixtures, weigh_next_events_and_count_joins_and_the_share_of_segments) {
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 1);
   EXPECT_EQ(tdpt_org.mixture.sample_weight(Technique::direct, 1, 2), 1);
   EXPECT_EQ(tdpt_org.mixture.sample_weight(Technique::portal, 0, 2), 1);
-  less.joined = 2.5, less.joined_to_segments = 1.5;
+  less.connected = 2.5, less.connected_to_segments = 1.5;
   EXPECT_EQ(less.sample_weight(Technique::bi, 2, 3), 2.5);
   EXPECT_EQ(less.sample_weight(Technique::light, 3, 3), 0.25);
   EXPECT_EQ(bdpt.mixture.sample_weight(Technique::light, 3, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::camera, 0, 3), 1);
   EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.25);  // light that begins at x_l
   EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 0.375);
-  less.segments_joined = 3;
+  less.segments_connected = 3;
   EXPECT_EQ(less.sample_weight(Technique::portal, 0, 4), 0.75);
   EXPECT_EQ(less.sample_weight(Technique::portal, 1, 4), 1.125);
   EXPECT_EQ(less.sample_weight(Technique::portal, 2, 4), 0.375);  // the camera sees x_c
@@ -256,7 +256,7 @@ TEST(path_twin, a_portal_density_off_by_5_percent_is_caught) {
 
 TEST(path_twin, an_aim_off_by_5_percent_is_caught) {
   for (const Scene& scene : {diffuse_rooms(), glossy_rooms(), coated_rooms()}) {
-    const Worst worst = compare(scene, tdpt_guided, Fault::aim_5_percent);
+    const Worst worst = compare(scene, tdpt_guided, Fault::guide_5_percent);
     EXPECT_GT(worst.weight, 1e-3);
     EXPECT_GT(worst.value, 0.04);
   }
@@ -312,15 +312,15 @@ TEST(path_twin, walks_that_are_thought_immortal_are_caught) {
     }
 }
 
-// Vertices of a pool are joined more often, or less, than once for each of a walk.
-TEST(paths_joined, any_number_of_times_are_the_oracles) {
+// Vertices of a cache are connected more often, or less, than once for each of a walk.
+TEST(paths_connected, any_number_of_times_are_the_oracles) {
   for (const Integrator* row : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided})
-    for (const auto& [joined, to_segments] : {std::pair{2.5, 1.7}, {0.6, 0.4}})
+    for (const auto& [connected, to_segments] : {std::pair{2.5, 1.7}, {0.6, 0.4}})
       for (const int depth : {6, kMaxDepth}) {
         Integrator integrator = *row;
-        integrator.mixture.joined = joined;
-        integrator.mixture.joined_to_segments = to_segments;
-        integrator.mixture.segments_joined = 6 * joined;
+        integrator.mixture.connected = connected;
+        integrator.mixture.connected_to_segments = to_segments;
+        integrator.mixture.segments_connected = 6 * connected;
         const Worst worst = compare(diffuse_rooms(), integrator, Fault::none, depth);
         EXPECT_LT(worst.weight, 1e-6) << integrator.name;
         EXPECT_LT(worst.power, 2e-6) << integrator.name;
@@ -353,7 +353,7 @@ TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
     Film film(16, 12, 1);
     Tally tally;
     double weighted = 0, plain = 0;
-    const Variant variant = Variant::pooled(world, *integrator, 6);
+    const Variant variant = Variant::cached(world, *integrator, 6);
     const PathObserver observer = [&](const Contribution& found) {
       const auto& [path, strategy, value, times] = found;
       const double w = path.weight(variant.integrator.mixture, strategy, 1);

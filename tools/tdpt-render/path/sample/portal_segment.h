@@ -7,20 +7,20 @@
 
 namespace tdpt {
 
-/// A prefix of a light walk that x_l is joined with.
+/// A prefix of a light walk that x_l is connected with.
 struct Side {
   const Walk* walk;
   int prefix;  ///< vertices of it; 0: light begins at x_l
   Rgb value;   ///< throughput and what is scattered at both, over the chance of being taken
   double chance;
-  PortalSet::Crossing crossing{};  ///< of the edge that joins them
+  PortalSet::CrossingDensity crossing{};  ///< of the edge that connects them
 };
 
 struct PortalSegment {
   Vertex x_l, x_c;
   Vec3d w;  ///< unit, from x_l to x_c
-  PortalSet::Crossing crossing{};
-  double presence = 1;  ///< coverage of both ends' surfaces (Hit::presence)
+  PortalSet::CrossingDensity crossing{};
+  double opacity = 1;  ///< coverage of both ends' surfaces (Hit::opacity)
   /// One throughput for both ends, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 / D;
   /// a share of the samples stands for all.
   Rgb through;

@@ -1,5 +1,5 @@
 // The rays of a sample are at most those of the paper's Table 1, for paths of up to k edges, but
-// that a vertex is joined with few others [few.h]:
+// that a vertex is connected with few others [resampling.h]:
 //
 //   light walk     (k-1) c_I + (k-1) c_V          edges; y_1..y_{k-1} are splatted (the paper's
 //                                                  prose says up to y_{k-2}, which is k-2 of them)
@@ -101,7 +101,7 @@ Census count(const Variant& variant, int k, const RayCounts& expected, bool glow
     census.most.closest = std::max(census.most.closest, r.closest);
     census.most.shadow = std::max(census.most.shadow, r.shadow);
     census.most.portal = std::max(census.most.portal, r.portal);
-    census.most.join = std::max(census.most.join, r.join);
+    census.most.connect = std::max(census.most.connect, r.connect);
     census.complete += (r.closest == expected.closest && r.shadow == expected.shadow &&
                         r.portal == expected.portal) /
                        512.0;
@@ -111,7 +111,7 @@ Census count(const Variant& variant, int k, const RayCounts& expected, bool glow
   return census;
 }
 
-/// Of `n` others, how many z_j or an end of a segment is joined with.
+/// Of `n` others, how many z_j or an end of a segment is connected with.
 uint64_t few(uint64_t most, uint64_t n) {
   return std::min(most, n);
 }
@@ -130,9 +130,9 @@ RayCounts table_1(TechniqueSet set, int depth) {
   if (light) r.closest += k - 1, r.shadow += k - 1, r.portal += k - 1;
   if (set.has(Technique::bi))
     for (uint64_t j = 1; j + 2 <= k; ++j) {
-      const uint64_t joins = few(j < 3 ? 2 : 1, k - 1 - j);
-      r.shadow += joins;
-      r.portal += joins;
+      const uint64_t connections = few(j < 3 ? 2 : 1, k - 1 - j);
+      r.shadow += connections;
+      r.portal += connections;
     }
   if (set.has(Technique::portal)) {
     r.closest += 2;
@@ -163,7 +163,7 @@ TEST(rays, are_those_of_table_1) {
   }
 }
 
-// Of the edges from a lamp without surface. Whether x_l is joined with y_0 is sure for k <= 4.
+// Of the edges from a lamp without surface. Whether x_l is connected with y_0 is sure for k <= 4.
 uint64_t lamp_edges(TechniqueSet set, int depth) {
   const auto k = static_cast<uint64_t>(depth);
   if (!set.has(Technique::portal)) return 0;
@@ -183,7 +183,7 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
         expected.portal -= few(3, n - 2) - few(3, n - 3);
       }
       const bool chosen = plain && k > 4 && integrator->mixture.has(Technique::portal);
-      // One edge more where x_l is joined with others than y_0, which for short paths leaves the
+      // One edge more where x_l is connected with others than y_0, which for short paths leaves the
       // camera's side a vertex less.
       if (chosen && k > 6) ++expected.portal;
       const Census census = count(with_all_segments(*integrator), k, expected, false);
@@ -195,12 +195,12 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
     }
 }
 
-// z_1 to z_6, each with y_1 to y_5 of a walk that is pooled alone, though some paths be too long;
+// z_1 to z_6, each with y_1 to y_5 of a walk that is cached alone, though some paths be too long;
 // an end of a segment with y_0, too, and the segment with z_1 to z_4.
-TEST(rays, pairs_that_come_into_question_for_a_join_are_counted) {
-  EXPECT_EQ(count(nee, 6, {}).most.join, 0u);
-  EXPECT_EQ(count(bdpt, 6, {}).most.join, 6u * 5);
-  EXPECT_EQ(count(with_all_segments(tdpt_org), 6, {}).most.join, 6u * 5 + 6 + 4);
+TEST(rays, pairs_that_come_into_question_for_a_connect_are_counted) {
+  EXPECT_EQ(count(nee, 6, {}).most.connect, 0u);
+  EXPECT_EQ(count(bdpt, 6, {}).most.connect, 6u * 5);
+  EXPECT_EQ(count(with_all_segments(tdpt_org), 6, {}).most.connect, 6u * 5 + 6 + 4);
 }
 
 TEST(rays, twin_a_directed_walk_beside_the_count_of_one_that_is_not) {
@@ -219,7 +219,7 @@ TEST(rays, twin_one_connection_more_or_one_technique_less_is_caught) {
   EXPECT_EQ(count(less, 5, expected).complete, 0);
 }
 
-TEST(rays, twin_joins_with_all_are_not_those_with_few) {
+TEST(rays, twin_connections_with_all_are_not_those_with_few) {
   RayCounts expected = table_1(bdpt.mixture.techniques, 6);
   expected.shadow += 10 - 6;  // (k-1)(k-2)/2
   EXPECT_EQ(count(bdpt, 6, expected).complete, 0);

@@ -1,8 +1,8 @@
-// Portal segments: drawn and joined with the light's side in one phase of a sample, with the
+// Portal segments: drawn and connected with the light's side in one phase of a sample, with the
 // camera's in the next [path_sampler.h]. Sections 3.1.1 and 3.2.
 //
 // A segment that has come upon light is worth more than the one sample that drew it can use, so
-// that the vertices of all samples of a pool are joined with it: of all pairs of a vertex and a
+// that the vertices of all samples of a cache are connected with it: of all pairs of a vertex and a
 // segment few get their ray, those that would bring most. At depth 6, by samples of equal number:
 // 0.5 and 0.55 times the relMSE in the room with the door ajar and in three rooms, and 1.25 times
 // the CPU time; half of the segments bring 0.6 times, at 1.1 times the time.
@@ -13,31 +13,31 @@
 
 namespace tdpt {
 
-void PathSampler::segment_phase(const Walk& y, LightPool& pool) {
-  join_with(y, pool);
+void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
+  connect_with(y, cache);
   if (world_.portals.empty() || settings_.max_depth < 2) return;
   tally_.begin_portals(world_.portals.portals());
   Sequence random = numbers(shader::PURPOSE_SEGMENT);
   const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
-  PortalSegment& segment = pool.place_for_segment();
+  PortalSegment& segment = cache.place_for_segment();
   segment.portal = sample.portal;
   ++tally_.portals[segment.portal].drawn;
   if (!draw_segment(sample, segment)) return;
 
   random.seek(8);
-  join_with_light(segment, random.uniforms<2>());
+  connect_with_light(segment, random.uniforms<2>());
   if (segment.light.empty()) return;
   const Edge middle = between(segment.x_l, segment.x_c);
   segment.through =
-      Rgb(static_cast<float>(1 / (share * segment.crossing.density * segment.presence)));
+      Rgb(static_cast<float>(1 / (share * segment.crossing.density * segment.opacity)));
   if (world_.absorbing)
     segment.through =
         segment.through * transmittance(segment.x_l, segment.x_c, middle.w, std::sqrt(middle.d2));
   segment.x = x_, segment.y = y_, segment.sample = sample_;
   segment.lit = false;
-  pool.keep_segment();
+  cache.keep_segment();
 }
 
 bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& segment) {
@@ -46,14 +46,14 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   // too near the plane to have a density.
   Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   x_l = x_c = {};
-  segment.presence = 1;
+  segment.opacity = 1;
   const Vec3f from(world_.portals.start(sample));
   const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
     if (world_.tracer.closest_from(from, w, hit)) {
       place_on_surface(world_, hit, v);
-      segment.presence *= hit.presence;
+      segment.opacity *= hit.opacity;
       return true;
     }
     if (hit.triangle != ~0u || !world_.lights.sky()) return false;
@@ -70,10 +70,10 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   if (!world_.portals.spans(sample.drawn, begin, x_c.position)) return false;
   if (guide_.active()) {
     if (x_l.at_infinity())
-      guide_.aim_at_light(x_l);
+      guide_.guide_totals_at_light(x_l);
     else
-      guide_.aim_at_surface(sample.direction, x_l);
-    guide_.aim_at_surface(-sample.direction, x_c);
+      guide_.guide_totals_at_surface(sample.direction, x_l);
+    guide_.guide_totals_at_surface(-sample.direction, x_c);
   }
   if (guide_.looks_out()) {
     // Where light begins at x_l, x_c may be x_1.
@@ -88,21 +88,21 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
 // [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at
 // x_l and scattered along w. Each end's edges are tested against the portals once, for all paths
 // that have them.
-void PathSampler::join_with_light(PortalSegment& segment, const std::array<double, 2>& u) {
+void PathSampler::connect_with_light(PortalSegment& segment, const std::array<double, 2>& u) {
   const Vertex& x_l = segment.x_l;
   segment.light.clear();
   if (const Rgb Le = emitted(x_l, segment.w); !black(Le))
     segment.light.push_back({light_, 0, Le, 1});
   if (x_l.at_infinity()) return;
-  const double times = pool_->draw(true, u[0], drawn_);
+  const double times = cache_->draw(true, u[0], drawn_);
   const End end(x_l, segment.w, Rgb(1.0f));
-  join_drawn(end, 3);
-  for (const auto& [c, chance] : few_.choose(shader::kLightSides, u[1])) {
+  connect_drawn(end, 3);
+  for (const auto& [c, chance] : resampling_.choose(shader::kLightSides, u[1])) {
     const LightVertex& y = *drawn_[c];
     if (!visible(*y.vertex, x_l)) continue;
     const double n = times * chance;
-    segment.light.push_back({y.walk, y.index + 1, joined(y, end, c) * static_cast<float>(1 / n), n,
-                             guide_.crossing(*y.vertex, x_l, tally_.rays.portal)});
+    segment.light.push_back({y.walk, y.index + 1, connected(y, end, c) * static_cast<float>(1 / n),
+                             n, guide_.crossing(*y.vertex, x_l, tally_.rays.portal)});
   }
 }
 
@@ -117,7 +117,7 @@ void PathSampler::through(PortalSegment& segment, int t, const Rgb& value, doubl
                           const std::array<double, 2>& raster) {
   const Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   const Walk& z = camera_walk_;
-  const PortalSet::Crossing after = guide_.crossing(x_c, z[t - 1], tally_.rays.portal);
+  const PortalSet::CrossingDensity after = guide_.crossing(x_c, z[t - 1], tally_.rays.portal);
   double brought = 0;
   for (const Side& before : segment.light) {
     if (before.prefix + t + 1 > settings_.max_depth) continue;
@@ -146,7 +146,7 @@ void PathSampler::see(PortalSegment& segment) {
 }
 
 void PathSampler::estimate_segments(int t) {
-  const std::span<PortalSegment> segments = pool_->segments();
+  const std::span<PortalSegment> segments = cache_->segments();
   const size_t first = static_cast<size_t>(t - 2) * Ends::room(segments.size());
   const End& c = camera_end(t - 1);
   const auto of_t = std::span(estimates_).subspan(first, segments.size());
@@ -155,52 +155,52 @@ void PathSampler::estimate_segments(int t) {
     return;
   }
   const bool in_columns = Ends::has(c) && !world_.absorbing;
-  Ends& columns = pool_->segment_columns();
+  Ends& columns = cache_->segment_columns();
   if (in_columns && settings_.max_depth < kMaxDepth)
     for (size_t i = 0; i < segments.size(); ++i) columns.set_light(i, light_of(segments[i], t));
   if (in_columns) columns.estimate(c, of_t.data());
   for (size_t i = 0; i < segments.size(); ++i) {
-    const End& l = pool_->segment_end(i);
+    const End& l = cache_->segment_end(i);
     if (in_columns && Ends::has(l)) continue;
-    values_[first + i] = join(world_, l, c);
+    values_[first + i] = connect(world_, l, c);
     of_t[i] = luminance(values_[first + i] * light_of(segments[i], t));
   }
 }
 
 // [eq. 3] with edge C3 of [eq. 2], over its density: t prefix vertices z_0..z_{t-1}, leaving x_c,
 // scattered from -w.
-void PathSampler::join_with_segments() {
+void PathSampler::connect_with_segments() {
   const Walk& z = camera_walk_;
-  const std::span<PortalSegment> segments = pool_->segments();
+  const std::span<PortalSegment> segments = cache_->segments();
   const int of_each = std::min(z.size, settings_.max_depth - 1) - 1;
   if (of_each < 1 || segments.empty()) return;
-  pool_->prepare_segments();
+  cache_->prepare_segments();
   const size_t n = segments.size(), ends = static_cast<size_t>(of_each), row = Ends::room(n);
   values_.resize(std::max(values_.size(), row * ends));
   estimates_.resize(std::max(estimates_.size(), row * ends));
   for (int t = 2; t < 2 + of_each; ++t) estimate_segments(t);
-  few_.clear(n * ends);
+  resampling_.clear(n * ends);
   for (size_t i = 0; i < n; ++i)
-    for (size_t j = 0; j < ends; ++j) few_.add(estimates_[j * row + i]);
-  tally_.rays.join += n * ends;
+    for (size_t j = 0; j < ends; ++j) resampling_.add(estimates_[j * row + i]);
+  tally_.rays.connect += n * ends;
   Sequence random = numbers(shader::PURPOSE_SEGMENT);
   random.seek(12);
-  for (const auto& [chosen, chance] : few_.choose(shader::kPairs, random.uniform())) {
+  for (const auto& [chosen, chance] : resampling_.choose(shader::kPairs, random.uniform())) {
     const size_t i = chosen / ends, j = chosen % ends;
     PortalSegment& segment = segments[i];
     const int t = 2 + static_cast<int>(j);
     if (!visible(segment.x_c, z[t - 1])) continue;
-    const Rgb value = joined(pool_->segment_end(i), camera_end(t - 1), j * row + i);
-    const double times = pool_->samples() * chance;
+    const Rgb value = connected(cache_->segment_end(i), camera_end(t - 1), j * row + i);
+    const double times = cache_->samples() * chance;
     through(segment, t, value * static_cast<float>(1 / times), settings_.mixture.segments * times,
             {});
   }
 }
 
 void PathSampler::portal() {
-  for (PortalSegment& segment : pool_->segments())
+  for (PortalSegment& segment : cache_->segments())
     if (segment.sample == sample_ && segment.x == x_ && segment.y == y_) see(segment);
-  join_with_segments();
+  connect_with_segments();
 }
 
 }  // namespace tdpt

@@ -156,7 +156,7 @@ TEST(sky_paths_at_random, are_the_oracles) {
   EXPECT_GT(from_sky, 1000);
 }
 
-// As the scout asks.
+// As the pilot asks.
 TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
   Mixture often = tdpt_guided.mixture, anywhere = bdpt.mixture, aiming = nee.mixture;
   often.guiding = {{0.9, 0.8}};
@@ -210,7 +210,7 @@ TEST(sky_path_twin, next_events_through_windows_off_by_5_percent_are_caught) {
 
 TEST(sky_path_twin, an_aim_off_by_5_percent_is_caught) {
   for (const Scene& scene : {diffuse_under_the_sky(), glossy_with_lamps()}) {
-    const Worst worst = compare(scene, tdpt_guided, Fault::aim_5_percent, 6, 16, three_portals());
+    const Worst worst = compare(scene, tdpt_guided, Fault::guide_5_percent, 6, 16, three_portals());
     EXPECT_GT(worst.weight, 1e-3);
     EXPECT_GT(worst.value, 0.04);
   }

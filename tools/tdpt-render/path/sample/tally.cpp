@@ -4,7 +4,7 @@
 
 namespace tdpt {
 
-void Tally::leave_out(const Place& place) {
+void Tally::leave_out(const SamplePixel& place) {
   ++not_finite;
   not_finite_at.insert(std::upper_bound(not_finite_at.begin(), not_finite_at.end(), place), place);
   if (not_finite_at.size() > kMostPlaces) not_finite_at.pop_back();

@@ -14,13 +14,13 @@ struct RayCounts {
   uint64_t closest = 0;  ///< first-hit rays
   uint64_t shadow = 0;   ///< visibility tests
   uint64_t portal = 0;   ///< edges tested against the portals
-  uint64_t join = 0;     ///< pairs of ends that came into question for a join
+  uint64_t connect = 0;  ///< pairs of ends that came into question for a connection
 
   void merge(const RayCounts& other) {
     closest += other.closest;
     shadow += other.shadow;
     portal += other.portal;
-    join += other.join;
+    connect += other.connect;
   }
 };
 
@@ -38,18 +38,18 @@ struct Tally {
   std::array<UnitSum, kOctaves> by_length;
   /// What the segments drawn through one portal did.
   struct OfPortal {
-    uint64_t drawn = 0, lit = 0;  ///< those that joined a light with the camera
+    uint64_t drawn = 0, lit = 0;  ///< those that connected a light with the camera
     UnitSum energy;               ///< sum of luminance of their contributions
   };
   std::vector<OfPortal> portals;  ///< one for each portal; empty: none was drawn from
   uint64_t not_finite = 0;        ///< contributions left out
-  struct Place {
+  struct SamplePixel {
     uint64_t sample;
     int y, x;
-    friend auto operator<=>(const Place&, const Place&) = default;
+    friend auto operator<=>(const SamplePixel&, const SamplePixel&) = default;
   };
   static constexpr size_t kMostPlaces = 4;
-  std::vector<Place> not_finite_at;  ///< the first few, in order
+  std::vector<SamplePixel> not_finite_at;  ///< the first few, in order
 
   void begin_portals(size_t n) {
     if (portals.empty()) portals.resize(n, {0, 0, UnitSum(unit_)});
@@ -57,7 +57,7 @@ struct Tally {
   void count_length(int edges, double luminance) {
     by_length[std::bit_width(static_cast<unsigned>(edges) - 1)].add(luminance);
   }
-  void leave_out(const Place& place);
+  void leave_out(const SamplePixel& place);
   void merge(const Tally& other);
 
  private:

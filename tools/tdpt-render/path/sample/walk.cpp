@@ -39,7 +39,7 @@ class Walker {
   void scatter(int edges);
 
  private:
-  PortalSet::Crossing crossing(const Vertex& v, const Vertex& next, int triangle);
+  PortalSet::CrossingDensity crossing(const Vertex& v, const Vertex& next, int triangle);
 
   const World& world_;
   const Guide& guide_;
@@ -53,7 +53,7 @@ class Walker {
   Incidence& come_to(int vertex) { return come_to_[static_cast<size_t>(vertex) & 1]; }
 };
 
-PortalSet::Crossing Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
+PortalSet::CrossingDensity Walker::crossing(const Vertex& v, const Vertex& next, int triangle) {
   return from_ == From::light ? guide_.crossing(v, next, rays_.portal, {triangle, -1})
                               : guide_.crossing(next, v, rays_.portal, {triangle, -1});
 }
@@ -83,11 +83,12 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
       known ? scatter_pdf_A(v, before_next, reversed(last_), walk_.v[n - 2], here.dirac) : 0;
   if (known) walk_.states[n - 2].pdf_other_A = other;
   WalkState& state = walk_.states[n];
-  if (guide_.active()) leaves ? guide_.aim_at_light(next) : guide_.aim_at_surface(-w, next);
+  if (guide_.active())
+    leaves ? guide_.guide_totals_at_light(next) : guide_.guide_totals_at_surface(-w, next);
   // Light walks ask for the first: it may be x_1.
   if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
     world_.next_events.look_out(-w, next);
-    if (from_ == From::light) world_.next_events.look_at_panels(next);
+    if (from_ == From::light) world_.next_events.look_at_rect_lights(next);
   }
   if (n >= 2) here.other_survival = albedo_at(v, before_next);
   Incidence& arrived = come_to(walk_.size);
@@ -96,7 +97,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput =
-      hit.presence < 1 ? throughput * static_cast<float>(1 / hit.presence) : throughput;
+      hit.opacity < 1 ? throughput * static_cast<float>(1 / hit.opacity) : throughput;
   state.pdf_own_A = went_on * plain;
   state.pdf_other_A = 0;
   state.edge = e;
@@ -137,12 +138,12 @@ void Walker::scatter(int edges) {
     const bool tried_dirac = t.dirac;
     Vec3d towards;
     int triangle = -1;
-    bool aims = false;
-    if (guide_.active() && guide_.may_aim(v, from_)) {
+    bool guided = false;
+    if (guide_.active() && guide_.may_guide(v, from_)) {
       numbers_.seek(kPerBounce * static_cast<uint32_t>(walk_.size - 1) + kDirection);
-      aims = guide_.draw(v, &here, from_, numbers_.uniforms<4>(), towards, triangle);
+      guided = guide_.draw(v, &here, from_, numbers_.uniforms<4>(), towards, triangle);
     }
-    if (aims && !tried_dirac) {
+    if (guided && !tried_dirac) {
       if (!turn_towards(v, from_, here, towards, t)) return;
     } else if (!scatters) {
       return;
@@ -200,7 +201,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
   const Lights::Point light = world.lights.sample(pick, u, v, side);
   begin_at_light(world, light, walk);
-  if (guide.active()) guide.aim_at_light(walk.v[0]);
+  if (guide.active()) guide.guide_totals_at_light(walk.v[0]);
   if (edges < 1) return;
   const Vertex& y0 = walk[0];
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();

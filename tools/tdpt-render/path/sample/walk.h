@@ -21,9 +21,9 @@ struct WalkState {
   double pdf_other_A = 0;
   /// Albedo here, by which this walk and, known one vertex later, one from the other end survives.
   double own_survival = 1, other_survival = 1;
-  Edge edge{};                     ///< from the vertex before
-  PortalSet::Crossing crossing{};  ///< of that edge (portals.h)
-  bool dirac = false;              ///< the walk went on by a Dirac lobe
+  Edge edge{};                            ///< from the vertex before
+  PortalSet::CrossingDensity crossing{};  ///< of that edge (portals.h)
+  bool dirac = false;                     ///< the walk went on by a Dirac lobe
 };
 
 struct Walk {
@@ -46,7 +46,8 @@ inline Vec3d way_back(const Walk& walk, int i) {
   return -walk.state(i).edge.w;
 }
 
-/// y_0 alone, a walk of no edges; it has yet to be told where it may aim [Guide::aim_at_light].
+/// y_0 alone, a walk of no edges; it has yet to be told where it may aim
+/// [Guide::guide_totals_at_light].
 void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 
 /// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).

@@ -30,7 +30,7 @@ struct World {
     if (portals.empty())
       lights.prefer(nullptr);
     else
-      lights.prefer([this](const Vec3d& towards) { return portals.aims_along(-towards); });
+      lights.prefer([this](const Vec3d& towards) { return portals.guide_total_along(-towards); });
   }
 
   const Scene& scene;

@@ -1,0 +1,122 @@
+#include "tools/tdpt-render/device/capacity.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "tools/tdpt-render/device/wavefront.h"
+#include "tools/tdpt-render/testing/rooms.h"
+
+namespace tdpt::room_test {
+
+// The largest buffer of the least device that Vulkan allows; memory, texels and buffers as laptops
+// have them.
+gpu::Limits laptop() {
+  gpu::Limits limits;
+  limits.memory = uint64_t{2} << 30;
+  limits.buffer = 1 << 27;
+  limits.texels = uint64_t{1} << 31;
+  limits.buffers = 35;
+  limits.groups = 65535;
+  return limits;
+}
+
+std::string refusal(const gpu::Limits& limits, const DeviceNeeds& needs) {
+  try {
+    capacity_on("a device", limits, needs);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::no_device);
+    return e.what();
+  }
+  return "nothing";
+}
+
+TEST(room, is_there_on_the_least_device_for_the_longest_paths) {
+  const Capacity room = capacity_on("a device", laptop(), {{}, 1 << 27, true, 35});
+  EXPECT_GE(room.samples, kMostOfCache);
+  EXPECT_GE(room.vertices, 2u * kMostOfCache * 1025);
+  EXPECT_LE(room.vertices * sizeof(shader::PathVertex), laptop().buffer);
+  EXPECT_LE(room.vertices, 64 * laptop().groups);
+}
+
+TEST(room, follows_each_limit) {
+  gpu::Limits limits;
+  limits.memory = uint64_t{1} << 38;
+  limits.buffer = uint64_t{1} << 32;
+  limits.texels = uint64_t{1} << 36;
+  limits.buffers = 1 << 20;
+  limits.groups = 1 << 31;
+  EXPECT_EQ(capacity_on("a device", limits, {}).vertices, 1u << 24);
+  limits.groups = 65535;
+  EXPECT_EQ(capacity_on("a device", limits, {}).vertices, 64u * 65535);
+  limits.buffer = 1 << 27;
+  EXPECT_EQ(capacity_on("a device", limits, {}).vertices, (1u << 27) / 144);
+  limits.buffer = uint64_t{1} << 32;
+  limits.memory = uint64_t{4} << 30;
+  const uint32_t plain = capacity_on("a device", limits, {}).vertices;
+  EXPECT_LT(plain, 64u * 65535);
+  EXPECT_LT(capacity_on("a device", limits, {{}, 0, true, 0}).vertices, plain);
+  // What is fixed takes its part before samples do.
+  EXPECT_LT(capacity_on("a device", limits, {{{"the triangles", uint64_t{11} << 28}}, 0, false, 0})
+                .vertices,
+            plain);
+}
+
+TEST(room, that_is_too_little_is_refused_with_both_numbers) {
+  gpu::Limits limits = laptop();
+  EXPECT_EQ(refusal(limits, {{}, 0, false, 35}), "nothing");
+  EXPECT_EQ(refusal(limits, {{}, 0, false, 36}),
+            "a device: a kernel binds 36 buffers, the device allows 35");
+  limits.texels = 1 << 28;
+  EXPECT_EQ(refusal(limits, {{{"the sky", 1}, {"the triangles", 1 << 28}}, 0, false, 1}),
+            "a device: the scene takes 268435457 bytes, 268435456 of them the triangles, the "
+            "device reads no more than 268435456 from a buffer");
+  EXPECT_EQ(refusal(limits, {{}, 1 << 28, false, 1}),
+            "a device: the film takes 268435456 bytes, the device's largest buffer has 134217728");
+  limits.texels = uint64_t{1} << 31;
+  const DeviceNeeds many{std::vector<SceneShare>(12, {"the textures", 1 << 27}), 0, false, 1};
+  EXPECT_EQ(refusal(limits, many),
+            "a device: scene, film and samples take 1845427200 bytes of memory at least, of the "
+            "device's they may take 1610612736");
+  limits.buffer = 1 << 26;
+  EXPECT_EQ(refusal(limits, {}),
+            "a device: samples take 525312 vertices at least, the device holds 466033");
+}
+
+TEST(room, of_a_film_that_words_cannot_count_is_refused) {
+  const uint64_t pixels = uint64_t{1} << 32;
+  const uint64_t words = FilmPlaces(1, false, 0).words + 13 * (pixels - 1);
+  try {
+    FilmPlaces(pixels, false, 0);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code, Exit::no_device);
+    EXPECT_EQ(e.what(),
+              "the film takes " + std::to_string(words) + " words, kernels count 4294967295");
+  }
+}
+
+TEST(room, knows_all_tables_of_a_scene_by_name) {
+  const Scene scene = read_gltf(two_rooms_path());
+  const World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
+  const std::vector<SceneShare> shares = shares_of(RenderTables(world));
+  const auto bytes = [&](const std::string& name) -> uint64_t {
+    for (const SceneShare& b : shares)
+      if (b.name == name) return b.bytes;
+    return 0;
+  };
+  EXPECT_EQ(bytes("the triangles"), scene.triangles.size() * sizeof(shader::BvhTriangle));
+  EXPECT_GT(bytes("the portals"), 0u);
+}
+
+TEST(room, is_asked_for_before_portals_are_turned_and_tables_follow) {
+  const Scene scene = read_gltf(two_rooms_path());
+  World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
+  RenderTables tables(world);
+  world.fill_openings(PortalSet({}, scene.frame));
+  tables.follow(world);
+  EXPECT_TRUE(tables.portals.polygons.empty());
+  const RenderTables anew(world);
+  EXPECT_EQ(tables.lights.words, anew.lights.words);
+}
+
+}  // namespace tdpt::room_test

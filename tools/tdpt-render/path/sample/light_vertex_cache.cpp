@@ -1,0 +1,131 @@
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libcommon/math/streams.h"
+
+namespace tdpt {
+
+uint64_t samples_of_cache(const Mixture& mixture) {
+  return static_cast<uint64_t>(std::lround(LightVertexCache::kWalks / mixture.light_walks));
+}
+
+uint64_t light_walks_of(const Mixture& mixture, uint64_t samples) {
+  if (!mixture.techniques.walks_from_light() || samples == 0) return 0;
+  const double walks = mixture.light_walks * static_cast<double>(samples);
+  return std::clamp<uint64_t>(static_cast<uint64_t>(std::lround(walks)), 1, samples);
+}
+
+uint64_t pixel_of_cache(uint64_t cache, uint64_t i, uint64_t caches, uint64_t pixels) {
+  const uint64_t stretch = i * caches;
+  if (stretch + caches > pixels) return stretch + cache;
+  constexpr double kGolden = 0.6180339887498949;
+  const auto along = static_cast<uint64_t>(kGolden * static_cast<double>(stretch));
+  return stretch + (cache + along) % caches;
+}
+
+void LightVertexCache::clear(uint64_t samples) {
+  starts_.clear();
+  scattered_.clear();
+  walks_ = 0;
+  samples_ = static_cast<double>(samples);
+  kept_ = 0;
+  columns_.clear();
+  segment_ends_.clear();
+  segment_columns_.clear();
+}
+
+PortalSegment& LightVertexCache::place_for_segment() {
+  if (kept_ == segments_.size()) segments_.emplace_back();
+  return segments_[kept_];
+}
+
+void LightVertexCache::prepare_segments() {
+  for (size_t i = segment_ends_.size(); i < kept_; ++i) {
+    const PortalSegment& segment = segments_[i];
+    segment_columns_.add(segment_ends_.emplace_back(segment.x_c, -segment.w, segment.through));
+    Rgb light;
+    for (const Side& side : segment.light) light += side.value;
+    segment_columns_.set_light(i, light);
+  }
+}
+
+void LightVertexCache::add(const Walk& y) {
+  ++walks_;
+  if (y.size > 0 && y[0].connectible) starts_.emplace_back(y, 0);
+  for (int i = 1; i < y.size; ++i) {
+    if (!y[i].connectible) continue;
+    columns_.add(scattered_.emplace_back(y, i));
+    columns_.set_light(columns_.size() - 1, Rgb(1.0f));
+  }
+}
+
+void LightVertexCache::estimate(const std::vector<const LightVertex*>& drawn, const End& end,
+                                std::vector<double>& estimates) const {
+  static_assert(kCandidates == Ends::kLanes);
+  std::array<int, kCandidates> places{};
+  size_t n = 0;
+  for (const LightVertex* y : drawn)
+    places[n++] = y->index > 0 ? static_cast<int>(y - scattered_.data()) : 0;
+  if (estimates.size() < kCandidates) estimates.resize(kCandidates);
+  if (columns_.size() > 0) columns_.estimate(end, places, estimates.data());
+}
+
+double LightVertexCache::draw(bool starts, double u, std::vector<const LightVertex*>& drawn) const {
+  drawn.clear();
+  const size_t n = scattered_.size() + (starts ? starts_.size() : 0);
+  const auto at = [&](size_t i) {
+    return i < scattered_.size() ? &scattered_[i] : &starts_[i - scattered_.size()];
+  };
+  if (n == 0) return 0;
+  drawn.resize(std::min<size_t>(n, kCandidates));
+  if (n <= kCandidates) {
+    for (size_t i = 0; i < n; ++i) drawn[i] = at(i);
+    return walks_;
+  }
+  const double step = static_cast<double>(n) / kCandidates;
+  for (size_t i = 0; i < kCandidates; ++i)
+    drawn[i] = at(std::min(n - 1, static_cast<size_t>((static_cast<double>(i) + u) * step)));
+  return walks_ / step;
+}
+
+LightVertices expected_light_vertices(const World& world, const Guiding& guiding, int max_depth) {
+  constexpr int kWalks = 512;
+  Mixture mixture;
+  mixture.guiding = guiding;
+  const Guide guide(world, mixture);
+  RayCounts rays;
+  Walk y;
+  LightVertices sum;
+  for (int i = 0; i < kWalks; ++i) {
+    walk_from_light(
+        world, guide, max_depth - 1,
+        Sequence(*kExpectedWalks.seed, kExpectedWalks.first, 0, static_cast<uint64_t>(i)), y, rays);
+    for (int j = 0; j < y.size; ++j)
+      if (y[j].connectible) ++(j == 0 ? sum.first : sum.later);
+  }
+  return {sum.first / kWalks, sum.later / kWalks};
+}
+
+Mixture expecting_connections(const LightVertices& vertices, const Mixture& mixture) {
+  Mixture expecting = mixture;
+  if (!mixture.techniques.walks_from_light()) return expecting;
+  // A cache has no more than its walks.
+  const auto connections = [](double of_walk) {
+    return LightVertexCache::kCandidates /
+           std::max(of_walk, double{LightVertexCache::kCandidates} / LightVertexCache::kWalks);
+  };
+  expecting.connected = connections(vertices.later);
+  expecting.connected_to_segments = connections(vertices.first + vertices.later);
+  if (mixture.has(Technique::portal))
+    expecting.segments_connected = static_cast<double>(samples_of_cache(mixture));
+  return expecting;
+}
+
+Mixture expecting_connections(const World& world, const Mixture& mixture, int max_depth) {
+  if (!mixture.techniques.walks_from_light()) return mixture;
+  return expecting_connections(expected_light_vertices(world, mixture.guiding, max_depth), mixture);
+}
+
+}  // namespace tdpt

@@ -1,0 +1,122 @@
+// Of simulated measurements whose truth is known: noise wins no choice, and intervals hold the
+// truth; twins that are told of too little noise do neither.
+#include "tools/tdpt-render/plan/cost_posterior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace tdpt::judgement_test {
+
+constexpr size_t kBatches = 16;
+
+using Rng = std::mt19937_64;
+
+double normal(Rng& rng) {
+  return std::normal_distribution<double>()(rng);
+}
+
+// Of that cost, with batches of mean 1 and log-normal noise around it.
+Evidence measured(Rng& rng, double cost, double noise, std::array<bool, kTraits> traits = {}) {
+  Evidence e{traits, {}};
+  for (size_t b = 0; b < kBatches; ++b)
+    e.costs.push_back(cost * std::exp(noise * normal(rng) - 0.5 * noise * noise));
+  return e;
+}
+
+double mean(const Evidence& e) {
+  return std::accumulate(e.costs.begin(), e.costs.end(), 0.0) / kBatches;
+}
+
+// The same mean, batches that agree ten times as well.
+Evidence smoothed(Evidence e) {
+  const double m = mean(e);
+  for (double& c : e.costs) c = m + 0.1 * (c - m);
+  return e;
+}
+
+size_t least(const std::vector<Evidence>& all) {
+  const CostPosterior judged(all);
+  size_t best = 0;
+  for (size_t i = 1; i < all.size(); ++i)
+    if (judged.cost(i) < judged.cost(best)) best = i;
+  return best;
+}
+
+// One that is calm, and eight that are noisy and cost more.
+struct Lost {
+  double plainly = 0, judged = 0, smoothed = 0;  // of all trials, as logarithms
+};
+Lost lost() {
+  Lost sum;
+  Rng rng(1);
+  for (int trial = 0; trial < 400; ++trial) {
+    std::vector<Evidence> all{measured(rng, 1, 0.1)}, twin;
+    for (int i = 0; i < 8; ++i) all.push_back(measured(rng, 1.5, 1, {true, i > 0}));
+    for (const Evidence& e : all) twin.push_back(judgement_test::smoothed(e));
+    const auto plain = std::min_element(
+        all.begin(), all.end(), [](const auto& a, const auto& b) { return mean(a) < mean(b); });
+    const double loss = std::log(1.5);
+    sum.plainly += plain == all.begin() ? 0 : loss;
+    sum.judged += least(all) == 0 ? 0 : loss;
+    sum.smoothed += least(twin) == 0 ? 0 : loss;
+  }
+  return sum;
+}
+
+TEST(cost_posterior, noise_does_not_win_a_choice) {
+  const Lost sum = lost();
+  EXPECT_GT(sum.plainly, 80);  // of 162
+  EXPECT_LT(sum.judged, 0.55 * sum.plainly);
+}
+
+TEST(cost_posterior, twin_noise_wins_where_it_is_not_known) {
+  const Lost sum = lost();
+  EXPECT_GT(sum.smoothed, 0.7 * sum.plainly);
+}
+
+// Share of the trials whose interval holds the true ratio.
+double held(bool smooth) {
+  int held = 0;
+  constexpr int kTrials = 400;
+  Rng rng(2);
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const double portals = normal(rng), own = 0.2 * normal(rng);
+    std::vector<Evidence> all{measured(rng, 1, 0.5), measured(rng, 1.2, 0.5),
+                              measured(rng, std::exp(portals), 1.2, {true}),
+                              measured(rng, std::exp(portals + own), 1.2, {true})};
+    if (smooth)
+      for (Evidence& e : all) e = smoothed(e);
+    const CostRatio r = CostPosterior(all).ratio(0, 3);
+    const double truth = std::exp(-portals - own);
+    held += r.low <= truth && truth <= r.high;
+  }
+  return static_cast<double>(held) / kTrials;
+}
+
+TEST(cost_posterior, intervals_hold_the_truth) {
+  const double share = held(false);
+  EXPECT_GT(share, 0.85);
+  EXPECT_LT(share, 0.99);
+}
+
+TEST(cost_posterior, twin_intervals_do_not_where_noise_is_not_known) {
+  EXPECT_LT(held(true), 0.75);
+}
+
+TEST(cost_posterior, of_what_is_known_well_is_the_measurement) {
+  Rng rng(3);
+  const CostPosterior judged(
+      {measured(rng, 1, 0), measured(rng, 0.5, 0, {true, true}), measured(rng, 3, 0)});
+  const CostRatio r = judged.ratio(0, 1);
+  EXPECT_NEAR(std::log(r.times), std::log(2), 0.15);
+  EXPECT_LT(r.low, r.times);
+  EXPECT_NEAR(r.low * r.high, r.times * r.times, 1e-9);
+  EXPECT_NEAR(judged.ratio(1, 0).times, 1 / r.times, 1e-9);
+  EXPECT_GT(judged.cost(2), judged.cost(0));
+}
+
+}  // namespace tdpt::judgement_test

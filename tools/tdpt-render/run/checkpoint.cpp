@@ -1,0 +1,351 @@
+#include "tools/tdpt-render/run/checkpoint.h"
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/shell_quoted.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/formats/viewpoint.h"
+#include "tdpt_version.h"
+#include "tools/tdpt-render/run/report.h"
+
+namespace tdpt {
+namespace {
+
+// Whether there is something in it; an empty file may be the name of one to come.
+bool is_there(const std::string& path) {
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(path, failed);
+  return !failed && size > 0;
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  return !b.empty() &&
+         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
+}
+
+// "guided 0.7 0.4 0.25 0.5", as it was asked for.
+std::string integrator_words(const Arguments& a) {
+  std::string words = a.integrator;
+  for (const auto& [name, value] :
+       {std::pair("guide-light", a.guide_light), std::pair("guide-camera", a.guide_camera),
+        std::pair("segments", a.segments), std::pair("light-walks", a.light_walks)})
+    if (value >= 0) words += fmt::format(" {} {}", name, value);
+  return words;
+}
+
+std::string sky_words(const Arguments& a, const Shaping& by) {
+  if (by.sky.environment.empty()) return "";
+  return fmt::format("{} x {}, sun {}", by.scene.sky_hash, by.sky.scale, a.sky.sun_angle);
+}
+
+// Those that were taken, whether they were asked for or the likely ones.
+std::string units_of_lamps(const Scene& scene) {
+  if (scene.lights.empty()) return "";
+  return names_of_lamp_units().at(static_cast<size_t>(scene.lamp_units.kind));
+}
+
+// What was asked for this time, if anything, must be what was asked for then.
+void take_limits(const Arguments& a, const Limits& then, RenderSettings& settings) {
+  const auto refuse = [&](const char* option, double now, double before) {
+    throw UsageError(fmt::format("{} {}: {} was begun with {}; leave it out{}", option, now,
+                                 display_name(a.resume),
+                                 before > 0 ? fmt::format("{}", before) : "another limit",
+                                 a.spp > 0 ? ", --add-samples adds some" : ""));
+  };
+  const auto spp = static_cast<uint64_t>(a.spp);
+  if (spp > 0 && spp != then.spp)
+    refuse("--spp", static_cast<double>(spp), static_cast<double>(then.spp));
+  if (a.seconds > 0 && a.seconds != then.seconds) refuse("--time", a.seconds, then.seconds);
+  if (a.target_error > 0 && a.target_error != then.target_error)
+    refuse("--target-error", a.target_error, then.target_error);
+  static_cast<Limits&>(settings) = then;
+}
+
+// The picture is to have more samples than it was to have. Where it had not got all that were added
+// before, and as many are to be added, those are meant, and nothing is added: the command is given
+// again.
+bool add_samples(uint64_t n, RenderState& render_state) {
+  if (render_state.added == n && render_state.film.samples() < render_state.goal) return false;
+  if (std::max(render_state.goal, render_state.film.samples()) + n > kMostSamples)
+    throw UsageError(fmt::format("--add-samples {}: a picture has {} samples per pixel at the most",
+                                 n, kMostSamples));
+  render_state.goal = (render_state.goal > 0 ? render_state.goal : render_state.film.samples()) + n;
+  render_state.added = n;
+  render_state.target.reset();
+  return true;
+}
+
+// No limit holds but the number of samples.
+void limit_to(uint64_t spp, RenderSettings& settings) {
+  static_cast<Limits&>(settings) = {.spp = spp};
+}
+
+// What a film must have for this world to add to it, whatever its file says of itself.
+void check_film(const RenderState& render_state, const World& world, const std::string& file) {
+  const Film& film = render_state.film;
+  if (film.width() != world.film.width() || film.height() != world.film.height() ||
+      film.unit() != Film(1, 1, world.lights.power()).unit() ||
+      (!render_state.tally.portals.empty() &&
+       render_state.tally.portals.size() != world.portals.portals()))
+    throw InputError(file, "film", "keeps other sums than this picture");
+}
+
+Checkpoint planned(const Arguments& a, const Shaping& by) {
+  const std::string name = display_name(a.plan);
+  const PlanFile file = read_plan_file(a.plan);
+  if (const std::string other = difference(file.shape, shape_of(a, by)); !other.empty())
+    throw InputError(name, "", "is of " + other);
+  if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
+  const auto spp = static_cast<uint64_t>(a.spp);
+  // A picture may have fewer of its samples; shards are parts of them all.
+  if (a.spp > 0 && (a.shard.empty() ? spp > file.plan.spp : spp != file.plan.spp))
+    throw UsageError(
+        fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
+  Checkpoint given;
+  given.plan_file = name;
+  given.schedule.plan = file.plan;
+  if (a.spp > 0) given.schedule.plan->spp = spp;
+  given.command = file.command;
+  return given;
+}
+
+Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world,
+                   RenderSettings& settings) {
+  const std::string name = display_name(a.resume);
+  FilmFile film = read_film(a.resume);
+  if (const std::string other = difference(film.facts.shape, film_shape_of(a, by)); !other.empty())
+    throw InputError(name, "", "is of " + other);
+  Checkpoint given;
+  given.plan_file = name;
+  given.schedule.plan = read_plan(film.facts.plan, name);
+  given.processor = film.facts.processor;
+  given.attributes = film.facts.attributes;
+  // Of how it ended, which is to come.
+  for (const char* word : {"targetError", "estimatedError", "stoppedBy"})
+    given.attributes.erase(word);
+  if (film.facts.spp == 0) throw InputError(name, "film", "has no samples");
+  RenderState render_state = render_state_of(std::move(film), name);
+  check_film(render_state, world, name);
+  if (a.shard.empty() && (render_state.first > 0 || render_state.whole > 0))
+    throw UsageError(
+        fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", name,
+                    words_of({{render_state.first, render_state.goal}}), render_state.whole));
+  if (!a.shard.empty()) {
+    if (!a.plan.empty() && !(planned(a, by).schedule.plan == given.schedule.plan))
+      throw InputError(name, "", "was rendered by another plan than " + display_name(a.plan));
+    const SampleRange part = shard_of(a.shard).part(0, render_state.spp());
+    if (part.first != render_state.first || part.count != render_state.goal)
+      throw InputError(name, "",
+                       fmt::format("is to hold {}, not those of shard {}",
+                                   words_of({{render_state.first, render_state.goal}}), a.shard));
+  }
+  take_limits(a, render_state.limits, settings);
+  if (a.add_samples > 0) {
+    if (render_state.first > 0 || render_state.whole > 0)
+      throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
+    const auto provenance = given.attributes.find(provenance_attribute);
+    if (add_samples(static_cast<uint64_t>(a.add_samples), render_state) &&
+        provenance != given.attributes.end())
+      provenance->second = with_option(provenance->second, "tdpt-render",
+                                       fmt::format("--add-samples {}", a.add_samples));
+  }
+  if (render_state.added > 0) limit_to(render_state.goal, settings);
+  given.schedule.render_state.emplace(std::move(render_state));
+  return given;
+}
+
+// The words of the command line that all shards share.
+std::vector<std::string> words_of_shards(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const std::string option = word.substr(0, word.find('='));
+    const bool own = option == "-o" || option == "--output" || option == "--shard" ||
+                     option == "--checkpoint" || option == "--resume";
+    if (own && option == word) ++i;
+    if (!own && (!word.starts_with("-o") || word == "-o")) words.push_back(shell_quoted(word));
+  }
+  return words;
+}
+
+// N of --shard all/N.
+uint64_t shards_of(const Arguments& a) {
+  return shard_of("0" + a.shard.substr(a.shard.find('/'))).of;
+}
+
+// "out/a" of "out/a.exr".
+std::string stem_of(const std::string& output) {
+  const std::filesystem::path path(output);
+  return (path.parent_path() / path.stem()).string();
+}
+
+}  // namespace
+
+SampleRange Shard::part(uint64_t first, uint64_t samples) const {
+  const auto at = [&](uint64_t i) {
+    return static_cast<uint64_t>(static_cast<unsigned __int128>(samples) * i / of);
+  };
+  return {first + at(index), at(index + 1) - at(index)};
+}
+
+Shard shard_of(const std::string& text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  const bool is_pair = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
+  const auto of = is_pair ? std::from_chars(index.ptr + 1, end, shard.of) : index;
+  if (!is_pair || of.ec != std::errc() || of.ptr != end || shard.index >= shard.of ||
+      shard.of > 1 << 20)
+    throw UsageError("--shard " + text +
+                     ": expected I/N with I from 0 to N - 1, N up to 1048576, or all/N");
+  return shard;
+}
+
+void check_schedule(const Arguments& a) {
+  if (a.checkpoint_every >= 0 && a.checkpoint.empty() && a.resume.empty())
+    throw UsageError("--set checkpoint-every: needs --checkpoint or --resume");
+  if (a.retry > 0 && a.target_error == 0 && a.resume.empty())
+    throw UsageError("--set retry: needs --target-error");
+  if (a.add_samples > 0 && a.resume.empty())
+    throw UsageError("--add-samples: needs --resume with the film of the picture");
+  if (!a.shard.empty()) {
+    shard_of(a.shard);
+    if (a.plan.empty() && (a.seconds > 0 || a.target_error > 0))
+      throw UsageError(
+          "--shard: needs a number of samples; --plan makes one of --time or "
+          "--target-error");
+    if (a.spp == 0 && a.plan.empty() && a.resume.empty())
+      throw UsageError("--shard: needs --spp, or --plan with the number of samples");
+  }
+  if (!a.plan.empty() && a.shard.empty() && !a.resume.empty())
+    throw UsageError("--plan: nothing is decided with --resume, which obeys its own plan");
+  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
+    throw UsageError("--checkpoint " + a.checkpoint +
+                     ": is there already; go on from it with --resume, or remove it");
+}
+
+std::string camera_words(const Arguments& a, const Frame& frame, const Camera& camera) {
+  const bool of_the_scene = a.camera.look_from.empty() && !a.camera.frame;
+  std::string words = of_the_scene ? camera.name : viewpoint_text(frame, camera);
+  return of_the_scene && camera.culls ? words + " --cull" : words;
+}
+
+Shape shape_of(const Arguments& a, const Shaping& by) {
+  return {{"program version", TDPT_VERSION},
+          {"scene", by.scene.hash},
+          {"environment", sky_words(a, by)},
+          {"unit of lamps", units_of_lamps(by.scene)},
+          {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
+          {"camera", by.camera},
+          {"size", fmt::format("{} x {}", by.width, by.height)},
+          {"depth", a.max_depth > 0 ? std::to_string(a.max_depth) : "any"},
+          {"integrator", integrator_words(a)},
+          {"heuristic", a.mis},
+          {"seed", std::to_string(by.seed)}};
+}
+
+Shape film_shape_of(const Arguments& a, const Shaping& by) {
+  Shape shape = shape_of(a, by);
+  shape.emplace_back("film", a.alpha ? "transparent" : "opaque");
+  const std::vector<std::string> aovs = aovs_of(a);
+  const bool varies = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
+  shape.emplace_back("set of layers",
+                     fmt::format("{}{}{}", a.layers ? "techniques" : "",
+                                 a.layers && varies ? " " : "", varies ? "variance" : ""));
+  return shape;
+}
+
+Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
+                           RenderSettings& settings) {
+  // What is named for both is begun where it is not there yet.
+  const bool begins = is_same(a.checkpoint, a.resume) && !is_there(a.resume);
+  if (!a.resume.empty() && !begins) return resumed(a, by, world, settings);
+  Checkpoint given = is_plan ? planned(a, by) : Checkpoint();
+  if (is_plan) limit_to(given.schedule.plan->spp, settings);
+  if (a.shard.empty()) return given;
+  const uint64_t spp = settings.spp;
+  given.schedule.part = shard_of(a.shard).part(0, spp);
+  given.schedule.whole = spp;
+  if (given.schedule.part.count == 0)
+    throw UsageError(fmt::format("--shard {}: there {} only {}", a.shard, spp == 1 ? "is" : "are",
+                                 counted(spp, "sample")));
+  return given;
+}
+
+std::string other_code_sentence(const std::string& file, const std::string& before,
+                                const std::string& now) {
+  const bool both = merged_words(before, now).find(kGpuCode) != std::string::npos;
+  return fmt::format(
+      "{} was rendered by code for {}, this is code for {}: {}", file, shown(before), now,
+      both ? "CPU and GPU agree in the mean, but not in the last digits of each sample"
+           : "the last digits may differ from those of one machine; --set isa=sse2 is "
+             "alike on all");
+}
+
+void check_film(const Checkpoint& given, const Film::Options& options) {
+  if (given.schedule.render_state && given.schedule.render_state->film.options() != options)
+    throw InputError(given.plan_file, "film", "keeps other sums than this picture");
+}
+
+std::string film_bytes(RenderState& render_state, const Plan& plan, const Shape& shape,
+                       const std::string& processor, const std::vector<std::string>& derived,
+                       const std::map<std::string, std::string>& attributes,
+                       const Channels& channels) {
+  FilmFacts facts;
+  facts.derived = derived;
+  facts.shape = shape;
+  facts.plan = plan_text(plan);
+  facts.state = render_state_text(render_state);
+  facts.processor = processor;
+  facts.spp = render_state.spp();
+  facts.counts = counts_of(render_state.tally);
+  facts.attributes = attributes;
+  return film_bytes(render_state.film, facts, blocks_of(render_state), channels);
+}
+
+std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,
+                           const std::string& output) {
+  if (a.plan.empty() && a.spp == 0)
+    throw UsageError("--shard all: needs --spp, or --plan with the number of samples");
+  if (output == "-") throw UsageError("--shard all: needs -o, the picture to merge into");
+  for (const auto& [option, path] :
+       {std::pair("--stats", a.stats), std::pair("--set nonzero", a.nonzero),
+        std::pair("--preview", a.preview)})
+    if (!path.empty())
+      throw UsageError(std::string("--shard all: every shard would write to ") + option);
+  const auto name = [&](const std::string& part) {
+    return shell_quoted(stem_of(output) + "." + part + ".exr");
+  };
+  const uint64_t n = shards_of(a);
+  if (a.spp > 0 && n > static_cast<uint64_t>(a.spp))
+    throw UsageError(fmt::format("--shard {}: there are only {} samples", a.shard, a.spp));
+  for (const std::string& word : arguments)
+    if (word.starts_with("-MF") || word.starts_with("dependencies") ||
+        word.starts_with("--set=dependencies"))
+      throw UsageError("--shard all: every shard would write to " + word);
+  const std::string command = fmt::format("{}", fmt::join(words_of_shards(arguments), " "));
+  std::string text;
+  for (uint64_t i = 0; i < n; ++i) {
+    const std::string part = fmt::format("{}-of-{}", i, n);
+    text += fmt::format("{} --shard {}/{} -o {}", command, i, n, name(part));
+    if (!a.checkpoint.empty())
+      text += fmt::format(" --checkpoint {0} --resume {0}", name(part + ".checkpoint"));
+    text += '\n';
+  }
+  return text;
+}
+
+std::string merge_command(const Arguments& a, const std::string& output) {
+  // The stars stay outside of the quotes.
+  return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), shards_of(a),
+                     shell_quoted(output));
+}
+
+}  // namespace tdpt

@@ -1,0 +1,15 @@
+// The scalar build of a device: the kernels' text as C++, on the CPU. Slow and plain, it says what
+// a device must render, byte for byte.
+#pragma once
+#include <memory>
+
+#include "tools/tdpt-render/device/machine.h"
+#include "tools/tdpt-render/device/render_tables.h"
+
+namespace tdpt {
+
+/// Keeps a reference to the tables. `film_words`: of the film and of what is counted beside it.
+std::unique_ptr<Machine> make_scalar_machine(const RenderTables& tables, const Capacity& room,
+                                             uint32_t film_words);
+
+}  // namespace tdpt
