@@ -134,7 +134,7 @@ once() { # WHY ARGUMENTS...: make ARGUMENTS tells once of the texture, and of lo
   [ -z "$twice" ] || complain "$why: told twice: $twice"
 }
 once "the renderer alone" TDPT_RENDER_FLAGS='--spp 2 --width 16' loose.exr
-grep -q 'tdpt-render: warning' log || complain "the renderer alone: it does not speak"
+grep -q 'tdpt-render: .*warning' log || complain "the renderer alone: it does not speak"
 once "side by side" -j4 SCENE.a=loose SCENE.b=loose CAMERA.a=--frame CAMERA.b=--frame QUIET= a.exr b.exr
 grep -q 'frame is about' log || complain "side by side: --frame is not noted"
 for command in "ffgraph loose.gltf --set walks=2000 --samples 10000 --set rounds=0 -o x.max" "tdpt-render loose.gltf --spp 1 --width 16 -o x.exr"; do

@@ -1,5 +1,6 @@
 // What a program makes of the options that all have: where its output comes from, and what it says.
 #include <algorithm>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -20,17 +21,27 @@ Provenance Common::provenance(const std::vector<Input>& inputs) const {
   return p;
 }
 
+namespace {
+
+// Of several pictures at a time, as make -j has them, each line names its own: tdpt.mk says which.
+std::string about(const std::string& tool) {
+  const char* name = std::getenv("TDPT_ABOUT");
+  return name && *name ? fmt::format("{}: {}", tool, name) : tool;
+}
+
+}  // namespace
+
 void Common::note(const std::string& sentence) const {
-  if (!quiet) say(fmt::format("{}: {}", tool, sentence));
+  if (!quiet) say(fmt::format("{}: {}", about(tool), sentence));
 }
 
 void Common::explain_by(const std::function<Decisions()>& decisions) const {
   if (!explain) return;
-  for (const Decision& d : decisions()) say(fmt::format("{}: {}", tool, sentence(d)));
+  for (const Decision& d : decisions()) say(fmt::format("{}: {}", about(tool), sentence(d)));
 }
 
 void Common::warn(const std::string& sentence) const {
-  say(fmt::format("{}: warning: {}", tool, sentence));
+  say(fmt::format("{}: warning: {}", about(tool), sentence));
 }
 
 void Common::note_of(const std::string& file, const std::string& sentence) const {

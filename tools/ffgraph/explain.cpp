@@ -49,8 +49,9 @@ Decisions decisions_of(const Scene& scene, const GraphSettings& settings, const 
   all.push_back({"walks",
                  fmt::format("{} from the light, {} from the camera", report.light_walks,
                              settings.walks.walks),
-                 fmt::format("{} of the {} patches that they met were reached by both",
-                             report.reached_by_both, flow.patches.size()),
+                 fmt::format("they hit {} and {} surfaces, and both reached {} of {} patches",
+                             report.light_hits, report.camera_hits, report.reached_by_both,
+                             flow.patches.size()),
                  cli::price_of(report.phases, {"walks"})});
   for (size_t i = 0; i < report.by_round.size(); ++i) {
     const bool last = i + 1 == report.by_round.size();

@@ -132,16 +132,8 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   const LightFlow flow =
       build_graph(in.scene, in.camera, settings, in.refine ? &*in.refine : nullptr, report);
   phases = report.phases;
-  common.note(fmt::format(
-      "{} walks from the light hit {} surfaces, {} from the camera {}; {} of {} patches were "
-      "reached by both",
-      report.light_walks, report.light_hits, a.walks, report.camera_hits, report.reached_by_both,
-      flow.patches.size()));
-  common.note(
-      fmt::format("{} rays for the etendue; {} patches that straddle an opening were split "
-                  "in {} {}: {}",
-                  report.rays, report.split, report.rounds, report.rounds == 1 ? "round" : "rounds",
-                  report.why_stopped));
+  common.note(fmt::format("light and camera both reach {} of {} patches of surface",
+                          report.reached_by_both, flow.patches.size()));
   if (report.light_hits == 0)
     common.warn("no light reaches a surface: the network carries no flow");
   if (report.camera_hits == 0)
@@ -166,11 +158,8 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
   report.phases = phases;
   DimacsFile file = triangle_flow(in.scene, in.camera, settings, report);
   phases = report.phases;
-  common.note(
-      fmt::format("{} triangles are lit directly, {} are kept; the camera sees {}, {} are "
-                  "kept; {} are both{}",
-                  report.lit, report.kept_lit, report.seen, report.kept_seen, report.shared,
-                  report.shared ? ": light and camera are joined" : ""));
+  common.note(fmt::format("{} triangles are lit directly, the camera sees {}, {} are both",
+                          report.lit, report.seen, report.shared));
   common.explain_by([&] { return decisions_of(in.scene, settings, report); });
   summary["lit"] = report.lit;
   summary["seen"] = report.seen;

@@ -142,17 +142,15 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
 
 void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report,
           const Arguments& a) {
-  if (!grid.bottleneck) return common.note("no light grid: " + grid.reason + ".");
-  if (a.lines_from.empty())
-    common.note(
-        fmt::format("{} of {} segments are visible, {} of these join the two sides; the counts {} "
-                    "(change {:.1f} %).",
-                    report.visible, report.drawn, report.kept,
-                    report.settled ? "have settled" : "had not settled when the budget was spent",
-                    100 * report.change));
-  common.note(fmt::format("{} kept; of {} drawn through the light {} join the two sides.",
-                          counted(grid.lines.size(), "line"), counted(report.tried, "line"),
-                          report.joined));
+  if (!grid.bottleneck) return common.note("no light grid: " + grid.reason);
+  if (!a.lines_from.empty())
+    return common.note(
+        fmt::format("{} of {} join the two sides", report.joined, counted(report.tried, "line")));
+  common.note(fmt::format(
+      "counted {} of light from the lit side to the camera's{}", counted(report.kept, "line"),
+      report.settled ? ""
+                     : "; that is too few for settled counts: --quality high draws "
+                       "more"));
 }
 
 nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,

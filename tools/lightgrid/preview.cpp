@@ -112,25 +112,22 @@ struct Layout {
 };
 
 Layout layout_of(const LightGrid& grid) {
-  // The longer horizontal axis runs to the right, the other one to the right of the side view.
-  const bool along_x = grid.dim[0] >= grid.dim[2];
-  const double nl = grid.dim[along_x ? 0 : 2], ns = grid.dim[along_x ? 2 : 0], ny = grid.dim[1];
+  // In plan x runs to the right and z down, as in every stage's.
+  const double nx = grid.dim[0], ny = grid.dim[1], nz = grid.dim[2];
   // The legend stands beside the view from above and may need more room than the side view.
   const double room = kSheetWidth - 2 * kMargin - 20 - kGap;
   const double scale =
-      std::min({room / (nl + ns), (room - kLegendWidth) / nl, (kTallest - kGap) / (ns + ny)});
-  const double w = std::round(nl * scale), h = std::round(ny * scale), d = std::round(ns * scale);
+      std::min({room / (nx + nz), (room - kLegendWidth) / nx, (kTallest - kGap) / (nz + ny)});
+  const double w = std::round(nx * scale), h = std::round(ny * scale), d = std::round(nz * scale);
   const double left = kMargin + 20, lower = kHeading + d + kGap;
   const Box above{left, kHeading, w, d}, front{left, lower, w, h},
       right{left + w + kGap, lower, d, h};
-  using Views = std::array<View, 3>;
-  const Views views = along_x ? Views{{{above, {0, false}, {2, false}, "from above"},
-                                       {front, {0, false}, {1, true}, "from the front"},
-                                       {right, {2, true}, {1, true}, "from the right"}}}
-                              : Views{{{above, {2, false}, {0, true}, "from above"},
-                                       {front, {2, false}, {1, true}, "from the left"},
-                                       {right, {0, false}, {1, true}, "from the front"}}};
-  return {scale, lower + h + kGap, left + w + kGap, views};
+  return {scale,
+          lower + h + kGap,
+          left + w + kGap,
+          {{{above, {0, false}, {2, false}, "from above"},
+            {front, {0, false}, {1, true}, "from the front"},
+            {right, {2, true}, {1, true}, "from the right"}}}};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "tools/mincut/explain.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/number_words.h"
@@ -26,6 +28,11 @@ Decision of_search(const FoundCuts& found, const std::string& price) {
           price};
 }
 
+size_t pairs_of(const CutFile& cut, size_t c) {
+  return static_cast<size_t>(std::count_if(cut.arcs.begin(), cut.arcs.end(),
+                                           [&](const CutArc& a) { return cut.crosses(a, c); }));
+}
+
 // Refused cuts that are bottlenecks all the same.
 size_t one_too_many(const FoundCuts& found, const CutLimits& limits) {
   size_t n = 0;
@@ -40,7 +47,9 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
   Decisions all;
   for (size_t c = 0; found.file.bottleneck && c < found.facts.size(); ++c)
     all.push_back({fmt::format("cut {}", c + 1), "kept",
-                   "light has to pass it: " + figures(found.facts[c], limits), ""});
+                   fmt::format("light has to pass it: {}; {}", figures(found.facts[c], limits),
+                               words_for(found.facts[c])),
+                   cli::plural(pairs_of(found.file, c), "pivot pair")});
   for (const SeriesCut::Refused& r : found.refused)
     all.push_back({fmt::format("a cut with {} of the surface on the light's side",
                                percent_words(r.facts.area[0])),

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/number_words.h"
@@ -122,7 +123,16 @@ Json json_of(const CutFacts& facts) {
   return json;
 }
 
-// Notes, and what the summary says of the bottlenecks and of what is none.
+std::string bottlenecks_sentence(const std::vector<CutFacts>& cuts) {
+  const auto narrowest = std::min_element(
+      cuts.begin(), cuts.end(),
+      [](const CutFacts& a, const CutFacts& b) { return a.conductance < b.conductance; });
+  return fmt::format("{} between light and camera; {} of the light on {} smaller side crosses it",
+                     counted(cuts.size(), "bottleneck"), percent_words(narrowest->conductance),
+                     cuts.size() > 1 ? "the narrowest one's" : "its");
+}
+
+// A note, and what the summary says of the bottlenecks and of the cuts that are none.
 void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
   const CutFile& cut = found.file;
   summary["bottleneck"] = cut.bottleneck;
@@ -132,20 +142,13 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
                                      [&](const CutArc& arc) { return cut.crosses(arc, c); });
     summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs}});
     summary["cuts"].back().update(json_of(found.facts[c]));
-    if (cut.bottleneck)
-      common.note(fmt::format(
-          "{}{} pivot pairs; {}",
-          cut.cuts.size() > 1 ? fmt::format("bottleneck {} of {}: ", c + 1, cut.cuts.size()) : "",
-          pairs, words_for(found.facts[c])));
   }
   summary["refused"] = Json::array();
   for (const SeriesCut::Refused& r : found.refused) {
     summary["refused"].push_back(json_of(r.facts));
     summary["refused"].back()["why"] = r.why;
-    common.note(fmt::format("refused: a cut with {} of the surface on the light's side: {}",
-                            percent_words(r.facts.area[0]), r.why));
   }
-  if (cut.bottleneck) return;
+  if (cut.bottleneck) return common.note(bottlenecks_sentence(found.facts));
   summary["reason"] = cut.reason;
   common.note("no bottleneck: " + cut.reason);
 }

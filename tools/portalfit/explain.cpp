@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/number_words.h"
+#include "libcommon/formats/portal_worth.h"
 
 namespace tdpt {
 namespace {
@@ -23,8 +24,11 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
           ? fmt::format("; {} of the lines through it join the two sides, at least {}",
                         percent(f.at("support")), percent(options.support))
           : "";
-  return fmt::format("it carries {} of the lines of its cut, at least {}{}",
-                     percent(f.at("flux_share")), percent(options.threshold), support);
+  return fmt::format(
+      "it carries {} of the lines of its cut, at least {}{}; {}; {:.0f} degrees "
+      "between its normal and the mean direction of the light",
+      percent(f.at("flux_share")), percent(options.threshold), support,
+      worth_sentence(f, f.at("area")), f.at("direction_angle"));
 }
 
 Decision of_search(const LightGrid& grid, const FitResult& found, const Phases& phases) {

@@ -147,6 +147,18 @@ void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const 
   }
 }
 
+// From a place towards another.
+void draw_arrow(Canvas& canvas, const Point& from, const Point& towards) {
+  const double length = std::hypot(towards.x - from.x, towards.y - from.y);
+  if (!(length > 0)) return;
+  const double x = (towards.x - from.x) / length, y = (towards.y - from.y) / length;
+  const auto at = [&](double along, double across) {
+    return Point{from.x + along * x - across * y, from.y + along * y + across * x};
+  };
+  canvas.line(from, at(52, 0), 2.5, kPortal);
+  canvas.polygon({at(64, 0), at(50, -6), at(50, 6)}, kPortal);
+}
+
 void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
                 const std::vector<SeenLine>& lines) {
   draw_voxels(canvas, grid, view, row.half_up / kAround);
@@ -168,10 +180,7 @@ void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Fla
     }
     canvas.line(view.at(row.frame.o + row.frame.right * low),
                 view.at(row.frame.o + row.frame.right * high), 4.5, kPortal);
-    const Point from = view.at(row.frame.o);
-    const Point to{from.x + 52, from.y};
-    canvas.line(from, to, 2.5, kPortal);
-    canvas.polygon({{to.x + 12, to.y}, {to.x - 2, to.y - 6}, {to.x - 2, to.y + 6}}, kPortal);
+    draw_arrow(canvas, view.at(row.frame.o), view.at(row.frame.o + row.frame.n));
   }
   canvas.unclip();
 }
@@ -278,11 +287,13 @@ draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& po
     const double top = kHeading + pitch * static_cast<double>(i);
     Flat front{{kMargin, top, width, height}, row.frame.o, row.frame.right, row.frame.up, 0};
     front.half_width = std::max(row.half_right, row.half_up * width / height);
-    // From above: light from left to right. Without a portal simply the plan.
+    const bool level = std::abs(row.frame.n.y) >= 0.9;
+    // In plan x runs to the right and z down, as in every stage's; openings in floors and ceilings
+    // are seen edge-on from the front, y up.
     Flat above{{2 * kMargin + width, top, width, height},
                row.frame.o,
-               row.portal ? row.frame.n : row.frame.right,
-               row.portal ? row.frame.right : -row.frame.n,
+               {1, 0, 0},
+               level ? Vec3d{0, 1, 0} : Vec3d{0, 0, -1},
                0};
     above.half_width = std::max(1.3 * row.half_right * width / height, 6 * grid.voxel);
     if (!row.portal)
@@ -294,13 +305,11 @@ draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& po
       canvas.frame(view->panel, 1, kFaint);
       scale_bar(canvas, {view->panel.right() - 2, view->panel.bottom() + 26}, view->scale());
     }
-    const bool level = std::abs(row.frame.n.y) >= 0.9;
     caption(canvas, front.panel,
             row.portal ? words_for(*row.portal, i) : "from the front, along -z");
     caption(canvas, above.panel,
-            !row.portal ? "from above"
-            : level     ? "edge-on, along +z; the light goes to the right"
-                        : "from above, edge-on; the light goes to the right");
+            fmt::format("{}{}", level ? "from the front, along -z" : "from above",
+                        row.portal ? "; the light goes along the arrow" : ""));
   }
   key(canvas, {kMargin, canvas.height() - 30.0},
       {{kPortal, "portal and its normal"},

@@ -112,9 +112,10 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
     common.note(idleness(in.portals, share));
-  for (const std::string& sentence : useless_portals(in.portals, result)) common.note(sentence);
-  std::string name = choice.integrator.name;
-  if (!result.chosen_label.empty()) name += " (" + result.chosen_label + ")";
+  else if (const std::string useless = useless_portals(in.portals, result); !useless.empty())
+    common.note(useless);
+  const std::string name =
+      result.chosen_label.empty() ? choice.integrator.name : result.chosen_label;
   const std::string of = job.is_shard() ? " of the shard" : "";
   common.note(fmt::format("{}: {} per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)", name,
                           counted(result.spp, "sample"), of, result.picture.width,
@@ -124,11 +125,9 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (result.cut_short && !(job.checkpoint() + job.a.plan).empty())
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
-  std::vector<std::string> last;
-  if (result.noise) last.push_back(words_of(*result.noise));
+  if (result.noise) common.note(noise_sentence(*result.noise));
   if (const std::string length = length_sentence(settings, result); !length.empty())
-    last.push_back(length);
-  if (!last.empty()) common.note(fmt::format("{}", fmt::join(last, "; ")));
+    common.note(length);
 }
 
 // Says what was decided and where it stands, without a picture.
@@ -210,9 +209,9 @@ int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
   const World& world = renderer.world;
   const std::vector<Portal>& portals = job.in.portals;
   const RenderResult result = rendered(job, renderer, choice, std::move(schedule));
-  if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
+  if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
   if (result.cut_short && job.is_shard()) {
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return static_cast<int>(Exit::interrupted);

@@ -211,7 +211,7 @@ class Render:
         """What renders, for all of the time; what that took counts as its own."""
         out, self.text, self.peak = run([*self.command, "--plan", self.plan, "--time", f"{seconds:g}", "--json", "--explain"])
         self.first = json.loads(out)
-        self.decided = (self.first.get("scout") or {}).get("cpu", 0.0)
+        self.decided = (self.first.get("pilot") or {}).get("cpu", 0.0)
 
     def step(self, *more):
         picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")

@@ -254,9 +254,9 @@ class Verdict:
         self.portals = [{**p, "light": looked.get(p.get("name"), p).get("light")} for p in get(self.last, "portals") or []]
         self.fitted = {p.get("name"): p for p in get(fit, "json", "portals") or []}
         self.reason = get(fit, "json", "reason") or ""
-        self.foretold = get(m["with"], "first", "scout", "portals_gain")
+        self.foretold = get(m["with"], "first", "pilot", "portals_gain")
         self.chosen = self.last.get("chosen") or m["integrator"]
-        candidates = get(m["with"], "first", "scout", "candidates") or []
+        candidates = get(m["with"], "first", "pilot", "candidates") or []
         self.used = next((bool(c.get("portals")) for c in candidates if c.get("integrator") == self.chosen),
                          not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(self.last, "techniques", "portal") or 0) > 0)
         self.candidates = [c for c in candidates if all(number(c.get(key)) for key in ("relmse", "work", "cost"))]
@@ -547,7 +547,7 @@ def portals_part(m, v):
         least = min(c["cost"] for c in v.candidates)
         order = sorted(v.candidates, key=lambda c: c["cost"])
         body.append(details(f"What {m['integrator']} weighed: {count(len(order), 'way')} to render",
-                            table(f"Foretold from {get(m, 'with', 'first', 'scout', 'samples')} samples: error of one sample per pixel, "
+                            table(f"Foretold from {get(m, 'with', 'first', 'pilot', 'samples')} samples: error of one sample per pixel, "
                                   "work of a sample, and the time for the same noise over the least",
                                   ("Way", "Portals", "relMSE", "\u00b5s a sample", "Time for the same noise"),
                                   [(c["integrator"], "yes" if c.get("portals") else "no", figure(c["relmse"], 3), figure(c["work"] / 1000, 3),
@@ -624,8 +624,8 @@ def cost_part(m, v):
                      f"finding them included, it took {figure(found + v.after['cpu'])}.")
     if drawn:
         words.append(f"The pictures of the stages, made for this page alone, took {figure(drawn)} CPU seconds more, not counted above.")
-    words.append(f"The scout of {m['integrator']}, counted in its rendering, took "
-                 f"{figure(get(m, 'with', 'first', 'scout', 'cpu'))} CPU seconds." if number(get(m, "with", "first", "scout", "cpu")) else
+    words.append(f"The pilot of {m['integrator']}, counted in its rendering, took "
+                 f"{figure(get(m, 'with', 'first', 'pilot', 'cpu'))} CPU seconds." if number(get(m, "with", "first", "pilot", "cpu")) else
                  "What the decision of the renderer cost is not told.")
     words.append(f"bdpt took {memory(m['without']['peak_bytes'])}, the reference {memory(m['reference']['peak_bytes'])}. The renderer\u2019s memory is that of "
                  "its process; that of the stages is their own word.")

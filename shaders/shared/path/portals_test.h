@@ -121,7 +121,7 @@ SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   vec3 back = trial_number(rng) < 0.3f ? vec3(0.0f) : away;
   uint from = is_zero(back) ? FROM_LIGHT : random_word(rng) & 1u;
   GuideTotals guide_totals = guide_totals_at_surface(at, away);
-  if (is_zero(back)) aims = guide_totals_at_light(at);
+  if (is_zero(back)) guide_totals = guide_totals_at_light(at);
   tell(trial, guide_totals.facing);
   tell(trial, guide_totals.from_light);
   tell(trial, guide_totals.from_camera);

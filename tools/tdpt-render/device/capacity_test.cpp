@@ -6,7 +6,7 @@
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt::room_test {
+namespace tdpt::capacity_test {
 
 // The largest buffer of the least device that Vulkan allows; memory, texels and buffers as laptops
 // have them.
@@ -119,4 +119,4 @@ TEST(room, is_asked_for_before_portals_are_turned_and_tables_follow) {
   EXPECT_EQ(tables.lights.words, anew.lights.words);
 }
 
-}  // namespace tdpt::room_test
+}  // namespace tdpt::capacity_test

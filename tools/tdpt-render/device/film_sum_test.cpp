@@ -161,7 +161,7 @@ TEST(film_sum, threads_carry_every_wrap_once) {
       for (uint64_t i = 0; i < kOfThread; ++i)
         EXPECT_TRUE(scalar.film_add_units(0, words_of(units(t * kOfThread + i))));
     });
-  for (std::thread& t : threads) t.connect();
+  for (std::thread& t : threads) t.join();
   for (uint64_t i = 0; i < 4 * kOfThread; ++i) sum.add(units(i));
   EXPECT_TRUE(units_of({words[0], words[1], words[2], words[3]}) == sum.units());
   // Beyond the top it is told.

@@ -151,8 +151,8 @@ TEST(float_bsdf, off_surfaces_the_albedo_is_1_and_of_simple_ones_their_colour) {
 bool exact_weight(const Point& p, bool camera, const Vec3d& back, const shader::Turn<float>& t,
                   Vec3d& weight) {
   const shader::Surfaces& s = surfaces();
-  return s.weigh(p, camera ? shader::FROM_CAMERA : shader::FROM_LIGHT, s.standing_at(p, back),
-                 s.seen_from(p, Vec3d(t.w)), t.dirac, weight);
+  return s.weigh(p, camera ? shader::FROM_CAMERA : shader::FROM_LIGHT,
+                 s.scatter_context_at(p, back), s.seen_from(p, Vec3d(t.w)), t.dirac, weight);
 }
 // Errors of weights, sorted; twin: a density 1 % off.
 std::vector<double> weight_errors(float alpha, bool bent, double off) {

@@ -175,8 +175,9 @@ struct Trial {
            std::abs(a.emitted - b.emitted) <= 1e-5 * a.emitted + 1e-4;
   }
 
-  bool same_draw(Rng& rng, const Both& at, const shader::GuideTotals& aims, const vec3& back,
-                 uint32_t from, bool begins, vec3& w, vec3& origin, int& triangle) const {
+  bool same_draw(Rng& rng, const Both& at, const shader::GuideTotals& guide_totals,
+                 const vec3& back, uint32_t from, bool begins, vec3& w, vec3& origin,
+                 int& triangle) const {
     const float u = number(rng), v = number(rng), pick = number(rng), whether = number(rng);
     int theirs = -1;
     Vec3d their_w, their_origin(at.mine.position);
@@ -200,8 +201,8 @@ struct Trial {
            length(their_origin - Vec3d(origin)) < 2e-6;
   }
 
-  void go_to(Rng& rng, Both& at, const shader::GuideTotals& aims, const vec3& back, uint32_t from,
-             From way, vec3 w, vec3 origin, int triangle, Both& to) {
+  void go_to(Rng& rng, Both& at, const shader::GuideTotals& guide_totals, const vec3& back,
+             uint32_t from, From way, vec3 w, vec3 origin, int triangle, Both& to) {
     if (triangle < 0) w = at.theirs.at_infinity() ? at.mine.position : direction(rng);
     if (!at.theirs.at_infinity()) origin = at.mine.position;
     if (to.theirs.at_infinity()) return;
@@ -215,9 +216,9 @@ struct Trial {
     const PortalSet::CrossingDensity c = from == FROM_LIGHT
                                              ? guide.crossing(at.theirs, to.theirs, tests, drawn)
                                              : guide.crossing(to.theirs, at.theirs, tests, drawn);
-    const shader::Crossing my_c = from == FROM_LIGHT
-                                      ? scalar.edge_crossing(at.mine, to.mine, my_drawn)
-                                      : scalar.edge_crossing(to.mine, at.mine, my_drawn);
+    const shader::CrossingDensity my_c = from == FROM_LIGHT
+                                             ? scalar.edge_crossing(at.mine, to.mine, my_drawn)
+                                             : scalar.edge_crossing(to.mine, at.mine, my_drawn);
     const Incidence in(at.theirs, Vec3d(back));
     const bool begins = back == vec3();
     const double p = guide.pdf_A(way, at.theirs, begins ? nullptr : &in, e, to.theirs, 0.25, c);

@@ -14,7 +14,7 @@
 
 namespace tdpt::portals_scalar_test {
 
-using shader::Crossing;
+using shader::CrossingDensity;
 using shader::Drawn;
 using shader::drawn_otherwise;
 using shader::FROM_CAMERA;
@@ -146,7 +146,7 @@ vec3 jittered(const vec3& p, Rng& rng) {
 }
 
 struct Misses {
-  int spanned = 0, segments = 0, undrawn = 0, aimed = 0, aims = 0;
+  int spanned = 0, segments = 0, undrawn = 0, aimed = 0, guide_totals = 0;
 };
 Misses misses(const PortalSet& set) {
   const PortalTables tables(set);

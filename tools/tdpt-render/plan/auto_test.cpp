@@ -117,7 +117,7 @@ TEST(auto_choice, is_bdpt_where_the_samples_are_too_few_to_tell) {
   EXPECT_TRUE(r.forecast.estimates.empty());
   EXPECT_EQ(r.pilot_samples, 0u);
   EXPECT_EQ(choice_sentence(r),
-            "auto chose bdpt with few light walks; the samples are too few to tell more");
+            "rendering with bdpt with few light walks: the samples are too few to choose by");
   EXPECT_EQ(verdict_sentence(r), "");
 }
 
@@ -184,29 +184,30 @@ TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   r.forecast.estimates = {{"bdpt", false, 45, 200, 9000}, {"tdpt-org", true, 10, 300, 3000}};
   r.chosen = 1;
   r.forecast.portals = {{3, 2, 4.5}, 1, 0};
-  EXPECT_EQ(
-      choice_sentence(r),
-      "auto chose tdpt-org: for the same noise bdpt would take 3 times as long (from 512 samples)");
-  EXPECT_EQ(verdict_sentence(r),
-            "portals: 3 times, 2 to 4.5, the efficiency of bdpt, the best without them, by "
-            "tdpt-org");
+  EXPECT_EQ(choice_sentence(r),
+            "rendering with tdpt-org: for the same noise bdpt would take 3 times as long");
+  EXPECT_EQ(verdict_sentence(r), "portals pay in this view (3 times, 2 to 4.5)");
   r.forecast.estimates[1].cost = 18000;
   r.forecast.portals = {{0.5, 0.4, 0.62}, 1, 0};
   r.chosen = 0;
   r.chosen_label = "bdpt";
-  EXPECT_EQ(
-      choice_sentence(r),
-      "auto chose bdpt: for the same noise tdpt-org would take 2 times as long (from 512 samples)");
+  EXPECT_EQ(choice_sentence(r),
+            "rendering with bdpt: for the same noise tdpt-org would take 2 times as long");
   EXPECT_EQ(verdict_sentence(r),
-            "portals: 0.5 times, 0.4 to 0.62, the efficiency of bdpt, the best without them, by "
-            "tdpt-org: they are left out");
+            "portals do not pay in this view (0.5 times, 0.4 to 0.62): rendering without them");
+  r.forecast.estimates[1].cost = 9100;
+  EXPECT_EQ(choice_sentence(r), "rendering with bdpt: tdpt-org would do as well");
+  r.forecast.portals = {{0.8, 0.5, 1.1}, 1, 0};
+  EXPECT_EQ(verdict_sentence(r),
+            "portals probably do not pay in this view (0.8 times, 0.5 to 1.1): rendering without "
+            "them");
   r.forecast.estimates[1].cost = INFINITY;
-  EXPECT_EQ(choice_sentence(r), "auto chose bdpt: all others miss light");
+  EXPECT_EQ(choice_sentence(r), "rendering with bdpt: all others miss light");
   for (CandidateEstimate& p : r.forecast.estimates) p.cost = 0;
-  EXPECT_EQ(choice_sentence(r), "auto chose bdpt: no error showed in 512 samples");
+  EXPECT_EQ(choice_sentence(r), "rendering with bdpt");
   r.forecast.estimates.clear();
   r.interrupted = true;
-  EXPECT_EQ(choice_sentence(r), "auto chose bdpt; it was stopped before more could be told");
+  EXPECT_EQ(choice_sentence(r), "rendering with bdpt: stopped before it could choose");
 }
 
 TEST(candidates, share_no_samples_and_no_names) {

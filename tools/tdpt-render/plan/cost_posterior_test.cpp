@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tdpt::judgement_test {
+namespace tdpt::cost_posterior_test {
 
 constexpr size_t kBatches = 16;
 
@@ -56,7 +56,7 @@ Lost lost() {
   for (int trial = 0; trial < 400; ++trial) {
     std::vector<Evidence> all{measured(rng, 1, 0.1)}, twin;
     for (int i = 0; i < 8; ++i) all.push_back(measured(rng, 1.5, 1, {true, i > 0}));
-    for (const Evidence& e : all) twin.push_back(judgement_test::smoothed(e));
+    for (const Evidence& e : all) twin.push_back(cost_posterior_test::smoothed(e));
     const auto plain = std::min_element(
         all.begin(), all.end(), [](const auto& a, const auto& b) { return mean(a) < mean(b); });
     const double loss = std::log(1.5);
@@ -119,4 +119,4 @@ TEST(cost_posterior, of_what_is_known_well_is_the_measurement) {
   EXPECT_GT(judged.cost(2), judged.cost(0));
 }
 
-}  // namespace tdpt::judgement_test
+}  // namespace tdpt::cost_posterior_test

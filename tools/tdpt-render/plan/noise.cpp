@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/plan/noise.h"
 
 #include <bit>
+#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 
 namespace tdpt {
 namespace {
+
+constexpr double kClean = 0.01;  // relMSE that most people call clean
 
 // Pixels that far apart, row by row, come to every column in turn.
 size_t step_of(const Film& film) {
@@ -26,6 +29,24 @@ std::string words_of(const Noise& noise) {
                        number_words(std::min(noise.low, 0.5), 2));
   return fmt::format("relMSE about {} [{}, {}]", number_words(noise.relmse, 2),
                      number_words(noise.low, 2), number_words(noise.high, 2));
+}
+
+std::string noise_sentence(const Noise& noise) {
+  // As relMSE falls with 1 / samples; powers of two are the best numbers of them.
+  const auto times = [](double relmse) {
+    return fmt::format("{:.0f} times as many samples, or --target-error {}",
+                       std::exp2(std::ceil(std::log2(relmse / kClean))), number_words(kClean));
+  };
+  if (!noise.tells) {
+    const double least = std::min(noise.low, 0.5);
+    return fmt::format("very noisy (relMSE above {}); for a clean picture: at least {}",
+                       number_words(least, 2), times(least));
+  }
+  const std::string relmse = fmt::format("relMSE {}, {} to {}", number_words(noise.relmse, 2),
+                                         number_words(noise.low, 2), number_words(noise.high, 2));
+  if (noise.relmse <= kClean) return "clean (" + relmse + ")";
+  return fmt::format("still noisy ({}); for a clean picture: about {}", relmse,
+                     times(noise.relmse));
 }
 
 NoiseWatch::NoiseWatch(const Film& film, uint64_t samples)

@@ -16,8 +16,10 @@ struct Noise {
   bool tells = false;        ///< else it may be many times too large
 };
 
-/// "relMSE about 0.012 [0.011, 0.014]", or that more samples are needed to tell.
+/// While it renders: "relMSE about 0.012 [0.011, 0.014]", or that more samples are needed to tell.
 std::string words_of(const Noise& noise);
+/// At the end: how noisy the picture is, and what a clean one takes.
+std::string noise_sentence(const Noise& noise);
 
 class NoiseWatch {
  public:

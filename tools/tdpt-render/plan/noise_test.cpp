@@ -56,6 +56,16 @@ double told_over_truth(uint64_t samples, uint64_t before = 0, bool again = false
   return noise ? noise->relmse / true_relmse(film) : 0;
 }
 
+TEST(noise, is_said_with_what_a_clean_picture_takes) {
+  EXPECT_EQ(noise_sentence({0.004, 0.003, 0.005, true}), "clean (relMSE 0.004, 0.003 to 0.005)");
+  EXPECT_EQ(noise_sentence({0.45, 0.3, 0.6, true}),
+            "still noisy (relMSE 0.45, 0.3 to 0.6); for a clean picture: about 64 times as many "
+            "samples, or --target-error 0.01");
+  EXPECT_EQ(noise_sentence({3, 1, 9, false}),
+            "very noisy (relMSE above 0.5); for a clean picture: at least 64 times as many "
+            "samples, or --target-error 0.01");
+}
+
 TEST(noise, is_that_of_the_picture) {
   for (const uint64_t samples : {16, 37, 64}) {
     const double told = told_over_truth(samples);

@@ -27,7 +27,7 @@ Truncation LightByDepth::beyond() const {
 
 std::string sentence(const Truncation& beyond) {
   const double most = beyond.share + 2 * beyond.error;
-  const std::string depth = fmt::format("depth {} leaves out ", beyond.depth);
+  const std::string depth = fmt::format("--max-depth {} leaves out ", beyond.depth);
   if (beyond.share > 0.995) return depth + "all of the light, or nearly";
   if (most < 0.001) return depth + "less than 0.1 % of the light";
   if (beyond.error > 0.25 * beyond.share)

@@ -37,7 +37,7 @@ class LightByDepth {
   std::vector<Group> groups_ = std::vector<Group>(1);
 };
 
-/// "depth 6 leaves out about 25 % of the light".
+/// "--max-depth 6 leaves out about 25 % of the light".
 std::string sentence(const Truncation& beyond);
 
 }  // namespace tdpt

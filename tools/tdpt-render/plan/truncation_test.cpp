@@ -9,7 +9,7 @@
 #include "tools/tdpt-render/run/report.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt::beyond_test {
+namespace tdpt::truncation_test {
 
 // In the furnace of albedo 1/2 the light of paths of up to k edges is a share of 1 - 2^-k.
 Truncation in_the_furnace(int depth) {
@@ -30,11 +30,11 @@ TEST(beyond, share_of_the_furnace_is_known) {
 }
 
 TEST(beyond, is_told_with_as_many_digits_as_are_known) {
-  EXPECT_EQ(sentence({6, 0.2512, 0.01}), "depth 6 leaves out about 25 % of the light");
-  EXPECT_EQ(sentence({12, 0.0363, 0.001}), "depth 12 leaves out about 3.6 % of the light");
-  EXPECT_EQ(sentence({6, 0.02, 0.01}), "depth 6 leaves out at most about 4 % of the light");
-  EXPECT_EQ(sentence({6, 0.0001, 0.0001}), "depth 6 leaves out less than 0.1 % of the light");
-  EXPECT_EQ(sentence({2, 1, 0}), "depth 2 leaves out all of the light, or nearly");
+  EXPECT_EQ(sentence({6, 0.2512, 0.01}), "--max-depth 6 leaves out about 25 % of the light");
+  EXPECT_EQ(sentence({12, 0.0363, 0.001}), "--max-depth 12 leaves out about 3.6 % of the light");
+  EXPECT_EQ(sentence({6, 0.02, 0.01}), "--max-depth 6 leaves out at most about 4 % of the light");
+  EXPECT_EQ(sentence({6, 0.0001, 0.0001}), "--max-depth 6 leaves out less than 0.1 % of the light");
+  EXPECT_EQ(sentence({2, 1, 0}), "--max-depth 2 leaves out all of the light, or nearly");
 }
 
 RenderResult rendered(int max_depth, float albedo) {
@@ -61,4 +61,4 @@ TEST(length, where_no_walk_ends_the_hard_stop_is_told) {
             "paths of 513 to 1024 edges hold 50 % of the light; what longer ones hold is left out");
 }
 
-}  // namespace tdpt::beyond_test
+}  // namespace tdpt::truncation_test

@@ -10,7 +10,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt::course_test {
+namespace tdpt::checkpoint_test {
 
 std::string complaint(const std::function<void()>& work) {
   try {
@@ -223,4 +223,4 @@ TEST(render_state, that_is_no_beginning_is_refused) {
   EXPECT_EQ(state("{}"), "c.exr:film.state.limits: is missing");
 }
 
-}  // namespace tdpt::course_test
+}  // namespace tdpt::checkpoint_test

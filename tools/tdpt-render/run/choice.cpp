@@ -29,15 +29,17 @@ std::vector<Candidate> candidates_of(const Request& request, const World& world)
 
 void tell_left_out(const World& world, const std::vector<Portal>& portals, const Explored& explored,
                    const cli::Common& common) {
-  std::vector<std::string> sentences;
+  std::vector<std::string> names, suspicious;
   for (const PortalWay& w : explored.ways) {
     if (w.way != PortalWay::left_out) continue;
     const Portal& portal = portals[w.portal];
-    const std::string unit = unit_words(portal, world.tracer, world.scene.frame);
-    sentences.push_back(left_out(portal, explored.light[w.portal]) +
-                        (unit.empty() ? "" : "; it " + unit));
+    names.push_back(portal.name);
+    if (const std::string unit = unit_words(portal, world.tracer, world.scene.frame); !unit.empty())
+      suspicious.push_back(portal.name + " " + unit + ": left out");
   }
-  for (const std::string& sentence : first_few(sentences)) common.warn(sentence);
+  if (!names.empty())
+    common.note("no light passes " + names_of(names) + " on its way to the camera: left out");
+  for (const std::string& sentence : first_few(suspicious)) common.warn(sentence);
 }
 
 void warn_of_no_portal(const Request& request, const World& world, const cli::Common& common) {
@@ -74,7 +76,8 @@ void take_portals(const Explored& explored, World& world, std::vector<Portal>& p
     portals[i].figures.erase(kLight);
     if (explored.light[i].of > 0) portals[i].figures[kLight] = explored.light[i].share;
   }
-  for (const std::string& description : descriptions(portals)) common.note(description);
+  if (const std::string sentence = light_sentence(portals); !sentence.empty())
+    common.note(sentence);
 }
 
 // By power alone a sky outranks every lamp indoors.

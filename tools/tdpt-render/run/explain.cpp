@@ -135,6 +135,25 @@ Decisions portals(const Rendered& r) {
   return all;
 }
 
+// What the portals are worth, and of each that was of no use why.
+Decisions worth_of_portals(const Rendered& r) {
+  Decisions all;
+  if (const std::optional<PortalsGain>& gain = r.result.forecast.portals) {
+    const auto& estimates = r.result.forecast.estimates;
+    all.push_back(
+        {"worth of portals", estimates[r.result.chosen].with_portals ? "used" : "not used",
+         fmt::format("{} has {} times, {} to {}, the efficiency of {}, the best without them",
+                     estimates[gain->with].integrator, number_words(gain->times, 2),
+                     number_words(gain->low, 2), number_words(gain->high, 2),
+                     estimates[gain->without].integrator),
+         "told by the pilot"});
+  }
+  for (size_t i = 0; i < r.portals.size(); ++i)
+    if (const std::string why = useless_portal(r.portals, i, r.result); !why.empty())
+      all.push_back({r.portals[i].name, "useless", why, ""});
+  return all;
+}
+
 Decision pilot(const Rendered& r) {
   if (r.choice.candidates.size() < 2)
     return {"pilot", "left out",
@@ -229,9 +248,9 @@ Decision depth(const Rendered& r) {
 Decision error_pilot(const Rendered& r) {
   const TargetOutcome& target = *r.result.target;
   if (target.pilot_samples == 0)
-    return {"pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
+    return {"error pilot", "left out", target.dark ? kNothingBeyond : "a limit came before it",
             "no sample is thrown away"};
-  return {"pilot", fmt::format("{} samples a pixel drawn", target.pilot_samples),
+  return {"error pilot", fmt::format("{} samples a pixel drawn", target.pilot_samples),
           target.fixed > 0 ? fmt::format("they tell that {} take the relMSE to {}", target.fixed,
                                          number_words(target.error))
                            : "no light was met, or a limit came first",
@@ -272,6 +291,7 @@ Decisions decisions_of_integrator(const Rendered& r) {
   all.push_back(kinds_of_light(r));
   all.push_back(pilot(r));
   append(all, candidates(r));
+  append(all, worth_of_portals(r));
   return all;
 }
 

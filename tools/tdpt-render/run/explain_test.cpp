@@ -83,8 +83,8 @@ TEST(explain, a_portal_that_no_light_passes_is_left_out) {
 TEST(explain, says_that_a_pilot_fixed_the_samples) {
   const Told told("bdpt", {}, 0, 16, 1e3);
   EXPECT_EQ(told.about("samples").reason, "the pilot fixed so many");
-  EXPECT_NE(told.about("pilot").reason.find("they tell that 1 take"), std::string::npos)
-      << told.about("pilot").reason;
+  EXPECT_NE(told.about("error pilot").reason.find("they tell that 1 take"), std::string::npos)
+      << told.about("error pilot").reason;
   EXPECT_EQ(Told("bdpt", {}, 1, 16, 1e-3).about("samples").reason, "so many were asked for");
 }
 

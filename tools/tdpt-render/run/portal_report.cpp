@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/run/portal_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -47,26 +48,32 @@ std::vector<std::string> first_few(std::vector<std::string> sentences) {
   return sentences;
 }
 
-std::vector<std::string> descriptions(const std::vector<Portal>& portals) {
-  std::vector<std::string> sentences;
-  for (const Portal& p : portals) {
-    if (p.triangles.empty()) continue;
-    std::string text = fmt::format("{}: {} m2", p.name, number_words(area_of(p), 4));
-    if (const auto c = p.figures.find("conductance"); c != p.figures.end())
-      text += fmt::format(", conductance {}", number_words(c->second, 2));
-    if (const auto light = p.figures.find(kLight); light != p.figures.end())
-      text += fmt::format(", {} of the light passed it on the way to what the camera sees",
-                          percent_words(light->second, 3));
-    sentences.push_back(text);
-  }
-  return first_few(std::move(sentences));
+std::string light_sentence(const std::vector<Portal>& portals) {
+  std::vector<const Portal*> passed;
+  for (const Portal& p : portals)
+    if (!p.triangles.empty() && p.figures.contains(kLight)) passed.push_back(&p);
+  if (passed.empty()) return "";
+  std::stable_sort(passed.begin(), passed.end(), [](const Portal* a, const Portal* b) {
+    return a->figures.at(kLight) > b->figures.at(kLight);
+  });
+  std::string text = "of the light that the camera sees ";
+  const size_t named = passed.size() <= kMostSentences ? passed.size() : kMostSentences - 1;
+  for (size_t i = 0; i < named; ++i)
+    text += fmt::format("{}{} passes {}", i == 0 ? "" : ", ",
+                        percent_words(passed[i]->figures.at(kLight)), passed[i]->name);
+  if (named < passed.size())
+    text += fmt::format(", at most {} each of {} others",
+                        percent_words(passed[named]->figures.at(kLight)), passed.size() - named);
+  return text;
 }
 
-std::string left_out(const Portal& portal, const PortalLight& light) {
+std::string names_of(const std::vector<std::string>& names) {
+  if (names.size() <= kMostSentences) return fmt::format("{}", fmt::join(names, ", "));
+  const size_t named = kMostSentences - 1;
   return fmt::format(
-      "{}: {} of a small picture's light passed it on the way to the camera ({} of {} "
-      "samples): left out",
-      portal.name, percent_words(light.share), light.samples, light.of);
+      "{} and {} more",
+      fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+      names.size() - named);
 }
 
 namespace {
@@ -85,12 +92,12 @@ const Portal* with_most(const std::vector<Portal>& portals, const char* figure) 
 
 std::string idleness(const std::vector<Portal>& portals, double share) {
   const std::string brought =
-      fmt::format("segments through portals brought {} of the light", percent_words(share));
+      fmt::format("paths through the portals brought {} of the light", percent_words(share));
   if (const Portal* p = with_most(portals, kLight))
-    return brought + fmt::format("; in a small picture before, {} passed {}",
+    return brought + fmt::format("; of a small trial picture's light {} passed {}",
                                  percent_words(p->figures.at(kLight)), p->name);
   if (const Portal* p = with_most(portals, "flux_share"))
-    return brought + fmt::format("; of that which crosses the cut {} passes {}, says its file",
+    return brought + fmt::format("; says its file, {} of the light at its bottleneck passes {}",
                                  percent_words(p->figures.at("flux_share")), p->name);
   return "the portals brought less than 1 % of the light: do they lie on its way?";
 }
@@ -115,17 +122,21 @@ std::vector<std::string> turnings(const std::vector<Portal>& portals,
   return first_few(std::move(sentences));
 }
 
-std::vector<std::string> useless_portals(const std::vector<Portal>& portals,
-                                         const RenderResult& result) {
-  std::vector<std::string> sentences;
+std::string useless_portals(const std::vector<Portal>& portals, const RenderResult& result) {
+  std::vector<std::string> names;
   for (size_t i = 0; i < portals.size(); ++i)
-    if (const PortalStatistics d = portal_statistics_of(i, result); d.useless())
-      sentences.push_back(
-          fmt::format("{} is useless: {} of its {} connected a lamp with the camera, they "
-                      "brought {} of the light",
-                      portals[i].name, percent_words(d.lit), counted(d.samples, "sample"),
-                      percent_words(d.energy)));
-  return first_few(std::move(sentences));
+    if (portal_statistics_of(i, result).useless()) names.push_back(portals[i].name);
+  if (names.empty()) return "";
+  return "next to no light came through " + names_of(names) + ": leave " +
+         (names.size() == 1 ? "it" : "them") + " out to save time";
+}
+
+std::string useless_portal(const std::vector<Portal>& portals, size_t portal,
+                           const RenderResult& result) {
+  const PortalStatistics d = portal_statistics_of(portal, result);
+  if (!d.useless() || portals.size() <= portal) return "";
+  return fmt::format("{} of its {} connected a lamp with the camera, they brought {} of the light",
+                     percent_words(d.lit), counted(d.samples, "sample"), percent_words(d.energy));
 }
 
 nlohmann::ordered_json portals_json(const std::vector<Portal>& portals,

@@ -19,12 +19,12 @@ std::vector<std::string> first_few(std::vector<std::string> sentences);
 /// The figure of a portal that says what share of a small picture's light passes it.
 inline constexpr const char* kLight = "light";
 
-/// A sentence for each portal that is used: its area, and what is known of it; for many portals the
-/// first ones.
-std::vector<std::string> descriptions(const std::vector<Portal>& portals);
+/// How much of the light that the camera sees passes each portal that is used, those with most of
+/// it first; empty where none is, or nothing was measured.
+std::string light_sentence(const std::vector<Portal>& portals);
 
-/// Of one that no light passes, or next to none.
-std::string left_out(const Portal& portal, const PortalLight& light);
+/// "portal.0, portal.1 and 3 more".
+std::string names_of(const std::vector<std::string>& names);
 
 /// Why the segments through portals may have brought only a `share` of the light: what was measured
 /// of it before, here or by portalfit, or a question where nothing was.
@@ -35,10 +35,12 @@ std::string idleness(const std::vector<Portal>& portals, double share);
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
                                   const std::vector<PortalWay>& ways);
 
-/// After rendering: a sentence for each portal whose samples brought next to no light; for many the
-/// first ones. Empty when nothing was drawn through portals.
-std::vector<std::string> useless_portals(const std::vector<Portal>& portals,
-                                         const RenderResult& result);
+/// After rendering: which portals' samples brought next to no light. Empty where there are none, or
+/// nothing was drawn through portals.
+std::string useless_portals(const std::vector<Portal>& portals, const RenderResult& result);
+/// The same of one portal, with its figures, for --explain.
+std::string useless_portal(const std::vector<Portal>& portals, size_t portal,
+                           const RenderResult& result);
 
 /// The array `portals` of the statistics.
 nlohmann::ordered_json portals_json(const std::vector<Portal>& portals, const RenderResult& result);

@@ -84,17 +84,18 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   return j;
 }
 
-// "bdpt would take 3.4 times as long, nee 5 times": for the error of the chosen one.
-std::string times_of_others(const RenderResult& result) {
+// "for the same noise bdpt would take 3.4 times as long": the best beside the chosen one.
+std::string runner_up(const RenderResult& result) {
   const std::vector<CandidateEstimate>& all = result.forecast.estimates;
-  std::vector<std::string> others;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (i == result.chosen || !std::isfinite(all[i].cost)) continue;
-    const std::string times = number_words(all[i].cost / all[result.chosen].cost, 2) + " times";
-    others.push_back(all[i].integrator +
-                     (others.empty() ? " would take " + times + " as long" : " " + times));
-  }
-  return fmt::format("{}", fmt::join(others, ", "));
+  const CandidateEstimate* best = nullptr;
+  for (size_t i = 0; i < all.size(); ++i)
+    if (i != result.chosen && std::isfinite(all[i].cost) && (!best || all[i].cost < best->cost))
+      best = &all[i];
+  if (!best) return "all others miss light";
+  const double times = best->cost / all[result.chosen].cost;
+  if (times < 1.05) return best->integrator + " would do as well";
+  return fmt::format("for the same noise {} would take {} times as long", best->integrator,
+                     number_words(times, 2));
 }
 
 }  // namespace
@@ -143,28 +144,26 @@ std::string length_sentence(const RenderSettings& settings, const RenderResult& 
 
 std::string choice_sentence(const RenderResult& result) {
   const std::vector<CandidateEstimate>& all = result.forecast.estimates;
-  const std::string chose = "auto chose " + result.chosen_label;
-  if (result.longest) return chose + ": there is nothing to choose by";
+  const std::string chose = "rendering with " + result.chosen_label;
+  if (result.longest) return chose + ": there is no light to choose by";
   if (all.empty())
-    return chose + (result.interrupted ? "; it was stopped before more could be told"
-                                       : "; the samples are too few to tell more");
-  if (all.size() < 2) return chose;
-  const std::string from = counted(result.pilot_samples, "sample");
-  if (!(all[result.chosen].cost > 0)) return chose + fmt::format(": no error showed in {}", from);
-  const std::string others = times_of_others(result);
-  if (others.empty()) return chose + ": all others miss light";
-  return chose + fmt::format(": for the same noise {} (from {})", others, from);
+    return chose + (result.interrupted ? ": stopped before it could choose"
+                                       : ": the samples are too few to choose by");
+  if (all.size() < 2 || !(all[result.chosen].cost > 0)) return chose;
+  return chose + ": " + runner_up(result);
 }
 
 std::string verdict_sentence(const RenderResult& result) {
   const std::optional<PortalsGain>& gain = result.forecast.portals;
   if (!gain) return "";
-  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
-  return fmt::format(
-      "portals: {} times, {} to {}, the efficiency of {}, the best without them, by {}{}",
-      number_words(gain->times, 2), number_words(gain->low, 2), number_words(gain->high, 2),
-      all[gain->without].integrator, all[gain->with].integrator,
-      all[result.chosen].with_portals ? "" : ": they are left out");
+  const std::string times = fmt::format("({} times, {} to {})", number_words(gain->times, 2),
+                                        number_words(gain->low, 2), number_words(gain->high, 2));
+  // Where the interval holds 1 the pilot cannot be sure.
+  const bool sure = gain->low > 1 || gain->high < 1;
+  if (!result.forecast.estimates[result.chosen].with_portals)
+    return fmt::format("portals {} not pay in this view {}: rendering without them",
+                       sure ? "do" : "probably do", times);
+  return fmt::format("portals {}pay in this view {}", sure ? "" : "probably ", times);
 }
 
 Picture nonzero_picture(const Picture& picture) {

@@ -8,7 +8,7 @@
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt::connections_test {
+namespace tdpt::connection_estimates_test {
 
 Vec3d direction(Rng& rng) {
   const double u = rng.uniform();
@@ -116,4 +116,4 @@ TEST(connections, twin_ends_that_face_the_other_side_miss_what_is_connected) {
   EXPECT_GT(compare(Surfaces({test::plastic(0.3f)}, 77), -1).missed, 500u);
 }
 
-}  // namespace tdpt::connections_test
+}  // namespace tdpt::connection_estimates_test

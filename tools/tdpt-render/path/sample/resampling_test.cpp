@@ -8,7 +8,7 @@
 
 #include "libcommon/math/rng.h"
 
-namespace tdpt::few_test {
+namespace tdpt::resampling_test {
 
 constexpr int kDraws = 20000;  // u at even distances: what is rare has a chance of 0.1 at least
 
@@ -140,4 +140,4 @@ TEST(resampling, what_is_not_finite_is_kept_and_all_beside_it) {
   EXPECT_EQ(draw({1e308, 1e308, 1e308}, 1).fewest, 3);  // whose sum is not finite
 }
 
-}  // namespace tdpt::few_test
+}  // namespace tdpt::resampling_test
