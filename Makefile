@@ -20,7 +20,7 @@
 #                  says, and tries it there; as root
 #   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
 #   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
-#                  most, until a round brings no new edge): doc/fuzzing.md
+#                  most, until a round brings no new edge): testdata/fuzz/README.md
 #   make packages  installs the Debian packages of cmake/packages*.txt that are missing
 #   make format    clang-format over all sources
 #   make clean     removes what was built
