@@ -6,6 +6,7 @@ A page holds a line for each benchmark that writes numbers into it:
 *Measured by `make bench-NAME SETTINGS` with PROGRAM; sources `FOLDER...`: HASH.*
 The hash is of all C++ and GLSL below those folders but tests, without comments and white space, so rewording a comment
 or formatting anew makes no page stale. Reads files alone and works without git, but for --at."""
+import functools
 import hashlib
 import io
 import re
@@ -49,7 +50,8 @@ def sources_at(commit, folders):
 def stale(doc=ROOT / "doc", root=ROOT):
     """[(page, command)] of what is behind."""
     lines = [(page.name, m) for page in sorted(doc.glob("*.md")) for m in MEASURED.finditer(page.read_text("utf-8"))]
-    return [(page, m["command"]) for page, m in lines if sources(m["folders"].split(), root) != m["sum"]]
+    now = functools.cache(lambda folders: sources(folders.split(), root))
+    return [(page, m["command"]) for page, m in lines if now(m["folders"]) != m["sum"]]
 
 
 def main(*words):
@@ -61,7 +63,7 @@ def main(*words):
     elif not (found := stale()):
         print("All measured pages are of these sources.")
     for page, command in [] if words else found:
-        print(f"doc/{page}: {command}")
+        print(f"doc/{page} is behind: {command}")
     return 0
 
 
