@@ -206,7 +206,7 @@ class Measurements:
             rows.append([f"**geometric mean of {len(interiors)} interiors**",
                          *(means[i].text(digits, "?") for i in shown), INTERIORS_AIM, says, *more])
             rows.append(["**the least of them**", *(self.least(interiors, i) for i in shown), "-", "-", *more])
-        heads = ("aim (moonshot)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
+        heads = ("target (ambitious)", "met", *(f"efficiency of {i} [1/s]" for i in itself))
         return table(("scene", *shown, *heads), rows) if rows else ""
 
     def least(self, scenes, integrator):

@@ -135,7 +135,7 @@ def scene_table(scenes, lengths):
                      f"{true:.2f}" if true else "-",
                      f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-"])
     return pages.table(("scene", "best over bdpt, nee", *(f"auto over best, {n} spp" for n in lengths),
-                        "gain by portals", f"as told at {told_at} spp"), rows)
+                        "gain by portals", f"auto's estimate, {told_at} spp"), rows)
 
 
 def length_table(scenes, lengths):
@@ -150,8 +150,8 @@ def length_table(scenes, lengths):
             rows[-1] += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
                          f"{min(means):.3f}", target or "-", met]
     each = ("5 %", "least of a scene", "target", "met in")
-    return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each,
-                        "mean of the best of all", *each), rows)
+    return pages.table(("samples per pixel", "choices", "over the better of bdpt and nee", *each,
+                        "over the best of all", *each), rows)
 
 
 def kind_of(name):
@@ -184,9 +184,9 @@ def verdict_table(scenes, lengths):
             within[n] += [0.5 <= g / true <= 2 for g in s.portals_told(n)]
             held[n] += [low <= true <= high for low, high in s.intervals[n]]
     shares = lambda shares: [f"{100 * mean(of):.0f} %" if of else "-" for of in shares.values()]
-    return pages.table(("the gain by portals is", *(f"{n} spp" for n in lengths)),
-                       [["within a factor of two of what is told", *shares(within)],
-                        ["within the interval that is told", *shares(held)]])
+    return pages.table(("the true gain is", *(f"{n} spp" for n in lengths)),
+                       [["within a factor of two of auto's estimate", *shares(within)],
+                        ["within auto's interval", *shares(held)]])
 
 
 def regret_parts(scenes):
@@ -294,8 +294,8 @@ def target_table(scenes):
     share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios)).percent()
     return pages.sections(
         pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-                     "of the pilot, all parts", "estimate / relMSE", "missed, told as missed",
-                     "told as missed, not missed", "kept"), rows),
+                     "pilot samples", "estimate / relMSE", "missed, of these reported",
+                     "met, but reported as missed", "kept"), rows),
         f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and "
         f"the median picture is {np.median(ratios):.2f} times too good.")
 

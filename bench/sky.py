@@ -94,7 +94,7 @@ def aim_table(cells):
         room, sky = min(known, key=known.get)
         low, below = known[room, sky], sum(v < 0.95 for v in known.values())
         aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
-    return pages.table(("aim, for `auto`", "measured", "met"), rows)
+    return pages.table(("target, for `auto`", "measured", "met"), rows)
 
 
 def sky_parts(cells):

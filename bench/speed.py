@@ -112,9 +112,9 @@ PARTS = (
     ("sines, cosines (libm)", r"^libm\b", None),
     ("memory, files, system", r"^(?!tdpt-render)", None),
     ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
-    ("joins and their choice", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
+    ("connections, resampling", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
                                      r"estimate_"),
-    ("portals, directed walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
+    ("portals, guided walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
     ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
                                  r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
     ("rays: origins, hits", None, r"Tracer|::visible|to_places"),
@@ -214,7 +214,7 @@ def limit_parts(loads, frames, profiles, how):
     parts = {key: shares(profile) for key, profile in profiles.items()}
     return {
         "factors": pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]",
-                                "ray alone [ns]", "frame over rays", "wanted"), factor_rows(frames)),
+                                "ray alone [ns]", "frame over rays", "target"), factor_rows(frames)),
         "threads": pages.sections(busy, pages.table(
             ("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"), thread_rows(frames))),
         "profile": pages.sections(
