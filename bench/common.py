@@ -331,11 +331,13 @@ class Bench:
 
     def measured(self, folders, program="tdpt-render"):
         """The line of a page that tells how its numbers were measured, for stale.py."""
-        numbers = {k: f"{v:g}" for k in self.own if isinstance(v := getattr(self.settings, k.lower()), (int, float)) and v}
-        given = " ".join(f'{k}="{v}"' if " " in v else f"{k}={v}" for k, v in {**({"QUICK": "1"} if self.quick else {}), **numbers, **self.given}.items()
-                         if k not in PLACES)
-        return (f"*Measured by `make bench-{self.name}{' ' * bool(given)}{given}` with {self.version(program)} on {CORES} "
-                f"cores; sources `{' '.join(folders)}`: {stale.sources(folders)}.*")
+        values = {key: getattr(self.settings, key.lower()) for key in self.own}
+        given = {"QUICK": "1"} if self.quick else {}
+        given.update({k: f"{v:g}" for k, v in values.items() if isinstance(v, (int, float)) and v}, **self.given)
+        command = " ".join([f"make bench-{self.name}", *(f'{k}="{v}"' if " " in v else f"{k}={v}"
+                                                         for k, v in given.items() if k not in PLACES)])
+        return (f"*Measured by `{command}` with {self.version(program)} on {CORES} cores; "
+                f"sources `{' '.join(folders)}`: {stale.sources(folders)}.*")
 
     def page(self, name, parts, folders, program="tdpt-render"):
         """Fills DOC/NAME.md, whole or not at all: the parts between <!-- PART --> and <!-- end -->, and the line that

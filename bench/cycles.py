@@ -12,7 +12,8 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import EVERYTHING, MAPS, RENDERER, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment, settings, turns
+from common import (EVERYTHING, MAPS, RENDERER, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment,
+                    settings, turns)
 from formats import exr_read, exr_write
 from sky import Cell, Picture, black_words
 

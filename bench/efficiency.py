@@ -228,17 +228,19 @@ def long_table(run, m):
         rows += [[name, program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
         rows += [[name, *row] for row in at.long_rows(name)]
         rows.append([name, "all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
-    return rows and pages.table(("scene", "program", "relMSE, seed by seed", "CPU s", "target (ambitious)", "met"), rows)
+    heads = ("scene", "program", "relMSE, seed by seed", "CPU s", "target (ambitious)", "met")
+    return pages.table(heads, rows) if rows else ""
 
 
 def parts(run, m):
     """Of the page, by their names there."""
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
     better = over.replace("bdpt", "the better of bdpt and nee", 1)
-    return {"doors": part(f"Gain over {over}:", m.gains("doors")), "rooms": part(f"Gain over {better}:", m.gains("rooms")),
+    return {"doors": part(f"Gain over {over}:", m.gains("doors")),
+            "rooms": part(f"Gain over {better}:", m.gains("rooms")),
             "whole": part("Gain over bdpt of this program:", m.gains("whole")),
             "psnr": part(f"Decibels over {over}:", m.psnrs("doors")),
-            "long": long_table(run, m) or "", "checks": pages.sections(m.agreement(), m.noisy(), m.busy())}
+            "long": long_table(run, m), "checks": pages.sections(m.agreement(), m.noisy(), m.busy())}
 
 
 @with_settings

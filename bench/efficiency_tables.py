@@ -229,18 +229,21 @@ class Measurements:
 
     def noisy(self):
         names = ", ".join(filter(self.too_noisy, self.scenes))
-        return f"References too noisy for their scene, over a tenth of the relMSE that they judge: {names}." if names else ""
+        words = "References too noisy for their scene, over a tenth of the relMSE that they judge"
+        return f"{words}: {names}." if names else ""
 
     def agreement(self):
         """Whether the mean of all of bdpt's pictures is the reference's."""
-        ratios = {scene: self.mean_ratio(scene, "bdpt") for scene in self.scenes if self.all_means(scene, "bdpt")[0] >= 4}
+        scenes = [scene for scene in self.scenes if self.all_means(scene, "bdpt")[0] >= 4]
+        ratios = {scene: self.mean_ratio(scene, "bdpt") for scene in scenes}
         off = {scene: (ratio - 1) / error for scene, (ratio, error) in ratios.items() if ratio and error}
         if not off:
             return ""
         most = max(off, key=lambda scene: abs(off[scene]))
         wrong = ", ".join(scene for scene in off if abs(off[scene]) >= 3)
-        return (f"The mean of bdpt's pictures agrees with the reference's in {sum(abs(o) < 3 for o in off.values())} of "
-                f"{len(off)} scenes; the largest difference is {off[most]:+.1f} standard errors, in {most}."
+        return (f"The mean of bdpt's pictures agrees with the reference's in "
+                f"{sum(abs(o) < 3 for o in off.values())} of {len(off)} scenes; the largest difference is "
+                f"{off[most]:+.1f} standard errors, in {most}."
                 + f" **They disagree in {wrong}.**" * bool(wrong))
 
     def long_rows(self, scene):

@@ -123,10 +123,11 @@ def figure7(figures):
             rows.append([scene, i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
                          *map(number, (e["mape"], e["relmse"])), percent(e["nonzero"]), number(e["mean"]),
                          number(seconds), "%.2g" % (costs["bdpt"] / costs[i]) if found_all else "-"])
-        pictures.append([scene, *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)" for i in ("bdpt", "tdpt"))])
+        pictures.append([scene, *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)"
+                                  for i in ("bdpt", "tdpt"))])
     return pages.sections(
-        pages.table(("scene", "integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "non-zero", "mean", "CPU s", "efficiency"),
-                    rows),
+        pages.table(("scene", "integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "non-zero", "mean", "CPU s",
+                     "efficiency"), rows),
         pages.table(("scene", "bdpt, reference", "tdpt, reference"), pictures))
 
 

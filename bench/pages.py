@@ -37,8 +37,8 @@ def sections(*parts):
 
 
 def filled(text, parts, name, measured):
-    """A page with its parts, between <!-- PART --> and <!-- end -->, and the line that begins as `measured` does. Throws
-    ValueError where one is missing."""
+    """A page with its parts, between <!-- PART --> and <!-- end -->, and the line that tells how benchmark `name`
+    measured. Throws ValueError where one is missing."""
     for part, words in {**parts, "": measured}.items():
         where = rf"(<!-- {re.escape(part)} -->\n).*?(<!-- end -->)" if part else \
             rf"()^\*Measured by `make bench-{name}[ `].*$()"

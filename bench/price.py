@@ -218,7 +218,8 @@ def scale_table(rows):
         cells = {decade(r): "%.2f s, %.0f MiB" % (r.cpu, r.peak) for r in of}
         if of:
             lines.append([form, program, *(cells.get(s, "-") for s in sizes), growth(*of[-2:]), each(*of[-2:])])
-    return pages.table(("mesh", "program", *("10^%d" % s for s in sizes), "time, last step", "bytes per triangle"), lines)
+    heads = ("mesh", "program", *("10^%d" % s for s in sizes), "time, last step", "bytes per triangle")
+    return pages.table(heads, lines)
 
 
 def scale_plot(rows):

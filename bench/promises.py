@@ -1,5 +1,5 @@
-"""What the renderer promises: that `auto` chooses well, by a model of what samples cost, and that a picture has the error
-that was asked for. Both are in doc/regret.md."""
+"""What the renderer promises: that `auto` chooses well, by a model of what samples cost, and that a picture has the
+error that was asked for. Both are in doc/regret.md."""
 import fileinput
 import functools
 import json

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...]
 
-Runs a benchmark of the programs in BIN (build/bin) and writes its tables into its page in DOC (doc); pictures and results
-stay in CACHE (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what is measured and
-the settings, which the environment may have as well. --quick: sizes of a trial.
+Runs a benchmark of the programs in BIN (build/bin) and writes its tables into a page in DOC (doc). Pictures and results
+stay in CACHE (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what
+is measured and the settings, which the environment may have as well. --quick: sizes of a trial.
 
 bench/run.py test NAME [ARGUMENT ...]: runs NAME_test.py; 77, with a word, where no Python has numpy.
 Without a NAME: what there is."""
@@ -23,8 +23,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "efficiency-references": ("efficiency", "references", "its references that are missing or out of date, in "
                               "testdata/references/efficiency"),
     "speed": ("speed", "integrators", "noise after a minute, beside Tungsten's: in doc/efficiency.md (20 minutes)"),
-    "whole-light": ("price", "whole_light", "what the light beyond six edges costs: in doc/efficiency.md (half an hour; "
-                    "BASE=PROGRAM: beside an older one)"),
+    "whole-light": ("price", "whole_light", "what the light beyond six edges costs: in doc/efficiency.md (half an "
+                    "hour; BASE=PROGRAM: beside an older one)"),
     "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: doc/figures.md"),
     "stages": ("figures", "stages", "pictures of what each stage did: in doc/figures.md"),
     "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
@@ -38,7 +38,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "sky-before-after": ("sky", "before_after", "the README's picture of a room lit through its window, and its "
                          "caption"),
     "panes": ("sky", "panes", "one portal for a window of six panes, or several: prints a table (ten minutes)"),
-    "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for doc/cycles.md"),
+    "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for "
+               "doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
     "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time: in "
                      "doc/cycles.md"),

@@ -29,7 +29,7 @@ def merged(tables):
 
 
 def register_table(text):
-    """Of the kernels of which fewest run side by side, what a reader asks for; of what device_bench --registers prints."""
+    """Of what device_bench --registers prints, the kernels of which fewest run side by side."""
     heads, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in text.strip().splitlines())
     wanted = [heads.index(h) for h in ("kernel", "VGPRs", "Spilled VGPRs", "Scratch size", "Subgroups per SIMD")]
     return pages.table([heads[i] for i in wanted], [[row[i] for i in wanted] for row in rows
@@ -39,8 +39,8 @@ def register_table(text):
 @settings(SECONDS_EACH=Setting(60.0, "of a picture on one core", 0.2),
           REF_SECONDS=Setting(600.0, "of a reference on all cores", 0.4))
 def integrators(bench):
-    """How fast nee and bdpt are, and how noisy their pictures after a minute of one core, beside Tungsten's figures; depth 6.
-    Ten minutes."""
+    """How fast nee and bdpt are, and how noisy their pictures after a minute of one core, beside Tungsten's figures;
+    depth 6. Ten minutes."""
     s, rows, sizes = bench.settings, [], {"veach-ajar": (320, 180), "half-metre-hole": (256, 256)}
     for name, scene in bench.there(sizes).items():
         width, height = sizes[name]

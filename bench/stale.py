@@ -20,8 +20,8 @@ SOURCE, TEST = re.compile(r"\.(cpp|h|comp|glsl)$"), re.compile(r"_(test|bench|fu
 # Strings and characters stay, which may look like comments.
 DROPPED = re.compile(r"""(R"(?P<mark>\w*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])')"""
                      r"|//[^\n]*|/\*.*?\*/|\s+", re.S)
-MEASURED = re.compile(r"^\*Measured by `(?P<command>[^`]+)`.*; sources `(?P<folders>[^`]+)`: (?P<sum>[0-9a-f]{12})\.\*$",
-                      re.M)
+MEASURED = re.compile(r"^\*Measured by `(?P<command>[^`]+)`.*; sources `(?P<folders>[^`]+)`: (?P<sum>[0-9a-f]{12})"
+                      r"\.\*$", re.M)
 
 
 def hash_of(files):
