@@ -1,29 +1,31 @@
-# A thin front for CMake's presets: the words people try first.
-#   make           builds into build/bin
-#   make demo      installs what is missing, builds the programs, shows what portals are good for (demo/)
-#   make figures   the paper's Figs 5 to 7 from our renders, in doc/ (bench/run.py figures --help: size, samples)
-#   make stages    pictures of what each stage did, in doc/figures/ (bench/run.py stages --help: another scene)
-#   make bench     lists the benchmarks; make bench-NAME builds and runs one, whose page in doc/ it writes
-#                  (bench/run.py NAME --help tells its settings: make bench-regret SEEDS=3; QUICK=1: sizes of a trial)
-#   make test      installs what is missing, builds, runs every test
-#   make test-long what is too much for each run, and before a release: sweeps of portals, rooms and materials, and the statistical
-#                  tests with 200 fresh seeds each (hours; ONLY=REGEX: those)
-#   make test-slurm    the files of doc/farm/ under Slurm, on this machine, as root: a node dies, the bytes stay (three minutes)
-#   make test-report   reports of three scenes, opened in a headless Chromium: build/report (five minutes)
-#   make install   programs, man pages, completions, tdpt.mk and scripts of doc/ under PREFIX (and DESTDIR), after building what is missing
-#   make uninstall takes away what that put there, with the same PREFIX and DESTDIR
-#   make tarball   build/tdpt-VERSION-linux-MACHINE.tar.gz: programs, and the libraries they need beside them, for systems
-#                  where nothing is installed
-#   make tarball-test   tries that on bare systems, Debian 12 and 13, made in BARE=FOLDER; as root
-#   make package   a Debian package for this release, build/tdpt_VERSION_ARCH.deb, of the sources as they lie here
-#   make package-test   installs that on a bare system of the same release, made in BARE=FOLDER, as the Containerfile
-#                  says, and tries it there; as root
-#   make sanitize  builds with the sanitizers into build-sanitize and runs every test there
-#   make fuzz      libFuzzer on every reader, SECONDS=60 each, with clang (TARGETS="scene cut": these; ROUNDS=N: N times at
-#                  most, until a round brings no new edge): doc/fuzzing.md
-#   make packages  installs the Debian packages of cmake/packages*.txt that are missing
-#   make format    clang-format over all sources
-#   make clean     removes what was built
+# A thin front for CMake's presets: the words people try first. `make help` prints the lines below that are indented.
+#   make                builds everything into build/bin
+#   make help           prints this list
+#   make demo           installs what is missing, builds the programs, and shows what a portal is good for, in demo/
+#
+#   make install        installs programs, man pages, completions, tdpt.mk and the scripts of doc/ under PREFIX (and DESTDIR)
+#   make uninstall      removes them again, with the same PREFIX and DESTDIR
+#   make package        builds a Debian package for this release, build/tdpt_VERSION_ARCH.deb
+#   make package-test   installs that on a bare system of the same release and tries it there (as root; BARE=FOLDER)
+#   make tarball        packs build/tdpt-VERSION-linux-MACHINE.tar.gz: programs with their libraries, nothing to install
+#   make tarball-test   tries that on bare Debian 12 and 13 (as root; BARE=FOLDER)
+#   make packages       installs the Debian packages that are missing
+#
+#   make test           installs what is missing, builds, and runs every test
+#   make test-long      before a release: sweeps, and the statistical tests with 200 fresh seeds (hours; ONLY=REGEX)
+#   make test-slurm     doc/farm under Slurm on this machine, with a node that dies (as root; three minutes)
+#   make test-report    opens reports of three scenes in a headless Chromium: build/report (five minutes)
+#   make sanitize       builds with the sanitizers into build-sanitize, and runs every test there
+#   make fuzz           runs libFuzzer on every reader, with clang (SECONDS=60 TARGETS="scene cut" ROUNDS=N)
+#   make format         formats all sources with clang-format
+#
+#   make bench          lists the benchmarks
+#   make bench-NAME     builds and runs one, which writes its tables in doc/ (bench/run.py NAME --help: its settings,
+#                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
+#   make stale          lists the pages of doc/ whose numbers are older than the sources they measure
+#   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, SCENES=FOLDER)
+#   make stages         draws what each stage did, for doc/figures.md (SCENE=room.glb DOC=FOLDER: of your scene)
+#   make clean          removes what was built
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 # .ci/run names a file here, to learn the exit code of ctest instead of make's.
@@ -33,8 +35,11 @@ TEST_STATUS ?=
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 PROGRAMS = $(DEMO_PROGRAMS) exrmerge tdpt-info tdpt
 
-.PHONY: all build programs demo figures stages bench test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
+.PHONY: all help build programs demo figures stages bench stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
+
+help:
+	@sed -n '/^PREFIX/q; s/^#   //p; s/^#$$//p' $(firstword $(MAKEFILE_LIST))
 
 build:
 	@command -v cmake >/dev/null || { echo "cmake is missing; 'make packages' installs what is needed"; exit 1; }
@@ -88,6 +93,9 @@ figures stages: %: bench-%
 
 bench:
 	@python3 -B bench/run.py
+
+stale:
+	@python3 -B bench/stale.py
 
 bench-%: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt

@@ -16,6 +16,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
+import pages
+import stale
+
 ROOT = Path(__file__).resolve().parent.parent
 TESTDATA = ROOT / "testdata"
 MAPS = TESTDATA / "environments"
@@ -24,6 +27,10 @@ STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
 SKIES = ("overcast", "clear", "sun")
 CORES = os.cpu_count()
+# What the numbers of a page may depend on.
+RENDERER = ("libcommon", "shaders", "tools/tdpt-render")
+EVERYTHING = ("libcommon", "shaders", "tools")
+PLACES = ("SCENES", "JOBS", "REFERENCE_FOLDER", "BASELINE")  # settings that tell a reader nothing
 
 
 class Stop(Exception):
@@ -242,7 +249,7 @@ class Bench:
 
     def __init__(self, name, function, programs, cache, doc, given=(), quick=False):
         self.name, self.programs, self.cache, self.doc, self.quick = name, Path(programs), Path(cache), Path(doc), quick
-        self.given = dict(given)
+        self.given, self.own = dict(given), [key for key in function.settings if key not in COMMON]
         for folder in (self.cache, self.doc):
             folder.mkdir(parents=True, exist_ok=True)
         self.store = Store(self.cache / "runs", self.programs)
@@ -322,12 +329,26 @@ class Bench:
                 pool.shutdown(cancel_futures=True)
                 raise
 
-    def page(self, name, text):
-        """DOC/NAME.md, whole or not at all."""
-        half = self.cache / f"{name}.md"
-        half.write_text(text.rstrip("\n") + "\n", encoding="utf-8")
-        shutil.move(half, self.doc / f"{name}.md")
-        self.say(self.doc / f"{name}.md")
+    def measured(self, folders, program="tdpt-render"):
+        """The line of a page that tells how its numbers were measured, for stale.py."""
+        values = {key: getattr(self.settings, key.lower()) for key in self.own}
+        given = {"QUICK": "1"} if self.quick else {}
+        given.update({k: f"{v:g}" for k, v in values.items() if isinstance(v, (int, float)) and v}, **self.given)
+        command = " ".join([f"make bench-{self.name}", *(f'{k}="{v}"' if " " in v else f"{k}={v}"
+                                                         for k, v in given.items() if k not in PLACES)])
+        return (f"*Measured by `{command}` with {self.version(program)} on {CORES} cores; "
+                f"sources `{' '.join(folders)}`: {stale.sources(folders)}.*")
+
+    def page(self, name, parts, folders, program="tdpt-render"):
+        """Fills DOC/NAME.md, whole or not at all: the parts between <!-- PART --> and <!-- end -->, and the line that
+        tells how this benchmark measured them. All else is written by hand; where DOC lacks the page, it is copied.
+        folders: what sources are measured."""
+        path, half = self.doc / f"{name}.md", self.cache / f"{name}.md"
+        text = (path if path.exists() else ROOT / "doc" / path.name).read_text(encoding="utf-8")
+        text = pages.filled(text, parts, self.name, self.measured(folders, program))
+        half.write_text(text, encoding="utf-8")
+        shutil.move(half, path)
+        self.say(path)
 
 
 def environment(sky, own=None):

@@ -1,5 +1,5 @@
 """Cycles, Blender's path tracer, beside tdpt-render: whether they agree in the mean, and what each makes with portals
-in equal CPU time. Tables of doc/cycles.md."""
+in equal CPU time: doc/cycles.md."""
 import functools
 import itertools
 import math
@@ -12,7 +12,8 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment, settings, turns
+from common import (EVERYTHING, MAPS, RENDERER, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment,
+                    settings, turns)
 from formats import exr_read, exr_write
 from sky import Cell, Picture, black_words
 
@@ -73,6 +74,7 @@ def compare_scenes(bench, jobs):
         lines, agree = agreement(("Cycles", s.integrator), sets)
         all_agree = all_agree and agree
         print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
+    print("\n" + bench.measured(RENDERER))
     if not all_agree:
         raise Stop(1, "means differ")
 
@@ -143,11 +145,8 @@ def equal_tables(cells):
         of = [(*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0)) for m in METHODS]
         errors.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
                        f"{100 * c.off:+.2f} %"])
-    return pages.sections(
-        "Efficiency over that of Cycles with portals by hand, 95 % intervals over seeds:",
-        pages.table(("room", "sky", *(METHODS[m] for m in others)), gains),
-        "relMSE, PSNR [dB] (samples per pixel; CPU seconds):",
-        pages.table(("room", "sky", *METHODS.values(), "black", "means"), errors))
+    return {"gains": pages.table(("room", "sky", *(METHODS[m] for m in others)), gains),
+            "errors": pages.table(("room", "sky", *METHODS.values(), "black", "means"), errors)}
 
 
 class Room:
@@ -221,4 +220,4 @@ def equal_time(bench):
         for light in bench.settings.skies:
             bench.say(f"{name}, {light}")
             cells[name, light] = Room(bench, name, light).cell()
-    print(equal_tables(cells))
+    bench.page("cycles", equal_tables(cells), EVERYTHING)

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pages
-from common import CORES, ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
+from common import EVERYTHING, ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
@@ -44,9 +44,6 @@ PEERS = {"veach-ajar": (("Tungsten, BDPT", "0.20"), ("path guiding with next-eve
                         ("Tungsten, multiplexed Metropolis", "0.06 to 0.30")),
          "veach-ajar-flip": (("Tungsten, BDPT", "1.5"), ("path guiding", "5"),
                              ("Tungsten, multiplexed Metropolis", "0.32"))}
-PAPER = {"veach-ajar": "-", "veach-ajar-flip": '"the metrics of TDPT occupy an overwhelming advantage"',
-         "bathroom2-channel": '-; of bathroom2 without the channel "the advantage of TDPT is not apparent"',
-         "cornell-box-portal": "-"}
 
 with_settings = settings(
     BASELINE=Setting("", "another tdpt-render, of an older commit: gains are over its bdpt and nee, which take turns "
@@ -220,118 +217,30 @@ def plot(m):
     return figure.script("efficiency.png")
 
 
-def head(run):
-    s, older = run.s, ""
-    if s.baseline:
-        older = (f"* `bdpt-before` and `nee-before` are bdpt and nee of another program, {s.baseline_name} "
-                 f"({run.bench.version(Path(s.baseline).resolve())}), in the same run.\n")
-    return f"""# Efficiency of the integrators
-
-Written by `make bench-efficiency` ({run.bench.version()}, {CORES} cores; SECONDS_EACH={s.seconds_each:g} \
-SEEDS={s.seeds}
-INTEGRATORS="{' '.join(s.integrators)}"; `bench/run.py efficiency --help` tells the rest). Every picture is \
-one thread's,
-{run.depth_words} unless said otherwise, `--time {s.seconds_each:g}`, the integrators taking turns; portals are found by
-ffgraph, mincut, lightgrid and portalfit, none is drawn by hand. [efficiency.csv](efficiency.csv) has a row for each
-picture.
-
-{older}* Efficiency = 1 / (relMSE x CPU seconds). **Gain** = efficiency over another's = mean of the other's relMSE x
-CPU seconds over
-  the seeds / the same mean of its own. The mean, not the median: it is what more samples would have to make up for.
-* Gains are over {run.over}, in scenes without a door over {run.better}. bdpt's own
-  efficiency stands beside, so that no gain comes of a bdpt made worse.
-* Brackets: 95 % intervals by bootstrap over the {s.seeds} seeds, widened as the t distribution is for few (expanded
-  percentiles). relMSE is heavy-tailed where bdpt is bad: fireflies that no seed met are missing from bdpt's mean and
-  from the interval, so gains are more likely too small than too large.
-* Aims are asked of `auto`, the default, or, where it was not measured, of the best with portals.
-* A reference is two halves of different seeds; what they have in common is taken for the truth, so their noise is in no
-  error, only in MAPE and, a little, in the squares that relMSE divides by, where it makes all relMSE too large alike.
-  Its own relMSE, of both halves together, stands with each scene, beside what it judges: the relMSE that would meet the
-  scene's aim in the same time, without an aim that of bdpt. "-": hidden by the reference's noise.
-* MiB: the most memory that any seed's run held.
-"""
-
-
 def part(words, text):
     return f"{words}\n\n{text}" if text else ""
 
 
-def scene_section(run, m, scene):
-    found, reference = run.portal(scene).said, scene.reference
-    areas = [f"{round(p['area'], 3):g}" for p in found.get("portals", ())]
-    reason = f" ({found['reason']})" if found.get("reason") else ""
-    portals = f"portals of {' and '.join(areas)} m2" if areas else f"no portal{reason}"
-    stored = f" (stored, rendered by {reference['stored']})" if reference["stored"] else ""
-    depth = "no limit of depth; " if scene.kind == "whole" else ""
-    return f"""### {scene.name}
-
-{reference['width']} x {reference['height']} pixels; {depth}{portals}. \
-Reference: {reference['cpu_seconds']:.3g} CPU s of \
-{reference['integrator']}{stored}, {m.reference_words(scene.name)}
-{m.check(scene.name)}
-
-{m.scene_rows(scene.name)}"""
+def long_table(run, m):
+    """Beside other programs."""
+    at, rows = m.at(run.s.long_seconds), []
+    for name in (name for name in PEERS if name in m.scenes and run.s.long_seeds):
+        rows += [[name, program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
+        rows += [[name, *row] for row in at.long_rows(name)]
+        rows.append([name, "all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
+    heads = ("scene", "program", "relMSE, seed by seed", "CPU s", "target (ambitious)", "met")
+    return pages.table(heads, rows) if rows else ""
 
 
-def long_sections(run, m):
-    s, at = run.s, m.at(run.s.long_seconds)
-    if not s.long_seeds:
-        return []
-    after = f"after {s.long_seconds:g} seconds"
-    out = [part(f"## Gain {after}\n\n{s.long_seeds} seeds; over {run.over}.", at.gains("doors")),
-           part(f"## Gain {after} in furnished rooms\n\n{s.long_seeds} seeds; over {run.better}.",
-                at.gains("rooms"))]
-    there = [name for name in PEERS if name in m.scenes]
-    if there:
-        out.append(f"""## relMSE {after}, beside other programs
-
-320 x 180, {run.depth_words}. The other programs' figures are for 60 CPU seconds at depth 6; they were measured outside
-of this script, on a like machine. Metropolis light transport is Tungsten's, multiplexed (MMLT); its error differs much
-from run to run.""")
-    for name in there:
-        rows = [[program, figure, 60, "-", "-"] for program, figure in PEERS[name]]
-        rows += at.long_rows(name)
-        rows.append(["all black", pages.three(m.scenes[name].reference["black"]["relmse"]), "-", "-", "-"])
-        out.append(f"### {name} after {s.long_seconds:g} s\n\n"
-                   + pages.table(("", "relMSE, seed by seed", "CPU s", "wanted (moonshot)", "met"), rows))
-    return out
-
-
-def page(run, m):
+def parts(run, m):
+    """Of the page, by their names there."""
     over = "bdpt" + (f" of {run.s.baseline_name}" if run.s.baseline else "")
-    run.over, run.better = over, over.replace("bdpt", "the better of bdpt and nee", 1)
-    papers = [[name, words, "not in the text", *m.paper(name)]
-              for name, words in PAPER.items() if name in m.scenes]
-    return pages.sections(
-        head(run), m.busy(), m.noisy(),
-        part(f"## Doors, holes, windows\n\nGain over {run.over}.", m.gains("doors")),
-        part("## Furnished rooms, and a box\n\nNo door; portals where the four stages find any. Gain over "
-             f"{run.better}.", m.gains("rooms")),
-        part("## No limit of depth\n\nGain over bdpt of this program; references of their own. NAME-whole is scene "
-             "NAME.", m.gains("whole")),
-        f"""![relMSE against CPU seconds, a panel for each scene](efficiency.png)
-
-*Mean relMSE of {run.s.seeds} seeds over CPU seconds; bars from the lowest to the highest seed. Dotted: a picture
-without light.*
-
-## PSNR in the same time
-
-Decibels, of the mean MSE x CPU seconds: pixels count by their light, so that directly lit regions decide.""",
-        part(f"Over {run.over}.", m.psnrs("doors")),
-        part(f"Over {run.better}, that of the smaller relMSE.", m.psnrs("rooms")),
-        part("No limit of depth, over bdpt of this program.", m.psnrs("whole")),
-        """## Scene by scene
-
-*mean / reference*: of the pictures of all lengths together, +- one standard error, the reference's noise included.""",
-        *(scene_section(run, m, scene) for scene in run.scenes),
-        part("""## Beside the paper's Fig. 7
-
-The paper compares its TDPT, here `tdpt`, with BDPT at 16 samples per pixel and depth 5. It prints PSNR and MAPE inside
-a picture, not in its text. Ours are after the same time; after the same samples they are in
-[figures.md](figures.md).""", papers and pages.table(
-            ("scene", "the paper's words", "the paper's PSNR, MAPE", "PSNR, tdpt - bdpt", "MAPE, tdpt against bdpt"),
-            papers)),
-        *long_sections(run, m))
+    better = over.replace("bdpt", "the better of bdpt and nee", 1)
+    return {"doors": part(f"Gain over {over}:", m.gains("doors")),
+            "rooms": part(f"Gain over {better}:", m.gains("rooms")),
+            "whole": part("Gain over bdpt of this program:", m.gains("whole")),
+            "psnr": part(f"Decibels over {over}:", m.psnrs("doors")),
+            "long": long_table(run, m), "checks": pages.sections(m.agreement(), m.noisy(), m.busy())}
 
 
 @with_settings
@@ -345,7 +254,7 @@ def efficiency(bench):
     m = run.measure()
     pages.write_csv(bench.doc / "efficiency.csv", [row for rows in m.rows.values() for row in rows])
     pages.draw(plot(m), bench.doc)
-    bench.page("efficiency", page(run, m))
+    bench.page("efficiency", parts(run, m), EVERYTHING)
 
 
 # ---- Stored references ----

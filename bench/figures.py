@@ -1,6 +1,5 @@
-"""The paper's figures from our renders (doc/figures.md), pictures of what each stage did (doc/stages.md), and small
-pictures of both for the README; and `make demo`."""
-import math
+"""The paper's figures from our renders and pictures of what each stage did, both in doc/figures.md; small pictures of
+both for the README; and `make demo`."""
 import os
 import re
 import shutil
@@ -9,16 +8,13 @@ from pathlib import Path
 from statistics import mean
 
 import pages
-from common import CORES, ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
+from common import EVERYTHING, ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
 # The paper's share of non-zero pixels at 1 spp and CPU time per frame.
 FIG5 = {"pt": ("0.00619 %", "not in the text"), "nee": ("0.382 %", "not in the text"),
         "bdpt": ("4.79 %", "not in the text"), "tdpt-org": ("27.6 %", "3.1 s"), "tdpt": ("24.4 %", "2.5 s")}
-WORDS = {"veach-ajar-flip": 'no direct light; "the metrics of TDPT occupy an overwhelming advantage"',
-         "bathroom2": 'a large window; "the advantage of TDPT is not apparent"'}
-COMMON_WARNINGS = ("there is no portal in", "no portal is given")
 
 
 class Figures:
@@ -53,8 +49,8 @@ def size_of(said):
     return f"{said['width']} x {said['height']}"
 
 
-def portal_section(figures):
-    rows, without = [], []
+def portal_table(figures):
+    rows = []
     for scene in figures.files:
         said = figures.portal(scene).said
         portals = said["portals"]
@@ -62,11 +58,7 @@ def portal_section(figures):
                  (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
         reason = f" ({said['reason']})" if not portals and said.get("reason") else ""
         rows.append([scene, f"{len(portals)}{reason}", *cells])
-        if not portals:
-            without.append(
-                f"No portal in {scene}: there tdpt-org is bdpt, and tdpt is left with camera, direct and light.")
-    heads = ("scene", "portals", "area [m2]", "share of the light", "support")
-    return pages.sections("## Portals", pages.table(heads, rows), *without)
+    return pages.table(("scene", "portals", "area [m2]", "share of the light", "support"), rows)
 
 
 def figure5(figures):
@@ -91,17 +83,13 @@ def figure5(figures):
         plot.panel(words, "samples per pixel", "", drawn, ("set logscale x 2", *own))
     pages.draw(plot.script("fig5.svg"), figures.bench.doc / "figures")
     seconds = [runs[i].said["cpu_seconds"] for i in ("tdpt-org", "tdpt")]
-    change = 100 * (1 - seconds[1] / seconds[0])
-    n = figures.s.frames
-    return f"""## Fig 5: Cornell with a hole, depth 6, {n} samples per pixel, {size_of(runs['pt'].said)}
+    change, n = 100 * (1 - seconds[1] / seconds[0]), figures.s.frames
+    heads = ("integrator", "non-zero at 1 spp", "the paper", f"at {n} spp", f"mean at {n} spp", "the paper",
+             "CPU s per frame", "the paper")
+    return f"""{pages.table(heads, rows)}
 
-![Non-zero share, mean and CPU seconds per frame over samples per pixel](figures/fig5.svg)
-
-{pages.table(("integrator", "non-zero at 1 spp", "the paper", f"at {n} spp", f"mean at {n} spp", "the paper",
-              "CPU s per frame", "the paper"), rows)}
-
-A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper:
-about 20 % less."""
+A frame of tdpt takes {abs(change):.0f} % {'more' if change < 0 else 'less'} CPU time than one of tdpt-org; the paper \
+says about 20 % less."""
 
 
 def figure6(figures):
@@ -114,54 +102,33 @@ def figure6(figures):
     said = [run.said for run in runs.values()]
     rows = [[f"![{i}](figures/fig6-{i}.png)" for i in three], [f"{percent(s['nonzero'])} non-zero" for s in said],
             [f"mean {pages.three(mean(s['mean']))}" for s in said]]
-    return f"""## Fig 6: veach-ajar-flip, 1 sample per pixel, depth 5, {size_of(said[0])}
-
-Red: some light arrived. Green: none.
-
-{pages.table(three, rows)}
-
-The paper: mean 0.044 for all three; the shares are not in the text."""
+    return pages.table(three, rows)
 
 
-def figure7(figures, scene):
+def figure7(figures):
     """The same samples for everyone, against a long rendering."""
-    s = figures.s
-    reference = figures.render(scene, "tdpt-org", s.ref_spp, 5, s.seed + 1)
-    runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in INTEGRATORS}
-    errors, rows = {}, []
-    for i, run in runs.items():
-        made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"),
-                                       output=False)
-        errors[i] = made.said
-        if i in ("bdpt", "tdpt"):
-            figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
-    base, number = errors["bdpt"]["relmse"] * runs["bdpt"].said["cpu_seconds"], pages.three
-    for i, e in errors.items():
-        seconds = runs[i].said["cpu_seconds"]
-        cost, off = e["relmse"] * seconds, e["mean"] / e["reference_mean"]
-        efficiency = "%.2g" % (base / cost) if cost > 0 and 0.8 < off < 1.2 else "-"
-        rows.append([i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
-                     *map(number, (e["mape"], e["relmse"], e["relmse_trimmed"])), percent(e["nonzero"]),
-                     number(e["mean"]), number(seconds), efficiency])
-    black, nothing = errors["bdpt"]["black"], ["-"] * 4
-    rows.append(["all black", "%.2f" % black["psnr"], number(black["mape"]), number(black["relmse"]), "-", "-", 0, "-",
-                 "-"])
-    rows.append(["reference", *nothing, percent(reference.said["nonzero"]), number(errors["bdpt"]["reference_mean"]),
-                 number(reference.said["cpu_seconds"]), "-"])
-    here, there = errors["tdpt"], errors["bdpt"]
-    gain = (here["psnr"] or math.inf) - (there["psnr"] or math.inf)
-    warnings = sorted({line.removeprefix("tdpt-render: warning: ") for run in (reference, runs["bdpt"])
-                       for line in run.errors.splitlines() if line.startswith("tdpt-render: warning: ")})
-    warnings = [f"- {w}" for w in warnings if not w.startswith(COMMON_WARNINGS)]
+    rows, pictures, number, s = [], [], pages.three, figures.s
+    for scene in figures.files:
+        reference = figures.render(scene, "tdpt-org", s.ref_spp, 5, s.seed + 1)
+        runs = {i: figures.render(scene, i, s.spp, 5, s.seed) for i in ("bdpt", "tdpt-org", "tdpt")}
+        costs = {}
+        for i, run in runs.items():
+            made = figures.bench.store.run("exrdiff", run.out, reference.out, "--side-by-side", Made("both.png"),
+                                           output=False)
+            if i != "tdpt-org":
+                figures.copy(made.folder / "both.png", f"fig7-{scene}-{i}.png")
+            e, seconds = made.said, run.said["cpu_seconds"]
+            costs[i] = e["relmse"] * seconds
+            found_all = costs[i] > 0 and 0.8 < e["mean"] / e["reference_mean"] < 1.2
+            rows.append([scene, i, "-" if e["psnr"] is None else "%.2f" % e["psnr"],
+                         *map(number, (e["mape"], e["relmse"])), percent(e["nonzero"]), number(e["mean"]),
+                         number(seconds), "%.2g" % (costs["bdpt"] / costs[i]) if found_all else "-"])
+        pictures.append([scene, *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)"
+                                  for i in ("bdpt", "tdpt"))])
     return pages.sections(
-        f"### {scene}", f"{size_of(runs['bdpt'].said)} pixels",
-        pages.table(("integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "trimmed", "non-zero", "mean", "CPU s",
+        pages.table(("scene", "integrator", "PSNR [dB]", "MAPE [%]", "relMSE", "non-zero", "mean", "CPU s",
                      "efficiency"), rows),
-        f"The paper: {WORDS.get(scene, 'not in the text')}. Here tdpt has {gain:+.1f} dB of PSNR against bdpt, a MAPE "
-        f"of {here['mape']:.3g} % against {there['mape']:.3g} %, a relMSE of {here['relmse']:.3g} against "
-        f"{there['relmse']:.3g}.",
-        *(f"![{i} left, reference right](figures/fig7-{scene}-{i}.png)\n*{i}, reference*" for i in ("bdpt", "tdpt")),
-        *(["The renderer warns:", "\n".join(warnings)] if warnings else []))
+        pages.table(("scene", "bdpt, reference", "tdpt, reference"), pictures))
 
 
 @settings(WIDTH=Setting(0, "of the pictures; one follows from the other and the camera", 32),
@@ -173,29 +140,9 @@ def figures(bench):
     bench.need("gnuplot")
     (bench.doc / "figures").mkdir(exist_ok=True)
     f = Figures(bench)
-    s = f.s
-    bench.page("figures", pages.sections(
-        f"""# The paper's figures from our renders
-
-Written by `make figures` ({bench.version()}, {CORES} cores), which
-finds the portals of the scenes in `SCENES`, renders, compares and draws. The same at another size:
-
-    make figures HEIGHT=360 SPP={s.spp} FRAMES={s.frames} REF_SPP={s.ref_spp} SCENES=FOLDER
-
-Times are CPU seconds of rendering alone. `tdpt` is the paper's TDPT-REF. The paper's own numbers stand
-beside ours where its text gives them; "not in the text" means that they are in a picture of the paper or
-nowhere. Its scenes, portals and machine are not ours, so compare rows rather than digits.""",
-        portal_section(f),
-        figure5(f) if "cornell-box-portal" in f.files else "",
-        figure6(f) if "veach-ajar-flip" in f.files else "",
-        f"""## Fig 7: {s.spp} samples per pixel, depth 5
-
-Against tdpt-org with {s.ref_spp} samples per pixel and another seed, whose own noise counts against everyone:
-{100 * s.spp / s.ref_spp:.2g} % of tdpt-org's relMSE. *Trimmed* is relMSE without the worst thousandth of the pixels;
-*all black* is the score of a picture of no light. *Efficiency* is 1 / (relMSE x CPU s), bdpt's being 1; it stays open
-("-") where the mean is a fifth or more off, since then too few paths were found to judge by. The paper prints its PSNR
-and MAPE inside a picture: not in the text.""",
-        *(figure7(f, scene) for scene in f.files)))
+    bench.page("figures", {"portals": portal_table(f),
+                           "fig5": figure5(f) if "cornell-box-portal" in f.files else "",
+                           "fig6": figure6(f) if "veach-ajar-flip" in f.files else "", "fig7": figure7(f)}, EVERYTHING)
 
 
 # ---- Pictures of the stages ----
@@ -206,7 +153,7 @@ and MAPE inside a picture: not in the text.""",
                           "interiors; left out, with a word, where it is not there"),
           SKY=Setting("", "what shines on WINDOWS, --environment; default the map beside it, NAME.env.exr"))
 def stages(bench):
-    """The pictures of doc/stages.md, one of each stage, for a room behind a door and for one with windows; the cache
+    """The pictures of the stages in doc/figures.md, for a room behind a door and for one with windows; the cache
     receives the same for 3D viewers."""
     s, scenes = bench.settings, Path(bench.settings.scenes)
     scene, interior, windows = (Path(given or scenes / name).resolve() for given, name in (

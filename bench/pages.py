@@ -3,6 +3,7 @@ colour, by points and dashes."""
 import csv
 import json
 import math
+import re
 import subprocess
 
 STYLES = ("dt 1 pt 7", "dt 2 pt 5", "dt 3 pt 9", "dt 4 pt 11", "dt 5 pt 13", "dt 2 pt 6", "dt 3 pt 4", "dt 4 pt 8",
@@ -33,6 +34,19 @@ def table(heads, rows):
 def sections(*parts):
     """Paragraphs and tables with an empty line between; what is empty is left out."""
     return "\n\n".join(part.strip("\n") for part in parts if part)
+
+
+def filled(text, parts, name, measured):
+    """A page with its parts, between <!-- PART --> and <!-- end -->, and the line that tells how benchmark `name`
+    measured. Throws ValueError where one is missing."""
+    for part, words in {**parts, "": measured}.items():
+        where = rf"(<!-- {re.escape(part)} -->\n).*?(<!-- end -->)" if part else \
+            rf"()^\*Measured by `make bench-{name}[ `].*$()"
+        text, found = re.subn(where, lambda m, words=words: f"{m[1]}{words.strip()}{m[2] and chr(10)}{m[2]}", text,
+                              flags=re.S | re.M if part else re.M)
+        if found != 1:
+            raise ValueError(f"the page has {found} places for {part or 'how ' + name + ' measured'}, expected 1")
+    return text
 
 
 def write_csv(path, rows):

@@ -1,11 +1,9 @@
-"""What things cost that are asked for, or not: the whole light (doc/whole-light.md), options and stages that are not
-needed (doc/only-needed.md), rendering in shards (doc/shards.md), and triangles (doc/scale.md)."""
-import copy
+"""What things cost: the whole light (in doc/efficiency.md), options and triangles (in doc/limit.md), rendering in
+shards (in doc/farm.md)."""
 import filecmp
 import itertools
 import math
 import os
-import re
 import statistics
 from collections import namedtuple
 from pathlib import Path
@@ -15,8 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import STAGES, TESTDATA, Halves, Setting, Stop, settings, turns
-from formats import glb_content, glb_parse
+from common import EVERYTHING, RENDERER, STAGES, TESTDATA, Halves, Setting, Stop, settings, turns
 
 # ---- The whole light ----
 LIGHT_SEED = 20260229
@@ -55,7 +52,7 @@ def light_tables(runs):
     based = {key: of for key, of in runs.items() if "base" in of}
     return pages.sections(
         light_table(runs, ("none", "six"), ("no limit", "depth 6"), ("six", "none"), "depth 6 / no limit"),
-        based and "## Depth 6, before and after\n\nbefore: the program named by BASE. The means must agree.",
+        based and "Depth 6, after and before (the program named by BASE); the means must agree:",
         based and light_table(based, ("six", "base"), ("after", "before"), ("six", "base"), "after / before"))
 
 
@@ -90,39 +87,10 @@ def whole_light(bench):
                                       *limits[kind], *size, "--spp", s.spp, "--seed", seed)
                 of[kind].append(Picture(run.said["cpu_seconds"], halves[kind].off(run.out)["relmse"],
                                         bench.distance(run.out, halves[kind].a)["mean"]))
-    bench.page("whole-light", f"""# What the whole light costs
-
-Written by `make bench-whole-light` ({bench.version()}). Without a limit walks end by Russian roulette; with
-`--max-depth 6` they end after 6 edges at the latest, and the light of longer paths is missing. {s.spp} samples per
-pixel
-both ways, {s.seeds} seeds, runs of one thread taking turns; auto gets the portals that the four stages find. Each way \
-has a reference of its own, whose noise is taken out of relMSE. Efficiency = 1 / (relMSE x CPU s).
-
-* CPU time: median of the ratios of runs that followed each other; at depth 6 with the samples that tell what is left
-  out, 1 % of all, up to a tenth of few. Efficiency: of the means over seeds, in brackets the 95 %
-  interval by bootstrap. Mean: +- a standard error; what it lacks to 1 is the light that depth 6 leaves out.
-
-{light_tables(runs)}""")
+    bench.page("efficiency", {"whole-light": light_tables(runs)}, EVERYTHING)
 
 
 # ---- What is not needed ----
-def dark(scene):
-    """Without anything that emits."""
-    for material in scene["materials"]:
-        material.pop("emissiveFactor", None)
-        material.pop("extensions", None)
-    return scene
-
-
-def away(scene):
-    """Its camera far above, looking up."""
-    for node in scene["nodes"]:
-        if "camera" in node:
-            node.pop("matrix", None)
-            node["translation"], node["rotation"] = [0, 50, 0], [0.5**0.5, 0, 0, 0.5**0.5]
-    return scene
-
-
 def asked_row(what, scene, pairs):
     """Of CPU seconds (with, without): the median of the ratios, and the interval of their mean."""
     ratios = np.divide(*np.array(pairs).T)
@@ -130,68 +98,10 @@ def asked_row(what, scene, pairs):
     return [what, scene, f"{np.median(ratios):.3f}", f"{interval.low:.3f} to {interval.high:.3f}"]
 
 
-PAYS = """## Done only when it pays
-
-| what | who decides | price of deciding | held by |
-|---|---|---|---|
-| layers, frames, alpha | options; off | above | `layers_test`, `stats_test`, `alpha_test` |
-| techniques | `auto`, by error x work of samples that are thrown away | \
-about 3 % of the picture's work | `auto_test`, [regret.md](regret.md) |
-| portals | a small picture's light, then `auto` | 2 % of the samples, at most 3072 | `portal_ways_test`, `auto_test`, \
-[regret.md](regret.md) |
-| tables of the sky through windows | there are both, a sky and portals | nothing | `sky_samplers_test` |
-| kinds of light by what arrives | there is a sky beside other lights | a small picture of `nee` | `arrival_test` |
-| panels | one big rectangle or 2 to 8 are all that emits | nothing | `panels_test` |
-| cuts | drops of the potential; closets are not cut | two maximum flows for one opening | `series_cut_test` |
-| batches of segments | until the counts change by less than 4 % | comparing two grids | `lightgrid_test` |
-| the fine pass of a cut | a coarse segment joins its sides | nothing | \
-`lightgrid_test`, `cli.lightgrid-no-bottleneck` |
-| candidates of a portal | a quarter of the threshold of lines is left | nothing | `portalfit_test` |
-| rounds of `ffgraph` | patches straddle an opening | below | `ffgraph_test` |
-
-A round narrows the opening where patches straddle it, and is made whether it then pays or not: it pays where the
-opening lets a twentieth less of the light pass than before."""
-
-
-def nothing_rows(bench, room):
-    """CPU seconds of programs that have nothing to do, and end as they should."""
-    document, rest = glb_parse(room.read_bytes())
-    for name, change in (("dark", dark), ("away", away)):
-        changed = change(copy.deepcopy(document))
-        (bench.cache / f"{name}.glb").write_bytes(glb_content(changed, rest))
-    size, rows = "tdpt-render, 640 x 480 x 16, ", []
-    for wanted, what, inputs, output in (
-            (3, "ffgraph, no light", ["dark.glb"], "dark.max"),
-            (0, "ffgraph, the camera sees no surface", ["away.glb"], "away.max"),
-            (0, "mincut, no flow", ["away.max"], "away.cut"),
-            (0, "lightgrid, no bottleneck", ["away.glb", "away.cut"], "away.vdb"),
-            (0, "portalfit, empty grid", ["away.vdb"], "away.portal.glb"),
-            (0, size + "no light", ["dark.glb"], "x.exr"),
-            (0, size + "the camera sees no surface", ["away.glb"], "x.exr")):
-        run = bench.fresh(what.split(",")[0], *(bench.cache / name for name in inputs), output=bench.cache / output,
-                          threads=0, may_fail=(3,))
-        if run.status != wanted:
-            raise Stop(4, f"{what}: status {run.status}, expected {wanted}: {run.errors.strip()}")
-        rows.append([what, "%.2f" % run.cpu])
-    return rows
-
-
-def round_rows(bench):
-    """What ffgraph's rounds of splitting brought."""
-    rows = []
-    for name, scene in bench.there(("door-ajar", "half-metre-hole", "small-hole", "three-rooms", "two-rooms", "window",
-                                    "veach-ajar", "cornell-box-portal")).items():
-        told = bench.fresh("ffgraph", "--explain", scene, output=bench.cache / "rounds.max", threads=0).errors
-        found = re.findall(r"^ffgraph: round 1: (.*), because (.*) \((.*) CPU s\)$", told, re.M)
-        rows += [[name, *cells] for cells in found]
-    return rows
-
-
 @settings(RUNS=Setting(15, "pairs of runs", 2), SPP=Setting(16, "samples per pixel", 1),
           WIDTH=Setting(160, "of the pictures", 16))
-def only_needed(bench):
-    """What a scene or a command line does not ask for, costs how much? CPU seconds of rendering, runs taking turns, one
-    thread: of tdpt-render with things asked for over itself without, and of stages that find nothing to do. Half an
+def option_costs(bench):
+    """What options cost: CPU seconds of rendering with them over those without, runs taking turns, one thread. Half an
     hour."""
     s, room = bench.settings, TESTDATA / "scenes/two-rooms.glb"
     bdpt = ("--integrator", "bdpt")
@@ -207,22 +117,8 @@ def only_needed(bench):
         ("--explain", (*bdpt, "--explain")), ("--layers", (*bdpt, "--layers")),
         ("--stats", (*bdpt, "--stats", bench.cache / "stats.json")), ("--alpha", (*bdpt, "--alpha")),
         ("--environment 1e-30,0,0", (*bdpt, "--environment", "1e-30,0,0")))]
-    bench.page("only-needed", pages.sections(
-        f"""# What is not needed, and what it costs
-
-`make bench-only-needed` writes this page. This one: RUNS={s.runs} pairs of runs that take turns, \
-SPP={s.spp} samples a pixel, WIDTH={s.width} pixels;
-one thread, CPU seconds of rendering alone. `--explain` of every program says what it leaves out, and why.
-
-## What is not asked for
-
-The price of asking for something, as a ratio to not asking: what is saved without it.""",
-        pages.table(("what", "scene", "CPU time", "95 % interval of the mean"), asked),
-        "## Nothing to do", pages.table(("stage", "CPU seconds"), nothing_rows(bench, room)),
-        """A scene without light is refused by `ffgraph`, which has nothing to start from; the others end with status 0
-        and a
-sentence (`cli.nothing-to-do`, `longest_path_test`).""",
-        PAYS, pages.table(("scene", "round", "why", "CPU seconds"), round_rows(bench))))
+    bench.page("limit", {"options": pages.table(("what", "scene", "CPU time", "95 % interval of the mean"), asked)},
+               RENDERER)
 
 
 # ---- Shards ----
@@ -275,18 +171,9 @@ def shards(bench):
                                     lambda path, given=given: path.write_text(" ".join(map(repr, measure(given)))))
             runs.append(Shards(*map(float, kept.read_text().split())))
         rows.append(shards_row([name, f"{width} x {height}", spp], n, runs))
-    bench.page("shards", f"""# What it costs to render in shards
-
-Written by `make bench-shards` ({bench.version()}): a plan, {n} shards and their merge beside the undivided
-run, by turns, each process on one thread. CPU seconds of whole processes, loading, deciding and writing among them;
-medians, and least and largest of the ratios. Every merged picture had the bytes of the undivided one.
-
-{pages.table(("scene", "picture", "samples", "runs", "undivided", "plan", f"{n} shards", "merge", "all over undivided",
-              "a shard beside rendering"), rows)}
-
-What shards cost more: each loads the scene, builds its hierarchy and writes a film, the last column; the plan is made
-once more; films are read and added. None of that grows with the samples, so the more of them a shard has, the less it
-matters. [farm.md](farm.md) says how to render in shards.""")
+    heads = ("scene", "picture", "samples", "runs", "undivided", "plan", f"{n} shards", "merge", "all over undivided",
+             "a shard beside rendering")
+    bench.page("farm", {"shards": pages.table(heads, rows)}, (*RENDERER, "tools/exrmerge"))
 
 
 # ---- Time and memory against triangles ----
@@ -311,38 +198,28 @@ def bytes_each(before, last):
     return (last.peak - before.peak) * MIB / (last.triangles - before.triangles)
 
 
-def triangle_table(rows, cell, last_head, last_cell):
-    """`cell` of a row; `last_cell` of a series."""
-    decade = lambda row: round(math.log10(row.triangles))
-    sizes, lines = sorted({decade(r) for r in rows}), []
-    for form, program in itertools.product(dict.fromkeys(r.form for r in rows), PROGRAMS):
-        of = series(rows, form, program)
-        cells = {decade(r): cell % r._asdict() for r in of}
-        if of:
-            lines.append([form, program, *(cells.get(s, "-") for s in sizes), last_cell(of)])
-    return pages.table(("scene", "program", *("10^%d" % s for s in sizes), last_head), lines)
-
-
-def scale_tables(rows):
-    def verdict(of):
-        """How many times the CPU time grew in the last step, and how many times n log n."""
-        before, last = of[-2:]
+def scale_table(rows):
+    def growth(before, last):
+        """How many times the CPU time grew in the last step."""
         if last.cpu < ENOUGH:
             return "too short to tell"
         grown = last.cpu / before.cpu
         n_log_n = last.triangles * math.log(last.triangles) / (before.triangles * math.log(before.triangles))
-        return "%.1f, of n log n %.1f: %s" % (grown, n_log_n, "no faster" if grown <= NOISE * n_log_n else "**faster**")
+        return ("%.1f" if grown <= NOISE * n_log_n else "**%.1f**") % grown
 
-    def each(of):
-        step, whole = bytes_each(*of[-2:]), of[-1].peak * MIB / of[-1].triangles
-        return "%.0f, %.0f: %s" % (step, whole, "met" if max(step, whole) < MOST_BYTES else "**missed**")
+    def each(before, last):
+        step, whole = bytes_each(before, last), last.peak * MIB / last.triangles
+        return ("%.0f, %.0f" if max(step, whole) < MOST_BYTES else "**%.0f, %.0f**") % (step, whole)
 
-    return pages.sections(
-        "CPU seconds; a growth of up to %.1f times that of n log n counts as noise:" % NOISE,
-        triangle_table(rows, "%(cpu).2f", "growth in the last step", verdict),
-        "Peak memory [MiB]:",
-        triangle_table(rows, "%(peak).0f",
-              "bytes a triangle: of the last step, of the largest scene with all else; below %d" % MOST_BYTES, each))
+    decade = lambda row: round(math.log10(row.triangles))
+    sizes, lines = sorted({decade(r) for r in rows}), []
+    for form, program in itertools.product(dict.fromkeys(r.form for r in rows), PROGRAMS):
+        of = series(rows, form, program)
+        cells = {decade(r): "%.2f s, %.0f MiB" % (r.cpu, r.peak) for r in of}
+        if of:
+            lines.append([form, program, *(cells.get(s, "-") for s in sizes), growth(*of[-2:]), each(*of[-2:])])
+    heads = ("mesh", "program", *("10^%d" % s for s in sizes), "time, last step", "bytes per triangle")
+    return pages.table(heads, lines)
 
 
 def scale_plot(rows):
@@ -387,29 +264,4 @@ def scale(bench):
         room.unlink()
     (bench.doc / "scale.csv").write_text("".join("%s,%d,%s,%.3f,%.1f\n" % row for row in rows), encoding="ascii")
     pages.draw(scale_plot(rows), bench.doc)
-    bench.page("scale", f"""# Time and memory against triangles
-
-Written by `make bench-scale` ({bench.version()}), one thread. [scale.csv](scale.csv) has a row a run.
-
-The scene is two furnished rooms with one opening, the same surfaces cut into more and more triangles
-(`bench/rooms.py`): **grid**, large meshes whose triangles share corners (25 bytes of file a triangle); **parts**, a
-mesh and a node for every 512 triangles at most; **soup**, no corner shared (72 bytes of file a triangle). tdpt-render
-makes one sample per pixel at 64 x 48 with tdpt-guided, so its time is that of loading and of its hierarchy.
-
-![CPU seconds and memory against triangles](scale.png)
-
-{scale_tables(rows)}
-
-What does not depend on triangles: ffgraph's 1.2 million hits of walks and its pairs of patches, the network that mincut
-cuts, the voxels and lines of lightgrid. Up to 10^5 triangles that is most of the memory; it grows with the surfaces
-that are found to be pieces. portalfit reads no triangle: it takes 0.4 s, or 4 s where the first plane through the lines
-is not good enough, and which of the two is chance.
-
-Where a triangle's memory is (soup, tdpt-render): 52 bytes are its corners and material, 36 more normals where they are
-interpolated, 104 its plane and edges in double precision, the rest Embree's hierarchy, which has corners of its own.
-Embree's compact hierarchy would save 50 to 60 bytes; rays through a soup of 10^6 triangles then take 1.55 times as
-long, through a grid 1.1 times, and the pictures are the same bytes, so it is not used. `bench.memory` holds the
-programs below the limit.
-
-What corners have beside a place and a normal comes on top where a material uses it: 8 bytes for texture coordinates, 16
-for a tangent or a colour. A scene that has surfaces with alpha or window panes costs 16 bytes a triangle more.""")
+    bench.page("limit", {"scale": scale_table(rows)}, EVERYTHING)

@@ -1,18 +1,18 @@
-"""What the renderer promises: that `auto` chooses well (doc/regret.md), by a model of what samples cost, and that a
-picture has the error that was asked for (doc/target-error.md)."""
+"""What the renderer promises: that `auto` chooses well, by a model of what samples cost, and that a picture has the
+error that was asked for. Both are in doc/regret.md."""
 import fileinput
 import functools
 import json
 import math
 import shutil
-from collections import Counter, defaultdict, namedtuple
+from collections import defaultdict, namedtuple
 from statistics import mean
 
 import numpy as np
 
 import pages
 import stats
-from common import Setting, Stop, checked, settings
+from common import EVERYTHING, RENDERER, Setting, Stop, checked, settings
 from formats import Builder, glb_parse, portals_glb
 
 # ---- Regret ----
@@ -82,6 +82,10 @@ class Regret:
     def without(self):
         return self.best([n for n in WITHOUT if n in self.truth])
 
+    def portals_told(self, length):
+        """Gains by portals, by the seeds' pilot samples, the least first."""
+        return sorted(filter(None, (portals_gain(cost) for (n, _), cost in self.told.items() if n == length)))
+
     def efficiencies(self, length):
         """Of auto, of each seed: over the better of bdpt and nee, and over the best of all."""
         out = []
@@ -118,13 +122,20 @@ def portals_gain(cost):
 
 
 def scene_table(scenes, lengths):
-    rows = []
+    """What auto has of the best, and what portals are worth, measured and told at the last length but one: of scenes
+    where auto then loses more than a tenth, and of those that are better without their portals."""
+    rows, told_at = [], lengths[-2:][0]
     for name, s in scenes.items():
-        cells = [f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths]
-        chosen = Counter(i for i, _ in s.choices[lengths[-1]]).most_common(1)[0][0]
-        rows.append([name, s.best(), f"{s.cost(s.without()) / s.cost(s.best()):.2f}", *cells, chosen])
-    return pages.table(("scene", "best of all", "its gain over bdpt, nee", *(f"{n} spp" for n in lengths),
-                        "chosen at the longest"), rows)
+        true = portals_gain({i: s.cost(i) for i in s.truth})
+        if mean([e[1] for e in s.efficiencies(told_at)]) >= 0.9 and not (true and true < 1):
+            continue
+        told = s.portals_told(told_at) if true else []
+        rows.append([name, f"{s.cost(s.without()) / s.cost(s.best()):.2f}",
+                     *(f"{mean([e[1] for e in s.efficiencies(n)]):.3f}" for n in lengths),
+                     f"{true:.2f}" if true else "-",
+                     f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-"])
+    return pages.table(("scene", "best over bdpt, nee", *(f"auto over best, {n} spp" for n in lengths),
+                        "gain by portals", f"auto's estimate, {told_at} spp"), rows)
 
 
 def length_table(scenes, lengths):
@@ -139,8 +150,8 @@ def length_table(scenes, lengths):
             rows[-1] += [f"{math.exp(mean([math.log(x) for x in each])):.3f}", f"{each[int(0.05 * len(each))]:.3f}",
                          f"{min(means):.3f}", target or "-", met]
     each = ("5 %", "least of a scene", "target", "met in")
-    return pages.table(("samples per pixel", "choices", "mean of the better of bdpt and nee", *each,
-                        "mean of the best of all", *each), rows)
+    return pages.table(("samples per pixel", "choices", "over the better of bdpt and nee", *each,
+                        "over the best of all", *each), rows)
 
 
 def kind_of(name):
@@ -164,36 +175,25 @@ def kind_table(scenes, lengths):
     return pages.table(("kind of scene", "scenes", *(f"{n} spp" for n in lengths)), rows)
 
 
-def verdict_table(scenes):
-    lengths = sorted({length for s in scenes.values() for length, _ in s.told})
-    rows, within, held = [], {n: [] for n in lengths}, {n: [] for n in lengths}
-    for name, s in scenes.items():
+def verdict_table(scenes, lengths):
+    """How often what is told of portals is right."""
+    within, held = {n: [] for n in lengths}, {n: [] for n in lengths}
+    for s in scenes.values():
         true = portals_gain({i: s.cost(i) for i in s.truth})
-        if true is None:
-            continue
-        rows.append([name, f"{true:.2f}"])
-        for n in lengths:
-            told = sorted(filter(None, (portals_gain(cost) for (length, _), cost in s.told.items() if length == n)))
-            within[n] += [0.5 <= g / true <= 2 for g in told]
+        for n in lengths if true else ():
+            within[n] += [0.5 <= g / true <= 2 for g in s.portals_told(n)]
             held[n] += [low <= true <= high for low, high in s.intervals[n]]
-            rows[-1].append(f"{told[len(told) // 2]:.2g} ({told[0]:.2g} to {told[-1]:.2g})" if told else "-")
     shares = lambda shares: [f"{100 * mean(of):.0f} %" if of else "-" for of in shares.values()]
-    return pages.table(("scene", "gain by portals", *(f"told at {n} spp" for n in lengths)),
-                       [*rows, ["**within a factor of two**", "", *shares(within)],
-                        ["**within the interval that was told**", "", *shares(held)]])
+    return pages.table(("the true gain is", *(f"{n} spp" for n in lengths)),
+                       [["within a factor of two of auto's estimate", *shares(within)],
+                        ["within auto's interval", *shares(held)]])
 
 
-def regret_tables(scenes):
+def regret_parts(scenes):
     lengths = sorted({length for s in scenes.values() for length in s.choices})
-    return pages.sections(
-        "## All scenes\n\nGeometric means, the worst choice in twenty, and the scene where it is least.",
-        length_table(scenes, lengths),
-        "## By kind of scene\n\nEfficiency over that of the best of all: geometric means, and intervals of 95 % from the "
-        "scatter of scenes.", kind_table(scenes, lengths),
-        "## Scene by scene\n\nEfficiency over that of the best of all, mean over choices.",
-        scene_table(scenes, lengths),
-        "## What portals are said to be worth\n\nThe best integrator with portals over the best without: "
-        "measured,\nand as told by `auto`, median (least to most).", verdict_table(scenes))
+    return {"lengths": length_table(scenes, lengths), "kinds": kind_table(scenes, lengths),
+            "verdicts": verdict_table(scenes, lengths),
+            "scenes": scene_table(scenes, sorted({lengths[0], *lengths[-2:]}))}
 
 
 @settings(SECONDS_EACH=Setting(4.0, "CPU seconds for the true error of each integrator", 0.2),
@@ -246,19 +246,7 @@ def regret(bench):
     if not texts:
         raise Stop(3, "none of the scenes is there")
     measured = read_regret("".join(texts).splitlines())
-    bench.page("regret", f"""# What `auto` loses, and how right its verdict is
-
-Written by `make bench-regret` ({bench.version()}). 64 x 48 pixels, paths of any length. The true error of each
-integrator is the relMSE of one sample, from eight pictures of {s.seconds_each:g} CPU seconds in all; its efficiency is
-1 over that and its CPU time for a sample. `auto` chooses {s.seeds} times at each length, each time from other samples;
-its efficiency is that of its choice, less the time of the choice. Of these small pictures the choice takes more than of
-large ones, which need no more samples for it. The exploration before is not in it: it looks at the portals once, by 3072
-samples, where a picture of these sizes has 128 to 3072.
-
-`+found`: with the portals that the four stages find; `+drawn`: drawn by hand (`DRAWN` in `bench/promises.py`); `+true`: in the
-true openings of the camera's room, as a building's list has them.
-
-{regret_tables(dict(sorted(measured.items())))}""")
+    bench.page("regret", regret_parts(dict(sorted(measured.items()))), EVERYTHING)
 
 
 # ---- Target error ----
@@ -306,14 +294,10 @@ def target_table(scenes):
     share = stats.wilson(int(np.sum(ratios >= 1)), len(ratios)).percent()
     return pages.sections(
         pages.table(("scene", "pixels", "E", "pictures", "meet it [95 %]", "E / relMSE, median [10 %, 90 %]", "samples",
-                     "of the pilot, all parts", "estimate / relMSE", "missed, told as missed",
-                     "told as missed, not missed", "kept"), rows),
+                     "pilot samples", "estimate / relMSE", "missed, of these reported",
+                     "met, but reported as missed", "kept"), rows),
         f"All {len(ratios)} pictures: {share.value:.1f} % [{share.low:.1f}, {share.high:.1f}] meet their target, and "
-        f"the median picture is {np.median(ratios):.2f} times too good.",
-        "Samples are of each pixel, medians; the pilot's are thrown away, and small pictures take more of them than "
-        "large ones. The estimate is the program's own, after rendering, from blocks of the picture, a median; it is "
-        "too high where the samples of a pixel complement each other across blocks. Pictures miss where bright paths "
-        "came that the pilot did not meet.")
+        f"the median picture is {np.median(ratios):.2f} times too good.")
 
 
 @settings(SEEDS=Setting(100, "pictures of each scene", 2))
@@ -348,18 +332,7 @@ def target_error(bench):
         return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
 
     kept = bench.side_by_side([functools.partial(measure, name) for name in files])
-    bench.page("target-error", f"""# Does `--target-error` keep its word?
-
-Written by `make bench-target-error` ({bench.version()}). Each scene is rendered by `auto` with `--target-error E` and
-{seeds} seeds, in small pictures since so many are needed; each picture's relMSE is what exrdiff says against the mean
-of all others, which are independent of it and whose noise counts against it. Asked for: 90 % of the pictures meet their
-target, and the median picture is at most 2.5 times too good.
-
-Sizes and targets are such that pictures take about a hundred samples. Not all do as well: in a trial of cornell-box at
-28 x 28 and E = 0.02, where a few pixels on the rim of the lamp hold most of the error, pictures were about four times
-too good, and 2 of 20 missed, one of them sevenfold.
-
-{target_table(dict(zip(files, kept)))}""")
+    bench.page("regret", {"target-error": target_table(dict(zip(files, kept)))}, RENDERER)
 
 
 # ---- The model of work, tools/tdpt-render/plan/work_model.h ----

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """bench/run.py NAME [--quick] [--bin BIN] [--cache CACHE] [--doc DOC] [SETTING=VALUE ...]
 
-Runs a benchmark of the programs in BIN (build/bin) and writes its page in DOC (doc); pictures and results stay in CACHE
-(build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what is measured and
-the settings, which the environment may have as well. --quick: sizes of a trial.
+Runs a benchmark of the programs in BIN (build/bin) and writes its tables into a page in DOC (doc). Pictures and results
+stay in CACHE (build/NAME), so that a run that was stopped goes on where it was. `bench/run.py NAME --help` tells what
+is measured and the settings, which the environment may have as well. --quick: sizes of a trial.
 
 bench/run.py test NAME [ARGUMENT ...]: runs NAME_test.py; 77, with a word, where no Python has numpy.
 Without a NAME: what there is."""
@@ -22,40 +22,39 @@ BENCHMARKS = {  # name: (module, function, what it does)
                    "(an hour and a half; BASELINE=PROGRAM BASELINE_NAME=WORDS: over that older one's)"),
     "efficiency-references": ("efficiency", "references", "its references that are missing or out of date, in "
                               "testdata/references/efficiency"),
+    "speed": ("speed", "integrators", "noise after a minute, beside Tungsten's: in doc/efficiency.md (20 minutes)"),
+    "whole-light": ("price", "whole_light", "what the light beyond six edges costs: in doc/efficiency.md (half an "
+                    "hour; BASE=PROGRAM: beside an older one)"),
     "figures": ("figures", "figures", "the paper's Figs 5 to 7 from our renders: doc/figures.md"),
-    "stages": ("figures", "stages", "pictures of what each stage did: doc/figures/stage-*.png"),
+    "stages": ("figures", "stages", "pictures of what each stage did: in doc/figures.md"),
     "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
-    "portals": ("portals", "portals", "how right the portals are on rooms with known openings: doc/portals.md (an "
+    "portals": ("portals", "portals", "how right the portals are in rooms with known openings: doc/portals.md (an "
                 "hour)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
-    "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: "
-                     "doc/target-error.md (ten minutes)"),
-    "whole-light": ("price", "whole_light", "what the light beyond six edges costs: doc/whole-light.md (half an hour; "
-                    "BASE=PROGRAM: beside an older one)"),
-    "only-needed": ("price", "only_needed", "what is not asked for, and what it would cost: doc/only-needed.md (half "
-                    "an hour)"),
-    "shards": ("price", "shards", "what it costs to render in shards: doc/shards.md (a quarter of an hour)"),
+    "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "
+                     "(ten minutes)"),
     "sky": ("sky", "sky", "what the windows found are worth under skies: doc/sky.md (a quarter of an hour)"),
     "sky-before-after": ("sky", "before_after", "the README's picture of a room lit through its window, and its "
                          "caption"),
-    "panes": ("sky", "panes", "one portal for a window of six panes, or several: the table of doc/guided.md (ten "
-              "minutes)"),
-    "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: tables of doc/cycles.md"),
+    "panes": ("sky", "panes", "one portal for a window of six panes, or several: prints a table (ten minutes)"),
+    "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for "
+               "doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
-    "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time"),
-    "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every knob: doc/tradeoff.md (a night; "
+    "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time: in "
+                     "doc/cycles.md"),
+    "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
                  "--quick: three quarters of an hour)"),
-    "speed": ("speed", "integrators", "speed of every integrator, and noise after a minute, beside Tungsten's: "
-              "doc/baseline.md (20 minutes)"),
-    "grid-speed": ("speed", "grid", "segments per second of lightgrid on each device: doc/light-grid-speed.md (two "
-                   "minutes)"),
-    "gpu-speed": ("speed", "device", "samples per second on a device, share and size of each kernel: doc/gpu-speed.md "
-                  "(ten minutes; DEVICE=gpu:WHICH)"),
+    "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),
+    "scale": ("price", "scale", "time and memory against triangles: in doc/limit.md (a quarter of an hour, 5 GiB)"),
+    "shards": ("price", "shards", "what it costs to render in shards: in doc/farm.md (a quarter of an hour)"),
     "limit": ("speed", "limit", "how far rendering is from casting its rays and nothing else: doc/limit.md (4 "
               "minutes)"),
-    "scale": ("price", "scale", "time and memory against triangles: doc/scale.md (a quarter of an hour, 5 GiB)"),
-    "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: doc/scenes.md"),
+    "grid-speed": ("speed", "grid", "segments per second of lightgrid on each device: in doc/gpu.md (a minute)"),
+    "gpu-speed": ("speed", "device", "samples per second on a device, registers of its kernels: in doc/gpu.md (ten "
+                  "minutes; DEVICE=gpu:WHICH)"),
+    "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: prints the table "
+                     "of doc/scenes.md"),
     "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),

@@ -1,5 +1,5 @@
-"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and the table
-of doc/guided.md about a window of six panes."""
+"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and a window of
+six panes."""
 import functools
 import itertools
 import math
@@ -13,7 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import SKIES, STAGES, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import EVERYTHING, SKIES, STAGES, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
 from pages import hundredths
 
 SEED = 20260717
@@ -29,7 +29,7 @@ ROOMS = {"window": ("windows", "sky-window", 1), "windows": ("windows", "sky-win
          "blinds": ("windows", "sky-blinds", 1), "facade": ("windows", "deep-facade", 1),
          "behind": ("second", "room-behind", 1), "behind-2": ("second", "room-behind", 2),
          "living-room": ("interiors", "", 0), "classroom": ("interiors", "", 0)}
-Picture = namedtuple("Picture", "cpu relmse mse chosen spp", defaults=("-", 0))
+Picture = namedtuple("Picture", "cpu relmse mse spp", defaults=(0,))
 
 
 class Cell:
@@ -94,34 +94,20 @@ def aim_table(cells):
         room, sky = min(known, key=known.get)
         low, below = known[room, sky], sum(v < 0.95 for v in known.values())
         aim(words, 0.95, low, f"{low:.2f} ({room}, {sky}); below 0.95 in {below} of {len(cells)}")
-    return pages.table(("aim, for `auto`", "measured", "met"), rows)
+    return pages.table(("target, for `auto`", "measured", "met"), rows)
 
 
-def room_table(cells):
-    rows = []
-    for (room, sky), c in cells.items():
-        chosen = Counter(p.chosen for p in c.pictures["auto"]).most_common()
-        of = len(c.pictures["auto"])
-        words = ", ".join(name + (f" ({n} of {of})" if len(chosen) > 1 else "") for name, n in chosen)
-        gains = (c.gain(m).text(hundredths) for m in WITH)
-        rows.append([room, sky, c.portals or "none found", c.base(), *gains, words])
-    return pages.table(("room", "sky", "portals", "without", *WITH.values(), "`auto` chose"), rows)
-
-
-def sky_tables(cells):
+def sky_parts(cells):
     groups = [(words, sky, select(cells, group, sky)) for group, words in GROUPS.items()
               for sky in (*dict.fromkeys(sky for _, sky in cells), None)]
-    methods = {**{m: f"`{m}`" for m in WITHOUT}, **WITH}
-    return pages.sections(
-        "## Gains\n\nGeometric means over rooms.",
-        pages.table(("lit through", "sky", "rooms", *WITH.values()),
-                    [[words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)]
-                     for words, sky, of in groups if of]),
-        "## Aims", aim_table(cells),
-        "## Room by room\n\nwithout: which of `bdpt` and `nee` is the better without portals.", room_table(cells),
-        "## Errors\n\nrelMSE, PSNR [dB] with equally many samples, not in equal time; black: of a picture of no light.",
-        pages.table(("room", "sky", *methods.values(), "black"), [
-            [*key, *("%.2g, %.1f" % c.error(m) for m in methods), black_words(c)] for key, c in cells.items()]))
+    return {
+        "gains": pages.table(("lit through", "sky", "rooms", *WITH.values()),
+                             [[words, sky or "**all**", len(of), *(geometric_mean(of, m).text(hundredths) for m in WITH)]
+                              for words, sky, of in groups if of]),
+        "aims": aim_table(cells),
+        "rooms": pages.table(("room", "sky", "portals", "without", *WITH.values()), [
+            [*key, c.portals or "none found", c.base(), *(c.gain(m).text(hundredths) for m in WITH)]
+            for key, c in cells.items()])}
 
 
 def generated(bench, name, kind, number):
@@ -183,30 +169,11 @@ def sky(bench):
         for seed, method in turns(range(1, s.seeds + 1), OPTIONS):
             run = render((*(() if method in WITHOUT else portal), *OPTIONS[method]), s.spp, seed)
             off = halves.off(run.out)
-            made.pictures[method].append(Picture(run.said["cpu_seconds"], off["relmse"], off["mse"],
-                                                 run.said.get("chosen") or method))
+            made.pictures[method].append(Picture(run.said["cpu_seconds"], off["relmse"], off["mse"]))
         return made
 
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
-    bench.page("sky", f"""# What the windows found are worth under a sky
-
-Written by `make bench-sky` ({bench.version()}). Pictures of {s.width} x {s.height} pixels (interiors \
-{s.width * 4 // 3} x {s.height}), {s.spp} samples per pixel,
-paths of any length, {s.seeds} seeds; runs of one thread taking turns. Portals are those that the four stages find,
-given the same
-`--environment`; the reference has twice {s.ref_spp} samples per pixel by `{s.ref_integrator}`, and its noise is \
-taken out of the errors.
-
-* Skies. overcast: 1,1,1 from everywhere. clear: `testdata/environments/clear.exr`. sun: `clear-sun.exr`, all the sun in
-  one texel; the interiors have their own maps instead, a low sun (living-room) and a sun beside a sky (classroom).
-* Rooms: the first of a kind of `libcommon/testing/rooms/known_rooms.h` that have no lamp and stand upright. behind,
-  behind-2: a door behind the room with the windows.
-* Gain: efficiency, 1 / (relMSE x CPU s), over that of the better of `bdpt` and `nee` without portals; in brackets the
-  95 % interval over seeds, by bootstrap. The better one is picked by the same pictures, which favours it.
-* `nee` + portals: next events through the windows. `nee` 0.4: `--set guide-camera=0.4`, too. `auto` pays for its
-  choice.
-
-{sky_tables({(name, light): c for (name, light, _, _), c in zip(places, cells)})}""")
+    bench.page("sky", sky_parts({(name, light): c for (name, light, _, _), c in zip(places, cells)}), EVERYTHING)
 
 
 @settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
@@ -260,8 +227,7 @@ def before_after(bench):
 def panes(bench):
     """Is a window of six panes better rendered with one portal, one a column of panes or one a pane? A room with bars
     of 4 cm and of 20 cm under three skies, by each way to use a portal; equally many samples, one thread, runs taking
-    turns. Prints the table of doc/guided.md: how many times as efficient, 1 / (relMSE x CPU s), three and six portals
-    are as one. Ten minutes."""
+    turns. Prints how many times as efficient, 1 / (relMSE x CPU s), three and six portals are as one. Ten minutes."""
     s, rows = bench.settings, []
     rooms.write_paned_rooms(bench.cache)
     ways = {"nee": OPTIONS["nee"], "tdpt-guided": GUIDED, "auto": ()}

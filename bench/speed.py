@@ -1,5 +1,5 @@
-"""How fast the programs are: the integrators beside Tungsten's (doc/baseline.md), lightgrid and tdpt-render on a device
-(doc/light-grid-speed.md, doc/gpu-speed.md), and rendering beside casting its rays and nothing else (doc/limit.md)."""
+"""How fast the programs are: the integrators beside Tungsten's (in doc/efficiency.md), lightgrid and tdpt-render on a
+device (in doc/gpu.md), and rendering beside casting its rays and nothing else (doc/limit.md)."""
 import os
 import re
 import shutil
@@ -8,7 +8,7 @@ from collections import defaultdict, namedtuple
 from pathlib import Path
 
 import pages
-from common import CORES, Setting, Stop, checked, settings
+from common import CORES, RENDERER, Setting, Stop, checked, settings
 
 # Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no roulette).
 PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("140 000", "0.44-0.59"),
@@ -19,42 +19,49 @@ def devices(bench, program):
     """The devices that a program sees, and the processor beside them."""
     listed = checked([bench.store.program(program), "--list-devices"]).said
     models = set(re.findall(r"^model name\s*: (.*\S)", Path("/proc/cpuinfo").read_text(), re.M))
-    return (f"beside {CORES} cores of {' '.join(sorted(models))}:\n\n"
+    return (f"The devices beside {CORES} cores of {' '.join(sorted(models))}:\n\n"
             + "\n".join("    " + line for line in listed.splitlines()))
+
+
+def merged(tables):
+    """Tables of the same columns as one."""
+    return "\n".join([*tables[0].splitlines()[:2], *(row for of in tables for row in of.splitlines()[2:])])
+
+
+def register_table(text):
+    """Of what device_bench --registers prints, the kernels of which fewest run side by side."""
+    heads, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in text.strip().splitlines())
+    wanted = [heads.index(h) for h in ("kernel", "VGPRs", "Spilled VGPRs", "Scratch size", "Subgroups per SIMD")]
+    return pages.table([heads[i] for i in wanted], [[row[i] for i in wanted] for row in rows
+                                                    if int(row[-1].split()[0]) <= FEW_SUBGROUPS])
 
 
 @settings(SECONDS_EACH=Setting(60.0, "of a picture on one core", 0.2),
           REF_SECONDS=Setting(600.0, "of a reference on all cores", 0.4))
 def integrators(bench):
-    """How fast the integrators are, and how noisy their pictures after a minute of one core, beside Tungsten's figures;
-    depth 6. Prints what lights_bench says, and the table of doc/baseline.md."""
+    """How fast nee and bdpt are, and how noisy their pictures after a minute of one core, beside Tungsten's figures;
+    depth 6. Ten minutes."""
     s, rows, sizes = bench.settings, [], {"veach-ajar": (320, 180), "half-metre-hole": (256, 256)}
-    lights = bench.programs / "lights_bench"
-    if lights.exists():
-        print(checked([lights]).said)
     for name, scene in bench.there(sizes).items():
         width, height = sizes[name]
         options = ("--portal", bench.portals(scene).file, "--max-depth", 6, "--width", width, "--height", height)
         reference = bench.render(scene, *options, "--integrator", "tdpt-org", "--seed", 1000, "--time",
                                  f"{s.ref_seconds:g}", threads=0)
-        for integrator in ("pt", "nee", "bdpt", "tdpt-org", "tdpt", "tdpt-guided"):
+        for integrator in ("nee", "bdpt"):
             run = bench.render(scene, *options, "--integrator", integrator, "--time", f"{s.seconds_each:g}")
             off, said = bench.distance(run.out, reference.out), run.said
             errors = off["relmse"], off["psnr"], off["black"]["relmse"]
             rows.append([name, integrator, round(width * height * said["spp"] / said["cpu_seconds"]),
                          *("-" if e is None else f"{round(e, 4):.12g}" for e in errors),
-                         *PEERS.get((name, integrator), ("-", "-"))])
-    print(pages.table(("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR",
-                       "black relMSE", "Tungsten: samples", "relMSE"), rows))
+                         *PEERS[name, integrator]])
+    bench.page("efficiency", {"tungsten": pages.table(
+        ("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR", "black relMSE",
+         "Tungsten: samples", "relMSE"), rows)}, RENDERER)
 
 
 # ---- Devices ----
+FEW_SUBGROUPS = 6  # of 32
 DEVICE = Setting("gpu", "gpu or gpu:WHICH, as --device has it")
-SOFTWARE = """
-The device here is software. It runs several invocations side by side, each waiting for the longest of them, takes both
-sides of every branch and keeps each stack in memory; it is there for tests. What a GPU is for, 20 times the speed of
-two cores, is not measured by this page: `make bench-grid-speed DEVICE=gpu:NAME` measures it where there is one.
-"""
 
 
 @settings(DEVICE=DEVICE)
@@ -65,31 +72,9 @@ def grid(bench):
         cut = bench.cache / f"{name}.cut"
         shutil.copy(bench.store.run("mincut", bench.store.run("ffgraph", scene, threads=0).out, threads=0).out, cut)
         given += [scene, cut]
-    program = bench.store.program("lightgrid_bench")
-    runs = {voxels: checked([program, bench.settings.device, voxels, *given]) for voxels in (128, 256)}
-    tables = [*runs[128].said.strip().splitlines(), *runs[256].said.strip().splitlines()[2:]]
-    times = [f"* {voxels} voxels, {line}" for voxels, run in runs.items() for line in run.errors.splitlines()[1:]]
-    software = SOFTWARE if "(cpu)" in runs[128].errors.partition("\n")[0] else ""
-    newline = "\n"
-    bench.page("light-grid-speed", f"""# How fast the light is counted
-
-Written by `make bench-grid-speed` ({bench.version("lightgrid")}). Segments between pivot patches, drawn, tested for
-visibility, judged by the votes around both their ends and marched through the grid. The back ends take turns in one
-run; medians of five rounds. `--device`s at hand, {devices(bench, "lightgrid")}
-
-Embree and the twin run on all cores through TBB, and so does a software device on its own threads. Segments per second,
-and the last column, go by the clock; those per CPU second hold on a machine that has other work, too.
-
-{newline.join(tables)}
-
-Where the device's time goes, and what becomes of the segments:
-
-{newline.join(times)}
-
-Votes are closest-hit rays in all directions, up to 32 for each segment that is free: where they take most of the time,
-the speed is that of incoherent rays. The scalar twin walks the device's own hierarchy one ray at a time, without vector
-instructions. With eight times the voxels the counts no longer fit the caches, and the march begins to show.
-{software}""")
+    run = checked([bench.store.program("lightgrid_bench"), bench.settings.device, 128, *given])
+    bench.page("gpu", {"grid": f"{devices(bench, 'lightgrid')}\n\n{run.said.strip()}"},
+               ("libcommon", "shaders", "tools/lightgrid"), "lightgrid")
 
 
 @settings(DEVICE=DEVICE, ROUNDS=Setting(5, "after the one in which kernels are made", 1),
@@ -103,31 +88,17 @@ def device(bench):
     tables = []
     for name, scene in bench.there(("veach-ajar", "two-rooms")).items():
         command = [program, "--device", s.device, "--rounds", s.rounds, scene, bench.portals(scene).file]
-        tables.append(f"## {name}\n\n{checked(command, env=fresh).said.strip()}")
-    run = checked([program, "--registers"], may_fail=range(1, 256),
-                  env={**fresh, "VK_ICD_FILENAMES": s.radv, "RADV_FORCE_FAMILY": "navi21"})
-    if run.status:
-        bench.say(run.errors.strip())
-        run.said += "Not measured: " + (run.errors.strip().splitlines() or [""])[-1]
-    bench.page("gpu-speed", pages.sections(f"""# How fast tdpt-render is on a device
-
-Written by `make bench-gpu-speed` ({bench.version()}); [gpu.md](gpu.md) says what to make of it.
-`--device {s.device}` of those at hand, {devices(bench, "tdpt-render")}
-
-Pictures 160 pixels wide, 8 samples per pixel, paths of up to 6 edges, through the portals that the stages find. CPU and
-device take turns; medians over {s.rounds} rounds, least and largest, after one in which kernels are made. A device that
-is a CPU is charged the time of all its cores, any other that of the clock. `auto` is what it chooses on the device.
-
-Rays, estimates and bytes are those of one sample. Bytes: for each kernel the records that an invocation reads and
-writes (shaders/shared/path/render_layout.h), each whole, times its invocations, as if there were no cache; not the
-scene, its hierarchy, the film, nor what weights read along a path.""", *tables, """## Registers
-
-What Mesa's RADV says of the kernels for RDNA 2 (Navi 21; 32 invocations side by side, 1024 vector registers for each
-SIMD), which needs no such device:
-
-    VK_ICD_FILENAMES=radeon_icd.x86_64.json RADV_FORCE_FAMILY=navi21 device_bench --registers
-
-Of scenes that have all that kernels are made for, and in brackets of diffuse rooms with portals.""", run.said))
+        told = checked(command, env=fresh).said.strip()
+        (bench.cache / f"{name}.txt").write_text(told + "\n", encoding="utf-8")  # rays, bytes and time of each kernel
+        tables.append(told.split("\n\n")[0])
+    registers = checked([program, "--registers"], may_fail=range(1, 256),
+                        env={**fresh, "VK_ICD_FILENAMES": s.radv, "RADV_FORCE_FAMILY": "navi21"})
+    if registers.status:
+        bench.say(registers.errors.strip())
+    bench.page("gpu", {
+        "device": f"{devices(bench, 'tdpt-render')}\n\n{merged(tables)}",
+        "registers": "Not measured: " + (registers.errors.strip().splitlines() or [""])[-1] if registers.status else
+                     register_table(registers.said)}, RENDERER)
 
 
 # ---- The limit ----
@@ -141,9 +112,9 @@ PARTS = (
     ("sines, cosines (libm)", r"^libm\b", None),
     ("memory, files, system", r"^(?!tdpt-render)", None),
     ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
-    ("joins and their choice", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
+    ("connections, resampling", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
                                      r"estimate_"),
-    ("portals, directed walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
+    ("portals, guided walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
     ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
                                  r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
     ("rays: origins, hits", None, r"Tracer|::visible|to_places"),
@@ -236,39 +207,21 @@ HOW = {"perf": "samples of the processor's time by perf (cpu-clock)",
        "callgrind": "instructions by callgrind, of a picture 32 pixels wide, loading included"}
 
 
-def limit_page(loads, frames, profiles, how):
+def limit_parts(loads, frames, profiles, how):
     """loads: processes that wanted a core, before and after each scene."""
     busy = max(loads, default=0) > 1.2 and f"""The machine was not idle: up to {max(loads):.0f} processes wanted its \
-{CORES} cores, so the clock tells nothing,
-and shared caches make all times longer."""
-    rows, parts = factor_rows(frames), {key: shares(profile) for key, profile in profiles.items()}
-    told = [row[-1] for row in rows if row[-1] != "-"]
-    return pages.sections(
-        f"""# How far rendering is from casting its rays
-
-Written by `make bench-limit`. A frame is rendered, and the rays that it gave to Embree are given to it again:
-the same queries, robust mode and flags, in the order in which they came, on as many threads as made them and each its
-own, and nothing else. The factor says what a renderer that thinks at no cost would gain. No limit of depth, portals as
-the stages find them; CPU times of frames and rays by turns; median over seeds, least and largest. As low
-as wanted: {sum(t.endswith(': met') for t in told)} of the {len(told)} that have an aim.
-
-## One thread""",
-        pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]", "ray alone [ns]",
-                     "frame over rays", "wanted"), rows),
-        """## More threads
-
-As many times as fast as one: by CPU time, as if each thread had a core of its own (n times the CPU time of one over
-that of n), and by the clock. Wanted: two threads 1.9 times one on an idle machine.""",
-        busy,
-        pages.table(("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"),
-                    thread_rows(frames)),
-        f"""## What the rest is
-
-Shares of the time of `tdpt-render`, one thread, by function after inlining; {HOW[how]}.""",
-        pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in parts)],
-                    [[name, *(f"{of[name]:.0f} %" if of[name] >= 0.5 else "-" for of in parts.values())]
-                     for name, _, _ in PARTS]),
-        'What was tried to make a sample cheaper, and what came of it: [guided.md](guided.md), "What a sample costs".')
+{CORES} cores, so the clock tells nothing, and shared caches make all times longer."""
+    parts = {key: shares(profile) for key, profile in profiles.items()}
+    return {
+        "factors": pages.table(("scene", "integrator", "rays of a sample", "shadow rays", "sample [ns]",
+                                "ray alone [ns]", "frame over rays", "target"), factor_rows(frames)),
+        "threads": pages.sections(busy, pages.table(
+            ("scene", "integrator", "threads", "frame", "rays alone", "frame by the clock"), thread_rows(frames))),
+        "profile": pages.sections(
+            f"By {HOW[how]}:",
+            pages.table(["part", *(f"{scene}, `{integrator}`" for scene, integrator in parts)],
+                        [[name, *(f"{of[name]:.0f} %" if of[name] >= 0.5 else "-" for of in parts.values())]
+                         for name, _, _ in PARTS]))}
 
 
 @settings(INTEGRATORS=Setting("nee,bdpt,tdpt-org,tdpt-guided", "of the frames"),
@@ -312,4 +265,4 @@ def limit(bench):
         loads.append(os.getloadavg()[0])
         for integrator in s.profiled:
             profiles[name, integrator] = profile(scene, portal, integrator)
-    bench.page("limit", limit_page(loads, frames, profiles, "perf" if works else "callgrind"))
+    bench.page("limit", limit_parts(loads, frames, profiles, "perf" if works else "callgrind"), RENDERER)

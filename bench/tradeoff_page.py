@@ -14,7 +14,7 @@ import numpy as np
 
 import pages
 import stats
-from common import CORES, STAGES, Setting, settings
+from common import EVERYTHING, Setting, settings
 from pages import hundredths, table
 from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all
 
@@ -217,20 +217,6 @@ def integrators_figure(curves):
     return figure
 
 
-def renderer_figure(curves):
-    """Cost of each value of a knob over that of the default."""
-    figure = pages.Figure(3)
-    for knob, scenes, values in curves.knobs():
-        each = [[(i, curves.relative(knob, v, [scene]).value) for i, v in enumerate(values)] for scene in scenes]
-        lines = [pages.thin(figure.block(points)) for points in each]
-        means = [(i, e.value, e.low, e.high) for i, e in enumerate(curves.relative(knob, v) for v in values)]
-        ring = pages.ring(figure.block([means[values.index(knob.default)][:2]]))
-        figure.panel(knob.name, knob.unit or "heuristic", "cost / at the default",
-                     [*lines, *pages.bars(figure.block(means), 0, 2, not knob.words), ring],
-                     (*ratios([y for points in each for _, y in points], 2), pages.ticks(values)))
-    return figure
-
-
 def chain_figure(pictures, portals):
     """Total time to an error, the four stages included: as measured, then as 1 / time from the longest pictures on."""
     figure = pages.Figure(4)
@@ -260,103 +246,34 @@ def simplified_losses(rows, portals):
                 for share in sorted({r["share"] for r in rows})} for s in portals.scenes}
 
 
-def simplified_figure(losses):
-    """Cost through portals found without the smallest triangles, against the share of the area that they make."""
-    figure, drawn = pages.Figure(2, 500, 380), []
-    for k, of in enumerate(losses.values()):
-        points = [(100 * share, loss.value, loss.low, loss.high) for share, (loss, _) in of.items()]
-        drawn += pages.bars(figure.block(points), k)
-    figure.panel("Portals of simplified scenes", "area of the triangles left out [%]",
-                 "cost / through the true opening", drawn, (LOG,))
-    figure.key([pages.keyed(k, scene) for k, scene in enumerate(losses)])
-    return figure
-
-
 # ---- Page ----
-def bold_least(values):
-    """As text, the least in bold, and those that are within half a per cent of it."""
-    return [("**%s**" if v <= 1.005 * min(values) else "%s") % hundredths(v) for v in values]
+def with_default(knob):
+    return f"`{knob.name.removeprefix(RENDERER + ' ')}` ({knob.default})"
 
 
-def title(knob):
-    return f"### {knob.name}" + (f" [{knob.unit}]" if knob.unit else "")
+def knob_table(curve):
+    """The defaults, and a row for each other value of an option of the four stages."""
+    usual, whole = [curve.total(DEFAULT, render) for render in RENDERS], "%.0f".__mod__
+
+    def row(setting):
+        totals = [curve.total(setting, render) for render in RENDERS]
+        return [hundredths(curve.chain(setting)), curve.loss(setting).text(hundredths),
+                curve.found(setting).percent().text(whole), curve.right(setting).percent().text(whole),
+                *(("**%s**" if t < 0.995 * d else "%s") % hundredths(t) for t, d in zip(totals, usual))]
+
+    rows = [["all defaults", "", *row(DEFAULT)]]
+    rows += [[with_default(knob), value, *row(setting)] for knob in KNOBS if knob.program != RENDERER
+             for value, setting in curve.settings(knob).items() if setting != DEFAULT]
+    return table(("option (default)", "value", "CPU s", "cost / through the true opening", "right number [%]",
+                  "rooms right [%]", *(f"total at {r} s" for r in RENDERS)), rows)
 
 
-def named(knob, value):
-    return value + (" (default)" if value == knob.default else "")
-
-
-def verdict(knob, curve):
-    """Where the default lies: its total over the least, at each length."""
-    says = []
-    for render in RENDERS:
-        totals = {value: curve.total(setting, render) for value, setting in curve.settings(knob).items()}
-        best = min(totals, key=totals.get)
-        over = f"{hundredths(totals[knob.default] / totals[best])} of that of `{best}`"
-        says.append(f"{render} s: " + ("the best" if best == knob.default else over))
-    return "Total time of the default, by R. " + "; ".join(says) + "."
-
-
-def summary_section(portals, pictures):
-    """Where each default lies: what is best at each R, and the default's total over that one's."""
-    rows = []
-
-    def better(knob, totals):
-        """Words about the least of {value: total}."""
-        value = min(totals, key=totals.get)
-        return "" if value == knob.default else f"`{value}`, {hundredths(totals[knob.default] / totals[value])}"
-
-    for knob in (k for k in KNOBS if k.program != RENDERER):
-        of = portals.settings(knob)
-        if of:
-            rows.append([f"`{knob.name}`", knob.default,
-                         *(better(knob, {v: portals.total(s, render) for v, s in of.items()}) for render in RENDERS)])
-    for knob, _, values in pictures.knobs():
-        each = {v: 1 if v == knob.default else pictures.relative(knob, v).value for v in values}
-        rows.append([f"`{knob.name}`", knob.default, *[better(knob, each)] * 3])
-    return table(("knob", "default", *(f"better at {r} s" for r in RENDERS)), rows)
-
-
-def stage_section(program, curve):
-    picture, lines = picture_of(program), []
-    heads = ("value", "CPU s", "cost / through the true opening", "right number [%]", "rooms right [%]",
-             "rooms lost, won", "coverage", "tightness", *(f"total at {r} s" for r in RENDERS))
-    whole = "%.0f".__mod__
-    for knob in KNOBS:
-        of = curve.settings(knob) if knob.program == program else {}
-        if not of:
-            continue
-        totals = zip(*(bold_least([curve.total(s, render) for s in of.values()]) for render in RENDERS))
-        rows = [[named(knob, value), hundredths(curve.chain(s)), curve.loss(s).text(hundredths),
-                 curve.found(s).percent().text(whole), curve.right(s).percent().text(whole), curve.changed(s),
-                 "%.4f" % curve.over_rooms(np.median, s, "coverage"),
-                 "%.3f" % curve.over_rooms(np.median, s, "tightness"), *total]
-                for (value, s), total in zip(of.items(), totals)]
-        lines += [title(knob), table(heads, rows), verdict(knob, curve)]
-    return pages.sections(f"## {program}", f"![Cost and rooms against time for each knob of {program}]({picture})",
-                          *lines)
-
-
-def renderer_section(pictures):
-    lines = []
-    for knob, scenes, values in pictures.knobs():
-        rows = [[named(knob, v), "1" if v == knob.default else pictures.relative(knob, v).text(hundredths),
-                 *(hundredths(pictures.relative(knob, v, [s]).value) for s in scenes)] for v in values]
-        lines += [title(knob), table(("value", "all", *scenes), rows)]
-    return pages.sections(*lines)
-
-
-def errors_section(pictures):
-    """Every measure of the longest pictures, and what a black one has."""
-    def told(rows):
-        relmse, psnr, mape = (mean(rows, field) for field in ("relmse", "psnr", "mape"))
-        return "%s, %.1f dB, %s %%" % (hundredths(relmse) if relmse >= 0.1 else "%.2g" % relmse, psnr, hundredths(mape))
-    rows = []
-    for s in pictures.scenes("integrator"):
-        found = [pictures.longest(s, i) for i in INTEGRATORS]
-        rows.append([s, told(pictures.by["black", "", s]),
-                     *(f"{hundredths(mean(of, 'cpu'))} s: {told(of)}" if of else "-" for of in found)])
-    return table(("scene", "black", *INTEGRATORS), rows)
+def renderer_table(pictures):
+    every = list(dict.fromkeys(s for _, scenes, _ in pictures.knobs() for s in scenes))
+    rows = [[with_default(knob), v, pictures.relative(knob, v).text(hundredths),
+             *(hundredths(pictures.relative(knob, v, [s]).value) if s in scenes else "-" for s in every)]
+            for knob, scenes, values in pictures.knobs() for v in values if v != knob.default]
+    return table(("option (default)", "value", "all", *every), rows)
 
 
 def depth_section(pictures):
@@ -396,100 +313,16 @@ def simplified_section(losses, portals):
     return table(("scene", "whole", *("%g %% of the area" % (100 * share) for share in shares)), rows)
 
 
-WORDS = {
-    "head": """# Speed against accuracy
-
-Written by `{extent}make bench-tradeoff` ({version}, {cores} cores). Every knob that buys speed with
-accuracy, the others at their defaults; {seeds} seeds of each setting, programs taking turns on one thread each. CPU
-seconds throughout. The data: [portals](tradeoff-portals.csv), [rooms](tradeoff-rooms.csv),
-[pictures](tradeoff-pictures.csv), [simplified](tradeoff-simplified.csv).
-
-* **cost** = relMSE x CPU seconds of a picture; errors are against references of two halves (doc/efficiency.md).
-* **cost / through the true opening**: of `tdpt-guided` through the portals that a setting finds over that through the
-  true ones, geometric mean of {count} scenes; 1 is as good as can be, with no portal it is what portals are worth. In
-  door-ajar, veach-ajar and bathroom2-channel the portals of the most accurate settings stand for the true ones;
-  living-room-lamps has no opening: there it is what useless portals cost.
-* **right number**: of the runs, where the number of openings is known. **rooms right**: of generated rooms with known
-  openings those with all four marks of [portals.md](portals.md); **lost, won**: the kinds of those that are right by
-  the default and wrong by the setting (-), or the other way round (+); coverage and tightness are medians.
-* **total at R s**: the four stages and then a picture as good as R CPU seconds give through the true opening: chain + R
-  x cost / that through the true opening; geometric mean. The least in bold. A default is right where its total is the
-  least or near it.
-* A picture's noise is that of few bright paths: of the default's own cost the interval is a factor of [{low}, {high}].
-  Nearer than that, two settings are alike.
-* Brackets: 95 % intervals over seeds (bootstrap; of shares Wilson's). Plots: grey lines are single scenes, the ring is
-  the default.
-""",
-    "summary": """## Where the defaults lie
-
-The values that do better than the default, if only by chance, and the default's total over theirs (of the renderer's
-knobs: its cost).
-
-Most of these scenes are bare rooms, which would do with less: `--quality draft`. What keeps the defaults where they are
-stands in no mean: a furnished room without an opening, where settings beside the default find a useless portal (the
-right number is below 100 %), and rooms that a setting loses. A room that cheaper and dearer settings lose alike stands
-at an edge and tells nothing.
-""",
-    "integrators": """## tdpt-render
-
-Error against time by integrator, found portals, depth 6.
-
-![Error against CPU time, a panel for each scene](tradeoff-integrators.png)
-
-The longest of these pictures, and a black one: CPU seconds, relMSE, PSNR, MAPE (which holds the reference's noise).
-
-{errors}
-
-What each knob of `tdpt-guided` costs: cost over that at the default, geometric mean of the scenes and each scene.
-
-![Cost over that at the default, a panel for each knob](tradeoff-renderer.png)
-""",
-    "depth": """### tdpt-render --max-depth
-
-relMSE against the whole light (no limit), CPU seconds, share of the light; `auto`, as many samples everywhere.
-""",
-    "chain": """## From .glb to picture
-
-When finding portals pays: from which length of `bdpt`'s picture on the four stages and a picture through their portals
-are done earlier; and CPU seconds to a relMSE of 0.1 and of 0.01, extrapolated from the longest pictures.
-
-![Total time to an error](tradeoff-chain.png)
-""",
-    "simplified": """## Simplified scenes
-
-"Proper simplification does not affect the stability of the results" (paper, 4.1). The smallest triangles are left out,
-those that make so much of the area, before the four stages; the picture is of the whole scene. Cost / through the true
-opening, and the share of the triangles that are gone.
-
-![Cost through portals of simplified scenes](tradeoff-simplified.png)
-""",
-}
-
-
-def picture_of(program):
-    return f"tradeoff-{'quality' if program == CHAIN else program}.png"
-
-
-def page(bench, extent):
+def write_page(bench):
     data = {name: read(bench.cache / f"{name}.csv") for name in TABLES}
     portals, pictures = PortalCurves(data["portals"], data["rooms"]), PictureCurves(data["pictures"])
-    losses = simplified_losses(data["simplified"], portals)
-    for name, figure in {**{picture_of(program): stage_figure(portals, program) for program in (CHAIN, *STAGES)},
-                         "tradeoff-integrators.png": integrators_figure(pictures),
-                         "tradeoff-renderer.png": renderer_figure(pictures),
-                         "tradeoff-chain.png": chain_figure(pictures, portals),
-                         "tradeoff-simplified.png": simplified_figure(losses)}.items():
-        pages.draw(figure.script(name), bench.doc)
-    own = portals.loss(DEFAULT)
-    bench.page("tradeoff", pages.sections(
-        WORDS["head"].format(version=bench.version(), cores=CORES, extent=extent, count=len(portals.scenes),
-                             seeds=len({r["seed"] for r in data["portals"]}), low=hundredths(own.low / own.value),
-                             high=hundredths(own.high / own.value)),
-        WORDS["summary"], summary_section(portals, pictures),
-        *(stage_section(program, portals) for program in (CHAIN, *STAGES)),
-        WORDS["integrators"].format(errors=errors_section(pictures)), renderer_section(pictures),
-        WORDS["depth"], depth_section(pictures), WORDS["chain"], chain_section(pictures, portals), WORDS["simplified"],
-        simplified_section(losses, portals)))
+    for name, figure in (("quality", stage_figure(portals, CHAIN)), ("integrators", integrators_figure(pictures)),
+                         ("chain", chain_figure(pictures, portals))):
+        pages.draw(figure.script(f"tradeoff-{name}.png"), bench.doc)
+    bench.page("tradeoff", {
+        "knobs": knob_table(portals), "renderer": renderer_table(pictures),
+        "depth": depth_section(pictures), "chain": chain_section(pictures, portals),
+        "simplified": simplified_section(simplified_losses(data["simplified"], portals), portals)}, EVERYTHING)
 
 
 @settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1))
@@ -502,5 +335,4 @@ def tradeoff(bench):
     for name, tasks in TABLES.items():
         pages.write_csv(bench.cache / f"{name}.csv", run_all(bench, name, list(tasks(run))))
         shutil.copy(bench.cache / f"{name}.csv", bench.doc / f"tradeoff-{name}.csv")
-    extent = "".join(f"{key}={value} " for key, value in bench.given.items() if key in ("SEEDS", "ROOMS"))
-    page(bench, ("QUICK=1 " if bench.quick else "") + extent)
+    write_page(bench)
