@@ -150,19 +150,17 @@ def equal_tables(cells):
 
 
 class Room:
-    """Its pictures under a sky, by either program. amount of a picture: ("--spp", N) or ("--cpu-seconds", S)."""
+    """Its pictures by either program. light: options of an environment. amount of a picture: ("--spp", N) or
+    ("--cpu-seconds", S)."""
 
-    def __init__(self, bench, name, light):
-        self.bench, self.scene = bench, bench.cache / f"{name}.glb"
-        s, sky = bench.settings, environment(light)
-        self.options = ["--width", s.width, "--height", s.height, "--environment", sky, "--environment-rotation", -45]
-        portals = bench.portals(self.scene, self.options[4:])
-        if not portals.count:
-            raise Stop(1, f"{name}, {light}: no portals")
-        script = bench.store.run("portalfit", portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-        self.own = {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"),
-                    "cycles-found": ("--script", script), "cycles": (),
-                    "ours-nee": ("--integrator", "nee"), "ours-auto": ("--portal", portals.file)}
+    def __init__(self, bench, scene, light=()):
+        self.bench, self.scene = bench, scene
+        self.options = ["--width", bench.settings.width, "--height", bench.settings.height, *light]
+        self.portals = bench.portals(scene, light)
+        if not self.portals.count:
+            raise Stop(1, f"{scene}: no portals")
+        self.own = {"cycles": (), "ours-nee": ("--integrator", "nee"), "ours-bdpt": ("--integrator", "bdpt"),
+                    "ours-auto": ("--portal", self.portals.file)}
 
     def made(self, method, seed, amount):
         """(path, samples, CPU seconds)"""
@@ -182,20 +180,30 @@ class Room:
         run = render(*amount)
         return run.out, run.said["spp"], run.said["cpu_seconds"]
 
-    def cell(self):
-        s, halves = self.bench.settings, {}
-        for own in ("cycles-hand", "ours-auto"):
-            first, spp, _ = self.made(own, 1000001, ("--cpu-seconds", s.ref * s.seconds_each))
-            halves[own] = Halves(self.bench, first, self.made(own, 1000002, ("--spp", spp))[0])
-        ours, theirs = halves["ours-auto"], halves["cycles-hand"]
-        cell = Cell(ours.black, ours.peak, (BASE,), SEED, off=theirs.both("mean") / ours.both("mean") - 1)
-        samples = {}
-        for seed, method in turns(range(1, s.seeds + 1), ORDER):
+    def reference(self, method):
+        s = self.bench.settings
+        first, spp, _ = self.made(method, 1000001, ("--cpu-seconds", s.ref * s.seconds_each))
+        return Halves(self.bench, first, self.made(method, 1000002, ("--spp", spp))[0])
+
+    def cell(self, order, base, ours, theirs):
+        """Of these methods, which take turns, over `base`; Cycles' pictures against the reference `theirs`."""
+        s, samples = self.bench.settings, {}
+        cell = Cell(ours.black, ours.peak, (base,), SEED, off=theirs.both("mean") / ours.both("mean") - 1)
+        for seed, method in turns(range(1, s.seeds + 1), order):
             amount = ("--spp", samples[method]) if method in samples else ("--cpu-seconds", s.seconds_each)
             path, samples[method], cpu = self.made(method, seed, amount)
-            off = halves["cycles-hand" if method.startswith("cycles") else "ours-auto"].off(path)
+            off = (theirs if method.startswith("cycles") else ours).off(path)
             cell.pictures[method].append(Picture(cpu, off["relmse"], off["mse"], spp=samples[method]))
         return cell
+
+
+def window_cell(bench, name, sky):
+    """Of a room that a sky lights through its windows: Cycles with portals by hand, found, and without."""
+    room = Room(bench, bench.cache / f"{name}.glb",
+                ("--environment", environment(sky), "--environment-rotation", -45))
+    script = bench.store.run("portalfit", room.portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
+    room.own |= {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"), "cycles-found": ("--script", script)}
+    return room.cell(ORDER, BASE, room.reference("ours-auto"), room.reference("cycles-hand"))
 
 
 @settings(ROOMS=Setting(("window", "windows", "skylight", "behind"), "of bench/rooms.py"),
@@ -219,5 +227,40 @@ def equal_time(bench):
             raise Stop(2, f"ROOMS: there is no {name}")
         for light in bench.settings.skies:
             bench.say(f"{name}, {light}")
-            cells[name, light] = Room(bench, name, light).cell()
+            cells[name, light] = window_cell(bench, name, light)
     bench.page("cycles", equal_tables(cells), EVERYTHING)
+
+
+DOORS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
+         "three-rooms": "two holes of 0.25 m in a row", "door-ajar": "a door ajar"}
+
+
+def doors_table(cells):
+    def over(cell, base):
+        return stats.ratio(cell.costs(base), cell.costs("ours-auto"), SEED).text(pages.three)
+
+    shown = ("cycles", "ours-bdpt", "ours-auto")
+    rows = [[name, DOORS[name], over(c, "cycles"), over(c, "ours-bdpt"),
+             *("%.2g, %.1f (%.0f)" % (*c.error(m), np.mean([p.spp for p in c.pictures[m]])) for m in shown),
+             black_words(c)] for name, c in cells.items()]
+    return {"doors": pages.table(("scene", "light comes through", "over Cycles", "over `bdpt`", "Cycles", "`bdpt`",
+                                  "`auto`", "black"), rows)}
+
+
+@settings(ROOMS=Setting(tuple(DOORS), "of testdata/scenes"), SECONDS_EACH=Setting(4.0, "CPU seconds of a picture", 0.1),
+          SEEDS=Setting(4, "pictures of each kind", 2),
+          REF=Setting(25.0, "how many times as long each half of a reference takes", 2.0),
+          WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
+def doors(bench):
+    """What tdpt-render makes of rooms behind holes and doors with the portals that the stages find, beside its own bdpt
+    and Cycles, in equal CPU time, as in the benchmark cycles-equal. All are held against one reference."""
+    bench.need(os.environ.get("BLENDER", "blender"))
+    cells = {}
+    for name in bench.settings.rooms:
+        if name not in DOORS:
+            raise Stop(2, f"ROOMS: there is no {name}")
+        bench.say(name)
+        room = Room(bench, TESTDATA / f"scenes/{name}.glb")
+        reference = room.reference("ours-auto")
+        cells[name] = room.cell(("cycles", "ours-bdpt", "ours-auto"), "ours-bdpt", reference, reference)
+    bench.page("cycles", doors_table(cells), EVERYTHING)

@@ -63,11 +63,11 @@ class Regret:
     """Of a scene, what `auto` loses by not knowing which integrator is best.
 
     efficiency of integrator i   1 / (V_i T_i), V its relMSE for one sample, T its CPU time for one
-    efficiency of auto           that of its choice times t / (t + scout), t the time of its samples"""
+    efficiency of auto           that of its choice times t / (t + pilot), t the time of its samples"""
 
     def __init__(self):
         self.truth = {}  # integrator: (V, its standard error, T [ns])
-        self.choices = defaultdict(list)  # length: [(integrator, scout's CPU s)]
+        self.choices = defaultdict(list)  # length: [(integrator, the pilot's CPU s)]
         self.told = defaultdict(dict)  # (length, seed): {integrator: cost}
         self.intervals = defaultdict(list)  # length: [(least, most)] of the gain by portals, told to hold it in 90 %
         self.pixels = 0
@@ -89,9 +89,9 @@ class Regret:
     def efficiencies(self, length):
         """Of auto, of each seed: over the better of bdpt and nee, and over the best of all."""
         out = []
-        for integrator, scout in self.choices[length]:
+        for integrator, pilot in self.choices[length]:
             rendering = length * self.pixels * self.truth[integrator][2] * 1e-9
-            price = rendering / (rendering + scout)
+            price = rendering / (rendering + pilot)
             out.append(tuple(self.cost(best) / self.cost(integrator) * price for best in (self.without(), self.best())))
         return out
 

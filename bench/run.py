@@ -43,6 +43,7 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
     "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time: in "
                      "doc/cycles.md"),
+    "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: a table of doc/cycles.md (ten minutes)"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
                  "--quick: three quarters of an hour)"),
     "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),

@@ -112,14 +112,14 @@ PARTS = (
     ("sines, cosines (libm)", r"^libm\b", None),
     ("memory, files, system", r"^(?!tdpt-render)", None),
     ("weights, densities of paths", None, r"\bPath::|::weigh$|NextEventPdf|NextEvents::pdf|emission_pdf|scatter_pdf"),
-    ("connections, resampling", None, r"\bjoin|joined|\bEnds?::|Few::|Few>|LightPool|LightVertex|_columns|_chosen|"
+    ("connections, resampling", None, r"\bconnect|connected|\bEnds?::|Resampling::|Resampling>|LightVertex|_columns|_chosen|"
                                      r"estimate_"),
     ("portals, guided walks", None, r"PortalSet|Guide::|segment|through\b|PathSampler::see"),
     ("surfaces, textures", None, r"bsdf|albedo|layered|place_on_surface|lookup|span_of|shading|base_color|towards|"
                                  r"add_lobes|\bturn|interpolated|\bnode\b|ggx|emission_at"),
     ("rays: origins, hits", None, r"Tracer|::visible|to_places"),
     ("walks", None, r"Walker|walk_from|begin_at_light|place_on_light|place_in_sky"),
-    ("lights", None, r"Lights|LightSource|Panels|WindowSky|Sky|NextEvents|CumulativeTable"),
+    ("lights", None, r"Lights|LightSource|RectLights|WindowSky|Sky|NextEvents|CumulativeTable"),
     ("random numbers", None, r"Sequence|shader::|mix64|numbers"),
     ("film, tally", None, r"Film|Tally|FixedSum|UnitSum|to_pixel|to_film|project"),
     ("techniques", None, r"PathSampler|render_samples|tbb::"),

@@ -389,7 +389,7 @@ class Limit(unittest.TestCase):
     def test_shares_of_a_profile(self):
         profile = speed.profile_of(["50|libembree3.so.3|[.] 0x0021f4686",
                                     "  3,0|tdpt-render|[.] tdpt::Path::weight_by_products",
-                                    "15|tdpt-render|[.] tdpt::Few::choose", "5|[kernel.kallsyms]|[k] exc_page_fault"])
+                                    "15|tdpt-render|[.] tdpt::Resampling::choose", "5|[kernel.kallsyms]|[k] exc_page_fault"])
         shares = speed.shares(profile)
         self.assertAlmostEqual(sum(shares.values()), 100)
         for part, share in (("Embree", 50), ("weights, densities of paths", 30), ("memory, files, system", 5)):
@@ -470,7 +470,7 @@ class Tradeoff(unittest.TestCase):
 
 # ---- The model of work ----
 HEADER = TESTDATA.parent / "tools/tdpt-render/plan/work_model.h"
-NAMES = ("sample closest closest_deeper shadow join portal portal_triangle directed facets facet looking_out "
+NAMES = ("sample closest closest_deeper shadow connect portal portal_triangle directed facets facet looking_out "
          "window").split()
 
 
@@ -526,7 +526,7 @@ class WorkModel(unittest.TestCase):
             self.assertNotEqual(promises.costs_text(name, NAMES, costs + 1), text)
 
     def test_what_is_held_stays_and_wrong_lines_are_named(self):
-        self.assertEqual(promises.held_costs(["join=9"], NAMES)[NAMES.index("join")], 9)
+        self.assertEqual(promises.held_costs(["connect=9"], NAMES)[NAMES.index("connect")], 9)
         with self.assertRaisesRegex(ValueError, "no such term"):
             promises.held_costs(["roof=1"], NAMES)
         header = "\t".join([*promises.KEYS, "sample"])
