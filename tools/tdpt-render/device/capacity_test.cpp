@@ -30,7 +30,7 @@ std::string refusal(const gpu::Limits& limits, const DeviceNeeds& needs) {
   return "nothing";
 }
 
-TEST(room, is_there_on_the_least_device_for_the_longest_paths) {
+TEST(capacity, is_there_on_the_least_device_for_the_longest_paths) {
   const Capacity room = capacity_on("a device", laptop(), {{}, 1 << 27, true, 35});
   EXPECT_GE(room.samples, kMostOfCache);
   EXPECT_GE(room.vertices, 2u * kMostOfCache * 1025);
@@ -38,7 +38,7 @@ TEST(room, is_there_on_the_least_device_for_the_longest_paths) {
   EXPECT_LE(room.vertices, 64 * laptop().groups);
 }
 
-TEST(room, follows_each_limit) {
+TEST(capacity, follows_each_limit) {
   gpu::Limits limits;
   limits.memory = uint64_t{1} << 38;
   limits.buffer = uint64_t{1} << 32;
@@ -61,7 +61,7 @@ TEST(room, follows_each_limit) {
             plain);
 }
 
-TEST(room, that_is_too_little_is_refused_with_both_numbers) {
+TEST(capacity, that_is_too_little_is_refused_with_both_numbers) {
   gpu::Limits limits = laptop();
   EXPECT_EQ(refusal(limits, {{}, 0, false, 35}), "nothing");
   EXPECT_EQ(refusal(limits, {{}, 0, false, 36}),
@@ -82,7 +82,7 @@ TEST(room, that_is_too_little_is_refused_with_both_numbers) {
             "a device: samples take 525312 vertices at least, the device holds 466033");
 }
 
-TEST(room, of_a_film_that_words_cannot_count_is_refused) {
+TEST(capacity, of_a_film_that_words_cannot_count_is_refused) {
   const uint64_t pixels = uint64_t{1} << 32;
   const uint64_t words = FilmPlaces(1, false, 0).words + 13 * (pixels - 1);
   try {
@@ -95,7 +95,7 @@ TEST(room, of_a_film_that_words_cannot_count_is_refused) {
   }
 }
 
-TEST(room, knows_all_tables_of_a_scene_by_name) {
+TEST(capacity, knows_all_tables_of_a_scene_by_name) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
   const std::vector<SceneShare> shares = shares_of(RenderTables(world));
@@ -108,7 +108,7 @@ TEST(room, knows_all_tables_of_a_scene_by_name) {
   EXPECT_GT(bytes("the portals"), 0u);
 }
 
-TEST(room, is_asked_for_before_portals_are_turned_and_tables_follow) {
+TEST(capacity, is_asked_for_before_portals_are_turned_and_tables_follow) {
   const Scene scene = read_gltf(two_rooms_path());
   World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
   RenderTables tables(world);

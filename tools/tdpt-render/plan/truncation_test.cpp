@@ -18,7 +18,7 @@ Truncation in_the_furnace(int depth) {
   return explore(world, scene.camera(""), {}, depth, 7).beyond.value();
 }
 
-TEST(beyond, share_of_the_furnace_is_known) {
+TEST(truncation, share_of_the_furnace_is_known) {
   for (const int depth : {1, 3, 5}) {
     const Truncation beyond = in_the_furnace(depth);
     EXPECT_EQ(beyond.depth, depth);
@@ -29,7 +29,7 @@ TEST(beyond, share_of_the_furnace_is_known) {
   }
 }
 
-TEST(beyond, is_told_with_as_many_digits_as_are_known) {
+TEST(truncation, is_told_with_as_many_digits_as_are_known) {
   EXPECT_EQ(sentence({6, 0.2512, 0.01}), "--max-depth 6 leaves out about 25 % of the light");
   EXPECT_EQ(sentence({12, 0.0363, 0.001}), "--max-depth 12 leaves out about 3.6 % of the light");
   EXPECT_EQ(sentence({6, 0.02, 0.01}), "--max-depth 6 leaves out at most about 4 % of the light");
