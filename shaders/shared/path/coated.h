@@ -1,9 +1,8 @@
 // A surface together with its clear coat, if any; each scatters about its own normal.
 //
-// The coat's normal is bent neither by the map that bends the surface under it nor by default: it
-// may have a map of its own. Light may be above one normal and below the other; then only one of
-// the two scatters it. The coat is chosen with a probability that depends on `back` alone, 0
-// without a coat.
+// The map that bends the surface's normal does not bend the coat's; the coat may have a map of its
+// own. Light may be above one normal and below the other; then only one of the two scatters it. The
+// coat is chosen with a probability that depends on `back` alone, 0 without a coat.
 //
 // Include after bsdf.h, in the same scope.
 

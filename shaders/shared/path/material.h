@@ -40,9 +40,7 @@ SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
     b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
   bool pane = scene_has_panes && m.pane_share > 0.0f;
-  if (!pane)
-    b.through = m.base_color * (dielectric * m.transmission);  // rays pass through a pane
-                                                               // without hitting it
+  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // rays pass through panes
   b.alpha = m.roughness * m.roughness;
   b.eta = m.ior;
   b.thin = (m.flags & MATERIAL_SOLID) == 0u ? 1u : 0u;

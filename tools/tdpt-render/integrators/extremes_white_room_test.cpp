@@ -23,7 +23,7 @@ struct Room {
   uint64_t samples = 192, runs = 16;
   std::vector<const Integrator*> integrators{&nee, &bdpt, &tdpt_ref, &tdpt_guided};
   nlohmann::ordered_json placed = {};  ///< the node above all others
-  /// Light of paths beyond the longest: white walls reflect for long.
+  /// Share of light lost in paths beyond the longest: white walls reflect for long.
   double lost = 0;
 
   void stands(const Mesh& mesh) { parts.add(mesh, white); }

@@ -1,7 +1,7 @@
 // All integrators render the same picture of rooms that a sky lights through windows, block by
 // block and for every path length, wherever portals are: in the windows, beside them, in the room.
 //
-// The reference is bdpt without portals: portals change most of the sampling of a sky.
+// The reference is bdpt without portals, since most of the sky's sampling depends on them.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/files/temp_folder.h"

@@ -224,7 +224,7 @@ TEST(bsdf, twin_an_undarkened_diffuse_lobe_creates_energy) {
 }
 
 // Reflectance of the interface, by sampling it alone, plus what it leaves of a white diffuse lobe,
-// by quadrature, since that is smooth beside the specular peak.
+// by quadrature without the specular peak.
 double white_energy(float alpha, float f0, double z) {
   const Bsdf coated = plastic(alpha, Rgb(1), f0), bare = plastic(alpha, {}, f0);
   const Vec3d from = direction(z, 2);

@@ -110,8 +110,8 @@ TEST(window_views, are_of_the_windows_that_there_are) {
 }
 
 // No light that comes straight in is lost: every point that sees a sliver of the sky through a
-// window looks there. A test for sky behind the window, line by line, would miss it 2.8 of 26
-// times.
+// window looks there. Testing for sky behind the window, line by line, left a gain of 2.8 instead
+// of 26.
 TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
   const World world(room.scene, room.scene.camera(""), 24, 18, room.windows);

@@ -55,7 +55,7 @@ struct Compared {
   size_t other_bits = 0, far = 0;  // far: off by more than a factor of three
 };
 
-// Compares each end with all others; `fault`: sign of the columns' `facing`.
+// Compares each end with all others; `fault`: factor of the columns' `facing`.
 Compared compare(const Surfaces& surfaces, double fault = 1) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 8, 8, {});

@@ -186,8 +186,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     place(i).edge = &joint_[u(i - (s - 1))];
   }
   if (first_z < k_) at(first_z) = reversed(*place(first_z).edge);
-  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // density of walks, whichever strategy
-                                                             // placed x_0
+  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // by a walk, whoever placed x_0
   if (s <= 1)
     walks_[1].light_A =
         directed_light_A(guide_, 1, plain_light_A(world, 1, nullptr, at(0)), nullptr, at(0));
