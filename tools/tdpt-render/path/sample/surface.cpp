@@ -20,8 +20,7 @@ void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
 }
 
 bool emits(const Material& m) {
-  return !(m.emission.x + m.emission.y + m.emission.z <= 0);  // true for NaN, so that it is
-                                                              // reported
+  return !(m.emission.x + m.emission.y + m.emission.z <= 0);  // true for NaN, so it is reported
 }
 
 // Out of line, so that surfaces that need neither stay fast.
