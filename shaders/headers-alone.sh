@@ -1,6 +1,6 @@
 #!/bin/sh
-# headers-alone.sh ROOT CXX: whether each header of shaders/shared that has an include guard includes what it needs: as
-# C++ and as GLSL it compiles alone, and twice. The others, texts, are read within a scope that their first lines tell.
+# headers-alone.sh ROOT CXX: each header of shaders/shared that has an include guard must include what it needs: it must
+# compile alone, and included twice, as C++ and as GLSL. The others are included in a scope that their first lines describe.
 root=${1:?usage: headers-alone.sh ROOT CXX}
 cxx=${2:?}
 work=$(mktemp -d) || exit 2

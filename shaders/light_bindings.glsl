@@ -1,4 +1,4 @@
-// What all kernels of the light grid are made of.
+// Everything that the light grid's kernels share: constants, bindings, tables and lists.
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/light_layout.h"
 #include "shaders/shared/rng.h"
@@ -6,9 +6,9 @@
 #include "shaders/shared/triangle.h"
 #include "shaders/shared/warp.h"
 
-// Whether some surface is not opaque, and whether a texture says where it is. Scenes without any
-// have kernels without that part of coverage.h: software devices run through both sides of a branch
-// that a lane may take, and any device needs registers for both.
+// Whether some surface is not opaque, and whether a texture says where. Scenes without such
+// surfaces use kernels compiled without that part of coverage.h: software devices run both sides of
+// a branch that any lane may take, and every device needs registers for both.
 #ifdef OPAQUE
 const bool scene_has_coverage = false;
 #else
@@ -19,11 +19,11 @@ const bool coverage_has_textures = false;
 #else
 const bool coverage_has_textures = true;
 #endif
-// Its glass is open: panes are surfaces that are not opaque like others.
+// The light grid has no panes of glass: they are non-opaque surfaces like others.
 const bool scene_has_panes = false;
 float opacity_at(uint triangle, vec3 w) { return 1.0; }
 
-// What all kernels of the light grid bind, by the names that shaders/shared/ knows.
+// Bindings of all light grid kernels, under the names that shaders/shared/ expects.
 layout(local_size_x = LIGHT_GROUP) in;
 
 layout(binding = 0) uniform usamplerBuffer scene_texels;
@@ -43,7 +43,7 @@ layout(std430, binding = LIGHT_FATES) buffer Fates { uint fates[]; };
 layout(std430, binding = LIGHT_LISTS) buffer Lists {
   LightList to_vote;
   LightList to_march;
-  uint listed[];  // to_vote's numbers, then to_march's, light.count of each at most
+  uint listed[];  // the numbers in to_vote, then those in to_march; at most light.count each
 };
 layout(r32ui, binding = LIGHT_COUNT) uniform uimage3D voxel_count;
 layout(r32i, binding = LIGHT_DIRECTION_X) uniform iimage3D voxel_direction_x;
@@ -52,7 +52,7 @@ layout(r32i, binding = LIGHT_DIRECTION_Z) uniform iimage3D voxel_direction_z;
 
 layout(push_constant) uniform Parameters { LightParameters light; };
 
-// Puts a line on the list of a kernel that follows, and that kernel's work groups up to it.
+// Appends a line to the list of a later kernel and raises the number of that kernel's work groups.
 void list_to_vote(uint i) {
   uint n = atomicAdd(to_vote.count, 1u);
   atomicMax(to_vote.groups_x, n / LIGHT_GROUP + 1u);

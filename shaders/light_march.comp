@@ -1,4 +1,4 @@
-// Counts the listed lines in the voxels that they pass.
+// Counts the listed lines in the voxels that they pass through.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,4 +1,4 @@
-// Draws segments between pivot patches and lists those that are free.
+// Draws segments between pivot patches and lists the unblocked ones.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

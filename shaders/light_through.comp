@@ -1,4 +1,4 @@
-// Traces lines through places in the air and lists those that join the sides of the cut.
+// Traces lines through points in the air and lists those that join the two sides of the cut.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,4 +1,5 @@
-// Whether the ends of the listed lines see their own sides of the cut; lists those whose ends do.
+// Tests whether both ends of each listed line see mostly their own side of the cut, and lists the
+// lines that pass.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

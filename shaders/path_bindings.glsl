@@ -1,6 +1,7 @@
-// What the renderer's kernels bind, by the names that shaders/shared/path/ knows; what a kernel
-// does not read is not bound. Whether a scene has what only some have is told when a kernel is made
-// for it (tools/tdpt-render/device/gpu_machine.cpp).
+// Bindings of the renderer's kernels, under the names that shaders/shared/path/ expects; tables
+// that a kernel does not read are not bound. The constants say which optional features the scene
+// has; they are set when a kernel is created for the scene
+// (tools/tdpt-render/device/gpu_machine.cpp).
 #include "shaders/shared/path/kernel_heads.h"
 
 layout(local_size_x = 64) in;
@@ -36,8 +37,9 @@ RenderParameters render;
 GuideParameters guiding;
 LightSettings light_settings;
 
-// Before anything else. Mesa's software device compiles a kernel anew for each dispatch when a loop
-// or a branch goes by numbers of a uniform buffer alone, unless it does not know where they lie.
+// Call this first. Mesa's software device recompiles a kernel for each dispatch if a loop or branch
+// depends only on values from a uniform buffer, unless their index is unknown to it; `zero` hides
+// it.
 void read_settings() {
   uint zero = gl_WorkGroupID.y;
   render = all_settings[zero].render;

@@ -1,9 +1,9 @@
-// Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32, and the
-// sum of all behind the totals of the blocks. Sums may take the place of counts. Places that
-// kernels write their results to follow from it without atomics, in one order always.
+// Exclusive prefix sums of counts: sums[i] = counts[0] + ... + counts[i-1], modulo 2^32; the total
+// is stored behind the totals of the blocks. Sums may overwrite counts. Kernels take the places of
+// their results from these sums: no atomics are needed, and the order is always the same.
 //
-// Method: sums within blocks, then over the blocks' totals, then both together (Blelloch 1990);
-// three phases.
+// Method: sums within blocks, then over the blocks' totals, then both added (Blelloch 1990); three
+// phases.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
@@ -13,13 +13,13 @@ layout(local_size_x = SCAN_GROUP) in;
 
 layout(std430, binding = SCAN_COUNTS) readonly buffer Counts { uint counts[]; };
 layout(std430, binding = SCAN_SUMS) buffer Sums { uint sums[]; };
-// Of each block, then of all.
+// One for each block, then the total of all.
 layout(std430, binding = SCAN_TOTALS) buffer Totals { uint totals[]; };
 layout(push_constant) uniform Parameters { ScanParameters scan; };
 
 shared uint up_to[SCAN_GROUP];
 
-// What the invocations before this one have, and all of the work group together.
+// Sum over the invocations before this one; `all`: over the whole work group.
 uint sum_before(uint own, out uint all) {
   uint i = gl_LocalInvocationIndex;
   up_to[i] = own;
@@ -32,7 +32,7 @@ uint sum_before(uint own, out uint all) {
   }
   all = up_to[SCAN_GROUP - 1u];
   uint sum = up_to[i] - own;
-  barrier();  // up_to may be written again
+  barrier();  // before up_to is written again
   return sum;
 }
 

@@ -1,4 +1,4 @@
-// One step of a submission; which one the build says (shaders/shared/path/steps.def).
+// One step of a submission; the build defines which (shaders/shared/path/steps.def).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,12 +1,12 @@
-// Whether a ray is stopped by a surface that is not always there.
+// Decides whether a ray is stopped by a surface that is not fully opaque.
 //
-// Stochastic transparency: a surface covers a share of each place, its alpha, and stops that share
-// of the rays; 1 - coverage is its transmittance. Computed as coverage_at() of
-// libcommon/scene/texture.h does, in floats.
+// Method: stochastic transparency. A surface stops a share of the rays equal to its coverage
+// (alpha); 1 - coverage is its transmittance. The same computation as coverage_at() of
+// libcommon/scene/texture.h, in floats.
 //
-// Read within a scope that has load_x(i) of TABLES_OF_COVERAGE [tables.h], scene_has_coverage,
-// coverage_has_textures, and opacity_at(triangle, w), which is 1 where there are no panes: a GLSL
-// file behind its buffers, or the body of a C++ struct.
+// Include it in a scope that has load_x(i) of TABLES_OF_COVERAGE [tables.h], scene_has_coverage,
+// coverage_has_textures and opacity_at(triangle, w), which is 1 if there are no panes: a GLSL file
+// after its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/rng.h"
 #include "shaders/shared/texels.h"
@@ -18,7 +18,7 @@ SHARED float alpha_texel(uint i) MEMBER_CONST {
 }
 
 SHARED float coverage_of_place(Coverage v, float b1, float b2) MEMBER_CONST {
-  // Exact where the corners agree: a mask at its cutoff is there.
+  // Exact if the corners agree: an alpha equal to the cutoff counts as opaque.
   float alpha = v.alpha0 + (v.alpha1 - v.alpha0) * b1 + (v.alpha2 - v.alpha0) * b2;
   if (coverage_has_textures && v.grid.width > 0u) {
     float u = v.u0 + (v.u1 - v.u0) * b1 + (v.u2 - v.u0) * b2;
@@ -32,15 +32,15 @@ SHARED float coverage_of_place(Coverage v, float b1, float b2) MEMBER_CONST {
   return alpha;
 }
 
-/// Probability that a triangle is there: 1 where it is opaque.
+/// Coverage of a triangle at (b1, b2): the probability that it stops a ray. 1 if it is opaque.
 SHARED float coverage_at(uint triangle, float b1, float b2) MEMBER_CONST {
   if (!scene_has_coverage) return 1.0f;
   uint i = load_coverage_index(triangle);
   return i == kNoCoverage ? 1.0f : coverage_of_place(load_coverage(i), b1, b2);
 }
 
-/// Whether `triangle`, which does not stop every ray, is there for one along `w`, of any length.
-/// `coin`: a number of the ray's own.
+/// Whether `triangle`, which does not stop every ray, stops this one. `w`: direction, of any
+/// length; `coin`: a random number that belongs to the ray.
 SHARED bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w) MEMBER_CONST {
   if (!scene_has_coverage && !scene_has_panes) return true;
   return hashed_unit(coin, triangle) < coverage_at(triangle, b1, b2) * opacity_at(triangle, w);

@@ -1,4 +1,4 @@
-// Elementary functions that give the same bits on every device (see real.h): sums and products
+// Elementary functions that give the same bits on every device (see real.h), from sums and products
 // alone. Coefficients: minimax polynomials of Moshier's Cephes library.
 #ifndef TDPT_SHADERS_SHARED_ELEMENTARY_H
 #define TDPT_SHADERS_SHARED_ELEMENTARY_H
@@ -14,7 +14,7 @@ SHARED float power_of_two(int n) {
   return uintBitsToFloat(uint(n + 127) << 23);
 }
 
-/// e^x to 2e-7 of it; 0 below -87, 3e38 above 88.
+/// e^x, relative error 2e-7; 0 below -87, 3e38 above 88.
 SHARED float exponential(float x) {
   if (!(x > -87.0f)) return 0.0f;
   if (x > 88.0f) return 3e38f;
@@ -29,7 +29,7 @@ SHARED float exponential(float x) {
   return ((p * r * r + r) + 1.0f) * power_of_two(int(n));
 }
 
-/// Natural logarithm to 2e-7 of it, near 1 of x - 1; x >= 1e-37.
+/// Natural logarithm, relative error 2e-7 (near 1: of x - 1); x >= 1e-37.
 SHARED float logarithm(float x) {
   uint bits = floatBitsToUint(x);
   int exponent = int(bits >> 23) - 126;
@@ -54,13 +54,13 @@ SHARED float logarithm(float x) {
   return (m + y) + e * 0.693359375f;
 }
 
-/// x^y, to |y log x| 1e-7 of it and 3e-7; 0 where x < 1e-37, but for y = 0.
+/// x^y, relative error |y log x| 1e-7 + 3e-7; 0 where x < 1e-37, except for y = 0.
 SHARED float power(float x, float y) {
   if (y == 0.0f) return 1.0f;
   return x < 1e-37f ? 0.0f : exponential(y * logarithm(x));
 }
 
-/// Angle of (x, y) against the x axis in full turns, counter-clockwise, [-1/2, 1/2]; to 3e-8. 0 for
+/// Angle of (x, y) from the x axis in full turns, counter-clockwise, [-1/2, 1/2]; error 3e-8. 0 for
 /// (0, 0).
 SHARED float turns_of(float y, float x) {
   float a = abs(x);
@@ -68,7 +68,7 @@ SHARED float turns_of(float y, float x) {
   float most = max(a, b);
   if (most < 1e-37f) return 0.0f;
   float t = min(a, b) * reciprocal(most);
-  // At most an eighth of a turn, brought to a sixteenth on either side of 0.
+  // At most an eighth of a turn, reduced to a sixteenth on either side of 0.
   bool steep = t > 0.41421356f;
   float s = steep ? (t - 1.0f) * reciprocal(t + 1.0f) : t;
   float z = s * s;

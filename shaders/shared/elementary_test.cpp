@@ -1,4 +1,4 @@
-// Elementary functions and scaled numbers keep to the bounds that they give.
+// Elementary functions and scaled numbers keep their stated bounds.
 #include <cmath>
 
 #include <gtest/gtest.h>

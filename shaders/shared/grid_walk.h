@@ -1,7 +1,7 @@
-// Which voxels a segment passes: 3D DDA after Amanatides and Woo, made to end. It takes exactly the
-// steps that lead from the voxel of one end to that of the other, the axis with the next wall
-// first, and none along an axis that has arrived: rounding may choose another way round a corner
-// but cannot run past the end.
+// Lists the voxels that a segment passes through: 3D DDA after Amanatides and Woo, with guaranteed
+// termination. It takes exactly the steps that lead from the voxel of one end to that of the other.
+// The axis with the nearest wall steps first; an axis that has arrived steps no more. Rounding may
+// choose another way round a corner but cannot run past the end.
 //
 //   VoxelWalk w = voxel_walk(a, b, dim);
 //   do visit(w.at); while (next_voxel(w));
@@ -17,9 +17,9 @@ SHARED_BEGIN
 GENERIC_STRUCT VoxelWalk {
   ivec3 at;    ///< voxel
   ivec3 step;  ///< +1 or -1
-  ivec3 left;  ///< steps that are left along each axis
+  ivec3 left;  ///< steps left along each axis
   VEC3 next;   ///< parameter of the next wall: 0 at a, 1 at b
-  VEC3 delta;  ///< from wall to wall
+  VEC3 delta;  ///< distance between walls, in that parameter
 };
 
 GENERIC int voxel_of(REAL x, int dim) {
@@ -33,8 +33,8 @@ GENERIC void walk_along(REAL a, REAL b, int dim, OUT(int) at, OUT(int) step, OUT
   int end = voxel_of(b, dim);
   step = end < at ? -1 : 1;
   left = abs(end - at);
-  // Where there is a step to take, |d| is at least a unit in the last place of the voxel's number;
-  // elsewhere any number does.
+  // If a step is left, |d| is at least one unit in the last place of the voxel's number; otherwise
+  // the value does not matter.
   REAL d = b - a;
   REAL inverse = reciprocal(max(abs(d), REAL(1e-18f)));
   REAL wall = REAL(step > 0 ? at + 1 : at);
@@ -44,8 +44,8 @@ GENERIC void walk_along(REAL a, REAL b, int dim, OUT(int) at, OUT(int) step, OUT
   next = first;
 }
 
-/// Of the segment a-b in units of voxels from the grid's corner. What lies outside the grid is
-/// drawn to its border.
+/// Starts a walk along the segment a-b, in units of voxels from the grid's corner. Parts outside
+/// the grid are clamped to its border.
 GENERIC OF_REAL(VoxelWalk) voxel_walk(VEC3 a, VEC3 b, ivec3 dim) {
   OF_REAL(VoxelWalk) w;
   walk_along(a.x, b.x, dim.x, w.at.x, w.step.x, w.left.x, w.next.x, w.delta.x);
@@ -54,19 +54,19 @@ GENERIC OF_REAL(VoxelWalk) voxel_walk(VEC3 a, VEC3 b, ivec3 dim) {
   return w;
 }
 
-/// Of each axis, where the segment meets its next wall; never on an axis that has arrived.
+/// Parameter of the next wall along each axis; huge on an axis that has arrived.
 GENERIC VEC3 walls_ahead(OF_REAL(VoxelWalk) w) {
   return VEC3(w.left.x > 0 ? w.next.x : REAL(3e38f), w.left.y > 0 ? w.next.y : REAL(3e38f),
               w.left.z > 0 ? w.next.z : REAL(3e38f));
 }
 
-/// Where the segment leaves the voxel: 1 in the last one.
+/// Parameter at which the segment leaves the voxel; 1 in the last one.
 GENERIC REAL leaves_voxel(OF_REAL(VoxelWalk) w) {
   VEC3 wall = walls_ahead(w);
   return min(min(min(wall.x, wall.y), wall.z), REAL(1));
 }
 
-/// Goes on to the next voxel; false at the end.
+/// Moves to the next voxel; false at the end.
 GENERIC bool next_voxel(INOUT(OF_REAL(VoxelWalk)) w) {
   VEC3 wall = walls_ahead(w);
   if (w.left.x + w.left.y + w.left.z == 0) return false;

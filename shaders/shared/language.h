@@ -1,21 +1,20 @@
-// What lets one text be C++ and GLSL. Every header of this folder is read by both compilers, so
-// that a kernel and its scalar build on the CPU run the same operations in the same order and give
-// the same bits. It begins with this file, behind the other headers it needs, and ends with
-// language_end.h, so that no macro is left to who includes it. A text that stands in a struct's
-// body in C++ has no include guard; the headers that it includes C++ has read before the struct.
+// Macros that let one text be both C++ and GLSL. Every header of this folder is read by both
+// compilers, so that a kernel and its scalar build on the CPU run the same operations in the same
+// order and give the same bits. Such a header includes this file after all others and
+// language_end.h at its end, so that no macro leaks to its includer. A text for the body of a C++
+// struct has no include guard; C++ has already read the headers it includes before the struct.
 //
-// Vulkan rounds sums and products of floats correctly, and every device we know to the nearest, as
-// long as none is contracted into a fused one: cmake/compile-shader.sh sees to that. It does not
-// round quotients, roots and sines correctly: use those of real.h. It leaves the order of its own
-// dot(), cross(), normalize() and mix() open: use those of vector.h. Never draw two random numbers
-// in one expression: C++ leaves their order open. Write a constant as one number: GLSL's compiler
-// works out 23.0f * 1.07f in more digits than a float has.
+// Vulkan rounds sums and products of floats correctly (to the nearest on every device we know) as
+// long as they are not contracted into fused operations: cmake/compile-shader.sh prevents that. It
+// does not round quotients, roots and sines correctly: use those of real.h. It leaves the order of
+// operations in its own dot(), cross(), normalize() and mix() open: use those of vector.h. Never
+// draw two random numbers in one expression: C++ leaves their order open. Write a constant as one
+// number: GLSL's compiler evaluates 23.0f * 1.07f with more digits than a float has.
 //
-// What the CPU counts in doubles and a device in floats is one text over REAL and VEC3: free
-// functions are GENERIC, and a text that stands in a struct's body in C++ takes the struct's own
-// `Real`. Its literals have their f where a float holds them exactly or a little more or less
-// changes nothing; any other is REAL(0.04). Records that are stored hold floats:
-// VEC3(record.color).
+// Code that the CPU runs in doubles and a device in floats is one text over REAL and VEC3. Free
+// functions are GENERIC; a text for a struct's body uses the struct's own `Real`. A literal has an
+// f if a float holds it exactly or if a small error does no harm; any other is written REAL(0.04).
+// Stored records hold floats: VEC3(record.color).
 #include "shaders/shared/types.h"
 
 #ifdef __cplusplus
@@ -23,12 +22,12 @@
 #define SHARED_BEGIN namespace tdpt::shader {
 #define SHARED_END }
 #define SHARED inline       // before every function
-#define MEMBER_CONST const  // after every function that C++ has as a member, see traversal.h,
-#define MEMBER              // but for those that write
+#define MEMBER_CONST const  // after every function that is a member in C++ (see traversal.h)
+#define MEMBER              // the same for members that write
 #define CACHE_LINE alignas(64)
 #define OUT(type) type&       // a parameter that is written
 #define INOUT(type) type&     // a parameter that is read and written
-#define IN(type) const type&  // a large one that is read
+#define IN(type) const type&  // a large parameter that is read only
 #define GENERIC_STRUCT  \
   template <class Real> \
   struct
@@ -37,9 +36,9 @@
   constexpr  // before every function, instead of SHARED
 #define REAL Real
 #define VEC3 Vec3<Real>
-#define ROUNDING REAL(sizeof(REAL) == sizeof(float) ? 2.4e-7f : 4.5e-16)  // of a product or two
+#define ROUNDING REAL(sizeof(REAL) == sizeof(float) ? 2.4e-7f : 4.5e-16)  // relative
 #define OF_REAL(type) type<Real>                                          // a GENERIC_STRUCT
-#define OF_FLOAT(type) type<float>  // the same where all counts in floats
+#define OF_FLOAT(type) type<float>  // the same, where everything is in floats
 
 #else
 

@@ -1,4 +1,4 @@
-// Takes the macros of language.h back.
+// Undefines the macros of language.h.
 #undef SHARED_BEGIN
 #undef SHARED_END
 #undef SHARED

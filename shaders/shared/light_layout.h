@@ -1,5 +1,5 @@
-// What the light grid's kernels read and write: bindings, records, parameters. Canonical frame, but
-// for what is said to be in voxels or cells.
+// Bindings, records and parameters of the light grid's kernels. Canonical frame, unless a comment
+// says voxels or cells.
 #ifndef TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
 #define TDPT_SHADERS_SHARED_LIGHT_LAYOUT_H
 
@@ -9,12 +9,12 @@
 
 #include "shaders/shared/language.h"
 
-// The scene as texels (0), where its tables begin (1), then storage buffers, in this order, then
-// the images.
+// Bindings: the scene as texels (0), the beginnings of its tables (1), storage buffers in this
+// order, then the images.
 #define LIGHT_TABLES(TABLE) \
   TABLES_OF_BVH(TABLE)      \
   TABLES_OF_COVERAGE(TABLE)
-// BUFFER(binding, type, array), of the cuts.
+// BUFFER(binding, type, array): tables of the cuts.
 #define LIGHT_CUTS(BUFFER)          \
   BUFFER(2, PivotArc, pivot_arcs)   \
   BUFFER(3, PatchPieces, patches)   \
@@ -33,7 +33,8 @@
 #define LIGHT_DIRECTION_Z 15
 
 #define LIGHT_GROUP 64  // invocations of a work group
-// Units of the summed directions, and how many unit vectors may be summed: 31 bits hold them.
+// Units of the summed directions, and how many unit vectors may be summed without exceeding 31
+// bits.
 #define LIGHT_DIRECTION_UNITS 2048.0f
 #define LIGHT_MOST_SUMMED 524288
 
@@ -46,7 +47,8 @@ struct LightFirstTexels {
 #undef FIRST_OF_SCENE
 };
 
-/// A pair of patches, light's side first; slot of an alias table over the pairs of its cut.
+/// A pair of patches, the light side's first; also a slot of the alias table over the pairs of its
+/// cut.
 struct PivotArc {
   uint from_patch;
   uint to_patch;
@@ -60,7 +62,8 @@ struct PatchPieces {
   uint count;
 };
 
-/// A triangle of a patch's surface within its cell; slot of an alias table over the patch's pieces.
+/// A triangle of a patch's surface within its cell; also a slot of the alias table over the patch's
+/// pieces.
 struct Piece {
   vec3 a;
   uint face;  ///< 2*triangle + side, side 1: the back
@@ -70,7 +73,8 @@ struct Piece {
   uint alias;
 };
 
-/// A patch on one face, in the cell that it fills. Those of a face are sorted by level, then cell.
+/// The part of a patch on one face, and its cell. The parts on a face are sorted by level, then
+/// cell.
 struct PatchCell {
   ivec3 cell;
   uint level_region;  ///< level << 24 | region
@@ -81,7 +85,7 @@ struct FaceNormal {
   uint pad;
 };
 
-/// A place in the air and a unit direction, to draw a line through.
+/// A point in the air and a unit direction: a line through it is to be traced.
 struct LineTry {
   vec3 place;
   uint pad0;
@@ -89,7 +93,7 @@ struct LineTry {
   uint pad1;
 };
 
-/// A line between two surfaces, from the light's side of the cut to the camera's when it joins.
+/// A line between two surfaces. If it joins the sides of the cut, `light` lies on the light's side.
 struct LineEnds {
   vec3 light;
   uint light_face;
@@ -97,7 +101,7 @@ struct LineEnds {
   uint camera_face;
 };
 
-/// Lines that wait for a kernel: how many, and the work groups to dispatch for them.
+/// Lines that wait for a kernel: their number, and the work groups to dispatch for them.
 struct LightList {
   uint groups_x;
   uint groups_y;
@@ -105,8 +109,8 @@ struct LightList {
   uint count;
 };
 
-// What became of a line.
-#define FATE_NONE 0u       // blocked; or one of its ends is on no patch
+// Outcome of a line.
+#define FATE_NONE 0u       // blocked, or one of its ends is on no patch
 #define FATE_SAME_SIDE 1u  // it does not join the sides, or one end sees mostly the other side
 #define FATE_JOINS 2u
 
@@ -126,9 +130,9 @@ struct LightParameters {
   uint first_arc;
   uint arcs;
   uint levels;   ///< bit l: some patch has level l
-  int slab_low;  ///< voxels along z that are counted
+  int slab_low;  ///< range of voxels along z that are counted
   int slab_high;
-  uint first_sky_face;  ///< this and all behind are whole patches of the sky
+  uint first_sky_face;  ///< this face and all later ones are whole patches of the sky
 };
 
 SHARED_END

@@ -1,10 +1,10 @@
-// Lines of light between the two sides of a cut (section 4.2): drawn between pivot patches or
-// through a place in the air.
+// Draws lines of light between the two sides of a cut (section 4.2): between pivot patches, or
+// through a point in the air.
 //
-// Read within a scope that has the tables of light_layout.h by their names (pivot_arcs[],
-// patches[], pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`, and
-// segment_blocked() and first_hit() of traversal.h or others like them, and count_voxel(): a GLSL
-// file behind its buffers, or the body of a C++ struct.
+// Include it in a scope that has the tables of light_layout.h under their names (pivot_arcs[],
+// patches[], pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`,
+// segment_blocked() and first_hit() of traversal.h or replacements, and count_voxel(): a GLSL file
+// after its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/grid_walk.h"
@@ -14,24 +14,25 @@
 
 #include "shaders/shared/language.h"
 
-// Rays around each end of a line that vote on which side of the opening it lies.
+// Rays around each end of a line that vote on which side of the cut it lies.
 #define LINE_VOTES 16
-#define LINE_LEAD 4  // decides
+#define LINE_LEAD 4  // a lead of so many votes decides early
 #define LINE_FEWEST_VOTES 4
-// Off the surface: 16 units in the last place of coordinates up to 1.
+// Offset from the surface: 16 units in the last place of coordinates up to 1.
 #define LINE_STEP 9.5367431640625e-7f
-// Streams beside that of the line itself.
+// Random streams besides that of the line itself.
 #define LINE_VOTES_OF_LIGHT 0x100u
 #define LINE_VOTES_OF_CAMERA 0x200u
 #define LINE_COIN 0x300u
 
-/// Unit, on the side that the face names.
+/// Unit normal on the side that the face number names.
 SHARED vec3 normal_of_face(uint face) {
   vec3 n = face_normals[face >> 1].normal;
   return (face & 1u) != 0u ? -n : n;
 }
 
-// From the dome of a sky, far outside the scene, by a part of the way to it: nothing lies there.
+// Offset ray origin. On the dome of a sky, far outside the scene, the offset is a fraction of the
+// distance: nothing lies there.
 SHARED vec3 stepped_off(vec3 place, vec3 along) {
   float far = max(max(abs(place.x), abs(place.y)), abs(place.z));
   float step = far > 2.0f ? far * 0.0078125f : LINE_STEP;
@@ -61,8 +62,8 @@ SHARED vec3 place_on_patch(uint patch_index, INOUT(Rng) random, OUT(uint) face) 
   return place;
 }
 
-/// Draws a pair of the cut in proportion to its capacity and a point, uniform by area, on each of
-/// its patches.
+/// Draws a pair of the cut in proportion to its capacity and, on each of its two patches, a point
+/// uniform by area.
 SHARED LineEnds draw_line(uint number) {
   Rng random = numbers_of_line(light.stream, number);
   uint pick = random_word(random);
@@ -75,13 +76,13 @@ SHARED LineEnds draw_line(uint number) {
   return line;
 }
 
-/// By which the rays of a line find surfaces that are there with a probability.
+/// Random number by which the rays of a line decide whether non-opaque surfaces stop them.
 SHARED uint coin_of_line(uint number) {
   Rng random = numbers_of_line(light.stream + LINE_COIN, number);
   return random_word(random);
 }
 
-/// Whether the faces at both ends look along the line and nothing stands in between.
+/// Whether both end faces look along the line and nothing blocks it.
 SHARED bool line_is_free(LineEnds line, uint number) {
   vec3 w = line.camera - line.light;
   vec3 n = normal_of_face(line.light_face);
@@ -89,18 +90,18 @@ SHARED bool line_is_free(LineEnds line, uint number) {
   if (dot(w, n) <= 0.0f || dot(w, m) >= 0.0f) return false;
   vec3 light_end = stepped_off(line.light, n);
   vec3 camera_end = stepped_off(line.camera, m);
-  // From where coordinates are exact.
+  // Start at the end whose coordinates are exact.
   bool from_sky = line.light_face >= light.first_sky_face;
   return !segment_blocked(from_sky ? camera_end : light_end, from_sky ? light_end : camera_end,
                           coin_of_line(number));
 }
 
-// What is out of range, or no number (the corner in cells without size), is on no patch.
+// A value out of range, or NaN (the corner of cells without size), maps to a cell of no patch.
 SHARED int cell_coordinate(float x) {
   return x >= -2e9f ? int(floor(min(x, 2e9f))) : -2000000000;
 }
 
-/// Below 0 when `p` comes before the cell (level, cell), 0 when it is that, above 0 behind it.
+/// Negative if `p` comes before the cell (level, cell), 0 if it is that cell, positive if after it.
 SHARED int order_of_cells(PatchCell p, uint level, ivec3 cell) {
   int by_level = int(p.level_region >> 24) - int(level);
   if (by_level != 0) return by_level;
@@ -110,8 +111,8 @@ SHARED int order_of_cells(PatchCell p, uint level, ivec3 cell) {
   return 0;
 }
 
-/// Region of the finest patch that holds `place` on `face`; false when none does (surface that no
-/// walk has reached).
+/// Region of the finest patch that contains `place` on `face`; false if there is none (no walk has
+/// reached that surface).
 SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
   region = 0u;
   uint begin = first_cell[face];
@@ -124,7 +125,7 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
   vec3 from_corner = place - light.cell_corner;
   for (int level = 15; level >= 0; --level) {
     if ((light.levels & (1u << uint(level))) == 0u) continue;
-    // 4^level in the exponent.
+    // 4^level, written as a float's exponent.
     float scale = light.cells_per_unit * uintBitsToFloat(uint(127 + 2 * level) << 23);
     vec3 q = from_corner * scale;
     ivec3 cell = ivec3(cell_coordinate(q.x), cell_coordinate(q.y), cell_coordinate(q.z));
@@ -151,7 +152,7 @@ SHARED uint side_of_region(uint region) {
   return region <= light.cut ? 0u : 1u;
 }
 
-/// Whether cosine rays from an end of a line meet mostly patches of its own side.
+/// Whether cosine-distributed rays from an end of a line hit mostly patches of its own side.
 SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint number) {
   Rng random = numbers_of_line(stream, number);
   vec3 normal = normal_of_face(face);
@@ -179,8 +180,8 @@ SHARED bool sees_its_side(vec3 end, uint face, uint side, uint stream, uint numb
   return same > other && same + other >= LINE_FEWEST_VOTES;
 }
 
-/// Whether each end of a line sees mostly its own side of the cut. What fails is a leak through a
-/// patch that straddles the opening.
+/// Whether each end of a line sees mostly its own side of the cut. A line that fails is a leak
+/// through a patch that straddles the opening.
 SHARED bool ends_see_their_sides(LineEnds line, uint number) {
   return sees_its_side(line.light, line.light_face, 0u, light.stream + LINE_VOTES_OF_LIGHT,
                        number) &&
@@ -188,7 +189,7 @@ SHARED bool ends_see_their_sides(LineEnds line, uint number) {
                        number);
 }
 
-/// First surface from `place` along `w`: where, on which face, and on which side of the cut.
+/// First surface from `place` along `w`: its point, its face, and its side of the cut.
 SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) face,
                       OUT(uint) side) {
   end = place;
@@ -207,10 +208,10 @@ SHARED bool end_along(vec3 place, vec3 w, uint coin, OUT(vec3) end, OUT(uint) fa
   return true;
 }
 
-/// The line through a place along its direction, both ways to the first surface. FATE_JOINS: its
-/// ends lie on different sides of the cut, and `line` is turned from light to camera.
+/// The line through a point, traced both ways to the first surface. FATE_JOINS: its ends lie on
+/// different sides of the cut, and `line` is oriented from light to camera.
 SHARED uint line_through(LineTry through, uint number, OUT(LineEnds) line) {
-  // A try without a direction stands for none.
+  // A direction of zero marks an unused entry.
   line.light = through.place;
   line.camera = through.place;
   line.light_face = 0u;
@@ -249,8 +250,7 @@ SHARED ivec3 direction_in_units(vec3 w) {
   return ivec3(int(floor(v.x)), int(floor(v.y)), int(floor(v.z)));
 }
 
-/// Where along the line from `a`, in voxels, by `way` it comes into the grid and leaves it along an
-/// axis.
+/// Clips [enter, leave], parameters along a + t way in voxels, to the grid's range on one axis.
 SHARED void within_axis(float a, float way, int dim, INOUT(float) enter, INOUT(float) leave) {
   float per_way = reciprocal(either_sign(way) * max(abs(way), 1e-18f));
   float t0 = -a * per_way;
@@ -259,8 +259,7 @@ SHARED void within_axis(float a, float way, int dim, INOUT(float) enter, INOUT(f
   leave = min(leave, max(t0, t1));
 }
 
-/// Draws the ends of a line to the sky, in voxels, to the border of the grid; false where it passes
-/// by.
+/// Clips a line to the sky, in voxels, to the grid; false if it misses the grid.
 SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
   vec3 way = b - a;
   float enter = 0.0f;
@@ -276,7 +275,7 @@ SHARED bool within_grid(INOUT(vec3) a, INOUT(vec3) b) {
   return true;
 }
 
-/// Counts the line in every voxel of the slab that it passes.
+/// Counts the line in every voxel of the slab that it passes through.
 SHARED void march(LineEnds line) {
   vec3 w = line.camera - line.light;
   ivec3 direction = direction_in_units(w);

@@ -1,4 +1,4 @@
-// Test only: the words of numbers_test.h, one run of them an invocation.
+// Test only: the words of numbers_test.h, one run per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;

@@ -21,7 +21,7 @@ std::vector<uint32_t> device_words(const std::vector<shader::uvec4>& sobol_point
   return words.download<uint32_t>(size_t{kInvocations} * shader::kNumbersOfOne);
 }
 
-// Words that are not those of C++.
+// Number of words that differ from those of C++.
 size_t differences(const std::vector<shader::uvec4>& sobol_points) {
   const std::vector<uint32_t> theirs = device_words(sobol_points);
   size_t n = 0;
@@ -44,7 +44,7 @@ TEST(numbers, twin_one_wrong_bit_in_the_points_is_seen) {
   EXPECT_GT(differences(points), 0u);
 }
 
-// As the renderer draws them, and what the kernels' words are of.
+// The objects that the renderer uses give the same numbers as the kernels' code.
 TEST(numbers, are_those_of_the_objects_that_the_cpu_draws_from) {
   const shader::Numbers drawn = shader::draw_numbers(10);
   const auto at = [&](size_t k) {

@@ -1,5 +1,4 @@
-// Test only: random numbers, warps and elementary functions as words, to hold a device's against
-// those of C++.
+// Test only: random numbers, warps and elementary functions as words, to compare a device with C++.
 #ifndef TDPT_SHADERS_SHARED_NUMBERS_TEST_H
 #define TDPT_SHADERS_SHARED_NUMBERS_TEST_H
 
@@ -17,7 +16,7 @@ struct Numbers {
   uint words[72];
 };
 
-/// What invocation i draws.
+/// The numbers of invocation i.
 SHARED Numbers draw_numbers(uint i) {
   Numbers drawn;
   uint n = 0u;

@@ -1,7 +1,7 @@
-// Arithmetic that gives the same bits on every device: sums, products, comparisons and bits of
-// floats only. Vulkan allows 2.5 units in the last place to quotients, more to roots, and 2^-11 to
-// sines; these keep to the bounds given here and are the same everywhere. C++ counts in doubles,
-// too: there the library's own functions stand under the same names.
+// Arithmetic that gives the same bits on every device, from sums, products, comparisons and bits of
+// floats only. Vulkan allows an error of 2.5 units in the last place for quotients, more for roots,
+// and 2^-11 for sines; these functions keep the bounds given here. For doubles, which only C++
+// uses, the library's own functions are provided under the same names.
 #ifndef TDPT_SHADERS_SHARED_REAL_H
 #define TDPT_SHADERS_SHARED_REAL_H
 
@@ -12,7 +12,7 @@ SHARED_BEGIN
 /// 1/x, to 2 units in the last place. 1e-37 <= |x| <= 1e37.
 SHARED float reciprocal(float x) {
   float a = abs(x);
-  // Newton's iteration from a guess that is 12 % off: each squares the error.
+  // Newton's iteration from a guess with 12 % error; each step squares the error.
   float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(a));
   y = y * (2.0f - a * y);
   y = y * (2.0f - a * y);
@@ -38,7 +38,7 @@ SHARED float root(float x) {
   return r;
 }
 
-/// 1 or -1 by the sign of x; of a zero, either.
+/// 1 or -1 by the sign of x; for a zero it may be either.
 SHARED float either_sign(float x) {
   return x < 0.0f ? -1.0f : 1.0f;
 }

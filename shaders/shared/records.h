@@ -1,12 +1,11 @@
-// Records of tables. RECORD(T) is a struct T of whole texels, four words each, one behind the
-// other: TEXELS_OF_T(VEC, WORDS, PART) lists them, and a member has its own comment above its
-// texel.
+// Records of tables. RECORD(T) is a struct T of whole texels of four words, which TEXELS_OF_T(VEC,
+// WORDS, PART) lists; the comment on a member stands above its texel.
 //   VEC(a, type, b)                             vec3 a; type b;
 //   WORDS(type, a, type, b, type, c, type, d)
 //   PART(T, a)                                  another record
-// A type is uint, int or float. They lie as in std430 and in C++. In GLSL there is also
-// T entry_T(texels, first, i), entry i of a table that begins at texel `first`, and so it is for
-// uint, float and uvec4: some devices read texels several times as fast as storage buffers.
+// A type is uint, int or float. The layout is that of std430 and of C++. GLSL also gets T
+// entry_T(texels, first, i): entry i of a table that begins at texel `first`; likewise for uint,
+// float and uvec4. Some devices read texels several times as fast as storage buffers.
 #ifndef TDPT_SHADERS_SHARED_RECORDS_H
 #define TDPT_SHADERS_SHARED_RECORDS_H
 
@@ -25,7 +24,7 @@
 #include <type_traits>
 
 #define RECORD(T) RECORD_ALIGNED(, T)
-// The same with Real in place of floats: TOf<double>.
+// The same with Real instead of float: TOf<double>.
 #define RECORD_OF_REALS(T)                                                      \
   template <class Real>                                                         \
   struct T##Of {                                                                \

@@ -1,6 +1,6 @@
 // Random numbers as a function of (seed, stream, a, b, dimension): SplitMix64 (Steele, Lea and
-// Flood 2014) from a key that the four are mixed into. No state is shared, so results do not depend
-// on threads, order or device, or on how a run is split.
+// Flood 2014) started from a key that mixes the first four. There is no shared state, so results do
+// not depend on threads, order, device, or how a run is split.
 #ifndef TDPT_SHADERS_SHARED_RNG_H
 #define TDPT_SHADERS_SHARED_RNG_H
 
@@ -25,8 +25,8 @@ struct Rng {
   word64 key;
 };
 
-/// `stream` keeps users of one seed apart (an integrator, a stage of a tool); `a` and `b` name the
-/// sample (pixel and sample index, walk number, ...).
+/// `stream` separates users of one seed (an integrator, a stage of a tool); `a` and `b` identify
+/// the sample (pixel and sample index, walk number, ...).
 SHARED Rng rng_of(word64 seed, word64 stream, word64 a, word64 b) {
   Rng rng;
   rng.key = mix64(sum64(seed, golden64()));
@@ -61,7 +61,7 @@ SHARED uint below(uint word, uint n) {
   return high;
 }
 
-/// In [0,1): a number that belongs to two words.
+/// In [0,1): a fixed pseudo-random number for two words.
 SHARED float hashed_unit(uint a, uint b) {
   return unit_float(high_word(mix64(word64_of(a, b))));
 }

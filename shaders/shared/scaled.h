@@ -1,5 +1,5 @@
-// Numbers of a float's digits and an exponent without end: products of densities along a path grow
-// and shrink beyond what a float holds, and by a later factor come back.
+// Numbers with a float's digits and an unlimited exponent: products of densities along a path can
+// leave the range of a float and return to it by a later factor.
 #ifndef TDPT_SHADERS_SHARED_SCALED_H
 #define TDPT_SHADERS_SHARED_SCALED_H
 
@@ -9,14 +9,14 @@
 
 SHARED_BEGIN
 
-/// digits 2^exponent; digits 0, or of magnitude in [1/2, 1).
+/// digits 2^exponent; digits are 0 or of magnitude in [1/2, 1).
 struct Scaled {
   float digits;
   int exponent;
 };
 
-/// digits 2^exponent, whatever the digits; what is no number or infinite stays so, what a device
-/// may take for 0 (below 2^-126) is 0.
+/// digits 2^exponent, for any digits; NaN and infinity are kept; values that a device may flush to
+/// zero (below 2^-126) become 0.
 SHARED Scaled scaled(float digits, int exponent) {
   uint bits = floatBitsToUint(digits);
   int e = int((bits >> 23) & 255u);
@@ -52,7 +52,7 @@ SHARED Scaled sum(Scaled a, Scaled b) {
   return scaled(of_a + of_b, most);
 }
 
-/// As a float: 0 below 2^-126, 3e38 beyond 2^126.
+/// As a float: 0 below 2^-126, 3e38 above 2^126.
 SHARED float narrowed(Scaled a) {
   if (a.digits == 0.0f || a.exponent < -125) return 0.0f * a.digits;
   if (a.exponent > 126) return a.digits < 0.0f ? -3e38f : 3e38f;

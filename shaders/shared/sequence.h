@@ -1,19 +1,19 @@
-// Random numbers of a pixel that fill the unit cube more evenly than independent ones: padded Sobol
-// points in hashed order with digital shifts, a function of (seed, stream, pixel, sample,
-// dimension) alone as those of rng.h are.
+// Low-discrepancy random numbers for a pixel: padded Sobol points in hashed order with digital
+// shifts. Like those of rng.h they are a function of (seed, stream, pixel, sample, dimension)
+// alone.
 //
 // Dimensions come in blocks of four. Within a block, sample i is point s(i) of the Sobol sequence
 // (direction numbers of the primitive polynomials x + 1, x^2 + x + 1, x^3 + x + 1 with the initial
-// values of Joe and Kuo), where s permutes the samples within every aligned run of 2^k; each
-// dimension is then shifted on its own (exclusive or with a random number). The permutation is a
-// nested uniform scrambling (Owen) of the index: a bit is flipped or not by a coin that the bits
-// above it choose, and a hash is the coin. Blocks have independent hashes, so that dimensions of
-// two blocks are paired at random and each number by itself is uniform over the seeds: estimates
-// stay unbiased.
+// values of Joe and Kuo), where s permutes the samples within every aligned run of 2^k. Each
+// dimension is then digitally shifted on its own (exclusive or with a random number). The
+// permutation is nested uniform (Owen) scrambling of the index: a hash of the bits above a bit
+// decides whether it is flipped. Blocks have independent hashes, so that dimensions of two blocks
+// are paired at random and each number by itself is uniform over the seeds: estimates stay
+// unbiased.
 //   B. Burley, Practical Hash-based Owen Scrambling, JCGT 9(4), 2020;
 //   the hash is of the kind of S. Laine and T. Karras, with the constants of N. Vegdahl.
 //
-// Who calls it has load_sobol_point(), of the points of libcommon/math/sequence.h.
+// The caller provides load_sobol_point(), which reads the points of libcommon/math/sequence.h.
 #ifndef TDPT_SHADERS_SHARED_SEQUENCE_H
 #define TDPT_SHADERS_SHARED_SEQUENCE_H
 
@@ -23,8 +23,8 @@
 
 SHARED_BEGIN
 
-/// [256 * k + value]: what byte k of an index whose bits are reversed adds to the point; byte 0 is
-/// the highest.
+/// [256 * k + value]: contribution of byte k of a bit-reversed index to the point; byte 0 is the
+/// highest.
 #ifdef __cplusplus
 inline const uvec4& load_sobol_point(uint i);
 #else
@@ -33,19 +33,19 @@ uvec4 load_sobol_point(uint i);
 
 const uint kSequenceBlock = 4u;  // dimensions of a block
 
-/// The numbers of one sample. Takes the place of Rng where a pixel takes many samples. Of any
-/// aligned run of 2^k samples, each interval of length 2^-k of every dimension gets one, and so
-/// does each rectangle of area 2^-k (sides powers of two) of the first two dimensions of a block.
+/// The numbers of one sample; used instead of Rng where a pixel takes many samples. Of any aligned
+/// run of 2^k samples, each interval of length 2^-k of every dimension gets one, and so does each
+/// rectangle of area 2^-k (sides powers of two) of the first two dimensions of a block.
 struct Sequence {
   word64 key;
   word64 block_key;
-  uint reversed;  ///< bits of the sample's number
+  uint reversed;  ///< bit-reversed sample number
   uint dimension;
-  uvec4 point;  ///< of the block; bit 31 of a coordinate is a half
+  uvec4 point;  ///< of the block; bit 31 of a coordinate stands for 1/2
 };
 
-/// Stream and pixel as a and b in Rng; samples are numbered 0, 1, 2, ... Runs of 2^32 samples are
-/// independent of each other.
+/// Stream and pixel correspond to stream and a of Rng; samples are numbered 0, 1, 2, ... Runs of
+/// 2^32 samples are independent of each other.
 SHARED Sequence sequence_of(word64 seed, word64 stream, word64 pixel, word64 number) {
   Rng rng = rng_of(seed, stream, pixel, word64_of(0u, high_word(number)));
   Sequence s;
@@ -57,8 +57,8 @@ SHARED Sequence sequence_of(word64 seed, word64 stream, word64 pixel, word64 num
   return s;
 }
 
-/// Nested uniform scrambling of a number whose bits are reversed: each step lets a bit depend on
-/// itself and on lower bits only.
+/// Nested uniform scrambling of a bit-reversed number: in each step a bit depends only on itself
+/// and on lower bits.
 SHARED uint scramble_reversed(uint number, uint key) {
   uint x = number ^ number * 0x3d20adeau;
   x += key;
@@ -72,7 +72,7 @@ SHARED void begin_block(INOUT(Sequence) s) {
   word64 number = word64_of(0u, s.dimension / kSequenceBlock + 1u);
   s.block_key = mix64(sum64(s.key, product64(number, golden64())));
   uint order = high_word(s.block_key);
-  // The same flips are taken off every index: what is above a sample's highest bit stays 0.
+  // Undo the flips of index 0 for every index: bits above a sample's highest bit stay 0.
   uint index = scramble_reversed(s.reversed, order) ^ scramble_reversed(0u, order);
   s.point = load_sobol_point(index >> 24);
   index <<= 8;
@@ -82,14 +82,14 @@ SHARED void begin_block(INOUT(Sequence) s) {
   }
 }
 
-/// The next number is that of dimension d. What a dimension stands for must not depend on the
-/// sample, or samples do not complement each other.
+/// The next number is that of dimension d. The use of a dimension must not depend on the sample, or
+/// the samples do not stratify it.
 SHARED void seek(INOUT(Sequence) s, uint d) {
   s.dimension = d;
   if (d % kSequenceBlock != 0u) begin_block(s);
 }
 
-/// Next dimension, uniform in 0..2^64-1. The upper word is that of the sequence; the lower one is
+/// Next dimension, uniform in 0..2^64-1. The upper word comes from the sequence; the lower one is
 /// hashed.
 SHARED word64 random_bits(INOUT(Sequence) s) {
   uint d = s.dimension % kSequenceBlock;

@@ -57,7 +57,7 @@ TEST(real, keeps_to_its_bounds) {
   EXPECT_LT(inverse, 2 * 2);
   EXPECT_LT(inverse_roots, 3 * 2);
   EXPECT_LT(roots, 3 * 2);
-  // Twin: one iteration less would not do.
+  // Twin: one iteration less is not enough.
   const auto short_of = [](float x) {
     float y = uintBitsToFloat(0x7EF311C7u - floatBitsToUint(x));
     y = y * (2.0f - x * y);
@@ -83,7 +83,7 @@ TEST(real, sines_are_good_to_2e_7) {
   RecordProperty("error", std::to_string(most * 1e7) + "e-7");
 }
 
-// p of `draw(u, v)`, directions about (2,-1,-3)/sqrt(14), against cos/pi.
+// p value of `draw(u, v)`, directions about (2,-1,-3)/sqrt(14), against cos/pi.
 template <class Draw>
 double p_of_cosine(Draw draw) {
   const Vec3d n = normalize(Vec3d(2, -1, -3));
@@ -166,7 +166,7 @@ TEST(voxel_walk, visits_the_voxels_counted_by_hand) {
             (Voxels{{0, 1, 2}, {1, 1, 2}, {2, 1, 2}, {3, 1, 2}}));
   EXPECT_EQ(walked({3.5f, 1.5f, 2.5f}, {1.5f, 1.5f, 2.5f}, dim),
             (Voxels{{3, 1, 2}, {2, 1, 2}, {1, 1, 2}}));
-  // On the wall between two voxels: the upper one.
+  // On the wall between two voxels the upper one counts.
   EXPECT_EQ(walked({0.5f, 2, 2.5f}, {2.5f, 2, 2.5f}, dim),
             (Voxels{{0, 2, 2}, {1, 2, 2}, {2, 2, 2}}));
   // Slanted: x = 1 at t = 1/4, y = 1 at 1/2, x = 2 at 3/4.
@@ -176,10 +176,10 @@ TEST(voxel_walk, visits_the_voxels_counted_by_hand) {
   EXPECT_EQ(walked({0, 0, 0}, {2, 2, 2}, dim),
             (Voxels{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 1}, {2, 2, 1}, {2, 2, 2}}));
   EXPECT_EQ(walked({2, 2, 2}, {0, 0, 0}, dim).back(), ivec3(0, 0, 0));
-  // No length at all, also on a corner.
+  // Zero length, also on a corner.
   EXPECT_EQ(walked({3.5f, 3.5f, 3.5f}, {3.5f, 3.5f, 3.5f}, dim), (Voxels{{3, 3, 3}}));
   EXPECT_EQ(walked({3, 3, 3}, {3, 3, 3}, dim), (Voxels{{3, 3, 3}}));
-  // What lies outside is drawn to the border; so is the far wall.
+  // Parts outside are clamped to the border; so is the far wall.
   EXPECT_EQ(walked({-1, 0.5f, 0.5f}, {1.5f, 0.5f, 0.5f}, dim), (Voxels{{0, 0, 0}, {1, 0, 0}}));
   EXPECT_EQ(walked({7.5f, 8, 8}, {8, 8, 8}, dim), (Voxels{{7, 7, 7}}));
 }
@@ -200,10 +200,10 @@ double length_within(const ivec3& voxel, const Vec3d& a, const Vec3d& b) {
   return std::max(0.0, leave - enter) * length(b - a);
 }
 
-// Neighbours in order, from end to end; `length_within` says that voxels which are visited are
-// passed, but for corners that rounding passes on the other side, and that they are all there is of
-// the segment. `shift` moves the segment that is walked; `corner`: what is passed by less than
-// that [voxels] counts as not passed. The share of segments and voxels that fail.
+// Checks that the voxels are neighbours in order from end to end, and, by `length_within`, that
+// exactly the voxels are visited that the segment passes, except at corners that rounding passes on
+// the other side. `shift` moves the walked segment; `corner`: shorter passages [voxels] do not
+// count. Returns the share of segments and voxels that fail.
 template <class Real>
 double share_that_differs(Real shift, double corner) {
   uint64_t different = 0, all = 0;

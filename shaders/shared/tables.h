@@ -1,6 +1,6 @@
-// The tables that texts read, TABLE(type, name, array) each: type load_name(uint i) is array[i].
-// C++ has arrays for them, kernels buffers, or texels where that is faster [records.h]. A list
-// stands in the order in which tables are laid out.
+// Lists of the tables that the shared code reads, TABLE(type, name, array) each: type
+// load_name(uint i) is array[i]. C++ has arrays for them, kernels buffers, or texels where that is
+// faster [records.h]. Tables are laid out in the order of the list.
 #ifndef TDPT_SHADERS_SHARED_TABLES_H
 #define TDPT_SHADERS_SHARED_TABLES_H
 
@@ -9,7 +9,7 @@
   const type& load_##name(uint i) const { \
     return array[i];                      \
   }
-// What has it refers to it.
+// A member that refers to the table without owning it.
 #define REFERS_TO(type, name, array) \
   const type* array;                 \
   LOADS(type, name, array)

@@ -1,5 +1,5 @@
-// Where a texture coordinate lies among the texels of an image: bilinear or nearest, wrapped round
-// as libcommon/scene/texture.cpp has it, in floats. And bytes of texels as shares of 255.
+// Finds the texels for a texture coordinate: bilinear or nearest, with the wrap modes of
+// libcommon/scene/texture.cpp, in floats. Also converts texel bytes to [0,1].
 #ifndef TDPT_SHADERS_SHARED_TEXELS_H
 #define TDPT_SHADERS_SHARED_TEXELS_H
 
@@ -9,7 +9,7 @@
 
 SHARED_BEGIN
 
-/// The four texels around a place, and the shares of the second column and row.
+/// The four texels around a point, and the weights of the second column and row.
 struct TexelSpan {
   uint texel00;
   uint texel10;
@@ -19,7 +19,7 @@ struct TexelSpan {
   float y;
 };
 
-/// An even number of images, the greatest below u; 0 for coordinates that count as 0.
+/// The greatest even number of images below u; 0 for coordinates that count as 0.
 SHARED float whole_images(float u) {
   return 2.0f * floor(0.5f * u);
 }
@@ -29,7 +29,7 @@ SHARED float texture_coordinate(float u) {
   return abs(u) < 1e9f ? u : 0.0f;
 }
 
-/// A coordinate within the image it falls on, or, mirrored, within it and its reflection: [0,1] or
+/// A coordinate wrapped into the image, [0,1], or, if mirrored, into the image and its reflection,
 /// [0,2].
 SHARED float within_image(float u, bool mirror, bool clamp_to_edge) {
   if (clamp_to_edge) return min(max(u, 0.0f), 1.0f);
@@ -52,7 +52,7 @@ SHARED TexelSpan texel_span(TexelGrid grid, float u, float v) {
   bool nearest = (grid.how & TEXELS_NEAREST) != 0u;
   int width = int(grid.width);
   int height = int(grid.height);
-  // The middle of texel i lies at i + 1/2.
+  // The centre of texel i lies at i + 1/2.
   float shift = nearest ? 0.0f : 0.5f;
   float x = within_image(u, mirror_u, clamp_u) * float(width) - shift;
   float y = within_image(v, mirror_v, clamp_v) * float(height) - shift;
@@ -78,7 +78,7 @@ SHARED float bilinear(TexelSpan span, float t00, float t10, float t01, float t11
   return low + (high - low) * span.y;
 }
 
-/// byte / 255 as a quotient is rounded: the first product is exact.
+/// byte / 255, correctly rounded: the first product is exact.
 SHARED float share_of_byte(uint byte) {
   float b = float(byte);
   return b * 0.00392150879f + b * 5.9838392e-08f;

@@ -1,31 +1,32 @@
-// Rays and segments through the hierarchy of bvh.h, without recursion.
+// Traces rays and segments through the bounding volume hierarchy of bvh.h, without recursion.
 //
-// Included where the arrays are: at global scope in GLSL, behind the buffers, and INSIDE a struct's
-// body in C++, whose members they are (libcommon/trace/scalar_tracer.h). Hence no include guard and
-// no namespace here: the C++ struct lies in tdpt::shader. What must be there:
+// Include it where the arrays are: at global scope in GLSL, after the buffers, and INSIDE the body
+// of a C++ struct whose members they are (libcommon/trace/scalar_tracer.h). Hence there is no
+// include guard and no namespace; the C++ struct lies in tdpt::shader. The scope must provide:
 //   load_bvh_node(i), load_bvh_triangle(i)
 //   bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w)
-//       whether a surface that is there with some probability is there for this ray at this place.
-//       `coin` is the ray's own number, `w` its direction, of any length. Asked of triangles whose
-//       `stops` is 0 only.
+//       whether a surface that is not fully opaque stops this ray at this point. `coin` is the
+//       ray's own random number, `w` its direction, of any length. Called only for triangles whose
+//       `stops` is 0.
 //
-// Why no box is missed. Rays begin within 3 extents of the middle (ray_of) or miss the scene, so
+// Why no box is missed. Rays begin within 3 extents of the centre (ray_of) or miss the scene, so
 // differences to corners are below 4 on a side axis and little above 2 on the main one, in extents.
-// With e = 2^-24: the point of a corner (triangle.h) is off by less than e (4 + 2 + 2 + 6) = 14 e,
-// the ray's place where it meets a slab, with a reciprocal good to 4 e, by e 4 (1 + 4 + 1) = 24 e.
-// The builder makes boxes larger by 2^-18 = 64 e extents on all sides. Nowhere is 0 * infinity:
-// slopes are at least 1e-18.
+// With e = 2^-24: the point of a corner (triangle.h) has an error below e (4 + 2 + 2 + 6) = 14 e,
+// the point where the ray meets a slab, with a reciprocal good to 4 e, e 4 (1 + 4 + 1) = 24 e. The
+// builder enlarges boxes by 2^-18 = 64 e extents on all sides. 0 * infinity never occurs: slopes
+// are at least 1e-18.
 //
 // The answer does not depend on the order of the nodes: a hit counts as no nearer than the box of
-// its leaf, boxes lie in the boxes of their parents and rounding is monotonic, so that no box that
-// is left out can hold the winner.
+// its leaf, boxes lie in the boxes of their parents and rounding is monotonic. So no box that is
+// skipped can hold the nearest hit.
 
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/triangle.h"
 
 #include "shaders/shared/language.h"
 
-/// Where the ray is in the box, as depths. Missed when near > far; behind its origin when far < 0.
+/// Depths at which the ray enters and leaves the box. Missed if near > far; behind the origin if
+/// far < 0.
 SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(float) near,
                        OUT(float) far) MEMBER_CONST {
   vec3 a = (low - origin) * per_slope;
@@ -34,10 +35,10 @@ SHARED void box_depths(vec3 low, vec3 high, vec3 origin, vec3 per_slope, OUT(flo
   far = min(min(max(a.x, b.x), max(a.y, b.y)), max(a.z, b.z));
 }
 
-// Waits below all that a traversal has put aside: a leaf that is not there.
+// Bottom of the stack: an empty leaf that ends the traversal.
 const uint kBvhDone = 0x8FFFFFFFu;
 
-/// The triangles of a leaf whose box the ray enters at depth `near`; `best`: of `hit`.
+/// Tests the triangles of a leaf whose box the ray enters at depth `near`; `best`: depth of `hit`.
 SHARED void meet_leaf(uint leaf, float near, AxisRay ray, vec3 direction, uint coin,
                       INOUT(float) best, INOUT(SurfaceHit) hit) MEMBER_CONST {
   uint first = leaf & kBvhFirstMask;
@@ -62,7 +63,7 @@ SHARED void meet_leaf(uint leaf, float near, AxisRay ray, vec3 direction, uint c
 }
 
 /// The first surface at t > 0 along `direction`, which may have any length. Of several at the same
-/// place the triangle with the smallest index.
+/// point, the triangle with the smallest index wins.
 SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hit) MEMBER_CONST {
   hit.t = 0.0f;
   hit.triangle = 0xFFFFFFFFu;
@@ -80,8 +81,8 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
   uint top = 1u;
   uint node = 0u;
   float node_near = 0.0f;
-  // First down to a leaf, then through it: of rays that go side by side each waits for the others
-  // once a leaf.
+  // Descend to a leaf, then test it: rays that run in lockstep wait for each other only once per
+  // leaf.
   while (true) {
     while ((node & kBvhLeaf) == 0u) {
       BvhNode here = load_bvh_node(node);
@@ -90,7 +91,7 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
       box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
       bool hit0 = near0 <= min(far0, best) && far0 >= 0.0f;
       bool hit1 = near1 <= min(far1, best) && far1 >= 0.0f;
-      // Without branches: the child that waits is written at any rate.
+      // Branch-free: the deferred child is always written.
       bool second = hit1 && (!hit0 || near1 < near0);
       stack[top] = second ? here.child0 : here.child1;
       stack_near[top] = second ? near0 : near1;
@@ -118,9 +119,9 @@ SHARED bool first_hit(vec3 origin, vec3 direction, uint coin, OUT(SurfaceHit) hi
   return true;
 }
 
-/// Whether a surface lies strictly between `a` and `b`. Nothing lies between a place and itself.
-/// Depths are rounded: ends that lie on surfaces are to be stepped off them, as the origins of rays
-/// are, by some 2^-21 (tracer.h).
+/// Whether a surface lies strictly between `a` and `b`; never between a point and itself. Depths
+/// are rounded: ends on surfaces must be offset from them, as ray origins are, by about 2^-21
+/// (tracer.h).
 SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
   vec3 direction = b - a;
   AxisRay ray;
@@ -140,8 +141,8 @@ SHARED bool segment_blocked(vec3 a, vec3 b, uint coin) MEMBER_CONST {
       box_depths(here.low1, here.high1, ray.origin, per_slope, near1, far1);
       bool hit0 = near0 <= min(far0, limit) && far0 >= 0.0f;
       bool hit1 = near1 <= min(far1, limit) && far1 >= 0.0f;
-      // Any surface will do: where the segment is in the box for longer, it is likelier to meet
-      // one.
+      // Any hit will do: visit first the box in which the segment is longer, since a hit is
+      // likelier there.
       float way0 = min(far0, limit) - max(near0, 0.0f);
       float way1 = min(far1, limit) - max(near1, 0.0f);
       bool second = hit1 && (!hit0 || way1 > way0);

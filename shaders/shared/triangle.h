@@ -1,17 +1,16 @@
-// Watertight intersection of rays and triangles: Woop, Benthin and Wald, "Watertight ray/triangle
-// intersection", 2013, with signs that are exact.
+// Watertight intersection of rays and triangles (Woop, Benthin and Wald, "Watertight ray/triangle
+// intersection", 2013) with exact signs.
 //
-// Seen along the ray the three corners are points (x, y) of a plane, the ray its origin. A corner's
-// point depends on the ray and the corner alone, so that triangles which share corners share points
-// whatever was rounded on the way. The ray meets a triangle when the three edge functions
-// x_i y_j - y_i x_j have no two signs that oppose each other. Rounding is monotonic: where the two
-// rounded products differ, their order is that of the exact ones; where they are equal, their
-// rounding errors decide, which are floats themselves (Dekker). So the sign is that of the exact
-// edge function, opposite for the two triangles at an edge, and an edge function of 0 counts for
-// both of them: no ray passes between them.
+// Seen along the ray, the three corners are points (x, y) of a plane and the ray is its origin. A
+// corner's point depends on the ray and the corner alone, so triangles that share corners share
+// points, whatever was rounded. The ray hits a triangle if the three edge functions x_i y_j - y_i
+// x_j have no two opposite signs. Rounding is monotonic: if the two rounded products differ, their
+// order is that of the exact ones; if they are equal, their rounding errors decide, which are
+// floats themselves (Dekker). So the sign is that of the exact edge function, opposite for the two
+// triangles at an edge, and an edge function of 0 counts for both: no ray passes between them.
 //
-// Points closer than 2^-38 to an axis are put on it, so that no product and no rounding error falls
-// below 2^-122. Nothing here then depends on whether a device keeps denormal numbers.
+// Points closer than 2^-38 to an axis are moved onto it, so that no product and no rounding error
+// falls below 2^-122. Results therefore do not depend on whether a device keeps denormal numbers.
 #ifndef TDPT_SHADERS_SHARED_TRIANGLE_H
 #define TDPT_SHADERS_SHARED_TRIANGLE_H
 
@@ -21,15 +20,15 @@
 
 SHARED_BEGIN
 
-/// A ray by its main axis, the one along which it is steepest. Depths are distances along that axis
-/// the way the ray goes.
+/// A ray described by its main axis, the one along which it is steepest. Depths are distances along
+/// that axis in the ray's direction.
 struct AxisRay {
   vec3 origin;
-  vec3 slope;   ///< direction per depth: 1 or -1 on the main axis; nowhere below 1e-18 in magnitude
-  uint axis;    ///< the main axis
-  float sign;   ///< slope on the main axis
-  float start;  ///< depth of `origin` on the ray that was asked for, 0 or above
-  float size;   ///< depth of its direction's tip
+  vec3 slope;       ///< direction per depth: 1 or -1 on the main axis; magnitude at least 1e-18
+  uint axis;        ///< the main axis
+  float sign;       ///< slope on the main axis
+  float start;      ///< depth of `origin` on the original ray, 0 or above
+  float size;       ///< depth of the tip of its direction
   float per_depth;  ///< 1/size
 };
 
@@ -38,10 +37,10 @@ SHARED float slope_along(float d, float per_depth) {
   return abs(s) >= 1e-18f ? s : (s < 0.0f ? -1e-18f : 1e-18f);
 }
 
-/// False for a direction that is zero (below 1e-36). An origin that has a way to go until a
-/// coordinate of `extent` on the main axis is moved there, but for 2^-16 of the extent and 2^-20 of
-/// the way, so that what lies at `extent` still lies ahead: rounding then depends on the size of
-/// the scene and not on how far outside of it the ray begins. `direction` at most 1e36.
+/// False for a direction of zero (below 1e-36). An origin in front of the scene's `extent` on the
+/// main axis is moved up to it, less 2^-16 of the extent and 2^-20 of the distance, so that what
+/// lies at `extent` still lies ahead: rounding then depends on the size of the scene and not on how
+/// far outside of it the ray begins. `direction` at most 1e36.
 SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) {
   float x = abs(direction.x);
   float y = abs(direction.y);
@@ -67,12 +66,12 @@ SHARED bool ray_of(vec3 origin, vec3 direction, float extent, OUT(AxisRay) ray) 
   return size >= 1e-36f;
 }
 
-/// `a` with the main axis last, the others in cyclic order.
+/// `a` with the main axis last and the others in cyclic order.
 SHARED vec3 axis_last(vec3 a, uint axis) {
   return axis == 0u ? vec3(a.y, a.z, a.x) : (axis == 1u ? vec3(a.z, a.x, a.y) : a);
 }
 
-/// A corner as the ray sees it: its point in the plane and its depth.
+/// A corner as seen along the ray: its point in the plane and its depth.
 SHARED vec3 seen_along(AxisRay ray, vec3 slope, vec3 corner) {
   vec3 from_origin = corner - ray.origin;
   vec3 a = axis_last(from_origin, ray.axis);
@@ -83,7 +82,7 @@ SHARED vec3 seen_along(AxisRay ray, vec3 slope, vec3 corner) {
   return vec3(abs(x) < least ? 0.0f : x, abs(y) < least ? 0.0f : y, depth);
 }
 
-/// a b - p, which is a float when p is the rounded product (Dekker, Veltkamp).
+/// a b - p, which is exactly a float if p is the rounded product (Dekker, Veltkamp).
 SHARED float product_error(float a, float b, float p) {
   float ca = 4097.0f * a;
   float cb = 4097.0f * b;
@@ -108,8 +107,8 @@ SHARED float edge_function(vec3 a, vec3 b) {
   return r;
 }
 
-/// `r`, which is edge_function(a, b), to two units in the last place of itself. Without this, what
-/// long thin triangles lose to the rounding of the products would move places along them.
+/// Improves `r` = edge_function(a, b) to two units in the last place. Otherwise the rounding of the
+/// products would shift hit points along long thin triangles.
 SHARED float refined_edge_function(vec3 a, vec3 b, float r) {
   float p = a.x * b.y;
   float q = a.y * b.x;
@@ -119,8 +118,8 @@ SHARED float refined_edge_function(vec3 a, vec3 b, float r) {
   return more == 0.0f ? r : more;
 }
 
-/// Whether the line of the ray meets the triangle, at any depth. Triangles that it sees from their
-/// edge are not met: those beside them are.
+/// Whether the line of the ray meets the triangle, at any depth. Edge-on triangles are not hit;
+/// their neighbours are.
 SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth, OUT(float) b1,
                        OUT(float) b2, OUT(uint) back) {
   vec3 slope = axis_last(ray.slope, ray.axis);
@@ -145,12 +144,12 @@ SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth,
   float s1 = v * per_det;
   float s2 = w * per_det;
   float mean = s0 * a.z + s1 * b.z + s2 * c.z;
-  // A weighted mean does not leave the corners: rounding must not, either.
+  // A weighted mean lies between the corners, also after rounding.
   depth = max(min(min(a.z, b.z), c.z), min(max(max(a.z, b.z), c.z), mean));
   b1 = s1 < 1e-30f ? 0.0f : s1;
   b2 = s2 < 1e-30f ? 0.0f : s2;
-  // From its front a triangle is clockwise to the ray that comes; the plane is mirrored when the
-  // ray goes down its main axis.
+  // Seen from its front by an incoming ray a triangle is clockwise; the plane is mirrored if the
+  // ray runs down its main axis.
   back = (det > 0.0f) == (ray.sign > 0.0f) ? 1u : 0u;
   return true;
 }

@@ -1,6 +1,6 @@
-// What one of the two languages has and the other lacks: GLSL's vectors and the functions on them
-// that the texts of this folder call, for C++; words of 64 bits, for GLSL. This folder depends on
-// nothing else of the project.
+// Types and functions that one of the two languages lacks: for C++, GLSL's vectors and the
+// functions on them that this folder calls; for GLSL, 64-bit words. This folder depends on nothing
+// else of the project.
 #ifndef TDPT_SHADERS_SHARED_TYPES_H
 #define TDPT_SHADERS_SHARED_TYPES_H
 
@@ -16,7 +16,7 @@
 
 namespace tdpt {
 
-/// Three components, for places, directions and RGB alike.
+/// Three components: for points, directions and RGB.
 template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
@@ -37,7 +37,7 @@ struct Vec3 {
   friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
   }
-  friend constexpr Vec3 operator*(const Vec3& a, const Vec3& b) {  // componentwise: colours
+  friend constexpr Vec3 operator*(const Vec3& a, const Vec3& b) {  // componentwise, for colours
     return {a.x * b.x, a.y * b.y, a.z * b.z};
   }
   friend constexpr Vec3 operator*(Vec3 a, T s) { return a *= s; }
@@ -69,7 +69,7 @@ using std::abs;
 using std::floor;
 using std::max;
 using std::min;
-// Of a text in doubles, against a literal.
+// For code in doubles, against a float literal.
 constexpr double max(double a, float b) {
   return max(a, double{b});
 }
@@ -89,7 +89,7 @@ inline void umulExtended(uint a, uint b, uint& high, uint& low) {
   high = static_cast<uint>(product >> 32);
   low = static_cast<uint>(product);
 }
-/// What `word` was.
+/// Returns the old value.
 inline uint atomicAdd(uint& word, uint more) {
   return std::atomic_ref(word).fetch_add(more, std::memory_order_relaxed);
 }
@@ -101,11 +101,11 @@ inline uint atomicMax(uint& word, uint at_least) {
   }
   return before;
 }
-/// Number of the lowest bit that is set; x not 0.
+/// Index of the lowest set bit; x not 0.
 constexpr int findLSB(uint x) {
   return std::countr_zero(x);
 }
-/// The first bit last.
+/// Reverses the order of the bits.
 constexpr uint bitfieldReverse(uint x) {
   x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
   x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;

@@ -1,4 +1,4 @@
-// Products of vectors, and frames.
+// Products of vectors, and orthonormal frames.
 #ifndef TDPT_SHADERS_SHARED_VECTOR_H
 #define TDPT_SHADERS_SHARED_VECTOR_H
 
@@ -51,7 +51,7 @@ GENERIC_STRUCT Onb {
   VEC3 z;
 };
 
-/// With z along the unit `normal` (Duff et al. 2017).
+/// Basis with z along the unit `normal` (Duff et al. 2017).
 GENERIC OF_REAL(Onb) onb_about(VEC3 normal) {
   REAL sign = either_sign(normal.z);
   REAL a = -reciprocal(sign + normal.z);

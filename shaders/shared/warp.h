@@ -1,4 +1,4 @@
-// Warps from uniform random numbers in [0,1) to distributions, with their densities.
+// Maps uniform random numbers in [0,1) to distributions; their densities are given.
 #ifndef TDPT_SHADERS_SHARED_WARP_H
 #define TDPT_SHADERS_SHARED_WARP_H
 
@@ -34,7 +34,7 @@ GENERIC void uniform_triangle(REAL u, REAL v, OUT(REAL) b1, OUT(REAL) b2) {
   b2 = second;
 }
 
-/// Where a density that is linear on [0,1] has grown by `share`.
+/// Importance-samples a density linear on [0,1] from w0 to w1: the place where its CDF is `share`.
 GENERIC REAL drawn_linear(REAL w0, REAL w1, REAL share) {
   REAL most = max(w0, w1);
   if (!(most > 1e-30f)) return share;

@@ -1,38 +1,37 @@
-// Scattering at one point of a surface, after textures: glTF metallic-roughness with specular, ior,
-// transmission, sheen, and what a clear coat leaves of it. The coat's own lobe, which may have
-// another normal, comes on top in coated.h.
+// The BSDF at one point of a surface, after textures: glTF metallic-roughness with specular, ior,
+// transmission and sheen, under an optional clear coat. The coat's own lobe, which may have another
+// normal, is added in coated.h.
 //
 // Directions are unit, point away from the surface and are given in the shading frame: z along the
 // shading normal of the front side. `from` is where a walk came from, `to` where it goes.
 //
 // f is symmetric, f(a, b) = f(b, a), because it relates basic radiance L/n^2:
 //   L_o / n_o^2 = int f (L_i / n_i^2) n_i^2 |cos_i| dw_i,   n = index_at(side).
-// The radiance BSDF is f * n_o^2, n_o on the camera's side. Perfectly smooth lobes (Dirac) are kept
-// apart. A walk's weight is f n_to^2 |cos_to| / pdf_w, or reflectance / probability: their mean is
-// at most 1, whatever the side.
+// The radiance BSDF is f * n_o^2, n_o on the camera's side. Perfectly smooth (Dirac) lobes are kept
+// apart. A walk's weight is f n_to^2 |cos_to| / pdf_w, or reflectance / probability: the mean is at
+// most 1 on either side.
 //
-// Interface: GGX, height-correlated Smith, one bounce among microfacets (what shadows lose is lost:
-// rough metal and rough glass darken). Its reflectance goes from f0 to f90: opaque, by Schlick's
-// (1 - cos)^5; with `through`, by the exact curve of unpolarised light for eta, so that
-// f0 = ((eta-1)/(eta+1))^2, f90 = 1 is exact; all of it where reflection is total. A conductor's
-// curve dips below Schlick's [fresnel.h]; E takes no notice, which only makes walks live longer.
-// Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's own
+// Interface: GGX, height-correlated Smith, single scattering (energy lost to shadowing stays lost:
+// rough metal and rough glass darken). Its reflectance goes from f0 to f90: if opaque, by Schlick's
+// (1 - cos)^5; with `through`, by the exact curve of unpolarised light for eta, so that f0 =
+// ((eta-1)/(eta+1))^2, f90 = 1 is exact; 1 under total reflection. A conductor's curve dips below
+// Schlick's [fresnel.h]; E ignores this, which only makes walks live longer.
+// Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's
 // directional albedo: white under any interface reflects all that the interface does not.
-// Opaque and thin surfaces look the same from both sides. A solid's diffuse lobe is on its front
-// only; with both `diffuse` and `through`, whose sum is to be at most 1 and eta at least 1,
-// Schlick's curve (of the cosine before the front) takes the exact one's place, so that E stays
-// known. A thin sheet transmits by the reflected lobe, mirrored to the other side.
-// Above it all but a coat lies the sheen [sheen.h]. It leaves to the others the lesser of
-// 1 - max(colour) E_s along the two directions, as KHR_materials_sheen has it. A coat leaves the
-// lesser of c = 1 - E_c [coat.h], but to the diffuse lobe (1 - E) c at both ends over their common
+// Opaque and thin surfaces look the same from both sides. A solid has a diffuse lobe on its front
+// only; with both `diffuse` and `through`, whose sum must be at most 1 and eta at least 1,
+// Schlick's curve (of the cosine in front) replaces the exact one, so that E stays known. A thin
+// sheet transmits by the reflected lobe, mirrored to the other side.
+// The sheen lies above all but a coat [sheen.h]. It leaves to the other lobes the lesser of 1 -
+// max(colour) E_s along the two directions, as in KHR_materials_sheen. A coat leaves the lesser of
+// c = 1 - E_c [coat.h]; to the diffuse lobe it leaves (1 - E) c at both ends over their common
 // average, so that white under any coat is white. Inside a solid there is neither.
 //
 // Letters: h half vector or microfacet normal, mu cosine to z, E directional albedo of the
 // interface, n index of refraction.
 //
-// Read behind interface_albedo.h, sheen.h and coat.h, within the same scope, which has
-// scene_has_transmission, scene_has_sheen and scene_has_coats, too; warp.h, ggx.h and fresnel.h
-// come before.
+// Include after interface_albedo.h, sheen.h and coat.h, in the same scope, which also has
+// scene_has_transmission, scene_has_sheen and scene_has_coats; after warp.h, ggx.h and fresnel.h.
 
 #include "shaders/shared/language.h"
 
@@ -54,7 +53,7 @@ SHARED REAL index_at(IN(Bsdf) b, VEC3 w) MEMBER_CONST {
   return w.z < 0.0f && b.thin == 0u && transmits(b) ? REAL(b.eta) : REAL(1.0f);
 }
 
-/// The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
+/// The surface as seen from `from`, mirrored if necessary so that from.z > 0.
 struct OrientedBsdf {
   VEC3 from;
   bool back;
@@ -64,19 +63,19 @@ struct OrientedBsdf {
   bool diffuse;
   bool sheen;
   REAL alpha;   ///< 0: smooth
-  REAL ratio;   ///< index behind the interface / before it, for Fresnel
+  REAL ratio;   ///< index behind the interface / in front of it, for Fresnel
   REAL rise;    ///< ratio - 1
-  REAL n_from;  ///< index where directions live
+  REAL n_from;  ///< index of refraction on the side of `from`
   REAL n_behind;
-  InterfaceRow row;  ///< of alpha, where there is a diffuse lobe under an interface
-  VEC3 left;         ///< and 1 - E, what is left to it along `from`
+  InterfaceRow row;  ///< row of alpha; only for a diffuse lobe under an interface
+  VEC3 left;         ///< 1 - E along `from`, likewise
 };
 
 /// 1 - E of an interface.
 SHARED VEC3 interface_left_over(IN(Bsdf) b, InterfaceAlbedo e) MEMBER_CONST {
   return not_below_0(VEC3(1.0f) - (VEC3(b.f0) * e.a + VEC3(REAL(b.f90) * e.b)));
 }
-/// Of a diffuse lobe.
+/// 1 - E over the diffuse lobe at cosine mu.
 SHARED VEC3 left_over(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu) MEMBER_CONST {
   if (!view.interfaced) return VEC3(1.0f);
   if (!(view.alpha > 0.0f)) return interface_left_over(b, smooth_interface_albedo(mu));
@@ -119,7 +118,7 @@ SHARED bool is_smooth(IN(OrientedBsdf) view) MEMBER_CONST {
   return view.interfaced && !(view.alpha > 0.0f);
 }
 
-/// What the interface reflects, and the rest; both of basic radiance.
+/// Reflectance of the interface, and the remainder; both of basic radiance.
 struct Reflectance {
   VEC3 back;
   VEC3 rest;
@@ -159,14 +158,15 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(OrientedBsdf) view, REAL cosine
   return reflectance_at(b, view, cosine, q);
 }
 
-/// What the layers above let through: a coat along both directions, a sheen along them together.
+/// Transmittance of the layers above: of a coat along either direction, of a sheen for both
+/// together.
 struct Covers {
   REAL from;
   REAL to;
   REAL sheen;
 };
 
-/// What a coat leaves along a direction that is turned as view.from is, and what the sheen does.
+/// Transmittance of the coat along w, a direction turned like view.from; below: of the sheen.
 SHARED REAL under_coat_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 w) MEMBER_CONST {
   bool inside = view.solid && (w.z < 0.0f) != view.back;
   if (!has_coat(b) || inside) return 1.0f;
@@ -204,7 +204,7 @@ SHARED VEC3 average_under_coat(IN(Bsdf) b) MEMBER_CONST {
   return mean;
 }
 
-/// Diffuse lobe [1/sr] to another direction on this side.
+/// Diffuse lobe [1/sr] towards another direction on this side.
 SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu_to,
                          Covers covers) MEMBER_CONST {
   VEC3 d = VEC3(b.diffuse) * INVERSE_PI;
@@ -222,7 +222,7 @@ SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu_to,
          VEC3(quotient_or_0(p.x, mean.x), quotient_or_0(p.y, mean.y), quotient_or_0(p.z, mean.z));
 }
 
-/// That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
+/// Probability of the diffuse lobe, as against the interface, below a sheen; -1: there is neither.
 SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   if (!view.diffuse) return view.interfaced ? REAL(0.0f) : REAL(-1.0f);
   if (!view.interfaced) return 1.0f;
@@ -232,13 +232,13 @@ SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST
     Reflectance r = reflectance_at(b, view, view.from.z);
     i = sum_of(r.back) + sum_of(r.rest * VEC3(b.through));
   } else {
-    // Microfacets reflect more than their mean at some angles: never starve them.
+    // At some angles microfacets reflect more than their mean: keep a minimum probability.
     i = sum_of(VEC3(1.0f) - view.left + view.left * VEC3(b.through)) + 3e-3f * b.f90;
   }
   return d + i > 1e-30f ? d * reciprocal(d + i) : REAL(-1.0f);
 }
 
-/// Probabilities that a lobe is taken; the interface has the rest. diffuse < 0: none is.
+/// Probabilities of the lobes; the rest is the interface's. diffuse < 0: there is no lobe.
 struct LobeProbabilities {
   REAL diffuse;
   REAL sheen;
@@ -252,7 +252,7 @@ SHARED LobeProbabilities lobe_probabilities_of(IN(Bsdf) b, IN(OrientedBsdf) view
   REAL s = sum_of(b.sheen) * max(e, 0.05f);
   REAL under = 0.0f;
   if (view.diffuse) under += sum_of(b.diffuse);
-  if (view.interfaced) under += 3.0f * b.f90;  // at most
+  if (view.interfaced) under += 3.0f * b.f90;  // upper bound
   under = min(under, 3.0f) * (1.0f - largest(b.sheen) * e);
   bool alone = shares.diffuse < 0.0f;
   shares.sheen = alone ? REAL(1.0f) : s * reciprocal(s + under);
@@ -260,7 +260,7 @@ SHARED LobeProbabilities lobe_probabilities_of(IN(Bsdf) b, IN(OrientedBsdf) view
   return shares;
 }
 
-/// Probabilities that the interface, once taken, reflects and that it transmits; both 0: neither.
+/// Probabilities that the interface, once chosen, reflects or transmits; both 0: neither.
 struct Split {
   REAL reflect;
   REAL transmit;
@@ -278,12 +278,12 @@ SHARED Split split_of(IN(Bsdf) b, IN(OrientedBsdf) view, Reflectance at) MEMBER_
   return split;
 }
 
-/// Microfacet that connects view.from and `to` (mirrored like it) and how densely it does.
+/// The microfacet that connects view.from and `to` (mirrored like it), with its Jacobians.
 struct Facet {
   VEC3 h;
-  REAL cosine;      ///< from.h > 0
-  REAL q;           ///< refracted_q(); of what is refracted by the cosine behind, which keeps f
-                    ///< symmetric where it nearly grazes
+  REAL cosine;  ///< from.h > 0
+  REAL q;  ///< refracted_q(); for refraction from the cosine behind, which keeps f symmetric near
+           ///< grazing
   REAL dh_dto;      ///< solid angle of h per solid angle of `to`
   REAL f_jacobian;  ///< f = Fresnel part * D * G2/(cos cos) * this
   bool connections;
@@ -301,7 +301,7 @@ SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   if (!reflects && !view.passes) return facet;
   bool mirrored = reflects || !view.solid;
   VEC3 h = view.from + (reflects || view.solid ? to : VEC3(to.x, to.y, -to.z));
-  // Near 1 the indices' rises are all that counts.
+  // Written with the indices' rises, which are all that counts near 1.
   if (!mirrored) h = h + (view.from * (view.n_from - 1.0f) + to * (view.n_behind - 1.0f));
   REAL l2 = dot(h, h);
   if (!(l2 > 1e-20f)) return facet;
@@ -314,7 +314,7 @@ SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   if (mirrored) {
     if (view.passes) facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
     facet.dh_dto = 0.25f * reciprocal(facet.cosine);
-    facet.f_jacobian = 0.25f * reciprocal(view.n_from * view.n_from);  // of basic radiance
+    facet.f_jacobian = 0.25f * reciprocal(view.n_from * view.n_from);  // for basic radiance
   } else {
     REAL scale = cos_to * (over_l * over_l);  // (n_from from.h + n_to to.h)^2 = l^2
     facet.q = view.ratio * cos_to;
@@ -324,15 +324,15 @@ SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   return facet;
 }
 
-/// What leads from one direction to another.
+/// Value and density of scattering from one direction to another.
 struct Lobes {
-  VEC3 f;      ///< symmetric [1/sr]; of a Dirac lobe: reflectance or transmittance
-  REAL pdf_w;  ///< of bsdf_turn(), the choice of the lobe included [1/sr]; of a Dirac lobe: how
-               ///< probable it is
+  VEC3 f;      ///< symmetric [1/sr]; for a Dirac lobe: reflectance or transmittance
+  REAL pdf_w;  ///< of bsdf_turn(), including the choice of the lobe [1/sr]; for a Dirac lobe: its
+               ///< probability
 };
 
-/// The lobes that are not Dirac, or, by `dirac`, the one that is: reflection on the same side,
-/// transmission on the other. 0 where a direction lies in the surface.
+/// All lobes that are not Dirac, or, if `dirac`, the one that is: reflection on the same side,
+/// transmission on the other. 0 if a direction lies in the surface.
 SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares, VEC3 to,
                         bool dirac) MEMBER_CONST {
   Lobes lobes;
@@ -374,7 +374,7 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities sha
   return lobes;
 }
 
-/// Directional albedo: the share that leaves of what comes from view.from.
+/// Directional albedo: the share of the light from view.from that leaves again.
 SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return VEC3(1.0f);  // all, beyond some angle
   VEC3 left = VEC3(1.0f);
@@ -392,7 +392,7 @@ SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   return all * under_coat_along(b, view, view.from);
 }
 
-/// Takes a lobe and a direction from it; three numbers in [0,1). False when the walk is absorbed.
+/// Samples a lobe and a direction from it; three numbers in [0,1). False if the walk is absorbed.
 SHARED bool bsdf_turn(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares, REAL choice,
                       REAL u, REAL v, OUT(VEC3) to, OUT(bool) dirac) MEMBER_CONST {
   to = VEC3(0.0f);
@@ -442,7 +442,7 @@ SHARED bool bsdf_turn(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities share
   return true;
 }
 
-/// Whether some lobe is not Dirac, so that connections can be made here.
+/// Whether some lobe is not Dirac, so that connections are possible.
 SHARED bool bsdf_connectible(IN(Bsdf) b) MEMBER_CONST {
   return is_positive(b.diffuse) || has_sheen(b) || is_rough(view_of(b, VEC3(0.0f, 0.0f, 1.0f)));
 }

@@ -1,13 +1,13 @@
-// Clear coat, as KHR_materials_clearcoat has it: a colourless dielectric of index 1.5 above
-// whatever lies under it, with a roughness and a normal of its own.
+// Clear coat as in KHR_materials_clearcoat: a colourless dielectric of index 1.5 above the other
+// layers, with its own roughness and normal.
 //
 // Directions are unit and in the coat's frame: z along its normal, on the side of `from`.
-// Lobe: strength F D G2 / (4 cos cos), F = 0.04 + 0.96 (1 - c)^5, one bounce [ggx.h].
-// What it leaves to the layers under it is 1 - E along each of two directions, E its directional
-// albedo. They take the lesser of the two, but for a diffuse lobe [bsdf.h]. The format takes it
-// along the view alone, which is not reciprocal.
+// Lobe: strength F D G2 / (4 cos cos), F = 0.04 + 0.96 (1 - c)^5, single scattering [ggx.h].
+// The coat transmits 1 - E along each of two directions, E its directional albedo. Layers below are
+// scaled by the lesser of the two, except a diffuse lobe [bsdf.h]. The format uses the view
+// direction alone, which is not reciprocal.
 //
-// Read behind interface_albedo.h, within the same scope; ggx.h comes before.
+// Include after interface_albedo.h, in the same scope, and after ggx.h.
 
 #include "shaders/shared/language.h"
 
@@ -25,7 +25,7 @@ SHARED REAL coat_left_over(IN(Coat) c, REAL mu) MEMBER_CONST {
   return 1.0f - c.strength * (REAL(0.04) * e.a + e.b);
 }
 
-/// The half vector and its cosine to both; false: there is none.
+/// The half vector and its cosine to both directions; false if there is none.
 SHARED bool coat_half_vector(IN(Coat) c, VEC3 from, VEC3 to, OUT(VEC3) h,
                              OUT(REAL) cosine) MEMBER_CONST {
   h = from + to;
@@ -36,7 +36,7 @@ SHARED bool coat_half_vector(IN(Coat) c, VEC3 from, VEC3 to, OUT(VEC3) h,
   return cosine > 0.0f;
 }
 
-/// The lobe that is not Dirac, colourless [1/sr].
+/// The lobe, unless it is Dirac; colourless [1/sr].
 SHARED REAL coat_f(IN(Coat) c, VEC3 from, VEC3 to) MEMBER_CONST {
   VEC3 h;
   REAL cosine;
@@ -45,7 +45,7 @@ SHARED REAL coat_f(IN(Coat) c, VEC3 from, VEC3 to) MEMBER_CONST {
          ggx_g2_over_cos(from.z, to.z, REAL(c.alpha)) * 0.25f;
 }
 
-/// Its density once the coat is taken [1/sr].
+/// Density of that lobe once the coat is chosen [1/sr].
 SHARED REAL coat_pdf_w(IN(Coat) c, VEC3 from, VEC3 to) MEMBER_CONST {
   VEC3 h;
   REAL cosine;
@@ -53,7 +53,7 @@ SHARED REAL coat_pdf_w(IN(Coat) c, VEC3 from, VEC3 to) MEMBER_CONST {
   return ggx_d(h, REAL(c.alpha)) * ggx_g1_over_cos(from.z, REAL(c.alpha)) * 0.25f;
 }
 
-/// Reflects `from`, by a Dirac lobe if smooth. False when facets send it into the surface.
+/// Reflects `from`, by a Dirac lobe if smooth. False if a facet sends it into the surface.
 SHARED bool coat_turn(IN(Coat) c, VEC3 from, REAL u, REAL v, OUT(VEC3) to) MEMBER_CONST {
   to = VEC3(-from.x, -from.y, from.z);
   if (coat_smooth(c)) return from.z > kInSurface;
@@ -65,7 +65,7 @@ SHARED bool coat_turn(IN(Coat) c, VEC3 from, REAL u, REAL v, OUT(VEC3) to) MEMBE
   return to.z > kRoughGrazing;
 }
 
-/// Of a smooth coat.
+/// For a smooth coat.
 SHARED REAL coat_reflectance(IN(Coat) c, REAL mu) MEMBER_CONST {
   return c.strength * coat_fresnel(min(abs(mu), 1.0f));
 }

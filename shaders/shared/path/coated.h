@@ -1,10 +1,10 @@
-// A surface with or without a clear coat as one: both scatter, each about its own normal.
+// A surface together with its clear coat, if any; each scatters about its own normal.
 //
-// The coat's normal is not bent by what bends the surface under it, or by a map of its own; light
-// above the one normal may be below the other, and then only one of them scatters it. The coat is
-// taken with a probability that depends on `back` alone; where there is none, with 0.
+// The map that bends the surface's normal does not bend the coat's; the coat may have a map of its
+// own. Light may be above one normal and below the other; then only one of the two scatters it. The
+// coat is chosen with a probability that depends on `back` alone, 0 without a coat.
 //
-// Read behind bsdf.h, within the same scope.
+// Include after bsdf.h, in the same scope.
 
 #include "shaders/shared/language.h"
 
@@ -12,7 +12,7 @@ SHARED bool same_normals(IN(Point) p) MEMBER_CONST {
   return VEC3(p.bsdf.coat.normal) == VEC3(0.0f, 0.0f, 1.0f);
 }
 
-/// A direction as both see it.
+/// A direction in the frames of both.
 struct Seen {
   REAL side;  ///< cosine to the geometric normal
   VEC3 base;
@@ -43,19 +43,19 @@ SHARED bool both_on_coat(IN(Seen) a, IN(Seen) b) MEMBER_CONST {
   return a.on_coat && b.on_coat && (a.side < 0.0f) == (b.side < 0.0f);
 }
 
-/// Where a walk scatters: what it sees, having come along `seen`, and what it may take.
+/// What a walk knows where it scatters, having arrived along `seen`.
 struct ScatterContext {
   Seen seen;
   OrientedBsdf view;
   LobeProbabilities shares;
-  REAL coat;  ///< that the coat is taken
+  REAL coat;  ///< probability that the coat is chosen
 };
 
-/// In proportion to what the coat reflects and what else leaves.
+/// In proportion to the coat's reflectance and the albedo of the rest.
 SHARED REAL coat_probability(IN(Bsdf) b, IN(Seen) from, IN(OrientedBsdf) view) MEMBER_CONST {
   if (!from.on_coat) return 0.0f;
   if (!from.on_base) return 1.0f;
-  // Facets reflect more than their mean at some angles.
+  // At some angles facets reflect more than their mean.
   REAL e = 1.0f - coat_left_over(b.coat, from.coat.z) + REAL(0.02) * b.coat.strength;
   return 3.0f * e * reciprocal(max(3.0f * e + sum_of(bsdf_albedo(b, view)), 1e-30f));
 }
@@ -68,17 +68,17 @@ SHARED ScatterContext scatter_context_at(IN(Point) p, VEC3 back) MEMBER_CONST {
   return here;
 }
 
-/// What leads from `back` to `to`: of the surface and of its coat, where their normals differ each
-/// with its own cosines.
+/// Scattering from `back` to `to` by the surface and by its coat; if their normals differ, each
+/// uses its own cosines.
 struct Layers {
-  VEC3 base;     ///< f, or reflectance of basic radiance
+  VEC3 base;     ///< f, or reflectance for basic radiance
   REAL coat;     ///< the same of the coat, colourless
-  REAL pdf_w;    ///< or probability
+  REAL pdf_w;    ///< or probability, for a Dirac lobe
   bool by_coat;  ///< the Dirac lobe is the coat's alone
 };
 
-/// Which Dirac lobe leads there where both are smooth: both do if their normals are the same, else
-/// the one whose normal is nearer to the half vector.
+/// Which Dirac lobe connects the directions if both are smooth: both if their normals are the same,
+/// else the one whose normal is nearer to the half vector.
 SHARED bool coat_is_nearer(IN(Point) p, IN(Seen) back, IN(Seen) to) MEMBER_CONST {
   VEC3 h = back.base + to.base;
   return abs(dot(h, VEC3(p.bsdf.coat.normal))) > abs(h.z);
@@ -114,7 +114,7 @@ SHARED Layers layers_between(IN(Point) p, IN(ScatterContext) here, IN(Seen) to,
   return layers;
 }
 
-/// As bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was taken.
+/// Like bsdf_turn(), with `to` in the shading frame; `by_coat`: which of the two was chosen.
 SHARED bool coated_turn(IN(Point) p, IN(ScatterContext) here, REAL u, REAL v, REAL choice,
                         OUT(VEC3) to, OUT(bool) dirac, OUT(bool) by_coat) MEMBER_CONST {
   REAL taken = here.coat;

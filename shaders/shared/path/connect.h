@@ -1,13 +1,14 @@
-// Pairs of ends that may make a path: chosen, told what each end makes of the other, seen to be
-// free of what may lie between them, and connected, in steps of their own [machine.h], each for
-// those that are left. Sections 3.1 to 3.3, tools/tdpt-render/path/sample/path_sampler.cpp and
-// segment_sampler.cpp. Each path adds its weighted share to the film.
+// Connects ends of sub-paths: chooses pairs of ends, evaluates the BSDFs at both, tests visibility,
+// and adds each path's weighted contribution to the film. Each is a step of its own [machine.h]
+// that runs only for the remaining pairs. Sections 3.1 to 3.3,
+// tools/tdpt-render/path/sample/path_sampler.cpp and segment_sampler.cpp.
 //
-// The light's end is a vertex of a light walk, a place on a light, or x_c of a portal segment; the
-// camera's a vertex of a camera walk, the camera itself, or, while a segment finds its light, x_l.
+// The light end is a vertex of a light walk, a point on a light, or x_c of a portal segment; the
+// camera end is a vertex of a camera walk, the camera itself, or, while a segment is connected with
+// light, x_l.
 //
-// Read behind walk.h, weight.h and film.h, where flags[], connections[] and scatterings[] are, and
-// load_x() of those two, of end_first, connection_end and segment.
+// Include after walk.h, weight.h and film.h, where flags[], connections[] and scatterings[] are,
+// and load_x() of the last two, of end_first, connection_end and segment.
 
 #include "shaders/shared/language.h"
 
@@ -19,19 +20,19 @@ SHARED uint slot_of_x_c(uint segment) MEMBER_CONST {
   return render.segments_first + 2u * segment + 1u;
 }
 
-// connection_ends[] has those of y_0 of all walks, then those of segments on the camera's side, by
-// their numbers, then those of all other vertices of light walks, cache by cache.
+// Order of connection_ends[]: y_0 of all walks, then the ends x_c of segments by their numbers,
+// then all other light vertices, cache by cache.
 SHARED uint segment_ends() MEMBER_CONST {
   return render.groups * render.walks_full;
 }
 SHARED uint scattered_ends() MEMBER_CONST {
   return render.groups * (render.walks_full + render.per_cache);
 }
-/// The first of a cache, among the last.
+/// Index, within the last part, of a cache's first end.
 SHARED uint first_end(uint group) MEMBER_CONST {
   return load_end_first(group * render.walks_full);
 }
-/// Place of a cache's end c: those that were scattered, then y_0.
+/// Index of a cache's end c: first its scattered vertices, then its y_0.
 SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
   uint first = first_end(group);
   uint n = first_end(group + 1u) - first;
@@ -59,9 +60,9 @@ SHARED Connection empty_connection(uint kind) MEMBER_CONST {
   return j;
 }
 
-// Choosing.
+// Choosing pairs.
 
-/// A place on a light for the camera's vertex in slot `slot`.
+/// A point on a light for the camera vertex in slot `slot`.
 SHARED void choose_next_event(uint slot, uint place) MEMBER {
   flags[place] = 0u;
   PathDensity d = load_path_density(slot);
@@ -101,13 +102,13 @@ SHARED void choose_next_event(uint slot, uint place) MEMBER {
   flags[place] = 1u;
 }
 
-/// Candidate i of n, of those that are looked at, spread evenly from u in [0,1).
+/// Candidate i out of n ends, spread evenly from u in [0,1).
 SHARED uint candidate_of(uint n, uint i, float u) MEMBER_CONST {
   if (n <= kCandidates) return i;
   return min(uint((float(i) + u) * (float(n) * kPerCandidate)), n - 1u);
 }
 
-/// Writes a connection of two ends.
+/// Writes a connection between two ends.
 SHARED void put_connection(uint place, uint kind, uint light, vec3 from, bool far, uint camera,
                            vec3 to, float times, uint pixel) MEMBER {
   Connection j = empty_connection(kind);
@@ -122,12 +123,12 @@ SHARED void put_connection(uint place, uint kind, uint light, vec3 from, bool fa
   flags[place] = 1u;
 }
 
-/// Few of many, one by one [tools/tdpt-render/path/sample/resampling.h]: half of the chances
-/// are alike.
+/// Chooses a few of many, one by one [tools/tdpt-render/path/sample/resampling.h]: half of the
+/// probability is spread equally.
 struct Resampling {
   float per_total;
   float alike;
-  float count;  ///< to be taken; as many as there are, or more: all are
+  float count;  ///< number to choose; 0: take all
   float before;
 };
 SHARED Resampling resampling_of(float total, uint not_zero, uint count, float u) MEMBER_CONST {
@@ -138,7 +139,7 @@ SHARED Resampling resampling_of(float total, uint not_zero, uint count, float u)
   resampling.before = u;
   return resampling;
 }
-/// Whether the next one is taken, and its chance.
+/// Whether the next one is chosen, and its probability.
 SHARED bool takes(INOUT(Resampling) resampling, float estimate, OUT(float) chance) MEMBER_CONST {
   chance = 1.0f;
   if (resampling.count > 0.0f)
@@ -150,9 +151,9 @@ SHARED bool takes(INOUT(Resampling) resampling, float estimate, OUT(float) chanc
   return taken;
 }
 
-/// Of n ends of light walks of a cache at most `count` that would bring most to `here` are put in
-/// places from `place` on; the others there are empty. Paths have `edges` more than the number of
-/// the end in its walk. Two numbers in [0,1).
+/// Connects `here` with at most `count` of the n light ends of a cache, chosen by their estimates;
+/// they go to the places from `place` on, the rest stays empty. A path has `edges` more edges than
+/// the number of the end in its walk. Two numbers in [0,1).
 SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, ConnectionEnd here,
                         uint camera, uint edges, uint pixel, float u, float u_resampling) MEMBER {
   uint m = min(n, kCandidates);
@@ -181,7 +182,7 @@ SHARED void choose_ends(uint place, uint count, uint kind, uint group, uint n, C
   }
 }
 
-/// Light vertices for the camera's vertex in slot `slot`: two places.
+/// Light vertices for the camera vertex in slot `slot`: two places.
 SHARED void choose_connections(uint slot, uint place) MEMBER {
   flags[place] = 0u;
   flags[place + 1u] = 0u;
@@ -201,7 +202,7 @@ SHARED void choose_connections(uint slot, uint place) MEMBER {
               first_end(group + 1u) - first_end(group), here, slot, t, name.pixel, u, u_resampling);
 }
 
-/// The camera for the light's vertex in slot `slot`, or for x_c of a segment.
+/// Connects the light vertex in slot `slot`, or x_c of a segment, with the camera.
 SHARED void choose_camera(uint place, uint kind, uint light, uint slot, float times) MEMBER {
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
@@ -220,14 +221,14 @@ SHARED void choose_splat(uint slot, uint place) MEMBER {
   choose_camera(place, CONNECTION_SPLAT, slot, slot, times);
 }
 
-// What ends make of each other.
+// BSDFs at both ends.
 
-/// Whether the light's end is x_c.
+/// Whether the light end is x_c.
 SHARED bool of_segment(Connection j) MEMBER_CONST {
   return j.kind == CONNECTION_SEEN || j.kind == CONNECTION_SEGMENT;
 }
 
-/// The light's end of connection i, or the camera's.
+/// Evaluates the light end of connection i, or its camera end.
 SHARED void scatter_end(uint i, bool of_light) MEMBER {
   Connection j = load_connection(i);
   uint slot = of_light ? j.light : j.camera;
@@ -249,8 +250,8 @@ SHARED OF_FLOAT(Half) no_half() MEMBER_CONST {
   return h;
 }
 
-/// What a vertex knows at a joint: the density of what is on the other side in its walk, without
-/// the chance that it goes on, and that of what is behind it in a walk from there, likewise.
+/// Densities at one end of a connection: of the vertex across it in this end's walk, without
+/// survival, and of the vertex behind this end in a walk from the other side, likewise.
 struct AtJoint {
   float onward_A;
   float behind_A;
@@ -273,12 +274,12 @@ SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, ve
 SHARED float survival_at(PathDensity d) MEMBER_CONST {
   return number_of(d) <= 1u ? 1.0f : d.own_survival;
 }
-/// Whether a walk from the other end can come to what is behind a vertex.
+/// Whether a walk from the other end can hit the vertex before this one.
 SHARED bool is_met_behind(PathDensity d) MEMBER_CONST {
   return d.prev != kNoVertex && (load_path_density(d.prev).flags & VERTEX_MET) != 0u;
 }
 
-/// Both ends of a connection, and all that a path needs of it.
+/// Both ends of a connection, with all that a path needs of them.
 struct Joint {
   Point y;
   Point z;
@@ -322,7 +323,7 @@ SHARED Joint joint_of(Connection j, uint i) MEMBER_CONST {
   return joint;
 }
 
-/// What a connection brings if nothing lies between its ends.
+/// Contribution of a connection, without visibility.
 SHARED vec3 value_of(Connection j, Joint joint) MEMBER_CONST {
   vec3 sent;
   if (j.kind == CONNECTION_NEXT_EVENT) {
@@ -346,7 +347,7 @@ SHARED vec3 value_of(Connection j, Joint joint) MEMBER_CONST {
                   joint.z, e);
 }
 
-/// Whether connection i brings anything; then what takes the place of the radiance in it.
+/// Whether connection i contributes anything; replaces its radiance by the contribution.
 SHARED void see(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
@@ -360,8 +361,8 @@ SHARED void see(uint i) MEMBER {
   connections[i].radiance = value;
 }
 
-/// Adds the path of a next event, or of two walks that are connected, or of a light's that the
-/// camera sees; i: number of its scatterings.
+/// Adds the path of a next event, of two connected walks, or of a light vertex that the camera
+/// sees; i: number of its scatterings.
 SHARED void connect(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);
@@ -384,7 +385,7 @@ SHARED void connect(uint i) MEMBER {
   uint s = next_event ? 1u : number_of(joint.of_light) + 1u;
   uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;
   uint k = s + t - 1u;
-  // Walks always go on at their first two vertices.
+  // Walks always survive their first two vertices.
   float y_goes_on = next_event ? 1.0f : survival_at(joint.of_light);
   float z_goes_on = to_camera ? 1.0f : survival_at(joint.of_camera);
   OF_FLOAT(Half) light = no_half();
@@ -417,7 +418,7 @@ SHARED void connect(uint i) MEMBER {
   add_found(technique, j.pixel, k, sample_of_group(walk, 0u).number, j.radiance, weight);
 }
 
-/// The camera's walk has come upon a light: x_0 in slot `slot`.
+/// The camera walk has hit a light: x_0 in slot `slot`.
 SHARED void meet_light(uint slot) MEMBER {
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u) return;

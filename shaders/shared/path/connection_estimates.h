@@ -1,10 +1,9 @@
-// What two ends of walks would bring to each other, roughly: estimates, in place of BSDFs, that
-// choose which of them get a ray. tools/tdpt-render/path/sample/connection_estimates.cpp.
+// Estimates the contribution of two ends of walks, without visibility, to choose which pairs get a
+// ray. The same as tools/tdpt-render/path/sample/connection_estimates.cpp.
 //
-// Off by the error of floats alone between diffuse ends; of glossy ones the shadowing of
-// microfacets and the curve of Fresnel are approximate. Half of the chances are alike whatever is
-// estimated, so that nothing that an estimate misses is lost, and what is taken is divided by its
-// chance.
+// Between diffuse ends only rounding differs from the exact value; for glossy ends masking and the
+// Fresnel curve are approximate. Half of the probability is spread equally, so that nothing is lost
+// where an estimate is too small, and a chosen pair is divided by its probability.
 #ifndef TDPT_SHADERS_SHARED_PATH_JOINS_H
 #define TDPT_SHADERS_SHARED_PATH_JOINS_H
 
@@ -15,7 +14,7 @@
 
 SHARED_BEGIN
 
-/// An end that a walk with this throughput came to along -back.
+/// The end of a walk with this throughput that arrived along -back.
 SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint slot, uint number) {
   const float kInvPi = 0.318309886f;
   ConnectionEnd e;
@@ -53,7 +52,7 @@ SHARED ConnectionEnd connection_end(Point p, vec3 back, vec3 throughput, uint sl
   return e;
 }
 
-/// What an end scatters along unit w: its diffuse lobe, and the interface's.
+/// Scattering of an end along unit w: its diffuse lobe and that of the interface.
 SHARED vec3 roughly_scattered(ConnectionEnd e, vec3 w) {
   if (!(e.alpha2 > 0.0f)) return e.carried;
   vec3 h = e.back + w;
@@ -72,7 +71,7 @@ SHARED vec3 roughly_scattered(ConnectionEnd e, vec3 w) {
   return e.carried + (e.f0 + e.more * (m2 * m2 * m)) * lobe;
 }
 
-/// Luminance of what goes from `l` to `c`, no more than 1e30; 0 where none does.
+/// Luminance of the light from `l` to `c`, at most 1e30; 0 if there is none.
 SHARED float estimate_connection(ConnectionEnd l, ConnectionEnd c) {
   bool far = l.alpha2 < 0.0f;
   vec3 d = far ? l.position : c.position - l.position;

@@ -1,11 +1,11 @@
-// Ends of walks for connections: what their estimates need of them [connection_estimates.h], listed
-// cache by cache.
+// Lists the ends of light walks for connections, cache by cache, with the data that estimates need
+// [connection_estimates.h].
 //
-// Read behind connect.h.
+// Include after connect.h.
 
 #include "shaders/shared/language.h"
 
-/// Of a light's vertex that can be connected.
+/// Of a light vertex that can be connected.
 SHARED void list_end(uint slot) MEMBER {
   PathDensity d = load_path_density(slot);
   if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
@@ -20,7 +20,7 @@ SHARED void list_start(uint walk) MEMBER {
   if ((d.flags & VERTEX_THERE) == 0u) return;
   Point y0 = kept_point(walk, v);
   ConnectionEnd end = connection_end(y0, v.back, v.throughput, walk, 0u);
-  // About what leaves it; which way is for those that are taken.
+  // About what leaves it; the exact direction is evaluated once it is chosen.
   vec3 straight = at_infinity(y0) ? y0.position : y0.normal;
   end.carried = v.throughput * emitted(y0, straight);
   end.facing = v.facing;

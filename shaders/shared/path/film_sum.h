@@ -1,15 +1,14 @@
-// Adds to the sums of the film, by atomics of 32 bits: FixedSum of libcommon/film/fixed_sum.h for
-// kernels. Each wrap of a word carries once into the next, so that after all additions the words
-// are the sum, whatever the order; in between they may be less than what was added.
+// Adds to the sums of the film by 32-bit atomics: FixedSum of libcommon/film/fixed_sum.h for
+// kernels. Each overflow of a word carries once into the next, so that after all additions the
+// words are the sum, whatever the order; in between they may be too small.
 //
-// Read where film_words[] and atomicAdd() are. Functions change memory that
-// the scope refers to.
+// Include where film_words[] and atomicAdd() are. Functions change memory that the scope refers to.
 
 #include "shaders/shared/path/film_units.h"
 
 #include "shaders/shared/language.h"
 
-/// Adds units to the four words from `first` on. False when the sum wraps round.
+/// Adds units to the four words from `first` on. False if the sum overflows.
 SHARED bool film_add_units(uint first, uvec4 units) MEMBER_CONST {
   uint carry = 0u;
   for (uint i = 0u; i < 4u; ++i) {
@@ -22,9 +21,9 @@ SHARED bool film_add_units(uint first, uvec4 units) MEMBER_CONST {
   return carry == 0u;
 }
 
-/// Adds radiance over the film's power of two to the twelve words of three sums from `first` on.
-/// `coin`: 64 random bits of its own. False when it cannot be held: then it is left out, or a sum
-/// has wrapped round.
+/// Adds radiance, divided by the film's power of two, to the twelve words of three sums from
+/// `first` on. `coin`: 64 random bits of its own. False if it cannot be held: it is left out, or a
+/// sum has overflowed.
 SHARED bool film_add(uint first, vec3 radiance, word64 coin) MEMBER_CONST {
   uvec4 red;
   uvec4 green;

@@ -1,4 +1,4 @@
-// Test only: many invocations that add to few sums.
+// Test only: many invocations add to a few sums.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/path/film_units.h"

@@ -1,8 +1,8 @@
-// Test only: what invocation i adds to the film. Read behind film_sum.h.
+// Test only: what invocation i adds to the film. Include after film_sum.h.
 
 #include "shaders/shared/language.h"
 
-/// Digits at random, and exponents from far below a unit to more than can be held.
+/// Random digits, and exponents from far below a unit to more than the film can hold.
 SHARED float film_trial_value(INOUT(Rng) rng) MEMBER_CONST {
   uint word = random_word(rng);
   uint exponent = 20u + below(random_word(rng), 155u);
@@ -17,7 +17,7 @@ SHARED vec3 film_trial_radiance(INOUT(Rng) rng) MEMBER_CONST {
   return vec3(x, y, z);
 }
 
-/// To one of five pixels. False where it cannot be held.
+/// Adds to one of five pixels. False if it cannot be held.
 SHARED bool film_trial(uint i) MEMBER_CONST {
   Rng rng = rng_of(word64_of(0u, 5u), word64_of(0u, 0u), word64_of(0u, i), word64_of(0u, 0u));
   vec3 radiance = film_trial_radiance(rng);

@@ -1,6 +1,6 @@
-// A float as units of the film: libcommon/film/fixed_sum.h for kernels, where a unit is the number
-// 2^-64 of the film's power of two. 128 bits are four words, the lowest first, as FixedSum has them
-// in memory.
+// Converts a float to units of the film: libcommon/film/fixed_sum.h for kernels. A unit is 2^-64
+// times the film's power of two. 128 bits are four words, the lowest first, as FixedSum has them in
+// memory.
 #ifndef TDPT_SHADERS_SHARED_PATH_FILM_UNITS_H
 #define TDPT_SHADERS_SHARED_PATH_FILM_UNITS_H
 
@@ -8,15 +8,15 @@
 
 SHARED_BEGIN
 
-/// Bits of a turned left by 1 to 31 places.
+/// a rotated left by 1 to 31 bits.
 SHARED word64 turned_left(word64 a, uint places) {
   uint high = high_word(a) << places | low_word(a) >> (32u - places);
   uint low = low_word(a) << places | high_word(a) >> (32u - places);
   return word64_of(high, low);
 }
 
-/// Whether a random word falls below digits 2^-places, places in [1, 85], digits less than 2^24 and
-/// 2^places. Digits further back than the word has are left out.
+/// Whether a random word is below digits 2^-places, places in [1, 85], digits less than 2^24 and
+/// 2^places. Digits beyond the word are ignored.
 SHARED bool falls_below(word64 coin, uint digits, uint places) {
   if (places <= 32u) return high_word(coin) < digits << (32u - places);
   if (places > 64u) {
@@ -27,13 +27,16 @@ SHARED bool falls_below(word64 coin, uint digits, uint places) {
   return high_word(coin) < high || (high_word(coin) == high && low_word(coin) < low);
 }
 
-/// A value over the film's power of two in units, rounded up or down so that its mean stays. False
-/// for what is negative, not finite, or 2^110 units and more. `coin`: uniform in 0..2^64-1.
+/// A value, divided by the film's power of two, in units, rounded up or down at random so that the
+/// mean is exact. False if negative, not finite, or at least 2^110 units. `coin`: uniform in
+/// 0..2^64-1.
 SHARED bool film_units(float value, word64 coin, OUT(uvec4) units) {
   units = uvec4(0u, 0u, 0u, 0u);
   uint bits = floatBitsToUint(value);
   uint exponent = (bits >> 23) & 255u;
-  if (exponent == 0u) return bits <= 0x80000000u;  // what a device may take for 0 is 0
+  if (exponent == 0u)
+    return bits <= 0x80000000u;  // numbers that a device may flush to zero count
+                                 // as 0
   // 2^46 has the exponent 173.
   if (bits >> 31 != 0u || exponent >= 173u) return false;
   uint digits = (bits & 0x007FFFFFu) | 0x00800000u;

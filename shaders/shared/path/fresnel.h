@@ -1,8 +1,9 @@
-// What an interface reflects and what it lets pass: the way from f0 to f90, by Schlick's curve or
-// by the exact one of unpolarised light, and its rest, each without cancelling where it is small.
+// Reflectance and transmittance of an interface: the interpolation from f0 to f90, by Schlick's
+// curve or by the exact one of unpolarised light, and its complement, each without cancellation
+// where it is small.
 //
-// Letters: c cosine before the interface, `ratio` index behind it / before it, `rise` ratio - 1
-// (given, as near 1 the difference is all that matters), q = ratio * cosine behind it:
+// Letters: c cosine in front of the interface, `ratio` index behind it / in front of it, `rise`
+// ratio - 1 (passed separately, since near 1 it is all that matters), q = ratio * cosine behind it:
 // q^2 = rise (ratio + 1) + c^2.
 #ifndef TDPT_SHADERS_SHARED_PATH_FRESNEL_H
 #define TDPT_SHADERS_SHARED_PATH_FRESNEL_H
@@ -14,11 +15,11 @@
 SHARED_BEGIN
 
 GENERIC_STRUCT FresnelCurve {
-  REAL part;  ///< of the way from f0 to f90
+  REAL part;  ///< share of the way from f0 to f90
   REAL rest;  ///< 1 - part
 };
 
-/// Of unpolarised light at the surface of a conductor, of index eta + i k, at a cosine.
+/// Reflectance for unpolarised light of a conductor of index eta + i k, at cosine c.
 GENERIC REAL conductor_reflectance(REAL c, REAL eta, REAL k) {
   REAL c2 = c * c;
   REAL s2 = 1.0f - c2;
@@ -31,10 +32,10 @@ GENERIC REAL conductor_reflectance(REAL c, REAL eta, REAL k) {
   return 0.5f * rs * (1.0f + rp);
 }
 
-/// What lies between Schlick's curve and that of a conductor: dip() times c (1 - c)^6, exact at c =
-/// 1/7, about 82 degrees, where that is largest (Hoffman 2019, "Fresnel equations considered
-/// harmful"). Of metals the rest is up to 0.05, on average over a hemisphere below 0.005; Schlick
-/// alone is up to 0.26 off.
+/// Difference between Schlick's curve and that of a conductor, as a coefficient of c (1 - c)^6,
+/// exact at c = 1/7, about 82 degrees, where that term is largest (Hoffman 2019, "Fresnel equations
+/// considered harmful"). For metals the remaining error is up to 0.05, on average over a hemisphere
+/// below 0.005; Schlick's alone is up to 0.26 off.
 GENERIC REAL conductor_dip(REAL eta, REAL k) {
   REAL c = REAL(1.0 / 7.0);
   REAL m = 1.0f - c;
@@ -60,7 +61,8 @@ GENERIC REAL refracted_q(REAL c, REAL ratio, REAL rise) {
   return q2 > 0.0f ? root(q2) : -1.0f;
 }
 
-/// Of unpolarised light, with q from refracted_q(), not -1: (F - r0) / (1 - r0), r0 = F at c = 1.
+/// Exact, for unpolarised light; q from refracted_q(), not -1: (F - r0) / (1 - r0), r0 = F at c =
+/// 1.
 GENERIC OF_REAL(FresnelCurve) exact_curve(REAL cosine, REAL q, REAL ratio, REAL rise) {
   REAL c = max(cosine, 1e-9f);
   REAL k = rise * (ratio + 1.0f);

@@ -1,47 +1,48 @@
-// Path guiding by the portals: where a walk stands on the side of a portal that it begins on, its
-// next direction is drawn towards a point on the portal with some probability ("the walk is
-// directed"), and as the surface scatters otherwise.
+// Path guiding by the portals: a walk on the side of a portal that it must cross takes its next
+// direction, with some probability, towards a point on the portal ("the walk is guided"), otherwise
+// from the BSDF.
 //
-// Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lamps;
+// Method: one-sample mixture of BSDF sampling and of sampling the portals as if they were lights;
 // its density is known in closed form, nothing is learnt.
 //
-// w     direction; q: probability that a vertex aims. Beyond the first, 0.4 (1 - albedo) at
-// most:
-//       a walk that does not aim carries 1 / (1 - q) as much from then on and survives with the
+// w     direction
+// q     probability that a vertex aims at a portal; after the first vertex at most 0.4 (1 -
+//       albedo): an unguided step multiplies the throughput by 1 / (1 - q) and survives with the
 //       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
-// m     probability that no Dirac lobe was tried: those lobes are left as they are
-// b     1, but where a surface has no Dirac lobe and a narrow one (alpha < 0.3) the probability
-//       that it would scatter by its diffuse lobe: a metal floor seldom shows the portal in the
-//       direction that it is looked at from
+// m     probability that no Dirac lobe was chosen: those lobes are left as they are
+// b     1; but for a surface without a Dirac lobe and with a narrow one (alpha < 0.3), the
+//       probability that it would scatter by its diffuse lobe: a metal floor seldom reflects the
+//       portal towards the direction that it is seen from
 //
 //   pdf_w = (1-qb) p(w) + qb m a(w),
 //
 // and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
-// these; nothing else changes. Every walk is guided: what plain ones gain where lamps are seen
-// directly, MIS sample weights of next events gain without loss elsewhere [mixture.h].
+// these densities; nothing else changes. Every walk is guided: the advantage of plain walks where
+// lamps are seen directly is matched by the MIS sample weights of next events, without loss
+// elsewhere [mixture.h].
 //
-// Read behind portals.h and within a scope that has
+// Include after portals.h and in a scope that has
 //   render.guide_light, render.guide_camera
 //       the probability that a vertex of a walk aims at a portal
-//   guide_active    whether any walk may be directed; else only D is known
+//   guide_active    whether any walk may be guided; otherwise only D is computed
 //   bool source_met(Source source), bool source_at_infinity(Source source)
-//       whether rays meet a source (SOURCE_NONE: true) and whether it is infinitely far (false)
+//       whether rays can hit a source (SOURCE_NONE: true), whether it is infinitely far (false)
 //   VEC3 source_facing(Source source, VEC3 normal)
 //       the side that light begins on; 0: both
 //   REAL albedo_at(Point p, Arrival back), Odds odds_at(Point p, Arrival back)
-//       for roulette, and how likely a Dirac lobe is tried and, where a narrow lobe may be, the
-//       diffuse one (else 1); odds_at() is asked of points that are not simple only.
+//       for Russian roulette; the probability of a Dirac lobe and, if there may be a narrow lobe,
+//       of the diffuse one (else 1); odds_at() is called only for points that are not simple.
 
 #include "shaders/shared/language.h"
 
-/// Whether an edge a -> b of a path, a nearer to the light, has a crossing: here alone it is
-/// decided which edges have one. No technique puts a portal on the camera's own edge, and no
-/// segment ends on a light without surface: of its edges only directed walks ask.
+/// Whether an edge a -> b of a path, a nearer to the light, has a crossing; the only place that
+/// decides it. The camera's own edge has none, since no technique puts a portal there. No segment
+/// ends on a light without surface: only guided walks need the crossings of its edges.
 SHARED bool has_crossing(IN(Point) a, IN(Point) b) MEMBER_CONST {
   return scene_has_portals && on_surface(b) && (source_met(a.source) || guide_active);
 }
-/// What can have made it.
+/// Crossing density of the edge.
 SHARED CrossingDensity edge_crossing(IN(Point) a, IN(Point) b, Drawn drawn) MEMBER_CONST {
   CrossingDensity c = no_crossing();
   if (!has_crossing(a, b)) return c;
@@ -62,15 +63,14 @@ SHARED REAL guide_total_at(IN(Point) p, VEC3 facing, uint from) MEMBER_CONST {
   return portal_guide_totals(p.position, facing, from);
 }
 
-/// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
-/// both, as light goes through.
+/// Normal on the side of the surface at `p` that holds all edges of a path with one along `away`; 0
+/// if light passes through, so that both sides count.
 SHARED VEC3 guide_facing(IN(Point) p, VEC3 away) MEMBER_CONST {
   if (!p.simple && !is_zero(p.bsdf.through)) return VEC3(0.0f);
   return dot(p.normal, away) > 0.0f ? p.normal : -p.normal;
 }
 
-/// How walks are directed at a surface that is seen along unit `away` from it, or was left along
-/// it.
+/// Guide totals of a surface that is seen along unit `away` from it, or was left along it.
 SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST {
   GuideTotals guide_totals;
   guide_totals.facing = guide_facing(p, away);
@@ -86,7 +86,7 @@ SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST 
   return guide_totals;
 }
 
-/// The same at y_0, a place on a light.
+/// The same at y_0, a point on a light.
 SHARED GuideTotals guide_totals_at_light(IN(Point) y0) MEMBER_CONST {
   GuideTotals guide_totals;
   guide_totals.facing = source_facing(y0.source, y0.normal);
@@ -98,7 +98,7 @@ SHARED GuideTotals guide_totals_at_light(IN(Point) y0) MEMBER_CONST {
   return guide_totals;
 }
 
-/// W at a vertex that a walk came to from unit `back` (0: it begins there).
+/// W at a vertex where a walk arrived from unit `back` (0: it begins there).
 SHARED REAL guide_total_of(IN(GuideTotals) guide_totals, Arrival back, uint from) MEMBER_CONST {
   if (begins(back)) return guide_totals.emitted;
   return from == FROM_LIGHT ? guide_totals.from_light : guide_totals.from_camera;
@@ -107,7 +107,7 @@ SHARED REAL guide_total_of(IN(GuideTotals) guide_totals, Arrival back, uint from
 SHARED REAL guide_first_chance(uint from) MEMBER_CONST {
   return from == FROM_LIGHT ? render.guide_light : render.guide_camera;
 }
-/// q where a walk scatters, at an albedo.
+/// q where a walk scatters, for a given albedo.
 SHARED REAL guide_chance_at(uint from, REAL albedo) MEMBER_CONST {
   return min(guide_first_chance(from), REAL(0.4) * (1.0f - albedo));
 }
@@ -125,9 +125,9 @@ SHARED OF_REAL(Odds) guide_odds(IN(Point) at, Arrival back) MEMBER_CONST {
   return odds_at(at, back);
 }
 
-/// Whether a walk at `v` that came from unit `back` (0: it begins there) is directed, and then the
-/// direction and the triangle aimed at (else -1). Numbers: place on a facet, its choice, and
-/// whether.
+/// Whether a walk at `v` that came from unit `back` (0: it begins there) is guided, and if so its
+/// direction and the triangle aimed at (else -1). Random numbers: two for the place on a facet, one
+/// to choose the facet, one for the decision.
 SHARED bool guide_draw(IN(Point) v, IN(GuideTotals) guide_totals, Arrival back, uint from, REAL u0,
                        REAL u1, REAL u2, REAL u3, OUT(VEC3) w, OUT(int) triangle) MEMBER_CONST {
   triangle = -1;
@@ -141,7 +141,7 @@ SHARED bool guide_draw(IN(Point) v, IN(GuideTotals) guide_totals, Arrival back, 
   return true;
 }
 
-/// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at (else
+/// Whether the walk that leaves y_0 is guided, and if so its ray and the triangle aimed at (else
 /// -1).
 SHARED bool guide_leave(IN(Point) y0, IN(GuideTotals) guide_totals, REAL u0, REAL u1, REAL u2,
                         REAL u3, INOUT(VEC3) origin, INOUT(VEC3) direction,
@@ -163,20 +163,20 @@ SHARED bool guide_leave(IN(Point) y0, IN(GuideTotals) guide_totals, REAL u0, REA
   return true;
 }
 
-/// Of a walk that leaves along an edge with this crossing: the guided density [1/canonical area]
-/// from the plain one. W: of what it may aim at; q: that it aims, scope: Odds of where it scatters;
+/// Guided density [1/canonical area] of a walk that leaves along an edge with this crossing, from
+/// the plain density. W: guide total; q: probability of aiming; scope: Odds where it scatters;
 /// per_area: |cos| / d^2 at the edge's other end.
 SHARED REAL guided_pdf_A(uint from, REAL W, REAL q, OF_REAL(Odds) scope, REAL plain_A,
                          REAL per_area, CrossingDensity crossing) MEMBER_CONST {
   if (!(plain_A > 0.0f && guide_first_chance(from) > 0.0f && W > 0.0f)) return plain_A;
   REAL by_surface = (1.0f - q * scope.broad) * plain_A;
-  // What the infinite ray crosses.
+  // Portals that the infinite ray crosses.
   REAL towards = from == FROM_LIGHT ? crossing.from_light : crossing.from_camera;
   if (towards == 0.0f) return by_surface;
   REAL share = q * reciprocal(W) * (scope.broad * (1.0f - scope.dirac));
   return by_surface + share * towards * per_area;
 }
-/// The same at a point that the walk came to from unit `back`, or begins at (0).
+/// The same at a point where the walk arrived from unit `back`, or begins (0).
 SHARED REAL guided_pdf_A(uint from, IN(Point) at, IN(GuideTotals) guide_totals, Arrival back,
                          REAL plain_A, REAL per_area, CrossingDensity crossing) MEMBER_CONST {
   return guided_pdf_A(from, guide_total_of(guide_totals, back, from), guide_chance(from, at, back),

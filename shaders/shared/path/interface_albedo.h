@@ -1,11 +1,11 @@
-// How much a reflecting interface takes away from what lies under it: directional albedo of the
+// Directional albedo of a reflecting interface, which it takes away from the layers under it:
 // specular lobe with Schlick's F = f0 + (f90 - f0)(1 - c)^5,
 //   E(mu) = f0 A(mu, alpha) + f90 B(mu, alpha),   E_avg = 2 int E(mu) mu dmu.
-// A and B are those of a table [tools/tdpt-render/path/bsdf/surface_curves.cpp], linear between
-// nodes in mu^(1/4) and alpha^(1/4), within 0.002 where mu > 0.05; its averages are those of the
+// A and B come from a table [tools/tdpt-render/path/bsdf/surface_curves.cpp], linear between nodes
+// in mu^(1/4) and alpha^(1/4), error below 0.002 where mu > 0.05; its averages are those of the
 // linear interpolant, so that int (1 - E) mu dmu is exact. alpha = 0 is Schlick's curve itself.
 //
-// Read within a scope that has load_surface_curve(); fresnel.h and surface_layout.h come before.
+// Include in a scope that has load_surface_curve(), after fresnel.h and surface_layout.h.
 
 #include "shaders/shared/language.h"
 
@@ -15,7 +15,7 @@ struct InterfaceAlbedo {
   REAL b;
 };
 
-/// Node below x^(1/4), x in [0,1], and the way from it to the next.
+/// Table node below x^(1/4), x in [0,1], and the fraction of the way to the next.
 SHARED uint interface_node(REAL x, uint nodes, OUT(REAL) rest) MEMBER_CONST {
   REAL t = root(root(min(max(x, 0.0f), 1.0f))) * REAL(nodes - 1u);
   uint i = min(uint(t), nodes - 2u);
@@ -31,7 +31,7 @@ SHARED InterfaceAlbedo interface_between(uint i, uint j, REAL rest) MEMBER_CONST
   return e;
 }
 
-/// What is told of alpha, in (0,1], for many cosines.
+/// The table row of alpha in (0,1], for use with many cosines.
 struct InterfaceRow {
   uint node;
   REAL rest;

@@ -1,4 +1,4 @@
-// What kernels.h needs before it.
+// Headers that kernels.h needs before it.
 #ifndef TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
 #define TDPT_SHADERS_SHARED_PATH_KERNEL_HEADS_H
 

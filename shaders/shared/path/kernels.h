@@ -1,10 +1,10 @@
-// All that the renderer's kernels do, for a kernel and for its scalar build (the
-// testing/scalar_build.cpp of the renderer).
+// All code of the renderer's kernels, for a kernel and for its scalar build
+// (testing/scalar_build.cpp of the renderer).
 //
-// Read within a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
-// arrays of the latter and of PATH_WORDS, what a scene has (see path_bindings.glsl), `render`,
-// `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file behind its buffers, or the
-// body of a C++ struct. Each text begins with language.h.
+// Include in a scope that has load_name() of SCENE_TABLES and PATH_TABLES [path/tables.h], the
+// arrays of the latter and of PATH_WORDS, the scene's features (see path_bindings.glsl), `render`,
+// `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file after its buffers, or the
+// body of a C++ struct. Each included text begins with language.h.
 
 #include "shaders/shared/path/kernel_heads.h"
 

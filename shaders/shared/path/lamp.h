@@ -1,10 +1,9 @@
-// What leaves a lamp, a light without extent: a point, even or with a profile, a spot, or parallel
-// light. A spot's smooth
-// edge between its cones is the one that KHR_lights_punctual recommends, without its lower bound of
-// 0.001 on the difference of the cosines, which narrow spots fall below.
+// Emission of a lamp, a light without extent: a point light, even or with a profile, a spot, or
+// parallel light. The smooth edge of a spot is the one that KHR_lights_punctual recommends, without
+// its lower bound of 0.001 on the difference of the cosines, which narrow spots undercut.
 //
-// Read within a scope that has load_light_word(); lights_layout.h comes before, which tells what a
-// Lamp is. C++ has one in doubles, too.
+// Include in a scope that has load_light_word(), after lights_layout.h, which describes a Lamp. C++
+// also uses it in doubles.
 
 #include "shaders/shared/language.h"
 
@@ -17,7 +16,8 @@ SHARED REAL versine_from_axis(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
 SHARED REAL profile_number(uint i) MEMBER_CONST {
   return REAL(uintBitsToFloat(load_light_word(i)));
 }
-/// The one of `count` - 1 intervals that x lies in, between numbers that ascend from `first` on.
+/// Index of the interval, out of `count` - 1 between ascending numbers from `first` on, that
+/// contains x.
 SHARED uint profile_interval(uint first, uint count, REAL x) MEMBER_CONST {
   uint low = 0u;
   uint high = count - 1u;
@@ -30,7 +30,7 @@ SHARED uint profile_interval(uint first, uint count, REAL x) MEMBER_CONST {
   }
   return low;
 }
-/// How far x lies on the way from a number to the next.
+/// Fraction of the way from one number to the next at x.
 SHARED REAL profile_share(uint at, REAL x) MEMBER_CONST {
   REAL a = profile_number(at);
   return min(max((x - a) * reciprocal(profile_number(at + 1u) - a), 0.0f), 1.0f);
@@ -39,7 +39,7 @@ SHARED REAL profile_in_column(uint at, REAL share) MEMBER_CONST {
   REAL a = profile_number(at);
   return a + (profile_number(at + 1u) - a) * share;
 }
-/// Intensity along unit w over the greatest, of a lamp with a profile (tdpt::LightProfile).
+/// Intensity along unit w relative to the maximum, for a lamp with a profile (tdpt::LightProfile).
 SHARED REAL profile_at(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   uint rows = load_light_word(lamp.profile);
   uint columns = load_light_word(lamp.profile + 1u);
@@ -64,7 +64,7 @@ SHARED REAL profile_at(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   return here + (next - here) * profile_share(first_column + column, horizontal);
 }
 
-/// Along unit w: intensity, of parallel light irradiance.
+/// Along unit w: intensity; for parallel light: irradiance.
 SHARED VEC3 lamp_radiance(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   REAL inside = (lamp.edge - versine_from_axis(lamp, w)) * lamp.per_edge;
   REAL share = min(max(inside, 0.0f), 1.0f);
@@ -72,14 +72,14 @@ SHARED VEC3 lamp_radiance(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   if (lamp.profile != kNoProfile) of_greatest = of_greatest * profile_at(lamp, w);
   return lamp.intensity * of_greatest;
 }
-/// Where the rings of a profile begin, between one of its rows and the next.
+/// Where the rings of a profile begin, one between each of its rows and the next.
 SHARED uint first_ring(IN(Lamp) lamp) MEMBER_CONST {
   uint rows = load_light_word(lamp.profile);
   uint columns = load_light_word(lamp.profile + 1u);
   return lamp.profile + 2u + rows + columns + rows * columns;
 }
 /// Density of the direction w in which a walk leaves [1/sr], uniform within the cone, or within
-/// each ring of a profile; of parallel light of the line along w [1/canonical area].
+/// each ring of a profile; for parallel light that of the line along w [1/canonical area].
 SHARED REAL lamp_pdf_w(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   REAL h = versine_from_axis(lamp, w);
   if (h > lamp.edge) return REAL(0.0f);
@@ -88,13 +88,13 @@ SHARED REAL lamp_pdf_w(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   uint rings = first_ring(lamp);
   return profile_number(rings + 2u * edges + profile_interval(rings, edges, h));
 }
-/// cos / pdf_w, which is 1 / pdf_w of a lamp; 0 where no walk leaves.
+/// cos / pdf_w, which is 1 / pdf_w for a lamp; 0 where no walk leaves.
 SHARED REAL lamp_per_pdf_w(IN(Lamp) lamp, VEC3 w) MEMBER_CONST {
   if (lamp.profile == kNoProfile) return lamp.extent;
   REAL pdf = lamp_pdf_w(lamp, w);
   return pdf > 0.0f ? reciprocal(pdf) : REAL(0.0f);
 }
-/// Such a direction, of a lamp that is not infinitely far.
+/// Samples that direction, for a lamp that is not infinitely far.
 SHARED VEC3 leave_lamp(IN(Lamp) lamp, REAL u, REAL v) MEMBER_CONST {
   REAL cosine = REAL(0);
   REAL sine = REAL(0);
@@ -112,7 +112,8 @@ SHARED VEC3 leave_lamp(IN(Lamp) lamp, REAL u, REAL v) MEMBER_CONST {
   VEC3 local = VEC3(r * cosine, r * sine, 1.0f - h);
   return normalized(to_world(onb_about(lamp.direction), local));
 }
-/// Where light along unit w begins that passes a ball around the origin: on a disc across it.
+/// Origin of a ray of parallel light along unit w that passes a ball around the scene's origin: on
+/// a disc perpendicular to w.
 SHARED VEC3 before_the_disc(VEC3 w, REAL radius, REAL u, REAL v) MEMBER_CONST {
   REAL cosine = REAL(0);
   REAL sine = REAL(0);

@@ -1,8 +1,8 @@
-// Lights, for kernels and their scalar build: the whole text, which next events are drawn with.
+// All code on lights, for kernels and their scalar build, including the sampling of next events.
 //
-// Read within a scope that has load_name() of TABLES_OF_LIGHTS [tables.h], light_settings,
+// Include in a scope that has load_name() of TABLES_OF_LIGHTS [tables.h], light_settings,
 // scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_rect_lights, scene_has_windows and
-// scene_prefers: a GLSL file behind its buffers, or the body of a C++ struct.
+// scene_prefers: a GLSL file after its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/path/lights_layout.h"
 

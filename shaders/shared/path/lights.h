@@ -1,7 +1,7 @@
-// All lights of a scene as one: libcommon/scene/lights.h in floats. Light walks begin at them; the
-// rays of other walks meet them.
+// All lights of a scene as one: libcommon/scene/lights.h in floats. Light walks begin at them; rays
+// of other walks hit them.
 //
-// Read behind sky.h, within a scope that has what that needs, load_light_emitter(),
+// Include after sky.h, in a scope that has what that needs, load_light_emitter(),
 // load_light_lamp(), scene_has_sky and scene_has_lamps.
 
 #include "shaders/shared/language.h"
@@ -15,7 +15,7 @@ SHARED bool is_sky(uint source) MEMBER_CONST {
 SHARED bool is_two_sided(uint source) MEMBER_CONST {
   return source == SOURCE_BOTH;
 }
-/// Whether a ray can meet it; if not, only those who sample lights find it.
+/// Whether a ray can hit it; if not, it is found only by sampling lights.
 SHARED bool source_met(uint source) MEMBER_CONST {
   return source < SOURCE_LAMPS;
 }
@@ -24,13 +24,13 @@ SHARED bool source_at_infinity(uint source) MEMBER_CONST {
   return scene_has_lamps && source >= SOURCE_LAMPS &&
          load_light_lamp(source - SOURCE_LAMPS).parallel != 0u;
 }
-/// The side that it shines to, from a place with unit normal `front`; 0: all.
+/// The side that it shines to, at a point with unit normal `front`; 0: all.
 SHARED vec3 source_facing(uint source, vec3 front) MEMBER_CONST {
   return source == SOURCE_FRONT ? front : vec3(0.0f, 0.0f, 0.0f);
 }
 
-/// What leaves along unit w: radiance of a surface and the sky, which are told it, intensity of a
-/// lamp, irradiance of parallel light. Black where no light begins.
+/// Emission along unit w: radiance for a surface and the sky (passed in), intensity for a lamp,
+/// irradiance for parallel light. Black if no light begins there.
 SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky,
                             vec3 w) MEMBER_CONST {
   if (is_sky(source)) return in_sky.radiance;
@@ -39,7 +39,7 @@ SHARED vec3 source_radiance(uint source, vec3 front, vec3 emission, InSky in_sky
   return lamp_radiance(load_light_lamp(source - SOURCE_LAMPS), w);
 }
 
-/// Density of the direction in which a walk leaves [1/sr]; at infinity of the line along w
+/// Density of the direction in which a walk leaves [1/sr]; at infinity that of the line along w
 /// [1/canonical area].
 SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   if (source == SOURCE_NONE) return 0.0f;
@@ -50,7 +50,7 @@ SHARED float emission_pdf_w(uint source, vec3 front, vec3 w) MEMBER_CONST {
   if (!scene_has_lamps) return 0.0f;
   return lamp_pdf_w(load_light_lamp(source - SOURCE_LAMPS), w);
 }
-/// |cos| / pdf_w of a direction w that light leaves in.
+/// |cos| / pdf_w for a direction w of emission.
 SHARED float cos_per_pdf_w(uint source, vec3 w) MEMBER_CONST {
   if (source == SOURCE_FRONT) return 3.14159265f;
   if (source == SOURCE_BOTH) return 6.28318531f;
@@ -78,7 +78,7 @@ SHARED uint drawn_light(uint word) MEMBER_CONST {
   return drawn_entry(light_settings.first_begin, light_settings.first_guide, light_settings.entries,
                      word);
 }
-/// A place on an emitter or at a lamp.
+/// A point on an emitter or at a lamp.
 SHARED LightPlace place_on_light(uint entry, float u, float v, float side) MEMBER_CONST {
   LightPlace place = no_light_place();
   if (entry < light_settings.emitters) {
@@ -103,12 +103,13 @@ SHARED LightPlace place_on_light(uint entry, float u, float v, float side) MEMBE
 SHARED bool is_sky_entry(uint entry) MEMBER_CONST {
   return scene_has_sky && entry == light_settings.emitters + light_settings.lamps;
 }
-/// Of a word that chose the sky and a number in [0,1): 32 bits to choose in it, all equally likely.
+/// For a word that chose the sky and a number in [0,1): 32 bits to choose within it, all equally
+/// likely.
 SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
   uint entry = light_settings.emitters + light_settings.lamps;
   word64 place = word64_of(0u, word - load_light_word(light_settings.first_begin + entry));
-  // The share of the sky's words as 32 bits and as many behind the point; of what lies between one
-  // word and the next, `more`.
+  // The fraction of the sky's words, as 32 bits and 32 fractional bits; `more` fills the space
+  // between one word and the next.
   word64 spread = word64_of(light_settings.spread_high, light_settings.spread_low);
   word64 between = word64_of(0u, uint(more * 16777216.0f) << 8);
   word64 low = product64(between, word64_of(0u, light_settings.spread_low));
@@ -117,7 +118,7 @@ SHARED uint word_in_sky(uint word, float more) MEMBER_CONST {
   return high_word(all);
 }
 
-/// Density of sample_light, at any point of `triangle` where that is a surface; `position` as in
+/// Density of sample_light at any point of `triangle`, if that is a surface; `position` as in
 /// LightPlace.
 SHARED float light_pdf(uint source, uint triangle, vec3, InSky in_sky) MEMBER_CONST {
   if (is_surface(source))
@@ -127,8 +128,8 @@ SHARED float light_pdf(uint source, uint triangle, vec3, InSky in_sky) MEMBER_CO
   return load_light_lamp(source - SOURCE_LAMPS).pdf_1;
 }
 
-/// A place to begin a walk at. Four numbers in [0,1): which light, where on it (u, v), and which of
-/// its sides.
+/// A point where a walk begins. Four numbers in [0,1): which light, where on it (u, v), and on
+/// which side.
 SHARED LightPlace sample_light(float pick, float u, float v, float side) MEMBER_CONST {
   LightPlace place = no_light_place();
   if (light_settings.entries == 0u) return place;
@@ -145,8 +146,8 @@ SHARED LightPlace sample_light(float pick, float u, float v, float side) MEMBER_
   return place;
 }
 
-/// A ray of light from a place: cos-distributed on a surface, from a lamp as lamp_pdf_w() says, on
-/// a disc outside the scene from infinity.
+/// A ray of light from that point: cosine-distributed on a surface, by lamp_pdf_w() from a lamp,
+/// from a disc outside the scene if infinitely far.
 SHARED void leave_light(LightPlace place, float u, float v, OUT(vec3) origin,
                         OUT(vec3) direction) MEMBER_CONST {
   origin = place.position;

@@ -1,4 +1,4 @@
-// Test only: the words of lights_test.h, one run of them an invocation.
+// Test only: the words of lights_test.h, one run per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/path/lights_test_layout.h"

@@ -1,6 +1,5 @@
-// Test only: what the functions on lights make of numbers drawn for each index, as words, to hold a
-// device's against those of its scalar build. Read behind next_event.h, within a scope that has
-// shaded_places[] besides.
+// Test only: results of the functions on lights for random numbers, as words, to compare a device
+// with its scalar build. Include after next_event.h, in a scope that also has shaded_places[].
 
 #include "shaders/shared/language.h"
 
@@ -44,7 +43,7 @@ SHARED float next_unit(INOUT(Rng) rng) MEMBER_CONST {
   return unit_float(random_word(rng));
 }
 
-/// What invocation i makes.
+/// The results of invocation i.
 SHARED LightWords light_words_of(uint i) MEMBER_CONST {
   LightWords drawn;
   drawn.count = 0u;

@@ -1,7 +1,7 @@
-// What texels say of a place: factors of its material, and how its normal is bent.
+// Applies texels to a material: multiplies its factors and bends its normal.
 //
-// Read within a scope behind surface_layout.h and vector.h: a GLSL file, or the body of a C++
-// struct, which C++ has in doubles, too.
+// Include in a scope after surface_layout.h and vector.h: a GLSL file, or the body of a C++ struct,
+// also in doubles.
 
 #include "shaders/shared/language.h"
 
@@ -10,7 +10,7 @@ struct Texel {
   float alpha;
 };
 
-/// A factor of `m` times what its map says.
+/// Multiplies a factor of `m` by its map.
 SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST {
   if (which == MAP_BASE) m.base_color = m.base_color * t.rgb;
   if (which == MAP_METALLIC_ROUGHNESS) {
@@ -30,14 +30,14 @@ SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST
   if (which == MAP_SHEEN_ROUGHNESS) m.sheen_roughness = m.sheen_roughness * t.alpha;
 }
 
-/// `v` over its largest component, so that its square is a number; 0 stays 0.
+/// `v` divided by its largest component, so that its square is finite; 0 stays 0.
 SHARED VEC3 brought_near_1(VEC3 v) MEMBER_CONST {
   REAL most = max(max(abs(v.x), abs(v.y)), abs(v.z));
   bool is_number = most > 1e-30f && most < 1e30f;
   return v * (is_number ? reciprocal(most) : REAL(0.0f));
 }
 
-/// `v` without its part along the unit `n`, unit; 0 where nothing is left.
+/// `v` without its component along the unit `n`, normalised; 0 if nothing is left.
 SHARED VEC3 across(VEC3 v, VEC3 n) MEMBER_CONST {
   VEC3 near_1 = brought_near_1(v);
   VEC3 flat_part = near_1 - n * dot(near_1, n);
@@ -46,8 +46,8 @@ SHARED VEC3 across(VEC3 v, VEC3 n) MEMBER_CONST {
   return flat_part * (is_left ? inverse_root(l2) : REAL(0.0f));
 }
 
-/// The unit `n` as a map of normals bends it. x: unit, across n, to the right in the map; hand: 1
-/// where its upper side lies along cross(n, x), else -1.
+/// The unit `n` bent by a normal map. x: unit, perpendicular to n, to the right in the map; hand: 1
+/// if the map's up direction lies along cross(n, x), else -1.
 SHARED VEC3 bent_by(Texel texel, REAL scale, VEC3 x, REAL hand, VEC3 n) MEMBER_CONST {
   VEC3 t = VEC3(texel.rgb) * REAL(2.0f) - VEC3(1.0f, 1.0f, 1.0f);
   VEC3 bent = x * (t.x * scale) + cross(n, x) * (hand * t.y * scale) + n * t.z;
@@ -55,7 +55,7 @@ SHARED VEC3 bent_by(Texel texel, REAL scale, VEC3 x, REAL hand, VEC3 n) MEMBER_C
   return l2 > 1e-18f && l2 < 1e37f ? bent * inverse_root(l2) : n;
 }
 
-/// The unit `n`, mirrored at the surface if it points behind it, never quite along it.
+/// The unit `n`, mirrored at the surface if it points behind it, and never exactly along it.
 SHARED VEC3 in_front(VEC3 n, VEC3 geometric) MEMBER_CONST {
   const REAL grazing = REAL(1e-3f);
   REAL cosine = dot(n, geometric);

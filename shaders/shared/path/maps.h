@@ -1,15 +1,15 @@
-// What textures, vertex colours and vertex normals say at one place of a face: the text of
+// Evaluates textures, vertex colours and vertex normals at a point of a face: the code of
 // libcommon/scene/texture.cpp in floats.
 //
-// Texture coordinates are taken from the first corner's, of which whole images are left out, so
-// that those far from 0 lose as little as can be.
+// Texture coordinates are computed relative to the first corner's, without its whole images, so
+// that those far from 0 lose as little precision as possible.
 //
-// Read within a scope that has load_x(i) of TABLES_OF_SURFACES [tables.h], scene_has_textures,
-// scene_has_normals and scene_has_colours; texels.h, surface_layout.h and mapped.h come before.
+// Include in a scope that has load_x(i) of TABLES_OF_SURFACES [tables.h], scene_has_textures,
+// scene_has_normals and scene_has_colours, after texels.h, surface_layout.h and mapped.h.
 
 #include "shaders/shared/language.h"
 
-/// A place on a face, and what is told of its corners where anything is.
+/// A point on a face.
 struct SurfacePlace {
   uint triangle;
   float b1;
@@ -75,8 +75,8 @@ SHARED Texel lookup(uint map, SurfacePlace at) MEMBER_CONST {
   return t;
 }
 
-/// The material of a place: all that textures and vertex colours say is in its factors, the base
-/// colour's each in [0,1].
+/// The material at a point: textures and vertex colours multiplied into its factors, each component
+/// of the base colour in [0,1].
 SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST {
   SurfaceMaterial m = load_material(material);
   if ((m.flags & MATERIAL_PLAIN) != 0u) return m;
@@ -98,8 +98,8 @@ SHARED SurfaceMaterial material_at(uint material, SurfacePlace at) MEMBER_CONST 
   return m;
 }
 
-/// Directions of +X (right) and +Y (up) of a normal map, from the corners' places and texture
-/// coordinates: u runs along dP/du, v against dP/dv. 0: there is no frame.
+/// Directions +X (right) and +Y (up) of a normal map, from the corners' positions and texture
+/// coordinates: along dP/du, and against dP/dv. 0 if there is no frame.
 SHARED void derived_tangents(SurfaceMap map, Face face, FaceCorners corners, OUT(vec3) x,
                              OUT(vec3) y) MEMBER_CONST {
   CornerAttributes a = load_corner_attributes(corners.a);
@@ -149,7 +149,7 @@ SHARED vec3 bent_normal(uint map, float scale, Face face, SurfacePlace at, vec3 
   return bent_by(lookup(map, at), scale, x, hand, n);
 }
 
-/// Unit shading normal of the front side: of the corners, bent by a map.
+/// Unit shading normal of the front side: interpolated from the corners, bent by a map.
 SHARED vec3 shading_normal_at(Face face, uint map, float scale, SurfacePlace at) MEMBER_CONST {
   vec3 n = face.normal;
   bool is_smooth = scene_has_normals && face.smoothed != 0u;

@@ -1,11 +1,11 @@
-// How a material scatters.
+// Converts a material to a BSDF.
 //
-// Read behind bsdf.h, within the same scope, which has scene_has_textures and scene_has_panes, too;
-// surface_layout.h comes before.
+// Include after bsdf.h, in the same scope, which also has scene_has_textures and scene_has_panes,
+// and after surface_layout.h.
 
 #include "shaders/shared/language.h"
 
-/// `color` and nothing else.
+/// Only diffuse, of colour `color`.
 SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
   Bsdf b;
   b.diffuse = color;
@@ -25,9 +25,9 @@ SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
   return b;
 }
 
-/// Of a material with what textures make of it: glTF 2.0 appendix B with KHR_materials_specular,
-/// _ior and _transmission. Dielectric and metal share one microfacet lobe, since Schlick's F is
-/// linear in f0 and f90.
+/// The BSDF of a material after textures: glTF 2.0 appendix B with KHR_materials_specular, _ior and
+/// _transmission. Dielectric and metal share one microfacet lobe, since Schlick's F is linear in f0
+/// and f90.
 SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   float dielectric = 1.0f - m.metallic;
   float r = (m.ior - 1.0f) * reciprocal(m.ior + 1.0f);
@@ -40,7 +40,7 @@ SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
     b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
   bool pane = scene_has_panes && m.pane_share > 0.0f;
-  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // past a pane rays go by
+  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // rays pass through panes
   b.alpha = m.roughness * m.roughness;
   b.eta = m.ior;
   b.thin = (m.flags & MATERIAL_SOLID) == 0u ? 1u : 0u;
@@ -54,8 +54,8 @@ SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   return b;
 }
 
-/// What a place is made of that has more than one diffuse lobe; its shading normal is known. The
-/// coat's: unit, of the front, of account where it is not the geometric one.
+/// Sets the material of a point that has more than a diffuse lobe; its shading normal is known.
+/// coat_normal: unit, on the front; used only if bent_coat.
 SHARED void put_material(IN(SurfaceMaterial) m, bool bent_coat, VEC3 coat_normal,
                          INOUT(Point) p) MEMBER_CONST {
   p.bsdf = bsdf_of(m);

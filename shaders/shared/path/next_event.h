@@ -1,10 +1,11 @@
-// Next events: what a point sees, and a place on a light drawn for it [next_event_pdf.h].
+// Next-event estimation: what a point sees, and a point on a light sampled for it
+// [next_event_pdf.h].
 //
-// Read behind next_event_pdf.h.
+// Include after next_event_pdf.h.
 
 #include "shaders/shared/language.h"
 
-/// What is seen from `p`, whose side `facing` light comes to (0: both).
+/// Evaluates windows and rectangular lights from `p`; light arrives on the side `facing` (0: both).
 SHARED void look_out(Point p, vec3 facing, OUT(LightContext) o) MEMBER_CONST {
   o.facing = facing;
   o.seen = 0.0f;
@@ -14,10 +15,9 @@ SHARED void look_out(Point p, vec3 facing, OUT(LightContext) o) MEMBER_CONST {
   if (scene_has_rect_lights) o.sent = sent_by_rect_lights(p, facing);
 }
 
-/// A place on a light for `p`, which has looked out; none where no rectangular light sends
-/// anything. `through_windows`: how often a direction of the sky is drawn through those that there
-/// are. What is below the horizon is not looked at: its density is 0. Four numbers in [0,1), as
-/// sample_light.
+/// Samples a point on a light for `p`, after look_out(). SOURCE_NONE if no rectangular light sends
+/// anything. `through_windows`: the share of the sky's samples drawn through windows, if `p` sees
+/// any. A direction below the horizon gets density 0. Four numbers in [0,1), as in sample_light.
 SHARED LightPlace sample_next_event(Point p, INOUT(LightContext) light_context,
                                     float through_windows, float pick, float u, float v,
                                     float side) MEMBER_CONST {

@@ -1,19 +1,19 @@
-// Where a next event looks: which light, and where on it, for a given shaded point.
+// Density of next-event estimation at a shaded point: which light, and which point on it.
 //
-// A kind of light is chosen as for light walks, and a light and a place on it. Of the sky a
-// direction is drawn through the windows [window_sky.h] with probability q where the point sees
-// any, and else from all of it:
+// A kind of light, a light and a point on it are chosen as for light walks, with two exceptions. If
+// the point sees windows [window_sky.h], a direction of the sky is drawn through them with
+// probability q, otherwise from the whole sky:
 //   p_nee(w | x) = P_sky ((1-q) p_sky(w) + q p_windows(w | x)).
-// Where rectangular lights are the only surfaces that emit, which of them and where on it depends
-// on the point, too [rect_lights.h]. q is less than 1, so that nothing that shines is missed: what
-// windows miss, since no portal is there, has 1-q.
+// If rectangular lights are the only emitting surfaces, the choice of the light and of the point on
+// it depends on x, too [rect_lights.h]. q is below 1, so that no light is missed: what windows do
+// not cover, since no portal is there, keeps 1-q.
 //
-// Read behind rect_lights.h and window_sky.h.
+// Include after rect_lights.h and window_sky.h.
 
 #include "shaders/shared/language.h"
 
-/// Density of sample_next_event, where `p` has looked out: of the place of `position` on `triangle`
-/// of a surface, or in the sky, per measure as LightPlace has it.
+/// Density of sample_next_event for `p`, after look_out(): of `position` on `triangle` of a
+/// surface, or in the sky, per measure as in LightPlace.
 SHARED REAL next_event_pdf(IN(Point) p, IN(LightContext) light_context, REAL through_windows,
                            Source source, uint triangle, VEC3 position,
                            IN(InSky) in_sky) MEMBER_CONST {

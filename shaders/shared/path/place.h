@@ -1,7 +1,7 @@
-// From a place on a face to a point of a path: the text of place_on_surface() of
-// tools/tdpt-render/path/sample/surface.cpp in floats; and what surfaces say of a point.
+// Turns a place on a face into a point of a path: place_on_surface() of
+// tools/tdpt-render/path/sample/surface.cpp in floats; and properties of a point's surface.
 //
-// Read behind maps.h and material.h, within the same scope.
+// Include after maps.h and material.h, in the same scope.
 
 #include "shaders/shared/language.h"
 
@@ -20,7 +20,7 @@ SHARED void add_layers(Face face, SurfaceMaterial m, SurfacePlace at, INOUT(Poin
   if ((m.flags & MATERIAL_PLAIN) == 0u) put_material(m, bent_coat, coat_normal, p);
 }
 
-/// Puts `p` on a face, at barycentrics b1, b2 of its second and third corner.
+/// Sets `p` to the point of a face at barycentrics b1, b2 of its second and third corner.
 SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) MEMBER_CONST {
   SurfacePlace at;
   at.triangle = triangle;
@@ -51,7 +51,7 @@ SHARED void place_on_surface(uint triangle, float b1, float b2, OUT(Point) p) ME
     p.source = (m.flags & MATERIAL_DOUBLE_SIDED) != 0u ? SOURCE_BOTH : SOURCE_FRONT;
 }
 
-/// Probability that a ray along `w`, of any length, finds a pane; 1 of all else.
+/// Probability that a pane stops a ray along `w`, of any length; 1 for all other surfaces.
 SHARED float opacity_at(uint triangle, vec3 w) MEMBER_CONST {
   if (!scene_has_panes) return 1.0f;
   SurfaceMaterial m = load_material(load_face(triangle).material);

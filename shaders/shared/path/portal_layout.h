@@ -1,5 +1,4 @@
-// Portals in flat tables, as portals.h reads them; C++ has them in doubles, too. Everything is
-// canonical.
+// Portals in flat tables for portals.h; C++ also has them in doubles. Everything is canonical.
 #ifndef TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_PORTAL_LAYOUT_H
 
@@ -12,76 +11,76 @@ SHARED_BEGIN
 
 /// A portal counts only for segments that begin and end at least this far from its plane, 2^-18.
 ///
-/// Where a portal lies in a surface, rounding must not decide what crosses it. With e = 2^-24 and a
-/// place that lies no further than 3.5 from the middle of a facet, the scene's size, its height
-/// over the facet's plane is off by 0.9 e for the middle, 0.9 * 3.5 e for the normal, 3.5 e for the
-/// difference and 3 * 3.5 e for the products: 18 e. A place on a surface is off by 4 e, and so are
-/// the corners that it was made of: in all 26 e. Half the margin is 32 e, so that a ray which
-/// begins half a margin behind the plane begins behind what lies in it, and what lies in it is on
-/// neither side.
+/// If a portal lies in a surface, rounding must not decide what crosses it. With e = 2^-24 and a
+/// point at most 3.5 (the scene's size) from the centre of a facet, its height over the facet's
+/// plane has an error of 0.9 e from the centre, 0.9 * 3.5 e from the normal, 3.5 e from the
+/// difference and 3 * 3.5 e from the products: 18 e. A point on a surface has an error of 4 e, and
+/// so have the corners that it was made from: in all 26 e. Half the margin is 32 e, so that a ray
+/// which begins half a margin behind the plane begins behind any surface in it, and such a surface
+/// is on neither side.
 const float kPortalMargin = 3.814697265625e-6f;
 
-/// Canonical; no ray within the scene, or from before it, is as long.
+/// Canonical; longer than any ray within the scene, or from before it.
 const float kPortalReach = 8.0f;
 
-/// Parallel light with a smaller cosine to a facet's normal is not directed at it: that cosine is
-/// off by 5 e, and a line of it by as much over the cosine where it passes the plane.
+/// Parallel light with a smaller cosine to a facet's normal is not guided to it: that cosine has an
+/// error of 5 e, and the point where a line crosses the plane has that error divided by the cosine.
 const float kPortalEdgeOn = 1e-4f;
 
 /// A triangle.
-#define TEXELS_OF_PortalPolygon(VEC, WORDS, PART)                             \
-  /* end_of_all: share of the area of all polygons up to and with this one */ \
-  VEC(p0, float, end_of_all)                                                  \
-  /* end_of_facet: the same within its facet */                               \
-  VEC(e1, float, end_of_facet)                                                \
-  /* portal: which of the portals it is part of */                            \
-  VEC(e2, uint, portal)                                                       \
-  /* grad1: barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0) */   \
-  VEC(grad1, uint, facet)                                                     \
+#define TEXELS_OF_PortalPolygon(VEC, WORDS, PART)                                    \
+  /* end_of_all: cumulative share of the area of all polygons, including this one */ \
+  VEC(p0, float, end_of_all)                                                         \
+  /* end_of_facet: the same within its facet */                                      \
+  VEC(e1, float, end_of_facet)                                                       \
+  /* portal: index of the portal that it is part of */                               \
+  VEC(e2, uint, portal)                                                              \
+  /* grad1: barycentric b1 = dot(grad1, p - p0), b2 = dot(grad2, p - p0) */          \
+  VEC(grad1, uint, facet)                                                            \
   VEC(grad2, uint, pad)
 RECORD(PortalPolygon)
 
-/// The triangles of a portal that lie in one plane.
-#define TEXELS_OF_PortalFacet(VEC, WORDS, PART)                                          \
-  /* normal: from the light's side to the camera's */                                    \
-  VEC(normal, float, area)                                                               \
-  /* centre: lies in the plane */                                                        \
-  /* reach2: squared distance from the centre that no corner has, whatever is rounded */ \
-  VEC(centre, float, reach2)                                                             \
-  /* density: (1-c) p(q) / (A_q pi) of each of its triangles */                          \
-  /* border: barycentric: what lies as far within each is clear of rounding */           \
-  /* first: of its polygons */                                                           \
-  WORDS(float, density, float, border, uint, first, uint, end)                           \
-  /* first_pair: of the pairs that light passes it first of */                           \
-  WORDS(uint, first_corner, uint, end_corner, uint, first_pair, uint, end_pair)          \
+/// The triangles of a portal in one plane.
+#define TEXELS_OF_PortalFacet(VEC, WORDS, PART)                                           \
+  /* normal: from the light's side to the camera's */                                     \
+  VEC(normal, float, area)                                                                \
+  /* centre: lies in the plane */                                                         \
+  /* reach2: squared distance from the centre beyond all corners, whatever was rounded */ \
+  VEC(centre, float, reach2)                                                              \
+  /* density: (1-c) p(q) / (A_q pi) of each of its triangles */                           \
+  /* border: barycentric distance from a triangle's border that is clear of rounding */   \
+  /* first: of its polygons */                                                            \
+  WORDS(float, density, float, border, uint, first, uint, end)                            \
+  /* first_pair: of the pairs that light crosses this facet first of */                   \
+  WORDS(uint, first_corner, uint, end_corner, uint, first_pair, uint, end_pair)           \
   WORDS(float, per_area, uint, pad0, uint, pad1, uint, pad2)
 RECORD(PortalFacet)
 
 #define TEXELS_OF_PortalCorner(VEC, WORDS, PART) VEC(at, uint, pad)
 RECORD(PortalCorner)
 
-/// Two facets that segments are drawn through both of, light passing `first` before `second`.
-#define TEXELS_OF_PortalPair(VEC, WORDS, PART)          \
-  /* pdf: c p(F,G) / (A_F A_G) */                       \
-  /* end: share of all pairs up to and with this one */ \
+/// A pair of facets that segments are drawn through both of; light crosses `first` before `second`.
+#define TEXELS_OF_PortalPair(VEC, WORDS, PART)                 \
+  /* pdf: c p(F,G) / (A_F A_G) */                              \
+  /* end: cumulative share of all pairs, including this one */ \
   WORDS(uint, first, uint, second, float, pdf, float, end)
 RECORD(PortalPair)
 
-/// Sizes of the tables, and of the segments the share c that is drawn through pairs.
+/// Sizes of the tables, and the share c of the segments that is drawn through pairs.
 struct GuideParameters {
   uint facets;
   uint polygons;
   uint pairs;
   float pair_share;      ///< c
-  float per_pair_share;  ///< 1/c; 0 where c is
+  float per_pair_share;  ///< 1/c; 0 if c is 0
   uint pad0;
   uint pad1;
   uint pad2;
 };
 
-/// Triangles that a segment was drawn through, the second of a pair; -1: none. They are counted as
-/// crossed, as borders round either way, and a neighbour in their plane only when the crossing is
-/// clear of the border.
+/// Triangles that a segment was drawn through, the second one for a pair; -1: none. They always
+/// count as crossed, although rounding at a border may go either way; a neighbour in the same plane
+/// then counts only if the crossing is clear of the border.
 struct Drawn {
   int polygon;
   int second;
@@ -99,11 +98,11 @@ SHARED Drawn drawn_otherwise() {
   return drawn_through(-1, -1);
 }
 
-/// What can have made an edge from the light's side to the camera's.
+/// Densities of what can have made an edge from the light's side to the camera's.
 struct CrossingDensity {
   float density;  ///< D
-  /// a(w) * W [1/sr], of parallel light the triangles crossed: of a walk from the light that stands
-  /// at the edge's beginning, and of one from the camera that stands at its end.
+  /// a(w) * W [1/sr] (for parallel light: the triangles crossed) of a guided walk from the light at
+  /// the edge's beginning, and of one from the camera at its end.
   float from_light;
   float from_camera;
 };
@@ -123,9 +122,9 @@ struct SegmentDraw {
   uint portal;
 };
 
-/// Where a line passes a facet along its normal.
+/// How a line crosses a facet along its normal.
 struct PortalPassage {
-  float before;  ///< height of the line's ends over the plane, < 0 on the light's side
+  float before;  ///< heights of the line's ends over the plane, < 0 on the light's side
   float after;
   float cosine;
   int triangles;  ///< crossed there; 0: none

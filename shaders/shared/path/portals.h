@@ -1,38 +1,38 @@
-// Draws segments, and directions of walks, through the portals, and tells the density with which
-// any edge of a path would have been drawn so. Section 3.1.1, eq. 4.
+// Samples segments, and directions of walks, through the portals, and gives the density with which
+// any edge of a path would have been sampled so. Section 3.1.1, eq. 4.
 //
-// A portal is a set of triangles in the air, each with the normal its winding gives: the direction
-// from the light's side to the camera's side.
+// A portal is a set of triangles in the air, each with the normal given by its winding: the
+// direction from the light's side to the camera's side.
 //
 // Portal sampling: a triangle q with probability p(q) in proportion to its area, a point uniform on
-// it (p_A = 1/A_q), a direction with p_w = cos/pi about its normal, both ways to the surfaces x_l
-// (light's side) and x_c (camera's side):
+// it (p_A = 1/A_q), a direction with p_w = cos/pi about its normal, traced both ways to the
+// surfaces x_l (light's side) and x_c (camera's side):
 //   p_AA(x_l, x_c) = G(x_l, x_c) * sum_q p(q) p_A p_w / cos_q                              [eq. 4]
 //                  = G(x_l, x_c) * D,    D = sum over the q crossed of p(q) / (A_q pi).
-// A portal that light passes both ways is its triangles in both windings, either with its own p(q).
-// cos cancels: no grazing singularity. D [1/(m2 sr)], canonical, is what this file computes.
+// A portal that light crosses both ways has its triangles in both windings, each with its own p(q).
+// The cosine cancels: no grazing singularity. This file computes D [1/(m2 sr)], canonical.
 //
-// Portals in series: those that follow each other on the light's way (doors of rooms in a row)
-// leave little room for light that passes both without touching a wall between them, and a segment
-// through one meets the other by chance. So a share c of the segments, where there is such a pair
-// (F,G), is drawn through a point uniform on each, a pair with probability p(F,G):
-//   D = (1-c) sum_q p(q) / (A_q pi) + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F
-//   cos_G),
-// d the distance between the points where the segment passes the two.
+// Portals in series: if one follows another on the light's way (doors of rooms in a row), little
+// light passes both without touching a wall between them, and a segment through one crosses the
+// other only by chance. So for such pairs (F,G) a share c of the segments is drawn through a point
+// uniform on each of the two, a pair with probability p(F,G):
+//   D = (1-c) sum_q p(q) / (A_q pi)
+//       + c sum over the pairs crossed of p(F,G) d^2 / (A_F A_G cos_F cos_G),
+// d the distance between the points where the segment crosses the two.
 //
-// Path guiding [guide.h] aims walks at facets as light sampling aims at lamps: a facet is the
-// triangles of a portal that lie in one plane. From v, facet F is taken in proportion to w_F(v),
-// about its solid angle, and then a point uniform on it; the direction w there has
-//   a(w) = sum over the facets F that the ray (v, w) passes of  w_F(v) / W  * d^2 / (|cos| A_F),
+// Path guiding [guide.h] aims walks at facets as light sampling aims at lights: a facet is the set
+// of triangles of a portal in one plane. From v, facet F is chosen in proportion to w_F(v), about
+// its solid angle, then a point uniform on it; its direction w has the density
+//   a(w) = sum over the facets F that the ray (v, w) crosses of  w_F(v) / W  * d^2 / (|cos| A_F),
 // d the distance to the plane along w, W the sum of w_F(v) over the facets that v can aim at.
 //
-// Floats shape the arithmetic: crossings are found from the nearer end of an edge, and distances to
-// a plane are heights over cosines, so that nothing grows with the edge's smallness. Whether an
-// edge has ends on either side of a plane is asked of their heights everywhere, so that what was
-// drawn and spans a facet crosses it; which of a facet's triangles it crosses, `Drawn` says where
-// that is known. Margins of floats are told in portal_layout.h.
+// Precision in floats: crossings are computed from the nearer end of an edge, and distances to a
+// plane are heights over cosines, so that errors do not grow for short edges. Whether an edge has
+// its ends on either side of a plane is decided by their heights everywhere, so that a segment that
+// was drawn through a facet and spans it always crosses it; if known, `Drawn` says which of the
+// facet's triangles it crosses. portal_layout.h gives the margins.
 //
-// Read within a scope that has
+// Include in a scope that has
 //   load_portal_facet(i) and all others of TABLES_OF_PORTALS [tables.h]
 //   GuideParameters guiding
 //   scene_has_portals, portals_have_pairs
@@ -42,12 +42,13 @@
 
 #include "shaders/shared/language.h"
 
-/// Of p over the facet's plane; < 0 on the light's side.
+/// Height of p over the facet's plane; < 0 on the light's side.
 SHARED REAL portal_height(IN(PortalFacet) f, VEC3 p) MEMBER_CONST {
   return dot(f.normal, p - f.centre);
 }
 
-/// Whether a point of its plane lies in the polygon and `inside` (barycentric) off its borders.
+/// Whether a point of its plane lies in the polygon, at least `inside` (barycentric) from its
+/// borders.
 SHARED bool polygon_holds(IN(PortalPolygon) p, VEC3 at, REAL inside) MEMBER_CONST {
   VEC3 d = at - p.p0;
   REAL b1 = dot(p.grad1, d);
@@ -55,7 +56,7 @@ SHARED bool polygon_holds(IN(PortalPolygon) p, VEC3 at, REAL inside) MEMBER_CONS
   return b1 >= inside && b2 >= inside && b1 + b2 <= 1.0f - inside;
 }
 
-/// How many triangles of the facet are crossed at `at`.
+/// Number of the facet's triangles crossed at `at`.
 SHARED int portal_crossed(IN(PortalFacet) f, VEC3 at, Drawn drawn) MEMBER_CONST {
   int first = int(f.first);
   int end = int(f.end);
@@ -74,14 +75,14 @@ SHARED int portal_crossed(IN(PortalFacet) f, VEC3 at, Drawn drawn) MEMBER_CONST 
   return n;
 }
 
-/// 1 / |d|; 0: no line to speak of.
+/// 1 / |d|; 0 if d is too short.
 SHARED REAL portal_per_length(VEC3 d) MEMBER_CONST {
   REAL d2 = dot(d, d);
   return d2 > 1e-36f ? inverse_root(d2) : REAL(0.0f);
 }
 
-/// Where the line through `from` and `to` passes a facet along its normal. `beyond`: one of them
-/// may be on the wrong side of it; `d`: to - from; `per_length`: 1 / |d|.
+/// How the line through `from` and `to` crosses a facet along its normal. `beyond`: one of them may
+/// be on the wrong side of it; `d`: to - from; `per_length`: 1 / |d|.
 SHARED PortalPassage portal_passage(IN(PortalFacet) f, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
                                     bool beyond, Drawn drawn) MEMBER_CONST {
   PortalPassage p;
@@ -103,7 +104,7 @@ SHARED PortalPassage portal_passage(IN(PortalFacet) f, VEC3 from, VEC3 to, VEC3 
   return p;
 }
 
-/// The part of D of the pairs that light passes facet k first of.
+/// The part of D from pairs whose first facet is k.
 SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
                                     Drawn drawn) MEMBER_CONST {
   REAL all = 0.0f;
@@ -115,7 +116,7 @@ SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per
     IN(PortalPair) pair = load_portal_pair(i);
     PortalPassage of_g =
         portal_passage(load_portal_facet(pair.second), from, to, d, per_length, false, drawn);
-    int ways = of_f.triangles * of_g.triangles;  // choices of triangles that give this line
+    int ways = of_f.triangles * of_g.triangles;  // combinations of triangles that give this line
     if (ways > 0) {
       REAL per_g = reciprocal(of_g.cosine);
       REAL apart = of_g.before * per_g - of_f.before * per_f;
@@ -124,8 +125,8 @@ SHARED REAL portal_density_of_pairs(uint k, VEC3 from, VEC3 to, VEC3 d, REAL per
   }
   return all;
 }
-/// The part of D that pairs have. `crossed`: those of the first 32 facets that are, a bit each: a
-/// group of lanes goes round as often as the one of them that crosses most.
+/// The part of D from pairs. `crossed`: which of the first 32 facets are crossed, a bit each: a
+/// group of lanes iterates only as often as its lane with the most crossings.
 SHARED REAL portal_pair_density(uint crossed, VEC3 from, VEC3 to, VEC3 d, REAL per_length,
                                 Drawn drawn) MEMBER_CONST {
   REAL all = 0.0f;
@@ -140,7 +141,7 @@ SHARED REAL portal_pair_density(uint crossed, VEC3 from, VEC3 to, VEC3 d, REAL p
   return all;
 }
 
-/// D of [eq. 4] of the segment `from` (light's side) -> `to` (camera's side); 0 when it crosses no
+/// D of [eq. 4] of the segment `from` (light's side) -> `to` (camera's side); 0 if it crosses no
 /// triangle along its normal.
 SHARED REAL portal_density(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   if (!scene_has_portals) return 0.0f;
@@ -158,12 +159,12 @@ SHARED REAL portal_density(VEC3 from, VEC3 to, Drawn drawn) MEMBER_CONST {
   return sum;
 }
 
-/// w_F(v), more than 0 off the plane.
+/// w_F(v), positive off the plane.
 SHARED REAL portal_weight(IN(PortalFacet) f, VEC3 v) MEMBER_CONST {
   if (guiding.facets == 1u) return 1.0f;
   VEC3 d = f.centre - v;
   REAL d2 = dot(d, d);
-  // Seen at a grazing angle a facet keeps a tenth of the weight.
+  // At grazing angles a facet keeps a tenth of the weight.
   REAL height = abs(dot(f.normal, d));
   if (height * height < REAL(0.01) * d2) height = REAL(0.1) * root(d2);
   REAL area = f.area;
@@ -196,8 +197,8 @@ SHARED CrossingDensity portal_crossing(VEC3 from, VEC3 to, Drawn drawn) MEMBER_C
   return c;
 }
 
-/// Whether x_l, x_c lie on either side of all that the segment was drawn through: one that was
-/// drawn through a pair and is stopped between them is of no use.
+/// Whether x_l and x_c lie on either side of all triangles that the segment was drawn through: one
+/// drawn through a pair and stopped in between is of no use.
 SHARED bool segment_spans(Drawn drawn, VEC3 x_l, VEC3 x_c) MEMBER_CONST {
   for (int i = 0; i < 2; ++i) {
     int polygon = i == 0 ? drawn.polygon : drawn.second;
@@ -209,7 +210,7 @@ SHARED bool segment_spans(Drawn drawn, VEC3 x_l, VEC3 x_c) MEMBER_CONST {
   return true;
 }
 
-/// The polygon of first .. end-1 that u falls on, by its share of the area of all or of its facet.
+/// The polygon of first .. end-1 at u in the cumulative area of all, or of its facet.
 SHARED uint polygon_picked(uint first, uint end, bool of_all, REAL u) MEMBER_CONST {
   uint low = first;
   uint high = end - 1u;
@@ -242,7 +243,7 @@ SHARED VEC3 point_on_facet(uint f, REAL pick, REAL u, REAL v, OUT(int) polygon) 
 
 /// Whether a corner of the facet is on the side of v that `facing` looks to (0: either).
 SHARED bool portal_above(IN(PortalFacet) f, VEC3 v, VEC3 facing) MEMBER_CONST {
-  // Where the middle is, a corner is: but for rounding.
+  // If the centre is, a corner is, except for rounding.
   bool above = is_zero(facing) || dot(facing, f.centre - v) > kPortalMargin;
   uint end = f.end_corner;
   for (uint i = f.first_corner; i < end && !above; ++i)
@@ -250,8 +251,8 @@ SHARED bool portal_above(IN(PortalFacet) f, VEC3 v, VEC3 facing) MEMBER_CONST {
   return above;
 }
 
-/// W at `v` of walks from either end: of the facets that have v on the side that such walks begin
-/// on, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
+/// W at `v` for walks from either end: over the facets that have v on the side where such walks
+/// begin, and a corner on the side of v that `facing` looks to (0: either). 0: nothing to aim at.
 SHARED void portal_guide_totals(VEC3 v, VEC3 facing, OUT(REAL) from_light,
                                 OUT(REAL) from_camera) MEMBER_CONST {
   REAL of_light = 0.0f;
@@ -267,7 +268,7 @@ SHARED void portal_guide_totals(VEC3 v, VEC3 facing, OUT(REAL) from_light,
   from_light = of_light;
   from_camera = of_camera;
 }
-/// The same of walks from one end.
+/// The same for walks from one end.
 SHARED REAL portal_guide_totals(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
   REAL from_light = 0.0f;
   REAL from_camera = 0.0f;
@@ -275,8 +276,8 @@ SHARED REAL portal_guide_totals(VEC3 v, VEC3 facing, uint from) MEMBER_CONST {
   return from == FROM_LIGHT ? from_light : from_camera;
 }
 
-/// Unit direction from `v` towards a facet; W must be that of portal_guide_totals() for the same
-/// arguments, and more than 0. `u`, `v_`: place on the facet; `pick`: its choice. Returns the
+/// Samples a unit direction from `v` towards a facet; W must be that of portal_guide_totals() for
+/// the same arguments, and positive. `u`, `v_`: place on the facet; `pick`: chooses it. Returns the
 /// triangle aimed at.
 SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, REAL v_, REAL pick,
                                OUT(VEC3) w) MEMBER_CONST {
@@ -293,7 +294,7 @@ SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, R
     rest -= weight;
     if (rest < 0.0f) break;
   }
-  // What chose the facet within W chooses the triangle within the facet.
+  // The remainder of the number that chose the facet chooses the triangle within it.
   REAL within = min(max(1.0f + rest * reciprocal(weight), 0.0f), 1.0f);
   int polygon = 0;
   VEC3 at = point_on_facet(chosen, within, u, v_, polygon);
@@ -301,13 +302,13 @@ SHARED int draw_towards_portal(VEC3 v, VEC3 facing, uint from, REAL W, REAL u, R
   return polygon;
 }
 
-/// A_F cos_F of parallel light along unit d; 0 edge on and from the front.
+/// A_F cos_F for parallel light along unit d; 0 if edge-on or from the front.
 SHARED REAL portal_across(IN(PortalFacet) f, VEC3 d) MEMBER_CONST {
   REAL cosine = dot(f.normal, d);
   return cosine > kPortalEdgeOn ? f.area * cosine : REAL(0.0f);
 }
 
-/// W of parallel light, which travels along unit `d`.
+/// W of parallel light that travels along unit `d`.
 SHARED REAL portal_guide_total_along(VEC3 d) MEMBER_CONST {
   REAL sum = 0.0f;
   if (!scene_has_portals) return sum;
@@ -315,7 +316,7 @@ SHARED REAL portal_guide_total_along(VEC3 d) MEMBER_CONST {
   return sum;
 }
 
-/// The point that a line of it goes through; returns the triangle it lies on.
+/// Samples the point through which a line of parallel light goes; returns the triangle it lies on.
 SHARED int draw_parallel_through_portal(VEC3 d, REAL W, REAL u, REAL v, REAL pick,
                                         OUT(VEC3) at) MEMBER_CONST {
   REAL rest = pick * W;
@@ -335,7 +336,7 @@ SHARED int draw_parallel_through_portal(VEC3 d, REAL W, REAL u, REAL v, REAL pic
   return polygon;
 }
 
-/// How many triangles the line along d that arrives at `to` crosses.
+/// Number of triangles crossed by the line along d that arrives at `to`.
 SHARED int crossed_along(VEC3 d, VEC3 to, Drawn drawn) MEMBER_CONST {
   int n = 0;
   for (uint f = 0u; f < guiding.facets; ++f) {
@@ -348,8 +349,8 @@ SHARED int crossed_along(VEC3 d, VEC3 to, Drawn drawn) MEMBER_CONST {
   return n;
 }
 
-/// A segment: place on a triangle and direction, two numbers each, and three for their choice.
-/// There must be portals.
+/// Samples a segment: two numbers for the place on a triangle, two for the direction, three to
+/// choose triangles. There must be portals.
 SHARED SegmentDraw sample_segment(REAL u0, REAL u1, REAL u2, REAL u3, REAL u4, REAL u5,
                                   REAL u6) MEMBER_CONST {
   SegmentDraw s;
@@ -385,8 +386,8 @@ SHARED SegmentDraw sample_segment(REAL u0, REAL u1, REAL u2, REAL u3, REAL u4, R
   return s;
 }
 
-/// Where both rays of a segment begin: behind the portal by half the margin, so that what lies in
-/// its plane, a pane as like as not, is met by one of them alone.
+/// Where both rays of a segment begin: behind the portal by half the margin, so that a surface in
+/// its plane, often a pane, is hit by only one of them.
 SHARED VEC3 segment_start(SegmentDraw s) MEMBER_CONST {
   uint f = load_portal_polygon(s.drawn.polygon).facet;
   return s.position - load_portal_facet(f).normal * (0.5f * kPortalMargin);

@@ -1,4 +1,4 @@
-// Test only: the words of portals_test.h, one trial an invocation.
+// Test only: the words of portals_test.h, one trial per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/path/portals_test_layout.h"

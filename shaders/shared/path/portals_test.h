@@ -1,5 +1,5 @@
-// Test only: trials of portals.h and guide.h on random edges, as words, to hold a device's against
-// those of C++. Read behind portals.h; the surfaces and lights that guide.h asks are made up here.
+// Test only: trials of portals.h and guide.h on random edges, as words, to compare a device with
+// C++. Include after portals.h; the surfaces and lights that guide.h needs are invented here.
 
 #include "shaders/shared/language.h"
 
@@ -12,7 +12,7 @@ SHARED bool source_at_infinity(uint source) MEMBER_CONST {
 SHARED vec3 source_facing(uint source, vec3 normal) MEMBER_CONST {
   return source == SOURCE_FRONT ? normal : vec3(0.0f);
 }
-/// Of points that are not simple: numbers of theirs that nothing else here asks for.
+/// For points that are not simple: made from members that nothing else here uses.
 SHARED float albedo_at(Point p, vec3 back) MEMBER_CONST {
   float layered = min(p.bsdf.sheen_alpha + 0.1f * abs(dot(p.normal, back)), 1.0f);
   return p.simple ? min(max(largest(p.color), 0.05f), 1.0f) : layered;
@@ -92,7 +92,7 @@ SHARED SegmentDraw trial_segment(INOUT(Rng) rng) MEMBER_CONST {
   return sample_segment(u0, u1, u2, u3, u4, u5, u6);
 }
 
-// Segments, and edges at large.
+// Segments, and arbitrary edges.
 SHARED void try_segments(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   SegmentDraw s = trial_segment(rng);
   tell(trial, s.drawn.polygon);
@@ -113,7 +113,7 @@ SHARED void try_segments(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST 
   tell(trial, crossed_along(s.direction, x_c, drawn_through(s.drawn.polygon)));
 }
 
-// Directed walks.
+// Guided walks.
 SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
   Point at = trial_point(rng);
   Point to = trial_point(rng);
@@ -158,7 +158,7 @@ SHARED void try_walks(INOUT(Rng) rng, INOUT(PortalTrial) trial) MEMBER_CONST {
        guided_pdf_A(from, at, guide_totals, back, 0.3f, cosine_to(to, e.w) * reciprocal(e.d2), c));
 }
 
-/// What invocation i finds.
+/// The results of invocation i.
 SHARED PortalTrial try_portals(uint i) MEMBER_CONST {
   PortalTrial trial;
   trial.told = 0u;

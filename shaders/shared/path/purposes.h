@@ -1,5 +1,4 @@
-// What a sample's random numbers are for: each purpose has a stream of its own [streams.h of
-// libcommon/math].
+// Purposes of a sample's random numbers: each has its own stream [streams.h of libcommon/math].
 #ifndef TDPT_SHADERS_SHARED_PATH_PURPOSES_H
 #define TDPT_SHADERS_SHARED_PATH_PURPOSES_H
 
@@ -7,12 +6,12 @@
 
 SHARED_BEGIN
 
-const uint PURPOSE_FILM = 0u;  ///< the place in the pixel
+const uint PURPOSE_FILM = 0u;  ///< the position within the pixel
 const uint PURPOSE_CAMERA_WALK = 1u;
 const uint PURPOSE_LIGHT_WALK = 2u;
 const uint PURPOSE_NEXT_EVENT = 3u;
 const uint PURPOSE_SEGMENT = 4u;  ///< a segment's place on a portal
-const uint PURPOSE_CHOICES = 5u;  ///< of vertices that are connected
+const uint PURPOSE_CHOICES = 5u;  ///< of vertices to connect
 
 SHARED_END
 

@@ -1,7 +1,7 @@
-// Rays between points of paths: where they start, and what they meet.
+// Rays between points of paths: their origins, what they hit, and visibility.
 //
-// Read behind the texts on surfaces and lights and behind traversal.h, where `render`,
-// camera_culls and count_ray() are.
+// Include after the code on surfaces and lights and after traversal.h, where `render`, camera_culls
+// and count_ray() are.
 
 #include "shaders/shared/language.h"
 
@@ -24,7 +24,7 @@ SHARED Point empty_point() MEMBER_CONST {
   return p;
 }
 
-/// What a surface that is not opaque is decided by, for one ray.
+/// Random number by which one ray decides whether non-opaque surfaces stop it.
 SHARED uint ray_coin(vec3 origin, vec3 w) MEMBER_CONST {
   word64 a = word64_of(floatBitsToUint(origin.x), floatBitsToUint(origin.y));
   word64 b = word64_of(floatBitsToUint(origin.z), floatBitsToUint(w.x));
@@ -32,8 +32,8 @@ SHARED uint ray_coin(vec3 origin, vec3 w) MEMBER_CONST {
   return high_word(mix64(sum64(mix64(sum64(mix64(a), b)), c)));
 }
 
-/// Where rays start from: off the surface by some units in the last place, on the side that they
-/// leave on; from a place in the air along the ray.
+/// Offset ray origin: off the surface by a few units in the last place, on the side that the ray
+/// leaves from; from a point in the air, along the ray.
 SHARED vec3 step_off(vec3 position, vec3 normal, vec3 w) MEMBER_CONST {
   const float kStep = 4.76837158e-7f;
   if (is_zero(normal)) return position + w * kStep;
@@ -43,7 +43,7 @@ SHARED vec3 step_off(vec3 position, vec3 normal, vec3 w) MEMBER_CONST {
 SHARED bool at_infinity(Point p) MEMBER_CONST {
   return p.source != SOURCE_NONE && source_at_infinity(p.source);
 }
-/// Whether a ray can meet it: all but lights without surface.
+/// Whether a ray can hit it: true except for lights without surface.
 SHARED bool is_met(Point p) MEMBER_CONST {
   return p.source == SOURCE_NONE || source_met(p.source);
 }
@@ -63,13 +63,13 @@ SHARED Edge edge_between(Point a, Point b) MEMBER_CONST {
   return e;
 }
 
-/// `value` and what absorbing solids let through of it from a to b; the sun is in no solid.
+/// `value` times the transmittance of absorbing solids from a to b; the sky is in no solid.
 SHARED vec3 absorbed(vec3 value, Point a, Point b, Edge e) MEMBER_CONST {
   if (!scene_has_absorption || is_zero(value) || at_infinity(a) || at_infinity(b)) return value;
   return value * transmittance(a, b, e.w, root(e.d2));
 }
 
-/// Whether nothing lies between two points.
+/// Whether two points see each other.
 SHARED bool sees(Point a, Point b) MEMBER {
   vec3 place_a = at_infinity(a) ? before_the_scene(b.position, a.position) : a.position;
   vec3 place_b = at_infinity(b) ? before_the_scene(a.position, b.position) : b.position;
@@ -84,15 +84,15 @@ SHARED bool sees(Point a, Point b) MEMBER {
 SHARED bool single_sided(uint triangle) MEMBER_CONST {
   return (load_material(load_face(triangle).material).flags & MATERIAL_DOUBLE_SIDED) == 0u;
 }
-/// Whether a camera that looks along w sees the side of a triangle that it looks at.
+/// Whether a camera that looks along w draws the side of a triangle that faces it.
 SHARED bool camera_draws(uint triangle, vec3 w) MEMBER_CONST {
   return !camera_culls || !single_sided(triangle) || dot(load_face(triangle).normal, w) <= 0.0f;
 }
-/// First surface along w; of the camera's rays, where it culls, the first that it draws.
+/// First surface along w; for camera rays with culling, the first that is drawn.
 SHARED bool first_met(vec3 origin, vec3 w, bool by_film, OUT(SurfaceHit) hit) MEMBER_CONST {
   uint coin = ray_coin(origin, w);
   float passed = 0.0f;
-  uint most = camera_culls && by_film ? 256u : 1u;  // backs in a row
+  uint most = camera_culls && by_film ? 256u : 1u;  // back faces in a row
   bool met = false;
   for (uint i = 0u; i < most; ++i) {
     met = first_hit(origin + w * passed, w, coin, hit);
@@ -103,7 +103,7 @@ SHARED bool first_met(vec3 origin, vec3 w, bool by_film, OUT(SurfaceHit) hit) ME
   }
   return met;
 }
-/// Whether a camera that culls sees a point of a surface.
+/// Whether a camera with culling sees a point of a surface.
 SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 camera = render.camera_position;
   vec3 w = normalized(p.position - camera);

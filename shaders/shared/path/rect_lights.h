@@ -1,47 +1,47 @@
-// Next events at the few big flat emitters that rooms have: windows, rectangular lights, a lamp's
-// face. Which of them, and where on it, by what arrives at the shaded point unless something is
-// between.
+// Next-event estimation with a few large rectangular lights (windows, ceiling panels, the face of a
+// lamp): the light and the point on it are chosen by the light that arrives at the shaded point,
+// without visibility.
 //
-// Method: each emitting rectangle is laid out over
+// Method: each rectangle is parametrised by
 //   a = c(s/H),  b = c(t/H),  c(v) = v / (1 + |v|) in (-1, 1),
-// with s, t from the foot of the point's perpendicular on its plane. That is about as even as solid
-// angle is and takes no arc tangent (window_sky.h does so with the sky). What is left of the
-// geometry term, R, is looked at in the four corners, and taken to be bilinear over (a, b) between.
+// with s, t from the foot of the perpendicular from the point to its plane. This is about as
+// uniform as solid angle and needs no arc tangent (window_sky.h does the same for the sky). The
+// rest of the geometry term, R, is evaluated at the four corners and interpolated bilinearly over
+// (a, b).
 //
-// Y      luminance that a rectangular light sends out (mean; no more than proportional)
-// h, H   height of the point over the plane; the same, at least a share of the rectangular light's
-// size z      height of a corner over the horizon of the shading normal, 0 below it; where light
-// goes
-//        through the surface, on either side of it
-// R      z h / d^4 per da db: what is common to all cos cos / d^2 of the rectangular light
+// Y      mean luminance that a rectangular light emits (a proportional value is enough)
+// h, H   height of the point over the plane; the same, but at least a share of the light's size
+// z      height of a corner over the horizon of the shading normal, 0 below it; on either side of
+//        the surface if light passes through it
+// R      z h / d^4 per da db: cos cos / d^2 up to a factor common to the rectangular light
 //   p_A(x_0 | x_1) = Y R(a,b) (da db / dA) / sum over the rectangular lights of Y integral R da db
 //
-// It is an estimate of cos cos / d^2, not a bound: 0 only where that is 0. Samples in exact
-// proportion to it (Peters 2021) have 0.93 of its relMSE, and a picture takes twice the time:
-// measured with next events alone in two furnished rooms.
+// R is an estimate of cos cos / d^2, not a bound: it is 0 only where that is 0. Samples in exact
+// proportion (Peters 2021) have 0.93 of its relMSE, and a picture takes twice the time: measured
+// with next events alone in two furnished rooms.
 //
-// Where a point lies close to a rectangular light's plane, all of the rectangular light may be
-// between a = 1 - 1e-5 and 1: lengths in a are taken as H (s1 - s0) / (f0 f1), f = H + |s|, and
-// places from s0 on, so that nothing is lost.
+// If a point is close to a light's plane, the whole light may be between a = 1 - 1e-5 and 1.
+// Lengths in a are therefore computed as H (s1 - s0) / (f0 f1), f = H + |s|, and places relative to
+// s0, so that no precision is lost.
 //
-// Read behind lights.h, within a scope that has what that needs, load_rect_light() and
-// scene_has_rect_lights. C++ has RectLight, Point, LightContext and LightPlace in doubles, too.
+// Include after lights.h, in a scope that has what that needs, load_rect_light() and
+// scene_has_rect_lights. C++ also has RectLight, Point, LightContext and LightPlace in doubles.
 
 #include "shaders/shared/language.h"
 
-/// A rectangular light from a point.
+/// A rectangular light as seen from a point.
 struct RectLightView {
   REAL height;  ///< H
-  REAL s;       ///< of its corner
+  REAL s;       ///< of its first corner
   REAL t;
-  REAL w00;  ///< R of the corners (0,0), (1,0), (0,1), (1,1)
+  REAL w00;  ///< R at the corners (0,0), (1,0), (0,1), (1,1)
   REAL w10;
   REAL w01;
   REAL w11;
-  REAL total;  ///< integral of R; 0: nothing else is told
+  REAL total;  ///< integral of R; 0: the other members are not set
 };
 
-/// Length in a (b) of a side from s on that is `length` long.
+/// Length in a (or b) of a side that begins at s and is `length` long.
 SHARED REAL compressed_length(REAL s, REAL length, REAL H) MEMBER_CONST {
   REAL end = s + length;
   REAL per_f0 = reciprocal(H + abs(s));
@@ -49,7 +49,7 @@ SHARED REAL compressed_length(REAL s, REAL length, REAL H) MEMBER_CONST {
   if (s < 0.0f && end > 0.0f) return abs(s) * per_f0 + end * per_f1;
   return H * length * per_f0 * per_f1;
 }
-/// Place on the side where a has grown by `share` of that length, from s on.
+/// Inverse: distance from s at which a has covered `share` of that length.
 SHARED REAL stretched_part(REAL s, REAL length, REAL H, REAL share) MEMBER_CONST {
   REAL end = s + length;
   REAL f0 = H + abs(s);
@@ -65,7 +65,7 @@ SHARED REAL stretched_part(REAL s, REAL length, REAL H, REAL share) MEMBER_CONST
   }
   return min(max(x, 0.0f), length);
 }
-/// And the other way round.
+/// The share of that length at distance x from s.
 SHARED REAL compressed_share(REAL s, REAL length, REAL H, REAL x) MEMBER_CONST {
   REAL end = s + length;
   REAL f0 = H + abs(s);
@@ -81,15 +81,15 @@ SHARED REAL compressed_share(REAL s, REAL length, REAL H, REAL x) MEMBER_CONST {
   return min(max(share, 0.0f), 1.0f);
 }
 
-/// On the side of the shading normal that the edges of the path are on, if there is one.
+/// The shading normal, if any, on the side of the path's edges.
 SHARED VEC3 rect_light_horizon(IN(Point) p, VEC3 facing) MEMBER_CONST {
   if (p.simple) return facing;
   return dot(p.shading, facing) < 0.0f ? -p.shading : p.shading;
 }
 
-/// Weight of a corner at (s, t), `over` the horizon.
+/// R of a corner at (s, t) that is `over` above the horizon.
 SHARED REAL corner_weight(REAL over, REAL s, REAL t, REAL H, REAL height, REAL scale) MEMBER_CONST {
-  // Nearer than that to a corner is no nearer.
+  // Distances to a corner are clamped here.
   REAL h = max(height, 1e-3f * H);
   REAL spread_per_d2 = (H + abs(s)) * (H + abs(t)) * reciprocal(s * s + t * t + h * h);
   return over * scale * (spread_per_d2 * spread_per_d2);
@@ -108,8 +108,8 @@ SHARED RectLightView no_view() MEMBER_CONST {
   return view;
 }
 
-/// A rectangular light from `position`; `up`: of its horizon, `both_ways`: light goes through the
-/// surface.
+/// Evaluates a rectangular light from `position`; `up`: normal of its horizon; `both_ways`: light
+/// passes through the surface.
 SHARED RectLightView look_at_rect_light(IN(RectLight) rect_light, VEC3 position, VEC3 up,
                                         bool both_ways) MEMBER_CONST {
   RectLightView view = no_view();
@@ -147,7 +147,7 @@ SHARED RectLightView look_at_rect_light(IN(RectLight) rect_light, VEC3 position,
   return view;
 }
 
-/// What all rectangular lights send to a point.
+/// Estimated light from all rectangular lights at a point.
 SHARED REAL sent_by_rect_lights(IN(Point) p, VEC3 facing) MEMBER_CONST {
   VEC3 up = rect_light_horizon(p, facing);
   REAL sum = 0.0f;
@@ -157,7 +157,7 @@ SHARED REAL sent_by_rect_lights(IN(Point) p, VEC3 facing) MEMBER_CONST {
   return sum;
 }
 
-/// p_A of a place x along, y across a rectangular light, with `sent` by all.
+/// p_A at (x, y) along the sides of a rectangular light; `sent`: by all.
 SHARED REAL rect_light_pdf_A(IN(RectLight) rect_light, IN(RectLightView) view, REAL x, REAL y,
                              REAL sent) MEMBER_CONST {
   if (!(view.total > 0.0f) || !(sent > 0.0f)) return 0.0f;
@@ -168,7 +168,7 @@ SHARED REAL rect_light_pdf_A(IN(RectLight) rect_light, IN(RectLightView) view, R
   return rect_light.weight * between_corners(view.w00, view.w10, view.w01, view.w11, U, V) * per_f *
          per_f * reciprocal(sent);
 }
-/// The same of a place that is told by its position.
+/// The same for a position.
 SHARED REAL rect_light_pdf_A_at(IN(RectLight) rect_light, IN(RectLightView) view, VEC3 position,
                                 REAL sent) MEMBER_CONST {
   VEC3 from_corner = position - rect_light.corner;
@@ -177,7 +177,7 @@ SHARED REAL rect_light_pdf_A_at(IN(RectLight) rect_light, IN(RectLightView) view
   return rect_light_pdf_A(rect_light, view, x, y, sent);
 }
 
-/// The rectangular light that has `triangle`; as many as there are: none has.
+/// Index of the rectangular light that contains `triangle`; their number if none does.
 SHARED uint rect_light_of(uint triangle) MEMBER_CONST {
   uint found = light_settings.rect_lights;
   for (uint i = 0u; i < light_settings.rect_lights; ++i)
@@ -187,7 +187,7 @@ SHARED uint rect_light_of(uint triangle) MEMBER_CONST {
   return found;
 }
 
-/// p_A of a place on a rectangular light, which is 0 on what is none.
+/// p_A of a point on any rectangular light; 0 if `triangle` belongs to none.
 SHARED REAL pdf_A_by_rect_lights(IN(Point) p, IN(LightContext) light_context, uint triangle,
                                  VEC3 position) MEMBER_CONST {
   uint i = rect_light_of(triangle);
@@ -198,13 +198,13 @@ SHARED REAL pdf_A_by_rect_lights(IN(Point) p, IN(LightContext) light_context, ui
   return rect_light_pdf_A_at(load_rect_light(i), view, position, light_context.sent);
 }
 
-/// Of a rectangular light's corner k, counted around, at x and y in [0,1] of its sides, on the half
-/// of the diagonal that the corner is on.
+/// Barycentric of a rectangular light's corner k, counted around, at x and y in [0,1] of its sides,
+/// on the corner's half of the diagonal.
 SHARED REAL rect_light_corner_share(uint k, REAL x, REAL y) MEMBER_CONST {
   return k == 0u ? 1.0f - max(x, y) : k == 1u ? x - y : k == 2u ? min(x, y) : y - x;
 }
 
-/// A place on a rectangular light with p_A, from two numbers in [0,1).
+/// Samples a point on a rectangular light with its p_A, from two numbers in [0,1).
 SHARED LightPlace place_on_rect_light(IN(RectLight) rect_light, IN(RectLightView) seen, REAL sent,
                                       REAL u, REAL v) MEMBER_CONST {
   LightPlace place = no_light_place();
@@ -226,7 +226,7 @@ SHARED LightPlace place_on_rect_light(IN(RectLight) rect_light, IN(RectLightView
   return place;
 }
 
-/// The same on one of all; none where none sends anything. Three numbers in [0,1).
+/// Samples a point on any of them; SOURCE_NONE if none sends anything. Three numbers in [0,1).
 SHARED LightPlace place_on_rect_lights(IN(Point) p, IN(LightContext) light_context, REAL pick,
                                        REAL u, REAL v) MEMBER_CONST {
   if (!(light_context.sent > 0.0f)) return no_light_place();

@@ -1,11 +1,11 @@
-// Which samples there are, which caches they are of, and their random numbers.
+// Maps samples to pixels and caches, and gives their random numbers.
 //
-// Read behind sequence.h and purposes.h, where `render` and load_cache_offset() are.
+// Include after sequence.h and purposes.h, where `render` and load_cache_offset() are.
 
 #include "shaders/shared/language.h"
 
-// Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
-// in every sample.
+// Random dimensions of a walk: those of its start, then those of each bounce, used or not, so that
+// a dimension means the same in every sample.
 const uint kPerBounce = 8u;
 const uint kAimDimension = 4u;
 
@@ -14,7 +14,7 @@ struct SampleName {
   word64 number;
 };
 
-/// Pixel i of a cache. Each is of a stretch of its own, as long as there are caches.
+/// Pixel i of a cache. The picture is divided into stretches of one pixel per cache.
 SHARED uint pixel_of_cache(uint cache, uint i) MEMBER_CONST {
   uint stretch = i * render.caches;
   if (stretch + render.caches > render.width * render.height) return stretch + cache;

@@ -12,13 +12,13 @@
 
 SHARED_BEGIN
 
-const uint kScanEach = 16u;     // numbers of an invocation
-const uint kScanBlock = 1024u;  // and of a work group
+const uint kScanEach = 16u;     // numbers per invocation
+const uint kScanBlock = 1024u;  // numbers per work group
 
-// Phases, one after the other.
-const uint SCAN_BLOCKS = 0u;     ///< sums within each block, and its total; one work group a block
-const uint SCAN_OF_TOTALS = 1u;  ///< sums of totals; one work group
-const uint SCAN_SPREAD = 2u;     ///< adds them to their blocks; one work group a block
+// Phases, in this order.
+const uint SCAN_BLOCKS = 0u;  ///< sums within each block, and its total; one work group per block
+const uint SCAN_OF_TOTALS = 1u;  ///< sums of the totals; one work group
+const uint SCAN_SPREAD = 2u;     ///< adds them to their blocks; one work group per block
 
 /// Push constants.
 struct ScanParameters {

@@ -1,15 +1,15 @@
-// What a point does with light: simple or in layers, with a coat or without; the next direction of
-// a walk, and what is lost on the way.
+// Scattering at a point, simple or layered, coated or not: the BSDF, the next direction of a walk,
+// and absorption along an edge.
 //
-// The radiance BSDF is taken with geometric cosines everywhere: where the shading normal ns differs
+// The radiance BSDF is used with geometric cosines everywhere: if the shading normal ns differs
 // from the geometric normal ng, f(to_light, to_camera) carries |to_light.ns| / |to_light.ng| (Veach
-// 5.3), and a direction that lies above one of them and below the other is dark. So walks from
-// either side agree.
+// 5.3), and a direction above one of them and below the other is dark. So walks from either end
+// agree.
 //
-// Read behind coated.h, within the same scope, which has for a Point p
+// Include after coated.h, in the same scope, which has for a Point p
 //   bool on_surface(p), is_in_sky(p), same_side(p, a, b)
-//   VEC3 absorption_of(p)        of an absorbing solid, else 0
-//   REAL opacity_of(p, back)    probability that a ray along `back` finds it: of panes; else 1
+//   VEC3 absorption_of(p)       of an absorbing solid, else 0
+//   REAL opacity_of(p, back)    probability that a pane stops a ray along `back`; else 1
 
 #include "shaders/shared/language.h"
 
@@ -17,8 +17,8 @@ SHARED bool is_layered(IN(Point) p) MEMBER_CONST {
   return scene_has_layers && !p.simple;
 }
 
-/// Of f and light along l, seen from c: n_c^2 |l.ns| / |l.ng| for the base, |l.ns| / |l.ng| for the
-/// coat.
+/// Converts f to radiance, light along l, seen from c: factor n_c^2 |l.ns| / |l.ng| for the base,
+/// |l.ns| / |l.ng| for the coat.
 SHARED VEC3 of_radiance(IN(Point) p, IN(Layers) layers, IN(Seen) l, IN(Seen) c) MEMBER_CONST {
   REAL n = index_at(p.bsdf, c.base);
   REAL per_side = reciprocal(max(abs(l.side), 1e-12f));
@@ -26,7 +26,7 @@ SHARED VEC3 of_radiance(IN(Point) p, IN(Layers) layers, IN(Seen) l, IN(Seen) c) 
          VEC3(layers.coat * abs(l.coat.z) * per_side);
 }
 
-/// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
+/// Radiance BSDF without Dirac lobes [1/sr]; unit directions point away from the surface.
 SHARED VEC3 bsdf_at(IN(Point) p, VEC3 to_light, VEC3 to_camera) MEMBER_CONST {
   if (!is_layered(p))
     return same_side(p, to_light, to_camera) ? VEC3(p.color) * INVERSE_PI : VEC3(0.0f);
@@ -35,16 +35,16 @@ SHARED VEC3 bsdf_at(IN(Point) p, VEC3 to_light, VEC3 to_camera) MEMBER_CONST {
   return of_radiance(p, layers_between(p, l, c, false), l.seen, c);
 }
 
-/// n_to^2 |cos_to| of a Dirac lobe, about the normal that it is reflected by.
+/// n_to^2 |cos_to| of a Dirac lobe, about the normal that reflects it.
 SHARED REAL dirac_measure(IN(Point) p, IN(Layers) layers, IN(Seen) to) MEMBER_CONST {
   if (layers.by_coat) return abs(to.coat.z);
   REAL n = index_at(p.bsdf, to.base);
   return n * n * abs(to.base.z);
 }
 
-/// Density of scattering along `to` of a walk that came along unit `back`, away from the surface
-/// [1/sr]. `dirac`: by a Dirac lobe: its probability times n_to^2 |cos_to|, the density per
-/// n^2 |cos| dw, which reflection and refraction preserve. Of a simple point:
+/// Density of scattering along `to` of a walk that arrived along unit `back`, away from the surface
+/// [1/sr]. `dirac`: by a Dirac lobe: its probability times n_to^2 |cos_to|, the density per n^2
+/// |cos| dw, which reflection and refraction preserve. For a simple point:
 SHARED REAL simple_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CONST {
   REAL cosine = dot(p.normal, to);
   return !dirac && dot(p.normal, back) * cosine > 0.0f ? abs(cosine) * INVERSE_PI : REAL(0.0f);
@@ -59,8 +59,7 @@ SHARED REAL scatter_pdf_w(IN(Point) p, VEC3 back, VEC3 to, bool dirac) MEMBER_CO
   return layered_pdf_w(p, scatter_context_at(p, back), to, dirac);
 }
 
-/// f cos / pdf_w of the way from `back` to `to`, or reflectance by probability; false: none leads
-/// there.
+/// f cos / pdf_w from `back` to `to`, or reflectance / probability; false if that is impossible.
 SHARED bool weigh(IN(Point) p, uint from, IN(ScatterContext) here, IN(Seen) to, bool dirac,
                   OUT(VEC3) weight) MEMBER_CONST {
   Layers layers = layers_between(p, here, to, dirac);
@@ -84,9 +83,9 @@ SHARED bool weigh(IN(Point) p, uint from, IN(ScatterContext) here, IN(Seen) to, 
   return true;
 }
 
-/// The next direction of a walk that came along unit `back`. u, v: direction; `choice`: of a lobe.
-/// False when the walk ends here; t.dirac then tells whether a Dirac lobe was tried, as bent
-/// normals may send what it reflects into the surface.
+/// Samples the next direction of a walk that arrived along unit `back`. u, v: direction; `choice`:
+/// of a lobe. False if the walk ends here; t.dirac then says whether a Dirac lobe was chosen: bent
+/// normals may reflect into the surface.
 SHARED bool simple_turn(IN(Point) p, VEC3 back, REAL u, REAL v, OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   VEC3 n = dot(p.normal, back) > 0.0f ? p.normal : -p.normal;
   t.dirac = false;
@@ -104,7 +103,7 @@ SHARED bool layered_turn(IN(Point) p, uint from, IN(ScatterContext) here, REAL u
   if (!coated_turn(p, here, u, v, choice, to, t.dirac, by_coat)) return false;
   t.w = normalized(to_world(onb_about(p.shading), to));
   Seen next = seen_from(p, t.w);
-  // Bent normals may send it to a side where the lobe that it comes from is not seen.
+  // Bent normals may send it to a side where its lobe is not visible.
   if (!(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
   return weigh(p, from, here, next, t.dirac, t.weight);
 }
@@ -114,7 +113,7 @@ SHARED bool turn(IN(Point) p, uint from, VEC3 back, REAL u, REAL v, REAL choice,
   return layered_turn(p, from, scatter_context_at(p, back), u, v, choice, t);
 }
 
-/// The next direction given: `t` is by a lobe that is not Dirac.
+/// The same for a given direction: `t` uses the lobes that are not Dirac.
 SHARED bool layered_turn_towards(IN(Point) p, uint from, IN(ScatterContext) here, VEC3 w,
                                  OUT(OF_REAL(Turn)) t) MEMBER_CONST {
   t.w = w;
@@ -149,25 +148,24 @@ SHARED REAL layered_albedo(IN(Point) p, IN(ScatterContext) here, VEC3 back) MEMB
   if (scene_has_panes) albedo = albedo * reciprocal(opacity_of(p, back));
   return held_albedo(albedo);
 }
-/// Albedo of a surface as it is seen along unit `back`: the largest component, but 0.05 at least, 1
-/// at most; 1 off surfaces. Of a pane, that of the share of rays that find it.
+/// Albedo of a surface as seen along unit `back`: the largest component, clamped to [0.05, 1]; 1
+/// off surfaces. For a pane, the albedo for the rays that it stops.
 SHARED REAL albedo_at(IN(Point) p, VEC3 back) MEMBER_CONST {
   if (!on_surface(p) || !is_layered(p)) return simple_albedo(p);
   return layered_albedo(p, scatter_context_at(p, back), back);
 }
 
-/// Share of what the surface emits along w that its clear coat lets through.
+/// Share of the emission along w that passes the clear coat.
 SHARED REAL emission_under_coat(IN(Point) p, VEC3 w) MEMBER_CONST {
   if (!is_layered(p) || !has_coat(p.bsdf)) return 1.0f;
   return coat_left_over(p.bsdf.coat, seen_from(p, w).coat.z);
 }
 
-/// 0 where the way along `away` does not begin within an absorbing solid.
+/// 0 unless the way along `away` begins inside an absorbing solid.
 SHARED VEC3 absorption_along(IN(Point) p, VEC3 away) MEMBER_CONST {
   return on_surface(p) && dot(p.normal, away) < 0.0f ? absorption_of(p) : VEC3(0.0f);
 }
-/// Share of light that gets along the inside of an absorbing solid from a to b, d long; the sun is
-/// in no solid.
+/// Transmittance of an absorbing solid between a and b, at distance d; the sky is in no solid.
 SHARED VEC3 transmittance(IN(Point) a, IN(Point) b, VEC3 w, REAL d) MEMBER_CONST {
   if (!scene_has_absorption || is_in_sky(a) || is_in_sky(b)) return VEC3(1.0f);
   VEC3 absorption = absorption_along(a, w);

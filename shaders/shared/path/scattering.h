@@ -1,11 +1,11 @@
-// What kernels ask of a point at once.
+// All that kernels need to know of the scattering at a point, in one call.
 //
-// Read behind scatter.h, within the same scope.
+// Include after scatter.h, in the same scope.
 
 #include "shaders/shared/language.h"
 
-/// All that the end of a walk, which came to `p` from unit `back`, makes of the way on along unit
-/// w. `dirac`: by a Dirac lobe; then f is of no meaning.
+/// Scattering at the end of a walk that arrived at `p` from unit `back`, for the direction w
+/// (unit). `dirac`: by a Dirac lobe; then f is meaningless.
 SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
   Scattering s;
   s.pad0 = 0.0f;
@@ -21,7 +21,7 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
     s.albedo = simple_albedo(p);
     return s;
   }
-  // Each way in turn: one text of a surface is enough for a kernel.
+  // Both directions in a loop: the surface code is inlined only once per kernel.
   for (uint i = 0u; i < 2u; ++i) {
     ScatterContext here = scatter_context_at(p, i == 0u ? back : w);
     Seen to = seen_from(p, i == 0u ? w : back);

@@ -1,14 +1,15 @@
 // Portal segments: drawn, connected with the light's side, then with the camera's. Sections 3.1.1
 // and 3.2, tools/tdpt-render/path/sample/segment_sampler.cpp. x_l and x_c are the ends on the
-// light's and on the camera's side. A sample's segment has its number within the submission.
+// light's and on the camera's side. The segment of a sample has the sample's number within the
+// submission.
 //
-// Read behind connect.h, where walk_last, rank, estimate, segment_side, lit_segment and lit_first
-// are loaded, and what is written: segments[], segment_sides[], connection_ends[], lit_segments[],
-// lit_first[] and estimates[].
+// Include after connect.h; walk_last, rank, estimate, segment_side, lit_segment and lit_first are
+// loaded, and segments[], segment_sides[], connection_ends[], lit_segments[], lit_first[] and
+// estimates[] are written.
 
 #include "shaders/shared/language.h"
 
-/// The two rays of the segment of a sample, x_l's and then x_c's, as rays of walks.
+/// The two rays of a sample's segment, to x_l and then to x_c, as rays of walks.
 SHARED void begin_segment(uint segment) MEMBER {
   segments[segment].density = 0.0f;
   segments[segment].there = 0u;
@@ -57,7 +58,7 @@ SHARED SegmentSide empty_side(vec3 value, uint slot) MEMBER_CONST {
   return side;
 }
 
-/// End `i` & 1 of segment i / 2, into its slot.
+/// Stores end `i` & 1 of segment i / 2 in its slot.
 SHARED void end_segment(uint i) MEMBER {
   uint slot = render.segments_first + i;
   path_densities[slot].flags = 0u;
@@ -73,7 +74,7 @@ SHARED void end_segment(uint i) MEMBER {
   keep_point(slot, p, v);
   v.back = -ray.w;
   v.facing = guide_facing(p, v.back);
-  // Of both ends the segment's one throughput will be; here the coverage of a pane.
+  // For now only the coverage of a pane; later the segment's throughput for both ends.
   if (met && scene_has_panes)
     v.throughput = v.throughput * reciprocal(opacity_at(ray.triangle, ray.w));
   if (scene_has_portals && guide_active)
@@ -85,13 +86,13 @@ SHARED void end_segment(uint i) MEMBER {
   path_vertices[slot] = v;
   PathDensity d = empty_density();
   d.own_survival = albedo_at(p, v.back);
-  // Any walk that comes here has two vertices at least; where that is not so, it is seen to.
+  // Any walk that arrives here has at least two vertices; other cases are treated separately.
   d.flags = flags_of(p, 2u);
   path_densities[slot] = d;
 }
 
-/// Light that begins at x_l and goes along w to x_c, `per_area` of what it would have per solid
-/// angle there; l, c: the vertices of both.
+/// Light that begins at x_l and goes along w to x_c; `per_area` converts its density to area there;
+/// l, c: the vertices of both.
 SHARED SegmentSide side_of_source(vec3 Le, Point x_l, PathVertex l, Point x_c, PathVertex c, vec3 w,
                                   float per_area, CrossingDensity crossing) MEMBER_CONST {
   if (scene_has_sky && x_l.source == SOURCE_SKY) x_l.in_sky = look_at_sky(-x_l.position);
@@ -105,7 +106,7 @@ SHARED SegmentSide side_of_source(vec3 Le, Point x_l, PathVertex l, Point x_c, P
   return side;
 }
 
-/// Both ends, and light that begins at x_l.
+/// Combines both ends, and adds light that begins at x_l.
 SHARED void put_segment_together(uint segment) MEMBER {
   uint slot = slot_of_x_l(segment);
   uint flags_l = load_path_density(slot).flags;
@@ -166,7 +167,7 @@ SHARED void choose_sides(uint segment, uint place) MEMBER {
   choose_ends(place, 2u, CONNECTION_SIDE, group, n, here, slot, 3u, segment, u, u_resampling);
 }
 
-/// Connects x_l with what was chosen: side 1 or 2 of the segment. i: number of the scatterings.
+/// Connects x_l with a chosen vertex: side 1 or 2 of the segment. i: number of the scatterings.
 SHARED void connect_side(uint i) MEMBER {
   Connection j = load_connection(i);
   uint segment = j.pixel;
@@ -199,9 +200,9 @@ SHARED void connect_side(uint i) MEMBER {
 SHARED uint prefix_of(SegmentSide side) MEMBER_CONST {
   return side.slot == kNoVertex ? 0u : number_of(load_path_density(side.slot)) + 1u;
 }
-const uint kMostPrefix = 1023u;  // that is told from longer ones in estimates
+const uint kMostPrefix = 1023u;  // longest prefix that estimates distinguish
 
-/// What sides there are, and how their light is estimated.
+/// Records which sides exist, and their light for estimates.
 SHARED void gather_sides(uint segment, uint place) MEMBER {
   PortalSegment s = load_segment(segment);
   if (!(s.density > 0.0f)) return;
@@ -223,7 +224,7 @@ SHARED void gather_sides(uint segment, uint place) MEMBER {
   connection_ends[end].light2 = light[2];
 }
 
-/// Luminance of prefixes that leave room for t vertices from the camera.
+/// Luminance of prefixes short enough to leave room for t camera vertices.
 SHARED float light_of(ConnectionEnd far, uint t) MEMBER_CONST {
   uint most = render.max_depth - min(render.max_depth, t + 1u);
   float light = (far.number & kMostPrefix) <= most ? far.light0 : 0.0f;
@@ -232,7 +233,7 @@ SHARED float light_of(ConnectionEnd far, uint t) MEMBER_CONST {
   return light;
 }
 
-/// Whether a segment is to be seen and to be connected, and that with the camera: one place.
+/// Connects a segment with the camera: one place.
 SHARED void choose_seen(uint segment, uint place) MEMBER {
   flags[place] = 0u;
   if (load_segment(segment).density > 0.0f)
@@ -241,7 +242,7 @@ SHARED void choose_seen(uint segment, uint place) MEMBER {
 SHARED void flag_lit(uint segment, uint place) MEMBER {
   flags[place] = load_segment(segment).density > 0.0f ? 1u : 0u;
 }
-/// Lists the segments that are flagged; of each cache the first.
+/// Lists the flagged segments, and for each cache its first one.
 SHARED void list_lit(uint segment) MEMBER {
   uint rank = load_rank(segment);
   if (flags[segment] != 0u) lit_segments[rank] = segment;
@@ -249,13 +250,13 @@ SHARED void list_lit(uint segment) MEMBER {
   if (segment + 1u == work.count) lit_first[render.groups] = rank + flags[segment];
 }
 
-// Of each of the camera's vertices: the sum of its estimates, how many are not zero, and all of
-// them, one for each lit segment of its cache.
+// Row of a camera vertex: the sum of its estimates, how many are not zero, and the estimates, one
+// for each lit segment of its cache.
 SHARED uint row_of_estimates(uint i) MEMBER_CONST {
   return i * (render.per_cache + 2u);
 }
 
-/// What the segments of its cache would bring to the camera's vertex in slot `slot`, into row i.
+/// Estimates of the segments of its cache for the camera vertex in slot `slot`, into row i.
 SHARED void estimate_segments(uint slot, uint i) MEMBER {
   uint row = row_of_estimates(i);
   estimates[row] = 0.0f;
@@ -283,8 +284,8 @@ SHARED void estimate_segments(uint slot, uint i) MEMBER {
   estimates[row + 1u] = float(not_zero);
 }
 
-/// Of all pairs of a vertex of a camera's walk with a segment of its cache those few that would
-/// bring most: three places. `first_slot`: of the first row of estimates.
+/// Chooses, of all pairs of a vertex of a camera walk and a segment of its cache, a few by their
+/// estimates: three places. `first_slot`: of the first row of estimates.
 SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
   for (uint i = 0u; i < kPairs; ++i) flags[place + i] = 0u;
   uint last = load_walk_last(walk);
@@ -320,7 +321,7 @@ SHARED void choose_segments(uint walk, uint place, uint first_slot) MEMBER {
   }
 }
 
-/// Adds all paths of a segment with the camera's side that was chosen, or with the camera itself.
+/// Adds all paths of a segment to a chosen camera vertex, or to the camera itself.
 SHARED void connect_segment(uint i) MEMBER {
   Connection j = load_connection(i);
   Joint joint = joint_of(j, i);

@@ -1,19 +1,19 @@
-// Sheen of cloth, as KHR_materials_sheen has it: fibres that stand up, brightest at grazing angles.
+// Sheen of cloth as in KHR_materials_sheen: upright fibres, brightest at grazing angles.
 //
 // Shading frame, directions unit, on the side of z > 0; h the half vector, a = roughness^2.
 //   D(h)    = (2 + 1/a) sin(h)^(1/a) / (2 pi)                         (Estevez & Kulla 2017)
 //   V(v, w) = 1 / ((1 + L(v) + L(w)) 4 v_z w_z), L their fitted masking
-// D V sends more than it receives at grazing angles and small roughness. There it is scaled:
+// At grazing angles and small roughness D V reflects more than it receives. There it is scaled:
 //   f(v, w) = D V min(N(v), N(w)),  N = min(1, 1/E0),  E0 the directional albedo of D V,
 // which changes nothing where E0 <= 1: at any angle for roughness of at least 0.25. E0 and the
 // albedo of f are tables [tools/tdpt-render/path/bsdf/surface_curves.cpp], linear between nodes in
 // mu^(1/3) and roughness.
 //
-// Read within a scope that has load_sheen_curve(); elementary.h and surface_layout.h come before.
+// Include in a scope that has load_sheen_curve(), after elementary.h and surface_layout.h.
 
 #include "shaders/shared/language.h"
 
-/// Of Estevez & Kulla's fit: L = a / (1 + b x^c) + d x + e.
+/// Coefficients of Estevez & Kulla's fit: L = a / (1 + b x^c) + d x + e.
 struct SheenMasking {
   REAL a;
   REAL b;
@@ -57,7 +57,7 @@ SHARED REAL sheen_table(uint first, REAL mu, REAL alpha) MEMBER_CONST {
   return p + (q - p) * r;
 }
 
-/// D; also where v and w almost oppose each other.
+/// D; also valid if v and w are nearly opposite.
 SHARED REAL sheen_distribution(VEC3 v, VEC3 w, REAL alpha) MEMBER_CONST {
   VEC3 h = v + w;
   REAL flat_part = h.x * h.x + h.y * h.y;
@@ -70,7 +70,7 @@ SHARED REAL sheen_visibility(REAL cos_v, REAL cos_w, REAL masks) MEMBER_CONST {
   return 0.25f * reciprocal((1.0f + masks) * cos_v * cos_w);
 }
 
-/// For a white sheen [1/sr]; 0 where a cosine is less than 1e-6.
+/// For a white sheen [1/sr]; 0 if a cosine is less than 1e-6.
 SHARED REAL sheen_f(VEC3 v, VEC3 w, REAL alpha) MEMBER_CONST {
   if (!(v.z >= 1e-6f) || !(w.z >= 1e-6f)) return 0.0f;
   REAL d = sheen_distribution(v, w, alpha);

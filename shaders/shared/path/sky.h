@@ -1,28 +1,28 @@
-// All that shines from infinitely far away: libcommon/scene/sky.h in floats. What is seen along a
-// direction, and directions drawn in proportion to it.
+// Light from infinitely far away, sky and suns: its radiance along a direction, and importance
+// sampling of directions. libcommon/scene/sky.h in floats.
 //
-// Read within a scope that has load_x(i) of light_word, sky_texel and sky_sun [tables.h],
-// light_settings, scene_has_sky_map and scene_prefers: a GLSL file behind its buffers, or the body
+// Include in a scope that has load_x(i) of light_word, sky_texel and sky_sun [tables.h],
+// light_settings, scene_has_sky_map and scene_prefers: a GLSL file after its buffers, or the body
 // of a C++ struct.
 //
-// Tables are of whole numbers: entry i of n has the words from begin[i] to begin[i + 1] of all of
-// 32 bits, so that the probability that a density tells is that with which words find it, however
+// Distributions are tables of whole numbers: entry i of n owns the 32-bit words from begin[i] to
+// begin[i + 1], so that its probability in the density is exactly that of drawing it, however
 // small. guide[s] is the entry of the first word of the s-th of n equal parts. Blocks of a map are
-// such entries; a cell has its part of 65535 of the block.
+// such entries; a cell has a share of its block, in 65535ths.
 //
-// Places are found by the angle from the pole, and how far down a cell they are by its versine:
-// near a pole cosines of many rows are the same float.
+// A row is found by the angle from the pole, and the position within a cell by the versine: near a
+// pole the cosines of many rows are the same float.
 
 #include "shaders/shared/language.h"
 
-/// 32 bits: of `pick` in [0,1) the 24 it has, and the lowest of another's.
+/// 32 bits: the 24 bits of `pick` in [0,1), and the lowest bits of another number.
 SHARED uint pick_word(float pick, float other) MEMBER_CONST {
   return uint(pick * 16777216.0f) << 8 | (uint(other * 16777216.0f) & 255u);
 }
 
-/// The entry that `word` finds.
+/// The entry that owns `word`.
 SHARED uint drawn_entry(uint begin, uint guide, uint entries, uint word) MEMBER_CONST {
-  // Behind the last word there may be entries without any.
+  // The last entries may own no words.
   uint w = min(word, 0xFFFFFFFEu);
   uint slot = below(w, entries);
   uint low = load_light_word(guide + slot);
@@ -41,7 +41,7 @@ SHARED float share_of_entry(uint begin, uint entry) MEMBER_CONST {
   return float(words) * 2.3283064365386963e-10f;
 }
 
-/// 1 - cos and 1 + cos of a row's upper edge, their difference to its lower one.
+/// 1 - cos and 1 + cos of a row's upper edge, and the difference to its lower edge.
 struct SkyRow {
   float north;
   float south;
@@ -62,7 +62,7 @@ SHARED float per_solid_angle_of_cell(SkyRow row) MEMBER_CONST {
   return row.per_height * (float(light_settings.sky_width) * 0.159154943f);
 }
 
-/// Of unit `towards`.
+/// The map position of unit `towards`.
 SHARED SkyPlace place_in_sky(vec3 towards) MEMBER_CONST {
   SkyPlace place;
   place.towards = towards;
@@ -83,7 +83,7 @@ SHARED SkyPlace place_in_sky(vec3 towards) MEMBER_CONST {
   return place;
 }
 
-/// The direction of a place.
+/// The direction of a map position.
 SHARED vec3 towards_place(SkyPlace place) MEMBER_CONST {
   SkyRow row = sky_row(place.row);
   float down = place.down * row.height;
@@ -106,7 +106,7 @@ SHARED vec3 towards_place(SkyPlace place) MEMBER_CONST {
 SHARED vec3 sky_texel(uint i) MEMBER_CONST {
   return vec3(load_sky_texel(i).r, load_sky_texel(i).g, load_sky_texel(i).b);
 }
-/// Between which texels a cell lies.
+/// The texels around a cell.
 struct SkyCorners {
   uint upper_left;
   uint upper_right;
@@ -139,7 +139,7 @@ SHARED vec3 towards_sun(SkySun sun, float u, float v) MEMBER_CONST {
   return normalized(to_world(onb_about(sun.towards), vec3(r * cosine, r * sine, 1.0f - h)));
 }
 
-/// Shares of the four cells of a block's row, out of 65535 of all the block.
+/// Shares of the four cells in a block's row, in 65535ths of the whole block.
 struct CellShares {
   uint first;
   uint second;
@@ -157,7 +157,8 @@ SHARED uint low_half(uint word) MEMBER_CONST {
 SHARED uint sum_of_shares(CellShares s) MEMBER_CONST {
   return low_half(s.first) + (s.first >> 16) + low_half(s.second) + (s.second >> 16);
 }
-/// Which of four weights `share` in [0,1) of their sum falls on; it becomes its place within that.
+/// Which of four weights `share` in [0,1) of their sum falls on; rescales `share` to [0,1) within
+/// it.
 SHARED uint one_of_four(uint w0, uint w1, uint w2, uint w3, INOUT(float) share) MEMBER_CONST {
   float left = share * float(w0 + w1 + w2 + w3);
   float f0 = float(w0);
@@ -170,12 +171,12 @@ SHARED uint one_of_four(uint w0, uint w1, uint w2, uint w3, INOUT(float) share) 
   return i;
 }
 
-/// Part of a cell that lies at `place` of it.
+/// Part of a cell that contains `place`.
 SHARED uint part_of_cell(float place, uint parts) MEMBER_CONST {
   return min(uint(place * float(parts)), parts - 1u);
 }
 
-/// A place in a block of fine cells.
+/// Samples a point in a block of fine cells.
 SHARED SkyPlace place_in_block(SkyTable table, uint entry, float u_, float v_) MEMBER_CONST {
   float u = u_;
   float v = v_;
@@ -216,7 +217,7 @@ SHARED SkyPlace place_in_block(SkyTable table, uint entry, float u_, float v_) M
     down = drawn_linear(w00 + w10, w01 + w11, v);
     across = drawn_linear(w00 * (1.0f - down) + w01 * down, w10 * (1.0f - down) + w11 * down, u);
   }
-  // A little off its sides: it is found in the part again.
+  // Slightly off the sides, so that lookups find the same part.
   const float margin = 1e-6f;
   place.across = (left + min(max(across, margin), 1.0f - margin)) * per_x;
   place.down = (top + min(max(down, margin), 1.0f - margin)) * per_y;
@@ -233,7 +234,7 @@ SHARED vec3 uniform_direction(float u, float v) MEMBER_CONST {
   return vec3(r * cosine, 1.0f - h, r * sine);
 }
 
-/// What is known of a direction's place where nothing but parts of a map depends on it.
+/// place_in_sky(), or without a position if there is no map that depends on it.
 SHARED SkyPlace any_place(vec3 towards) MEMBER_CONST {
   if (scene_has_sky_map || scene_prefers) return place_in_sky(towards);
   SkyPlace place;
@@ -273,7 +274,7 @@ SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
   SkyTable start = light_settings.start;
   bool prefers = scene_prefers && start.blocks > 0u;
   bool parts = prefers && start.split_x * start.split_y > 1u;
-  // The part of the cell, and its middle.
+  // The part of the cell, and its mean.
   uint x_part = parts ? part_of_cell(place.across, start.split_x) : 0u;
   uint y_part = parts ? part_of_cell(place.down, start.split_y) : 0u;
   if (scene_has_sky_map || prefers) per_mean = per_solid_angle_of_cell(sky_row(place.row));
@@ -312,7 +313,7 @@ SHARED InSky look_in_sky(SkyPlace place) MEMBER_CONST {
   return in_sky;
 }
 
-/// What is told of unit `towards`; there must be a sky.
+/// Radiance and densities along unit `towards`; there must be a sky.
 SHARED InSky look_at_sky(vec3 towards) MEMBER_CONST {
   return look_in_sky(any_place(towards));
 }

@@ -1,4 +1,4 @@
-// What surface.h needs before it.
+// Headers that surface.h needs before it.
 #ifndef TDPT_SHADERS_SHARED_PATH_SURFACE_HEADS_H
 #define TDPT_SHADERS_SHARED_PATH_SURFACE_HEADS_H
 

@@ -1,6 +1,6 @@
-// What kernels know of surfaces: materials, the maps that textures are seen through, faces, what is
-// told of their corners, and curves. std430 in GLSL, the same bytes in C++;
-// libcommon/scene/surface_tables.h fills them. Canonical frame; radiance is over a power of two.
+// Layout of surfaces: materials, texture maps, faces, attributes of their corners, and curves.
+// std430 in GLSL, the same bytes in C++; libcommon/scene/surface_tables.h fills them. Canonical
+// frame; radiance is divided by a power of two.
 #ifndef TDPT_SHADERS_SHARED_PATH_SURFACE_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_SURFACE_LAYOUT_H
 
@@ -24,22 +24,22 @@ const uint kNoMap = 0xFFFFFFFFu;
   /* specular: strength of the dielectric reflection, [0,1] */                               \
   VEC(specular_color, float, specular)                                                       \
   /* absorption: inside a solid, per canonical length */                                     \
-  /* ior: behind the front side, against 1 before it */                                      \
+  /* ior: behind the front side, with 1 in front of it */                                    \
   VEC(absorption, float, ior)                                                                \
   /* sheen_color: each in [0,1] */                                                           \
   /* sheen_roughness: perceptual, [0,1] */                                                   \
   VEC(sheen_color, float, sheen_roughness)                                                   \
-  /* transmission: share of the light that is not reflected and goes through */              \
+  /* transmission: share of the light that passes, of what is not reflected */               \
   WORDS(float, metallic, float, transmission, float, normal_scale, float, coat_normal_scale) \
   /* coat: strength of the clear coat, [0,1] */                                              \
   /* coat_roughness: perceptual, [0,1] */                                                    \
-  /* pane_share: of what is not reflected, gets through; 0: no pane */                       \
+  /* pane_share: share that passes, of what is not reflected; 0: no pane */                  \
   WORDS(float, coat, float, coat_roughness, float, pane_share, float, pane_f0)               \
-  /* dip: of a conductor [fresnel.h] */                                                      \
+  /* dip: for a conductor [fresnel.h] */                                                     \
   VEC(dip, float, pane_f90)
 RECORD(SurfaceMaterial)
-// material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; in the
-// order in which they count.
+// material_maps[MAPS_OF_MATERIAL material + MAP_*]: index into texture_maps[], or kNoMap; maps are
+// applied in this order.
 #define MAPS_OF_MATERIAL 12u
 #define MAP_BASE 0u
 #define MAP_METALLIC_ROUGHNESS 1u
@@ -51,7 +51,7 @@ RECORD(SurfaceMaterial)
 #define MAP_COAT_ROUGHNESS 7u
 #define MAP_SHEEN_COLOR 8u
 #define MAP_SHEEN_ROUGHNESS 9u
-#define MAPS_OF_FACTORS 10u  // those before multiply factors
+#define MAPS_OF_FACTORS 10u  // the maps before it multiply factors
 #define MAP_NORMAL 10u
 #define MAP_COAT_NORMAL 11u
 #define MATERIAL_PLAIN 1u
@@ -60,9 +60,9 @@ RECORD(SurfaceMaterial)
 #define MATERIAL_SOLID 8u
 #define MATERIAL_GLOSSY_MAP 16u
 #define MATERIAL_ABSORBS 32u
-#define MATERIAL_BENDS 64u  // has maps of normals
+#define MATERIAL_BENDS 64u  // has normal maps
 
-/// tdpt::TextureMap.
+/// The same as tdpt::TextureMap.
 #define TEXELS_OF_SurfaceMap(VEC, WORDS, PART)                      \
   PART(TexelGrid, grid)                                             \
   /* u_of_u: u' = u_of_u u + u_of_v v + u_shift */                  \
@@ -81,7 +81,7 @@ RECORD(SurfaceMap)
   VEC(normal, uint, pad1)
 RECORD(Face)
 
-/// The corners of a face in corner_attributes[]. None where nothing is told of corners.
+/// The corners of a face in corner_attributes[]; empty if no corner has attributes.
 #define TEXELS_OF_FaceCorners(VEC, WORDS, PART) WORDS(uint, a, uint, b, uint, c, uint, pad)
 RECORD(FaceCorners)
 
@@ -96,8 +96,8 @@ RECORD(FaceCorners)
   WORDS(float, u0, float, v0, float, u1, float, v1)
 RECORD(CornerAttributes)
 
-// surface_curves[]: the table of interface_albedo.h, light over bytes, and the nodes of a
-// quadrature. sheen_curves[]: those of sheen.h, where there is sheen.
+// surface_curves[]: the table of interface_albedo.h, linear light of sRGB bytes, and the nodes of a
+// quadrature. sheen_curves[]: the tables of sheen.h, if there is sheen.
 const uint kInterfaceCosines = 64u;  ///< nodes; two numbers each
 const uint kInterfaceAlphas = 48u;   ///< rows
 const uint kInterfaceAverages = 2u * kInterfaceCosines * kInterfaceAlphas;
@@ -107,9 +107,9 @@ const uint kGaussNodes = 6u;
 const uint kSurfaceCurves = kGauss + 2u * kGaussNodes;
 const uint kSheenCosines = 40u;
 const uint kSheenRoughnesses = 24u;
-const uint kSheenAlbedos = kSheenCosines * kSheenRoughnesses;  ///< behind those of D V
+const uint kSheenAlbedos = kSheenCosines * kSheenRoughnesses;  ///< after those of D V
 const uint kSheenCurves = 2u * kSheenAlbedos;
-const float kLeastSheenRoughness = 0.07f;  ///< less is taken for it
+const float kLeastSheenRoughness = 0.07f;  ///< lower values are raised to it
 
 #ifdef __cplusplus
 static_assert(sizeof(SurfaceMaterial) == 128 && sizeof(SurfaceMap) == 48 && sizeof(Face) == 64);

@@ -1,4 +1,4 @@
-// Test only: the words of surface_test.h, one place an invocation.
+// Test only: the words of surface_test.h, one point per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 

@@ -1,6 +1,5 @@
-// Test only: all that surfaces say and do at random places, as words, to hold a device's against
-// those of C++. Read behind surface.h, within its scope;
-// surface_words.h comes before.
+// Test only: results of all functions on surfaces at random points, as words, to compare a device
+// with C++. Include after surface.h, in its scope, and after surface_words.h.
 
 #include "shaders/shared/language.h"
 
@@ -27,7 +26,7 @@ SHARED vec3 next_direction(INOUT(Rng) rng) MEMBER_CONST {
   return next_unit(rng) < 0.5f ? w : -w;
 }
 
-/// What is asked of place i, and the answers. `triangles`: of the scene.
+/// The tests of point i, and their results. `triangles`: of the scene.
 SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
   PlaceWords words;
   words.count = 0u;
@@ -59,8 +58,8 @@ SHARED PlaceWords words_of_place(uint i, uint triangles) MEMBER_CONST {
     put(words, t.w);
     put(words, t.weight);
   }
-  // There and back along the turn, and to anywhere: one of each function, as kernels are compiled
-  // with all that they call in place.
+  // In a loop (forth and back along the turn, and to a random direction), so that each function is
+  // called once: kernels inline every call.
   vec3 here = back;
   vec3 there = turns ? t.w : to;
   for (uint k = 0u; k < 3u; ++k) {

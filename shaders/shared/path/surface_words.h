@@ -1,4 +1,4 @@
-// Test only: what surface_test.h writes.
+// Test only: the output of surface_test.h.
 #ifndef TDPT_SHADERS_SHARED_PATH_SURFACE_WORDS_H
 #define TDPT_SHADERS_SHARED_PATH_SURFACE_WORDS_H
 

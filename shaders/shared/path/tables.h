@@ -1,6 +1,6 @@
-// What the renderer's kernels bind, and where: the tables of a scene and of a submission, and words
-// that they count in. GLSL makes its buffers of these lists [shaders/path_bindings.glsl], C++ the
-// memory that is bound to them.
+// Bindings of the renderer's kernels: the tables of a scene and of a submission, and words for
+// counts. GLSL makes its buffers from these lists [shaders/path_bindings.glsl], C++ the memory
+// bound to them.
 #ifndef TDPT_SHADERS_SHARED_PATH_TABLES_H
 #define TDPT_SHADERS_SHARED_PATH_TABLES_H
 
@@ -20,8 +20,8 @@
   TABLES_OF_LIGHTS(TABLE)                 \
   TABLES_OF_PORTALS(TABLE)
 
-// Of the submission: TABLE(binding, type, name, array, count). Kernels read them as texels and
-// write them as storage buffers; `count` is C++, of a Room `room` [device/machine.h].
+// Of a submission: TABLE(binding, type, name, array, count). Kernels read them as texels and write
+// them as storage buffers; `count` is a C++ expression in a Room `room` [device/machine.h].
 #define PATH_TABLES(TABLE)                                                                    \
   TABLE(3, uint, cache_offset, cache_offsets, kMostOfCache)                                   \
   TABLE(4, uint, alive, alive, room.flags())                                                  \
@@ -48,7 +48,7 @@
 
 SHARED_BEGIN
 
-/// Where each table begins, of the submission's texels or of the scene's.
+/// Where each table begins among the texels of the submission or of the scene.
 struct FirstTexels {
 #define FIRST_OF_PATH(binding, type, name, array, count) uint name;
 #define FIRST_OF_SCENE(type, name, array) uint name;
@@ -58,7 +58,7 @@ struct FirstTexels {
 #undef FIRST_OF_SCENE
 };
 
-/// As std140 has them: what is nested begins at multiples of 16 bytes.
+/// Layout as std140: nested structs begin at multiples of 16 bytes.
 struct AllSettings {
   RenderParameters render;
   GuideParameters guiding;

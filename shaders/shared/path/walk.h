@@ -1,9 +1,10 @@
-// The sub-paths of bidirectional path tracing, a vertex at a time: walks from the camera and from
-// lights, each vertex with its throughput, its density from this end, and that which a walk from
-// the other end would have given it. Section 3.1.2; tools/tdpt-render/path/sample/walk.cpp.
+// The sub-paths of bidirectional path tracing, one vertex at a time: walks from the camera and from
+// lights. Each vertex has its throughput, its density in this walk, and its density in a walk from
+// the other end. Section 3.1.2; tools/tdpt-render/path/sample/walk.cpp.
 //
-// Read behind samples.h, rays.h and guide.h, where path_vertices[], path_bsdfs[], path_densities[],
-// walk_rays[], walk_counts[], walk_last[] and `work` are, and load_x() of the first four.
+// Include after samples.h, rays.h and guide.h, where path_vertices[], path_bsdfs[],
+// path_densities[], walk_rays[], walk_counts[], walk_last[] and `work` are, and load_x() of the
+// first four.
 
 #include "shaders/shared/language.h"
 
@@ -16,7 +17,7 @@ SHARED Point point_in_sky(vec3 towards) MEMBER_CONST {
   return p;
 }
 
-/// Keeps what a vertex is made of, but for its place and source.
+/// Stores the point of a vertex.
 SHARED void keep_point(uint slot, Point p, INOUT(PathVertex) v) MEMBER {
   v.position = p.position;
   v.triangle = p.triangle;
@@ -35,7 +36,7 @@ SHARED void keep_point(uint slot, Point p, INOUT(PathVertex) v) MEMBER {
   b.bsdf = p.bsdf;
   path_bsdfs[slot] = b;
 }
-/// The point of a vertex. The density of starts in the sky is not kept.
+/// The stored point of a vertex. start_w of a point in the sky is not stored.
 SHARED Point kept_point(uint slot, PathVertex v) MEMBER_CONST {
   Point p = empty_point();
   p.position = v.position;
@@ -57,7 +58,7 @@ SHARED Point kept_point(uint slot, PathVertex v) MEMBER_CONST {
   return p;
 }
 
-/// What leaves a point along unit w; black where no light begins.
+/// Emission of a point along unit w; black if no light begins there.
 SHARED vec3 emitted(Point p, vec3 w) MEMBER_CONST {
   if (p.source == SOURCE_NONE) return vec3(0.0f, 0.0f, 0.0f);
   vec3 light = source_radiance(p.source, p.normal, p.emission, p.in_sky, w);
@@ -79,7 +80,7 @@ SHARED void keep_guide_totals(INOUT(PathVertex) v, GuideTotals guide_totals) MEM
   v.guide_total_emitted = guide_totals.emitted;
 }
 
-/// Density per area of the walk from `from` at a vertex, from that per solid angle. `albedo`,
+/// Density per area at a vertex, of the walk from `from`, from that per solid angle. `albedo`,
 /// `scope`: as the vertex is seen from where the walk came.
 SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope,
                              float pdf_w, float per_area, CrossingDensity crossing) MEMBER_CONST {
@@ -88,7 +89,7 @@ SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Od
   float W = from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
   return guided_pdf_A(from, W, guide_chance_at(from, albedo), scope, plain_A, per_area, crossing);
 }
-/// And where light leaves a place on a light.
+/// The same where light leaves a point on a light.
 SHARED float emitted_pdf_A(uint source, vec3 normal, float guide_total_emitted, vec3 w,
                            float per_area, CrossingDensity crossing) MEMBER_CONST {
   float plain_A = emission_pdf_w(source, normal, w) * per_area;
@@ -194,7 +195,8 @@ SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
   return ray;
 }
 
-/// An emitter that is not opaque shines by its coverage: no ray decides here whether it is there.
+/// An emitter that is not opaque shines in proportion to its coverage, since no ray decides here
+/// whether it is hit.
 SHARED Point point_on_light(LightPlace place) MEMBER_CONST {
   Point p = empty_point();
   if (place.triangle != kNoTriangle) {
@@ -228,9 +230,9 @@ SHARED void begin_camera_walk(uint walk) MEMBER {
   walk_rays[walk] = ray;
 }
 
-/// Vertex y_0 of light walk number `walk` into slot `slot`, and the ray that leaves it.
+/// Vertex y_0 of light walk number `walk`, to slot `slot`, and the ray that leaves it.
 SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
-  if (walk == 0u) walk_counts[work.count] = 0u;  // their sum will be there
+  if (walk == 0u) walk_counts[work.count] = 0u;  // the place of their sum
   path_densities[slot].flags = 0u;
   walk_counts[walk] = 0u;
   walk_rays[walk] = no_ray(walk);
@@ -279,11 +281,11 @@ SHARED Sequence numbers_of_walk(uint from, uint walk) MEMBER_CONST {
   SampleName name = sample_of_group(walk / per_group, walk % per_group);
   return numbers_of(name, from == FROM_LIGHT ? PURPOSE_LIGHT_WALK : PURPOSE_CAMERA_WALK);
 }
-/// Probability that a walk goes on at a vertex.
+/// Survival probability of a walk at a vertex.
 SHARED float chance_to_go_on(PathDensity d) MEMBER_CONST {
   return number_of(d) <= 1u ? 1.0f : d.own_survival;
 }
-/// Whether a walk goes on at the vertex in a slot.
+/// Whether a walk survives at the vertex in a slot.
 SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
   PathDensity d = load_path_density(slot);
   uint edges = from == FROM_LIGHT ? render.max_depth - 1u : render.max_depth;
@@ -294,8 +296,8 @@ SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
   return uniform_of(numbers) < chance_to_go_on(d);
 }
 
-/// The next direction of a walk, scattered or directed. Numbers: direction, lobe, then as
-/// guide_draw().
+/// Samples the next direction of a walk, by the BSDF or by guiding. Random numbers: direction,
+/// lobe, then as in guide_draw().
 SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float u, float v,
                           float lobe, float a, float b, float c, float d, OUT(OF_FLOAT(Turn)) t,
                           OUT(int) polygon) MEMBER_CONST {
@@ -328,12 +330,12 @@ SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float
   else
     return false;
   Seen next = seen_from(p, t.w);
-  // Bent normals may send it to a side where the lobe that it comes from is not seen.
+  // Bent normals may send it to a side where its lobe is not visible.
   if (!guided && !(by_coat ? both_on_coat(here.seen, next) : next.on_base)) return false;
   return weigh(p, from, here, next, t.dirac, t.weight);
 }
 
-/// The ray that leaves the vertex in slot `here`, number 1 or above, where its walk goes on.
+/// The ray that leaves the vertex in slot `here`, number 1 or above, of a walk that continues.
 SHARED void go_on(uint from, uint here, uint i) MEMBER {
   PathVertex at = load_path_vertex(here);
   PathDensity known = load_path_density(here);
@@ -368,7 +370,7 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
   walk_rays[i] = ray;
 }
 
-/// What the ray of a walk meets.
+/// Finds what the ray of a walk hits.
 SHARED void trace_ray(uint i) MEMBER {
   WalkRay ray = load_walk_ray(i);
   if ((ray.flags & RAY_THERE) == 0u) return;
@@ -380,9 +382,9 @@ SHARED void trace_ray(uint i) MEMBER {
   walk_rays[i].b2 = hit.b2;
 }
 
-/// Density per area of the vertex that a ray has come to along w from v: `at`, `known`. plain_A: of
-/// the ray as it would be if no walk were directed; nothing comes of one that has none. Where it
-/// was scattered, v and the vertex before it learn what a walk from the other end would do there.
+/// Density per area of the vertex that a ray has reached along w from v (`at`, `known`). plain_A:
+/// the same for an unguided walk; if it is 0 the walk ends. If the walk scattered at v, the
+/// densities of a walk from the other end are stored for v and the vertex before it.
 SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathDensity known,
                            vec3 w, float per_area, CrossingDensity crossing,
                            OUT(float) plain_A) MEMBER {
@@ -414,8 +416,8 @@ SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathD
   return own_A;
 }
 
-/// The vertex that a ray has come to from v along the edge e, with all but its throughput and
-/// number. looks_out: next events are asked for there.
+/// The vertex that a ray has reached from v along the edge e, without its throughput and number.
+/// looks_out: next events may be made there.
 SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge e,
                                  CrossingDensity crossing, bool looks_out) MEMBER {
   PathVertex r = empty_vertex(ray.walk);
@@ -438,8 +440,8 @@ SHARED PathVertex arrived_vertex(uint slot, WalkRay ray, Point v, Point to, Edge
   return r;
 }
 
-/// Density of the place on a light that an edge begins or ends at, as a next event at its other
-/// end; 0 where neither is. The edge goes from v to vertex `number` of its walk.
+/// Density of the light point at one end of an edge as a next event from the other end; 0 if
+/// neither is on a light. The edge goes from v to vertex `number` of its walk.
 SHARED float edge_nee_A(uint from, uint number, Point v, PathVertex at_v, Point to,
                         PathVertex at_to) MEMBER_CONST {
   bool from_y0 = from == FROM_LIGHT && number == 1u;
@@ -457,7 +459,7 @@ SHARED float edge_nee_A(uint from, uint number, Point v, PathVertex at_v, Point 
                         light.position, light.in_sky);
 }
 
-/// The vertex that the ray of a walk has come to, into slot `next`.
+/// Stores the vertex that the ray of a walk has reached, in slot `next`.
 SHARED void arrive(uint from, uint i, uint next) MEMBER {
   path_densities[next].flags = 0u;
   WalkRay ray = load_walk_ray(i);

@@ -1,9 +1,9 @@
 // The MIS weight of a finished path: the share of the strategy that made it in the densities of all
-// strategies that could have. Sections 3.1 and 3.3, eqs. 6 to 8.
+// strategies that could have made it. Sections 3.1 and 3.3, eqs. 6 to 8.
 //
 // x_0 ... x_k  vertices, x_0 on a light, x_k on the camera; k edges
 // P>, P<       density [per canonical area] of a vertex in a walk from the light, from the camera
-// s, a         split: how many vertices come from the light
+// s, a         split: number of vertices from the light
 // p_AA = G D   density of a portal segment [eq. 4, portals.h]
 //
 //   camera    s=0        prod_{i>=0} P<(x_i)
@@ -12,21 +12,21 @@
 //   bi        s=2..k-1   prod_{i<s} P>(x_i) prod_{i>=s} P<(x_i)                             [eq. 7]
 //   portal a  a=0..k-2   prod_{i<a} P>(x_i) p_AA(x_a,x_{a+1}) prod_{i>a+1} P<(x_i)          [eq. 8]
 //
-// At a vertex with a Dirac lobe on this path (a mirror, smooth glass) nothing can be connected: the
-// techniques that would end a prefix or a segment there, or connect one to it, have no density. A
-// light without a surface has no P<(x_0).
+// At a vertex where this path scatters by a Dirac lobe (a mirror, smooth glass) nothing can be
+// connected: techniques that would end a prefix or a segment there, or connect one to it, have
+// density 0. A light without a surface has no P<(x_0).
 //
 // Method: multiple importance sampling (Veach), balance or power heuristic. A path is a chain of
 // light vertices, up to two vertices of a portal segment, and a chain of camera vertices. The
-// weight is found from the joint outwards: R(s) is the density of the path with s vertices from the
-// light, and no segment, over that of the strategy used, so that
+// weight is computed from the joint outwards. R(s) is the density of the path with s vertices from
+// the light and no segment, divided by that of the strategy used, so that
 //   R(i) = R(i+1) P<(x_i) / P>(x_i)   at a vertex of the light's chain,
 //   R(i+1) = R(i) P>(x_i) / P<(x_i)   at one of the camera's,
-// and a segment x_a -> x_{a+1} has R(a+2) p_AA / (P>(x_a) P>(x_{a+1})) or the same by P<. All that
-// is divided by is a density of the strategy used, and more than 0. A float is too small for these
-// numbers, and has an exponent of its own [scaled.h]: what fades along a long path may come back.
+// and a segment x_a -> x_{a+1} has R(a+2) p_AA / (P>(x_a) P>(x_{a+1})) or the same by P<. All
+// divisors are densities of the strategy used, hence positive. These numbers need an exponent of
+// their own [scaled.h]: what leaves the range of a float along a long path may come back.
 //
-// Read where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and
+// Include where `render`, mixture_techniques (bits), power_heuristic, load_path_density() and
 // scene_has_portals are.
 
 #include "shaders/shared/path/render_layout.h"
@@ -38,8 +38,8 @@ SHARED bool has_technique(uint technique) MEMBER_CONST {
   return ((mixture_techniques >> technique) & 1u) != 0u;
 }
 
-// By how much the density of a strategy counts for paths of k edges [Mixture::sample_weight]; 0:
-// the mixture has no such strategy.
+// Factor of a strategy's density for paths of k edges [Mixture::sample_weight]; 0 if the mixture
+// does not have it.
 SHARED REAL weight_of_split(uint s, uint k) MEMBER_CONST {
   if (s == 0u) return has_technique(TECHNIQUE_CAMERA) ? 1.0f : 0.0f;
   if (s == k) return has_technique(TECHNIQUE_LIGHT) ? render.light_walks : 0.0f;
@@ -55,8 +55,8 @@ SHARED REAL weight_of_portal(uint a, uint k) MEMBER_CONST {
   return a + 2u == k ? n : n * render.segments_connected;
 }
 
-/// Adds a strategy of so many times the density of the used one, that of one sample each, which
-/// counts n times.
+/// Adds a strategy: `relative` is its density over that of the strategy used, for one sample each;
+/// it counts n times.
 SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, REAL n) MEMBER_CONST {
   if (n == 0.0f) return;
   Scaled p = product(relative, n);
@@ -64,16 +64,16 @@ SHARED void add_strategy(INOUT(Scaled) total, Scaled relative, REAL n) MEMBER_CO
   total = sum(total, p);
 }
 
-/// Whether the vertex behind the first of a half turns by a Dirac lobe.
+/// Whether the path scatters by a Dirac lobe at the second vertex of a half.
 SHARED bool turns_sharply_behind(OF_REAL(Half) part) MEMBER_CONST {
   if (part.slot == kNoVertex) return false;
   uint prev = load_path_density(part.slot).prev;
   return prev != kNoVertex && (load_path_density(prev).flags & VERTEX_DIRAC) != 0u;
 }
 
-/// Adds the strategies that have their joint within a half of a path of k edges: of the light's,
-/// x_{s-1} to x_0, or of the camera's, x_s to x_{k-1}. `R`: R(s). `nee_A`: of x_0 as a next event
-/// at x_1, where the light's half is x_0 alone; else the records tell.
+/// Adds the strategies whose joint lies within one half of a path of k edges: the light's, x_{s-1}
+/// to x_0, or the camera's, x_s to x_{k-1}. at_joint: R(s). `nee_A`: of x_0 as a next event at x_1,
+/// if the light's half is x_0 alone; else it is taken from the records.
 SHARED void add_half(INOUT(Scaled) total, OF_REAL(Half) part, bool of_light, uint s, uint k,
                      Scaled at_joint, REAL nee_A) MEMBER_CONST {
   Scaled R = at_joint;
@@ -101,7 +101,7 @@ SHARED void add_half(INOUT(Scaled) total, OF_REAL(Half) part, bool of_light, uin
       if (direct_A > 0.0f && !(of_light ? dirac_before : dirac_behind))
         add_strategy(total, product(quotient(R, own), direct_A), weight_of_direct(k));
     }
-    // Whether the other walk went on at the vertex before, of which it is this number.
+    // Survival of the other walk at the vertex before, whose number in it this is.
     uint number = of_light ? k - i - 1u : i - 1u;
     REAL survived = (i == 0u && !of_light) || number <= 1u ? 1.0f : survival_before;
     REAL other = n == 0u ? part.first_A : n == 1u ? part.second_A : survived * d.other_A;
@@ -118,18 +118,18 @@ SHARED void add_half(INOUT(Scaled) total, OF_REAL(Half) part, bool of_light, uin
   }
 }
 
-/// The weight of the strategy used, which counts n times, of all together [eq. 6].
+/// The weight [eq. 6] of the strategy used, which counts n times, given the total of all.
 SHARED REAL share_of(REAL n, Scaled total) MEMBER_CONST {
   Scaled mine = scaled(n);
   if (power_heuristic) mine = product(mine, mine);
   return narrowed(quotient(mine, total));
 }
 
-// All strategies together, each as often as it counts, over the density of the one used.
+// Totals over all strategies, each times its factor, divided by the density of the one used.
 
-/// Of a path of k edges, two at least, that was connected between x_{s-1} and x_s (0: all of it is
-/// the camera's walk, which met a light; k: the camera sees the last vertex of the light's).
-/// `pair_A`: p_AA of the edge that connects them, of no meaning for s of 0 and k.
+/// For a path of k >= 2 edges, connected between x_{s-1} and x_s (s = 0: the camera walk hit a
+/// light; s = k: the camera sees the last light vertex). `pair_A`: p_AA of the connecting edge,
+/// unused for s of 0 and k.
 SHARED Scaled strategies_of_connected(OF_REAL(Half) light, OF_REAL(Half) camera, uint s, uint k,
                                       REAL pair_A) MEMBER_CONST {
   Scaled one = scaled(1.0f);
@@ -146,8 +146,8 @@ SHARED Scaled strategies_of_connected(OF_REAL(Half) light, OF_REAL(Half) camera,
   return total;
 }
 
-/// Of a next event x_0 of density nee_A at the vertex x_1 of a camera's walk. `light_A`,
-/// `camera_A`: densities of x_0 in walks; `pair_A`: p_AA of x_0 -> x_1.
+/// For a next event x_0 of density nee_A at the vertex x_1 of a camera walk. `light_A`, `camera_A`:
+/// densities of x_0 in walks; `pair_A`: p_AA of x_0 -> x_1.
 SHARED Scaled strategies_of_next_event(OF_REAL(Half) camera, uint k, REAL nee_A, REAL light_A,
                                        REAL camera_A, REAL pair_A) MEMBER_CONST {
   Scaled nee = scaled(nee_A);

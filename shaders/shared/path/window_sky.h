@@ -1,34 +1,34 @@
-// The sky as it is seen through the portals: draws directions in proportion to it from any point of
-// the camera's side, so that next events find the bright parts of it that a window shows.
+// Importance-samples the sky through the portals, from any point of the camera's side, so that next
+// events find the bright parts that a window shows.
 //
 // Method: portal-masked environment map sampling (Bitterli, Wyman and Pharr 2015; in pbrt-v4 as
-// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a rectangle around it, with
-// axes x, y in its plane and z out towards the sky. The sky is laid out anew over
+// PortalImageInfiniteLight). Each facet of a portal [portals.h] has a bounding rectangle, with axes
+// x, y in its plane and z out towards the sky. The sky is resampled over
 //   a = c(w_x / w_z),  b = c(w_y / w_z),  c(t) = t / (1 + |t|) in (-1, 1),
-// in which the rectangle is again one, seen from any point; sums over it are look-ups of a
-// summed-area table. (The paper's c is the arc tangent, which is as even and takes longer.) Its
-// cells hold the luminance of the sky there times solid angle.
+// in which the rectangle stays a rectangle as seen from any point; sums over it are look-ups in a
+// summed-area table. (The paper's c is the arc tangent, which is as uniform and slower.) A cell
+// holds the luminance of the sky there times solid angle.
 //
-// S_F(x)  what is seen of the sky through the rectangle of facet F from x; 0 behind it, where all
-//         of it is below the horizon of the surface at x, and where walls are between
+// S_F(x)  light of the sky seen from x through the rectangle of facet F; 0 behind it, if all of it
+//         is below the horizon of the surface at x, and if walls are between
 // W_F(w)  content of the cell of w over its size, da db
-//   pdf_w(w) = sum over the F whose rectangle the ray (x, w) passes of
+//   pdf_w(w) = sum over the F whose rectangle the ray (x, w) crosses of
 //              W_F(w) (da db / dw) / sum_F S_F(x)
 //
-// What is beside the polygon in its rectangle, or hidden, is a miss. The table is an estimate: what
-// shines there is told by the sky itself, and small bright parts are spread over the cells around,
+// Directions beside the polygon in its rectangle, or hidden, are wasted. The table is an estimate:
+// radiance is taken from the sky itself, and small bright parts are spread over the cells around,
 // so that no cell that they touch counts as dark.
 //
-// Contents of cells are whole numbers. Sums over a rectangle are put together from its four
-// corners, its four sides and its middle, none of which is a difference of floats: beside a sun in
-// the same table the faintest part keeps its digits.
+// Contents of cells are whole numbers. A sum over a rectangle is assembled from its four corners,
+// four sides and interior, none of which is a difference of floats: even beside a sun in the same
+// table the faintest part keeps its digits.
 //
-// Read behind lights.h, within a scope that has what that needs, load_sky_window(),
-// load_window_frame() and scene_has_windows. C++ has SkyWindow and WindowFrame in doubles, too.
+// Include after lights.h, in a scope that has what that needs, load_sky_window(),
+// load_window_frame() and scene_has_windows. C++ also has SkyWindow and WindowFrame in doubles.
 
 #include "shaders/shared/language.h"
 
-/// A window's rectangle as a point sees it, in cells.
+/// A window's rectangle as seen from a point, in cells.
 struct CellRect {
   REAL a0;
   REAL a1;
@@ -40,12 +40,12 @@ SHARED VEC3 to_frame(IN(WindowFrame) frame, VEC3 v) MEMBER_CONST {
   return VEC3(dot(frame.x, v), dot(frame.y, v), dot(frame.z, v));
 }
 
-/// c(x / z) in cells, z more than 0.
+/// c(x / z) in cells, z > 0.
 SHARED REAL in_cells(IN(WindowFrame) frame, REAL x, REAL z) MEMBER_CONST {
   return (x * reciprocal(z + abs(x)) + 1.0f) * (0.5f * REAL(frame.cells));
 }
 
-/// From inside and with a corner above the horizon, `at` in the frame.
+/// Whether `at` (in the frame) is inside and a corner of the window is above the horizon.
 SHARED bool sees_window(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
                         VEC3 facing) MEMBER_CONST {
   REAL height = window.z - at.z;
@@ -57,7 +57,8 @@ SHARED bool sees_window(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
          0.0f;
 }
 
-/// What is drawn of a window: little less than there is, so that it is found in it again.
+/// The sampled rectangle of a window: slightly smaller, so that the density finds every sample in
+/// it.
 SHARED CellRect rect_of(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at) MEMBER_CONST {
   REAL height = window.z - at.z;
   REAL margin = ROUNDING * REAL(frame.cells);
@@ -73,14 +74,14 @@ SHARED uint cell_at(IN(WindowFrame) frame, REAL a) MEMBER_CONST {
   return min(uint(max(a, 0.0f)), frame.cells - 1u);
 }
 
-/// Whole content of columns [i, k), rows [j, l).
+/// Total of whole cells in columns [i, k), rows [j, l).
 SHARED uint whole_content(IN(WindowFrame) frame, uint i, uint k, uint j, uint l) MEMBER_CONST {
   uint low = i * (frame.cells + 1u);
   uint high = k * (frame.cells + 1u);
   return (window_sum(frame, high + l) - window_sum(frame, high + j)) -
          (window_sum(frame, low + l) - window_sum(frame, low + j));
 }
-/// Of columns [i, k), between b0 and b1.
+/// The same between b0 and b1, not whole rows.
 SHARED REAL content_of_columns(IN(WindowFrame) frame, uint i, uint k, REAL b0,
                                REAL b1) MEMBER_CONST {
   uint j = cell_at(frame, b0);
@@ -101,7 +102,7 @@ SHARED REAL content_of_rect(IN(WindowFrame) frame, CellRect r) MEMBER_CONST {
   return first * (REAL(i + 1u) - r.a0) + middle + last * (r.a1 - REAL(k));
 }
 
-/// S_F of window i, and where; `r` is of no meaning where it is 0.
+/// S_F of window i, and its rectangle `r`, meaningless if S_F is 0.
 SHARED REAL seen_through(uint i, VEC3 position, VEC3 facing, OUT(CellRect) r) MEMBER_CONST {
   IN(SkyWindow) window = load_sky_window(i);
   IN(WindowFrame) frame = load_window_frame(window.frame);
@@ -116,8 +117,8 @@ SHARED REAL seen_through(uint i, VEC3 position, VEC3 facing, OUT(CellRect) r) ME
   return content_of_rect(frame, r) * frame.unit;
 }
 
-/// What all windows show of the sky from `position`, where the surface faces `facing` (0: both
-/// ways): sum S_F.
+/// Sum S_F of the sky that all windows show from `position` to a surface that faces `facing` (0:
+/// both ways).
 SHARED REAL seen_through_windows(VEC3 position, VEC3 facing) MEMBER_CONST {
   REAL sum = 0.0f;
   CellRect r;
@@ -126,7 +127,7 @@ SHARED REAL seen_through_windows(VEC3 position, VEC3 facing) MEMBER_CONST {
   return sum;
 }
 
-/// Where the content from a0 on, between b0 and b1, is `share` of that between a0 and a1.
+/// Importance-samples a: the content from a0 to it, between b0 and b1, is `share` of that up to a1.
 SHARED REAL drawn_column(IN(WindowFrame) frame, CellRect r, REAL share) MEMBER_CONST {
   uint first = cell_at(frame, r.a0);
   uint low = first;
@@ -135,7 +136,7 @@ SHARED REAL drawn_column(IN(WindowFrame) frame, CellRect r, REAL share) MEMBER_C
   REAL of_first =
       content_of_columns(frame, first, first + 1u, r.b0, r.b1) * (REAL(first + 1u) - r.a0);
   REAL wanted = share * content_of_rect(frame, r);
-  // The last column that `wanted` reaches, and what lies before it.
+  // The last column that `wanted` reaches, and the content before it.
   REAL before = 0.0f;
   while (low < high) {
     uint middle = (low + high + 1u) >> 1;
@@ -151,7 +152,7 @@ SHARED REAL drawn_column(IN(WindowFrame) frame, CellRect r, REAL share) MEMBER_C
   REAL within = content > 0.0f ? (wanted - before) * reciprocal(content) : 0.0f;
   return min(from + max(within, 0.0f), to);
 }
-/// The same down one column.
+/// The same down one column, for b.
 SHARED REAL drawn_row(IN(WindowFrame) frame, uint column, CellRect r, REAL share) MEMBER_CONST {
   uint first = cell_at(frame, r.b0);
   uint low = first;
@@ -176,7 +177,8 @@ SHARED REAL drawn_row(IN(WindowFrame) frame, uint column, CellRect r, REAL share
   return min(from + max(within, 0.0f), to);
 }
 
-/// Unit, towards the sky; `seen` more than 0, that of `position`. Three numbers in [0,1).
+/// Unit direction towards the sky; `seen` is that of `position` and must be positive. Three numbers
+/// in [0,1).
 SHARED VEC3 towards_window(VEC3 position, VEC3 facing, REAL seen, REAL pick, REAL u,
                            REAL v) MEMBER_CONST {
   REAL left = pick * seen;
@@ -201,13 +203,13 @@ SHARED VEC3 towards_window(VEC3 position, VEC3 facing, REAL seen, REAL pick, REA
   REAL per_cells = 2.0f * reciprocal(REAL(frame.cells));
   REAL c = a * per_cells - 1.0f;
   REAL d = b * per_cells - 1.0f;
-  // Of t = c / (1 - |c|), times both denominators.
+  // t = c / (1 - |c|), multiplied by both denominators.
   REAL of_c = max(1.0f - abs(c), 1e-7f);
   REAL of_d = max(1.0f - abs(d), 1e-7f);
   return normalized(frame.x * (c * of_d) + frame.y * (d * of_c) + frame.z * (of_c * of_d));
 }
 
-/// W(w) (da db / dw) over the frame's unit; `local` unit in the frame, local.z more than 0.
+/// W(w) (da db / dw) over the frame's unit; `local`: unit in the frame, local.z > 0.
 SHARED REAL density_in_frame(IN(WindowFrame) frame, VEC3 local) MEMBER_CONST {
   uint i = cell_at(frame, in_cells(frame, local.x, local.z));
   uint j = cell_at(frame, in_cells(frame, local.y, local.z));
@@ -226,7 +228,7 @@ SHARED REAL windows_pdf_w(VEC3 position, VEC3 facing, REAL seen, VEC3 towards) M
     VEC3 local = to_frame(frame, towards);
     if (!(local.z > 1e-12f)) continue;
     VEC3 at = to_frame(frame, position);
-    // Where the plane is passed, by the differences that rect_of() takes.
+    // Where it crosses the plane, by the same differences as in rect_of().
     REAL height = window.z - at.z;
     REAL x = local.x * height;
     REAL y = local.y * height;

@@ -1,5 +1,5 @@
-// All integrators render the same picture, block by block and for every path length 1..8; and what
-// is wrong by a technique or by 5 % of a density does not.
+// All integrators render the same picture, block by block and for every path length 1..8. Twins: a
+// technique that is wrong, or a density off by 5 %, is detected.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -16,11 +16,11 @@ using Integrators = std::vector<const Integrator*>;
 
 constexpr int kWidth = 32, kHeight = 24;
 
-// Variance of pt is that of the lamp found by chance: only where that is often.
+// pt finds the lamp only by chance, so its variance is known only where that happens often.
 const Integrators kAll{&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
 const Integrators kButPt{&nee, &tdpt_org, &tdpt_ref, &tdpt_guided};
 
-// Where a technique that counts twice is to be seen.
+// Enough to detect a technique that counts twice.
 constexpr AgreementSettings kGross{.runs = 32, .spp = 4};
 
 TEST(agreement, furnace) {
@@ -29,8 +29,8 @@ TEST(agreement, furnace) {
                    kGross);
 }
 
-// The furnace, of which the ceiling alone glows, and a portal across the room below it: no
-// technique is left without a good part of the picture, and none is noisy.
+// The furnace with only its ceiling emitting, and a portal across the room below it: every
+// technique has a good part of the picture, and none is noisy.
 class GlowingCeiling {
  public:
   GlowingCeiling() : scene_(read_gltf(furnace_path())) {
@@ -47,7 +47,7 @@ class GlowingCeiling {
   }
   World world() const { return World(scene_, scene_.camera(""), kWidth, kHeight, {kPortal}); }
 
-  /// 5 % of a portal's density are to be seen.
+  /// Enough to detect 5 % of a portal's density.
   static constexpr AgreementSettings kSettings{.runs = 64, .spp = 7};
 
  private:
@@ -60,7 +60,7 @@ TEST(agreement, glowing_ceiling) {
   expect_agreement(box.world(), kAll, GlowingCeiling::kSettings);
 }
 
-// Portal segments in a quarter of the samples stand for all, as those auto tries may.
+// Portal segments in a quarter of the samples stand for all, as in candidates of auto.
 TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
   const GlowingCeiling box;
   expect_agreement(box.world(), {&tdpt_guided}, kGross);
@@ -90,7 +90,7 @@ TEST(agreement, portals_that_cross_each_other) {
                    {&tdpt_org, &tdpt_ref, &tdpt_guided}, kGross);
 }
 
-// nee finds too little there to tell its own error.
+// nee finds too little light there to estimate its own error.
 TEST(agreement, three_rooms_with_a_portal_in_each_hole) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/three-rooms.glb");
   const auto hole = [](double x) { return rectangle({x, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0}); };
@@ -105,7 +105,7 @@ TEST(agreement, lamp_behind_a_door_ajar) {
                    {&tdpt_org, &tdpt_ref, &tdpt_guided}, kGross);
 }
 
-// Lamps of other power, colour and albedo than the ceiling's, some shining on both sides.
+// Lamps of different power, colour and albedo, some shining on both sides.
 TEST(agreement, several_lamps) {
   Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
   Material strong = scene.materials[0], faint = scene.materials[0];
@@ -123,7 +123,7 @@ TEST(agreement, several_lamps) {
                    kAll, kGross);
 }
 
-// The power of the lamp from a spot: splats are faint beside its radiance, and are kept.
+// The lamp's power comes from a spot: splats are faint beside its radiance, and must be kept.
 TEST(agreement, lamp_as_small_as_a_spot) {
   const Scene lamp = read_gltf(two_rooms_path());
   Scene spot = lamp;
@@ -140,9 +140,9 @@ TEST(agreement, lamp_as_small_as_a_spot) {
                    kGross);
 }
 
-// Walks of pt and nee do not know how far the others may go: the picture of a smaller depth is the
-// same one without its longer paths. What holds for each length in a run of depth 8 then holds for
-// every depth 1..8 that is asked for.
+// Walks of pt and nee do not depend on the depth limit: the picture of a smaller depth is the same
+// without its longer paths. So what holds for each length in a run of depth 8 holds for every depth
+// 1..8.
 TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
@@ -168,7 +168,7 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   }
 }
 
-// Others choose what they connect among other vertices: each length has the same light in the mean.
+// Others choose connections among other vertices: each length has the same light on average.
 TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
   const GlowingCeiling box;
   const World world = box.world();
@@ -177,14 +177,14 @@ TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
     settings.max_depth = depth;
     DepthRuns runs = render_runs(world, Variant::cached(world, integrator, depth), settings);
     runs.of_depth.resize(5);
-    runs.of_depth.erase(runs.of_depth.begin());  // all together are less light
+    runs.of_depth.erase(runs.of_depth.begin());  // the sum of all is less light
     return runs;
   };
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
     const DepthRuns less = with_depth(*integrator, 4), more = with_depth(*integrator, 8);
     EXPECT_TRUE(holds(judge(less, more), integrator->name, less, more));
   }
-  // Twin: that the longest are those of a depth more.
+  // Twin: the longest paths are taken for those of one depth more.
   DepthRuns less = with_depth(bdpt, 4), more = with_depth(bdpt, 8);
   less.of_depth.erase(less.of_depth.begin());
   more.of_depth.pop_back();
@@ -225,7 +225,7 @@ TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
   }
 }
 
-// Twins: room, portal and samples are those of glowing_ceiling.
+// Twins: room, portal and samples as in glowing_ceiling.
 
 class agreement_twin : public ::testing::Test {
  protected:
@@ -253,7 +253,7 @@ class agreement_twin : public ::testing::Test {
   std::map<uint64_t, DepthRuns> references_;
 };
 
-/// tdpt_org's techniques, each as often as said for each of twenty samples.
+/// tdpt_org's techniques, each run so many times per twenty samples.
 template <int Camera, int Direct, int Light, int Bi, int Portal>
 void run(PathSampler& sample) {
   thread_local int count = 0;

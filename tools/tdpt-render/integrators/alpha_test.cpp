@@ -1,4 +1,4 @@
-// A transparent film: over the sky that it leaves out it is the picture that it would have been.
+// A transparent film composited over the sky that it leaves out gives the opaque picture.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -54,7 +54,7 @@ Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, u
   return render(*renderer_under_test(world), integrator, settings).picture;
 }
 
-// Largest difference, over the sky, from a picture that shows it.
+// Largest difference, once over the sky, from a picture that includes it.
 float off_the_opaque(const Picture& transparent, const Picture& opaque) {
   float most = 0;
   for (size_t i = 0; i < opaque.pixels.size(); ++i)
@@ -100,7 +100,7 @@ TEST(Alpha, IsNotKeptUnlessAskedFor) {
   EXPECT_TRUE(rendered(outdoors(), bdpt, false).alpha.empty());
 }
 
-// Where nothing shines all around, what is met is covered all the same.
+// Without any surrounding light, what is hit still has alpha.
 TEST(Alpha, NeedsNoSky) {
   Scene scene = outdoors();
   const Picture lit = rendered(scene, bdpt, true);

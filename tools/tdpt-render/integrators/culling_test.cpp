@@ -1,5 +1,5 @@
 // Cameras that see through the backs of single-sided surfaces: all integrators agree on the
-// picture, which is that from beyond the wall, and light takes no notice.
+// picture, which equals that from beyond the wall; light is not affected.
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/run/features.h"
@@ -47,19 +47,19 @@ double mean(const Picture& picture) {
 #ifndef TDPT_BY_SCALAR
 constexpr AgreementSettings kSettings{.runs = 32, .spp = 4};
 
-// Outside the end wall of the camera's room, which it looks through.
+// From outside the end wall of the camera's room, looking through it.
 Scene cutaway() {
   return rooms("window.glb", {-1.5, 1.3, 0.4}, {2, 1, -0.1});
 }
 
-// But pt, which meets the lamp too seldom to tell its own error.
+// Without pt, which hits the lamp too seldom to estimate its own error.
 TEST(culling, all_integrators_agree) {
   const Scene scene = cutaway();
   const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
   expect_agreement(world, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
 
-// The walls' backs are lit, too, and towards the camera: light walks come to them.
+// The walls' backs are also lit, and face the camera: light walks reach them.
 TEST(culling, all_integrators_agree_under_a_sky) {
   Scene scene = cutaway();
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(0.5f)}}, 0);
@@ -67,7 +67,7 @@ TEST(culling, all_integrators_agree_under_a_sky) {
   expect_agreement(world, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
 
-// Connections to the camera that take walls for walls.
+// Twin: connections to the camera treat culled walls as opaque.
 TEST(culling, twin_whose_connections_to_the_camera_forget_it) {
   const Scene scene = cutaway();
   const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
@@ -82,7 +82,7 @@ TEST(culling, twin_whose_connections_to_the_camera_forget_it) {
 }
 #endif
 
-// A hair before the wall and a hair behind it, with the same random numbers.
+// Slightly in front of the wall and slightly behind it, with the same random numbers.
 TEST(culling, shows_what_a_camera_beyond_the_wall_sees) {
   const Vec3d to{2, 1, -0.1}, wall{0, 1.3, 0.4}, hair = normalize(to - wall) * 1e-4;
   const Scene before = rooms("window.glb", wall - hair, to),
@@ -97,7 +97,7 @@ TEST(culling, shows_what_a_camera_beyond_the_wall_sees) {
   }
 }
 
-// Nothing but what is said: on the camera's side of a wall that faces away a lamp, beyond it the
+// A minimal scene: a lamp on the camera's side of a wall that faces away, and beyond the wall the
 // square that it would light.
 Scene lamp_before_a_wall(bool double_sided) {
   Scene scene;
@@ -124,13 +124,13 @@ TEST(culling, light_does_not_pass_what_the_camera_sees_through) {
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref}) {
     const Picture picture = rendered(lamp_before_a_wall(false), *integrator, 2);
     EXPECT_EQ(mean(picture), 0) << integrator->name;
-    // Twin: a wall that is there, lit.
+    // Twin: a wall that is drawn, and lit.
     EXPECT_GT(mean(rendered(lamp_before_a_wall(true), *integrator, 2)), 0.1) << integrator->name;
   }
 }
 
-// Radiance by hand of the square beyond the wall, albedo 0.8, under a lamp of 1 W/sr half a metre
-// before it.
+// Radiance, by hand, of the square beyond the wall, albedo 0.8, under a lamp of 1 W/sr half a metre
+// in front of it.
 double radiance_beyond(const Vec3d& w) {
   const Vec3d p = Vec3d{0, 0, 1} + w * (-2 / w.z), to_lamp = Vec3d{0, 0, -0.5} - p;
   const double d2 = dot(to_lamp, to_lamp);
@@ -141,7 +141,7 @@ TEST(culling, a_path_by_hand_passes_the_back) {
   Scene scene = lamp_before_a_wall(false);
   scene.lights[0].position = {0, 0, -0.5};
   const World world(scene, scene.camera(""), kWidth, kHeight, {});
-  constexpr int kFine = 8;  // places of a pixel, per axis
+  constexpr int kFine = 8;  // points per pixel and axis
   double expected = 0;
   for (int i = 0; i < kFine * kWidth; ++i)
     for (int j = 0; j < kFine * kHeight; ++j)
@@ -152,7 +152,7 @@ TEST(culling, a_path_by_hand_passes_the_back) {
   }
 }
 
-// A lone wall that faces away, before the sky.
+// A single wall that faces away, in front of the sky.
 Scene wall_before_the_sky() {
   Scene scene = lamp_before_a_wall(false);
   scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 2);

@@ -1,4 +1,4 @@
-// Extremes of openings and lamps, each held against a closed form [testing/extremes.h].
+// Extreme openings and lamps, each compared with a closed form [testing/extremes.h].
 #include "tools/tdpt-render/run/covered_lamps.h"
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
@@ -7,7 +7,7 @@ namespace tdpt::extremes_light_test {
 
 using std::numbers::pi;
 
-/// One pixel that looks at one place.
+/// A single pixel that sees one point.
 constexpr double kNarrow = 1e-4;
 
 void expect_mean(const char* what, const World& world, const std::vector<const Integrator*>& all,
@@ -21,9 +21,9 @@ void expect_mean(const char* what, const World& world, const std::vector<const I
   }
 }
 
-// The dark chamber, its grey wall 2 m before that with the hole: room of 3 m.
+// The dark chamber: its grey wall is 2 m in front of the one with the hole, in a room of 3 m.
 struct Chamber {
-  double h, w;  ///< halves of the hole's height and width [m]
+  double h, w;  ///< half the hole's height and width [m]
   Scene scene;
   World world;
 
@@ -59,7 +59,7 @@ TEST(opening, of_any_size_lights_a_patch_as_its_form_factor_says) {
   struct Row {
     const char* name;
     double h, w;
-    bool small;  ///< only segments and directed walks find it
+    bool small;  ///< only segments and guided walks find it
   };
   for (const Row& row : std::vector<Row>{{"1e-4 of the room", 1.5e-4, 1.5e-4, true},
                                          {"1e-3 of the room", 1.5e-3, 1.5e-3, true},
@@ -80,7 +80,7 @@ TEST(opening_twin, a_portal_a_tenth_narrower_than_it_is_weighed_is_caught) {
   EXPECT_GT(rendered(chamber.world, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
 }
 
-/// A floor lit by one lamp, h above it.
+/// A floor lit by one lamp at height h.
 Scene floor_below(double side, double radiance) {
   SceneParts parts;
   parts.add(sheet({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}), parts.material(0.5));
@@ -114,7 +114,7 @@ TEST(lamp_twin, a_radiance_off_by_a_tenth_is_caught) {
     EXPECT_GT(rendered(world, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
 }
 
-// Closed white rooms whose ceilings are of 1e10, 1 and 1e-10: each shows its own.
+// Closed white rooms with ceilings of 1e10, 1 and 1e-10: each shows its own.
 TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
   SceneParts parts;
   const int white = parts.material(1);
@@ -138,7 +138,7 @@ TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
   }
 }
 
-/// Floors with a lamp without surface 1 m above each, and a wall between them.
+/// Floors with a lamp without surface 1 m above each, and walls between them.
 Scene floors_with_points(const std::vector<double>& intensities) {
   SceneParts parts;
   const int grey = parts.material(0.5), black = parts.material(0);
@@ -159,7 +159,7 @@ Scene floors_with_points(const std::vector<double>& intensities) {
   return scene;
 }
 
-// Chosen by power alone the faint one would never be.
+// If lamps were chosen by power alone, the faint one never would be.
 TEST(twenty_decades, of_lamps_without_surface_keep_the_mean_of_each_part) {
   const std::vector<double> intensities{1e10, 1, 1e-10};
   const Scene scene = floors_with_points(intensities);
@@ -210,10 +210,10 @@ TEST(albedo, of_0_leaves_the_lamp_alone) {
   }
 }
 
-// Lamps in the plane of another surface, which is there first or last, and lamps there twice.
+// Lamps coplanar with another surface, which comes first or last in the file, and duplicate lamps.
 struct Cover {
   const char* name;
-  bool before, after;  ///< a larger sheet in its plane, earlier and later in the file
+  bool before, after;  ///< a larger sheet in its plane, earlier or later in the file
   int lamps;
   bool both_sides = false, reversed = false;  ///< of the lamp; reversed: its front is above
 };
@@ -286,7 +286,8 @@ TEST(covered_lamps, others_are_left_alone) {
   EXPECT_EQ(open_world(tiny, Camera(tiny.camera("")), 4, 4, {}).uncovered, 0u);
 }
 
-// As it would be: the camera meets less of the lamp than next events, or two are counted.
+// Twin: without the correction the camera hits less of the lamp than next events do, or both of
+// two.
 TEST(covered_lamps_twin, left_where_they_are_they_are_caught) {
   for (const Cover& row : kCovers) {
     const Scene scene = covered(row);

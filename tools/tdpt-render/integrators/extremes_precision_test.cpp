@@ -1,5 +1,5 @@
-// Which quantities need double precision or more: the same sums and products in single precision
-// are wrong.
+// Which quantities need double precision or more: the same computation in single precision is
+// wrong.
 #include <bit>
 
 #include "tools/tdpt-render/testing/extremes.h"
@@ -8,7 +8,7 @@
 
 namespace tdpt::extremes_precision_test {
 
-/// Paths of a furnace, of so many edges.
+/// Paths of a furnace in a range of lengths.
 template <class Visit>
 void each_path(float albedo, int pixels, int least_edges, int most_edges, const Visit& visit) {
   Scene scene = read_gltf(furnace_path());
@@ -26,7 +26,7 @@ void each_path(float albedo, int pixels, int least_edges, int most_edges, const 
 
 const Mixture kConnections{TechniqueSet(Technique::camera, Technique::light, Technique::bi)};
 
-/// Weight of `used` by the balance heuristic, from products of densities as [eq. 7] has them.
+/// Weight of `used` by the balance heuristic, from products of densities as written in [eq. 7].
 template <class Real>
 Real weight_by_plain_products(const Path& path, Strategy used) {
   const int k = path.k();
@@ -51,7 +51,7 @@ struct Wrong {
   int paths = 0, in_floats = 0, in_doubles = 0, by_ratios = 0;
 };
 
-/// Of some paths of so many edges, how many weights are not those of the oracle.
+/// How many weights of some paths in a range of lengths differ from the oracle's.
 Wrong weights_of_paths(float albedo, int pixels, int most, int least_edges, int most_edges) {
   Wrong wrong;
   each_path(
@@ -80,7 +80,7 @@ TEST(precision, densities_over_64_edges_need_doubles) {
   EXPECT_EQ(wrong.by_ratios, 0);
 }
 
-// Without a limit of depth even doubles do not hold their products.
+// Without a depth limit the products exceed even doubles.
 TEST(precision, densities_of_the_longest_paths_need_ratios) {
   const Wrong wrong = weights_of_paths(1, 1, 10, 900, kMaxDepth);
   EXPECT_GT(wrong.paths, 0);
@@ -90,7 +90,7 @@ TEST(precision, densities_of_the_longest_paths_need_ratios) {
 
 constexpr uint64_t kMany = 1'000'000'000, kLast = 1 << 20;
 
-/// A sum of a thousand million samples, the last million of which are added here.
+/// A sum of 1e9 samples, of which the last 1e6 are added here.
 template <class Real>
 double sum_of_many(double sample) {
   volatile Real sum = static_cast<Real>(sample * static_cast<double>(kMany - kLast));
@@ -100,18 +100,18 @@ double sum_of_many(double sample) {
 
 TEST(precision, sums_of_1e9_samples_need_more_than_floats) {
   constexpr double sample = 0.7, unit = 0x1p-64, expected = sample * kMany;
-  EXPECT_GT(std::abs(sum_of_many<float>(sample) - expected), 7e5);  // the last are lost
+  EXPECT_GT(std::abs(sum_of_many<float>(sample) - expected), 7e5);  // they are lost
   EXPECT_LT(std::abs(sum_of_many<double>(sample) - expected), 1);
   FixedSum sum;
   Units units;
   ASSERT_TRUE(to_units(sample, 1 / unit, 0, units));
   sum.set(units * (kMany - kLast));
   for (uint64_t i = 0; i < kLast; ++i) ASSERT_TRUE(sum.add(units));
-  EXPECT_EQ(sum.units(), units * kMany);  // exactly, and so in any order
+  EXPECT_EQ(sum.units(), units * kMany);  // exact, hence independent of the order
   EXPECT_NEAR(from_units(sum.units(), unit), expected, 1e-6);
 }
 
-// Doubles hold the sum, but not the same one in every order: bytes would depend on threads.
+// Doubles hold the sum, but it depends on the order: bytes would depend on threads.
 TEST(precision, sums_in_doubles_depend_on_their_order) {
   double up = 0, down = 0;
   FixedSum fixed_up, fixed_down;
@@ -126,7 +126,7 @@ TEST(precision, sums_in_doubles_depend_on_their_order) {
   EXPECT_EQ(fixed_up.units(), fixed_down.units());
 }
 
-// Of vertices in the world, before they are brought to the canonical frame.
+// World-space vertices, before conversion to the canonical frame.
 TEST(precision, places_1e7_sizes_away_need_double) {
   const double away = 2e7;
   int lost = 0;

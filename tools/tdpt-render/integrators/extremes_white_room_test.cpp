@@ -1,8 +1,8 @@
-// Extremes of units, place, shape, triangles, portals, materials, cameras and pictures, each in a
-// white room [testing/extremes.h]: it shows the radiance of its ceiling, or the row is wrong.
+// Extreme units, places, shapes, triangles, portals, materials, cameras and pictures, each in a
+// white room [testing/extremes.h], which must show the radiance of its ceiling.
 //
-// A path tracer's samples are all alike there, and tell leaks and losses of a hundred thousandth;
-// those of techniques that connect walks are not, and tell densities that are off.
+// A path tracer's samples are all equal there and reveal leaks and losses of 1e-5; those of
+// techniques that connect walks vary, and reveal wrong densities.
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
 
@@ -22,8 +22,8 @@ struct Room {
   int width = 8, height = 6;
   uint64_t samples = 192, runs = 16;
   std::vector<const Integrator*> integrators{&nee, &bdpt, &tdpt_ref, &tdpt_guided};
-  nlohmann::ordered_json placed = {};  ///< the node that all is below
-  /// Of paths beyond the longest: walls that send light on for long.
+  nlohmann::ordered_json placed = {};  ///< the node above all others
+  /// Share of light lost in paths beyond the longest: white walls reflect for long.
   double lost = 0;
 
   void stands(const Mesh& mesh) { parts.add(mesh, white); }
@@ -62,7 +62,7 @@ Mesh sphere(const Vec3d& centre, double radius, bool inside_out) {
   return mesh;
 }
 
-/// The floor in `n` strips from wall to wall.
+/// The floor as `n` strips from wall to wall.
 Mesh needles(int n) {
   Mesh mesh;
   for (int i = 0; i < n; ++i)
@@ -70,7 +70,7 @@ Mesh needles(int n) {
   return mesh;
 }
 
-/// A mesh with further triangles of that size about the room.
+/// The mesh plus small triangles of that size about the room.
 Mesh crumbs(double size) {
   Mesh mesh;
   for (int i = 0; i < 1000; ++i) {
@@ -101,7 +101,7 @@ void sees(Room& room, const Vec3d& from, const Vec3d& to) {
 void through(Room& room, std::vector<Portal> portals) {
   room.portals = std::move(portals);
 }
-/// A wall in the middle, 0.8 m wide hole and portal.
+/// A wall in the middle with a hole and a portal 0.8 m wide.
 void divided(Room& room) {
   room.stands(wall_with_hole(0.6, 1.4, -0.4, 0.4));
   room.portals = {rectangle({0, 0.6, -0.4}, {0, 0, 0.8}, {0, 0.8, 0})};
@@ -148,7 +148,8 @@ const std::vector<Extreme> kExtremes{
      }},
     {"wall_without_thickness_with_a_hole", divided},
     {"t_junctions",
-     [](Room& r) {  // four strips of the floor, cut at a third of their length, and the walls not
+     [](Room& r) {  // four strips of the floor, cut at a third of their length; the walls stay
+                    // uncut
        r.walls.erase(r.walls.begin() + 4, r.walls.begin() + 6);
        for (int i = 0; i < 4; ++i)
          r.stands(sheet({-1, 0, -1 + 0.5 * i}, {0, 0, 0.5}, {0.3 + 0.31 * i, 0, 0}) +
@@ -306,14 +307,14 @@ double largest_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) 
   return largest;
 }
 
-// The same paths, of which rounding moves the camera by 1e-9.
+// The same paths; rounding moves the camera by 1e-9.
 TEST(white_room, moved_by_1e7_sizes_away_has_the_same_pixels) {
   const std::vector<Rgb> plain = picture_of([](Room&) {});
   EXPECT_LT(largest_difference(plain, picture_of([](Room& r) { moved(r, 2e7); })), 1e-5);
   EXPECT_GT(largest_difference(plain, picture_of([](Room& r) { scaled(r, 1, 1, 1.001); })), 1e-3);
 }
 
-// Double precision holds places to 1e-16 of their distance, floats of a file to 1e-7.
+// Doubles hold positions to 1e-16 of their distance, a file's floats to 1e-7.
 TEST(far_from_the_origin, what_rounding_leaves_of_a_scene_is_said) {
   const auto warnings = [](double places, double node) {
     SceneParts parts;

@@ -1,5 +1,5 @@
-// A closed box that glows alike everywhere: of radiance 1 and albedo a it shows 1/(1 - a), by walks
-// that nothing but roulette ends.
+// A closed box with uniform emission 1 and albedo a shows 1/(1 - a), by walks that only Russian
+// roulette ends.
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/testing/means.h"
@@ -24,7 +24,7 @@ struct Furnace {
   }
 };
 
-// 1 + a + a^2 + ... as far as paths go.
+// 1 + a + a^2 + ... up to the longest path.
 double radiance(double albedo, int depth = kMaxDepth) {
   return (1 - std::pow(albedo, depth)) / (1 - albedo);
 }
@@ -49,12 +49,12 @@ TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
     }
 }
 
-// Every path of a strategy that connects walks of a hundred edges takes as long as they: few
-// samples.
+// Each path of a strategy that connects walks of a hundred edges takes time in proportion to its
+// length: few samples.
 void expect_100(const std::vector<const Integrator*>& chosen) {
   const Furnace f(0.99f, 8, 6);
   for (const Integrator* integrator : chosen) {
-    const double light_walks = integrator->mixture.light_walks;  // as many of all
+    const double light_walks = integrator->mixture.light_walks;  // the same number in all
     const MeanAndError r =
         rendered(f.world, *integrator,
                  integrator->mixture.has(Technique::light) ? std::lround(2 / light_walks) : 16);
@@ -71,7 +71,7 @@ TEST(long_furnace, of_albedo_0_99_shows_100) {
 }
 
 #ifndef TDPT_BY_SCALAR
-// Survival of the walks that made a path by that strategy.
+// Product of the survival probabilities of the walks that made a path by that strategy.
 double survived(const Path& path, const Strategy& strategy) {
   double all = 1;
   const bool portal = strategy.technique == Technique::portal;
@@ -81,7 +81,7 @@ double survived(const Path& path, const Strategy& strategy) {
   return all;
 }
 
-// Of all that samplers find, multiplied by what `factor` makes of it.
+// Mean of all contributions, each times `factor`.
 template <class Factor>
 MeanAndError observed(const World& world, const Integrator& integrator, uint64_t spp, int max_depth,
                       const Factor& factor) {
@@ -126,7 +126,7 @@ TEST(furnace_twin, walks_that_end_without_dividing_by_their_survival_are_caught)
   }
 }
 
-// Nothing but the hard stop ends it.
+// Only the depth limit ends it.
 TEST(furnace, of_albedo_1_ends) {
   const Furnace f(1);
   for (const Integrator* integrator : {&pt, &bdpt}) {
@@ -145,7 +145,7 @@ TEST(furnace, of_albedo_1_ends) {
     EXPECT_EQ(tally.not_finite, 0u) << integrator->name;
     EXPECT_GT(sum, 0) << integrator->name;
     if (integrator == &pt) {
-      EXPECT_NEAR(sum, kMaxDepth, 1e-3 * kMaxDepth);  // each vertex shines
+      EXPECT_NEAR(sum, kMaxDepth, 1e-3 * kMaxDepth);  // each vertex emits
     }
   }
 }

@@ -1,8 +1,8 @@
-// All integrators render the same picture of glossy, smooth, transparent and textured things, lit
-// by lamps large and without extent. The lamps are large enough for every integrator to have a
-// modest variance. Lights without extent are left out of rooms with mirrors or clear glass: what
-// they send over such surfaces alone to a matt one, only light walks find, so that nee is darker
-// there; and pt never meets these lights.
+// All integrators render the same picture of glossy, smooth, transparent and textured objects, lit
+// by large lamps and by lamps without surface. The large lamps give every integrator a modest
+// variance. Lamps without surface are not combined with mirrors or clear glass: only light walks
+// find the light that they send to a matt surface by way of these, so nee would be darker; and pt
+// never hits such lamps.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -30,7 +30,7 @@ World world_of(const Scene& scene, const std::vector<Portal>& portals = {kWindow
   return World(scene, scene.camera(""), 32, 24, portals);
 }
 
-/// With portals and without, sample by sample (misplaced_portals_test.cpp): sees hundredths of a
+/// With and without portals, sample by sample (misplaced_portals_test.cpp): detects hundredths of a
 /// per cent.
 Verdict paired_verdict(const DepthRuns& runs, const DepthRuns& reference) {
   const Verdict verdict = judge(runs, reference, testing::compare_paired);
@@ -39,15 +39,15 @@ Verdict paired_verdict(const DepthRuns& runs, const DepthRuns& reference) {
   return verdict;
 }
 
-/// 5 % of a portal's density, of a colour: what a fault of a sampler's makes of the picture.
+/// Enough to detect 5 % of a portal's density or of a colour.
 constexpr AgreementSettings kSettings{.runs = 32, .spp = 16};
-/// A technique that counts twice.
+/// Enough to detect a technique that counts twice.
 constexpr AgreementSettings kGross{.runs = 32, .spp = 4};
 
 struct Case {
   const char* name;
   GlossyRooms what;
-  bool without_surface = false;  ///< its light, which pt never meets
+  bool without_surface = false;  ///< its lamps, which pt never hits
 };
 void PrintTo(const Case& c, std::ostream* to) {
   *to << c.name;
@@ -76,7 +76,7 @@ class glossy_agreement : public ::testing::TestWithParam<Case> {
 };
 class long_glossy_agreement : public glossy_agreement {};
 
-// All techniques between them; that of light walks, too, if with less of them.
+// All techniques between them; fewer samples of the one with light walks.
 TEST_P(glossy_agreement, of) {
   for (const std::string& warning : scene_.warnings) ADD_FAILURE() << warning;
   expect_agreement(world_, {&nee, &tdpt_org, &tdpt_guided}, kGross);
@@ -111,14 +111,14 @@ TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
           run_only<Technique::camera, Technique::direct, Technique::light, Technique::portal>},
          kGross);
   caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>}, kGross);
-  // A BSDF that differs by 5 % of its colour from the one the reference has.
+  // A BSDF with 5 % less colour than the reference.
   Scene darker = scene;
   for (Material& m : darker.materials)
     if (m.roughness < 0.35f) m.base_color *= 0.95f;
   caught("floor 5 % darker", world_of(darker), bdpt, kSettings);
 }
 
-// Sample by sample; short paths show it.
+// Sample by sample; short paths suffice.
 TEST(glossy_agreement_twin, a_portal_off_by_5_percent_is_caught_on_glossy_surfaces_too) {
   constexpr AgreementSettings kShort{.max_depth = 3, .runs = 64, .spp = 13};
   const Scene scene = scene_of({.plastic_floor = true, .metal_walls = true});
@@ -130,7 +130,7 @@ TEST(glossy_agreement_twin, a_portal_off_by_5_percent_is_caught_on_glossy_surfac
   EXPECT_FALSE(paired_verdict(render_runs(world, tdpt_ref, kShort), without).holds());
 }
 
-// In the room of luminaire_with_a_profile: its light walks leave as before, and are told otherwise.
+// In the room of luminaire_with_a_profile: light walks are sampled correctly, with a wrong density.
 TEST(glossy_agreement_twin, densities_of_a_profile_a_fifth_too_large_are_caught) {
   const Scene scene = scene_of({.plastic_floor = true, .light = Light::luminaire});
   const DepthRuns reference = render_runs(world_of(scene), nee, kSettings.of_reference());

@@ -1,4 +1,4 @@
-// The picture taken apart by technique.
+// The picture split by technique.
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/run/render.h"
@@ -17,7 +17,7 @@ RenderResult render_rooms(const Integrator& integrator, bool layers) {
   return render(*renderer_under_test(world), integrator, settings);
 }
 
-// The largest distance between a pixel and the sum of its layers, in roundings of the pixel to
+// Largest difference between a pixel and the sum of its layers, in units of the pixel's rounding to
 // single precision.
 double worst_difference(const RenderResult& r) {
   double worst = 0;
@@ -93,7 +93,7 @@ TEST(layers, a_contribution_goes_to_its_own_layer) {
   options.layers = {"a", "", "b"};
   Film film(2, 1, 1, options);
   EXPECT_TRUE(film.add_to_layer(2, 1, 0, Vec3d(2, 2, 2), 0));
-  EXPECT_TRUE(film.add_to_layer(1, 1, 0, Vec3d(4, 4, 4), 0));  // is not kept
+  EXPECT_TRUE(film.add_to_layer(1, 1, 0, Vec3d(4, 4, 4), 0));  // is dropped
   EXPECT_TRUE(film.add(0, 0, Vec3d(1, 1, 1), 0));
   EXPECT_EQ(film.sums(), (std::vector<Vec3d>{{1, 1, 1}, {}}));
   EXPECT_EQ(film.layer_sums(2), (std::vector<Vec3d>{{}, {2, 2, 2}}));

@@ -1,7 +1,7 @@
-// A portal may be anywhere: a bad one costs time and never changes the picture.
+// A portal may be anywhere: a bad one costs time but never changes the picture.
 //
-// Each picture is held against the same integrator's without portals. Both have the same walks, so
-// that what a portal's segments add and what the weights of all else lose remains, run by run.
+// Each picture is compared with the same integrator's without portals. Both use the same walks, so
+// that run by run only the light that segments add, and that the other weights lose, differs.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -13,10 +13,10 @@
 
 namespace tdpt::misplaced_portals_test {
 
-// 5 % of a portal's density are to be seen, sample by sample.
+// Enough to detect 5 % of a portal's density, sample by sample.
 constexpr AgreementSettings kSettings{.max_depth = 4, .runs = 64, .spp = 10};
 
-/// In the window's plane, light going to -x; y and z extents.
+/// In the plane of the window, light going to -x; y and z extents.
 Portal across(double x, double y0, double y1, double z0, double z1) {
   return rectangle({x, y0, z0}, {0, 0, z1 - z0}, {0, y1 - y0, 0});
 }
@@ -24,7 +24,7 @@ Portal in_the_window() {
   return across(2.05, 0.2, 1.8, -0.8, 0.8);
 }
 
-/// Turned about the horizontal axis through the window's middle.
+/// Rotated about the horizontal axis through the window's centre.
 Portal turned(double degrees) {
   const double a = degrees * std::numbers::pi / 180, h = 0.7;
   const Vec3d up = Vec3d(std::sin(a), std::cos(a), 0) * h, side{0, 0, h};
@@ -122,7 +122,7 @@ const std::vector<Case> kSets{
     {"one behind another",
      {across(1.9, 0, 2, -1, 1), across(1.4, 0, 2, -1, 1), across(0.9, 0, 2, -1, 1)}}};
 
-// One of each kind: half outside, reaching through everything, a point, copies, crossings.
+// One of each kind: half outside, through everything, a point, copies, crossings.
 TEST_F(misplaced_portals, are_harmless) {
   for (const Case& c : kSets)
     for (const char* what :
@@ -138,7 +138,7 @@ TEST_F(long_misplaced_portals, are_harmless) {
   for (const Case& c : kSets) expect_harmless(c.what, c.portals, {&tdpt_ref, &tdpt_org});
 }
 
-// Walks that are directed differ from those that are not: held against bdpt's, unpaired.
+// Guided walks differ from unguided ones, so these are compared with bdpt, unpaired.
 void misplaced_portals::expect_directed_walks_to_be_harmless(const std::vector<Case>& sets) const {
   constexpr AgreementSettings kUnpaired{.max_depth = 6, .runs = 32, .spp = 8};
   const DepthRuns expected = render_runs(world_with({}), bdpt, kUnpaired.of_reference());
@@ -167,7 +167,8 @@ TEST_F(long_misplaced_portals, directed_walks_are_harmless_too) {
   expect_directed_walks_to_be_harmless(kSets);
 }
 
-// Of one across the room less light depends, and 5 % of it would take three times the samples.
+// Less light crosses a portal across the room: to detect 5 % of it would take three times the
+// samples.
 TEST_F(misplaced_portals, twin_a_density_that_is_off_is_caught) {
   for (const auto& [portal, factor] :
        {std::pair(in_the_window(), 1.05), std::pair(across(1.2, 0, 2, -1, 1), 1.1)}) {
@@ -177,12 +178,12 @@ TEST_F(misplaced_portals, twin_a_density_that_is_off_is_caught) {
   }
 }
 
-// Light crosses the middle of the camera's room both ways.
+// Light crosses the middle of the camera's room in both directions.
 TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
   const std::vector<Portal> room = for_both_ways({across(0.8, 0.02, 1.98, -0.98, 0.98)});
   expect_harmless("room, both ways", room);
   expect_harmless("two, both ways", for_both_ways({in_the_window(), room[0]}), {&tdpt_org});
-  // Most light goes to -x: along the normal of the one, against that of the other.
+  // Most light goes to -x: along the normal of one, against that of the other.
   for (const Portal& portal : {in_the_window(), reversed(in_the_window())}) {
     World world = world_with(for_both_ways({portal}));
     PortalSetFaults::scale_one_way(world.portals, -1, 1.05);

@@ -1,5 +1,5 @@
-// Window panes, which rays pass straight through: they neither add light nor take any away that
-// they should not, and portals work behind them.
+// Window panes, which rays pass straight through, neither add nor take light wrongly, and portals
+// work behind them.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/statistics/power.h"
@@ -29,17 +29,17 @@ RenderResult rendered(const Scene& scene, const Integrator& integrator, int max_
   return render(*renderer_under_test(world), integrator, settings);
 }
 
-// Radiance is 1 in every direction, with or without panes: every single sample is 1.
+// Radiance is 1 in every direction, with or without panes: every sample is 1.
 TEST(panes, cannot_be_seen_in_a_furnace) {
   const Picture picture = rendered(furnace_with(clear_pane(), 0), pt, 20, 4).picture;
   for (const Rgb& c : picture.pixels) EXPECT_NEAR(c.x, 1, 1e-4);
-  Material smoked = clear_pane();  // twin: one that swallows a tenth
+  Material smoked = clear_pane();  // twin: absorbs a tenth
   smoked.base_color = Rgb(0.9f);
   EXPECT_LT(rendered(furnace_with(smoked, 0), pt, 20, 4).mean().x, 0.99);
 }
 
-// Walls of albedo 1/2 that emit 1: radiance 2, by every integrator. The floor's portal has a pane
-// on either side.
+// Walls of albedo 1/2 that emit 1 give radiance 2, by every integrator. There is a pane on either
+// side of the portal over the floor.
 TEST(panes, keep_the_light_of_a_furnace_for_every_integrator) {
   const Scene scene = furnace_with(clear_pane(), 0.5f);
   for (const Integrator* integrator : integrators_under_test())
@@ -60,15 +60,15 @@ TEST(panes, a_portal_works_behind_one) {
     return r.tally.energy[static_cast<size_t>(Technique::portal)] / total;
   };
   EXPECT_GT(portal_share(glazed_rooms(clear_pane())), 0.1);
-  Material tinted = clear_pane();  // twin: rays stop at coloured glass
+  Material tinted = clear_pane();  // twin: rays are stopped by coloured glass
   tinted.base_color = Rgb(1, 1, 0.999f);
   EXPECT_LT(portal_share(glazed_rooms(tinted)), 0.01);
 }
 
-// Short pictures whose random numbers are one's own, or the same for two sheets.
+// Short pictures, with independent random numbers or the same ones for two sheets.
 constexpr uint64_t kPictures = 32;
 
-// What the portal in the hole brings to each, with `sheet` at each of these x.
+// The light that the portal in the hole brings to each, with `sheet` at each of these x.
 testing::BlockRuns brought_by_the_portal(const Material& sheet, std::initializer_list<double> at) {
   Scene scene = read_gltf(two_rooms_path());
   for (double x : at)
@@ -81,7 +81,7 @@ testing::BlockRuns brought_by_the_portal(const Material& sheet, std::initializer
   return all;
 }
 
-// A portal drawn on the glass is the likeliest that an artist draws.
+// Artists are likely to draw a portal on the glass itself.
 TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
   for (const Material& sheet : {clear_pane(), veil(0.3f)}) {
     const testing::BlockRuns beside = brought_by_the_portal(sheet, {2.06});
@@ -92,7 +92,7 @@ TEST(panes, in_the_plane_of_a_portal_take_no_more_light_than_beside_it) {
     };
     const testing::Agreement within = compared({2.05}), twice = compared({2.05, 2.06});
     EXPECT_TRUE(within.holds()) << within.text();
-    EXPECT_FALSE(twice.holds()) << twice.text();  // twin: met twice
+    EXPECT_FALSE(twice.holds()) << twice.text();  // twin: hit twice
   }
 }
 
@@ -102,8 +102,7 @@ Scene rooms_with_panes(const Material& pane, int panes) {
     scene = with_sheet(scene, pane, {2.04 + 0.01 * i, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
   return scene;
 }
-// Light of two edges comes through the window once: each pane is an edge more where walks stop at
-// it.
+// Light of two edges passes the window once; if walks stopped at panes, each would add an edge.
 testing::BlockRuns through(const Material& pane, int panes, int max_depth) {
   const Scene scene = rooms_with_panes(pane, panes);
   testing::BlockRuns all;
@@ -112,8 +111,8 @@ testing::BlockRuns through(const Material& pane, int panes, int max_depth) {
   return all;
 }
 
-// The same pane as a smooth lobe that walks take, which glass of another colour is: the slow way.
-// The picture is the same, but for Schlick's curve in the place of Fresnel's.
+// The same pane as a smooth lobe that walks sample, as for tinted glass: the slow way. The picture
+// is the same, up to Schlick's curve instead of Fresnel's.
 TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   Material tinted = clear_pane();
   tinted.base_color = Rgb(1, 1, 0.999f);
@@ -125,7 +124,7 @@ TEST(panes, agree_with_glass_that_walks_pass_by_a_lobe) {
   };
   const testing::Agreement all = compared(3), fewer = compared(1);
   EXPECT_TRUE(all.holds()) << all.text();
-  EXPECT_FALSE(fewer.holds()) << fewer.text();  // twin: two panes less
+  EXPECT_FALSE(fewer.holds()) << fewer.text();  // twin: two panes fewer
 }
 
 }  // namespace tdpt::panes_test

@@ -13,7 +13,8 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                                 stream_in(round, integrator.stream)};
   const auto width = static_cast<uint64_t>(world.film.width());
   const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
-  // Light walks are cached over pixels far apart, so that what those have in common is not seen.
+  // A cache spans pixels far apart, so that their shared light walks do not show as correlated
+  // noise.
   const uint64_t per_cache = samples_of_cache(integrator.mixture);
   const uint64_t caches = (pixels + per_cache - 1) / per_cache;
   const uint64_t in_task = (width + per_cache - 1) / per_cache;
@@ -23,7 +24,7 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
     std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_cache));
     const Walk none;
     LightVertexCache cache;
-    // The first `count` pixels of a cache.
+    // Visits the first `count` pixels of cache `first`.
     const auto each = [&](uint64_t first, uint64_t count, uint64_t sample, const auto& visit) {
       for (uint64_t i = 0; i < count; ++i) {
         const uint64_t p = pixel_of_cache(first, i, caches, pixels);

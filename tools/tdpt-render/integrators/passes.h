@@ -6,7 +6,7 @@
 
 namespace tdpt {
 
-/// What all samples of a rendering share, whichever integrator makes them.
+/// Settings shared by all samples of a rendering, whatever the integrator.
 struct SampleRules {
   int max_depth = kMaxDepth;
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
@@ -14,24 +14,24 @@ struct SampleRules {
 };
 
 /// Renders those samples of every pixel into `film` and counts them in `tally`, in parallel.
-/// `round` 0 is the picture itself; others have random numbers of their own. The film and the tally
-/// are the same however samples are split into calls and among threads.
+/// `round` 0 is the picture itself; other rounds have their own random numbers. Film and tally do
+/// not depend on how samples are split into calls or among threads.
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     Progress& progress);
 
-/// What a film keeps: a layer for each technique in `layers`, transparent
-/// where `alpha` says so, with errors from blocks of `error_block` samples.
+/// Options of a film: a layer for each technique in `layers`, a transparent background if `alpha`,
+/// and error estimates from blocks of `error_block` samples.
 Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block);
-/// Of a film for pictures of that world.
+/// A film for pictures of that world.
 Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
               uint64_t error_block = 0);
 
-/// What a rendering did, all its parts together.
+/// The counts of a whole rendering.
 struct RenderTally {
   RayCounts rays;
   std::array<double, kTechniques> energy{};         ///< sum of luminance per technique
-  std::array<double, Tally::kOctaves> by_length{};  ///< and by length, as in Tally
+  std::array<double, Tally::kOctaves> by_length{};  ///< by path length, as in Tally
   struct OfPortal {
     uint64_t drawn = 0, lit = 0;
     double energy = 0;

@@ -1,4 +1,4 @@
-// Samples that cache their light walks lie in pixels far apart.
+// Samples that share a cache of light walks are in pixels far apart.
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +15,8 @@ constexpr uint64_t kPictures = 24;
 
 using Luminance = std::vector<double>;  // of a picture, row by row
 
-// Largest mean product of what two pixels of a column, up to 16 rows apart, differ from their means
-// by, in standard deviations; outliers are held to 3 of them.
+// Largest mean product of the deviations of two pixels of a column, up to 16 rows apart, in
+// standard deviations; outliers are clamped to 3 of them.
 double correlation_down_columns(const std::vector<Luminance>& pictures) {
   const size_t pixels = pictures[0].size();
   std::vector<Luminance> off = pictures;
@@ -60,7 +60,7 @@ TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
   EXPECT_LT(correlation_down_columns(pictures), 0.03);
 }
 
-// Twin: pixels of a cache as many apart as there are caches, 192, are those of two columns.
+// Twin: a cache's pixels are 192 apart, the number of caches, so they lie in two columns.
 TEST_F(Caches, twin_pixels_evenly_apart_are_caught) {
   Variant variant = Variant::cached(world_, tdpt_guided, 6);
   variant.pixel = [](uint64_t cache, uint64_t i, uint64_t caches, uint64_t) {

@@ -1,6 +1,6 @@
-// One scene, however glTF says it, renders to the same picture: to the same bits where places and
-// the order of triangles are the same, else within noise; compressed with loss, to the bits of what
-// the format's reference decoder makes of it.
+// One scene renders to the same picture however glTF encodes it: bit for bit if positions and the
+// order of triangles are the same, else within noise; with lossy compression, bit for bit as
+// decoded by the format's reference decoder.
 #include <gtest/gtest.h>
 
 #include "libcommon/base/file.h"
@@ -67,7 +67,7 @@ TEST(reencoding, same_picture_within_noise_where_order_or_rounding_differ) {
     std::printf("%-9s %s\n", e.name, paired.text().c_str());
     const Verdict verdict = judge(runs, plain);
     EXPECT_TRUE(holds(verdict, e.name, runs, plain));
-    if (e.same == Same::but_rounding)  // sees the room shrink by 15 micrometres
+    if (e.same == Same::but_rounding)  // the room shrinks by 15 micrometres
       EXPECT_LT(std::abs(paired.relative), 2e-4) << e.name;
     else
       EXPECT_TRUE(testing::holds(paired, std::string(e.name) + ", paired", runs.of_depth[0],
@@ -92,14 +92,14 @@ TEST(reencoding, compressed_scenes_are_those_of_the_reference_decoders) {
     const std::string glb = testing::compress(plain_room(), c.compression);
     const Picture picture = picture_of_bytes(glb);
     EXPECT_TRUE(picture.pixels == picture_of_bytes(testing::decompress(glb)).pixels) << c.name;
-    // Where something is lost it shows, or equality with the decoder's would say nothing.
+    // Lossy encodings must change the picture, or equality with the decoder's would prove nothing.
     EXPECT_EQ(picture.pixels == plain.pixels, c.exact) << c.name;
   }
 }
 
 TEST(reencoding, files_of_other_programs_are_those_of_the_reference_decoders) {
   const DepthRuns plain = runs_of(read(testing::simple_room(), Encoding::indices_u16));
-  // The last number: how far it may be off, in the mean.
+  // The last number: largest mean error.
   const std::vector<std::pair<const char*, double>> files{{"draco-gltf-pipeline", 3e-3},
                                                           {"draco-gltf-transform", 1e-3},
                                                           {"meshopt-gltf-transform", 1e-3},
@@ -128,7 +128,7 @@ TEST(reencoding, twin_one_vertex_moved_is_caught) {
   EXPECT_FALSE(judge(runs_of(moved), runs_of(plain)).holds());
 }
 
-// As a reader would see it that does not turn the faces of a mirrored node: the lamp shines away.
+// Like a reader that does not flip the faces of a mirrored node: the lamp shines away.
 TEST(reencoding, twin_a_lamp_turned_over_is_caught) {
   std::vector<testing::QuadPart> room = testing::simple_room();
   std::swap(room[3].positions[1], room[3].positions[3]);

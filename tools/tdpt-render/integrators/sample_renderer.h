@@ -1,4 +1,4 @@
-// Who renders samples: the CPU, or a device. All else about a picture is the same, whoever does.
+// Interface of what renders samples: the CPU or a device. All other code is the same for both.
 #pragma once
 #include <string>
 
@@ -8,27 +8,27 @@ namespace tdpt {
 
 class SampleRenderer {
  public:
-  /// Renders this world, which must outlive it.
+  /// Renders `world_`, which must outlive it.
   explicit SampleRenderer(const World& world_) : world(world_) {}
   virtual ~SampleRenderer() = default;
   const World& world;
 
   virtual std::string name() const { return "cpu"; }
   virtual bool on_device() const { return false; }
-  /// Makes ready what takes its time, once: no time of a rendering has it in it.
+  /// Does slow preparations, once, so that they do not count as rendering time.
   virtual void prepare(const Integrator&, const SampleRules&, const Film&, bool /*quiet*/) {}
-  /// As render_samples(): a pure function of the renderer and its arguments, however samples are
-  /// split into calls. The integrator expects its connections [expecting_connections()]. Where it
-  /// throws Error the film and the tally have the samples that the film says, and no part of
-  /// others.
+  /// Same as render_samples(): a pure function of the renderer and its arguments, however samples
+  /// are split into calls. The integrator must have been given its expected connections
+  /// [expecting_connections()]. If it throws Error, film and tally hold exactly the samples that
+  /// the film reports, and no part of others.
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
                       const SampleRange& samples, Film& film, Tally& tally, Progress& progress) = 0;
-  /// Samples, of all pixels together, that suit a call where nothing wants fewer: small pictures
-  /// take several of each, so that threads have something to share.
+  /// Default size of a call in samples, all pixels together: small pictures take several samples of
+  /// each pixel, so that threads have enough to share.
   virtual uint64_t samples_of_pass() const { return uint64_t{1} << 16; }
 };
 
-/// In doubles, in parallel.
+/// Renders in doubles, in parallel.
 class CpuRenderer : public SampleRenderer {
  public:
   using SampleRenderer::SampleRenderer;

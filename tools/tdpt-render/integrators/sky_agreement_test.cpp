@@ -1,7 +1,7 @@
 // All integrators render the same picture of rooms that a sky lights through windows, block by
 // block and for every path length, wherever portals are: in the windows, beside them, in the room.
 //
-// The reference is bdpt without portals, which know most of what there is to know of a sky.
+// The reference is bdpt without portals, since most of the sky's sampling depends on them.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/files/temp_folder.h"
@@ -131,8 +131,7 @@ TEST(long_sky_agreement, sun_and_sky) {
     r.expect_agreement("sun", portals, kAll);
 }
 
-// The second is a triangle, half of the back wall, of which the portal's rectangle is twice as
-// much.
+// The second is a triangle, half of the back wall, so its bounding rectangle is twice as large.
 TEST(sky_agreement, two_windows) {
   const Scene scene =
       without(room({}), [](const Vec3d& p) { return p.z < -0.99 && p.y > p.x - 0.01; });
@@ -141,12 +140,12 @@ TEST(sky_agreement, two_windows) {
   r.expect_agreement("in both", {kWindow, triangle}, kFew);
   r.expect_agreement("in the sun's", {kWindow}, {&tdpt_guided});
   r.expect_twice_to_be_caught({kWindow, triangle});
-  // A sun beside all portals is found seldom.
+  // A sun that no portal covers is found seldom.
   const Room sunless(scene, std::make_shared<Sky>(graded_map(), 0.3));
   sunless.expect_agreement("in one", {triangle}, {&tdpt_org, &tdpt_guided});
 }
 
-// Sky and lamps beside each other.
+// Sky and lamps together.
 TEST(sky_agreement, lamps_and_sky) {
   Scene scene = room({});
   Material glow = scene.materials[0];
@@ -174,7 +173,7 @@ TEST(sky_agreement, a_pane_in_the_window_and_a_veil_before_it) {
   r.expect_twice_to_be_caught({kWindow});
 }
 
-// What mirrors and glass throw of the bright patch, nee meets by chance alone.
+// nee finds the bright patch by way of mirrors and glass only by chance.
 void expect_agreement_of_things(const Integrators& without, const Integrators& with) {
   const auto uneven = uneven_sky(), graded = std::make_shared<const Sky>(graded_map(), 0.3);
   for (const auto& [what, sky] :
@@ -198,12 +197,12 @@ TEST(long_sky_agreement, all_that_auto_tries) {
   const Room r(room({}), uneven_sky({kSun}));
   const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Candidate& c : auto_candidates(world)) {
-    if (c.integrator.name == pt.name) continue;  // meets the sun by chance
+    if (c.integrator.name == pt.name) continue;  // hits the sun by chance
     EXPECT_TRUE(r.verdict(c.label, world, c.integrator).holds()) << c.label;
   }
 }
 
-// Walks that nothing but roulette ends, shared by samples, as pictures are rendered.
+// Walks that only Russian roulette ends, shared by samples, as in rendered pictures.
 TEST(sky_agreement, whole_light) {
   AgreementSettings settings = kSettings;
   settings.max_depth = kMaxDepth;
@@ -217,7 +216,7 @@ TEST(sky_agreement, whole_light) {
   EXPECT_FALSE(r.verdict("twin, segments twice", world, twice).holds());
 }
 
-// Twins: densities that claim 5 % more than they have.
+// Twins: densities that are 5 % too large.
 TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
   const AgreementSettings settings{.max_depth = 3, .runs = 64, .spp = 10};
   const std::vector<Portal> hole{across(0.75, 1.25, -0.25, 0.25)};

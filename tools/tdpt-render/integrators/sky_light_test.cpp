@@ -1,5 +1,5 @@
-// The light of skies and suns where it is known in closed form: by every integrator, with portals
-// and without.
+// The light of skies and suns where it is known in closed form: by every integrator, with and
+// without portals.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace tdpt::sky_light_test {
 
 using std::numbers::pi;
 
-/// Things of quads, in a frame whose unit is the metre.
+/// Objects made of quads, in a frame whose unit is the metre.
 class Outdoors {
  public:
   Outdoors() { scene_.frame = {}; }
@@ -40,7 +40,7 @@ class Outdoors {
     scene_.triangles.push_back({{first, first + 1, first + 2}, material});
     scene_.triangles.push_back({{first, first + 2, first + 3}, material});
   }
-  /// Closed, faces outwards, of these half sides.
+  /// Closed, facing outwards, with these half sides.
   void box(const Vec3d& c, const Vec3d& h, uint32_t material) {
     const Vec3d x{2 * h.x, 0, 0}, y{0, 2 * h.y, 0}, z{0, 0, 2 * h.z};
     quad(c - h, y, x, material), quad(c - h, x, z, material), quad(c - h, z, y, material);
@@ -69,8 +69,8 @@ class Outdoors {
 };
 
 struct Measured {
-  std::vector<double> mean, error;  ///< of the quarters of the picture, and of all of it
-  /// Of the quarter that is furthest off.
+  std::vector<double> mean, error;  ///< of the quarters of the picture, and of the whole
+  /// Of the quarter with the largest deviation.
   double z(const std::vector<double>& expected) const {
     double worst = 0;
     for (size_t i = 0; i < mean.size(); ++i)
@@ -80,7 +80,7 @@ struct Measured {
   }
 };
 
-/// Means of the quarters of a picture of that many pixels, and of all of it.
+/// Means of the quarters of a picture of that many pixels, and of the whole.
 template <class Value>
 std::vector<double> quarters(int width, int height, const Value& value) {
   std::vector<double> sums(5);
@@ -118,7 +118,7 @@ Measured measured(const World& world, const Integrator& integrator, uint64_t spp
   return m;
 }
 
-/// Student's with 11 degrees of freedom, the worst of 5: beyond it in one of 10 000.
+/// Student's t with 11 degrees of freedom, the worst of 5: exceeded in one of 10 000.
 constexpr double kRight = 7;
 
 struct Expectation {
@@ -128,8 +128,7 @@ struct Expectation {
   double error = 0.02;  ///< relative, of the whole picture, at most
 };
 
-/// pt, of which portals change nothing, where there are none and the sun is not too small to be
-/// met.
+/// pt, which portals do not change, only without portals and if the sun is large enough to be hit.
 void expect_shown(const char* what, const World& world, const Expectation& e, bool with_pt = true) {
   for (const Integrator* integrator : integrators_under_test()) {
     if (integrator == &pt && (!with_pt || !world.portals.empty())) continue;
@@ -158,7 +157,7 @@ TEST(sky_light, a_box_under_a_sky_of_1_shows_its_albedo) {
   expect_shown("box, portals", out.world(one_colour_sky(Rgb(1)), {over, slanting}), expected);
 }
 
-// Where nothing swallows light, all is as bright as the sky, whatever the way there.
+// Without absorption everything is as bright as the sky, on any path.
 TEST(sky_light, a_white_alcove_is_as_bright_as_the_sky) {
   Outdoors out;
   const uint32_t white = out.diffuse(1);
@@ -220,8 +219,8 @@ struct HoleInTheCeiling {
     return rectangle({-h, kHigh, -h}, {2 * h, 0, 0}, {0, 0, 2 * h});
   }
   /// Radiance of the floor under a sky of 1. The hole's projected solid angle by Lambert's formula
-  /// for polygons: half the sum of the angles that its edges are seen under, each times the cosine
-  /// between the normals of the floor and of the edge's plane.
+  /// for polygons: half the sum of the angles subtended by its edges, each times the cosine between
+  /// the normals of the floor and of the edge's plane.
   double floor_at(double x, double z) const {
     const Vec3d at(x, 0, z);
     const Vec3d corner[4] = {{-h, kHigh, -h}, {h, kHigh, -h}, {h, kHigh, h}, {-h, kHigh, h}};
@@ -232,11 +231,11 @@ struct HoleInTheCeiling {
     }
     return kAlbedo / pi * std::abs(sum);
   }
-  /// The picture's quarters under a sky of 1.
+  /// Expected quarters of the picture under a sky of 1.
   std::vector<double> shown(const World& world) const {
     return shown(world, [this](double x, double z) { return floor_at(x, z); });
   }
-  /// The same where `radiance(x, z)` is what the floor shows.
+  /// The same if the floor shows `radiance(x, z)`.
   std::vector<double> shown(const World& world,
                             const std::function<double(double, double)>& radiance) const {
     constexpr int kFine = 96;
@@ -294,7 +293,7 @@ TEST(sky_light, of_a_sun_through_a_hole_falls_where_it_should) {
 }
 
 #ifndef TDPT_BY_SCALAR  // of the CPU's densities
-// Twins: densities that claim 5 % more than they have.
+// Twins: densities that are 5 % too large.
 TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
   HoleInTheCeiling room;
   const Sky::Sun sun = sun_of({-0.2, 1, 0.15}, 0.25 * kDegree, 3);
@@ -322,9 +321,9 @@ TEST(sky_light, twin_a_portal_off_by_5_percent_is_caught) {
   }
 }
 
-// One texel of 1e6 in a black map over a floor: row 4 of 16, column 20 of 32. What is seen falls to
-// 0 at the centres of its neighbours, linearly in azimuth and in y, the floor's cosine: a triangle
-// over y has its mean at the mean of its corners.
+// One texel of 1e6 in a black map over a floor: row 4 of 16, column 20 of 32. Its radiance falls to
+// 0 at the centres of its neighbours, linearly in azimuth and in y, the floor's cosine: the mean of
+// a triangle over y is at the mean of its corners.
 TEST(sky_light, of_one_texel_of_a_million_is_its_projected_solid_angle) {
   Outdoors out;
   out.quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, out.diffuse(0.5f));
@@ -364,8 +363,8 @@ TEST(sky_light, comes_from_where_the_map_has_it) {
   EXPECT_EQ(lit(90 * kDegree, {0, 0, 1}), 0);
 }
 
-// What is seen directly is the map itself, and a sun beside it however small and bright, whatever
-// else an integrator does.
+// Seen directly, the map is exact, and so is a sun beside it however small and bright, by every
+// integrator.
 TEST(sky_light, is_seen_as_it_is) {
   Outdoors out;
   out.box({0, -3, 0}, {0.5, 0.5, 0.5}, out.diffuse(0.5f));
@@ -396,7 +395,7 @@ TEST(sky_light, is_seen_as_it_is) {
   }
 }
 
-// Not a ray finds its way out of a closed box, wherever portals and camera are.
+// No ray finds its way into a closed box, wherever portals and camera are.
 TEST(sky_light, does_not_get_into_a_closed_box) {
   Scene scene = without_lamps(read_gltf(furnace_path()));
   scene.sky = one_colour_sky(Rgb(1000));

@@ -1,6 +1,6 @@
-// All integrators render the same picture where nothing but roulette ends their walks and samples
-// share their light walks, as pictures are rendered [passes.h]: for every length up to 8 and for
-// all that is longer.
+// All integrators render the same picture if only Russian roulette ends their walks and samples
+// share their light walks, as in rendered pictures [passes.h]: for every length up to 8 and for all
+// longer paths.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/files/temp_folder.h"
@@ -12,7 +12,7 @@ namespace tdpt::whole_agreement_test {
 
 constexpr AgreementSettings kSettings{.max_depth = kMaxDepth, .runs = 32, .spp = 4};
 
-// Bright, so that a good part of the light is of long paths.
+// Bright, so that long paths carry a good part of the light.
 Scene bright_rooms() {
   Scene scene = read_gltf(two_rooms_path());
   for (Material& m : scene.materials) m.base_color = Rgb(0.8f);
@@ -35,7 +35,7 @@ void expect_whole_agreement(const World& world, const std::vector<const Integrat
   std::vector<Variant> variants;
   for (const Integrator* integrator : others)
     variants.push_back(Variant::cached(world, *integrator, kMaxDepth));
-  // The reference connects the vertices of a sample with each other alone.
+  // The reference connects only vertices of the same sample.
   const DepthRuns reference = render_runs(world, bdpt, kSettings.of_reference());
   EXPECT_GT(reference.of_depth.back().mean(), 0.01 * reference.of_depth[0].mean());
   expect_agreement(world, variants, reference, kSettings);
@@ -84,7 +84,7 @@ class whole_agreement_twin : public ::testing::Test {
   const DepthRuns reference_ = render_runs(world_, bdpt, kSettings.of_reference());
 };
 
-// Weights may expect what they like, as long as all strategies' do.
+// Weights may expect any number of connections, as long as those of all strategies agree.
 TEST_F(whole_agreement_twin, control_weights_that_expect_twice_as_many_connections) {
   EXPECT_TRUE(verdict("bdpt, connections expected twice", expecting(bdpt, world_, 2)).holds());
   EXPECT_TRUE(verdict("tdpt-org, the same", expecting(tdpt_org, world_, 2)).holds());

@@ -1,5 +1,5 @@
-// Region growing: the largest triangle that is left begins a facet, and the others join from
-// near to far as long as the plane of all that joined holds every corner.
+// Region growing: the largest remaining triangle begins a facet; others join it from near to far,
+// as long as the plane of all members holds every corner.
 #include "tools/tdpt-render/portals/facets.h"
 
 #include <algorithm>
@@ -29,8 +29,8 @@ class Growing {
     grad2_ = cross(n, seed_[1] - seed_[0]) / dot(n, n);
   }
 
-  /// Whether, for all the seed knows of its plane, t may lie in it: a plane through corners that
-  /// are off by r is off by (|b0| + |b1| + |b2|) r at barycentrics b.
+  /// Whether t may lie in the seed's plane, as far as that is known: a plane through corners with
+  /// an error of r has an error of (|b0| + |b1| + |b2|) r at barycentrics b.
   bool may_join(const Corners& t) const {
     const Vec3d n = normalize(twice_area(seed_));
     return dot(n, twice_area(t)) > 0 && std::all_of(t.begin(), t.end(), [&](const Vec3d& c) {
@@ -41,7 +41,7 @@ class Growing {
            });
   }
 
-  /// Joins t if a plane holds it and all members.
+  /// Joins t if one plane holds it and all members.
   bool join(uint32_t t) {
     const Vec3d n = twice_area((*triangles_)[t]);
     const Vec3d sum = sum_ + n, lever = lever_ + centre((*triangles_)[t]) * length(n);
@@ -78,10 +78,10 @@ class Growing {
   const std::vector<Corners>* triangles_;
   double tolerance_;
   Corners seed_;
-  Vec3d grad1_, grad2_;  // of the seed's barycentrics
+  Vec3d grad1_, grad2_;  // gradients of the seed's barycentrics b1, b2
   std::vector<uint32_t> members_;
-  Vec3d sum_, lever_;  // of 2 A n and of 2 A c over the members
-  double weight_;      // of 2 A
+  Vec3d sum_, lever_;  // sums of 2 A n and of 2 A c over the members
+  double weight_;      // sum of 2 A
 };
 
 }  // namespace

@@ -18,9 +18,9 @@
 namespace tdpt {
 namespace {
 
-// Every edge of a path is tested against every triangle of the portals.
+// A limit on cost: every edge of a path is tested against every triangle of the portals.
 constexpr size_t kMostTriangles = 4096;
-constexpr double kFarLarger = 8;      // than the scene
+constexpr double kFarLarger = 8;      // times the scene's extent
 constexpr double kSameCorner = 1e-6;  // canonical
 // A few triangles of a scene may lie where portals do: panes, the glass of a lamp.
 constexpr size_t kFewTriangles = 8;
@@ -52,7 +52,7 @@ Box box_of(const Portal& portal, const Frame& frame) {
     for (const uint32_t v : t) box.add(frame.to_canonical(portal.vertices[v]));
   return box;
 }
-// All that light goes between, but for lamps at infinity.
+// Bounds of everything that light travels between, except lamps at infinity.
 Box box_of(const Scene& scene) {
   Box box;
   for (const Vec3f& p : scene.positions) box.add(Vec3d(p));
@@ -67,7 +67,7 @@ size_t triangles_of(const PortalFile& file) {
   return n;
 }
 
-// Triangles of the file that are the scene's, by their middles.
+// Number of triangles of the file that are also the scene's, compared by their centres.
 size_t shared_triangles(const PortalFile& file, const Scene& scene) {
   std::vector<Vec3d> middles;
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
@@ -149,7 +149,7 @@ class Judge {
       refuse(fmt::format("holds {} of the scene's {} triangles", shared, scene));
   }
 
-  // Bodies of a file that is no scene are left out.
+  // Closed bodies are left out, unless the file is a whole scene.
   void tidy_all() {
     std::vector<PortalMesh> found;
     size_t bodies = 0;
@@ -216,7 +216,8 @@ class Judge {
     return true;
   }
 
-  // Where a portal fills no opening: one as large as the scene that would lie in it.
+  // For a portal that fills no opening: the unit in which one as large as the scene would lie in
+  // it.
   std::string unit_by_size(const Portal& portal) const {
     const double extent = box_of(portal, scene_.frame).extent();
     if (2 * extent < box_.extent()) return "";
@@ -233,7 +234,7 @@ class Judge {
   const Scene& scene_;
   const Camera& camera_;
   Box box_;
-  std::unique_ptr<Tracer> tracer_;  // for a portal that is elsewhere
+  std::unique_ptr<Tracer> tracer_;  // for a portal in the wrong place
   GivenPortals out_;
 };
 

@@ -1,4 +1,4 @@
-// Portals drawn by hand are judged before anything is rendered, each case with its sentence.
+// Portals drawn by hand are checked before rendering, each case with its message.
 #include "tools/tdpt-render/portals/given_portals.h"
 
 #include <gtest/gtest.h>
@@ -95,9 +95,9 @@ TEST_F(given_portals, outside_the_scene_they_are_left_out) {
       given({portal_in_the_hole(), rectangle({2, 0.8, 30}, {0, 0, 0.25}, {0, 0.25, 0})});
   EXPECT_EQ(two.file.portals.size(), 1u);
   EXPECT_EQ(two.warnings, Strings{"portal.1: lies outside the scene: left out"});
-  // Just inside, and reaching far out, it is used.
+  // Partly inside, reaching far out: it is used.
   EXPECT_EQ(given({rectangle({2, 0.8, -9}, {0, 0, 18}, {0, 0.25, 0})}).warnings, Strings{});
-  // Beside the scene's box, but for a lamp out there.
+  // Beside the scene's box, unless there is a lamp out there.
   Scene lit = scene_;
   const Portal beside = rectangle({2, 0.8, 2}, {0, 0, 0.25}, {0, 0.25, 0});
   EXPECT_EQ(given({beside}).file.portals.size(), 0u);
@@ -114,7 +114,7 @@ TEST_F(given_portals, in_another_unit_they_are_left_out_and_told_so) {
   EXPECT_EQ(said(1000), "portal.0: lies outside the scene, seems drawn in millimetres: left out");
   EXPECT_EQ(said(39.3701), "portal.0: lies outside the scene, seems drawn in inches: left out");
   EXPECT_EQ(said(-50), "portal.0: lies outside the scene: left out");
-  // One that fills no opening in any unit, but is too large in that which it is drawn in.
+  // It fills no opening in any unit, but is too large in the one it was drawn in.
   const auto loose = [&](double factor) {
     const Portal portal = scaled(rectangle({1, 0.5, -0.5}, {0, 0, 0.8}, {0, 0.7, 0}), factor);
     return given({portal}).warnings;
@@ -134,7 +134,7 @@ TEST_F(given_portals, a_portal_fits_its_opening_and_nothing_else) {
   EXPECT_LT(fit_of(portal_in_the_hole(), 0.3, tracer, scene_.frame), 0.2);
   EXPECT_LT(fit_of(rectangle({1, 0.5, -0.5}, {0, 0, 0.3}, {0, 0.3, 0}), 1, tracer, scene_.frame),
             0.2);
-  // In a hundredth of the scene's size it lies in a corner of the air.
+  // At a hundredth of the scene's size it lies in a corner of the air.
   EXPECT_EQ(unit_words(scaled(portal_in_the_hole(), 0.01), tracer, scene_.frame),
             "seems drawn for the same scene in a hundredth of its size");
   EXPECT_EQ(unit_words(portal_in_the_hole(), tracer, scene_.frame), "");
@@ -228,7 +228,7 @@ constexpr const char* kExpected = ", expected portals: planar polygons that fill
 
 TEST_F(given_portals, a_whole_scene_is_refused) {
   EXPECT_EQ(refused(two_rooms_path()), std::string("is the scene itself") + kExpected);
-  // Its triangles, in another file and not all of them.
+  // Most of the scene's triangles, in another file.
   std::vector<Portal> walls;
   for (uint32_t t = 0; t + 6 < scene_.triangles.size(); ++t) {
     Portal& wall = walls.emplace_back();
@@ -238,7 +238,7 @@ TEST_F(given_portals, a_whole_scene_is_refused) {
   }
   EXPECT_EQ(refused(walls).find("holds "), 0u) << refused(walls);
   EXPECT_NE(refused(walls).find("of the scene's"), std::string::npos) << refused(walls);
-  // Others: with a camera and lamps; bodies alone.
+  // Other scenes: with a camera and lamps; with bodies only.
   EXPECT_EQ(refused(TDPT_TESTDATA "/scenes/three-rooms.glb").find("holds "), 0u);
   EXPECT_EQ(refused(furnace_path()).find("holds 1 bodies among 1 meshes"), 0u)
       << refused(furnace_path());
@@ -248,7 +248,7 @@ TEST_F(given_portals, a_whole_scene_is_refused) {
   EXPECT_EQ(refused(bodies), std::string("holds 3 bodies among 4 meshes") + kExpected);
 }
 
-// Panes and lamps' glasses, which are triangles of the scene, are portals as well as any.
+// Panes and the glass of lamps, which are triangles of the scene, may be portals.
 TEST_F(given_portals, a_copy_of_a_pane_is_a_portal) {
   std::vector<Portal> panes;
   for (uint32_t t = 0; t < 8; ++t) {

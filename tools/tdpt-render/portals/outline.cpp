@@ -15,7 +15,7 @@
 namespace tdpt {
 namespace {
 
-// Ear clipping takes the square of it, and more where there are many dents.
+// Ear clipping takes quadratic time, and more if there are many reflex corners.
 constexpr size_t kMostCorners = 1024;
 
 struct Point2 {
@@ -26,7 +26,7 @@ using Points = std::vector<Point2>;
 using Loop = std::vector<uint32_t>;
 using Triple = std::array<uint32_t, 3>;
 
-// Twice the area of abc; more than 0 where they run counter-clockwise.
+// Twice the area of abc; positive if they run counter-clockwise.
 double turn(const Point2& a, const Point2& b, const Point2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -34,7 +34,7 @@ double distance(const Point2& a, const Point2& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
-// Whether two segments have a point in common.
+// Whether two segments share a point.
 bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
       std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
@@ -42,7 +42,7 @@ bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
 }
 
-// The triangles of a facet by numbers of their corners, equal ones once.
+// The triangles of a facet by indices of their corners, duplicates merged.
 struct Numbered {
   explicit Numbered(const PlanarFacet& facet) {
     const Onb<double> axes(facet.normal);
@@ -67,7 +67,7 @@ struct Numbered {
   Points places;
 };
 
-// Triangles that share edges, together.
+// Groups of triangles connected by edges.
 std::vector<std::vector<Triple>> joined(const std::vector<Triple>& triangles) {
   std::vector<size_t> root(triangles.size());
   std::iota(root.begin(), root.end(), size_t{0});
@@ -89,7 +89,7 @@ std::vector<std::vector<Triple>> joined(const std::vector<Triple>& triangles) {
   return out;
 }
 
-// Nothing where an edge belongs to two triangles the same way, or the outline passes a corner
+// Null if an edge belongs to two triangles in the same direction, or the outline passes a corner
 // twice.
 std::optional<std::vector<Loop>> outline_of(const std::vector<Triple>& triangles) {
   std::map<std::pair<uint32_t, uint32_t>, size_t> edges;
@@ -120,11 +120,11 @@ double twice_area(const Loop& loop, const Points& at) {
   return sum;
 }
 
-// Without the corners that lie within `tolerance` of a side between those that stay.
+// Drops the corners that lie within `tolerance` of a side between the remaining ones.
 Loop straightened(const Loop& loop, const Points& at, double tolerance) {
   const size_t n = loop.size();
   const auto place = [&](size_t i) { return at[loop[i % n]]; };
-  // Begins at one that is surely a corner: none is further from the first.
+  // Begin at a definite corner: the one farthest from the first.
   size_t first = 0;
   for (size_t i = 1; i < n; ++i)
     if (distance(place(0), place(i)) > distance(place(0), place(first))) first = i;
@@ -151,7 +151,7 @@ Loop straightened(const Loop& loop, const Points& at, double tolerance) {
   return kept;
 }
 
-// Whether no two sides have a point in common but the corner between neighbours.
+// Whether no two sides share a point, except neighbours their corner.
 bool simple(const std::vector<Loop>& loops, const Points& at) {
   struct Side {
     uint32_t a, b;
@@ -169,7 +169,7 @@ bool simple(const std::vector<Loop>& loops, const Points& at) {
   return true;
 }
 
-// Whether the way from corner i of the loop to `to` begins on its covered side.
+// Whether the line from corner i of the loop to `to` begins on the covered side.
 bool begins_inside(const Loop& loop, size_t i, const Point2& to, const Points& at) {
   const size_t n = loop.size();
   const Point2 &here = at[loop[i]], &before = at[loop[(i + n - 1) % n]],
@@ -187,7 +187,7 @@ bool in_sight(const Point2& a, const Point2& b, const Loop& loop, const Points& 
   return true;
 }
 
-// Joins a hole to the loop round it by a bridge, there and back; false where there is none.
+// Joins a hole to the loop around it by a bridge, there and back; false if there is none.
 bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Points& at) {
   const Loop& inner = holes[hole];
   std::vector<std::pair<double, std::pair<size_t, size_t>>> ways;
@@ -211,7 +211,7 @@ bool bridge(Loop& outer, const std::vector<Loop>& holes, size_t hole, const Poin
   return false;
 }
 
-// Whether corner i and its neighbours make a triangle that the rest of the loop stays out of.
+// Whether corner i and its neighbours form a triangle that contains no other part of the loop.
 bool is_ear(const Loop& loop, size_t i, const Points& at) {
   const size_t n = loop.size();
   const Point2 &a = at[loop[(i + n - 1) % n]], &b = at[loop[i]], &c = at[loop[(i + 1) % n]];
@@ -237,12 +237,12 @@ std::optional<std::vector<Triple>> without_ears(Loop loop, const Points& at) {
     triangles.push_back({loop[(i + n - 1) % n], loop[i], loop[(i + 1) % n]});
     loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(i));
     tried = 0;
-    ++i;  // every other corner: a fan would have needles
+    ++i;  // take every other corner: a fan would have needles
   }
   return triangles;
 }
 
-// As `triangles`, which share edges, but fewer; nothing where that cannot be.
+// Fewer triangles with the same area as `triangles`, which share edges; null if that is impossible.
 std::optional<std::vector<Triple>> retriangulated(const std::vector<Triple>& triangles,
                                                   const Points& at, double tolerance) {
   auto loops = outline_of(triangles);

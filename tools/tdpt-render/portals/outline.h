@@ -1,8 +1,8 @@
-// The fewest triangles for a polygon that was drawn with many: every edge of a path is tested
+// Re-triangulates a polygon with as few triangles as possible, since every edge of a path is tested
 // against every triangle of a portal.
 //
-// Method: edges without an opposite are the outline; corners within a straight side are left out;
-// holes are joined to the outer loop by bridges; ears are cut off (ear clipping).
+// Method: edges without an opposite edge form the outline; corners within a straight side are
+// dropped; holes are joined to the outer loop by bridges; then ear clipping.
 #pragma once
 #include <vector>
 
@@ -10,9 +10,9 @@
 
 namespace tdpt {
 
-/// Triangles that cover what those of the facet cover. Those that share edges are taken together:
-/// replaced where the new ones are fewer, and left as they are where they overlap or their outline
-/// touches itself. `tolerance`: how far a corner may lie from a straight side and be part of it, in
+/// Triangles that cover the same area as those of the facet. Triangles connected by edges are
+/// handled together: replaced if the new ones are fewer, and kept if they overlap or their outline
+/// touches itself. `tolerance`: distance up to which a corner counts as part of a straight side, in
 /// the unit of the corners; the area changes by no more than that times the outline's length.
 std::vector<Corners> fewest_triangles(const PlanarFacet& facet, double tolerance);
 

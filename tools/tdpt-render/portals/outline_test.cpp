@@ -1,4 +1,4 @@
-// Polygons drawn with many triangles are covered by few, and nothing else is.
+// Polygons drawn with many triangles are covered exactly by few.
 #include "tools/tdpt-render/portals/outline.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace tdpt::outline_test {
 
-// In a plane that is no plane of the axes.
+// In a plane that is not axis-aligned.
 const Vec3d kRight = normalize(Vec3d(1, 0.2, -0.3)),
             kNormal = normalize(cross(kRight, Vec3d(0, 1, 0.1))), kUp = cross(kNormal, kRight);
 Vec3d place(double x, double y) {
@@ -43,7 +43,7 @@ size_t times_covered(const std::vector<Corners>& triangles, const Vec3d& p) {
   for (const Corners& t : triangles) n += holds(t, p);
   return n;
 }
-/// At places all over, the number of triangles is the same.
+/// Whether random points are covered by the same number of triangles.
 bool cover_the_same(const std::vector<Corners>& a, const std::vector<Corners>& b, double size) {
   for (uint64_t i = 0; i < 4000; ++i) {
     Rng rng(1, 1, i);
@@ -63,7 +63,7 @@ TEST(Outline, a_rectangle_of_many_triangles_takes_two) {
   ASSERT_EQ(grid.triangles.size(), 200u);
   EXPECT_EQ(fewest(grid).size(), 2u);
   EXPECT_TRUE(cover_the_same(fewest(grid), grid.triangles, 10));
-  // Twins: a corner less, and one triangle twice, are seen.
+  // Twins: a triangle missing, and one doubled.
   std::vector<Corners> less = grid.triangles;
   less.pop_back();
   EXPECT_FALSE(cover_the_same(fewest(grid), less, 10));
@@ -114,19 +114,19 @@ TEST(Outline, what_cannot_be_fewer_keeps_its_triangles) {
   };
   for (int i = 1; i + 1 < 48; ++i) disc.triangles.push_back({rim(0), rim(i), rim(i + 1)});
   EXPECT_EQ(fewest(disc), disc.triangles);
-  // A fan about its middle has two more.
+  // A fan about its centre has two more.
   PlanarFacet fan{kNormal, {}};
   for (int i = 0; i < 48; ++i) fan.triangles.push_back({place(0, 0), rim(i), rim((i + 1) % 48)});
   EXPECT_EQ(fewest(fan).size(), 46u);
 }
 
-// Density counts a place as often as triangles cover it.
+// The density counts a point as often as triangles cover it.
 TEST(Outline, what_overlaps_is_left_as_it_is) {
   PlanarFacet twice = cells(3, [](int, int) { return true; });
   const PlanarFacet again = cells(3, [](int, int) { return true; });
   twice.triangles.insert(twice.triangles.end(), again.triangles.begin(), again.triangles.end());
   EXPECT_EQ(fewest(twice).size(), twice.triangles.size());
-  // Wound round a corner, over itself.
+  // Wound around a corner, overlapping itself.
   PlanarFacet wound{kNormal, {}};
   const auto at = [](int i, double r) {
     return place(r * std::cos(0.5 * i), r * std::sin(0.5 * i));

@@ -34,7 +34,8 @@ bool within(const Vec3d& p, const Corners& t, const Vec3d& n) {
   return true;
 }
 
-// How far from `from` along unit w, in the plane of normal n, the triangles that hold it go on.
+// Distance from `from` along unit w, in the plane of normal n, to the rim of the triangles around
+// it.
 double rim_along(const Vec3d& from, const Vec3d& w, const Vec3d& n,
                  const std::vector<Corners>& triangles) {
   const Vec3d side = cross(n, w);

@@ -1,7 +1,7 @@
-// In which unit a portal was drawn: one that was drawn in centimetres stands far outside, or is far
-// too large, and would fill an opening if it were scaled.
+// Guesses the unit in which a portal was drawn: one drawn in centimetres lies far outside the scene
+// or is far too large, and would fill an opening if it were scaled.
 //
-// Method: rays in the portal's plane, from its middle outwards, meet the rim of an opening:
+// Method: rays in the portal's plane, from its centre outwards, hit the rim of an opening:
 //   fit = share of the rays whose first surface lies between 0.5 and 1.5 times as far as the
 //         portal's own rim.
 #pragma once
@@ -12,12 +12,12 @@
 
 namespace tdpt {
 
-/// Of the portal with its places multiplied by `factor` [m]: from the middle of its largest
-/// triangle, in its plane.
+/// Fit of the portal with its coordinates multiplied by `factor` [m]: from the centre of its
+/// largest triangle, in its plane.
 double fit_of(const Portal& portal, double factor, const Tracer& tracer, const Frame& frame);
 
-/// "seems drawn in centimetres" or the like, of the unit in which it fits best and at least by half
-/// of the rays, and better than as it is; empty: in none.
+/// "seems drawn in centimetres" or the like, for the unit with the best fit, if that is at least
+/// 1/2 and better than without scaling; otherwise empty.
 std::string unit_words(const Portal& portal, const Tracer& tracer, const Frame& frame);
 
 }  // namespace tdpt

@@ -20,7 +20,7 @@ constexpr size_t kManyPlanes = 8;
 using Triple = std::array<uint32_t, 3>;
 using Edge = std::pair<uint32_t, uint32_t>;
 
-// The same as that of PortalSet: a file's rounding is that of its last digit.
+// The same as in PortalSet: a file's rounding error is that of its last digit.
 double rounding_of(const Portal& portal) {
   constexpr double kRoundings = 4;
   double largest = 0;
@@ -28,13 +28,13 @@ double rounding_of(const Portal& portal) {
   return kRoundings * portal.rounding + std::ldexp(largest, -46);
 }
 
-// Numbers of the vertices, equal for those nearer than `tolerance`: modelling programs write a
-// vertex once for each face that has its own normal there.
+// Indices of the vertices, equal for those closer than `tolerance`: modelling programs write a
+// vertex once for each face with its own normal there.
 std::vector<uint32_t> welded(const std::vector<Vec3d>& vertices, double tolerance) {
   std::vector<uint32_t> order(vertices.size()), number(vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   std::iota(number.begin(), number.end(), 0u);
-  // Along a direction across which few vertices lie beside each other.
+  // Sort along a direction in which few vertices coincide.
   const Vec3d along = normalize(Vec3d(0.61, 0.52, 0.59));
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return dot(along, vertices[a]) < dot(along, vertices[b]);
@@ -127,8 +127,8 @@ class Mesh {
     return length(high - low);
   }
 
-  // Finds the parts that hang together by edges of two triangles, and turns the smaller share of
-  // each where two neighbours run along their edge the same way.
+  // Finds the parts connected by edges of two triangles, and turns the smaller share of each where
+  // two neighbours run along their common edge in the same direction.
   void hang_together(bool& turned) {
     std::vector<bool> met(triangles_.size());
     for (size_t first = 0; first < triangles_.size(); ++first) {
@@ -181,7 +181,7 @@ class Mesh {
     return flat / all;
   }
 
-  // The planes of a part; `found` learns what was done to it.
+  // The planes of a part; `found` records what was done to it.
   std::vector<PlanarFacet> planes_of(const std::vector<size_t>& part, PortalMesh& found) const {
     const std::vector<Corners> corners = corners_of(part);
     std::vector<PlanarFacet> exact = planar_facets(corners, tolerance_);
@@ -208,12 +208,12 @@ class Mesh {
     return planes;
   }
 
-  // The triangles of a part laid into the mean plane of its rim; nothing where some would face
-  // the other way. If the rim lies in it, a line that passes the part an odd number of times passes
-  // them. Their area vectors have the same sum.
+  // The triangles of a part projected onto the mean plane of its rim; null if some would face the
+  // other way. If the rim lies in that plane, a line that crosses the part an odd number of times
+  // crosses the projection. Their area vectors have the same sum.
   struct Shadow {
     PlanarFacet facet;
-    double rim_off;  // how far the rim lies off the plane
+    double rim_off;  // distance of the rim from the plane
   };
   std::optional<Shadow> shadow_of(const std::vector<size_t>& part) const {
     Vec3d sum;
@@ -237,7 +237,7 @@ class Mesh {
     return shadow;
   }
 
-  // Facets hold the corners that they were made of, but not in their order.
+  // Facets hold the corners that they were made from, but not in the same order.
   static double off(const std::vector<Corners>& corners, const std::vector<PlanarFacet>& facets) {
     double farthest = 0;
     for (const Corners& t : corners)

@@ -1,4 +1,4 @@
-// What artists draw is brought into planes, or told from an opening.
+// What artists draw is flattened into planes, or recognised as no opening.
 #include "tools/tdpt-render/portals/portal_mesh.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace tdpt::portal_mesh_test {
 Portal square() {
   return rectangle({2, 0, 0}, {0, 0, 1}, {0, 1, 0});
 }
-/// n x n cells, each with vertices of its own as flat shading writes them; at x = depth(y, z), y
-/// and z of 0..1.
+/// n x n cells, each with its own vertices as flat shading exports them; at x = depth(y, z), y and
+/// z in 0..1.
 Portal sheet(int n, const std::function<double(double, double)>& depth) {
   Portal p{"sheet", {}, {}, {}};
   for (int i = 0; i < n * n; ++i) {
@@ -83,7 +83,7 @@ TEST(portal_mesh, a_vertex_moved_far_makes_planes) {
   EXPECT_NEAR(area_of(bay), 0.5 + std::sqrt(0.5), 1e-9);
 }
 
-// What passes a dome passes its rim.
+// A line that passes a dome passes its rim.
 TEST(portal_mesh, a_dome_is_replaced_by_its_rim) {
   const auto dome = [](double y, double z) {
     return 2 + 0.3 * std::sin(std::numbers::pi * y) * std::sin(std::numbers::pi * z);
@@ -96,7 +96,7 @@ TEST(portal_mesh, a_dome_is_replaced_by_its_rim) {
   EXPECT_EQ(portal.triangles.size(), 2u);
   EXPECT_NEAR(area_of(portal), 1, 1e-9);
   EXPECT_NEAR(dot(mean_normal(portal), normal), 1, 1e-9);
-  // Half a dome: a rim that is no plane's.
+  // Half a dome: its rim is not planar.
   Portal half = sheet(10, [&](double y, double z) { return dome(0.5 * y, z); });
   EXPECT_NE(tidy(half).shape, PortalMesh::lid);
 }
@@ -115,7 +115,7 @@ TEST(portal_mesh, a_crumpled_sheet_is_laid_into_a_plane) {
   EXPECT_GT(found.off, 0.04);
   EXPECT_LT(found.off, 0.1);
   EXPECT_NEAR(area_of(sheet), 1, 0.02);
-  // Crumpled more it faces many ways.
+  // Crumpled more, it faces many ways.
   sheet = waves(0.2);
   EXPECT_EQ(tidy(sheet).shape, PortalMesh::folded);
   EXPECT_EQ(sheet.triangles.size(), 1152u);
@@ -125,7 +125,7 @@ TEST(portal_mesh, what_is_folded_or_closed_is_no_opening) {
   Portal folded = sheet(4, [](double, double z) { return 2 * std::abs(z - 0.5); });
   EXPECT_EQ(tidy(folded).shape, PortalMesh::folded);
   EXPECT_EQ(folded.triangles.size(), 32u);
-  // A gentler fold is bent alone.
+  // A gentler fold is only bent.
   folded = sheet(4, [](double, double z) { return std::abs(z - 0.5); });
   EXPECT_EQ(tidy(folded).shape, PortalMesh::bent);
   Portal body{"box", {}, {}, {}};

@@ -1,4 +1,4 @@
-// The text of shaders/shared/path/portals.h in doubles, for those who ask much of it.
+// The code of shaders/shared/path/portals.h in doubles, for callers that make many calls to it.
 #pragma once
 #include "shaders/shared/warp.h"
 #include "tools/tdpt-render/portals/portals.h"

@@ -9,13 +9,13 @@ namespace tdpt {
 
 namespace {
 
-constexpr double kLeastTwiceArea = 1e-24;  // canonical; less is degenerate
+constexpr double kLeastTwiceArea = 1e-24;  // canonical; below that a triangle is degenerate
 
 double twice_area(const Corners& t) {
   return length(cross(t[1] - t[0], t[2] - t[0]));
 }
 
-// Tells each entry the share that those up to and with it have of all of `weights`.
+// Gives each entry the cumulative share of `weights` up to and including it.
 template <class Tell>
 void tell_ends(const std::vector<double>& weights, const Tell& tell) {
   double all = 0, sum = 0;
@@ -30,8 +30,9 @@ PlanarFacet turned_round(PlanarFacet facet) {
   return facet;
 }
 
-// How far the corners of a polygon may lie from its plane (canonical). A file's rounding is that of
-// its last digit; programs that turned or scaled the vertices before have rounded a few times.
+// How far the corners of a polygon may lie from its plane (canonical). A file's rounding error is
+// that of its last digit; programs that turned or scaled the vertices before have rounded a few
+// times.
 double planarity(const Portal& portal, const Frame& frame) {
   constexpr double kRoundings = 4;
   double largest = 0;
@@ -128,7 +129,7 @@ void PortalSet::make_pairs() {
         corners_.begin() + of.first_corner, corners_.begin() + of.end_corner,
         [&](const Vec3d& corner) { return side * dot(f.normal, corner - f.centre) > kMargin; });
   };
-  // A heap, the weakest of the kept on top.
+  // A heap with the weakest kept pair on top.
   const auto stronger = [](const Pair& a, const Pair& b) { return a.etendue > b.etendue; };
   for (uint32_t i = 0; i < facets_.size(); ++i)
     for (uint32_t j = 0; j < facets_.size(); ++j) {
@@ -170,7 +171,7 @@ void PortalSet::make_pairs() {
   for (Facet& f : facets_) f.density *= 1 - kShare;
 }
 
-// Flat: facets are large, and what each function needs of one is little.
+// Flattened (inlined): facets are large, and each function needs little of one.
 
 [[gnu::flatten]] double PortalSet::density(const Vec3d& from, const Vec3d& to,
                                            const Drawn& drawn) const {

@@ -50,7 +50,7 @@ TEST(portals, one_behind_the_other_has_segments_drawn_through_both) {
   // At an angle of 45 degrees: d^2 = 0.5, cosines 1 / sqrt 2.
   EXPECT_NEAR(set.density({-0.7, 0.2, -1}, {1.3, 0.2, 1}),
               0.75 / std::numbers::pi + 0.25 * 0.5 / 0.5, 1e-12);
-  // What was drawn through both and is stopped between them is not spanned.
+  // A segment drawn through both and stopped in between does not span the pair.
   EXPECT_TRUE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 1}));
   EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, -1}, {0.3, 0.2, 0.2}));
   EXPECT_FALSE(set.spans({0, 2}, {0.3, 0.2, 0.1}, {0.3, 0.2, 1}));
@@ -97,8 +97,8 @@ TEST(portals, a_segment_that_ends_in_the_portals_plane_has_no_density) {
   EXPECT_GT(set.density({0.3, 0.2, -1e-5}, {0.3, 0.2, 1}, {0, -1}), 0);
 }
 
-// A slit of 3 cm x 2 m across `distance` m from the origin, aslant, of `strips` strips one after
-// the other; its lower half is bent back by `bend` degrees. Vertices are single-precision.
+// A slit of 3 cm x 2 m at `distance` m from the origin, tilted, of `strips` strips one after the
+// other; its lower half is bent back by `bend` degrees. Vertices are single-precision.
 Portal slit(double distance, int strips, double bend) {
   const double angle = bend * std::numbers::pi / 180;
   const Vec3d middle = Vec3d(1, -0.4, 0.3) * (distance / std::sqrt(1.25));
@@ -130,7 +130,7 @@ TEST(portals, a_polygon_of_single_precision_vertices_is_one_facet) {
       frame.scale = 0.125;
       const PortalSet set({portal}, frame);
       EXPECT_EQ(set.facets(), 1u) << distance << " m, strips " << strips;
-      // All of it lies in one plane now, and neighbours still share their corners.
+      // Now all of it lies in one plane, and neighbours still share their corners.
       const PortalSet::Polygon& first = set.polygon(0);
       for (int i = 0; i < static_cast<int>(set.size()); ++i) {
         const PortalSet::Polygon& q = set.polygon(i);
@@ -164,7 +164,7 @@ TEST(portals, twin_a_slit_bent_by_a_degree_is_two_facets) {
 }
 
 TEST(portals, triangles_of_one_plane_are_one_facet_whatever_stands_between_them) {
-  // Two squares of a plane, and between them in the file a third, turned out of it.
+  // Two coplanar squares, and between them in the file a third, turned out of their plane.
   Portal p = square();
   p.vertices.insert(p.vertices.end(), {{1, 0, 0}, {1, 0, 1}, {1, 1, 1}});
   p.triangles.insert(p.triangles.begin() + 1, {4, 5, 6});
@@ -172,13 +172,13 @@ TEST(portals, triangles_of_one_plane_are_one_facet_whatever_stands_between_them)
   EXPECT_EQ(set.facets(), 2u);
   EXPECT_EQ(set.polygon(0).facet, set.polygon(1).facet);
   EXPECT_EQ(set.polygon(2).facet, 1u);
-  // Back to back they look different ways.
+  // Back to back, facing opposite ways.
   Portal folded = square();
   std::swap(folded.triangles[1][1], folded.triangles[1][2]);
   EXPECT_EQ(PortalSet({folded}, kMetres).facets(), 2u);
 }
 
-// Two layers of small squares, light passing the lower before the upper.
+// Two layers of small squares; light crosses the lower before the upper.
 std::vector<Portal> layers(int of_each) {
   std::vector<Portal> portals;
   for (int i = 0; i < 2 * of_each; ++i) {
@@ -192,7 +192,7 @@ std::vector<Portal> layers(int of_each) {
 }
 
 // Samples of `set`, each counted 1 / D for every triangle it crosses: their mean is pi A_q,
-// whatever the mixture. Largest difference of a triangle, or of all together [standard errors];
+// whatever the mixture. Largest deviation for one triangle or for all together [standard errors];
 // `fault`: factor of D.
 double worst_of_triangles(const PortalSet& set, double fault) {
   constexpr int kSamples = 60000;
@@ -244,7 +244,7 @@ TEST(portals, of_many_portals_the_strongest_pairs_are_drawn) {
     EXPECT_LT(worst_of_triangles(*set, 1), 4.5);
     EXPECT_GT(worst_of_triangles(*set, 1.05), 8);
   }
-  // The pairs above each other are the strongest: those are kept.
+  // The pairs straight above each other are the strongest and are kept.
   const auto pairs_of = [&](const Vec3d& from, const Vec3d& to) {
     return sixty.density(from, to) - 2 * sixty.polygon(0).density > 1e-6;
   };
@@ -252,7 +252,7 @@ TEST(portals, of_many_portals_the_strongest_pairs_are_drawn) {
     const Vec3d at(0.1 + 0.3 * (place % 5), 0.04 + 0.2 * (place / 5), 0);
     EXPECT_TRUE(pairs_of(at - Vec3d(0, 0, 1), at + Vec3d(0, 0, 2))) << place;
   }
-  // From one corner to the other there is none.
+  // From one corner to the opposite one there is no pair.
   const Vec3d low(0.1, 0.04, 0), high(1.3, 1.04, 1);
   EXPECT_GT(sixty.density(low - (high - low), high + (high - low)), 0);
   EXPECT_FALSE(pairs_of(low - (high - low), high + (high - low)));

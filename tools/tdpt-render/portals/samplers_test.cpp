@@ -1,5 +1,5 @@
-// Every sampler of the renderer draws what its density says: chi-square over points, directions and
-// segments, and for each of them a fault that must be found. Scattering: path/bsdf_sampling_test.
+// Every sampler of the renderer follows its density: chi-square over points, directions and
+// segments, each with a twin. Scattering: path/bsdf/bsdf_sampling_test.
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -12,8 +12,8 @@
 
 namespace tdpt::samplers_test {
 
-constexpr double kRight = 1e-4;  // a right sampler is above this in all but 1 seed of 10 000
-constexpr double kWrong = 1e-9;  // a wrong one below that
+constexpr double kRight = 1e-4;  // a right sampler exceeds this in all but 1 seed of 10 000
+constexpr double kWrong = 1e-9;  // a wrong one stays below
 constexpr uint64_t kSamples = 60000;
 
 // A triangle in kLattice^2 bins of equal area, by barycentrics.
@@ -132,8 +132,8 @@ TEST(samplers, twin_a_film_with_a_cosine_too_many) {
   EXPECT_LT(film(1), kWrong);
 }
 
-// Portals: a quad of two triangles, a fan of a lopsided hexagon, both with a sliver, and the quad
-// with another that light passes after it.
+// Portals: a quad of two triangles, a fan of an irregular hexagon, both with a sliver, and the quad
+// with another that light crosses after it.
 Portal quad() {
   return {"quad", {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}};
 }
@@ -162,7 +162,7 @@ const std::vector<std::vector<Portal>>& portal_sets() {
       {quad()}, {flat(fan())}, {quad(), flat(fan()), sliver()}, {quad(), ahead()}};
   return sets;
 }
-// One that was drawn through a single portal.
+// A segment drawn through a single portal.
 PortalSet::Sample through_one(const PortalSet& set, Rng& rng) {
   PortalSet::Sample s = set.sample(rng);
   while (s.drawn.second >= 0) s = set.sample(rng);
@@ -216,7 +216,7 @@ double portal_directions(const std::vector<Portal>& portals, double power) {
     const auto pdf = [&](const Vec3d& w) {
       return 0.5 * (power + 1) * std::pow(std::max(dot(w, n), 0.0), power) * std::numbers::inv_pi;
     };
-    // Of the samples of this triangle; the others are drawn and dropped.
+    // Only samples of this triangle; the others are drawn and dropped.
     std::vector<uint64_t> counts(bins.size());
     uint64_t kept = 0;
     for (uint64_t i = 0; i < kSamples; ++i) {
@@ -239,13 +239,13 @@ TEST(samplers, twin_directions_through_portals_taken_for_uniform) {
   for (const auto& portals : portal_sets()) EXPECT_LT(portal_directions(portals, 0), kWrong);
 }
 
-// Segments by what they are to a plane that has nothing to do with the portals: where they cross it
-// and which way. Their density there is D |cos|, D = density() [eq. 4 without G], whichever polygon
-// they were drawn from. `fault(D, cos)` is the density under test.
+// Segments by where and in which direction they cross a plane unrelated to the portals. Their
+// density there is D |cos|, D = density() [eq. 4 without G], whichever polygon they were drawn
+// from. `fault(D, cos)` is the density under test.
 template <class Density>
 ChiSquare portal_segments(const std::vector<Portal>& portals, Density density) {
   const PortalSet set(portals, Frame{});
-  // Places [-1,3]^2 of the plane z = 0.3; direction by its x/z and y/z in [-1,1]^2.
+  // Points [-1,3]^2 of the plane z = 0.3; direction by its x/z and y/z in [-1,1]^2.
   constexpr int kBins = 4, kParts = 9, kSide = kBins * kParts;
   constexpr double kFar = 20, kHeight = 0.3;
   const auto d_of = [&](const Vec3d& at, const Vec3d& w) {
@@ -312,8 +312,8 @@ TEST(samplers, twin_a_portals_cosine_not_cancelled) {
     EXPECT_LT(portal_segments(portals, uncancelled).p, kWrong);
 }
 
-// A strong small triangle, a weak large one, one that shines both ways, a dark one, a spot, a point
-// and the sun.
+// A strong small triangle, a weak large one, a two-sided one, a dark one, a spot, a point and the
+// sun.
 Scene lamps() {
   Scene s;
   s.positions = {{0, 0, 0},     {1, 0, 0},          {0, 1, 0},       {0.1f, 0, 0.5f},
@@ -341,14 +341,14 @@ Scene lamps() {
   return s;
 }
 
-// Kind of a punctual light of lamps(), by its density.
+// Kind of a punctual light of lamps(), recognised by its density.
 size_t kind_of(const Lights::Point& p) {
   if (p.source->at_infinity()) return static_cast<size_t>(PunctualLight::Kind::directional);
   const bool all_round = std::abs(p.source->cos_per_pdf_w({}) - 4 * std::numbers::pi) < 1e-9;
   return static_cast<size_t>(all_round ? PunctualLight::Kind::point : PunctualLight::Kind::spot);
 }
 
-// Places: bins of area in each triangle and one for each lamp.
+// Places: bins of area in each triangle, and one for each lamp.
 double light_places(double fault) {
   const Scene scene = lamps();
   const Lights lights(scene);
@@ -358,7 +358,7 @@ double light_places(double fault) {
       probability.push_back(lights.pdf_A(t) * shape_of(scene, t).area / kTriangleBins *
                             (t == 2 ? fault : 1));
   const size_t first_lamp = probability.size();
-  // Found by drawing: lamps are told by their kind only.
+  // Found by sampling: lamps are identified only by their kind.
   std::array<double, 3> lamp_pdf{};
   for (uint64_t i = 0; i < 1000; ++i) {
     Rng rng(38, 0, i);
@@ -430,7 +430,7 @@ TEST(samplers, twin_light_that_leaves_lamps_with_another_density) {
     EXPECT_LT(light_directions(s, 1), kWrong) << static_cast<int>(s);
 }
 
-// The sun's rays cross the plane through the origin evenly within the disc, in rings and sectors of
+// The sun's rays cross the plane through the origin uniformly within the disc: rings and sectors of
 // equal area.
 double sun_places(double exponent) {
   const Scene scene = lamps();

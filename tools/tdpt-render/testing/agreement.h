@@ -1,9 +1,9 @@
-// For tests: renders a scene with several integrators and asks whether they agree, for each length
-// of paths by itself. Sections 3.1 and 3.3: all of them estimate the same integral.
+// For tests: renders a scene with several integrators and compares them for each path length.
+// Sections 3.1 and 3.3: all of them estimate the same integral.
 //
-// The observer of PathSampler sees every contribution with its path: one run of depth 8 tells the
-// light of exactly k edges for every k. That a run of a smaller depth has the same light of each
-// length is a test of its own (agreement_test.cpp).
+// The observer of PathSampler sees every contribution with its path, so one run of depth 8 gives
+// the light of exactly k edges for every k. agreement_test.cpp tests that a run of a smaller depth
+// has the same light of each length.
 #pragma once
 #include <gtest/gtest.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -19,22 +19,22 @@ struct AgreementSettings {
   size_t runs = 16;
   uint64_t spp = 16;  ///< of each run
   int block = 4;      ///< side of the blocks [pixels]; width and height are multiples of it
-  int apart = 8;      ///< lengths told apart; those beyond are taken together
+  int apart = 8;      ///< number of lengths kept apart; longer paths are taken together
   uint64_t first_seed = 1;
 
-  /// What others are held against: as many more samples as cost least for four or five of them.
+  /// For the reference: more samples, the factor being cheapest for four or five comparisons.
   AgreementSettings of_reference() const {
     AgreementSettings calm = *this;
     calm.spp *= 2;
     calm.first_seed += 1000;
     return calm;
   }
-  /// Of paths by length, [0] for all together.
+  /// Number of path lengths, [0] for all together.
   size_t lengths() const { return static_cast<size_t>(std::min(max_depth, apart + 1)) + 1; }
 };
 
-/// Luminance of blocks: [k] of paths of exactly k edges, the last also of longer ones, [0] of all
-/// together.
+/// Luminance of blocks: [k] for paths of exactly k edges, the last also for longer ones, [0] for
+/// all.
 struct DepthRuns {
   std::vector<testing::BlockRuns> of_depth;
   size_t across = 0;                        ///< blocks in a row
@@ -116,15 +116,15 @@ inline DepthRuns render_runs(const World& world, const Variant& variant,
 }
 
 struct Verdict {
-  int disagreements = 0;  ///< of lengths, and all of them together
+  int disagreements = 0;  ///< number of lengths that disagree, counting all together as one
   double worst_p = 1;
   std::vector<testing::Agreement> of_depth;  ///< as in DepthRuns
 
   bool holds() const { return disagreements == 0; }
 };
 
-/// Of one question, so that all of a test, three of each length of nine renderers, fail by chance
-/// as seldom as a test may.
+/// Significance level of one comparison: a whole test, three comparisons for each length of nine
+/// renderers, then fails by chance no more often than a test may.
 inline constexpr double kLeast = testing::kFalseAlarm / 256;
 
 /// `how`: testing::compare, or testing::compare_paired for runs that share their random numbers.
@@ -143,8 +143,8 @@ inline Verdict judge(const DepthRuns& runs, const DepthRuns& reference,
   return out;
 }
 
-/// Whether the verdict on these runs holds; if not, every depth that disagrees is told and left to
-/// be looked at [z_failure.h]. A twin asks verdict.holds().
+/// Whether the verdict on these runs holds; if not, reports every depth that disagrees and keeps
+/// its pictures [z_failure.h]. A twin uses verdict.holds().
 inline ::testing::AssertionResult holds(const Verdict& verdict, const std::string& what,
                                         const DepthRuns& runs, const DepthRuns& reference) {
   if (verdict.holds()) return ::testing::AssertionSuccess();
@@ -158,7 +158,7 @@ inline ::testing::AssertionResult holds(const Verdict& verdict, const std::strin
   return all;
 }
 
-/// Holds each of `others` against the reference.
+/// Compares each of `others` with the reference.
 inline void expect_agreement(const World& world, const std::vector<Variant>& others,
                              const DepthRuns& reference, const AgreementSettings& settings) {
   EXPECT_EQ(reference.not_finite, 0u);
@@ -177,8 +177,8 @@ inline void expect_agreement(const World& world, const std::vector<Variant>& oth
   }
 }
 
-/// Holds each of `others`, weighed with exponent `beta`, against bdpt by the balance heuristic. The
-/// twin is in the same room and takes as many samples: portal segments that count twice.
+/// Compares each of `others`, with MIS exponent `beta`, with bdpt and the balance heuristic. The
+/// twin counts portal segments twice, in the same room with as many samples.
 inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
                              const AgreementSettings& settings, double beta = 1) {
   std::vector<Variant> variants;

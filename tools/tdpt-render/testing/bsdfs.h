@@ -31,7 +31,7 @@ inline Bsdf plastic(float alpha, const Rgb& diffuse = {0.8f, 0.5f, 0.2f}, float 
 inline Bsdf metal(float alpha, const Rgb& f0 = {1.0f, 0.75f, 0.3f}) {
   return make({}, f0, 1, {}, alpha);
 }
-/// By index eta + i k of red, green and blue.
+/// From the index eta + i k for red, green and blue.
 inline Bsdf conductor(float alpha, const Vec3d& eta, const Vec3d& k) {
   Bsdf b = metal(alpha);
   for (int c = 0; c < 3; ++c) {
@@ -54,7 +54,7 @@ inline Bsdf cloth(float alpha, Bsdf b, const Rgb& sheen) {
   return b;
 }
 
-/// White: nothing absorbs, so that what is not reflected or transmitted is lost by the model.
+/// White: nothing absorbs; what is neither reflected nor transmitted is lost by the model.
 inline std::vector<NamedBsdf> white(float alpha) {
   return {{"plastic", plastic(alpha, Rgb(1))},
           {"lacquer", plastic(alpha, Rgb(1), 0.5f)},
@@ -117,7 +117,7 @@ inline double index(const Bsdf& b, const Vec3d& w) {
   return surfaces().index_at(b, w);
 }
 
-/// Of all layers, each about z.
+/// All layers together, each about z.
 namespace whole {
 
 inline Point point(const Bsdf& b) {
@@ -134,7 +134,7 @@ inline Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 inline double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   return surfaces().scatter_pdf_w(point(b), from, to, false);
 }
-/// Of the Dirac lobe that leads from `from` to `to`.
+/// The Dirac lobe that connects `from` and `to`.
 inline shader::Surfaces::Layers dirac(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
   const Point p = point(b);
   const shader::Surfaces& s = surfaces();
@@ -155,8 +155,8 @@ struct Scattered {
   Vec3d to;
   bool dirac;
 };
-/// Three uniform numbers in [0,1). False when the walk is absorbed: pdf_w and dirac_probability add
-/// up to 1 less the probability of that.
+/// Three uniform numbers in [0,1). False if the walk is absorbed: pdf_w and dirac_probability sum
+/// to 1 less the probability of that.
 inline bool sample(const Bsdf& b, const Vec3d& from, double choice, double u, double v,
                    Scattered& out) {
   Turn turn;

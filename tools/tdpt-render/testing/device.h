@@ -1,4 +1,4 @@
-// For tests: what a machine makes of a world, to the last word of the film.
+// For tests: the result of rendering on a machine, to the last word of the film.
 #pragma once
 #include <cstring>
 #include <functional>
@@ -11,9 +11,9 @@
 
 namespace tdpt {
 
-/// All that there is to know of some samples.
+/// The complete result of some samples.
 struct Outcome {
-  std::vector<unsigned char> film;  ///< its numbers as they lie in memory
+  std::vector<unsigned char> film;  ///< its numbers as they are in memory
   std::vector<Units> counts;        ///< of the tally
   std::vector<Tally::SamplePixel> not_finite_at;
   double brightness = 0;  ///< mean luminance over pixels and samples
@@ -63,14 +63,14 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
   return outcome_of(film, tally);
 }
 
-/// What is planted in a machine, to be caught.
+/// Faults planted in a machine for a twin.
 struct Faults {
   std::function<void(RenderTables&)> tables{};
   std::function<void(shader::RenderParameters&)> parameters{};
   Step skipped = Step::kSteps;
 };
 
-/// A machine of someone else, with less room.
+/// Wraps another machine, with less room.
 class Borrowed : public Machine {
  public:
   Borrowed(Machine& machine, const Capacity& room, const Faults& faults = {})
@@ -99,7 +99,7 @@ class Borrowed : public Machine {
   const Faults faults_;
 };
 
-/// Words of films of the world's size.
+/// Number of words of films of the world's size.
 inline uint32_t film_words(const World& world, bool layers) {
   const auto pixels =
       static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
@@ -108,7 +108,7 @@ inline uint32_t film_words(const World& world, bool layers) {
 
 constexpr Capacity kEnough{1u << 17, 1u << 12};
 
-/// By the scalar build of devices.
+/// Renders by the scalar build of the device's kernels.
 class ScalarRenderer : public SampleRenderer {
  public:
   explicit ScalarRenderer(const World& world_, const Capacity& room = kEnough,

@@ -1,12 +1,12 @@
-// For tests: small scenes of which the picture is known in closed form, to be made extreme.
+// For tests: small scenes with a picture known in closed form, to be made extreme.
 //
-// The white room: its ceiling is black and glows with radiance L, all else in it reflects all light
-// and takes none. Whatever its shape, what stands in it, its unit and place, and wherever the
-// camera looks, it shows L everywhere.
+// The white room: its ceiling is black and emits radiance L, all other surfaces reflect all light.
+// Whatever its shape, contents, unit and place, and wherever the camera looks, it shows L
+// everywhere.
 //
-// The dark chamber: a wall with a hole, without thickness, stands at distance d before a grey
-// patch; behind it everything glows with L. The patch shows albedo L F, F the form factor from the
-// patch to the hole.
+// The dark chamber: an infinitely thin wall with a hole stands at distance d in front of a grey
+// patch; behind it everything emits L. The patch shows albedo L F, F the form factor from the patch
+// to the hole.
 #pragma once
 #include <functional>
 #include <numbers>
@@ -32,7 +32,7 @@ inline Mesh operator+(Mesh a, const Mesh& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
-/// The inner faces of a box, but for its ceiling.
+/// The inner faces of a box, without its ceiling.
 inline Mesh open_box(const Vec3d& low, const Vec3d& high) {
   const Vec3d d = high - low, x{d.x, 0, 0}, y{0, d.y, 0}, z{0, 0, d.z};
   return sheet(low, y, z) + sheet(low + x, z, y) + sheet(low, z, x) + sheet(low, x, y) +
@@ -41,7 +41,7 @@ inline Mesh open_box(const Vec3d& low, const Vec3d& high) {
 inline Mesh ceiling(const Vec3d& low, const Vec3d& high) {
   return sheet({low.x, high.y, low.z}, {high.x - low.x, 0, 0}, {0, 0, high.z - low.z});
 }
-/// A wall without thickness at x = 0, y 0..2, z -1..1, with a hole; seen from both sides.
+/// An infinitely thin wall at x = 0, y 0..2, z -1..1, with a hole; visible from both sides.
 inline Mesh wall_with_hole(double y0, double y1, double z0, double z1) {
   const auto part = [](double a, double b, double c, double d) {
     return b > a && d > c ? sheet({0, a, c}, {0, 0, d - c}, {0, b - a, 0}) : Mesh();
@@ -49,7 +49,7 @@ inline Mesh wall_with_hole(double y0, double y1, double z0, double z1) {
   return part(0, y0, -1, 1) + part(y1, 2, -1, 1) + part(y0, y1, -1, z0) + part(y0, y1, z1, 1);
 }
 
-/// A scene that is put together and then read as a file is.
+/// Builds a scene and reads it back as a file.
 class SceneParts {
  public:
   using Json = nlohmann::ordered_json;
@@ -60,7 +60,7 @@ class SceneParts {
     pbr.update(more);
     return glb_.material({{"pbrMetallicRoughness", pbr}, {"extensions", matt()}});
   }
-  /// Black.
+  /// A black emitter.
   int lamp(double radiance, bool both_sides = false) {
     Json extensions = matt();
     extensions["KHR_materials_emissive_strength"] = {{"emissiveStrength", radiance}};
@@ -82,7 +82,7 @@ class SceneParts {
   void camera(const Vec3d& from, const Vec3d& to, double yfov = 1) {
     glb_.camera("", {from.x, from.y, from.z}, {to.x, to.y, to.z}, yfov, 4.0 / 3);
   }
-  /// Puts all there is below one node.
+  /// Puts all nodes below one node.
   void below(Json node) {
     auto& roots = glb_.json["scenes"][0]["nodes"];
     node["children"] = roots;
@@ -99,13 +99,13 @@ class SceneParts {
   testing::GlbBuilder glb_;
 };
 
-/// Form factor from a patch to a parallel rectangle at distance d, one of whose corners is straight
-/// before it: a and b long, of either sign, and so is it.
+/// Form factor from a patch to a parallel rectangle at distance d with one corner straight in front
+/// of it; sides a and b and the result are signed.
 inline double corner_form_factor(double d, double a, double b) {
   const double p = std::hypot(d, a), q = std::hypot(d, b);
   return 0.5 * std::numbers::inv_pi * (a / p * std::atan(b / p) + b / q * std::atan(a / q));
 }
-/// To the rectangle from (-h,-w) to (h,w) from the place (y,z).
+/// To the rectangle from (-h,-w) to (h,w) from the point (y,z).
 inline double form_factor(double d, double h, double w, double y = 0, double z = 0) {
   return corner_form_factor(d, h - y, w - z) - corner_form_factor(d, -h - y, w - z) -
          corner_form_factor(d, h - y, -w - z) + corner_form_factor(d, -h - y, -w - z);

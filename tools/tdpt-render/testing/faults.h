@@ -1,5 +1,4 @@
-// For tests: planted faults. Samples are drawn as they were, and their density is said to be
-// another.
+// For tests: planted faults. Samples are drawn correctly, but their density is wrong.
 #pragma once
 #include "libcommon/scene/lights.h"
 #include "tools/tdpt-render/portals/portals.h"

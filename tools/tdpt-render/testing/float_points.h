@@ -1,11 +1,11 @@
-// Test only: points of the renderer that counts in doubles, as kernels see them.
+// Test only: converts points of the CPU renderer (doubles) to those of kernels (floats).
 #pragma once
 #include "tools/tdpt-render/path/bsdf/point.h"
 #include "tools/tdpt-render/testing/scalar_surfaces.h"
 
 namespace tdpt::test {
 
-/// A scalar build of no scene in particular, which has whatever a Bsdf may have.
+/// A scalar build without a scene that supports every feature of a Bsdf.
 inline const shader::ScalarSurface& any_surface() {
   static const shader::Curves curves;
   static const shader::ScalarSurface scalar = [] {

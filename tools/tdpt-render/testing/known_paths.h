@@ -1,4 +1,4 @@
-// For tests: every path that the techniques of an integrator make in two rooms, held against the
+// For tests: compares every path that the techniques of an integrator make in two rooms with the
 // oracle.
 #pragma once
 #include <gtest/gtest.h>
@@ -15,14 +15,15 @@ namespace tdpt {
 
 struct Worst {
   double weight = 0;     ///< largest difference of the weights, balance heuristic
-  double power = 0;      ///< of those of the power heuristic
+  double power = 0;      ///< the same for the power heuristic
   double power_1_9 = 0;  ///< twin: the oracle's exponent is 1.9 instead
-  double value = 0;      ///< largest relative difference of value * times * p and the contribution
-  std::array<int, kTechniques> paths{}, sky{};  ///< by technique; those that begin in the sky
-  int dirac = 0, lamps = 0;   ///< paths that turn at a mirror, that begin at a lamp
-  int all = 0, off = 0;       ///< paths, and those off by 1 % of their value or 0.001 of weight
-  int short_ones = 0;         ///< with an edge that rounding turns: they are not compared
-  int in_planes = 0;          ///< with a vertex in a portal's plane: nor are they
+  double value = 0;      ///< largest relative error of value * times * p against the contribution
+  std::array<int, kTechniques> paths{}, sky{};  ///< number by technique; of those, paths that begin
+                                                ///< in the sky
+  int dirac = 0, lamps = 0;   ///< paths with a Dirac lobe; paths that begin at a lamp
+  int all = 0, off = 0;       ///< paths, and those off by 1 % of their value or 0.001 in weight
+  int short_ones = 0;         ///< paths with an edge that rounding may turn: not compared
+  int in_planes = 0;          ///< paths with a vertex in a portal's plane: not compared
   int longest = 0, deep = 0;  ///< edges of the longest path; paths of 12 or more
 };
 
@@ -30,8 +31,8 @@ inline Scene diffuse_rooms() {
   return read_gltf(two_rooms_path());
 }
 
-// The same rooms, every triangle of another make, with bent normals, and lamps of each kind beside
-// the emitter, which shines on both sides and reflects as a mirror.
+// The same rooms: materials vary by triangle, with bent normals, and there are lamps of each kind
+// besides the emitter, which shines on both sides and reflects as a mirror.
 inline Scene glossy_rooms() {
   Scene scene = read_gltf(two_rooms_path());
   std::vector<Material> makes(8);
@@ -74,7 +75,8 @@ inline Scene glossy_rooms() {
   return scene;
 }
 
-// The same under clear coats that lean, some of them smooth, and with sheens; the emitter too.
+// The same under clear coats with tilted normals, some of them smooth, and with sheens; the emitter
+// too.
 inline Scene coated_rooms() {
   Scene scene = glossy_rooms();
   scene.images.push_back({1, 1, {170, 100, 230, 255}});  // a normal
@@ -98,8 +100,8 @@ inline bool has_short_edge(const Path& path) {
   return least < 1e-10;  // canonical
 }
 
-// So near a portal's plane that its edges count as not crossing it [PortalSet::kMargin], which the
-// oracle knows nothing of: on the rim of a hole.
+// Whether a vertex, on the rim of a hole, is so near a portal's plane that its edges do not count
+// as crossing it [PortalSet::kMargin], which the oracle ignores.
 inline bool touches_a_portals_plane(const World& world, const Path& path) {
   for (int i = 0; i <= path.k(); ++i) {
     if (path.vertex(i).at_infinity()) continue;
@@ -112,7 +114,7 @@ inline bool touches_a_portals_plane(const World& world, const Path& path) {
   return false;
 }
 
-/// NaN grows it to infinity.
+/// NaN makes it infinite.
 inline void grow(double& largest, double difference) {
   if (!(std::abs(difference) <= largest))
     largest = std::isnan(difference) ? HUGE_VAL : std::abs(difference);
@@ -156,7 +158,7 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
       if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
         continue;
       const double expected = max_component(oracle::contribution(world, path));
-      // Of one sample of the strategy.
+      // For one sample of the strategy.
       const double p_s = std::exp(d.log_p) / integrator.mixture.samples_of(
                                                  strategy.technique, strategy.split, path.k());
       const double relative = max_component(value) * times * p_s / expected - 1;
@@ -174,8 +176,8 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
   return worst;
 }
 
-// Paths of walks that are directed one way or not at all, weighed as if they were directed another:
-// how many differ from the oracle's weight. `told`: the mixture that is asked for.
+// Paths of walks with one guiding, or none, weighed for another one: number of weights that differ
+// from the oracle's. `told`: the mixture that the oracle is asked for.
 inline int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
                              const Mixture& told,
                              const std::vector<Portal>& portals = two_crossing_portals()) {

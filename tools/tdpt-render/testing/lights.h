@@ -14,9 +14,9 @@
 
 namespace tdpt {
 
-inline constexpr double kUnit = 0.25;  // of radiance in tables
+inline constexpr double kUnit = 0.25;  // power of two of the radiance in tables
 
-/// A world and what a device has of it. Neither is ever moved: they refer to each other.
+/// A world and its device tables. They refer to each other, so neither may be moved.
 struct LitWorld {
   std::string name;
   Scene scene;
@@ -33,7 +33,7 @@ struct LitWorld {
   LitWorld(const LitWorld&) = delete;
 };
 
-/// 320 x 160, rough, with one texel far brighter than all others and a black band.
+/// 320 x 160, uneven, with one very bright texel and a black band.
 inline Sky::Map fine_map() {
   Sky::Map map{320, 160, {}};
   for (int y = 0; y < map.height; ++y)
@@ -60,7 +60,7 @@ inline Scene open_room(std::shared_ptr<const Sky> sky, bool lamps = true) {
   return under(scene, std::move(sky));
 }
 
-/// Two of one profile and one of another.
+/// Two lamps of one profile and one of another.
 inline Scene with_luminaires(Scene scene) {
   const testing::IesText even{.vertical = {0, 45, 120}, .candela = {3, 2, 1}};
   const testing::IesText uneven{.vertical = {0, 10, 30, 75},
@@ -79,14 +79,14 @@ inline Scene with_luminaires(Scene scene) {
   return scene;
 }
 
-/// The open end, the hole, and a triangle.
+/// In the open end, in the hole, and a triangle.
 inline std::vector<Portal> three_windows() {
   return {rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}),
           rectangle({2.05, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0}),
           {"triangle", {{2.5, 0.3, 0.2}, {3.5, 1.9, 0.3}, {2.6, 1.8, 0.3}}, {{0, 1, 2}}, {}, true}};
 }
 
-/// All of them, or those `named`.
+/// All worlds, or those `named`.
 inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
     const std::vector<std::string>& named = {}) {
   std::vector<std::unique_ptr<LitWorld>> all;
@@ -116,7 +116,7 @@ inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
   return all;
 }
 
-/// Four numbers as floats have them.
+/// Four random numbers with the precision of floats.
 struct FourNumbers {
   float pick, u, v, side;
   FourNumbers(uint64_t seed, uint64_t i) {

@@ -9,7 +9,7 @@ namespace tdpt {
 
 struct MeanAndError {
   double mean, error;  ///< luminance; standard error from independent runs
-  /// Beside rounding.
+  /// Deviation in standard errors, with an allowance for rounding.
   double z(double expected) const {
     return std::abs(mean - expected) / std::hypot(error, 1e-5 * expected);
   }
@@ -23,7 +23,7 @@ inline MeanAndError mean_and_error(const std::vector<double>& runs) {
   return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
 }
 
-/// Of pictures as they are rendered.
+/// Rendered as pictures are.
 inline MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp,
                              uint64_t runs = 16, int max_depth = kMaxDepth) {
   std::vector<double> means;

@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// From a to b; light from infinity comes along its direction.
+/// From a to b; light from infinity travels along its direction.
 Vec3d unit(const Vertex& from, const Vertex& to) {
   if (from.at_infinity()) return from.position;
   if (to.at_infinity()) return -to.position;
@@ -31,7 +31,7 @@ double cosine_at(const Vertex& at, const Vertex& other) {
   return at.on_surface() ? std::abs(dot(at.normal, unit(at, other))) : 1;
 }
 
-/// Lobes and shading normal, whatever shortcut the vertex takes.
+/// Lobes and shading normal, without the shortcut of simple vertices.
 struct Surface {
   explicit Surface(const Vertex& v)
       : bsdf(v.bsdf), normal(v.normal), onb(v.simple ? v.normal : v.shading) {
@@ -51,7 +51,7 @@ bool coated(const Vertex& v) {
   return !v.simple && v.bsdf.coat.strength > 0;
 }
 
-/// Direction density at `at` [1/sr]; of a Dirac lobe per n^2 |cos| dw.
+/// Density at `at` [1/sr]; for a Dirac lobe per n^2 |cos| dw.
 double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac) {
   const Surface s(at);
   const Vec3d wi = unit(at, from), wo = unit(at, to);
@@ -63,7 +63,7 @@ double pdf_w(const Vertex& from, const Vertex& at, const Vertex& to, bool dirac)
   return bsdf::dirac_probability(s.bsdf, i, o) * n * n * std::abs(o.z);
 }
 
-/// Radiance BSDF with geometric cosines; a Dirac lobe's delta is left out.
+/// Radiance BSDF with geometric cosines; for a Dirac lobe without its delta.
 Vec3d scattering(const Vertex& light_side, const Vertex& at, const Vertex& camera_side,
                  bool dirac) {
   const Surface s(at);
@@ -87,7 +87,7 @@ bool in_the_sky(const Vertex& x) {
   return x.at_infinity() && x.met();
 }
 
-/// Area of the disc across the light from infinity that holds the scene.
+/// Area of the disc, perpendicular to light from infinity, that covers the scene.
 double disc_of(const Scene& scene) {
   double radius = 0;
   for (const Triangle& t : scene.triangles)
@@ -118,7 +118,7 @@ double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
                                through);
 }
 
-/// Of surfaces, points and spots [1/sr]; of light from infinity [1/area across it].
+/// For surfaces, points and spots [1/sr]; for light from infinity [1/area across it].
 double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
   if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
   if (x0.at_infinity()) return 1 / disc_of(world.scene);
@@ -132,8 +132,7 @@ double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
 
 using Triangles = std::vector<std::array<Vec3d, 3>>;
 
-/// Corners of the portals' triangles: those of one portal that light passes the same way together.
-/// Each is planar.
+/// Corners of the portals' triangles, grouped by portal and direction. Each group is planar.
 std::vector<Triangles> surfaces(const World& world) {
   std::vector<Triangles> all;
   std::vector<PortalSet::Polygon> firsts;
@@ -166,13 +165,13 @@ struct Plane {
   }
 };
 
-/// Number of the triangles that the line through `a` along `w` passes, and how far along.
+/// Number of triangles that the line through `a` along `w` crosses, and at what distance.
 int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& distance) {
   int number = 0;
   const Plane plane(triangles);
   distance = dot(plane.n, triangles[0][0] - a) / dot(plane.n, w);
   const Vec3d at = a + w * distance;
-  for (const auto& t : triangles) {  // left of all three edges
+  for (const auto& t : triangles) {  // inside: left of all three edges
     bool inside = true;
     for (size_t e = 0; e < 3; ++e)
       inside = inside && dot(plane.n, cross(t[(e + 1) % 3] - t[e], at - t[e])) >= 0;
@@ -181,12 +180,12 @@ int passed(const Triangles& triangles, const Vec3d& a, const Vec3d& w, double& d
   return number;
 }
 
-/// Of the edge from a to b.
+/// Length of the edge from a to b.
 double long_is(const Vertex& a, const Vertex& b) {
   return a.at_infinity() ? std::numeric_limits<double>::infinity() : std::sqrt(distance2(a, b));
 }
 
-/// Density, over p(F,G), of the pair of portals as the line from a to b passes them: per product of
+/// Density, over p(F,G), with which the pair of portals makes the line from a to b: per product of
 /// area and projected solid angle.
 double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Triangles& g,
                 double& etendue) {
@@ -201,14 +200,14 @@ double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Tria
   const Vec3d d = G.centre - F.centre;
   etendue = F.area * G.area * dot(F.n, d) * dot(G.n, d) / std::pow(dot(d, d), 2);
   const Vec3d w = unit(a, b);
-  double s, t;  // from b on: before it both are less than 0
+  double s, t;  // distances from b; negative in front of it
   const int ways = passed(f, b.position, w, s) * passed(g, b.position, w, t);
   if (dot(F.n, w) <= 0 || dot(G.n, w) <= 0 || -s > long_is(a, b) || t > 0) return 0;
   return ways / (F.area * G.area) * std::pow(t - s, 2) / (dot(F.n, w) * dot(G.n, w));
 }
 
-/// p_AA [eq. 4], polygon by polygon with its cosines written out, and of pairs of portals. From the
-/// sky: per solid angle of its direction and area about b.
+/// p_AA [eq. 4], polygon by polygon with its cosines written out, and for pairs of portals. From
+/// the sky: per solid angle of its direction and area at b.
 double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault fault) {
   if (!a.on_surface() && !in_the_sky(a)) return 0;
   const Vec3d w = unit(a, b);
@@ -236,7 +235,7 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
     if (cos_q <= 0) continue;
     const double t = dot(q.normal, b.position - q.p0) / cos_q;  // from there to b
     if (t < 0 || t > long_is(a, b)) continue;
-    // Inside: the point is left of all three edges.
+    // Inside if the point is left of all three edges.
     const Vec3d at = b.position - w * t;
     const Vec3d p[3] = {q.p0, q.p0 + q.e1, q.p0 + q.e2};
     bool inside = true;
@@ -247,7 +246,7 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
     const double p_q = area / total_area, p_A = 1 / area, p_w = cos_q / pi;
     double p_AA = p_q * p_A * p_w / cos_q * G;
     if (a.at_infinity()) {
-      // The portal's area about the line is that about b, seen along the line.
+      // The portal's area is projected along the line to that at b.
       p_AA = p_q * p_A * p_w * (cosine_at(b, a) / cos_q);
       if (fault == Fault::sky_segment_distance) p_AA /= t * t;
       if (fault == Fault::sky_segment_cosine) p_AA *= cos_q;
@@ -257,7 +256,8 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
   return sum;
 }
 
-/// Density of the line of light from infinity to `to` among those through portals [1/area across].
+/// Density of the parallel light's line to `to`, among those guided through portals [1/area
+/// across].
 double guide_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
   double total = 0;
   int number = 0;
@@ -271,8 +271,8 @@ double guide_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
   return total > 0 ? number / total : -1;
 }
 
-/// Density [1/sr] of `to` as a direction that a walk at `at`, coming from `back`, aims in; null:
-/// the walk begins there.
+/// Density [1/sr] with which guiding of a walk at `at`, coming from `back`, chooses the direction
+/// of `to`; null: the walk begins there.
 double guide_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
                    const Vertex& to) {
   const Vec3d w = unit(at, to);
@@ -302,7 +302,7 @@ double guide_pdf_w(const World& world, From from, const Vertex* back, const Vert
   return total > 0 ? sum / total : -1;
 }
 
-/// Largest component of the albedo, as `at` is seen from `back`, within 0.05 and 1.
+/// Largest component of the albedo of `at` as seen from `back`, clamped to [0.05, 1].
 double albedo(const Vertex& back, const Vertex& at) {
   const Surface s(at);
   double share = coated(at) ? CoatedSurface(at).albedo(unit(at, back))
@@ -311,11 +311,11 @@ double albedo(const Vertex& back, const Vertex& at) {
   return std::clamp(share, 0.05, 1.0);
 }
 
-/// How a walk is directed.
+/// Guiding of a walk at a vertex.
 struct Directed {
-  double chance = 0;  ///< that it aims, if it may
+  double chance = 0;  ///< probability that it aims, if it may
   double matt = 1, broad = 1;
-  double aimed = -1;  ///< density [1/sr]; less than 0: there is nothing to aim at
+  double aimed = -1;  ///< density [1/sr] of aiming; negative: nothing to aim at
 
   Directed(const World& world, const Guiding& guiding, From from, const Vertex* back,
            const Vertex& at, const Vertex& to)
@@ -341,19 +341,19 @@ struct Directed {
   }
 };
 
-/// Density of the direction of a directed walk.
+/// Density of the direction of a guided walk.
 double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
   if (dirac || plain == 0 || d.aimed < 0) return plain;
   const double matt = fault == Fault::guide_5_percent ? 1.05 * d.matt : d.matt;
   return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
 }
 
-/// Probability that a walk goes on at its vertex `at`, its i-th.
+/// Survival probability of a walk at its i-th vertex `at`.
 double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
   return i < 2 || fault == Fault::immortal ? 1 : albedo(*back, at);
 }
 
-/// P>(x_i) and P<(x_i) of all vertices but the camera's.
+/// P>(x_i) and P<(x_i) of all vertices except the camera.
 struct Densities {
   std::vector<double> from_light, from_camera;
 };
@@ -388,7 +388,7 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
       q = survival(&back, after, k - i - 1, fault) *
           guided_pdf_w(directed, path.dirac(i + 1), p, fault);
     }
-    // Of the sky per solid angle, which cosine and distance of 1 leave as it is.
+    // For the sky per solid angle: its cosine and distance are 1.
     const bool met = x.on_surface() || in_the_sky(x);
     P_camera = met ? q * cosine_at(x, after) / distance2(after, x) : 0;
   }
@@ -408,7 +408,7 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
                                                                              int split) {
     if (!mixture.has(technique)) return;
     const bool portal = technique == Technique::portal;
-    // Every connection of the technique, by its first vertex, needs both ends free of Dirac lobes.
+    // Each connection of the technique needs both ends free of Dirac lobes.
     const auto connects = [&](int i) { return !path.dirac(i) && !path.dirac(i + 1); };
     bool possible = true;
     if (portal) possible = connects(split) && connects(split + 1);
@@ -424,7 +424,8 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     if (portal) {
       double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
       p *= mixture.segments * (split > 0 ? mixture.connected_to_segments : 1);
-      // A sample's own segment alone is seen by the camera; its vertices meet those of all.
+      // The camera sees only a sample's own segment; its vertices are connected with those of all
+      // samples.
       if (split + 2 < k) p *= mixture.segments_connected;
       const bool to_x = path.vertex(split).position.x < path.vertex(split + 1).position.x;
       if (fault == Fault::portal_density_5_percent) p *= 1.05;

@@ -1,4 +1,4 @@
-// The slow, obvious reference for path.cpp: every density of a path from its places and normals
+// The slow, obvious reference for path.cpp: every density of a path from its positions and normals
 // alone, as logarithms, without ratios, caches or the walks that made it. For tests.
 #pragma once
 #include <vector>
@@ -11,10 +11,10 @@ namespace tdpt::oracle {
 struct StrategyDensity {
   Strategy strategy;
   double log_p;  ///< natural logarithm of the density per canonical area^(k+1); -inf: impossible
-  double sample_weight;  ///< by which the mixture multiplies it in the weights
+  double sample_weight;  ///< its factor in the mixture's weights
 };
 
-/// A planted fault, for the tests that must fail.
+/// A planted fault for a twin.
 enum class Fault {
   none,
   portal_density_5_percent,
@@ -22,16 +22,15 @@ enum class Fault {
   missing_cosine,
   connection_at_a_mirror,
   guide_5_percent,       ///< density of the directions towards portals
-  immortal,              ///< walks that always go on
+  immortal,              ///< walks that always survive
   sky_5_percent,         ///< density of the sky's directions
   sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
   window_5_percent,      ///< density of next events through windows
   rect_light_5_percent,  ///< density of next events at rectangular lights
-  sky_segment_cosine,    ///< the portal's cosine is not cancelled in those
+  sky_segment_cosine,    ///< the same, without cancelling the portal's cosine
 };
 
-/// All strategies of `mixture` that can make the path. `sky`: of the world, where it is asked for
-/// often.
+/// All strategies of `mixture` that can make the path. `sky`: of the world, to be reused.
 std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
                                        Fault fault = Fault::none, const SkyLight* sky = nullptr);
 

@@ -31,7 +31,7 @@ Vec3d mirrored(const Vec3d& w) {
   return {w.x, w.y, -w.z};
 }
 
-// GGX with height-correlated Smith masking, by tangents.
+// GGX with height-correlated Smith masking, written with tangents.
 double tan2(const Vec3d& w) {
   return (w.x * w.x + w.y * w.y) / (w.z * w.z);
 }
@@ -48,7 +48,7 @@ double g2(const Vec3d& v, const Vec3d& w, double a) {
   return 1 / (1 + lambda(v, a) + lambda(w, a));
 }
 
-// The surface as `from` sees it: mirrored, if need be, so that from.z > 0.
+// The surface as seen from `from`, mirrored if necessary so that from.z > 0.
 struct OrientedBsdf {
   OrientedBsdf(const Bsdf& bsdf, const Vec3d& w)
       : b(bsdf),
@@ -98,7 +98,7 @@ struct OrientedBsdf {
     return interface ? left_over(surfaces().interface_albedo(mu, alpha)) : Vec3d(1.0);
   }
 
-  // What the layers above leave along a direction that is turned as `from` is.
+  // Transmittance of the layers above along a direction turned like `from`.
   double under_coat(const Vec3d& w) const {
     if (!(b.coat.strength > 0) || inside(w)) return 1;
     return coat::left_over(b.coat, dot(turn(w), Vec3d(b.coat.normal)));
@@ -133,7 +133,7 @@ struct OrientedBsdf {
     return mean;
   }
 
-  // That the diffuse lobe is taken and not the interface, below a sheen; -1: there is neither.
+  // Probability of the diffuse lobe, as against the interface, below a sheen; -1: there is neither.
   double diffuse_or_interface() const {
     if (!positive(diffuse)) return interface ? 0 : -1;
     if (!interface) return 1;
@@ -143,7 +143,8 @@ struct OrientedBsdf {
                               : sum(Vec3d(1.0) - left + left * through) + 3e-3 * b.f90;
     return d + i > 0 ? d / (d + i) : -1;
   }
-  // Those of the diffuse lobe and of the sheen; the interface has the rest. Less than 0: nothing.
+  // Probabilities of the diffuse lobe and of the sheen; the rest is the interface's. Negative:
+  // none.
   std::array<double, 2> shares() const {
     const double d = diffuse_or_interface();
     if (!positive(sheen)) return {d, 0};
@@ -154,7 +155,7 @@ struct OrientedBsdf {
         d < 0 ? 1 : sum(sheen) * std::max(e, 0.05) / (sum(sheen) * std::max(e, 0.05) + under);
     return {d < 0 ? 0 : (1 - s) * d, s};
   }
-  // That the interface, once taken, reflects and does not transmit; -1: neither.
+  // Probability that the interface, once chosen, reflects instead of transmitting; -1: neither.
   double reflect_probability(const Vec3d& F) const {
     const double r = sum(F), t = sum(transmittance(F));
     return r + t > 0 ? r / (r + t) : -1;
@@ -166,11 +167,11 @@ struct OrientedBsdf {
   bool solid, interface;
   Vec3d diffuse, sheen;
   double alpha;                     // 0: smooth
-  double ratio;                     // index behind the interface / before it, for Fresnel
-  double n_from = 1, n_behind = 1;  // index where directions live
+  double ratio;                     // index behind the interface / in front of it, for Fresnel
+  double n_from = 1, n_behind = 1;  // indices of refraction on either side
 };
 
-// Microfacet that connects view.from and `to` (mirrored like it) and how densely it does.
+// The microfacet that connects view.from and `to` (mirrored like it), with its Jacobians.
 struct Facet {
   Facet(const OrientedBsdf& view, const Vec3d& to) : reflects(to.z > 0) {
     if (!reflects && !positive(view.through)) return;
@@ -184,7 +185,7 @@ struct Facet {
     there = cos > 0 && cos_to > 0;
     const double scale = bends ? cos_to / (l * l) : 0.25 / cos;  // (n_from from.h + n_to to.h)^2
     dh_dto = bends ? square(view.n_behind) * scale : scale;
-    f_jacobian = bends ? cos * scale : 0.25 / square(view.n_from);  // of basic radiance
+    f_jacobian = bends ? cos * scale : 0.25 / square(view.n_from);  // for basic radiance
   }
 
   Vec3d h;
@@ -240,7 +241,7 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 
 Vec3d albedo(const Bsdf& b, const Vec3d& from) {
   const OrientedBsdf view(b, from);
-  if (view.solid && view.back && view.rough()) return Vec3d(1.0);  // all of it, beyond some angle
+  if (view.solid && view.back && view.rough()) return Vec3d(1.0);  // all, beyond some angle
   const Vec3d left =
       view.smooth() ? Vec3d(1.0) - view.fresnel(view.from.z) : view.left_over(view.from.z);
   Vec3d all = Vec3d(1.0) - left + left * (view.through + view.diffuse);

@@ -1,7 +1,6 @@
-// Scattering at one point of a surface by the formulas as books have them, and each question
-// answered by itself: against the text of shaders/shared/path. Only the tables of albedos are
-// shared with it. For tests. Directions are unit, in the shading frame
-// [shaders/shared/path/bsdf.h].
+// The BSDF at one point by textbook formulas, with a separate function for each quantity: the
+// reference for the code of shaders/shared/path, with which it shares only the albedo tables. For
+// tests. Directions are unit, in the shading frame [shaders/shared/path/bsdf.h].
 #pragma once
 #include "tools/tdpt-render/path/bsdf/bsdf.h"
 
@@ -13,15 +12,15 @@ bool transmits(const Bsdf& b);
 bool only_diffuse(const Bsdf& b);
 /// Index of refraction on the side of w.
 double index(const Bsdf& b, const Vec3d& w);
-/// Lobes that are not Dirac [1/sr], and the density with which they are drawn.
+/// Lobes that are not Dirac [1/sr], and their sampling density.
 Vec3d f(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to);
-/// Directional albedo: the share that leaves of what comes from `from`.
+/// Directional albedo: the share of the light from `from` that leaves again.
 Vec3d albedo(const Bsdf& b, const Vec3d& from);
-/// Of the Dirac lobe that leads from `from` to `to`.
+/// For the Dirac lobe that connects `from` and `to`.
 double dirac_probability(const Bsdf& b, const Vec3d& from, const Vec3d& to);
 Vec3d dirac_reflectance(const Bsdf& b, const Vec3d& from, const Vec3d& to);
-/// That the diffuse lobe or the sheen is taken.
+/// Probability of the diffuse lobe or the sheen.
 double diffuse_probability(const Bsdf& b, const Vec3d& from);
 
 }  // namespace bsdf

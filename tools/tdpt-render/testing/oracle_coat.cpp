@@ -6,7 +6,7 @@
 namespace tdpt::oracle {
 namespace {
 
-// In a frame about `normal`; mirrored to its front side if asked for.
+// In a frame about `normal`; mirrored to its front side if `to_front`.
 Vec3d local(const Vec3d& normal, const Vec3d& w, bool to_front) {
   Vec3d v = Onb<double>(normal).to_local(w);
   if (to_front) v.z = std::abs(v.z);
@@ -21,7 +21,7 @@ CoatedSurface::CoatedSurface(const Point& p)
       base_(p.shading),
       coat_(Onb<double>(p.shading).to_world(Vec3d(p.bsdf.coat.normal))) {}
 
-// Whether light from a to b is scattered by the one or by the other.
+// Whether the coat, or the base, scatters light from a to b.
 bool CoatedSurface::seen(const Vec3d& a, const Vec3d& b, bool by_coat) const {
   const Vec3d& n = by_coat ? coat_ : base_;
   for (const Vec3d& w : {a, b})
@@ -39,7 +39,7 @@ double CoatedSurface::take(const Vec3d& back) const {
   return e / (e + (rest.x + rest.y + rest.z) / 3);
 }
 
-// Which of two mirrors leads from a to b: that whose normal lies nearer to the half vector.
+// Which of two mirrors connects a and b: the one whose normal is nearer to the half vector.
 bool CoatedSurface::mirrored_by_coat(const Vec3d& a, const Vec3d& b) const {
   if (!coat::smooth(bsdf_.coat) || !seen(a, b, true)) return false;
   const bool by_base = seen(a, b, false) && bsdf::dirac_probability(bsdf_, local(base_, a, false),

@@ -1,22 +1,22 @@
-// The slow, obvious reference for shaders/shared/path/coated.h: both surfaces as if they were two,
-// each with its own normal in the world. For tests.
+// The slow, obvious reference for shaders/shared/path/coated.h: base and coat as two separate
+// surfaces, each with its own normal in world space. For tests.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/point.h"
 
 namespace tdpt::oracle {
 
-/// A point with a clear coat; unit directions away from it.
+/// A point with a clear coat; unit directions point away from it.
 class CoatedSurface {
  public:
   explicit CoatedSurface(const Point& p);
 
-  /// As of oracle.cpp's surfaces: densities [1/sr], of a Dirac lobe per n^2 |cos| dw; the radiance
-  /// BSDF with geometric cosines, of a Dirac lobe without its delta.
+  /// As for surfaces of oracle.cpp: densities [1/sr], for a Dirac lobe per n^2 |cos| dw; the
+  /// radiance BSDF with geometric cosines, for a Dirac lobe without its delta.
   double pdf_w(const Vec3d& back, const Vec3d& to, bool dirac) const;
   Vec3d scattering(const Vec3d& to_light, const Vec3d& to_camera, bool dirac) const;
   double albedo(const Vec3d& back) const;
   double emission_share(const Vec3d& w) const;
-  /// That a Dirac lobe is tried, and that a lobe is taken that is not narrow.
+  /// Probabilities of a Dirac lobe, and of a lobe that is not narrow.
   void odds(const Vec3d& back, double& dirac, double& broad) const;
 
  private:

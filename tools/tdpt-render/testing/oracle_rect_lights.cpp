@@ -9,7 +9,7 @@ Vec3d towards(const Vertex& from, const Vertex& to) {
   return to.at_infinity() ? -to.position : normalize(to.position - from.position);
 }
 
-// cos cos / d^2 of a place on a rectangular light.
+// cos cos / d^2 of a point on a rectangular light.
 double arrives(const Vertex& x1, const Vec3d& up, bool both_ways, const RectLight& rect_light,
                const Vec3d& place) {
   const Vec3d d = place - x1.position;
@@ -18,7 +18,7 @@ double arrives(const Vertex& x1, const Vec3d& up, bool both_ways, const RectLigh
          std::abs(dot(rect_light.normal, normalize(d))) / dot(d, d);
 }
 
-// The plane of a rectangular light as it is laid out about a point: s and t of a place, and a, b.
+// The plane of a rectangular light as seen from a point: s and t of a place on it, and a, b.
 struct Layout {
   Layout(const RectLight& rect_light, const Vec3d& point)
       : x(rect_light.x),

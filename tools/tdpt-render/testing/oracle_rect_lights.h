@@ -1,12 +1,12 @@
-// The slow, obvious reference for rect_lights.h: what a rectangular light sends to a point, from
-// its four corners' places alone. For tests.
+// The slow, obvious reference for rect_lights.h: the light of a rectangle at a point, from its four
+// corners alone. For tests.
 #pragma once
 #include "tools/tdpt-render/path/sample/path.h"
 
 namespace tdpt::oracle {
 
-/// p_A of x_0, on a rectangular light, as a next event at x_1 of a path that goes on to x_2, among
-/// rectangular lights.
+/// p_A of x_0, on a rectangular light, as a next event among rectangular lights at x_1 of a path
+/// that goes on to x_2.
 double rect_light_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const Vertex& x2);
 
 }  // namespace tdpt::oracle

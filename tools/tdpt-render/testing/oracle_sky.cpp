@@ -11,12 +11,12 @@ namespace {
 
 using std::numbers::pi;
 
-/// Heights y of the rows' centres of a map, from pole to pole: 1, the centres', -1.
+/// Heights y of the centres of a map's rows, from pole to pole: 1, the centres', -1.
 double node(const Sky::Map& map, int i) {
   return i == 0 ? 1 : i > map.height ? -1 : std::cos(pi * (i - 0.5) / map.height);
 }
 
-/// Where a direction lies among the centres of texels: in columns from the first's on, and in rows
+/// Position of a direction among the centres of texels: in columns from the first one, and in rows
 /// of nodes.
 struct Place {
   double column, row;
@@ -59,12 +59,12 @@ double solid_angle(const Sky::Sun& sun) {
   return 4 * pi * std::pow(std::sin(sun.half_angle / 2), 2);
 }
 
-/// The sky is laid out over t / (1 + |t|), t a tangent.
+/// Coordinate of the resampled sky: t / (1 + |t|), t a tangent.
 double compress(double t) {
   return t / (1 + std::abs(t));
 }
 
-/// Share of cell i of n over (-1, 1) that lies between two tangents.
+/// Share of cell i of n over (-1, 1) between two tangents.
 double overlap(int i, int n, double from, double to) {
   const double low = 2.0 * i / n - 1, high = 2.0 * (i + 1) / n - 1;
   return std::max(0.0, std::min(high, compress(to)) - std::max(low, compress(from))) * n / 2;
@@ -72,13 +72,13 @@ double overlap(int i, int n, double from, double to) {
 
 }  // namespace
 
-/// The rectangle around a facet along the axes of its sky, as seen from a place.
+/// The rectangle around a facet along its frame's axes, as seen from a point.
 struct Rectangle {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
   double height = 0;   ///< along z
   bool above = false;  ///< a corner is above the surface's horizon
 
-  /// `front`: unit, side of the surface there that light comes to; 0: both.
+  /// `front`: unit normal of the surface there, on the side that light arrives at; 0: both.
   Rectangle(const PortalSet& portals, const WindowSky::Window& window, const Vec3d& from,
             const Vec3d& front) {
     const WindowFrame& sky = *window.frame;
@@ -115,7 +115,7 @@ SkyLight::SkyLight(const World& world) : world_(world) {
                         (node(map, row / down_) - node(map, row / down_ + 1)) / down_;
     for (int column = 0; column < map.width * across_; ++column) {
       const Place middle{(column + 0.5) / across_, (row + 0.5) / down_};
-      const double light = map_luminance(sky, middle) * cell;  // linear: the middle's is the mean
+      const double light = map_luminance(sky, middle) * cell;  // linear, so the centre has the mean
       total_ += light;
       total_across_ += light * across_portals(direction_of(sky, middle));
     }
@@ -203,7 +203,7 @@ double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, cons
     const WindowFrame& frame = *window.frame;
     const Vec3d w(dot(frame.x, towards), dot(frame.y, towards), dot(frame.z, towards));
     if (!(r.seen() && w.z > 0 && r.passed_along(w))) continue;
-    // Content over solid angle: of the plane z = 1, and that of it.
+    // Content over solid angle: content per area of the plane z = 1, and area per solid angle.
     const Layout& layout = layout_of(window);
     const double s = w.x / w.z, t = w.y / w.z, n = layout.n;
     const auto cell = [&](double x) { return static_cast<size_t>((compress(x) + 1) / 2 * n); };

@@ -1,5 +1,5 @@
-// What the oracle knows of light from the sky: the densities with which walks begin there and next
-// events look there. By sums over all of the sky where the fast code has tables. For tests.
+// The oracle's densities for light from the sky: where walks begin there and where next events
+// look, by sums over the whole sky where the fast code has tables. For tests.
 #pragma once
 #include <vector>
 
@@ -11,19 +11,20 @@ struct Rectangle;
 
 class SkyLight {
  public:
-  /// `world` must outlive it, with the portals that it has now.
+  /// `world` must outlive it and keep its present portals.
   explicit SkyLight(const World& world);
 
-  /// Density of a direction in which walks begin [1/sr], unit `towards` the sky: a tenth by
-  /// luminance alone, the rest by luminance times the portals' area across the direction.
+  /// Density of the direction in which a walk begins [1/sr], `towards`: unit, to the sky. A tenth
+  /// of it by luminance alone, the rest by luminance times the portals' area projected along the
+  /// direction.
   double start_pdf_w(const Vec3d& towards) const;
-  /// Density of a direction of next events at `shaded`, from which a path goes on to `next` [1/sr],
-  /// of which the share `q` looks through windows; `through`: factor of their density.
+  /// Density [1/sr] of a direction of next events at `shaded`, on a path that goes on to `next`.
+  /// `q`: share that looks through windows; `through`: factor of their density.
   double next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards, double q,
                           double through) const;
 
  private:
-  /// Cells in which the sky is laid out as seen through a plane: luminance x solid angle.
+  /// The sky in the cells of a window's frame: luminance x solid angle.
   struct Layout {
     const WindowFrame* frame;
     int n;
@@ -35,9 +36,9 @@ class SkyLight {
   double seen_through(const WindowSky::Window& window, const Rectangle& r) const;
 
   const World& world_;
-  // Parts of a cell between texels' centres, within which the portals count alike.
+  // Parts of a cell between texels' centres, within which the portals' weight is constant.
   int across_ = 0, down_ = 0;
-  double total_ = 0, total_across_ = 0;  // of luminance, of luminance times area [per sr]
+  double total_ = 0, total_across_ = 0;  // of luminance, and of luminance times area [per sr]
   std::vector<Layout> layouts_;
 };
 

@@ -1,4 +1,4 @@
-// For tests: the two rooms with rectangular lights beside the lamp.
+// For tests: the two rooms with rectangular lights besides the lamp.
 #pragma once
 #include "tools/tdpt-render/testing/known_paths.h"
 
@@ -22,8 +22,8 @@ inline void add_rect_light(Scene& scene, const Vec3d& p, const Vec3d& u, const V
   }
 }
 
-/// One in the ceiling, one in a wall from near the floor, one in mid air that shines on both sides;
-/// with the lamp four.
+/// One in the ceiling, one in a wall near the floor, one in mid air that shines on both sides; four
+/// with the lamp.
 inline Scene with_rect_lights(Scene scene) {
   add_rect_light(scene, {0.5, 1.95, -0.4}, {0.8, 0, 0}, {0, 0, 0.6}, Rgb(3.0f));
   add_rect_light(scene, {0.05, 0.1, -0.5}, {0, 1.2, 0}, {0, 0, 0.8}, {1, 2, 3});

@@ -1,5 +1,5 @@
-// For tests: who renders. Those that are compiled with TDPT_BY_SCALAR ask of the renderer that
-// devices have what they ask of the CPU's.
+// For tests: the renderer under test. Tests compiled with TDPT_BY_SCALAR use the device's renderer
+// instead of the CPU's.
 #pragma once
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/variant.h"
@@ -23,8 +23,8 @@ inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
 #endif
 }
 
-/// Of the scalar build, which takes ten times as long a sample, those that run all kernels between
-/// them.
+/// For the scalar build, which takes ten times as long per sample: a few that run all kernels
+/// between them.
 inline std::vector<const Integrator*> integrators_under_test() {
   if (kByScalar) return {&pt, &nee, &tdpt_org, &tdpt_guided};
   return integrators();

@@ -1,4 +1,4 @@
-// For tests: the rooms of testdata/scenes and portals that fit them.
+// For tests: the rooms of testdata/scenes, with portals that fit them.
 #pragma once
 #include <string>
 
@@ -18,13 +18,13 @@ inline Portal rectangle(const Vec3d& p, const Vec3d& u, const Vec3d& v) {
   return {"rectangle", {p, p + u, p + u + v, p + v}, {{0, 1, 2}, {0, 2, 3}}, {}};
 }
 
-/// In the middle of the wall of two-rooms, light going to -x.
+/// In the middle of the wall of two-rooms; light crosses it to -x.
 inline Portal portal_in_the_hole() {
   return rectangle({2.05, 0.875, -0.125}, {0, 0, 0.25}, {0, 0.25, 0});
 }
 
-/// The hole's portal, and a tilted one across the camera's room that many paths cross as well,
-/// some of them twice.
+/// The hole's portal, and a tilted one across the camera's room that many paths also cross, some of
+/// them twice.
 inline std::vector<Portal> two_crossing_portals() {
   return {portal_in_the_hole(), rectangle({1.0, 0.2, -0.9}, {0.3, 0, 1.8}, {0.2, 1.6, 0})};
 }

@@ -9,7 +9,7 @@ namespace tdpt {
 namespace shader {
 namespace {
 
-// Refers to memory, as a kernel does to its buffers, by the same names.
+// Refers to memory under the names of a kernel's buffers.
 struct ScalarKernels {
   using Real = float;
 #define OF_PATH(binding, type, name, array, count) \
@@ -23,7 +23,7 @@ struct ScalarKernels {
 #undef WORDS_OF_PATH
   const LightSettings* settings_of_lights;
   GuideParameters guiding;
-  // What it has.
+  // Features of the scene.
   bool scene_has_layers, scene_has_normals, scene_has_textures, scene_has_colours, scene_has_coats,
       scene_has_sheen, scene_has_transmission, scene_has_absorption, scene_has_panes,
       scene_has_coverage, coverage_has_textures;

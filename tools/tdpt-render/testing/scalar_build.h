@@ -1,5 +1,5 @@
-// The scalar build of a device: the kernels' text as C++, on the CPU. Slow and plain, it says what
-// a device must render, byte for byte.
+// The scalar build of a device: the kernels compiled as C++, on the CPU. Slow and plain, it defines
+// what a device must render, byte for byte.
 #pragma once
 #include <memory>
 
@@ -8,7 +8,7 @@
 
 namespace tdpt {
 
-/// Keeps a reference to the tables. `film_words`: of the film and of what is counted beside it.
+/// Keeps a reference to the tables. `film_words`: of the film and of the counts beside it.
 std::unique_ptr<Machine> make_scalar_machine(const RenderTables& tables, const Capacity& room,
                                              uint32_t film_words);
 

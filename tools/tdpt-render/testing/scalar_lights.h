@@ -1,11 +1,11 @@
-// Lights as kernels have them, on the CPU: the same text as C++.
+// The scalar build of the kernels' code on lights.
 #pragma once
 #include "shaders/shared/tables.h"
 #include "tools/tdpt-render/device/light_tables.h"
 
 namespace tdpt::shader {
 
-/// Refers to tables.
+/// Refers to the tables.
 struct ScalarLights {
   using Real = float;
   TABLES_OF_LIGHTS(REFERS_TO)

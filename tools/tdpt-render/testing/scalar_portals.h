@@ -1,4 +1,4 @@
-// For tests: the scalar build of a kernel that has portals, and portals to try it with.
+// For tests: the scalar build of the kernels' code on portals, and portals to test it with.
 #pragma once
 #include "libcommon/math/rng.h"
 #include "shaders/shared/path/portals_test_layout.h"
@@ -25,7 +25,7 @@ struct ScalarPortals {
         portals_have_pairs(!t.pairs.empty()) {}
 
 #include "shaders/shared/path/portals.h"
-  // Apart: each begins with language.h.
+  // A separate block of includes: each begins with language.h.
 #include "shaders/shared/path/portals_test.h"
 };
 
@@ -33,7 +33,7 @@ struct ScalarPortals {
 
 namespace tdpt {
 
-/// Parallelogram about `centre` with half sides u and v; light passes it along cross(u, v).
+/// Parallelogram about `centre` with half sides u and v; light crosses it along cross(u, v).
 inline Portal plate(const Vec3d& centre, const Vec3d& u, const Vec3d& v) {
   const Vec3d p = centre - u - v;
   return {"plate", {p, p + u * 2, p + u * 2 + v * 2, p + v * 2}, {{0, 1, 2}, {0, 2, 3}}, {}};
@@ -61,7 +61,8 @@ inline std::vector<NamedPortals> portals_to_try() {
     slit.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
     slit.triangles.push_back({2 * i, 2 * i + 3, 2 * i + 2});
   }
-  // Two layers of five by `rows`, light passing one before the other: each with each is a pair.
+  // Two layers of five by `rows` portals, one after the other on the light's way: each with each is
+  // a pair.
   const auto layers = [](int rows) {
     std::vector<Portal> portals;
     for (int i = 0; i < 10 * rows; ++i)

@@ -1,4 +1,4 @@
-// Test only: the text of shaders/shared/path/surface.h as C++, over tables of the host.
+// Test only: the code of shaders/shared/path/surface.h as C++, over tables on the host.
 #pragma once
 #include "libcommon/scene/surface_tables.h"
 #include "shaders/shared/path/surface_heads.h"
@@ -7,7 +7,7 @@
 
 namespace tdpt::shader {
 
-/// Of any scene.
+/// The same for all scenes.
 struct Curves {
   std::vector<float> surface = of(tdpt::surface_curves()), sheen = of(tdpt::sheen_curves());
   static std::vector<float> of(std::span<const double> curves) {

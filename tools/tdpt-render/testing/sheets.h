@@ -15,7 +15,7 @@ inline Material clear_pane() {
   return m;
 }
 
-/// Covers `alpha` of what is behind it.
+/// A sheet of opacity `alpha`.
 inline Material veil(float alpha) {
   Material m;
   m.plain = false;

@@ -26,7 +26,7 @@ inline Sky::Map graded_map() {
     }
   return map;
 }
-/// The same with a bright patch low about +x, black below the horizon on the side of -z.
+/// The same with a bright patch low about +x, and black below the horizon on the side of -z.
 inline Sky::Map uneven_map() {
   Sky::Map map = graded_map();
   for (int y = 0; y < map.height; ++y)
@@ -37,19 +37,19 @@ inline Sky::Map uneven_map() {
     }
   return map;
 }
-/// Turned by 0.3 rad.
+/// Rotated by 0.3 rad.
 inline std::shared_ptr<const Sky> uneven_sky(std::vector<Sky::Sun> suns = {}) {
   return std::make_shared<Sky>(uneven_map(), 0.3, std::move(suns));
 }
 
-/// A disc that sends `irradiance` [W/m2] to a plane across its way.
+/// A disc that gives `irradiance` [W/m2] on a plane perpendicular to it.
 inline Sky::Sun sun_of(const Vec3d& towards, double half_angle, float irradiance) {
   const double s = std::sin(half_angle);
   return {normalize(towards), half_angle,
           Rgb(irradiance) * static_cast<float>(1 / (std::numbers::pi * s * s))};
 }
 
-/// Without the triangles whose corners [m] all are `gone`.
+/// Removes the triangles whose corners [m] are all `gone`.
 template <class Gone>
 Scene without(const Scene& scene, const Gone& gone) {
   Scene open = scene;
@@ -66,7 +66,7 @@ Scene without(const Scene& scene, const Gone& gone) {
   return open;
 }
 
-/// Without what lies beyond `x` [m] all over.
+/// Removes all that lies beyond `x` [m].
 inline Scene open_end(const Scene& scene, double x) {
   return without(scene, [x](const Vec3d& p) { return p.x > x; });
 }

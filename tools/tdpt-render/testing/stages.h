@@ -1,4 +1,4 @@
-// For tests: scenes that have, between them, all that kernels know of.
+// For tests: scenes that between them use every feature of the kernels.
 #pragma once
 #include <filesystem>
 
@@ -12,7 +12,7 @@
 
 namespace tdpt {
 
-/// A scene, and what a picture of it takes.
+/// A scene with its portals and settings.
 struct Stage {
   std::string name;
   Scene scene;
@@ -31,12 +31,12 @@ inline Scene read_bytes(const std::string& glb) {
 
 inline const Portal kWideWindow = rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0});
 
-/// One portal behind another: pairs.
+/// One portal behind another, so that there are pairs.
 inline Stage two_rooms_stage() {
   return {"two_rooms", read_gltf(two_rooms_path()), two_crossing_portals()};
 }
 
-/// Lamps of many powers, most of them shining on both sides; a door of many triangles.
+/// Lamps of many powers, most of them two-sided; a door of many triangles.
 inline Stage door_stage() {
   Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
   for (size_t i = 0; i < 40; ++i) {
@@ -51,7 +51,7 @@ inline Stage door_stage() {
   return {"door", scene, {rectangle({2.05, 0.02, -0.4}, {0, 0, 0.8}, {0, 1.8, 0})}};
 }
 
-/// Rooms with every material that there is, textures and sheets; none where another is.
+/// Rooms with every material, textures and sheets; without any that excludes another.
 inline Scene scene_of_materials(testing::GlossyRooms::Light light) {
   Scene scene = read_bytes(testing::glossy_rooms({.plastic_floor = true,
                                                   .metal_walls = true,
@@ -91,7 +91,7 @@ inline void add_lamps_without_surface(Scene& scene) {
     scene.lights.push_back(light);
   }
 }
-/// Lamps without surface of all kinds, before surfaces that are more than diffuse.
+/// Lamps without surface of all kinds, lighting surfaces that are more than diffuse.
 inline Stage lamps_stage() {
   Scene scene = read_bytes(testing::glossy_rooms(
       {.plastic_floor = true, .smooth = true, .light = testing::GlossyRooms::Light::sun}));
@@ -101,7 +101,7 @@ inline Stage lamps_stage() {
 
 inline const Sky::Sun kLowSun = sun_of({1, 0.45, 0.2}, 0.25 * kDegree, 5);
 
-/// More than diffuse surfaces, all there for every ray.
+/// Surfaces that are more than diffuse, all of them opaque.
 inline Stage solids_stage() {
   return {"solids",
           read_bytes(testing::glossy_rooms({.plastic_floor = true,
@@ -125,11 +125,11 @@ inline Stage sky_stage() {
   return {"sky", under(scene, uneven_sky({kLowSun})), {folded}};
 }
 
-/// A camera that sees through the wall before it, with a transparent film.
+/// A camera that sees through the wall in front of it, with a transparent film.
 inline Stage culling_stage() {
   Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
   for (Material& m : scene.materials) m.double_sided = false;
-  scene.materials[0].alpha = 0.5f;  // before the sky, too
+  scene.materials[0].alpha = 0.5f;  // also in front of the sky
   scene.materials[0].alpha_mode = Material::Alpha::blend;
   scene.materials[0].plain = false;
   const Vec3d from{-1.5, 1.3, 0.4}, to{2, 1, -0.1};

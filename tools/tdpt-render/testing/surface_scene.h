@@ -1,5 +1,5 @@
-// Test only: a heap of triangles whose materials, textures and corners are drawn by chance, so that
-// surfaces have all that they can have.
+// Test only: a heap of triangles with random materials, textures and corners, which covers every
+// feature of surfaces.
 #pragma once
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"

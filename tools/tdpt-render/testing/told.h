@@ -1,4 +1,4 @@
-// For tests: the error that a pilot is to tell, from many pictures.
+// For tests: the error that a pilot should report, from many pictures.
 #pragma once
 #include <vector>
 
@@ -6,8 +6,8 @@
 
 namespace tdpt {
 
-/// relMSE of one sample, whose pixel is normalised as exrdiff does: from the variance of each pixel
-/// over pictures of 16 samples.
+/// relMSE of one sample, normalised per pixel as in exrdiff, from each pixel's variance over
+/// pictures of 16 samples.
 inline double error_of_pictures(const World& world, const Integrator& integrator,
                                 int max_depth = kMaxDepth) {
   constexpr int kPictures = 48;

@@ -1,4 +1,4 @@
-// For tests: integrators that do something else than their mixture says, to be caught.
+// For tests: variants of integrators, with planted faults for twins.
 #pragma once
 #include <cmath>
 
@@ -15,15 +15,15 @@ inline std::vector<const Integrator*> integrators() {
 }
 
 struct Variant {
-  Variant(const Integrator& integrator_) : integrator(integrator_) {}  // as it should be
+  Variant(const Integrator& integrator_) : integrator(integrator_) {}  // without a fault
   Variant(const Integrator& integrator_, void (*run_)(PathSampler&))
       : integrator(integrator_), run(run_) {}
-  /// Weighed as `techniques`, samples of its own.
+  /// Weighed as `techniques`, but with other samples.
   Variant(TechniqueSet techniques, void (*run_)(PathSampler&))
       : integrator{"faulty", 9, {techniques}}, run(run_) {}
 
-  /// As a picture is rendered [passes.h]: light walks are cached, and the weights expect as many
-  /// connections as there are.
+  /// As pictures are rendered [passes.h]: light walks are cached, and the weights expect the real
+  /// number of connections.
   static Variant cached(const World& world, const Integrator& integrator, int max_depth) {
     Variant v(integrator);
     v.caches = true;
@@ -39,22 +39,22 @@ struct Variant {
     run(sampler);
     sampler.end();
   }
-  /// Samples 0..spp-1 of all pixels. `at(x, y)` is told whose comes next.
+  /// Samples 0..spp-1 of all pixels. `at(x, y)` is called before each.
   template <class At>
   void picture(PathSampler& sampler, int width, int height, uint64_t spp, const At& at) const;
 
   Integrator integrator;
   bool caches = false;
-  /// Exponent of the MIS weights of each technique's samples, which sum to 1 if it is the same.
+  /// MIS exponent for each technique's samples; the weights sum to 1 only if it is the same.
   std::array<double, kTechniques> beta{1, 1, 1, 1, 1};
   void (*run)(PathSampler&) = [](PathSampler& sampler) { sampler.run(); };
-  /// Share of a cache's samples that its light walks are counted as those of.
+  /// Factor of the number of samples that a cache's light walks are counted for.
   double counted_samples = 1;
-  /// Which pixels have a cache in common.
+  /// Which pixels share a cache.
   uint64_t (*pixel)(uint64_t cache, uint64_t i, uint64_t caches, uint64_t pixels) = pixel_of_cache;
-  /// Contributions that get lost on the way to the film; null: none.
+  /// Whether a contribution is lost on the way to the film; null: none is.
   bool (*loses)(const World&, const Contribution&) = nullptr;
-  /// What a sample with caches does beside its phases.
+  /// What a sample with caches does besides its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };
 
@@ -100,7 +100,7 @@ void Variant::picture(PathSampler& sampler, int width, int height, uint64_t spp,
     }
 }
 
-/// Runs `fewer` in place of all that the mixture has.
+/// Runs only `fewer` of the mixture's techniques.
 template <Technique... fewer>
 void run_only(PathSampler& sampler) {
   sampler.walk_from_camera();
@@ -108,7 +108,7 @@ void run_only(PathSampler& sampler) {
   (sampler.run(fewer), ...);
 }
 
-/// Runs one of its techniques again.
+/// Runs one of its techniques a second time.
 template <Technique again>
 void run_twice(PathSampler& sampler) {
   sampler.run();

@@ -1,5 +1,5 @@
-// How surfaces scatter: the text of shaders/shared/path in doubles, over the renderer's points.
-// shaders/shared/path/bsdf.h says what the lobes are.
+// The BSDF code of shaders/shared/path in doubles, over the renderer's points.
+// shaders/shared/path/bsdf.h describes the lobes.
 #pragma once
 #include "libcommon/math/vec.h"
 #include "shaders/shared/path/point.h"

@@ -1,5 +1,5 @@
-// Scattered directions follow the density they claim, and smooth lobes are taken as often: by
-// chi-square over bins of the sphere and by the binomial distribution.
+// Sampled directions follow their density, by chi-square over bins of the sphere; smooth lobes have
+// their probability, by the binomial distribution.
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -72,7 +72,7 @@ void all_hold(const std::vector<Case>& cases) {
 Vec3d reflection(const Vec3d& from) {
   return {-from.x, -from.y, from.z};
 }
-// Where the middle of the transmitted lobe lies, or the reflected one if there is none.
+// Centre of the transmitted lobe, or of the reflected one if there is none.
 Vec3d transmission(const Bsdf& b, const Vec3d& from) {
   Bsdf smooth = b;
   smooth.alpha = 0;
@@ -119,7 +119,7 @@ TEST(bsdf_sampling, smooth_lobes_are_taken_as_often_as_they_say) {
   all_hold(cases);
 }
 
-// Faults that must be found.
+// Twins.
 
 TEST(bsdf_sampling, twin_a_density_5_percent_off) {
   const auto scaled = [](const Bsdf& b, const Vec3d& from, const Vec3d& to) {

@@ -1,7 +1,7 @@
-// Surfaces: symmetric, never more light than came, and Fresnel's and Snell's laws.
+// Surfaces: symmetry, conservation of energy, Fresnel's and Snell's laws.
 //
-// With basic radiance, energy E(from) = int f(from, to) n_to^2 |cos_to| dw_to + Dirac lobes is what
-// a beam from `from` keeps: etendue n^2 |cos| dw is what a loss-free surface conserves.
+// With basic radiance, energy E(from) = int f(from, to) n_to^2 |cos_to| dw_to + Dirac lobes is the
+// share of a beam from `from` that is kept: a lossless surface conserves etendue n^2 |cos| dw.
 #include "tools/tdpt-render/path/bsdf/bsdf.h"
 
 #include <complex>
@@ -39,7 +39,7 @@ bool symmetric(const Vec3d& ab, const Vec3d& ba) {
   return difference(ab, ba) <= 2e-4 * std::max(1e-6, max_component(max(ab, ba)));
 }
 
-// Pairs drawn evenly, and pairs that sample() connects; asymmetric(b, from, to) = f.
+// Uniform pairs, and pairs that sample() connects; asymmetric(b, from, to) = f.
 template <class F>
 int asymmetric_pairs(const Bsdf& b, F f) {
   int bad = 0;
@@ -63,8 +63,8 @@ double apart(const Vec3d& mine, const Vec3d& of_books) {
   return difference(mine, of_books) /
          std::max({max_component(mine), max_component(of_books), 1e-9});
 }
-// Of all kinds, at pairs drawn evenly and pairs that sample() connects: how far the text is from
-// the formulas of books [oracle_bsdf.h], at most. Twin: a text of another alpha.
+// Largest difference, over BSDFs of all kinds at such pairs, between the code and textbook formulas
+// [oracle_bsdf.h]. Twin: `of_text` differs from alpha.
 double most_apart(float alpha, float of_text) {
   double most = 0;
   for (const NamedBsdf& k : all(alpha))
@@ -135,7 +135,7 @@ TEST(bsdf, smooth_lobes_are_symmetric) {
       EXPECT_LT(difference(there, back), 1e-5);
       EXPECT_GT(whole::dirac_probability(k.b, s.to, from), 0);
       EXPECT_NEAR(length(s.to), 1, 1e-12);
-      // The way back is the way there.
+      // Reciprocity: the way back is the way there.
       const bool reflects = from.z * s.to.z > 0;
       const double ratio = reflects ? 1 : index(k.b, s.to) / index(k.b, from);
       const double sign = reflects ? 1 : -1;
@@ -145,7 +145,7 @@ TEST(bsdf, smooth_lobes_are_symmetric) {
     }
 }
 
-// What a beam from `from` keeps, by `n` low-discrepancy samples (the R3 sequence).
+// Energy kept of a beam from `from`, by `n` low-discrepancy samples (the R3 sequence).
 struct Energy {
   Vec3d mean;
   double largest = 0;  // weight
@@ -223,8 +223,8 @@ TEST(bsdf, twin_an_undarkened_diffuse_lobe_creates_energy) {
   EXPECT_GT(energy_by_quadrature(b, from, undarkened), 1.02);
 }
 
-// What the interface reflects, by sampling it alone, and what its presence leaves of a white
-// diffuse lobe, by quadrature beside the specular peak.
+// Reflectance of the interface, by sampling it alone, plus what it leaves of a white diffuse lobe,
+// by quadrature without the specular peak.
 double white_energy(float alpha, float f0, double z) {
   const Bsdf coated = plastic(alpha, Rgb(1), f0), bare = plastic(alpha, {}, f0);
   const Vec3d from = direction(z, 2);
@@ -363,8 +363,8 @@ TEST(bsdf, black_absorbs) {
   EXPECT_FALSE(whole::sample(plastic(0.1f), {1, 0, 0}, 0.5, 0.5, 0.5, out));
 }
 
-// Directions in the surface or all but, the roughest and the almost smooth: every number is finite,
-// what sample() gives has a density, and its weight is bounded.
+// Directions in or nearly in the surface, the roughest and nearly smooth surfaces: every number is
+// finite, samples have a density, and weights are bounded.
 TEST(bsdf, extremes_stay_finite) {
   constexpr double cosines[] = {1, 1e-2, 1e-5, 1e-11, 1e-13, 1e-16, 1e-200, 5e-324, 0};
   constexpr double uniforms[] = {0, 1e-12, 0.25, 0.5, 0.999, 1 - 0x1p-53};

@@ -1,5 +1,5 @@
-// Clear coat and sheen against the text of their extensions, and coats whose normal is not that of
-// what lies under them.
+// Clear coat and sheen against the formulas of their glTF extensions, and coats whose normal
+// differs from that of the base.
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -12,7 +12,7 @@ namespace tdpt::coated_test {
 using namespace test;
 
 // KHR_materials_clearcoat: V D F of GGX with the coat's roughness and index 1.5, V = G2 / (4 cos
-// cos) written as the format does.
+// cos) written as in the format.
 double coat_of_the_format(double roughness, const Vec3d& l, const Vec3d& v) {
   const double a = roughness * roughness, nl = l.z, nv = v.z;
   const Vec3d h = normalize(l + v);
@@ -82,8 +82,8 @@ TEST(coated, a_fine_sheen_is_scaled_to_what_it_receives) {
   EXPECT_LT(received([](auto& l, auto& v) { return surfaces().sheen_f(l, v, 0.01); }), 1.01);
 }
 
-// The format darkens what lies under a coat along the view alone, by Fresnel's factor of its
-// normal: what is reflected in all must be near to that.
+// The format darkens the layers under a coat by the view direction alone, by the Fresnel factor of
+// its normal: total reflection must be near to that.
 TEST(coated, reflects_about_as_much_as_the_format_says) {
   for (const Bsdf& base :
        {make(Rgb(0.8f), {}, 0, {}, 1), plastic(0.3f, Rgb(0.5f)), metal(0.2f, Rgb(0.7f))})
@@ -113,7 +113,7 @@ TEST(coated, twin_darkened_along_the_view_alone_is_not_symmetric) {
   EXPECT_GT(view_alone, 300);
 }
 
-// Points whose coat leans by `angle`.
+// Points whose coat is tilted by `angle`.
 Point leaning(const Bsdf& b, double angle) {
   Point p = whole::point(b);
   p.bsdf.coat.normal = Vec3f(direction(std::cos(angle), 0.5));
@@ -166,8 +166,7 @@ TEST(coated, twin_a_coat_that_leans_elsewhere_is_caught) {
   EXPECT_LT(p_of_turns(p, judged, direction(0.7, 2), 9), 1e-6);
 }
 
-// What a walk of light carries is what one of importance does, the other way round: weight x pdf /
-// cos is the BSDF.
+// Light walks and camera walks carry the same BSDF in opposite directions: weight x pdf / cos.
 TEST(coated, walks_of_either_kind_carry_the_bsdf) {
   for (const NamedBsdf& k : kinds())
     for (uint64_t i = 0; i < 400; ++i) {
@@ -202,7 +201,7 @@ struct Dirac {
   double probability, reflectance, measure;
 };
 
-// Two mirrors about two normals: each has its own way, and the way back is the same.
+// Two mirrors about two normals: each has its own reflected direction, and reciprocity holds.
 TEST(coated, two_smooth_lobes_are_told_apart) {
   const Point p = leaning(coated_by(0, metal(0, Rgb(0.8f))), 0.3);
   const Onb<double> onb(p.shading);
@@ -220,7 +219,7 @@ TEST(coated, two_smooth_lobes_are_told_apart) {
   EXPECT_NEAR(of_coat.reflectance, surfaces().coat_reflectance(p.bsdf.coat, dot(coat, back)), 1e-6);
 }
 
-// Above the coat's normal and below the other, the coat alone is seen.
+// Above the coat's normal and below the other, only the coat is seen.
 TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
   Point p = whole::point(coated_by(0.3f, plastic(0.3f)));
   p.shading = direction(0.5, 0);
@@ -231,7 +230,7 @@ TEST(coated, is_seen_from_where_what_lies_under_it_is_not) {
               1e-5);
   EXPECT_GT(scatter_pdf_w(p, Incidence(p, low), up, false), 0);
   EXPECT_GT(albedo_of(p, Incidence(p, low)).y, 0.1);
-  // What the coat mirrors there has not gone into the glass.
+  // What the coat reflects there has not entered the glass.
   p.bsdf = coated_by(0, glass(0));
   p.bsdf.coat.normal = Vec3f(Onb<double>(p.shading).to_local({0, 0, 1}));
   const Vec3d mirrored(-low.x, -low.y, low.z);

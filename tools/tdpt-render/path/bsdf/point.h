@@ -1,4 +1,4 @@
-// A point where a path begins, turns or ends, and the light that is emitted and scattered there.
+// A vertex of a path as a surface or light point, with the light emitted and scattered there.
 //
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
 #pragma once
@@ -13,37 +13,37 @@ namespace tdpt {
 enum class From { light, camera };
 
 struct Point {
-  Vec3d position{};                     ///< at infinity unit, the way that light travels
-  Vec3d normal{};                       ///< unit geometric normal of the front side; 0 off surfaces
-  const Material* material = nullptr;   ///< of a surface
-  const LightSource* source = nullptr;  ///< where light begins here
+  Vec3d position{};  ///< at infinity: the unit direction in which the light travels
+  Vec3d normal{};    ///< unit geometric normal of the front side; 0 if not on a surface
+  const Material* material = nullptr;   ///< of a surface; null elsewhere
+  const LightSource* source = nullptr;  ///< the light that begins here, if any
   uint32_t triangle = ~0u;
 
-  /// Diffuse reflection about the geometric normal by `color`. Otherwise `shading` and `bsdf` hold
-  /// what is there.
+  /// The surface is only diffuse: it reflects `color` about the geometric normal. Otherwise
+  /// `shading` and `bsdf` hold what is there.
   bool simple = true;
   bool connectible = true;  ///< some lobe is not Dirac
   Rgb color{};
-  Rgb emission{};          ///< of a surface where light begins [W/m2/sr]
-  Lights::InSky in_sky{};  ///< of a place in the sky
-  Vec3d shading{};         ///< unit shading normal, front side
+  Rgb emission{};          ///< of a surface that emits [W/m2/sr]
+  Lights::InSky in_sky{};  ///< of a point in the sky
+  Vec3d shading{};         ///< unit shading normal of the front side
   Bsdf bsdf{};
 
   bool on_surface() const { return material != nullptr; }
   bool at_infinity() const { return source && source->at_infinity(); }
-  /// Whether a ray can meet it: all but lights without surface.
+  /// Whether a ray can hit it: true except for lights without surface.
   bool met() const { return !source || source->met(); }
-  /// |cos| to the surface; 1 where there is none.
+  /// |cos| to the surface; 1 if not on a surface.
   double cosine(const Vec3d& w) const { return on_surface() ? std::abs(dot(normal, w)) : 1; }
   Tracer::Origin origin() const { return {position, normal}; }
 };
 
-/// The way from one point to another.
+/// The connection from one point to another.
 struct Edge {
   Vec3d w;    ///< unit
-  double d2;  ///< squared distance; 1 when one end is infinitely far
+  double d2;  ///< squared distance; 1 if one end is infinitely far
 };
-/// The same way from the other end.
+/// The same edge from the other end.
 inline Edge reversed(const Edge& e) {
   return {-e.w, e.d2};
 }
@@ -55,8 +55,8 @@ inline Edge between(const Point& a, const Point& b) {
   return {d / std::sqrt(d2), d2};
 }
 
-/// The place on the line of light through `p` along unit w where it has not yet reached any of the
-/// scene, which lies within 2 of the origin (canonical).
+/// A point on the line of light through `p` along unit w that lies before all of the scene, which
+/// is within 2 of the origin (canonical).
 inline Vec3d before_the_scene(const Vec3d& p, const Vec3d& w) {
   return p - w * (dot(p, w) + 4);
 }
@@ -66,38 +66,39 @@ inline double geometry(const Point& a, const Point& b, const Edge& e) {
   return a.cosine(e.w) * b.cosine(e.w) / e.d2;
 }
 
-/// Density of arriving at `to` per area along `e` when it was left with density pdf_w:
-/// pdf_A = pdf_w |cos_to| / d^2.
+/// Converts the density pdf_w of leaving along `e` to that of arriving at `to`: pdf_A = pdf_w
+/// |cos_to| / d^2.
 inline double to_area(double pdf_w, const Edge& e, const Point& to) {
   return pdf_w * to.cosine(e.w) / e.d2;
 }
 
-/// Both directions on the same side of the surface at `p`.
+/// Whether both directions are on the same side of the surface at `p`.
 inline bool same_side(const Point& p, const Vec3d& wi, const Vec3d& wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0;
 }
 
-// Of points that are not simple [scatter.cpp]. By value: an address taken would keep the vectors of
-// simple ones out of registers.
+// For points that are not simple [scatter.cpp]. Passed by value: an address would keep the vectors
+// of simple points out of registers.
 Rgb layered_bsdf(const Point& p, Vec3d to_light, Vec3d to_camera);
-/// Share of what the surface emits along w that its clear coat lets through.
+/// Share of the emission along w that passes the clear coat.
 double emission_under_coat(const Point& p, Vec3d w);
 
-/// The side of the surface at `p` that all edges of a path are on which has one along `away`; 0:
-/// both, as light goes through.
+/// Normal on the side of the surface at `p` that holds all edges of a path with one along `away`; 0
+/// if light passes through, so that both sides count.
 inline Vec3d facing(const Point& p, const Vec3d& away) {
   if (!p.simple && shader::is_positive(p.bsdf.through)) return {};
   return dot(p.normal, away) > 0 ? p.normal : -p.normal;
 }
 
-/// Radiance BSDF without Dirac lobes [1/sr]; unit directions away from the surface.
+/// Radiance BSDF without Dirac lobes [1/sr]; unit directions point away from the surface.
 inline Rgb bsdf_at(const Point& p, const Vec3d& to_light, const Vec3d& to_camera) {
   if (!p.simple) return layered_bsdf(p, to_light, to_camera);
   return same_side(p, to_light, to_camera) ? p.color * static_cast<float>(std::numbers::inv_pi)
                                            : Rgb{};
 }
 
-/// What leaves along unit w (LightSource), at infinity the position; black where no light begins.
+/// Emission along unit w (LightSource; at infinity w is the position); black if no light begins
+/// here.
 inline Rgb emitted(const Point& p, const Vec3d& w) {
   if (!p.source) return {};
   if (p.source->is_sky()) return p.in_sky.radiance;
@@ -107,7 +108,7 @@ inline Rgb emitted(const Point& p, const Vec3d& w) {
   return out * static_cast<float>(emission_under_coat(p, w));
 }
 
-/// pdf_A of reaching `to` along `e` when light leaves `light`.
+/// pdf_A with which light emitted at `light` reaches `to` along `e`.
 inline double emission_pdf_A(const Point& light, const Edge& e, const Point& to) {
   return to_area(light.source->pdf_w(light.normal, e.w), e, to);
 }

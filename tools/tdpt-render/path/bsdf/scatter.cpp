@@ -1,6 +1,6 @@
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 
-// Flat: of each text what its answer does not need is left out.
+// Flattened (inlined): each function then keeps only the part of the shared code that it needs.
 
 namespace tdpt {
 
@@ -13,7 +13,7 @@ double emission_under_coat(const Point& p, Vec3d w) {
 }
 
 [[gnu::flatten]] void Incidence::see_layers(const Point& p) {
-  struct Made {  // where it is to be
+  struct Made {  // converts to the context, so that emplace() builds it in place
     operator shader::Surfaces::ScatterContext() const {
       return surfaces().scatter_context_at(p, back);
     }

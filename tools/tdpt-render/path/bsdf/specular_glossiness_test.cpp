@@ -9,7 +9,7 @@ namespace tdpt::specular_glossiness_test {
 
 using testing::Json;
 
-/// The surface of the triangle's material where u = `u`.
+/// The BSDF of the triangle's material at u = `u`.
 Bsdf bsdf_at(const Scene& scene, double u) {
   const World world(scene, Camera(), 8, 8, {});
   Hit hit;
@@ -62,7 +62,7 @@ TEST(specular_glossiness, by_a_texture_of_two_texels) {
   EXPECT_NEAR(black.alpha, rough * rough, 1e-6);
 }
 
-// A conductor's, where a texture of metal halves it: reflectance and its dip follow.
+// A conductor whose reflectance a metalness texture halves: its dip follows.
 TEST(conductor, by_its_index_and_a_texture) {
   const auto model = [](const Json& pbr) {
     return Json{{"pbrMetallicRoughness", pbr},

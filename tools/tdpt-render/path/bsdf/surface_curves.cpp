@@ -20,11 +20,11 @@ double node(uint i, uint nodes) {
 }
 
 constexpr size_t kAzimuths = 12, kRings = 24;  // quadrature over visible normals
-constexpr double kGrazing = 1e-5;              // stands for mu = 0
+constexpr double kGrazing = 1e-5;              // used instead of mu = 0
 
-// What sampling visible normals (ggx_visible_normal) with a given number of azimuths and rings
-// takes: half of the azimuths do, the others are their mirror image. Rings y, with 1 - v = y^2, are
-// dense at v = 1, where reflected directions meet the horizon.
+// Constants for sampling visible normals (ggx_visible_normal) on a grid of azimuths and rings. Half
+// of the azimuths suffice, the others are their mirror image. Rings y, with 1 - v = y^2, are dense
+// at v = 1, where reflected directions meet the horizon.
 struct VisibleNormals {
   std::array<double, kAzimuths> cos_phi, sin_phi;
   std::array<double, kRings> one_minus_v, weight;
@@ -42,8 +42,8 @@ struct VisibleNormals {
     }
   }
 
-  // Mean of F G2/G1 over the normals visible from mu, as f0 a + f90 b. Written out, as it takes all
-  // the table's time.
+  // Mean of F G2/G1 over the normals visible from mu, as f0 a + f90 b. Written out, since nearly
+  // all of the table's time is spent here.
   std::array<double, 2> integrate(double mu, double a) const {
     const double sine = std::sqrt(1 - mu * mu);
     const double scale = 1 / std::sqrt(a * a * sine * sine + mu * mu);
@@ -69,8 +69,8 @@ struct VisibleNormals {
   }
 };
 
-// A row of interface albedos, and its average: 2 int E mu dmu = 8 int E t^7 dt with t = mu^(1/4),
-// E linear in t between nodes.
+// A row of interface albedos, and its average: 2 int E mu dmu = 8 int E t^7 dt with t = mu^(1/4), E
+// linear in t between nodes.
 void add_average(std::vector<double>& curves, uint row) {
   std::array<double, 2> average{};
   for (uint i = 0; i + 1 < kInterfaceCosines; ++i) {
@@ -101,7 +101,7 @@ void add_interface(std::vector<double>& curves) {
   for (uint k = 0; k < kInterfaceAlphas; ++k) add_average(curves, k);
 }
 
-// Gauss-Legendre of 12 nodes: of products of curves of degree 5, exactly.
+// Gauss-Legendre with 12 nodes: exact for products of curves of degree 5.
 void add_gauss(std::vector<double>& curves) {
   constexpr double nodes[kGaussNodes]{0.1252334085114689, 0.3678314989981802, 0.5873179542866175,
                                       0.7699026741943047, 0.9041172563704749, 0.9815606342467193};
@@ -120,8 +120,8 @@ std::vector<double> make_surface_curves() {
   return curves;
 }
 
-// Of one roughness: D V and its scale, by cosine. int D V scale cos dw over the hemisphere: heights
-// z = y^3, dense at the horizon, half of the azimuths.
+// For one roughness: D V and its scale, by cosine. int D V scale cos dw over the hemisphere:
+// heights z = y^3, dense at the horizon, half of the azimuths.
 class SheenRow {
  public:
   explicit SheenRow(uint row)

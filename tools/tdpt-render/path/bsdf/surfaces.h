@@ -1,5 +1,5 @@
-// Evaluates surfaces: the text of shaders/shared/path in doubles, over the renderer's points. Slow
-// to compile: scatter.h has what others ask of it.
+// Evaluates surfaces: the code of shaders/shared/path in doubles, over the renderer's points. Slow
+// to compile: other files use scatter.h.
 #pragma once
 #include "libcommon/scene/pane.h"
 #include "shaders/shared/path/fresnel.h"
@@ -34,7 +34,7 @@ struct Surfaces {
   }
 
 #include "shaders/shared/path/interface_albedo.h"
-  // Apart: each begins with language.h.
+  // A separate block of includes: each begins with language.h.
 #include "shaders/shared/path/sheen.h"
 
 #include "shaders/shared/path/coat.h"

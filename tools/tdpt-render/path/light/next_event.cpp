@@ -6,7 +6,7 @@
 namespace tdpt::shader {
 namespace {
 
-// The text in doubles.
+// The shared code in doubles.
 struct NextEvents {
   using Real = double;
   using Point = tdpt::Point;
@@ -40,7 +40,7 @@ struct NextEvents {
   }
 
 #include "shaders/shared/path/rect_lights.h"
-  // Apart: each begins with language.h.
+  // A separate block of includes: each begins with language.h.
 #include "shaders/shared/path/next_event_pdf.h"
 };
 
@@ -54,7 +54,7 @@ namespace tdpt {
       v, v.light_context.facing);
 }
 
-// As the text's place_on_rect_lights(), which looks at each again.
+// Like place_on_rect_lights() of the shared code, which looks at each light a second time.
 [[gnu::flatten]] Lights::Point NextEvents::sample_rect_lights(Vertex& v, double pick, double a,
                                                               double b) const {
   const shader::NextEvents text{lights_, windows_, rect_lights_};
@@ -89,7 +89,7 @@ Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double 
   if (!lights_.picks_sky(pick)) return lights_.sample(pick, u, v, side);
   const auto& [facing, seen, sent] = shaded.light_context;
   const double q = seen > 0 ? through_windows : 0;
-  // What is below the horizon is as good as black: it is not looked at.
+  // Directions below the horizon contribute nothing: do not evaluate the sky there.
   const auto above = [&facing = facing](const Vec3d& towards) {
     return facing == Vec3d() || dot(facing, towards) > 0;
   };

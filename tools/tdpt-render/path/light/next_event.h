@@ -1,5 +1,5 @@
-// Where a next event looks: which light, and where on it, for a given shaded point
-// [shaders/shared/path/next_event_pdf.h], q [Mixture::through_windows].
+// Next-event estimation: chooses a light and a point on it for a given shaded point
+// [shaders/shared/path/next_event_pdf.h]. q is Mixture::through_windows.
 #pragma once
 #include "libcommon/scene/lights.h"
 #include "tools/tdpt-render/path/light/rect_lights.h"
@@ -8,10 +8,10 @@
 
 namespace tdpt {
 
-/// p_nee of a place on a light, whatever q.
+/// Density p_nee of a point on a light, for any q.
 struct NextEventPdf {
   double plain = 0, windows = 0;
-  bool sees_windows = false;  ///< the shaded point does, and the place is in the sky
+  bool sees_windows = false;  ///< the shaded point sees windows, and the light point is in the sky
   double of(double q) const { return sees_windows ? (1 - q) * plain + q * windows : plain; }
 };
 
@@ -20,12 +20,12 @@ class NextEvents {
   NextEvents(const Scene& scene, const Lights& lights, const WindowSky& windows)
       : lights_(lights), windows_(windows), rect_lights_(rect_lights_of(scene, lights)) {}
 
-  /// Whether their densities depend on the shaded point by more than what windows show.
+  /// Whether densities depend on the shaded point through rectangular lights.
   bool by_rect_lights() const { return !rect_lights_.empty(); }
   const std::vector<RectLight>& rect_lights() const { return rect_lights_; }
 
-  /// Tells a surface that is seen along unit `away` from it, or was left along it, what it sees;
-  /// of rectangular lights later, when that is asked for.
+  /// Sets what next events know of a surface that is seen along unit `away` from it, or was left
+  /// along it. Rectangular lights are evaluated later, on first use.
   void look_out(const Vec3d& away, Vertex& v) const {
     if (windows_.empty() && rect_lights_.empty()) return;
     v.light_context.facing = facing(v, away);
@@ -33,18 +33,18 @@ class NextEvents {
       v.light_context.seen = v.connectible ? windows_.seen(v.position, v.light_context.facing) : 0;
     if (!rect_lights_.empty()) v.light_context.sent = v.connectible ? -1 : 0;
   }
-  /// And of the rectangular lights at once: for one that many paths ask.
+  /// Evaluates the rectangular lights at once, for a vertex that many paths use.
   void look_at_rect_lights(Vertex& v) const {
     if (v.light_context.sent < 0) v.light_context.sent = sent_by_rect_lights(v);
   }
 
-  /// A place on a light, without one where no rectangular light sends anything; in the sky without
-  /// its density, and black where it is below the horizon of `shaded`, which has looked out if q is
-  /// more than 0 or there are rectangular lights, and is told what they send. Four numbers in
-  /// [0,1), as Lights::sample.
+  /// Samples a point on a light. `point.source` is null if no rectangular light sends anything. A
+  /// point in the sky has no density yet, and is black if below the horizon of `shaded`. If q > 0
+  /// or there are rectangular lights, look_out() must have been called for `shaded`, whose `sent`
+  /// is then set. Four numbers in [0,1), as in Lights::sample.
   Lights::Point sample(Vertex& shaded, double q, double pick, double u, double v,
                        double side) const;
-  /// Density of `sample` at a place on a light.
+  /// Density with which sample() chooses a point on a light.
   NextEventPdf pdf(const Vertex& shaded, const Point& light) const;
 
  private:

@@ -7,23 +7,23 @@
 namespace tdpt {
 namespace {
 
-// Of H, as a share of half a rectangular light's diagonal: c would fold a rectangular light whose
-// plane is grazed into its axes.
+// Least height H, as a share of half a rectangular light's diagonal: otherwise c would fold a light
+// whose plane is seen at a grazing angle into its axes.
 constexpr double kLeastHeight = 0.05;
 constexpr double kBig =
-    0.05;  // one rectangular light alone is worth its time from there on [canonical area]
+    0.05;  // a single rectangular light is worth its time from this size on [canonical area]
 constexpr double kFlat = 1e-6;  // canonical; corners are floats
 constexpr double kSquare =
-    1e-3;  // of an edge: the density takes a rectangular light for length_x length_y
+    1e-3;  // of an edge: the density treats a rectangular light as length_x by length_y
 
 using Corners = std::array<Vec3d, 3>;
 Corners corners_of(const TriangleShape& s) {
   return {s.p0, s.p0 + s.e1, s.p0 + s.e2};
 }
 
-// Two triangles as a rectangle: which corners of either are which of the rectangle's.
+// The edge that two triangles share if they form a rectangle.
 struct CommonEdge {
-  size_t i, j;  // the right angle that the rectangle begins with is b's, opposite their edge
+  size_t i, j;  // a_i, the rectangle's first corner, is b_{j+1}
 };
 std::optional<CommonEdge> common_edge(const Corners& a, const Corners& b) {
   for (size_t i = 0; i < 3; ++i)
@@ -38,7 +38,8 @@ std::optional<RectLight> connected(const Scene& scene, const Lights& lights, uin
   const Corners a = corners_of(sa), b = corners_of(sb);
   const auto edge = common_edge(a, b);
   if (!edge) return std::nullopt;
-  // Around: a_i, the corner of b beyond the edge, a_{i+1}, the corner of a beyond it.
+  // Corners around the rectangle: a_i, the corner of b beyond the edge, a_{i+1}, the corner of a
+  // beyond it.
   const auto [i, j] = *edge;
   const std::array<Vec3d, 4> around{a[i], b[(j + 2) % 3], a[(i + 1) % 3], a[(i + 2) % 3]};
   RectLight rect_light;
@@ -59,7 +60,7 @@ std::optional<RectLight> connected(const Scene& scene, const Lights& lights, uin
   rect_light.least_height = kLeastHeight * 0.5 * length(around[2] - around[0]);
   rect_light.weight = 0.5 * (lights.pdf_A(first) + lights.pdf_A(second)) / (both ? 2 : 1);
   rect_light.triangle0 = second, rect_light.triangle1 = first;
-  // `corners`: of a triangle from its vertex k on.
+  // `corners`: of a triangle, from its vertex k on.
   const auto packed = [](size_t k, const std::array<uint32_t, 3>& corners) {
     return corners[(4 - k % 3) % 3] | corners[(5 - k % 3) % 3] << 2;
   };

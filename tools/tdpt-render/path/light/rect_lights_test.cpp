@@ -1,5 +1,5 @@
-// Next events at rectangular lights have the density they claim, wherever they are made; paths that
-// end on rectangular lights are the oracle's.
+// Next events at rectangular lights have the claimed density, wherever they are made; the oracle
+// confirms paths that end on rectangular lights.
 #include "tools/tdpt-render/path/light/rect_lights.h"
 
 #include "libcommon/testing/statistics/chi_square.h"
@@ -55,7 +55,7 @@ size_t part(double x) {
   return std::min(static_cast<size_t>(std::max(x, 0.0) * kLattice), kLattice - 1);
 }
 
-// `claimed`: where the density is taken from.
+// `claimed`: the point that the density is evaluated for.
 double next_events(const Shaded& shaded, const Shaded& claimed) {
   const Rooms rooms;
   Vertex v = rooms.vertex(shaded);
@@ -98,9 +98,9 @@ double next_events(const Shaded& shaded, const Shaded& claimed) {
 const std::vector<Shaded> kShaded{
     {{1.0, 0.0, 0.0}, {0, 1, 0}},              // the floor
     {{1.9, 0.3, 0.8}, {-1, 0.3, -0.2}},        // sees some of each
-    {{0.2, 0.4, -0.3}, {0.1, 1, 0.2}},         // before one that its horizon cuts
-    {{0.051, 0.6, -0.1}, {1, 0, 0}, true},     // a millimetre before it
-    {{1.3, 1.3, 0.25}, {0.3, -1, 0.1}, true},  // light goes through, between all
+    {{0.2, 0.4, -0.3}, {0.1, 1, 0.2}},         // in front of one that its horizon cuts
+    {{0.051, 0.6, -0.1}, {1, 0, 0}, true},     // a millimetre in front of it
+    {{1.3, 1.3, 0.25}, {0.3, -1, 0.1}, true},  // translucent, between all of them
     {{3.5, 0.5, 0.1}, {0, 1, 0}},              // in the lamp's room
 };
 
@@ -120,7 +120,7 @@ TEST(rect_lights, twin_a_density_of_another_place) {
 
 TEST(rect_lights, those_that_send_nothing_are_not_chosen) {
   const Rooms rooms;
-  for (const Shaded& dark : {Shaded{{0.01, 0.5, 0}, {-1, 0, 0}},     // behind the wall's
+  for (const Shaded& dark : {Shaded{{0.01, 0.5, 0}, {-1, 0, 0}},     // behind the one in the wall
                              Shaded{{1.0, 2.5, 0.9}, {0, 1, 0}}}) {  // all below the horizon
     Vertex v = rooms.vertex(dark);
     const Lights::Point p = rooms.world().next_events.sample(v, 0, 0.5, 0.5, 0.5, 0.5);
@@ -131,7 +131,7 @@ TEST(rect_lights, those_that_send_nothing_are_not_chosen) {
   }
 }
 
-// In its plane, on it, at its corner, a millionth of a metre before it.
+// In its plane, on it, at its corner, a millionth of a metre in front of it.
 TEST(rect_lights, densities_are_finite_at_the_extremes) {
   const Rooms rooms;
   for (const Vec3d& place :
@@ -195,7 +195,7 @@ TEST_P(rect_light_paths, over_glossy_surfaces_too) {
   EXPECT_LE(worst.off, 2);
 }
 
-// All that auto tries, under a sky that shines in through a portal and past it.
+// All candidates of auto, under a sky that shines in through a portal and past it.
 TEST(rect_light_paths_beside_a_sky, are_the_oracles) {
   const Scene scene = under(open_end(with_rect_lights(diffuse_rooms()), 4.09), uneven_sky());
   std::vector<Portal> portals = two_crossing_portals();

@@ -1,6 +1,5 @@
-// Every sampler of light from the sky draws what its density says: directions, places on all
-// lights, next events through windows and the beginnings of light walks, each with a fault that
-// must be found.
+// Every sampler of light from the sky follows its density: directions, places on all lights, next
+// events through windows, and the start of light walks; each with a twin.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -16,8 +15,8 @@ namespace tdpt::sky_samplers_test {
 
 using std::numbers::pi;
 
-constexpr double kRight = 1e-4;  // a right sampler is above this in all but 1 seed of 10 000
-constexpr double kWrong = 1e-9;  // a wrong one below that
+constexpr double kRight = 1e-4;  // a right sampler exceeds this in all but 1 seed of 10 000
+constexpr double kWrong = 1e-9;  // a wrong one stays below
 constexpr uint64_t kSamples = 60000;
 
 /// Bins of latitude and longitude.
@@ -31,8 +30,8 @@ size_t bin_of(const Vec3d& w) {
                              std::min(static_cast<int>(u * kColumns), kColumns - 1));
 }
 
-/// What a density [1/sr] has in each bin, by the middles of fine cells: good to a thousandth where
-/// it jumps.
+/// Integral of a density [1/sr] over each bin, by the midpoints of fine cells: within a thousandth
+/// at jumps.
 std::vector<double> integral(const std::function<double(const Vec3d&)>& density, int fine = 24) {
   std::vector<double> sums(kBins);
   const int rows = kRows * fine, columns = kColumns * fine;
@@ -91,7 +90,7 @@ TEST(sky_samplers, the_density_of_directions_is_their_luminance) {
   }
 }
 
-// What is small: the mean of 1 / pdf of the samples there is its solid angle.
+// For small features: the mean of 1 / pdf of the samples there is the solid angle.
 TEST(sky_samplers, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
   Sky::Map texel{512, 256, std::vector<Rgb>(512 * 256, Rgb(0.01f))};
   texel.texels[200 * 512 + 77] = Rgb(1e6f);
@@ -110,7 +109,7 @@ TEST(sky_samplers, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
       if (y > 0.1e6 && w.y < 0) bright += 1 / pdf;
       if (length(w - sky.suns()[0].towards) < 2 * std::sin(half_angle / 2)) sun += 1 / pdf;
     }
-    // Where the product of two shares, of its own and not its neighbours', is above a tenth.
+    // Where the product of two weights, bilinear in the texel's neighbourhood, is above a tenth.
     const double share = 0.9 + 0.1 * std::log(0.1);
     const double of_texel =
         2 * share * (2 * pi / 512) * (std::cos(pi * 199.5 / 256) - std::cos(pi * 201.5 / 256));
@@ -120,7 +119,7 @@ TEST(sky_samplers, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
   }
 }
 
-/// A room of which the end is open, and lamps of each kind beside the sky.
+/// A room with an open end, and lamps of each kind besides the sky.
 Scene room_with_lamps() {
   Scene scene = open_end(read_gltf(two_rooms_path()), 4.09);
   PunctualLight lamp;
@@ -180,7 +179,7 @@ TEST(sky_samplers, twin_a_sky_that_is_chosen_a_twentieth_more_often) {
     EXPECT_LT(lights(portals, 0.95), kWrong);
 }
 
-// Whatever the shares of the kinds, within one lights keep theirs.
+// Whatever the shares of the kinds, lights keep their shares within a kind.
 TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
   const Scene scene = room_with_lamps();
   World world(scene, scene.camera(""), 4, 4, windows());
@@ -213,8 +212,8 @@ TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
   EXPECT_LT(chi_square_of({0.12, 0.2, 0.28, 0.4}), kWrong);  // twin
 }
 
-// Next events at places of either room; `fault`: the density is of next events that look through
-// windows that often.
+// Next events at points of either room; `fault`: the density assumes this share of next events
+// through windows.
 struct Shaded {
   Vec3d place, normal;
   bool simple = true;
@@ -265,7 +264,7 @@ TEST(sky_samplers, twin_next_events_that_look_through_windows_more_often_than_is
   for (const Shaded& shaded : kShaded) EXPECT_LT(next_events(shaded, 0.8), kWrong);
 }
 
-// What was laid out for the portals before is taken over, if it is the very same.
+// Tables laid out for the portals before are reused if the windows are identical.
 TEST(sky_samplers, windows_that_were_there_before_keep_their_tables) {
   const Scene scene = room_with_lamps();
   std::vector<Portal> portals = windows();
@@ -285,7 +284,7 @@ TEST(sky_samplers, windows_that_were_there_before_keep_their_tables) {
   EXPECT_EQ(kept(scene.sky.get()), std::pair(size_t{3}, size_t{6}));
 }
 
-// Light walks over a floor: in which quarter of the sky they begin and where they arrive.
+// Light walks over a floor: in which quarter of the sky they begin, and where they arrive.
 double light_walks(const std::vector<Portal>& portals, const Integrator& integrator, bool fault) {
   Scene scene;
   scene.positions = {{-0.5f, 0, -0.4f}, {0.5f, 0, -0.4f}, {0.5f, 0, 0.4f}, {-0.5f, 0, 0.4f}};

@@ -9,7 +9,7 @@ namespace {
 
 using std::numbers::pi;
 
-// c and its inverse.
+// The map c of the shared code, and its inverse.
 double compressed(double t) {
   return t / (1 + std::abs(t));
 }
@@ -23,7 +23,7 @@ class Cells {
   Cells(const Sky& sky, const Vec3d& x, const Vec3d& y, const Vec3d& z, int n)
       : sky_(sky), x_(x), y_(y), z_(z), n_(n), cells_(static_cast<size_t>(n * n)) {}
 
-  // The sky itself, at a few places of each cell.
+  // Samples the sky at a few points of each cell.
   void gather() {
     constexpr int kPlaces = 2;
     const int n = kPlaces * n_;
@@ -44,7 +44,7 @@ class Cells {
       }
   }
 
-  // And what those may have missed: texels much brighter than most, and suns.
+  // Adds what those may have missed: texels much brighter than the mean, and suns.
   void add_bright() {
     const Sky::Map& map = sky_.map();
     if (!sky_.one_colour()) {
@@ -74,7 +74,7 @@ class Cells {
     };
     cells_[cell(w.x / w.z) * static_cast<size_t>(n_) + cell(w.y / w.z)] += light;
   }
-  // As far as it reaches between the middles of its neighbours.
+  // Over the texel's whole reach, between the centres of its neighbours.
   void add_texel(int column, int row, double y) {
     const Sky::Map& map = sky_.map();
     const double solid_angle =
@@ -119,7 +119,7 @@ WindowFrame::WindowFrame(const Sky& sky, const Vec3d& x_, const Vec3d& z_, int n
     for (size_t j = 0; j < cells; ++j) column += content.cells()[i * cells + j];
     total += column;
   }
-  constexpr double kBlack = 1e-13;  // of all
+  constexpr double kBlack = 1e-13;  // share of the total below which a cell counts as black
   unit = total / (0x1p32 - 1 - static_cast<double>(cells * cells));
   sums.assign((cells + 1) * (cells + 1), 0);
   for (size_t i = 0; i < cells; ++i) {
@@ -148,7 +148,7 @@ Vec3d axis_of(const PortalSet::Outline& outline) {
         x0 = std::min(x0, dot(x, corner)), x1 = std::max(x1, dot(x, corner));
         y0 = std::min(y0, dot(y, corner)), y1 = std::max(y1, dot(y, corner));
       }
-      // Of those alike the first.
+      // Of equals the first.
       if (const double area = (x1 - x0) * (y1 - y0); area < least * (1 - 1e-9))
         least = area, best = x;
     }
@@ -204,7 +204,7 @@ std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec
     if (std::min(along, across) < kAlike) same = w.frame;
   }
   if (same) return same;
-  // The very same: a picture must not tell what was looked at before.
+  // Only an identical one: the picture must not depend on what was rendered before.
   for (const Window& w : before.windows_)
     if (before.sky_ == sky_ && w.frame->x == x && w.frame->z == z) return w.frame;
   const int cells =
@@ -217,7 +217,7 @@ std::shared_ptr<const WindowFrame> WindowSky::laid_out(const Vec3d& x, const Vec
 namespace tdpt::shader {
 namespace {
 
-// The text in doubles.
+// The shared code in doubles.
 struct Windows {
   using Real = double;
   using SkyWindow = WindowSky::Window;

@@ -1,4 +1,4 @@
-// The sky as it is seen through the portals [shaders/shared/path/window_sky.h]: the tables.
+// Tables for importance sampling the sky through the portals [shaders/shared/path/window_sky.h].
 #pragma once
 #include <memory>
 #include <vector>
@@ -9,45 +9,46 @@
 
 namespace tdpt {
 
-/// The sky as windows of one direction show it, over a and b. Sums of whole numbers, modulo 2^32:
-/// their differences are exact.
+/// Luminance of the sky for windows of one direction, over (a, b), as a summed-area table. Entries
+/// are whole numbers modulo 2^32, so that their differences are exact.
 struct WindowFrame {
-  Vec3d x, y, z;               ///< unit; z: out
+  Vec3d x, y, z;               ///< unit; z points outwards
   uint32_t cells;              ///< along either axis
-  std::vector<uint32_t> sums;  ///< [i (cells + 1) + j], of cells below column i and row j
-  double unit;                 ///< luminance x solid angle of one
+  std::vector<uint32_t> sums;  ///< [i (cells + 1) + j]: sum over cells below column i and row j
+  double unit;                 ///< luminance x solid angle of one unit of the sums
 
-  /// `x` and `z` unit, across each other.
+  /// `x` and `z`: unit and perpendicular.
   WindowFrame(const Sky& sky, const Vec3d& x, const Vec3d& z, int cells);
 };
 
 class WindowSky {
  public:
   WindowSky() = default;
-  /// Of the first kMostWindows facets by area; `sky` null: none. The sky must outlive this. What
-  /// `before` has laid out of the same sky is not laid out again, nor is looked around from the
-  /// same windows, of the same scene.
+  /// Uses the kMostWindows largest facets; none if `sky` is null. The sky must outlive this. Tables
+  /// and views of `before` are reused for the same sky and the same windows; the scene must be the
+  /// same.
   WindowSky(const Sky* sky, const Tracer& tracer, const PortalSet& portals,
             const WindowSky& before);
   static constexpr size_t kMostWindows = WindowViews::kMost;
 
   bool empty() const { return windows_.empty(); }
-  /// A facet's.
+  /// The window of one facet.
   struct Window {
     std::shared_ptr<const WindowFrame> frame;
     Vec3d centre;
-    double x0, x1, y0, y1, z;  ///< its rectangle, along the frame's axes
+    double x0, x1, y0, y1, z;  ///< its rectangle in the frame's axes
   };
   const std::vector<Window>& windows() const { return windows_; }
   const WindowViews& views() const { return views_; }
-  /// Those that may be seen from `x`: bit i of a mask.
+  /// Windows that may be seen from `x`: bit i of a mask.
   uint32_t in_view(const Vec3d& x) const {
     return views_.at(x) & static_cast<uint32_t>((uint64_t{1} << windows_.size()) - 1);
   }
-  /// What all windows show of the sky from `x` (canonical), where the surface faces `facing` (0:
-  /// both ways): sum S_F.
+  /// Sum S_F of the sky that all windows show from `x` (canonical) to a surface that faces `facing`
+  /// (0: both ways).
   double seen(const Vec3d& x, const Vec3d& facing) const;
-  /// Unit, towards the sky; `seen` more than 0, that of `x`. Three numbers in [0,1).
+  /// Unit direction towards the sky; `seen` is that of `x` and must be positive. Three numbers in
+  /// [0,1).
   Vec3d sample(const Vec3d& x, const Vec3d& facing, double seen, double pick, double u,
                double v) const;
   /// Density of sample() [1/sr].

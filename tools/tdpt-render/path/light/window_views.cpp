@@ -13,14 +13,14 @@
 namespace tdpt {
 namespace {
 
-constexpr size_t kLines = 1 << 16, kFewest = 1 << 13;  // of all windows, of one
+constexpr size_t kLines = 1 << 16, kFewest = 1 << 13;  // in all, and at least per window
 constexpr double kAcross = 64;                         // cells along the longest side
-constexpr size_t kAround = 2;                          // cells more on all sides
-constexpr double kFar = 8;                             // beyond all of a scene
+constexpr size_t kAround = 2;                          // extra cells on all sides
+constexpr double kFar = 8;                             // beyond the extent of any scene
 
 }  // namespace
 
-// From a place in a window along unit w, `length` far.
+// From a point in a window along unit w, `length` long.
 struct WindowViews::Line {
   Vec3d from, w;
   double length = 0;
@@ -32,7 +32,7 @@ namespace {
 
 using Opening = WindowViews::Opening;
 
-// How far along a ray it leaves by another window than `own`; infinite: it does not.
+// Distance along a ray at which it leaves by another window than `own`; infinite if it does not.
 double way_out(const std::vector<Opening>& openings, size_t own, const Vec3d& from,
                const Vec3d& w) {
   double least = HUGE_VAL;
@@ -47,8 +47,7 @@ double way_out(const std::vector<Opening>& openings, size_t own, const Vec3d& fr
   return least;
 }
 
-// How far a line from opening i reaches, along unit w; kFar where it leaves by a hole that no
-// window is in.
+// Length of a line from opening i along unit w; kFar if it leaves by a hole without a window.
 double reach(const Tracer& tracer, const std::vector<Opening>& openings, size_t i,
              const Vec3f& from, const Vec3d& w) {
   Hit hit;
@@ -56,7 +55,7 @@ double reach(const Tracer& tracer, const std::vector<Opening>& openings, size_t 
   return std::min(wall, way_out(openings, i, Vec3d(from), w));
 }
 
-// Into the house, all directions alike: what looks through the window at a slant counts, too.
+// Uniform over the directions into the house: views at a slant through the window count, too.
 Vec3d inwards(const Opening& opening, double u, double v) {
   const double z = 1 - u, r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * std::numbers::pi * v;
   return Onb<double>(-opening.out).to_world({r * std::cos(phi), r * std::sin(phi), z});
@@ -84,8 +83,8 @@ WindowViews::WindowViews(const Tracer& tracer, const std::vector<Opening>& openi
   widen();
 }
 
-// A grid around where nearly all lines begin and end: a few that leave by holes no portal knows
-// would make its cells as large as houses.
+// Lays a grid around the region where nearly all lines begin and end: the few that leave by holes
+// without a portal would make its cells as large as houses.
 void WindowViews::lay_out(const std::vector<Line>& lines) {
   constexpr double kLeftOut = 0.002;
   Vec3d high;
@@ -130,7 +129,7 @@ void WindowViews::mark(const std::vector<Line>& lines) {
   masks_.assign(masks.begin(), masks.end());
 }
 
-// To the neighbours of each cell, along one axis after the other.
+// Extends masks to the neighbours of each cell, one axis after the other.
 void WindowViews::widen() {
   size_t stride = 1;
   for (const size_t n : size_) {

@@ -1,16 +1,14 @@
-// From where which window is seen: a mask for each cell of the space behind them.
+// Records from which cells of space each window can be seen: a bit mask per cell.
 //
-// A place outside the house lies behind the windows of its other walls as a place inside does, and
-// so does one in the next room: what their rectangles would show there is behind a wall, and next
-// events are to look elsewhere.
+// Points outside the house, or in the next room, also lie behind the planes of windows; a wall
+// hides what their rectangles would show there, and next events should not sample it.
 //
 // Method: visibility cast from the windows. Lines are drawn from each into the house, evenly over
-// its area and over all directions. The cells that one passes, until it meets something or leaves
-// by another window, see this one, and so do those beside them, so that few are missed between
-// lines. What is missed all the same costs no light: the mask is a function of the place alone, and
-// so is every density that is made with it. Whether any sky is behind the window is not asked: a
-// sliver of it would be missed by all lines through a cell, and where there is none nothing is
-// lost.
+// its area and over all directions. The cells that a line passes, until it hits something or leaves
+// by another window, see this window, and so do their neighbours, so that few are missed between
+// lines. A missed cell costs no light: the mask is a function of the position alone, and so is
+// every density made with it. Whether there is sky behind the window is not tested: lines through a
+// cell would miss a sliver of it, and where there is none nothing is lost.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -25,31 +23,31 @@ class WindowViews {
  public:
   static constexpr size_t kMost = 32;  ///< windows
 
-  /// A rectangle from a corner along two sides, canonical; `out`: unit, towards the sky.
+  /// A rectangle given by a corner and two sides, canonical; `out`: unit, towards the sky.
   struct Opening {
     Vec3d corner, across, up, out;
     friend bool operator==(const Opening&, const Opening&) = default;
   };
 
-  /// Nothing is known: all are seen from everywhere.
+  /// Without any knowledge: every window is seen from everywhere.
   WindowViews() = default;
-  /// Of kMost openings at most.
+  /// For at most kMost openings.
   WindowViews(const Tracer& tracer, const std::vector<Opening>& openings);
 
   bool are_of(const std::vector<Opening>& openings) const { return openings_ == openings; }
-  /// Bit i: opening i is seen from a place (canonical).
+  /// Bit i: opening i may be seen from `p` (canonical).
   uint32_t at(const Vec3d& p) const {
     const Vec3d cell = (p - low_) * per_width_;
     if (!(cell.x >= 0 && cell.y >= 0 && cell.z >= 0)) return beyond_;
-    // Beyond what an integer holds nothing is in the grid.
+    // Clamped to what an integer holds; larger values are outside the grid anyway.
     const Vec3d within(std::min(cell.x, 1e6), std::min(cell.y, 1e6), std::min(cell.z, 1e6));
     const std::array<size_t, 3> i{static_cast<size_t>(within.x), static_cast<size_t>(within.y),
                                   static_cast<size_t>(within.z)};
     return i[0] < size_[0] && i[1] < size_[1] && i[2] < size_[2] ? masks_[index(i)] : beyond_;
   }
 
-  /// Of the cells: a corner, how many there are per unit and along the axes, their masks (x runs
-  /// fastest), and the mask outside of them.
+  /// The grid: its low corner, cells per unit, cells along each axis, their masks (x runs fastest),
+  /// and the mask outside the grid.
   const Vec3d& low() const { return low_; }
   double per_width() const { return per_width_; }
   const std::array<size_t, 3>& size() const { return size_; }
@@ -68,7 +66,7 @@ class WindowViews {
   std::vector<Opening> openings_;
   uint32_t beyond_ = ~0u;  ///< outside the grid
   Vec3d low_{};
-  double per_width_ = 0;  ///< of a cell
+  double per_width_ = 0;  ///< cells per unit
   std::array<size_t, 3> size_{};
   std::vector<uint32_t> masks_;
 };

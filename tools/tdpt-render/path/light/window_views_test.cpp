@@ -1,5 +1,5 @@
-// From where windows are seen: two rooms in a row with a hole between them, the last one or both
-// open at their ends, held to lines drawn from each place.
+// From where windows are seen: two rooms in a row with a hole between them, with the last one or
+// both open at their ends, compared with lines traced from each point.
 #include "tools/tdpt-render/path/light/window_views.h"
 
 #include <gtest/gtest.h>
@@ -22,11 +22,11 @@ struct House {
   explicit House(Scene s, const std::vector<Portal>& portals)
       : scene(std::move(s)), world(scene, scene.camera(""), 4, 4, portals) {}
 
-  // Of a place in metres: bit of the window whose centre is that of `portal`.
+  // Whether a point [m] sees the window whose centre is that of `portal`.
   bool shows(const Portal& portal, const Vec3d& place) const {
     return world.windows.in_view(scene.frame.to_canonical(place)) >> window(portal) & 1u;
   }
-  // Share of the window that the place sees.
+  // Share of the window that the point sees.
   double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
     const Vec3d p = scene.frame.to_canonical(place);
     const auto corner = [&](int i) {
@@ -63,7 +63,7 @@ Scene open_at_both_ends() {
   return without(open_at_the_end(), [](const Vec3d& p) { return p.x < 0.01; });
 }
 
-// All of the window's own room, and of the next what sees it through the hole.
+// The window's own room, and what sees it through the hole in the next.
 TEST(window_views, are_from_where_lines_find_the_window) {
   const House house(open_at_the_end(), {kEnd});
   int seen = 0, missed = 0, unseen = 0, too_many = 0;
@@ -81,14 +81,14 @@ TEST(window_views, are_from_where_lines_find_the_window) {
   EXPECT_GT(seen, 800);
   EXPECT_EQ(missed, 0);
   EXPECT_GT(unseen, 200);
-  EXPECT_LT(too_many, unseen / 4);  // beside those that see it
+  EXPECT_LT(too_many, unseen / 4);  // besides those that see it
 }
 
 TEST(window_views, nothing_is_seen_from_outside) {
   const House house(open_at_both_ends(), {kEnd, kBeginning});
   for (const Portal* portal : {&kEnd, &kBeginning}) {
     EXPECT_TRUE(house.shows(*portal, portal == &kEnd ? Vec3d(3, 0.5, 0) : Vec3d(1, 0.5, 0)));
-    // On the inner side of one window or the other, on all sides of the house.
+    // On the inner side of the plane of either window, on all sides of the house.
     for (const Vec3d& p : {Vec3d(-1, 1, 0), Vec3d(5.5, 1, 0), Vec3d(2, 3, 0), Vec3d(2, -1, 0.5),
                            Vec3d(1, 1, 4), Vec3d(3, 1, -4), Vec3d(1e9, 1, 1), Vec3d(-1e9, 0, 0)})
       EXPECT_FALSE(house.shows(*portal, p)) << p.x << " " << p.y << " " << p.z;
@@ -109,8 +109,9 @@ TEST(window_views, are_of_the_windows_that_there_are) {
   EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
 }
 
-// Of light that comes straight in nothing is lost: all that see but a sliver of the sky through a
-// window look there. Asking for sky behind the window, line by line, left 2.8 of 26 times.
+// No light that comes straight in is lost: every point that sees a sliver of the sky through a
+// window looks there. Testing for sky behind the window, line by line, left a gain of 2.8 instead
+// of 26.
 TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
   const World world(room.scene, room.scene.camera(""), 24, 18, room.windows);
@@ -122,7 +123,7 @@ TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   EXPECT_GT(without, 10 * with);
 }
 
-// What this is for: outside, where no window is seen, next events look everywhere.
+// The purpose: outside, where no window is seen, next events look everywhere.
 TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
   const House house(open_at_both_ends(), {kEnd, kBeginning});
   const auto seen_at = [&](const Vec3d& place) {

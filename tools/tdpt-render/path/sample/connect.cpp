@@ -5,7 +5,7 @@
 namespace tdpt {
 namespace {
 
-// What `end` carries and scatters to unit w, or what begins there.
+// What `end` carries and scatters, or emits, along unit w.
 Rgb towards(const End& end, const Vec3d& w, From from) {
   if (!end.layered) return end.carried;
   if (end.back == Vec3d()) return end.carried * emitted(*end.vertex, w);

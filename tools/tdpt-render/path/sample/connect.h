@@ -1,8 +1,8 @@
-// Two vertices of walks connected by an edge: the light that takes it.
+// Connects two vertices of walks by an edge: the light that passes along it.
 //
-// What a vertex that a walk has left makes of light is the same for many connections, and kept as
-// its End. Simple surfaces scatter alike to all of one side: between two of them a connection takes
-// two products and no root.
+// What a vertex contributes is the same for many connections and is kept as its End. A simple
+// surface scatters equally to its whole side: between two of them a connection needs two products
+// and no root.
 #pragma once
 #include "tools/tdpt-render/path/light/vertex.h"
 #include "tools/tdpt-render/path/sample/world.h"
@@ -16,11 +16,11 @@ inline bool black(const Rgb& c) {
 struct End {
   const Vertex* vertex;
   Vec3d position;
-  Vec3d back;           ///< towards the vertex before, unit where `layered`; 0: light begins here
-  Vec3d facing{};       ///< normal on the side of `back`; 0 where `layered` and not `opaque`
+  Vec3d back;           ///< towards the vertex before, unit if `layered`; 0: light begins here
+  Vec3d facing{};       ///< normal on the side of `back`; 0 if `layered` and not `opaque`
   Rgb carried;          ///< throughput, times the BSDF unless `layered`
-  bool layered;         ///< how much is scattered depends on the direction, or light begins here
-  bool opaque = false;  ///< layered, and light that comes is scattered, on its own side alone
+  bool layered;         ///< scattering depends on the direction, or light begins here
+  bool opaque = false;  ///< layered, and scatters only incoming light, only on its own side
 
   End(const Vertex& v, const Vec3d& back_, const Rgb& throughput)
       : vertex(&v),
@@ -40,8 +40,8 @@ struct End {
 
 Rgb connect_layered(const World& world, const End& l, const End& c);
 
-/// Light that goes from `l` to `c` and on: throughputs, scattering, G and what absorbing solids let
-/// through. No visibility.
+/// Light carried from `l` to `c` and on: throughputs, scattering, G and the transmittance of
+/// absorbing solids. No visibility.
 inline Rgb connect(const World& world, const End& l, const End& c) {
   const Vec3d d = l.vertex->at_infinity() ? l.position : c.position - l.position;
   if (!l.faces(d) || !c.faces(-d)) return {};

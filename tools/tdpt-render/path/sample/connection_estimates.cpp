@@ -1,7 +1,7 @@
 #include "tools/tdpt-render/path/sample/connection_estimates.h"
 
-// Compiled for what the machine has; no product is fused with a sum in any (-ffp-contract=off).
-// clang has no clones of templates.
+// Compiled for the machine's instruction set; products are never fused with sums
+// (-ffp-contract=off), so that results agree. clang cannot clone templates.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define TDPT_WIDE [[gnu::target_clones("default", "avx2")]]
 #else
@@ -11,7 +11,7 @@
 
 namespace tdpt {
 
-// What Colour has of one end.
+// The values of Colour for one end.
 struct Ends::Gloss {
   float of[kColours]{};
 
@@ -31,7 +31,7 @@ struct Ends::Gloss {
     put(back_x, Vec3f(end.back));
     of[cosine] = std::max(static_cast<float>(std::abs(cos)), kGrazing);
     const Rgb left = max(Rgb(1.0f) - b.f0, Rgb(0.05f));
-    // Layers above, roughly: what is never estimated is never taken.
+    // Rough estimate of the layers above: a term estimated as 0 is never chosen.
     const Rgb above = b.sheen * 0.3f + Rgb(0.1f * b.coat.strength);
     put(red, end.carried * (b.diffuse * left + above) * static_cast<float>(std::numbers::inv_pi));
     of[alpha2] = std::max(b.alpha * b.alpha, kMirror);
@@ -44,11 +44,11 @@ struct Ends::Gloss {
 namespace {
 
 struct Way {
-  double x, y, z, d2, g;  // g: G
-  double sent, met;       // more than 0 where an end faces it
+  double x, y, z, d2, g;  // g: the geometry term G
+  double sent, met;       // positive if the end faces the other
 };
 
-// connect.h, without its jumps.
+// The same as connect.h, branch-free.
 template <class L>
 TDPT_INLINE Way way(const L& l, int i, const Vec3d& at, const Vec3d& facing) {
   Way w;
@@ -87,8 +87,8 @@ TDPT_INLINE float most(float a, float b) {
   return a > b ? a : b;
 }
 
-// What an end scatters along unit w: its diffuse lobe, and the interface's
-// [shaders/shared/path/ggx.h]. `at(c)`: column c of it.
+// Scattering of an end along unit w: its diffuse lobe and that of the interface
+// [shaders/shared/path/ggx.h]. `at(c)`: its column c.
 template <class At>
 TDPT_INLINE Colours scattered(const At& at, float x, float y, float z) {
   const float hx = at(Ends::back_x) + x, hy = at(Ends::back_y) + y, hz = at(Ends::back_z) + z;
@@ -122,12 +122,12 @@ TDPT_INLINE double estimate_glossy(const L& l, int i, const Vec3d& at, const Vec
   const Colours sent = scattered([&](Ends::Colour k) { return l.colour[k][i]; }, x, y, z);
   const Colours met = scattered([&](Ends::Colour k) { return c.of[k]; }, -x, -y, -z);
   const auto g = static_cast<float>(((w.sent > 0) & (w.met > 0)) ? w.g : 0.0);
-  // Where both ends are at one place there is no direction.
+  // If both ends coincide the direction is undefined.
   const double value = brought(l, i, sent.r * met.r * g, sent.g * met.g * g, sent.b * met.b * g);
   return ((w.sent > 0) & (w.met > 0)) ? value : 0.0;
 }
 
-// n: a multiple of kLanes, which leaves nothing over.
+// n: a multiple of kLanes, so that no remainder is left.
 template <class L>
 TDPT_WIDE void simple_columns(const L l, int n, const Vec3d at, const Vec3d facing,
                               const Rgb carried, double* __restrict out) {

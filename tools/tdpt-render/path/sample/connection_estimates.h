@@ -1,10 +1,10 @@
-// How much many vertices would bring to one, without visibility: estimates for resampling.h, which
-// are more than 0 wherever connect() is and need not be exact.
+// Estimates the connections of many vertices with one, without visibility, for resampling.h. An
+// estimate is positive wherever connect() is and need not be exact.
 //
-// Ends side by side, in columns, so that several are computed at once. Between simple surfaces an
-// estimate is what connect() says, by the same operations. Where a surface is glossy, rounding of
-// floats is good enough, the interface takes 1 - f0 of the diffuse lobe, and bent normals darken
-// nothing.
+// Ends are stored in columns (structure of arrays), so that several are computed at once. Between
+// simple surfaces an estimate is the value of connect(), by the same operations. For glossy
+// surfaces it is an approximation in floats: the interface takes 1 - f0 of the diffuse lobe, and
+// bent normals darken nothing.
 #pragma once
 #include <array>
 #include <vector>
@@ -13,7 +13,7 @@
 
 namespace tdpt {
 
-/// Ends on the light's side of what may be connected.
+/// Ends on the light's side of possible connections.
 class Ends {
  public:
   // Columns.
@@ -25,8 +25,8 @@ class Ends {
     light_red,
     light_green,
     light_blue,
-    // Of glossy ones: unit direction back and shading normal on that side, its cosine to back,
-    // alpha^2, and what is reflected at normal incidence and more at grazing.
+    // For glossy ends: unit direction back, shading normal on that side, its cosine to back,
+    // alpha^2, reflectance at normal incidence, and its increase at grazing incidence.
     back_x,
     back_y,
     back_z,
@@ -45,10 +45,10 @@ class Ends {
   };
 
   Ends() = default;
-  Ends(Ends&&) = default;  // a copy would know the columns of another
+  Ends(Ends&&) = default;  // a copy's columns would point into the original
   Ends& operator=(Ends&&) = default;
 
-  /// Whether an end has estimates; another has a place all the same.
+  /// Whether an end can be estimated; others still get a place.
   static bool has(const End& end) { return !end.layered || end.opaque; }
 
   void clear() {
@@ -57,17 +57,17 @@ class Ends {
   }
   void add(const End& end);
   size_t size() const { return size_; }
-  /// The light that comes to end i, by which its estimates are multiplied; 0 unless set.
+  /// The light that arrives at end i, a factor of its estimates; 0 unless set.
   void set_light(size_t i, const Rgb& light);
 
-  /// So many are computed at once.
+  /// Number of estimates computed at once.
   static constexpr int kLanes = 8;
-  /// Room that estimates of n ends take.
+  /// Size of the output for n ends.
   static size_t room(size_t n) { return (n + kLanes - 1) / kLanes * kLanes; }
-  /// out[i]: luminance of what end i sends by `c`, one that has estimates, times its light; beyond
-  /// them, up to room(), anything.
+  /// out[i]: luminance that end i sends to `c` times its light; `c` must satisfy has(), and entries
+  /// of ends that do not, and those after the last up to room(), are undefined.
   void estimate(const End& c, double* out) const;
-  /// The same of those that are chosen; there must be one end at least.
+  /// The same for chosen ends; there must be at least one end.
   void estimate(const End& c, const std::array<int, kLanes>& chosen, double* out) const;
 
  private:
@@ -79,8 +79,8 @@ class Ends {
   void make_place();
 
   size_t size_ = 0;
-  bool glossy_ = false;  // some of them
-  Columns columns_;      // of what follows
+  bool glossy_ = false;  // some ends are
+  Columns columns_;      // pointers to the vectors below
   std::array<std::vector<double>, kPlaces> place_;
   std::array<std::vector<float>, kColours> colour_;
 };

@@ -1,4 +1,4 @@
-// Estimates of connections in columns, against connect() itself.
+// Estimates of connections in columns, compared with connect() itself.
 #include "tools/tdpt-render/path/sample/connection_estimates.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ Vec3d place(Rng& rng) {
   return {x, y, z};
 }
 
-// Surfaces anywhere, looked at from either side, of these kinds by turns; of none: simple.
+// Surfaces at random places, seen from either side, with these kinds in turn; without kinds:
+// simple.
 class Surfaces {
  public:
   Surfaces(const std::vector<Bsdf>& kinds, size_t n) : vertices_(n) {
@@ -50,11 +51,11 @@ class Surfaces {
 };
 
 struct Compared {
-  size_t pairs = 0, missed = 0;    // missed: something is connected, and the estimate is 0
-  size_t other_bits = 0, far = 0;  // far: three times as much, or a third
+  size_t pairs = 0, missed = 0;    // missed: a connection carries light, but the estimate is 0
+  size_t other_bits = 0, far = 0;  // far: off by more than a factor of three
 };
 
-// Of each end with all; `fault`: of the side that the columns' ends face.
+// Compares each end with all others; `fault`: factor of the columns' `facing`.
 Compared compare(const Surfaces& surfaces, double fault = 1) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 8, 8, {});

@@ -4,11 +4,11 @@
 
 namespace tdpt::shader {
 
-// The text in doubles.
+// The shared code in doubles.
 struct GuideText : PortalText {
   using Point = tdpt::Point;
   using GuideTotals = tdpt::GuideTotals;
-  using Arrival = const Incidence*;  // null: a walk begins
+  using Arrival = const Incidence*;  // null: the walk begins there
   using Source = const LightSource*;
   static constexpr Source SOURCE_NONE = nullptr;
   struct Render {

@@ -1,5 +1,4 @@
-// Path guiding by the portals [shaders/shared/path/guide.h], in doubles: how a mixture's walks are
-// directed.
+// Path guiding by the portals in doubles [shaders/shared/path/guide.h]: directs a mixture's walks.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/light/vertex.h"
@@ -14,49 +13,50 @@ namespace tdpt {
 
 class Guide {
  public:
-  /// Walks of `mixture`. Where it has no use for the portals there are none, at no cost.
+  /// Guides walks of `mixture`. If that has no use for portals the guide sees none, at no cost.
   Guide(const World& world, const Mixture& mixture)
       : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
               mixture.has(Technique::portal) || mixture.guiding != Guiding{},
               mixture.looks_out() ||
                   (mixture.has(Technique::direct) && world.next_events.by_rect_lights())) {}
-  /// The same, and all is known that the densities of any other directed walks depend on.
+  /// The same, but with everything known that the densities of any other guided walks depend on.
   static Guide knowing_all(const World& world, const Mixture& mixture) {
     return Guide(world, mixture.guiding, true, true, true);
   }
 
-  /// Whether any walk may be directed; otherwise `crossing` knows D alone and no vertex has
-  /// guide totals.
+  /// Whether any walk may be guided; otherwise `crossing` sets only D and vertices have no guide
+  /// totals.
   bool active() const { return active_; }
   /// Whether edges have crossings at all.
   bool sees_portals() const { return sees_portals_; }
-  /// Whether vertices are told what next events know of them.
+  /// Whether vertices store what next events need.
   bool looks_out() const { return looks_out_; }
 
-  /// Of an edge `a` -> `b` of a path, a nearer to the light: here alone it is decided which edges
-  /// have one. `tests` counts those that are held against the portals; `drawn`: as in portals.h.
+  /// Crossing density of edge `a` -> `b` of a path, a nearer to the light; the only place that
+  /// decides which edges have one. `tests` counts the edges tested against the portals; `drawn`: as
+  /// in portals.h.
   PortalSet::CrossingDensity crossing(const Point& a, const Point& b, uint64_t& tests,
                                       const PortalSet::Drawn& drawn = {}) const;
 
-  /// Tells a surface that is seen along unit `away` from it, or was left along it, how walks are
-  /// directed there.
+  /// Sets the guide totals of a surface that is seen along unit `away` from it, or was left along
+  /// it.
   void guide_totals_at_surface(const Vec3d& away, Vertex& v) const;
-  /// Tells y_0, a place on a light.
+  /// Sets the guide totals of y_0, a point on a light.
   void guide_totals_at_light(Vertex& v) const;
 
-  /// Whether there is anything to aim at from a surface.
+  /// Whether a walk on a surface has any portal to aim at.
   bool may_guide(const Vertex& v, From from) const { return v.guide_totals.of(from) > 0; }
-  /// Whether a walk at `v` (`in` null: that begins there) is directed, and then the direction and
-  /// the triangle aimed at. `u`: as in PortalSet::aim, and whether.
+  /// Whether a walk at `v` is guided, and if so its direction and the triangle aimed at. `in` null:
+  /// the walk begins there. `u`: as in PortalSet::aim, and one for the decision.
   bool draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
             Vec3d& w, int& triangle) const;
 
-  /// Whether the walk that leaves y_0 is directed, and then its ray and the triangle aimed at.
+  /// Whether the walk that leaves y_0 is guided, and if so its ray and the triangle aimed at.
   bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
              int& triangle) const;
 
-  /// Of a walk at `at` (`in` null: that begins there) which reaches `to` along `e`: the guided
-  /// density [1/canonical area], from the plain one and the edge's crossing.
+  /// Density [1/canonical area] of a guided walk at `at` that reaches `to` along `e`, from the
+  /// plain density and the edge's crossing. `in` null: the walk begins there.
   double pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e, const Point& to,
                double plain_A, const PortalSet::CrossingDensity& crossing) const {
     const bool may = plain_A > 0 && guiding_.chance[static_cast<size_t>(from)] > 0;

@@ -1,9 +1,8 @@
-// Directed walks go where their density says, by chi-square over bins of the sphere, and their
-// smooth lobes are taken as often as without portals, by the binomial distribution. No density adds
-// up to more than 1.
+// Guided walks follow their density, by chi-square over bins of the sphere, and choose smooth lobes
+// as often as without portals, by the binomial distribution. No density integrates to more than 1.
 //
-// Walks are those of walk.h, in a box with one piece of material under test or one lamp in its
-// middle: each meets it at the same place, and the direction of its next edge is what is judged.
+// The walks are those of walk.h, in a box with one piece of the material under test, or one lamp,
+// in its middle: each hits it at the same point, and the direction of its next edge is tested.
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/statistics/chi_square.h"
@@ -15,13 +14,13 @@
 namespace tdpt::guide_test {
 
 constexpr double kLevel = 1e-3;  // a right program fails a whole TEST with this probability
-constexpr double kWrong = 1e-9;  // a wrong one is below this
+constexpr double kWrong = 1e-9;  // a wrong one stays below
 constexpr uint64_t kSamples = 150000;
 const Guiding kGuiding = tdpt_guided.mixture.guiding;
-// Of the piece in the middle, aslant to everything else.
+// Normal of the piece in the middle, tilted against everything else.
 const Vec3d kUp = normalize(Vec3d(0.1, 0.2, 1));
 
-// Rectangle about `centre` with half sides u and v; light passes it along cross(u, v).
+// Rectangle about `centre` with half sides u and v; light crosses it along cross(u, v).
 Portal plate(const Vec3d& centre, const Vec3d& u, const Vec3d& v) {
   const Vec3d p = centre - u - v;
   return {"plate", {p, p + u * 2, p + u * 2 + v * 2, p + v * 2}, {{0, 1, 2}, {0, 2, 3}}, {}};
@@ -39,8 +38,8 @@ std::vector<Portal> operator+(std::vector<Portal> a, const std::vector<Portal>& 
   return a;
 }
 
-// Portals for walks from the camera that stand in the middle; for those from the light turn them
-// round.
+// Portals for walks from the camera that stand in the middle; turned around for those from the
+// light.
 const std::vector<Portal> kOne{plate({0.2, 0.1, 0.5}, {0, 0.25, 0}, {0.2, 0, 0.05})};
 const std::vector<Portal> kAside{plate({-0.5, 0, 0.4}, {0, 0.1, 0}, {0, 0, 0.2}),
                                  plate({-0.1, 0.6, 0.3}, {0.15, 0, 0}, {0, 0, 0.1})};
@@ -67,7 +66,7 @@ Material material(Kind kind) {
     case Kind::glossy:  // a narrow lobe over a diffuse base
       m.roughness = 0.4f;
       break;
-    case Kind::metal:  // a narrow lobe alone: never directed
+    case Kind::metal:  // only a narrow lobe: never guided
       m.metallic = 1;
       m.roughness = 0.45f;
       break;
@@ -88,7 +87,7 @@ Material material(Kind kind) {
   return m;
 }
 
-// Probability that a walk which came from `back` tries a smooth lobe.
+// Probability that a walk which came from `back` chooses a smooth lobe.
 double smooth_share(const Vertex& at, const Vec3d& back) {
   return at.simple ? 0 : odds_at(at, Incidence(at, back)).dirac;
 }
@@ -120,7 +119,7 @@ Scene box(const Material& middle, double size) {
   const double far = size * std::sqrt(0.75);
   add_triangle(scene, onb.x * size, onb.x * (-0.5 * size) + onb.y * far,
                onb.x * (-0.5 * size) - onb.y * far, 1);
-  // Between the middle and some of the portals: walks end on it short of them.
+  // Between the middle and some of the portals: walks end on it in front of them.
   add_triangle(scene, {0.1, 0, 0.35}, {0.25, 0.05, 0.35}, {0.1, 0.1, 0.35}, 0);
   Camera camera;
   camera.position = {-0.3, 0.2, 0.4};
@@ -131,7 +130,7 @@ Scene box(const Material& middle, double size) {
   return scene;
 }
 
-// Where walks stand whose next direction is judged.
+// Where a walk stands whose next direction is tested.
 struct Stand {
   const World& world;
   Guide guide;
@@ -141,8 +140,8 @@ struct Stand {
 
   Stand(const World& w, From f) : world(w), guide(w, tdpt_guided.mixture), from(f) {}
 
-  // Density [1/sr] of going on along w by a lobe that is not Dirac.
-  // `least`: of the surface's own; to spoil it.
+  // Density [1/sr] of continuing along w by a lobe that is not Dirac. `least`: lower limit of the
+  // surface's own density, for a twin.
   double pdf_w(const Vec3d& w, double least = 0) const {
     Hit hit;
     if (!world.tracer.closest(at.origin(), w, hit)) return 0;
@@ -173,8 +172,8 @@ struct Case {
   Scene scene;
   std::vector<Portal> portals;
   bool begins = false;  // at a lamp in the middle
-  // Aslant: seen from the middle no border of a portal follows one of theirs, where quadrature
-  // would miss what lies beyond it.
+  // Tilted: seen from the middle no portal's border runs along one of a bin, where quadrature would
+  // miss what lies beyond it.
   SphereBins bins{normalize(Vec3d(0.31, -0.52, 0.83)), 2, 12, 16};
 
   World world() const { return World(scene, scene.cameras[0], 64, 64, portals); }
@@ -185,7 +184,7 @@ Case scatters(const std::string& name, From from, Kind kind, const std::vector<P
   Case c{name, from, box(material(kind), 0.05),
          from == From::light ? turned_round(portals) : portals};
   if (from == From::light) {
-    // A needle of light from where the camera is.
+    // A narrow cone of light from where the camera is.
     PunctualLight spot;
     spot.kind = PunctualLight::Kind::spot;
     spot.position = c.scene.cameras[0].position;
@@ -242,13 +241,13 @@ struct Judgement {
 
 template <class Pdf>
 Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w) {
-  const int begin = c.begins ? 0 : 1;  // the vertex that is judged
+  const int begin = c.begins ? 0 : 1;  // the vertex under test
   Walk walk;
   RayCounts rays;
   uint64_t tried = 0, dirac = 0;
   const std::vector<double> share = c.bins.integrate(pdf_w);
   const ChiSquare chi = chi_square_of_samples(kSamples, share, [&](uint64_t) {
-    do {  // until it gets to where it is judged: lamps are directed, too
+    do {  // until it reaches the vertex under test: walks from lamps are guided, too
       const Sequence numbers(7, stream, tried++, 0);
       if (c.from == From::camera)
         walk_from_camera(s.world, s.guide, 32, 32, begin + 1, numbers, walk, rays);
@@ -267,7 +266,7 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
   return j;
 }
 
-// Every density adds up to at most 1 and is followed. `guided`: whether there is anything to aim
+// Every density integrates to at most 1 and is followed. `guided`: whether there is anything to aim
 // at.
 void all_hold(const std::vector<Case>& cases, bool guided = true) {
   const double least = sidak(kLevel, 2 * cases.size());
@@ -285,7 +284,7 @@ void all_hold(const std::vector<Case>& cases, bool guided = true) {
   }
 }
 
-// A narrow strip seen from the middle, which crosses these bins and does not follow them.
+// Bins for a narrow strip as seen from the middle, which crosses them and does not run along them.
 SphereBins towards_the_grazing_one() {
   return SphereBins(normalize(Vec3d(0.4, 0.07, 0.37)), 0.2, 20, 96);
 }
@@ -297,7 +296,7 @@ TEST(guide, diffuse_surfaces_send_walks_at_portals_as_their_density_says) {
     cases.push_back(scatters("several", from, Kind::diffuse, kOne + kAside));
     cases.push_back(scatters("in series", from, Kind::diffuse, kInSeries));
     cases.push_back(scatters("half below", from, Kind::diffuse, kHalfBelow));
-    // The one below is asked first, so that it takes what it must not.
+    // The one below comes first, so that a wrong choice would take it.
     cases.push_back(scatters("one above, one below", from, Kind::diffuse, kBelow + kOne));
     cases.push_back(scatters("one of them looks away", from, Kind::diffuse, kAside + kWrongSide));
     cases.push_back(scatters("grazing", from, Kind::diffuse, kGrazing));
@@ -360,8 +359,8 @@ TEST(guide, what_cannot_be_reached_is_never_aimed_at) {
   all_hold(cases, false);
 }
 
-// Lines of the sun through a box, by where they pass the plane across its way through the origin:
-// a grid of bins over the disc, each with the share that the density gives it.
+// Lines of the sun through a box, by where they cross the perpendicular plane through the origin: a
+// grid of bins over the disc, each with the integral of the density.
 double sun_lines(double fault) {
   Case c = begins_at_a_point("sun", kOne + kAside);
   PunctualLight& sun = c.scene.lights[0];
@@ -387,7 +386,7 @@ double sun_lines(double fault) {
   for (int i = 0; i < kSide * kFine; ++i)
     for (int j = 0; j < kSide * kFine; ++j) {
       const double x = (i + 0.5) * cell - radius, y = (j + 0.5) * cell - radius;
-      Vertex to;  // a surface across the light's way
+      Vertex to;  // a surface perpendicular to the light
       to.material = &world.scene.materials[0];
       to.normal = -sun.direction;
       to.position = onb.x * x + onb.y * y;
@@ -420,17 +419,17 @@ TEST(guide, twin_parallel_light_less_directed_than_its_density_says) {
   EXPECT_LT(sun_lines(0.95), kWrong);
 }
 
-// Faults that must be found: `spoil` gets the stand and W, and changes what the density is told.
+// Twins: `spoil` gets the stand and W, and changes what the density is computed from.
 template <class Spoil>
 Judgement spoilt(const Case& c, Spoil spoil, double least = 0) {
   const World world = c.world();
   Stand s = stand_of(world, c);
   EXPECT_GT(s.aim(), 0) << c.name;
-  // Walks get the same from a stand of their own.
+  // Walks use a stand of their own.
   spoil(s, s.aim());
   return judge(c, s, 1, [&](const Vec3d& w) { return s.pdf_w(w, least); });
 }
-// Dark, so that walks are directed as often as any may be.
+// Dark, so that walks are guided as often as possible.
 std::vector<Case> each_kind(const std::vector<Portal>& portals) {
   std::vector<Case> cases{scatters("diffuse", From::camera, Kind::diffuse, portals),
                           scatters("rough", From::light, Kind::rough, portals),
@@ -457,7 +456,7 @@ TEST(guide, twin_weights_of_facets_that_do_not_add_up_to_1) {
   for (const Case& c : each_kind(kOne + kAside))
     EXPECT_LT(spoilt(c, [](Stand& s, double W) { s.aim() /= W; }).p, kWrong) << c.name;
 }
-// W with what lies below the horizon, too: less is left for the rest.
+// W includes portals below the horizon: less is left for the others.
 TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
   for (const From from : {From::light, From::camera}) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
@@ -471,7 +470,7 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
     EXPECT_LT(j.p, kWrong);
   }
 }
-// What is aimed below the horizon does not go on there.
+// What is aimed below the horizon is not scattered there.
 TEST(guide, twin_a_density_that_knows_no_horizon_when_it_scatters) {
   for (const Case& c : {scatters("scatters", From::camera, Kind::diffuse, kHalfBelow),
                         begins("begins", Material{}, kHalfBelow)})
@@ -484,14 +483,14 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_scatters) {
 TEST(guide, twin_smooth_lobes_that_are_directed_too) {
   for (const Kind kind : {Kind::plastic, Kind::milky}) {
     Case c = scatters("smooth", From::camera, kind, kOne);
-    c.scene.materials[1].base_color = Rgb(0.3f);  // directed often
+    c.scene.materials[1].base_color = Rgb(0.3f);  // guided often
     double smooth = 0;
     const Judgement j = spoilt(c, [&](Stand& s, double) {
       smooth = smooth_share(s.at, s.back);
       s.aim() *= 1 - smooth;
     });
     EXPECT_LT(j.p, kWrong);
-    // And their share, were a walk directed in their place as well.
+    // And their share, if walks were guided instead of taking a smooth lobe.
     EXPECT_GT(j.dirac_p, 1e-4);
     const auto kept = static_cast<uint64_t>((1 - kGuiding.chance[1]) * smooth * kSamples);
     EXPECT_LT(binomial_p(kept, kSamples, smooth), kWrong);

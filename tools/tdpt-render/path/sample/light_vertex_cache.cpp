@@ -111,7 +111,7 @@ LightVertices expected_light_vertices(const World& world, const Guiding& guiding
 Mixture expecting_connections(const LightVertices& vertices, const Mixture& mixture) {
   Mixture expecting = mixture;
   if (!mixture.techniques.walks_from_light()) return expecting;
-  // A cache has no more than its walks.
+  // A vertex connects with at most all kWalks walks of a cache.
   const auto connections = [](double of_walk) {
     return LightVertexCache::kCandidates /
            std::max(of_walk, double{LightVertexCache::kCandidates} / LightVertexCache::kWalks);

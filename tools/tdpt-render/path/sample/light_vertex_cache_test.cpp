@@ -1,5 +1,5 @@
-// Caches of light walks: candidates stand for all vertices, and how many connections are to be
-// expected.
+// Caches of light walks: candidates stand for all vertices, and the expected numbers of connections
+// are right.
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace tdpt::light_vertex_cache_test {
 
-// Walks of so many vertices each, whose places tell them apart.
+// Walks of so many vertices each, with distinct positions.
 std::vector<Walk> walks_of(const std::vector<int>& sizes) {
   std::vector<Walk> walks(sizes.size());
   double place = 1;
@@ -31,7 +31,7 @@ double brought(const Vertex& v) {
   return v.connectible ? v.position.x * v.position.x : 0;
 }
 
-// What all vertices bring to a sample of a walk.
+// Contribution of all vertices per sample of a walk.
 double of_all(const std::vector<Walk>& walks, bool starts) {
   double sum = 0;
   for (const Walk& y : walks)
@@ -39,7 +39,7 @@ double of_all(const std::vector<Walk>& walks, bool starts) {
   return sum / static_cast<double>(walks.size());
 }
 
-// And what candidates tell of it, relative. `fault`: of the number that each stands for.
+// Estimate of it by candidates, relative. `fault`: factor of the number that each stands for.
 double told(const std::vector<Walk>& walks, bool starts, double fault = 1) {
   constexpr int kDraws = 20000;
   const LightVertexCache cache = cache_of(walks);
@@ -75,7 +75,7 @@ TEST(light_vertex_cache, fewer_vertices_than_candidates_are_all_drawn_for_any_u)
   const LightVertexCache cache = cache_of(walks);
   std::vector<const LightVertex*> drawn;
   for (const double u : {0.0, 0.5, 1 - 0x1p-53}) {
-    EXPECT_EQ(cache.draw(false, u, drawn), 4);  // those without vertices count, too
+    EXPECT_EQ(cache.draw(false, u, drawn), 4);  // walks without vertices count, too
     EXPECT_EQ(drawn.size(), 3u);
     EXPECT_EQ(cache.draw(true, u, drawn), 4);
     EXPECT_EQ(drawn.size(), 6u);
@@ -94,7 +94,7 @@ TEST(light_vertex_cache, an_empty_one_has_no_candidates) {
   EXPECT_TRUE(drawn.empty());
   const std::vector<Walk> walks = walks_of({1, 1, 0});
   cache = cache_of(walks);
-  EXPECT_EQ(cache.draw(false, 0.5, drawn), 0);  // none but y_0
+  EXPECT_EQ(cache.draw(false, 0.5, drawn), 0);  // none except y_0
   EXPECT_EQ(cache.draw(true, 0.5, drawn), 3);
   EXPECT_EQ(drawn.size(), 2u);
   cache.clear();
@@ -102,8 +102,8 @@ TEST(light_vertex_cache, an_empty_one_has_no_candidates) {
   EXPECT_TRUE(drawn.empty());
 }
 
-// In a closed box of albedo a walks go on at y_1 for sure, then with probability a: of D - 1 edges
-// at most, they have 1 + sum_{j <= D-3} a^j vertices after y_0.
+// In a closed box of albedo a walks always survive y_1, then with probability a: with at most D - 1
+// edges they have 1 + sum_{j <= D-3} a^j vertices after y_0.
 double scattered(double albedo, int max_depth) {
   double sum = max_depth > 1;
   for (int j = 0; j <= max_depth - 3; ++j) sum += std::pow(albedo, j);
@@ -131,11 +131,11 @@ TEST(expecting_connections, are_those_of_walks_in_the_furnace) {
   for (const float a : {0.5f, 0.8f})
     for (const int depth : {6, kMaxDepth}) {
       const Mixture m = in_furnace(tdpt_org.mixture, a, depth);
-      // Of 512 walks; lengths deviate by no more than sqrt(a) / (1 - a).
+      // Mean of 512 walks; the standard deviation of the length is at most sqrt(a) / (1 - a).
       const double error = 5 * std::sqrt(double{a} / 512) / (1 - double{a});
       EXPECT_NEAR(kCandidates / m.connected, scattered(a, depth), error) << a << " " << depth;
       EXPECT_NEAR(kCandidates / m.connected_to_segments, 1 + scattered(a, depth), error);
-      // Twins: one that knows no end, and where 512 tell as much, one that may end at y_1.
+      // Twins: without a depth limit, and, where 512 walks suffice, one that may end at y_1.
       EXPECT_GT(std::abs(kCandidates / m.connected - (depth == 6 ? 5 : kMaxDepth)), error);
       if (a > 0.5f) continue;
       EXPECT_GT(std::abs(kCandidates / m.connected - (1 + double{a} * (scattered(a, depth) - 1))),
@@ -151,7 +151,7 @@ TEST(light_vertex_cache, has_as_many_walks_however_few_samples_make_one) {
     EXPECT_EQ(light_walks_of(mixture, samples), uint64_t{LightVertexCache::kWalks}) << share;
     EXPECT_NEAR(static_cast<double>(samples) * share, LightVertexCache::kWalks, share / 2);
   }
-  // At the end of a picture: one at least, and of each sample one at most.
+  // At the end of a picture: at least one, and at most one per sample.
   EXPECT_EQ(light_walks_of(mixture, 1), 1u);
   EXPECT_EQ(light_walks_of(mixture, 100), 6u);
   EXPECT_EQ(light_walks_of(mixture, 0), 0u);
@@ -176,12 +176,12 @@ TEST(light_vertex_cache, knows_how_many_walks_there_are_for_each_sample) {
   LightVertexCache cache;
   cache.clear(12);
   for (const Walk& y : walks) cache.add(y);
-  EXPECT_EQ(cache.walks_per_sample(), 0.25);  // those without vertices count, too
+  EXPECT_EQ(cache.walks_per_sample(), 0.25);  // walks without vertices count, too
   EXPECT_EQ(cache_of(walks_of({3})).walks_per_sample(), 1);
 }
 
 TEST(expecting_connections, no_more_than_a_cache_has_walks) {
-  const Mixture m = in_furnace(bdpt.mixture, 0.5f, 1);  // y_0 alone
+  const Mixture m = in_furnace(bdpt.mixture, 0.5f, 1);  // only y_0
   EXPECT_EQ(m.connected, LightVertexCache::kWalks);
   EXPECT_NEAR(m.connected_to_segments, LightVertexCache::kCandidates, 1e-9);
 }
@@ -191,7 +191,7 @@ TEST(expecting_connections, leave_alone_what_does_not_walk_from_lights) {
   EXPECT_EQ(in_furnace(nee.mixture, 0.5f, 6), nee.mixture);
 }
 
-// A sample that has no use for its segment leaves its place to the next one.
+// A sample that does not keep its segment leaves its place to the next one.
 TEST(light_vertex_cache, keeps_the_segments_that_are_of_use) {
   LightVertexCache cache;
   for (int round = 0; round < 2; ++round) {

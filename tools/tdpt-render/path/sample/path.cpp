@@ -1,5 +1,5 @@
-// A finished path and the densities of its vertices in the walks from both ends, which its weights
-// are made of [shaders/shared/path/weight.h].
+// A finished path, and the densities of its vertices in walks from both ends, from which its MIS
+// weights are made [shaders/shared/path/weight.h].
 #include "tools/tdpt-render/path/sample/path.h"
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 
 namespace tdpt::shader {
 
-// The text in doubles, over densities `walks` of a path. A slot is a vertex and the half it is
-// asked of: i of x_i on the light's, i + kOfCamera on the camera's.
+// The shared code in doubles, over densities `walks` of a path. A slot names a vertex and the half
+// it belongs to: i for x_i on the light's, i + kOfCamera on the camera's.
 template <bool has_portals, bool any_dirac>
 struct PathWeights {
   using Real = double;
-  // R is a ratio of what two strategies have at their joints alone: no length takes it out of a
+  // R is a ratio that involves only the joints of two strategies: no path length takes it out of a
   // double's range.
   using Scaled = double;
   static double scaled(double x) { return x; }
@@ -44,7 +44,7 @@ struct PathWeights {
     const int i = static_cast<int>(of_light ? slot : slot - kOfCamera), k = path.k_;
     const auto& [light_A, camera_A] = walks[i];
     const uint flags = any_dirac && path.dirac(i) ? VERTEX_DIRAC : 0u;
-    // Densities have survival as a factor.
+    // The densities include survival as a factor.
     if (of_light)
       return {light_A,  camera_A, i > 0 ? pair_A(i - 1) : 0, i == 1 ? nee_A() : 0, 1,
               slot - 1, flags};
@@ -53,7 +53,7 @@ struct PathWeights {
 
 #include "shaders/shared/path/weight.h"
 
-  // Of x_{s-1} to x_0, of x_s to x_{k-1}.
+  // Halves x_{s-1} to x_0, and x_s to x_{k-1}.
   Half<double> light_half(int s) const {
     if (s == 0) return {kNoVertex, 0, 0};
     return {static_cast<uint>(s - 1), walks[s - 1].camera_A, s > 1 ? walks[s - 2].camera_A : 0};
@@ -136,7 +136,8 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
   if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
 }
 
-// The walk knows both densities of all but its last two vertices, and turned at all but the last.
+// The walk knows both densities of all vertices but its last two; it has scattered at all but the
+// last.
 void Path::take_light_prefix(const Walk& y, int s) {
   for (int i = s - 1; i >= 0; --i) {
     const WalkState& state = y.state(i);
@@ -174,10 +175,10 @@ void Path::take_camera_prefix(const Walk& z, int t) {
   }
 }
 
-// Densities and survival that the walks do not know, from the finished path: x_s to x_{first_z} are
-// those that neither left.
+// Densities and survival that the walks do not know, from the finished path: neither walk left x_s
+// to x_{first_z}.
 void Path::fill_joint(const World& world, int s, int first_z) {
-  std::array<Edge, 5> edges;  // and none beyond the path's ends
+  std::array<Edge, 5> edges;  // and none outside the path
   const auto at = [&](int i) -> Edge& { return edges[u(i - (s - 2))]; };  // x_i -> x_{i+1}
   if (s > 1) at(s - 2) = *place(s - 2).edge;
   for (int i = std::max(s - 1, 0); i < first_z; ++i) {
@@ -185,7 +186,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     place(i).edge = &joint_[u(i - (s - 1))];
   }
   if (first_z < k_) at(first_z) = reversed(*place(first_z).edge);
-  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // of walks, whoever placed x_0
+  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // by a walk, whoever placed x_0
   if (s <= 1)
     walks_[1].light_A =
         directed_light_A(guide_, 1, plain_light_A(world, 1, nullptr, at(0)), nullptr, at(0));
@@ -270,7 +271,7 @@ double Path::pair_A(int i) const {
 
 double Path::strategies(const Mixture& mixture, const WalkDensities& d, Strategy used,
                         bool power) const {
-  // What most paths need not ask for is left out.
+  // Specialised: most paths need neither portals nor Dirac lobes.
   const auto of = [&]<bool portals, bool any_dirac>() {
     return shader::PathWeights<portals, any_dirac>{*this, d, mixture, power}.strategies(used);
   };
@@ -282,7 +283,7 @@ double Path::strategies(const Mixture& mixture, const WalkDensities& d, Strategy
 double Path::weight(const Mixture& mixture, Strategy used, double beta) const {
   if (k_ < 2) return 1;  // a light seen directly: only the camera technique makes it
   const double total = strategies(mixture, walks_, used, beta == 2);
-  // Infinite or no number: divided by a density that is 0.
+  // Infinite or NaN: divided by a density of 0.
   if (!mixture.has(used.technique) || !std::isfinite(total))
     return std::numeric_limits<double>::quiet_NaN();
   const double n = mixture.sample_weight(used.technique, used.split, k_);
@@ -307,7 +308,7 @@ StrategySums Path::sums(const Mixture& mixture, const WalkDensities& d, const Wa
   sums.squares = sums.counted;
   if (mixture.has(used.technique))
     sums.used = p * mixture.samples_of(used.technique, used.split, k_);
-  // Of all others v_s / n_s is 1.
+  // v_s / n_s is 1 for all other strategies.
   const double v = mixture.sample_weight(Technique::direct, 1, k_);
   if (mixture.has(Technique::direct) && v != 1 && !dirac(1))
     sums.squares += v * (v - 1) * over_unit({Technique::direct, 1});

@@ -1,4 +1,4 @@
-// Weights of paths that no sampler would make in a lifetime, put together by hand.
+// Weights of hand-built paths that no sampler would ever find.
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/testing/known_paths.h"
@@ -11,15 +11,15 @@ Walk walk_of(int size) {
   return walk;
 }
 
-// Between two plates 1e-7 apart, by turns straight across and along: the densities of every
-// strategy lie thousands of orders of magnitude below those of the common factor.
+// Between two plates 1e-7 apart, alternately straight across and along: the density of every
+// strategy is thousands of orders of magnitude below the common factor.
 TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   const Scene scene = diffuse_rooms();
   const World world(scene, scene.camera(""), 16, 12, {});
   uint32_t lamp = 0;
   while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
   Material grey;
-  grey.base_color = Rgb(1);  // walks always go on
+  grey.base_color = Rgb(1);  // walks always survive
   const int k = 1000;
   Walk y = walk_of(1), z = walk_of(k);
   const Vec3d across = world.film.forward();  // the camera sees x_{k-1} on its front
@@ -80,15 +80,15 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
     EXPECT_GT(twin, 0.1);  // an exponent off by 5 %
     EXPECT_GT(told, 10);
   }
-  double common = 0;  // logarithm of what the product form divides by
+  double common = 0;  // logarithm of the divisor in the product form
   for (int i = 0; i < k; ++i)
     common += std::log(i == 0 ? y.state(0).pdf_own_A
                               : z.state(k - i).pdf_own_A + z.state(k - i).pdf_other_A);
-  EXPECT_LT(largest - common, -750);  // beyond the smallest double, exp(-745)
+  EXPECT_LT(largest - common, -750);  // below the smallest double, exp(-745)
 }
 
 // x_0 on a lamp, then x_1, x_2, x_3, and the camera. Neither x_1 nor x_3 can scatter towards x_2:
-// only portal segments that end there, x_1 -> x_2 and x_2 -> x_3, have a density.
+// only the portal segments that end there, x_1 -> x_2 and x_2 -> x_3, have a density.
 TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_segments) {
   const Scene scene = diffuse_rooms();
   const World plain(scene, scene.camera(""), 16, 12, {});
@@ -97,7 +97,7 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   const Vec3d x4 = plain.film.position(), x3 = x4 + forward * 0.3;
   const Vec3d x2 = x3 + forward * 0.2 + side * 0.05, x1 = x2 + side * 0.2;
   const Vec3d x0 = x1 + forward * 0.1 + side * 0.15;
-  // A square about the middle of an edge, across it.
+  // A square about the middle of an edge, perpendicular to it.
   const auto between_ends = [&](const Vec3d& from, const Vec3d& to, double size) {
     const Vec3d u = normalize(cross(to - from, Vec3d(0.1, 1, 0.2))) * size;
     const Vec3d v = normalize(cross(to - from, u)) * size;

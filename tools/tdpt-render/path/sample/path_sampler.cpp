@@ -202,7 +202,7 @@ void PathSampler::direct() {
     const Rgb f = bsdf_at(z[j], e.w, way_back(z, j));
     const Rgb sent = z.state(j).throughput * f * Le;
     if (black(sent) || !visible(z[j], y0)) continue;
-    // What many do not need: half of them and more are hidden.
+    // Computed only after the visibility test: at least half of the points are hidden.
     const double pdf = point.pdf > 0
                            ? point.pdf
                            : world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
@@ -250,7 +250,7 @@ void PathSampler::connect_drawn(const End& end, int edges) {
   }
 }
 
-// What was estimated in columns alone is computed when it is taken.
+// Contributions that were only estimated in columns are computed when they are chosen.
 Rgb PathSampler::connected(const End& l, const End& c, size_t number) const {
   const bool in_columns = Ends::has(l) && Ends::has(c) && !world_.absorbing;
   return in_columns ? connect(world_, l, c) : values_[number];

@@ -1,5 +1,5 @@
-// Every path that any technique makes is held against the oracle: its MIS weight, and that its
-// unweighted value is the measurement contribution divided by the density of its strategy.
+// Compares every path of every technique with the oracle: its MIS weight, and that its unweighted
+// value is the measurement contribution divided by the density of its strategy.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -14,10 +14,10 @@ class paths : public testing::TestWithParam<const Integrator*> {};
 
 TEST_P(paths, weights_and_values_are_the_oracles) {
   const Worst worst = compare(diffuse_rooms(), *GetParam(), Fault::none);
-  EXPECT_LT(worst.weight, 1e-6);  // hit points lie beside the sampled rays by float rounding
+  EXPECT_LT(worst.weight, 1e-6);  // rounding to floats moves hit points off the sampled rays
   EXPECT_LT(worst.power, 2e-6);
   EXPECT_LT(worst.value, 1e-4);  // values are floats
-  if (GetParam() != &pt) {       // which has one technique, and its weights no exponent
+  if (GetParam() != &pt) {       // it has one technique, so its weights have no exponent
     EXPECT_GT(worst.power_1_9, 2e-4);
   }
   for (size_t i = 0; i < kTechniques; ++i) {
@@ -41,7 +41,7 @@ TEST_P(paths, over_glossy_surfaces_too) {
 
 TEST_P(paths, over_coats_that_lean_too) {
   const Worst worst = compare(coated_rooms(), *GetParam(), Fault::none, 6, 96);
-  EXPECT_LE(worst.off, 5);  // cosines of 0.001, which rounding of their places changes
+  EXPECT_LE(worst.off, 5);  // cosines of 0.001, which rounding of positions changes
   EXPECT_GT(worst.all, GetParam() == &pt ? 30 : 3000);
   EXPECT_GT(worst.dirac, 10);
 }
@@ -82,7 +82,7 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   }
 }
 
-// The hole's is for one way; two across the camera's room make pairs either way.
+// The hole's portal is one-way; two across the camera's room make pairs in both directions.
 TEST_P(paths, through_portals_for_both_ways_are_the_oracles) {
   std::vector<Portal> portals = two_crossing_portals();
   portals.push_back(rectangle({0.6, 0.2, -0.9}, {0, 0, 1.8}, {0, 1.6, 0}));
@@ -108,8 +108,8 @@ INSTANTIATE_TEST_SUITE_P(integrators, paths, testing::ValuesIn(integrators()),
                            return name;
                          });
 
-// Probabilities other than the integrator's own. A ray that was aimed at a border of a portal may
-// pass it by rounding: the walk knows that it was aimed there, the oracle does not.
+// Guiding probabilities other than the integrator's. A ray aimed at a portal's border may miss it
+// by rounding: the walk knows that it aimed there, the oracle does not.
 TEST(paths_guided, of_any_probability_are_the_oracles) {
   std::set<std::tuple<double, double, double, bool>> combinations;
   const Scene diffuse = diffuse_rooms(), glossy = glossy_rooms();
@@ -145,13 +145,13 @@ TEST(paths_under_other_mixtures, weigh_as_the_oracle_says) {
            {nee.mixture, bdpt.mixture, tdpt_org.mixture, connected, often, seldom}) {
         // Edges so short that rounding turns them, as above.
         EXPECT_LE(weighed_as_others(scene, *made, asked, asked), 3) << made->name;
-        // Twin: directed a little more often than was asked.
+        // Twin: guided a little more often than asked.
         Mixture told = asked;
         if (told.guiding == Guiding{}) continue;
         told.guiding.chance[0] += 0.05;
         EXPECT_GT(weighed_as_others(scene, *made, asked, told), 100) << made->name;
       }
-  // Twins: connected a little more often than was asked.
+  // Twins: connected a little more often than asked.
   Mixture told = connected;
   told.connected *= 1.05;
   EXPECT_GT(weighed_as_others(diffuse_rooms(), tdpt_org, connected, told), 100);
@@ -174,9 +174,9 @@ TEST(path_twin, a_portal_density_off_is_caught_where_a_share_of_the_samples_draw
   }
 }
 
-// Smooth plastic whose bent normals send what it mirrors into the surface at some z_1: a walk that
-// tries the mirror there ends, directed or not. What walks carry from there through portals:
-// directed ones against plain ones [standard errors]; `fault`: factor of the former.
+// Smooth plastic whose bent normals reflect into the surface at some z_1: a walk that chooses the
+// mirror lobe there ends, guided or not. Compares what guided and plain walks carry from there
+// through portals [standard errors]; `fault`: factor of the former.
 double carried_by_directed_walks(double fault) {
   Scene scene = diffuse_rooms();
   Material plastic;
@@ -277,13 +277,13 @@ Scene bright(Scene scene) {
   return scene;
 }
 
-// As many as roulette lets go on.
+// Of any length that Russian roulette allows.
 TEST(paths_deep, of_walks_without_limit_are_the_oracles) {
   const Scene scene = bright(diffuse_rooms());
   for (const Integrator* integrator : integrators()) {
     const Worst worst = compare(scene, *integrator, Fault::none, kMaxDepth, 32);
     if (integrator == &tdpt_guided) {
-      EXPECT_LE(worst.off, 4);  // rays that pass a portal's border, as above
+      EXPECT_LE(worst.off, 4);  // rays that miss a portal's border, as above
     } else {
       EXPECT_LT(worst.weight, 1e-6) << integrator->name;
       EXPECT_LT(worst.power, 2e-6) << integrator->name;
@@ -312,7 +312,7 @@ TEST(path_twin, walks_that_are_thought_immortal_are_caught) {
     }
 }
 
-// Vertices of a cache are connected more often, or less, than once for each of a walk.
+// Cached vertices are connected more or less often than once for each of a walk.
 TEST(paths_connected, any_number_of_times_are_the_oracles) {
   for (const Integrator* row : {&bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided})
     for (const auto& [connected, to_segments] : {std::pair{2.5, 1.7}, {0.6, 0.4}})
@@ -328,8 +328,7 @@ TEST(paths_connected, any_number_of_times_are_the_oracles) {
       }
 }
 
-// Connections that the weights are not to know of: nothing of what they bring may vanish in
-// silence.
+// Connections that the weights do not know of: their light must not vanish silently.
 TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
   const Scene scene = diffuse_rooms();
   const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
@@ -345,7 +344,7 @@ TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
   EXPECT_GT(not_finite({tdpt_ref, run_twice<Technique::bi>}), 10u);
 }
 
-// G grows without bound in the corners of a box. Nothing is clamped: the weights keep it down.
+// G is unbounded in the corners of a box. Nothing is clamped: the weights keep it down.
 TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
   const Scene scene = read_gltf(furnace_path());
   const World world(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});

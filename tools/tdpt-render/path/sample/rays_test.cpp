@@ -1,30 +1,30 @@
-// The rays of a sample are at most those of the paper's Table 1, for paths of up to k edges, but
-// that a vertex is connected with few others [resampling.h]:
+// A sample traces at most the rays of the paper's Table 1, for paths of up to k edges, except that
+// a vertex is connected with only a few others [resampling.h]:
 //
 //   light walk     (k-1) c_I + (k-1) c_V          edges; y_1..y_{k-1} are splatted (the paper's
 //                                                  prose says up to y_{k-2}, which is k-2 of them)
 //   camera walk     k c_I    + (k-1) c_V          edges; next events from z_1..z_{k-1}
-//   bi-connections   B c_V                        z_j with few of y_1..y_{k-1-j}: no more than 2,
+//   bi-connections   B c_V                        z_j with a few of y_1..y_{k-1-j}: at most 2,
 //                                                  and 1 from z_3 on
 //   tri-connection  2 c_I    + (1+S+C) c_V        x_l, x_c; x_l to S of y_0..y_{k-3}, x_c to z_0
 //                                                  and C of z_1..z_{k-2}; S <= 2, C <= 3
 //
-// in place of (k-1)(k-2)/2 and 2k-3. c_P, tests of an edge against the portals, is what the whole
-// sample pays for them:
+// instead of (k-1)(k-2)/2 and 2k-3. c_P, tests of an edge against the portals, for the whole
+// sample:
 //   (k-1) + (k-1) edges of both walks (the camera's own edge z_0 z_1 never counts),
 //   (k-1) next-event edges, S edges of x_l, C edges of x_c.
-// We test one edge more: the segment itself. It crosses the polygon it was drawn from, but its
+// We test one more edge: the segment itself. It crosses the polygon it was drawn from, but its
 // density is a sum over all that it crosses. With bi-connections their edges are tested as well.
 //
-// All this is the same for walks that are directed at portals: a directed walk needs the crossing
-// of each of its edges, and has it already. What it needs more are edges from a lamp without
-// surface. No segment ends there, so without directed walks none of them is tested; with them a
-// lamp's edges count as those of any other light: y_0 y_1, the (k-1) next events and y_0 x_l.
+// Guided walks trace the same rays: a guided walk needs the crossing of each of its edges and
+// already has it. It also needs edges from a lamp without surface. No segment ends there, so
+// without guiding none of these is tested; with it a lamp's edges count as those of any other
+// light: y_0 y_1, the (k-1) next events and y_0 x_l.
 //
-// A connection is not traced when a cosine or the film tells that it carries nothing. So the room
-// is a ball of small facets that shine inwards, seen from its rim by a camera that nearly has all
-// of it in its picture: of many samples most make all connections, and none makes more. It is
-// white, so that no walk ends early.
+// A connection is not traced if a cosine or the film shows that it carries nothing. So the room is
+// a ball of small facets that emit inwards, with a camera on its rim that sees nearly all of it: of
+// many samples most make all connections, and none makes more. It is white, so that no walk ends
+// early.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,7 +35,7 @@
 
 namespace tdpt::rays_test {
 
-// Lit by its walls, or by a lamp within it.
+// Lit by its walls, or by a lamp in it.
 Scene ball(bool glowing) {
   constexpr int kAround = 48, kDown = 24;
   constexpr double kRadius = 0.9;
@@ -66,7 +66,7 @@ Scene ball(bool glowing) {
       if (i < kDown - 1)
         scene.triangles.push_back({{at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)}, 0});
     }
-  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {  // fronts look inwards
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {  // fronts face inwards
     const TriangleShape shape = shape_of(scene, t);
     if (dot(shape.normal, shape.p0) > 0)
       std::swap(scene.triangles[t].vertex[1], scene.triangles[t].vertex[2]);
@@ -111,12 +111,12 @@ Census count(const Variant& variant, int k, const RayCounts& expected, bool glow
   return census;
 }
 
-/// Of `n` others, how many z_j or an end of a segment is connected with.
+/// Number of connections of z_j, or of an end of a segment, with `n` others.
 uint64_t few(uint64_t most, uint64_t n) {
   return std::min(most, n);
 }
 
-/// One that draws a segment in each sample.
+/// An integrator that draws a segment in each sample.
 Integrator with_all_segments(Integrator integrator) {
   integrator.mixture.segments = 1;
   return integrator;
@@ -139,7 +139,7 @@ RayCounts table_1(TechniqueSet set, int depth) {
     r.shadow += 1 + few(2, k - 2) + few(3, k - 2);
     r.portal += few(2, k - 2) + few(3, k - 2) + 1;
   } else {
-    r.portal = 0;  // integrators that have no use for portals do not ask for them
+    r.portal = 0;  // integrators that have no use for portals do not test them
   }
   return r;
 }
@@ -163,7 +163,7 @@ TEST(rays, are_those_of_table_1) {
   }
 }
 
-// Of the edges from a lamp without surface. Whether x_l is connected with y_0 is sure for k <= 4.
+// Edges from a lamp without surface. For k <= 4, x_l is certainly connected with y_0.
 uint64_t lamp_edges(TechniqueSet set, int depth) {
   const auto k = static_cast<uint64_t>(depth);
   if (!set.has(Technique::portal)) return 0;
@@ -176,15 +176,15 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
       RayCounts expected = table_1(integrator->mixture.techniques, k);
       const bool plain = integrator->mixture.guiding == Guiding{};
       if (plain) expected.portal -= lamp_edges(integrator->mixture.techniques, k);
-      // Where light begins at y_0 alone, a segment leaves room for one vertex less.
+      // If light begins only at y_0, a segment leaves room for one vertex less.
       if (integrator->mixture.has(Technique::portal)) {
         const auto n = static_cast<uint64_t>(k);
         expected.shadow -= few(3, n - 2) - few(3, n - 3);
         expected.portal -= few(3, n - 2) - few(3, n - 3);
       }
       const bool chosen = plain && k > 4 && integrator->mixture.has(Technique::portal);
-      // One edge more where x_l is connected with others than y_0, which for short paths leaves the
-      // camera's side a vertex less.
+      // One more edge if x_l is connected with others than y_0, which for short paths leaves the
+      // camera's side one vertex less.
       if (chosen && k > 6) ++expected.portal;
       const Census census = count(with_all_segments(*integrator), k, expected, false);
       EXPECT_EQ(census.most.closest, expected.closest) << integrator->name << " " << k;
@@ -195,8 +195,8 @@ TEST(rays, of_directed_walks_are_tested_on_a_lamps_edges_too) {
     }
 }
 
-// z_1 to z_6, each with y_1 to y_5 of a walk that is cached alone, though some paths be too long;
-// an end of a segment with y_0, too, and the segment with z_1 to z_4.
+// z_1 to z_6, each with y_1 to y_5 of a walk that is cached alone, even if some paths are too long;
+// an end of a segment also with y_0, and the segment with z_1 to z_4.
 TEST(rays, pairs_that_come_into_question_for_a_connect_are_counted) {
   EXPECT_EQ(count(nee, 6, {}).most.connect, 0u);
   EXPECT_EQ(count(bdpt, 6, {}).most.connect, 6u * 5);

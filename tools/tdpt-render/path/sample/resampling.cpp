@@ -6,12 +6,13 @@
 namespace tdpt {
 namespace {
 
-// Share of the chances that all terms have alike: an estimate knows neither shadows nor weights.
+// Share of the probability spread equally over all terms: an estimate knows neither shadows nor
+// weights.
 constexpr double kAlike = 0.5;
 
 }  // namespace
 
-// k for which the sum of min(1, k e_i) is `count`; less than as many terms are not 0, and their e_i
+// k for which the sum of min(1, k e_i) is `count`, if more terms than that are not 0 and their e_i
 // sum to 1.
 double Resampling::factor(uint32_t count) const {
   double k = count;
@@ -30,12 +31,12 @@ double Resampling::factor(uint32_t count) const {
   }
 }
 
-// Which terms are taken is anybody's guess: nothing jumps by it.
+// Branch-free: which terms are chosen cannot be predicted.
 std::span<const Resampling::Taken> Resampling::choose(uint32_t count, double u) {
   if (taken_.size() < not_zero_ + 1) taken_.resize(not_zero_ + 1);
   double total = 0;
   for (const auto& [number, e] : terms()) total += e;
-  // What is no number is not weighed against others: it is to be met and counted.
+  // NaN must not be importance-sampled away: keep it, so that it is counted and reported.
   if (not_zero_ <= count || !std::isfinite(total)) {
     for (size_t i = 0; i < not_zero_; ++i) taken_[i] = {terms_[i].number, 1};
     return {taken_.data(), not_zero_};

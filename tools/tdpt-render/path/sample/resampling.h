@@ -1,8 +1,8 @@
-// Resampling of many: of terms of a sum, those that are worth a ray.
+// Chooses the terms of a sum that are worth a ray: resampling without bias.
 //
-// Method: systematic sampling with given chances. Each term has an estimate e_i; its chance is
-// c_i = min(1, k e_i), k such that the chances add up to the number that is wanted. The sum over
-// those that are taken of term / chance has no bias, whatever the estimates.
+// Method: systematic sampling with given probabilities. Each term has an estimate e_i and is chosen
+// with probability c_i = min(1, k e_i), k such that the c_i sum to the number wanted. The sum over
+// the chosen terms of term / c_i is unbiased for any positive estimates.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -17,29 +17,29 @@ class Resampling {
     if (terms_.size() < most + 1) terms_.resize(most + 1);
     added_ = not_zero_ = 0;
   }
-  /// Of the next term; 0: it is never taken. Many are 0, and nobody foresees which: they are passed
-  /// over without a jump.
+  /// Adds the estimate of the next term; 0: it is never chosen. Branch-free: many are 0, and which
+  /// cannot be predicted.
   void add(double estimate) {
     terms_[not_zero_] = {added_++, estimate};
     not_zero_ += estimate != 0;
   }
 
   struct Taken {
-    size_t term;    ///< in the order that they were added
-    double chance;  ///< that it was taken
+    size_t term;    ///< in the order of adding
+    double chance;  ///< probability that it was chosen
   };
-  /// Takes `count` of the terms, or all that are not 0 if those are not more. u in [0,1).
+  /// Chooses `count` terms, or all that are not 0 if there are no more. u in [0,1).
   std::span<const Taken> choose(uint32_t count, double u);
 
  private:
   struct Term {
-    size_t number;  // in the order that they were added
+    size_t number;  // in the order of adding
     double estimate;
   };
   std::span<const Term> terms() const { return {terms_.data(), not_zero_}; }
   double factor(uint32_t count) const;
 
-  std::vector<Term> terms_;  // the first not_zero_ of them
+  std::vector<Term> terms_;  // the first not_zero_ are in use
   size_t added_ = 0, not_zero_ = 0;
   std::vector<Taken> taken_;
 };

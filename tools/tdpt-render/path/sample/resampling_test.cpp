@@ -1,4 +1,4 @@
-// Systematic sampling of a few terms of a sum: how many are taken, and that nothing is lost by it.
+// Systematic sampling of a few terms of a sum: how many are chosen, and that the sum is unbiased.
 #include "tools/tdpt-render/path/sample/resampling.h"
 
 #include <cmath>
@@ -10,14 +10,15 @@
 
 namespace tdpt::resampling_test {
 
-constexpr int kDraws = 20000;  // u at even distances: what is rare has a chance of 0.1 at least
+constexpr int kDraws = 20000;  // u at equal distances: a rare term has a probability of at least
+                               // 0.1
 
 struct Draws {
-  std::vector<double> chance;  ///< of each term; 0: it was never taken
-  std::vector<double> sum;     ///< of 1 / chance where it was taken
-  std::vector<double> often;   ///< how often that was
+  std::vector<double> chance;  ///< probability of each term; 0: it was never chosen
+  std::vector<double> sum;     ///< of 1 / probability over the times it was chosen
+  std::vector<double> often;   ///< how often it was chosen
   int fewest = 1 << 30, most = 0;
-  bool steady = true;  ///< whether each had the same chance whenever it was taken
+  bool steady = true;  ///< whether each had the same probability whenever it was chosen
 };
 
 Draws draw(const std::vector<double>& estimates, int count) {
@@ -50,7 +51,7 @@ double total(const std::vector<double>& values) {
   return sum;
 }
 
-// Of all sizes, some 0, and some so large that they are always taken.
+// Of all sizes, some 0, and some so large that they are always chosen.
 std::vector<std::vector<double>> estimates() {
   std::vector<std::vector<double>> all{{1, 1, 1, 1},
                                        {1, 2, 3, 4, 5},
@@ -87,8 +88,8 @@ TEST(resampling, chances_add_up_to_the_count_and_so_many_are_taken) {
   EXPECT_GT(tested, 40);
 }
 
-// Farthest from 1 of what each term is expected to bring over itself; `told`: the chance that it is
-// divided by, of the one that it has.
+// Largest deviation from 1 of a term's expected contribution over itself; `told`: the probability
+// it is divided by, as a function of the true one.
 template <class Told>
 double worst_mean(const std::vector<double>& e, int count, const Told& told) {
   const Draws d = draw(e, count);
@@ -104,7 +105,7 @@ double worst_mean(const std::vector<double>& e, int count, const Told& told) {
 
 TEST(resampling, each_term_is_right_in_the_mean) {
   for (const std::vector<double>& e : estimates())
-    for (const int count : {1, 2, 3})  // an interval of u, told to 1 / kDraws at either end
+    for (const int count : {1, 2, 3})  // an interval of u, known to 1 / kDraws at either end
       EXPECT_LT(worst_mean(e, count, [](double chance) { return chance; }), 3e-3);
 }
 
@@ -118,7 +119,7 @@ TEST(resampling, twin_another_chance_than_they_have_is_caught) {
 TEST(resampling, larger_ones_are_taken_more_often_and_none_seldom) {
   const Draws d = draw({1e-9, 1, 2, 4}, 1);
   for (size_t i = 1; i < 4; ++i) EXPECT_GT(d.chance[i], d.chance[i - 1]);
-  EXPECT_GT(d.chance[0], 0.1);  // it may be the one that is not in the shadow
+  EXPECT_GT(d.chance[0], 0.1);  // it may be the only one that is not in shadow
   EXPECT_EQ(draw({1e-9, 1, 1e9, 1e9}, 3).chance[3], 1);
 }
 
@@ -129,7 +130,7 @@ TEST(resampling, where_there_are_no_more_all_are_taken) {
   }
 }
 
-// So that what is no number comes to be counted.
+// NaN must be kept, so that it is counted.
 TEST(resampling, what_is_not_finite_is_kept_and_all_beside_it) {
   for (const double odd :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

@@ -1,4 +1,4 @@
-// Survival of walks: the albedo of what they stand on, which is told by sampled weights here.
+// Survival of walks equals the albedo of the surface, which is estimated here by sampled weights.
 #include "tools/tdpt-render/path/sample/roulette.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ struct Estimate {
   double mean, error;  ///< standard error
 };
 
-// Mean weight of walks that come from `from`, of the component that is largest.
+// Mean weight of walks that come from `from`, largest component.
 Estimate sampled_albedo(const Bsdf& b, const Vec3d& from) {
   constexpr int kSamples = 8000;
   Vec3d sum, squares;
@@ -42,7 +42,7 @@ Estimate sampled_albedo(const Bsdf& b, const Vec3d& from) {
   return largest;
 }
 
-// The same by a sum over even directions, for lobes that are broad.
+// The same by quadrature over uniform directions, for broad lobes.
 double integrated_albedo(const Bsdf& b, const Vec3d& from) {
   constexpr int kZ = 200, kAzimuth = 100;
   Vec3d sum;
@@ -70,7 +70,7 @@ std::vector<NamedBsdf> kinds(float alpha) {
   return all;
 }
 
-// By how much walks end too often; below 0 they go on too often. Noise is taken off.
+// How much too often walks end (above) or survive (below); noise is subtracted.
 struct Worst {
   double above = -1, below = -1;
   std::string at;
@@ -109,8 +109,8 @@ TEST(roulette, nor_less_often_where_surfaces_are_opaque) {
     ASSERT_GT(opaque.size(), 6u);
     ASSERT_GT(layered.size(), 6u);
     EXPECT_LT(worst_of(opaque, survival).above, 0.02) << alpha;
-    // Of what a sheen, or a rough coat over facets, takes twice, and of the dip of a conductor,
-    // nothing is told.
+    // No claim about what a sheen, or a rough coat over facets, counts twice, or about a
+    // conductor's dip.
     EXPECT_LT(worst_of(layered, survival).above, 0.15) << alpha;
   }
 }
@@ -120,7 +120,7 @@ TEST(roulette, sampled_weights_are_the_integral) {
     for (const double z : {0.9, 0.3}) {
       const Vec3d from = test::direction(z, 0.7);
       if (surfaces().odds_at(test::whole::point(named.b), from).dirac > 0)
-        continue;  // no index changes
+        continue;  // no change of index
       const Estimate albedo = sampled_albedo(named.b, from);
       EXPECT_NEAR(integrated_albedo(named.b, from), albedo.mean, 5 * albedo.error + 2e-3)
           << named.name << " " << z;
@@ -147,12 +147,12 @@ TEST(roulette, a_diffuse_surface_has_the_largest_component_of_its_colour) {
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), double{0.7f});
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, -1})), double{0.7f});
   p.color = {};
-  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 0.05);  // a black one ends few walks in vain
+  EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 0.05);  // a black surface: lower limit
   p.color = Rgb(1);
   EXPECT_EQ(albedo_at(p, Incidence(p, {0, 0, 1})), 1);
 }
 
-// Rays find a pane as seldom as it reflects: those that do are all reflected.
+// A pane stops rays as seldom as it reflects: those that it stops are all reflected.
 TEST(roulette, walks_that_have_found_a_pane_go_on) {
   Material pane, sheet;
   pane.plain = sheet.plain = false;
@@ -166,7 +166,7 @@ TEST(roulette, walks_that_have_found_a_pane_go_on) {
   for (const double z : {1.0, 0.6, -0.9}) {
     p.material = &pane;
     EXPECT_NEAR(albedo_at(p, Incidence(p, test::direction(z, 0.7))), 1, 0.01) << z;
-    p.material = &sheet;  // twin: what all rays meet
+    p.material = &sheet;  // twin: a sheet that all rays hit
     EXPECT_LT(albedo_at(p, Incidence(p, test::direction(z, 0.7))), 0.2) << z;
   }
 }

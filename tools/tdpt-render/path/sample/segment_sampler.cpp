@@ -1,11 +1,11 @@
 // Portal segments: drawn and connected with the light's side in one phase of a sample, with the
 // camera's in the next [path_sampler.h]. Sections 3.1.1 and 3.2.
 //
-// A segment that has come upon light is worth more than the one sample that drew it can use, so
-// that the vertices of all samples of a cache are connected with it: of all pairs of a vertex and a
-// segment few get their ray, those that would bring most. At depth 6, by samples of equal number:
-// 0.5 and 0.55 times the relMSE in the room with the door ajar and in three rooms, and 1.25 times
-// the CPU time; half of the segments bring 0.6 times, at 1.1 times the time.
+// A segment that has found light is worth more than the one sample that drew it can use, so the
+// camera vertices of all samples of a cache are connected with it: of all pairs of a vertex and a
+// segment only the few with the largest estimates get their ray. At depth 6, for equal numbers of
+// samples: 0.5 and 0.55 times the relMSE in the room with the door ajar and in three rooms, and
+// 1.25 times the CPU time; with half of the segments 0.6 times, at 1.1 times the time.
 #include <algorithm>
 
 #include "tools/tdpt-render/path/sample/path_sampler.h"
@@ -41,9 +41,9 @@ void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
 }
 
 bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& segment) {
-  // Both rays start at one place, behind the portal by more than rounding: what lies in its plane,
-  // a pane as like as not, is met by one of them alone, and a segment that a wall there stops ends
-  // too near the plane to have a density.
+  // Both rays start at one point, behind the portal by more than rounding. A surface in the
+  // portal's plane, often a pane, is then hit by only one of them, and a segment stopped by a wall
+  // there ends too near the plane to have a density.
   Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   x_l = x_c = {};
   segment.opacity = 1;
@@ -61,7 +61,7 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
     return true;
   };
   if (!end(sample.direction, x_c) || !x_c.connectible || !end(-sample.direction, x_l)) return false;
-  // A lamp may be black or a mirror otherwise: light that begins there is not scattered there.
+  // The surface of a lamp may be black or a mirror: light that begins there is not scattered there.
   if (!x_l.connectible && black(emitted(x_l, sample.direction))) return false;
   const Edge middle = between(x_l, x_c);
   if (!(middle.d2 > 0)) return false;
@@ -76,7 +76,7 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
     guide_.guide_totals_at_surface(-sample.direction, x_c);
   }
   if (guide_.looks_out()) {
-    // Where light begins at x_l, x_c may be x_1.
+    // If light begins at x_l, x_c may be x_1.
     if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
     if (x_l.source) world_.next_events.look_out(-sample.direction, x_c);
   }
@@ -87,7 +87,7 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
 
 // [eq. 1] with edge C1 of [eq. 2], over its density: a prefix vertices y_0..y_{a-1}, arriving at
 // x_l and scattered along w. Each end's edges are tested against the portals once, for all paths
-// that have them.
+// that contain them.
 void PathSampler::connect_with_light(PortalSegment& segment, const std::array<double, 2>& u) {
   const Vertex& x_l = segment.x_l;
   segment.light.clear();

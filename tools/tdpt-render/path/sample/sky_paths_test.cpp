@@ -1,5 +1,5 @@
-// Every path that any technique makes under a sky is held against the oracle: x_0 is a direction,
-// P>(x_0) and P<(x_0) are per solid angle, and so is the light's end of a portal segment.
+// Compares every path of every technique under a sky with the oracle: x_0 is a direction, P>(x_0)
+// and P<(x_0) are per solid angle, and so is the light's end of a portal segment.
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/plan/candidates.h"
@@ -29,7 +29,7 @@ Scene glossy_with_lamps() {
   return under(open_end(glossy_rooms(), kEnd), one_colour_sky({2, 3, 4}));
 }
 
-/// The hole's, the tilted one in the camera's room and one in the open end.
+/// The hole's, the tilted one in the camera's room, and one in the open end.
 std::vector<Portal> three_portals() {
   std::vector<Portal> portals = two_crossing_portals();
   portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
@@ -53,7 +53,7 @@ TEST_P(sky_paths, weights_and_values_are_the_oracles) {
     }
 }
 
-// A ray that was aimed at a border of a portal may pass it by rounding, as in path_test.cpp.
+// A ray aimed at a portal's border may miss it by rounding, as in path_test.cpp.
 TEST_P(sky_paths, over_glossy_surfaces_too) {
   for (const Scene& scene : {glossy_under_the_sky(), glossy_with_lamps()}) {
     const Worst worst = compare(scene, *GetParam(), Fault::none, 6, 96, three_portals());
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()
                            return name;
                          });
 
-// All that auto tries.
+// All candidates of auto.
 TEST(sky_paths_of_candidates, are_the_oracles) {
   const Scene scene = diffuse_with_lamps();
   const World world(scene, scene.camera(""), 16, 12, three_portals());
@@ -105,8 +105,8 @@ TEST(sky_paths_of_candidates, are_the_oracles) {
   EXPECT_GT(std::min(directed, anywhere), 1);
 }
 
-// Anything: portals of all places, sizes and ways, on top of each other, in part; maps of any size
-// with black texels, suns of any; mixtures.
+// Random cases: portals of all places, sizes and directions, overlapping; maps of any size with
+// black texels; any suns; any mixtures.
 struct Case {
   explicit Case(uint64_t seed) {
     Rng rng(61, 0, seed);
@@ -148,7 +148,7 @@ TEST(sky_paths_at_random, are_the_oracles) {
   for (uint64_t seed = 0; seed < 50; ++seed) {
     const Case c(seed);
     const Worst worst = compare(c.scene, c.integrator, Fault::none, 6, 8, c.portals);
-    EXPECT_LE(worst.off, 2) << seed;  // rays that pass a portal's border by rounding
+    EXPECT_LE(worst.off, 2) << seed;  // rays that miss a portal's border by rounding
     all += worst.all;
     for (const int n : worst.sky) from_sky += n;
   }
@@ -156,7 +156,7 @@ TEST(sky_paths_at_random, are_the_oracles) {
   EXPECT_GT(from_sky, 1000);
 }
 
-// As the pilot asks.
+// As the pilot does.
 TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
   Mixture often = tdpt_guided.mixture, anywhere = bdpt.mixture, aiming = nee.mixture;
   often.guiding = {{0.9, 0.8}};
@@ -166,7 +166,7 @@ TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
   for (const Integrator* made : {&tdpt_org, &tdpt_guided})
     for (const Mixture& asked : {nee.mixture, anywhere, tdpt_org.mixture, aiming, often}) {
       EXPECT_LE(weighed_as_others(scene, *made, asked, asked, three_portals()), 3) << made->name;
-      // Twins: directed a little more often than was asked, and looking out.
+      // Twins: guided a little more often than asked, and looking out.
       for (const bool directed : {true, false}) {
         Mixture told = asked;
         if (directed && told.guiding == Guiding{}) continue;
@@ -177,7 +177,7 @@ TEST(sky_paths_under_other_mixtures, weigh_as_the_oracle_says) {
     }
 }
 
-// Beside lamps the sky is one light of several: its share counts as well.
+// Besides lamps the sky is one light of several: its share counts as well.
 TEST(sky_path_twin, a_density_of_the_skys_directions_off_by_5_percent_is_caught) {
   for (const Scene& scene : {diffuse_under_the_sky(), diffuse_with_lamps(), glossy_with_lamps()})
     for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref, &tdpt_guided}) {

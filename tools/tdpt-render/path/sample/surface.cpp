@@ -20,10 +20,10 @@ void add_lobes(const Scene& scene, const Material& m, const SurfacePlace& place,
 }
 
 bool emits(const Material& m) {
-  return !(m.emission.x + m.emission.y + m.emission.z <= 0);  // what is no number is told as well
+  return !(m.emission.x + m.emission.y + m.emission.z <= 0);  // true for NaN, so it is reported
 }
 
-// Out of line, for the sake of surfaces that need neither.
+// Out of line, so that surfaces that need neither stay fast.
 [[gnu::noinline]] void add_emission(const World& world, const Material& m, const Hit& hit,
                                     Point& p) {
   p.emission = m.plain ? m.emission : emission_at(world.scene, {hit.triangle, hit.b1, hit.b2});

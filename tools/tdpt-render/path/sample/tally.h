@@ -1,4 +1,4 @@
-// What samples count beside the film: integers, so that the order of threads cannot matter.
+// Counts of samples besides the film: integers, so that the order of threads cannot matter.
 #pragma once
 #include <array>
 #include <bit>
@@ -14,7 +14,7 @@ struct RayCounts {
   uint64_t closest = 0;  ///< first-hit rays
   uint64_t shadow = 0;   ///< visibility tests
   uint64_t portal = 0;   ///< edges tested against the portals
-  uint64_t connect = 0;  ///< pairs of ends that came into question for a connection
+  uint64_t connect = 0;  ///< pairs of ends considered for a connection
 
   void merge(const RayCounts& other) {
     closest += other.closest;
@@ -33,15 +33,15 @@ struct Tally {
 
   RayCounts rays;
   std::array<UnitSum, kTechniques> energy;  ///< sum of luminance per technique
-  /// And by length: [i] of paths of more than 2^(i-1) edges and up to 2^i.
+  /// The same by path length: [i] for paths of more than 2^(i-1) and up to 2^i edges.
   static constexpr size_t kOctaves = 11;
   std::array<UnitSum, kOctaves> by_length;
-  /// What the segments drawn through one portal did.
+  /// Counts of the segments drawn through one portal.
   struct OfPortal {
-    uint64_t drawn = 0, lit = 0;  ///< those that connected a light with the camera
+    uint64_t drawn = 0, lit = 0;  ///< lit: those that connected a light with the camera
     UnitSum energy;               ///< sum of luminance of their contributions
   };
-  std::vector<OfPortal> portals;  ///< one for each portal; empty: none was drawn from
+  std::vector<OfPortal> portals;  ///< one for each portal; empty: no segment was drawn
   uint64_t not_finite = 0;        ///< contributions left out
   struct SamplePixel {
     uint64_t sample;

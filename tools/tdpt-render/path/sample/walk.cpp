@@ -1,11 +1,11 @@
-// The sub-paths of bidirectional path tracing: random walks from the camera and from a light, each
-// vertex with its throughput, with its density from this end, and with the density that a walk from
-// the other end would have given it. Section 3.1.2, eqs. 1 and 3.
+// The sub-paths of bidirectional path tracing: random walks from the camera and from a light. Each
+// vertex has its throughput, its density in this walk, and its density in a walk from the other
+// end. Section 3.1.2, eqs. 1 and 3.
 //
-// Method: BSDF sampling, mixed with path guiding by the portals [guide.h] where an integrator has
-// it. The density from the other end depends on two more vertices and is filled in when they are
-// known; throughputs and densities of unguided sampling are computed first, the guided ones replace
-// them.
+// Method: BSDF sampling, mixed with path guiding by the portals [guide.h] if the integrator has it.
+// The density from the other end depends on two more vertices and is filled in when they are known;
+// throughputs and densities of unguided sampling are computed first and then replaced by the guided
+// ones.
 #include "tools/tdpt-render/path/sample/walk.h"
 
 #include <utility>
@@ -15,8 +15,9 @@
 namespace tdpt {
 namespace {
 
-// Dimensions of a walk: of its start, then of each bounce, used or not, so that one means the same
-// in every sample: where on a light (pick, place, side) or how a surface scatters; then the aim.
+// Random dimensions of a walk: those of its start, then those of each bounce, used or not, so that
+// a dimension means the same in every sample: the place on a light (pick, place, side) or the
+// scattering at a surface; then the guiding.
 constexpr uint32_t kPerBounce = 8, kDirection = 4;
 
 class Walker {
@@ -27,15 +28,15 @@ class Walker {
 
   Sequence& numbers() { return numbers_; }
 
-  /// Extends the walk, whose last vertex is v, along unit w from `origin`: first hit, its
-  /// densities, and what the two vertices before it learn. `throughput`: of a walk that is not
-  /// directed. `plain_A(v, e, hit)`: density of the hit in such a walk. `triangle`: of the portals,
+  /// Extends the walk, whose last vertex is v, along unit w from `origin`: finds the first hit and
+  /// its densities, and completes the two vertices before it. `throughput`: of an unguided walk.
+  /// `plain_A(v, e, hit)`: density of the hit in an unguided walk. `triangle`: the portal triangle
   /// aimed at.
   template <class PlainPdf>
   bool extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& throughput,
               const PlainPdf& plain_A, int triangle);
 
-  /// Goes on until the walk has that many edges or ends.
+  /// Continues until the walk has that many edges or ends.
   void scatter(int edges);
 
  private:
@@ -47,8 +48,8 @@ class Walker {
   Sequence numbers_;
   Walk& walk_;
   RayCounts& rays_;
-  Edge last_{};  ///< to the walk's last vertex; 0 where it begins there
-  /// Of that vertex and of the one before, along the ways to them; by turns.
+  Edge last_{};  ///< to the walk's last vertex; 0 if the walk begins there
+  /// Incidence at that vertex and at the one before, by turns.
   std::array<Incidence, 2> come_to_;
   Incidence& come_to(int vertex) { return come_to_[static_cast<size_t>(vertex) & 1]; }
 };
@@ -85,7 +86,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   WalkState& state = walk_.states[n];
   if (guide_.active())
     leaves ? guide_.guide_totals_at_light(next) : guide_.guide_totals_at_surface(-w, next);
-  // Light walks ask for the first: it may be x_1.
+  // For light walks only the first vertex: it may be x_1.
   if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
     world_.next_events.look_out(-w, next);
     if (from_ == From::light) world_.next_events.look_at_rect_lights(next);
@@ -148,7 +149,7 @@ void Walker::scatter(int edges) {
     } else if (!scatters) {
       return;
     }
-    // One factor more, f cos / pdf_w, of [eq. 1] or [eq. 3] over its density.
+    // One more factor f cos / pdf_w of [eq. 1] or [eq. 3] over its density.
     const Rgb throughput = state.throughput * Rgb(t.weight) * static_cast<float>(1 / chance);
     if (max_component(throughput) <= 0) return;
     state.dirac = t.dirac;
@@ -208,7 +209,7 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
   if (guide.active()) guide.leave(y0, direction, ray, triangle);
-  // Black beside what shines, where rounding has put it, with a density of 0.
+  // Rounding may have put the direction beside the light's cone: black, with a density of 0.
   const Rgb Le = emitted(y0, ray.direction);
   if (max_component(Le) <= 0) return;
   const Rgb throughput = walk.state(0).throughput * Le *

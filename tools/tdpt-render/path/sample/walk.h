@@ -10,27 +10,28 @@
 
 namespace tdpt {
 
-/// What a walk knows of its own at one of its vertices.
+/// What a walk stores for one of its vertices.
 struct WalkState {
-  /// Of all before, without what is emitted or scattered here: 1 / pdf of the place on a light,
-  /// emission and f cos over their densities, transmittance over coverage.
+  /// Throughput up to the vertex, without emission or scattering there: 1 / pdf of the place on a
+  /// light, emission and f cos over their densities, transmittance over coverage.
   Rgb throughput{};
-  double pdf_own_A = 0;  ///< of the vertex, sampled by this walk
-  /// As a walk from the other end would sample it that goes on from the vertex after it; known two
-  /// vertices later.
+  double pdf_own_A = 0;  ///< density of the vertex in this walk
+  /// Density in a walk from the other end that continues from the next vertex; known two vertices
+  /// later.
   double pdf_other_A = 0;
-  /// Albedo here, by which this walk and, known one vertex later, one from the other end survives.
+  /// Survival probability here: of this walk and, known one vertex later, of one from the other
+  /// end.
   double own_survival = 1, other_survival = 1;
   Edge edge{};                            ///< from the vertex before
   PortalSet::CrossingDensity crossing{};  ///< of that edge (portals.h)
-  bool dirac = false;                     ///< the walk went on by a Dirac lobe
+  bool dirac = false;                     ///< the walk continued by a Dirac lobe
 };
 
 struct Walk {
-  std::vector<Vertex> v;          ///< `size` of them are the walk
-  std::vector<WalkState> states;  ///< as many
+  std::vector<Vertex> v;          ///< the first `size` are in use
+  std::vector<WalkState> states;  ///< likewise
   int size = 0;
-  /// Makes place for one vertex more; those there are may move.
+  /// Makes room for one more vertex; existing ones may move.
   void make_place() {
     if (v.size() > static_cast<size_t>(size)) return;
     v.resize(2 * v.size() + 8);
@@ -40,13 +41,13 @@ struct Walk {
   const WalkState& state(int i) const { return states[static_cast<size_t>(i)]; }
 };
 
-/// Unit direction from vertex i back to the vertex before it, 0 where the walk begins.
+/// Unit direction from vertex i back to the vertex before it; 0 at the first vertex.
 inline Vec3d way_back(const Walk& walk, int i) {
   if (i == 0) return {};
   return -walk.state(i).edge.w;
 }
 
-/// y_0 alone, a walk of no edges; it has yet to be told where it may aim
+/// y_0 alone, a walk without edges; its guide totals are not yet set
 /// [Guide::guide_totals_at_light].
 void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 

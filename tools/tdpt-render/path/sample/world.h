@@ -1,4 +1,4 @@
-// What a path lives in.
+// Scene, acceleration structure, lights, portals and camera, shared by all samples.
 #pragma once
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
@@ -23,7 +23,7 @@ struct World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  /// Puts other portals in the place of those there are.
+  /// Replaces the portals.
   void fill_openings(PortalSet set) {
     portals = std::move(set);
     windows = WindowSky(scene.sky.get(), tracer, portals, windows);
@@ -37,11 +37,11 @@ struct World {
   Tracer tracer;
   Lights lights;
   FilmPlane film;
-  PortalSet portals;  ///< changed by fill_openings(), and for a while to explore
+  PortalSet portals;  ///< changed by fill_openings() and, temporarily, during exploration
   WindowSky windows;
   NextEvents next_events{scene, lights, windows};
-  bool layered = false;    ///< some surface is more than diffuse about its own normal
-  bool absorbing = false;  ///< some solid takes light away on the way through
+  bool layered = false;    ///< some surface is more than diffuse about its geometric normal
+  bool absorbing = false;  ///< some solid absorbs light
 };
 
 }  // namespace tdpt
