@@ -287,3 +287,35 @@ def demo(bench):
     print(comparison(s.seconds_each, *errors, cpu, not shipped))
     print(f"Pictures: {out}/before-after.png (bdpt left, through the portal right), {out}/bdpt-error.png and\n"
           f"{out}/portal-error.png (red too bright, blue too dark), {out}/*.exr.")
+
+
+@settings(SCENE=Setting("veach-ajar", "a room behind an opening, of SCENES, or a file"), WIDTH=Setting(640, "of each half", 24),
+          SECONDS_EACH=Setting(60.0, "CPU seconds of a picture", 0.2), REF=Setting(10.0, "of the reference, over theirs", 2.0),
+          SCENES=Setting(os.path.relpath(ROOT / "../shared/scenes"), "folder of the paper's scenes"),
+          BEFORE=Setting("nee", "integrator of the left one"), ALSO=Setting("bdpt", "another without portals, told alone"))
+def before_after(bench):
+    """DOC/before-after.png, the README's picture: a room behind an opening, on the left without portals, on the right with
+    those that the four stages find, in equal CPU time; and what both are worth, for the caption, on stdout."""
+    s = bench.settings
+    scene = Path(s.scene) if Path(s.scene).is_file() else Path(s.scenes) / f"{s.scene}.glb"
+    if not scene.exists():
+        raise Stop(3, f"there is no scene {scene}; name one with SCENE=FILE")
+    scene, portal = scene.resolve(), ("--portal", bench.portals(scene.resolve()).file)
+
+    def render(seconds, *options):
+        """As many samples as take so long."""
+        few = bench.render(scene, "--width", s.width, "--spp", 4, *options, threads=0).said["cpu_seconds"]
+        return bench.render(scene, "--width", s.width, "--spp", max(1, round(4 * seconds / few)), *options, threads=0)
+
+    pictures = [render(s.seconds_each, "--integrator", s.before), render(s.seconds_each, "--integrator", s.also),
+                render(s.seconds_each, *portal)]
+    reference = render(s.ref * s.seconds_each, *portal, "--seed", 1000001)
+    both = bench.store.run("exrdiff", pictures[0].out, pictures[2].out, "--side-by-side", Made("both.png"), output=False)
+    shutil.copy(both.folder / "both.png", bench.doc / "before-after.png")
+    print(f"{scene.name}, {reference.said['width']} x {reference.said['height']} each")
+    for run in pictures:
+        off, said = bench.distance(run.out, reference.out), run.said
+        print(f"{said['integrator']} {said.get('chosen') or 'without portals'}, {said['spp']} samples per pixel, "
+              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} "
+              f"(reference {off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR "
+              f"{off['black']['psnr']} dB")

@@ -35,15 +35,16 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "
                      "(ten minutes)"),
     "sky": ("sky", "sky", "what the windows found are worth under skies: doc/sky.md (a quarter of an hour)"),
-    "sky-before-after": ("sky", "before_after", "the README's picture of a room lit through its window, and its "
-                         "caption"),
+    "before-after": ("figures", "before_after", "the README's picture of a room behind a door ajar, and its caption (eight "
+                     "minutes)"),
     "panes": ("sky", "panes", "one portal for a window of six panes, or several: prints a table (ten minutes)"),
     "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for "
                "doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
     "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time: in "
                      "doc/cycles.md"),
-    "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: a table of doc/cycles.md (ten minutes)"),
+    "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
+                     "of an hour)"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
                  "--quick: three quarters of an hour)"),
     "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),

@@ -1,5 +1,5 @@
-"""What portals are worth where a sky shines in through windows: doc/sky.md, the README's picture of it, and a window of
-six panes."""
+"""What portals are worth where a sky shines in through windows: doc/sky.md, and a window of six
+panes."""
 import functools
 import itertools
 import math
@@ -13,7 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import EVERYTHING, SKIES, STAGES, Made, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import EVERYTHING, SKIES, STAGES, Setting, Stop, checked, decibels_of, environment, settings, turns
 from pages import hundredths
 
 SEED = 20260717
@@ -174,50 +174,6 @@ def sky(bench):
 
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
     bench.page("sky", sky_parts({(name, light): c for (name, light, _, _), c in zip(places, cells)}), EVERYTHING)
-
-
-@settings(SCENE=Setting("", "a room without lamps (blinds.glb, which the benchmark sky leaves in build/sky). For "
-                        "living-room.glb of the interiors TURN=200 lets the sun in through both walls' windows"),
-          SKY=Setting("", "its --environment (clear-sun.exr of testdata)"), TURN=Setting(0.0, "and its rotation"),
-          WIDTH=Setting(480, "of each half", 24),
-          SPP=Setting(12, "samples per pixel of the right one; others get as many as they need for the same CPU time",
-                      2),
-          BEFORE=Setting("nee", "integrator of the left one"),
-          ALSO=Setting("bdpt", "another without portals, told alone"),
-          REF_SPP=Setting(36, "samples per pixel of the reference, by auto with the portals", 4))
-def before_after(bench):
-    """DOC/sky-before-after.png, a room that the sun lights through its window: on the left without portals, on the
-    right with those that the four stages find, in equal CPU time; and what both are worth, for the caption, on
-    stdout."""
-    s = bench.settings
-    scene = Path(s.scene or bench.cache.parent / "sky/blinds.glb").resolve()
-    if not scene.exists():
-        raise Stop(3, f"there is no scene {scene}; run the benchmark sky first, or name one with SCENE=FILE")
-    light = ("--environment", Path(s.sky).resolve() if Path(s.sky).is_file() else s.sky or environment("sun"),
-             "--environment-rotation", f"{s.turn:g}")
-
-    def render(spp, *options):
-        return bench.render(scene, *light, "--width", s.width, "--spp", spp, *options, threads=0)
-
-    portal = ("--portal", bench.portals(scene, light).file)
-    after = render(s.spp, *portal)
-
-    def without(integrator):
-        """In the time of the picture with portals."""
-        few = render(2, "--integrator", integrator).said["cpu_seconds"]
-        return render(max(1, round(2 * after.said["cpu_seconds"] / few)), "--integrator", integrator)
-
-    pictures = [without(s.before), without(s.also), after]
-    reference = render(s.ref_spp, *portal, "--seed", 1000001)
-    both = bench.store.run("exrdiff", pictures[0].out, after.out, "--side-by-side", Made("both.png"), output=False)
-    shutil.copy(both.folder / "both.png", bench.doc / "sky-before-after.png")
-    print(f"{scene.name}, {after.said['width']} x {after.said['height']} each")
-    for run in pictures:
-        off, said = bench.distance(run.out, reference.out), run.said
-        print(f"{said['integrator']} {said.get('chosen') or 'without portals'}, {said['spp']} samples per pixel, "
-              f"{said['cpu_seconds']} CPU s: relMSE {off['relmse']}, PSNR {off['psnr']} dB, mean {off['mean']} "
-              f"(reference {off['reference_mean']}); black: relMSE {off['black']['relmse']}, PSNR "
-              f"{off['black']['psnr']} dB")
 
 
 @settings(BARS=Setting(("4", "20"), "widths of the bars [cm]"), SKIES=Setting(SKIES, "of: overcast clear sun"),
