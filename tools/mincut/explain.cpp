@@ -11,7 +11,7 @@ using cli::Decision;
 using cli::Decisions;
 using cli::plural;
 
-// The two figures that every cut is held against.
+// The two figures by which every cut is judged.
 std::string figures(const CutFacts& f, const CutLimits& limits) {
   return fmt::format("conductance {}, at most {}; smaller side {}, at least {}",
                      number_words(f.conductance, 2), number_words(limits.largest_conductance, 2),
@@ -26,7 +26,7 @@ Decision of_search(const FoundCuts& found, const std::string& price) {
           price};
 }
 
-// Refused cuts that are bottlenecks all the same.
+// Cuts that were refused although they are bottlenecks.
 size_t one_too_many(const FoundCuts& found, const CutLimits& limits) {
   size_t n = 0;
   for (const SeriesCut::Refused& r : found.refused) n += why_refused(r.facts, limits).empty();
