@@ -68,8 +68,7 @@ std::string drawn_portals(const std::string& scene) {
 SceneState state_of(const Arguments& a, const WorkFolder& work) {
   SceneState state;
   std::error_code failed;
-  if (fs::exists(a.scene, failed) &&
-      !fs::is_regular_file(a.scene, failed))  // it is read more than once
+  if (fs::exists(a.scene, failed) && !fs::is_regular_file(a.scene, failed))  // read more than once
     throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
   const std::string own = content_hash_of_file(a.scene);
   std::string all = own;

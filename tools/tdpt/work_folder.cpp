@@ -140,8 +140,7 @@ void WorkFolder::make() const {
   if (is_ours()) return;
   for (const auto& file : fs::directory_iterator(path_, failed))
     if (file.path().filename() != "CACHEDIR.TAG" &&
-        !file.path().filename().string().starts_with(
-            ".tdpt-"))  // a temporary file of a starting run
+        !file.path().filename().string().starts_with(".tdpt-"))  // a starting run's
       throw UsageError("--work " + path_ +
                        ": has other things in it, expected a folder of its own");
   write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));

@@ -1,14 +1,12 @@
 // The folder where tdpt keeps its results: a cache, shared by concurrent runs and by all scenes.
 //
 //   CACHEDIR.TAG       marks a cache for backup programs (bford.info/cachedir), and holds the
-//   version
-//                      of the format; without it nothing is removed from a folder, which may be
-//                      anybody's
+//                      version of the format; without it nothing is removed from a folder, which
+//                      may be anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of everything that affects it
 //   picture-KEY/       what an unfinished picture left; KEY: hash of the picture's path
 //   known-KEY          of a picture, who made it; of a scene, which files it reads; KEY: hash of
-//   its
-//                      bytes
+//                      its bytes
 //
 // A run locks the file `lock` in each entry that it uses, so that no other run writes or removes
 // it.
