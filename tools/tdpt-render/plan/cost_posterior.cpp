@@ -13,8 +13,7 @@ constexpr double kUnknown = 100;  // variance of the level
 constexpr std::array<double, kTraits> kMeans{-0.3, -0.3, 0.8, 0, 0.2},
     kEffects{1, 0.5, 0.8, 0.5, 0.2}, kErrors{0.25, 0.15, 0.2, 0.2, 0.1};
 constexpr double kOwn = 0.2, kOwnError = 0.1;  // of the effect of one candidate alone
-constexpr double kTails =
-    2;  // variance factor: the jackknife misses bright paths that no batch has met
+constexpr double kTails = 2;  // the jackknife misses bright paths that no batch has met
 constexpr double kNinety = 1.645;
 
 struct Measured {
@@ -25,8 +24,7 @@ Measured measured(const std::vector<Evidence>& all) {
   const size_t n = all.size(), batches = all[0].costs.size();
   const auto m = static_cast<double>(batches);
   Measured out{std::vector<double>(n), std::vector<double>(n * n)};
-  std::vector<std::vector<double>> without(
-      n);  // log of the sum without each batch, less the mean of these
+  std::vector<std::vector<double>> without(n);  // logs without each batch, less their mean
   for (size_t i = 0; i < n; ++i) {
     double sum = 0, mean = 0;
     for (const double c : all[i].costs) sum += c;

@@ -18,13 +18,11 @@ struct Known {
 };
 
 struct Decision {
-  Plan plan;  ///< everything decided by measuring
-  bool cut_short =
-      false;  ///< a signal cut the measurement short: another run would decide otherwise
+  Plan plan;               ///< everything decided by measuring
+  bool cut_short = false;  ///< by a signal: another run would decide otherwise
   SampleCount count;
-  std::optional<int>
-      longest;        ///< longest path worth sampling, if shorter than asked [longest_path.h]
-  size_t chosen = 0;  ///< index of the candidate that renders
+  std::optional<int> longest;  ///< path worth sampling, if shorter than asked [longest_path.h]
+  size_t chosen = 0;           ///< index of the candidate that renders
   std::string chosen_label;    ///< empty when there is only one
   Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
   uint64_t pilot_samples = 0;  ///< samples behind the forecast

@@ -71,8 +71,7 @@ void aim_at_error(Session& session, const Integrator& integrator, const Film& fi
   // Where the pilot met no light the picture gets as many samples as it: they may.
   uint64_t goal = pilot.needed > 0 ? pilot.needed : target.pilot_samples;
   if (settings.spp > 0) goal = goal > 0 ? std::min(goal, settings.spp) : settings.spp;
-  if (goal == 0 && settings.seconds == 0)
-    goal = kMostSamples;  // a signal came and ends the rendering
+  if (goal == 0 && settings.seconds == 0) goal = kMostSamples;  // a signal will end it
   count.goal = goal;
   count.measured = true;
 }

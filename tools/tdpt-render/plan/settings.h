@@ -8,8 +8,7 @@ namespace tdpt {
 
 /// What ends a rendering; 0: no such limit.
 struct Limits {
-  uint64_t spp =
-      0;  ///< samples per pixel; 0: as many as fit into `seconds`, or as the target needs
+  uint64_t spp = 0;         ///< samples per pixel; 0: what fits into `seconds`, or the target needs
   double seconds = 0;       ///< wall-clock limit of rendering alone
   double target_error = 0;  ///< relMSE to reach, within the limits of spp and seconds
   bool retry = false;       ///< if the target is missed, continue once
