@@ -23,8 +23,8 @@ struct Explored {
   uint64_t samples = 0;
 };
 
-/// Share of a picture's samples that it may take, beside a pilot and where there is none, and how
-/// many are enough or tell nothing.
+/// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their
+/// number.
 inline constexpr double kShareBesidePilot = 0.005, kShareAlone = 0.02, kExplorationEnough = 3072,
                         kExplorationFewest = 128;
 
