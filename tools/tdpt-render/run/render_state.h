@@ -23,7 +23,7 @@ struct RenderState {
   uint64_t added = 0;  ///< samples that --add-samples last added to the goal; no `limits` then
   uint64_t whole = 0;  ///< of the whole picture, of which this is a part; 0: `goal`
   double seconds = 0, cpu_seconds = 0;  ///< of rendering so far
-  double began = 0;  ///< part of `seconds` before the picture's first sample [s]
+  double began = 0;                     ///< part of `seconds` before the picture's first sample [s]
   std::optional<TargetOutcome> target;
   ErrorPilot pilot;
   PictureBlocks blocks;
