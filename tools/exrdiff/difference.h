@@ -1,19 +1,19 @@
-// Pictures that show where a picture differs from its reference. Both must have one size.
+// Pictures of the difference between a picture and its reference, which must have the same size.
 #pragma once
 #include "libcommon/formats/picture.h"
 
 namespace tdpt {
 
-/// a - r, component by component: scene-linear, with sign.
+/// a - r by component: scene-linear, signed.
 Picture difference(const Picture& picture, const Picture& reference);
 
-/// What png_bytes() turns into false colour: white where the luminances agree, red where the
-/// picture is brighter, blue where it is darker, full at the reference's own luminance L_r (+ 0.01
-/// of the mean of the reference, as in mape).
+/// Input of png_bytes() for false colours: white where the luminances agree, red where the picture
+/// is brighter, blue where it is darker; saturated when the difference is the reference's own
+/// luminance L_r (+ 0.01 of the mean of the reference, as in mape).
 Picture false_colour(const Picture& picture, const Picture& reference);
 
 /// The picture on the left, the reference on the right, a white line between them; both multiplied
-/// with 2^exposure of the reference, so that white is 1.
+/// by 2^exposure of the reference, so that white is 1.
 Picture side_by_side(const Picture& picture, const Picture& reference);
 
 }  // namespace tdpt

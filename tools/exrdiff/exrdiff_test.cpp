@@ -71,7 +71,7 @@ TEST(Measures, TrimmingForgivesAThousandthOfThePixels) {
   a.pixels[7] = a.pixels[1999] = Rgb(1001);  // two fireflies in 2000 pixels
   EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse, 2e6 / 1.01 / 2000);
   EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse_trimmed, 0);
-  a.pixels[8] = Rgb(2);  // one wrong pixel more than are forgiven
+  a.pixels[8] = Rgb(2);  // one outlier more than is ignored
   EXPECT_DOUBLE_EQ(compare(a, "a", r, "r").picture.relmse_trimmed, 1 / 1.01 / 1998);
 }
 

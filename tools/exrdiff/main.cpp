@@ -1,4 +1,4 @@
-// exrdiff: how far a picture is from its reference.
+// exrdiff: measures how far a picture is from its reference.
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
@@ -52,7 +52,7 @@ Input load(const std::string& path, const cli::Common& common) {
   return input;
 }
 
-// What -o receives.
+// The file for -o.
 std::string difference_bytes(const Arguments& a, const cli::Common& common, const Input& picture,
                              const Input& reference) {
   const Picture& p = picture.file.picture;

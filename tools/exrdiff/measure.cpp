@@ -41,7 +41,7 @@ void expect_finite(const Picture& p, const std::string& name) {
   throw InputError(name, fmt::format("pixel {} {}", first % width, first / width), text);
 }
 
-// `picture` null: black.
+// `picture` null: a black one.
 Measures measure(const Picture* picture, const Picture& reference, double m, double peak) {
   const size_t n = reference.pixels.size();
   const double components = 3 * static_cast<double>(n);

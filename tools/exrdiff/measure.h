@@ -1,8 +1,8 @@
-// How far a picture is from its reference.
+// Error measures of a picture against its reference.
 //
 // Symbols: a, r = components of picture and reference (scene-linear), N = 3 * width * height of
 // them, m = mean |r| over all of them. The constants below are the usual 0.01 for a reference of
-// mean 1; tying them to m makes every relative measure independent of the unit of light.
+// mean 1; scaling them by m makes every relative measure independent of the unit of light.
 #pragma once
 #include "libcommon/formats/picture.h"
 
@@ -13,8 +13,8 @@ struct Measures {
   double psnr = 0;    ///< 10 log10(peak^2 / mse) [dB]; infinite when the pictures are equal
   double mape = 0;    ///< (100/N) sum |a-r| / (|r| + 0.01 m) [per cent]
   double relmse = 0;  ///< (1/N) sum (a-r)^2 / (r^2 + 0.01 m^2)
-  /// relmse without the thousandth of the pixels (rounded down) that adds most to it: what is left
-  /// when a few fireflies are forgiven.
+  /// relmse without the thousandth of the pixels (rounded down) that contributes most: a few
+  /// fireflies are ignored.
   double relmse_trimmed = 0;
 };
 
@@ -30,8 +30,8 @@ struct Comparison {
 /// 0.01 m, the offset in the denominator of mape.
 double relative_offset(const Picture& reference);
 
-/// Throws InputError, under the names given, when sizes differ, a component is not finite (the
-/// first such pixel is named, the others are counted), or the reference is black everywhere.
+/// Throws InputError, with the names given, if sizes differ, a component is not finite (the first
+/// such pixel is named, the others are counted), or the reference is all black.
 Comparison compare(const Picture& picture, const std::string& picture_name,
                    const Picture& reference, const std::string& reference_name);
 

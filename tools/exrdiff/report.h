@@ -1,4 +1,4 @@
-// What exrdiff says.
+// The output of exrdiff.
 #pragma once
 #include <string>
 

@@ -10,7 +10,7 @@ namespace tdpt::exrmerge_test {
 
 class films : public ::testing::Test {
  protected:
-  // A film of samples of a picture of 8, each of which brings 1 to its only pixel.
+  // A film of some of a picture's 8 samples, each of which adds 1 to its only pixel.
   std::string film(const SampleRange& range) {
     Film film(1, 1, 1);
     for (uint64_t s = 0; s < range.count; ++s) film.add(0, 0, {1, 1, 1}, 0);

@@ -1,4 +1,4 @@
-// exrmerge: one picture from films that hold parts of its samples.
+// exrmerge: merges films, each with some of a picture's samples, into the picture.
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"

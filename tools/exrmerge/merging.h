@@ -1,4 +1,4 @@
-// Parts of a picture become the picture.
+// Merges parts of a picture.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace tdpt {
 
-/// Reads films one after the other and adds them up; what they say of how a rendering goes on is
-/// left out. Throws InputError.
+/// Reads films one by one and adds them; the data for resuming a rendering is dropped. Throws
+/// InputError.
 FilmFile merged(const std::vector<std::string>& paths);
 
-/// Throws InputError that tells what is missing; `file` names what was merged.
+/// Throws InputError that lists missing samples; `file` names what was merged.
 void check_whole(const FilmFile& film, const std::string& file);
 
 /// One JSON object, the keys of exrmerge(1).

@@ -13,7 +13,7 @@ using cli::Decision;
 using cli::Decisions;
 using cli::plural;
 
-// The two figures that every cut is held against.
+// The two figures by which every cut is judged.
 std::string figures(const CutFacts& f, const CutLimits& limits) {
   return fmt::format("conductance {}, at most {}; smaller side {}, at least {}",
                      number_words(f.conductance, 2), number_words(limits.largest_conductance, 2),

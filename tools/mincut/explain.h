@@ -1,5 +1,5 @@
-// What --explain says of the cuts of a network: each that was kept or refused, with its figures
-// against the limits, and where the search ended.
+// The text of --explain for the cuts of a network: each cut kept or refused, with its figures and
+// their limits, and where the search ended.
 #pragma once
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/decision.h"
@@ -7,7 +7,7 @@
 
 namespace tdpt {
 
-/// `most`: cuts that were asked for. Of the phases `flow` counts.
+/// `most`: number of cuts asked for. Of the phases only `flow` is used.
 cli::Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& limits,
                             const Phases& phases);
 

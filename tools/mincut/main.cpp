@@ -1,4 +1,4 @@
-// mincut: minimum cut of a flow network, verified.
+// mincut: finds the minimum cuts of a flow network, and verifies them.
 #include <algorithm>
 
 #include <fmt/format.h>

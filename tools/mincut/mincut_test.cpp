@@ -74,7 +74,7 @@ TEST(verify, refutes_every_planted_fault) {
   EXPECT_EQ(refutation(net, m), "2 sides, expected 3");
 }
 
-// LEMON's solver as an outside judge, where it is installed.
+// LEMON's solver as an independent judge, if installed.
 TEST(max_flow, is_that_of_dimacs_solver) {
   if (std::system("command -v dimacs-solver >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "dimacs-solver is not installed";
@@ -98,7 +98,7 @@ TEST(max_flow, is_that_of_dimacs_solver) {
   std::filesystem::remove(path);
 }
 
-// Two rooms of two patches each; `door` joins them.
+// Two rooms of two patches each, joined by `door`.
 DimacsFile two_rooms(int64_t door, double small_area = 50) {
   DimacsFile f;
   f.has_patches = true;

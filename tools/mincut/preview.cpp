@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kMostLines = 200, kMostGlbLines = 2000;
 
-// The light's and the camera's, and what lies between bottlenecks in series.
+// The light's, the camera's, and those between bottlenecks in series.
 int regions(const CutFile& cut) {
   return static_cast<int>(cut.cuts.size()) + 1;
 }
@@ -46,13 +46,13 @@ std::string words_for(const CutFile& cut, size_t drawn) {
                      cut.cuts.size() > 1 ? "cross them" : "crosses the cut");
 }
 
-// Where the ends of a pivot pair are drawn [metres]: a part of the sky, which has no place, a piece
-// of the way towards it.
+// Where the ends of a pivot pair are drawn [metres]; a part of the sky has no position, so its line
+// goes a short way towards it.
 struct Ends {
   Vec3d from, to;
 };
 
-// Of the line to the sky that is drawn: a quarter of the patches' reach [metres].
+// Length of a line to the sky: a quarter of the patches' extent [metres].
 double skyward(const CutFile& cut) {
   std::vector<WeightedPlace> places;
   for (const Patch& p : cut.patches)
@@ -75,7 +75,7 @@ double largest_capacity(const CutFile& cut) {
   return most;
 }
 
-// Where the light crosses: mean height of the pivot pairs' middles [metres].
+// Height at which the light crosses: mean of the pivot pairs' midpoints [metres].
 double mean_height(const CutFile& cut, double otherwise) {
   double sum = 0, weight = 0;
   for (const CutArc& a : cut.arcs) {
@@ -162,7 +162,7 @@ std::string cut_debug_glb(const CutFile& cut, DebugLines lines) {
   const double skyward_line = skyward(cut);
   for (const size_t i : arcs_to_draw(cut, kMostGlbLines)) {
     const CutArc& a = cut.arcs[i];
-    // Lines have no opacity in most viewers: little capacity is pale.
+    // Most viewers draw lines without opacity: little capacity is pale instead.
     const draw::Ink c =
         draw::mix(draw::kFaint, draw::kPivot, 0.25 + 0.75 * std::sqrt(a.capacity / most));
     const Ends ends = ends_of(cut, a, skyward_line);

@@ -10,16 +10,16 @@
 
 namespace tdpt {
 
-/// At most `most` of the cut's arcs, as indices: every arc's chance to be drawn is in proportion to
-/// its capacity (systematic sampling), so that of two openings both show. Ascending, no arc twice.
+/// At most `most` of the cut's arcs, as indices, drawn with probability in proportion to capacity
+/// (systematic sampling), so that both of two openings show. Ascending, no arc twice.
 std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most);
 
-/// The surfaces of the cut's scene in the colours of their regions (draw::region), and over them
-/// the pivot pairs.
+/// Paints the surfaces of the cut's scene in the colours of their regions (draw::region), and the
+/// pivot pairs over them.
 void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut);
 
-/// Camera view and plan, a colour a region, pivot pairs as lines, more capacity darker.
-/// Throws InputError for `cut_name` when the cut was made from another scene.
+/// Camera view and plan, one colour per region, pivot pairs as lines, darker for more capacity.
+/// Throws InputError for `cut_name` if the cut was made from another scene.
 draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
                          const std::string& cut_name);
 /// glTF: a square for every patch in the colour of its region, pivot pairs as lines.

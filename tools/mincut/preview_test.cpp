@@ -16,8 +16,8 @@ const Scene& two_rooms() {
   return scene;
 }
 
-// A patch a face; what lies beyond x = 2.05 is `beyond`, the rest `before`. One pivot pair, from
-// the far room's end wall to the near one's.
+// A patch for each face; those beyond x = 2.05 are in region `beyond`, the rest in `before`. One
+// pivot pair, from the far room's end wall to the near one's.
 CutFile cut_at_the_wall(uint32_t before, uint32_t beyond) {
   const Scene& scene = two_rooms();
   CutFile cut;
@@ -63,7 +63,7 @@ struct Painted {
   draw::SceneSheet sheet;
 };
 
-// A surface in light and shade keeps the ratio of its colours.
+// Shading keeps the ratio of a surface's colour components.
 bool is_shade_of(const draw::Ink& pixel, const draw::Ink& colour) {
   const float shade = pixel.x / colour.x;
   return shade > 0.5f && shade < 1.01f && std::abs(pixel.y - shade * colour.y) < 0.02f &&
@@ -72,7 +72,7 @@ bool is_shade_of(const draw::Ink& pixel, const draw::Ink& colour) {
 
 bool each_side_has_its_colour(const CutFile& cut) {
   Painted p(cut);
-  // Floors of both rooms in the plan, the near room's wall and the far one's through the hole.
+  // Floors of both rooms in the plan; the near room's wall and, through the hole, the far one's.
   return is_shade_of(p.in_plan({3.6, 0, 0.7}), draw::kLight) &&
          is_shade_of(p.in_plan({0.5, 0, -0.7}), draw::kCamera) &&
          is_shade_of(p.seen({2, 1.4, -0.6}), draw::kCamera) &&
@@ -81,13 +81,13 @@ bool each_side_has_its_colour(const CutFile& cut) {
 
 TEST(cut_preview, walls_have_the_colour_of_their_side) {
   EXPECT_TRUE(each_side_has_its_colour(cut_at_the_wall(1, 0)));
-  // Twin: with the sides exchanged the same pixels are told to be wrong.
+  // Twin: with the sides exchanged the same pixels are wrong.
   EXPECT_FALSE(each_side_has_its_colour(cut_at_the_wall(0, 1)));
 }
 
 TEST(cut_preview, pivot_pairs_are_lines_through_the_opening) {
   Painted p(cut_at_the_wall(1, 0));
-  // A line of one pixel may lie between two: the nearest in colour counts.
+  // A line one pixel wide may lie between two: the nearest colour counts.
   const auto off = [&](double x, double z) {
     const draw::Point at =
         p.sheet.plan().projection().project(two_rooms().frame.to_canonical({x, 1, z}));
@@ -121,7 +121,7 @@ TEST(arcs_to_draw, takes_all_when_few_and_in_proportion_when_many) {
   CutFile cut;
   for (int i = 0; i < 10; ++i) cut.arcs.push_back({0, 1, 1.0});
   EXPECT_EQ(arcs_to_draw(cut, 10).size(), 10u);
-  // Two openings: nine tenths of the light in the first 500 arcs, the rest in 500 others.
+  // Two openings: nine tenths of the light in the first 500 arcs, the rest in another 500.
   cut.arcs.clear();
   for (int i = 0; i < 1000; ++i) cut.arcs.push_back({0, 1, i < 500 ? 9.0 : 1.0});
   const std::vector<size_t> drawn = arcs_to_draw(cut, 100);

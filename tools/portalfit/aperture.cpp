@@ -2,8 +2,8 @@
 //
 // Method: fixed-point iteration between members and plane (as k-means or ICP alternate between
 // assignment and fit): the lines near a plane give a better plane, which has other lines near it.
-// The outline is a convex hull, trimmed of what a few stray lines add, and made larger by what a
-// hull of n random points lacks on average (Renyi, Sulanke 1963).
+// The outline is a convex hull, trimmed of what a few outliers add, and enlarged by what a hull of
+// n random points lacks on average (Renyi, Sulanke 1963).
 #include "tools/portalfit/aperture.h"
 
 #include <algorithm>
@@ -19,20 +19,19 @@
 namespace tdpt {
 namespace {
 
-// No option, since nothing is to be had for it: in 33 rooms of 11 kinds (portals_bench --seed 4100)
-// 24 give the same portals, 6 the same verdicts, 4 fit arches worse (tightness 0.92, not 0.98), and
-// all take the same time.
+// Not an option, since other values gain nothing: in 33 rooms of 11 kinds (portals_bench --seed
+// 4100) 24 corners give the same portals, 6 the same verdicts, 4 fit arches worse (tightness 0.92,
+// not 0.98), and all take the same time.
 constexpr size_t kMostCorners = 12;
-// Of the area, for each corner saved; the second of an opening whose lines are known.
+// Share of the area for each corner saved; the second if the opening's lines are known.
 constexpr double kCornerTolerance = 0.003, kWholeTolerance = 0.03;
-constexpr double kWithin = 0.85;  // of the tube's depth: where its outline is taken
-// How far lines go on beyond the tube that are clear of what stands about it, in its shorter sides;
-// and how many of all must be to tell of the tube.
+constexpr double kWithin = 0.85;  // of the tube's depth: where the outline is taken
+// Clear lines extend this far beyond the tube, in its shorter sides; and the share of lines that
+// must be clear for a fit to these alone.
 constexpr double kClear = 0.2, kLeastClear = 1.0 / 3;
 
 // Cuts off parts of the hull that hold far fewer points than their area: light that comes around
-// the edge of the aperture. Keeps in `points` what the hull keeps. Never takes more than the share
-// kMostCut of the points.
+// the edge of the aperture. Removes the same from `points`, never more than the share kMostCut.
 Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   constexpr double kMostCut = 0.02, kSparse = 10, kWorthIt = 0.01;
   constexpr int kDirections = 64, kSteps = 40;
@@ -77,8 +76,8 @@ Polygon completed(const Polygon& hull, size_t points) {
   return enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n);
 }
 
-// Lines that neither begin nor end in the tube or close to it. The others may end on what stands
-// before an opening, as slats or a sill: then they tell of where that is, and not of the wall.
+// Lines that neither begin nor end in the tube or close to it. The others may end on something
+// before an opening, such as slats or a sill, and would locate that instead of the wall.
 Bundle clear_of(const Bundle& bundle, const Tube& tube) {
   const Slab slab(tube);
   std::vector<Vec2d> places;

@@ -1,10 +1,10 @@
-// Which lines pass one opening together, and where they lie closest.
+// Finds which lines pass one opening together, and where they are closest.
 //
 // Method: density clustering of their crossings with a plane, as connected cells of a 2D histogram
-// that hold enough of the mean, three times in finer and whitened coordinates; then a pattern
+// above a share of the mean density, three times in finer and whitened coordinates; then a pattern
 // search over slide and tilt of the plane for the least
 //   log sqrt(det C) - 3 log(n / N)
-// with C the covariance of the crossings, but for outliers, and n of N lines that cross the plane.
+// with C the covariance of the crossings without outliers, and n of N lines that cross the plane.
 #include "tools/portalfit/bundle.h"
 
 #include <algorithm>
@@ -20,8 +20,8 @@
 namespace tdpt {
 namespace {
 
-constexpr double kDense = 0.1;        // of the mean density: what belongs to the aperture
-constexpr double kPointsPerCell = 8;  // of the fine look
+constexpr double kDense = 0.1;        // of the mean density: least of a cell in the aperture
+constexpr double kPointsPerCell = 8;  // in the finer histograms
 constexpr size_t kMostForMoments = 2000;
 
 Plane tilted(const Plane& plane, double a, double b, double along) {
@@ -38,8 +38,8 @@ std::vector<LightLine> Bundle::lines() const {
 }
 
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle) {
-  // Voxels beside a jamb are not air, so in a narrow slit there may be none: lines count
-  // everywhere.
+  // Voxels beside a jamb are not air, so a narrow slit may have no air voxels: lines are counted in
+  // all.
   std::vector<uint32_t> count(grid.count.size(), 0);
   for (const uint32_t l : bundle.which)
     walk_grid(grid, bundle.line(l).light, bundle.line(l).camera,
@@ -65,9 +65,9 @@ namespace {
 
 using Cell = std::array<int64_t, 2>;
 
-// The connected cells around the middle that hold at least kDense of the mean.
+// The connected cells around the middle with at least kDense of the mean density.
 std::set<Cell> dense_region(const std::map<Cell, double>& count, double h) {
-  // The start: the fullest cell next to the middle, or the fullest of all.
+  // Starts at the fullest cell, preferring those near the middle.
   Cell start{};
   double most = 0;
   for (const auto& [cell, n] : count) {
@@ -76,7 +76,8 @@ std::set<Cell> dense_region(const std::map<Cell, double>& count, double h) {
     const double nearness = n / (1 + (x * x + y * y) / (4 * h * h));
     if (nearness > most) most = nearness, start = cell;
   }
-  // Mean density that a point of the region sees; the region grows until it no longer changes.
+  // The threshold is a share of the mean density seen by a point of the region; repeated, since
+  // each depends on the other.
   std::set<Cell> region;
   double least = std::max(1.0, kDense * count.at(start));
   for (int pass = 0; pass < 3; ++pass) {
@@ -120,8 +121,8 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   if (found.empty()) return kept;
   constexpr size_t kFewest = 30;
   if (counting < kFewest) counts.assign(points.size(), true);
-  // Later looks are at all points again, since the first one may have joined two windows, in a
-  // frame where the region is round: slits are as well resolved along as across.
+  // Later histograms take all points again, since the first may have joined two windows, in
+  // coordinates where the region is round: slits are then resolved equally along and across.
   Whitening coordinates;
   for (int look = 0;; ++look) {
     const auto cell_of = [&](Vec2d p) {
@@ -153,7 +154,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
 
 namespace {
 
-// Pattern search over slide and tilt: derivatives of trimmed quantities are not worth having.
+// Pattern search over slide and tilt: derivatives of trimmed quantities are too rough.
 struct Search {
   std::vector<LightLine> lines;
   Moments moments{};
@@ -169,8 +170,8 @@ struct Search {
     const double det = moments.determinant();
     if (!(det > 0)) return INFINITY;
     const double spread = 0.5 * std::log(det);
-    // Crossings per area; from afar, losing lines must cost more than coming closer to their ends
-    // gains.
+    // Crossings per area, with a higher price for lost lines: far from the waist a plane must not
+    // gain by approaching the lines' ends.
     return spread - 3 * std::log(moments.n / size);
   }
 
@@ -179,7 +180,7 @@ struct Search {
     if (!std::isfinite(least)) return best;
     const double unit = std::pow(moments.determinant(), 0.25);
     slide *= unit;
-    best.o = to_space(best, moments.mean);  // the plane turns about the middle of its crossings
+    best.o = to_space(best, moments.mean);  // centre of rotation: the mean of its crossings
     const bool turns = tilt > 0;
     while (slide > 2e-3 * unit || tilt > 2e-3) {
       bool better = false;

@@ -1,5 +1,5 @@
-// A bundle of light lines that pass one aperture, and the plane of its waist: where a beam has
-// least area.
+// A bundle of lines that pass one aperture, and the plane of its waist, where the beam has least
+// area.
 #pragma once
 #include <vector>
 
@@ -18,7 +18,7 @@ struct Bundle {
   size_t size() const { return which.size(); }
   const LightLine& line(uint32_t l) const { return (*of)[l]; }
   std::vector<LightLine> lines() const;
-  /// Those for whose line `keep` holds.
+  /// The lines for which `keep` holds.
   template <class Keep>
   Bundle where(const Keep& keep) const {
     Bundle kept{of};
@@ -28,20 +28,20 @@ struct Bundle {
   }
 };
 
-/// The densest place of the bundle: centre of the grid's fullest voxel, metres.
+/// Centre of the voxel that most lines of the bundle pass [metres].
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle);
 
-/// Mean direction of the lines that pass within `radius` of `place`; zero when there are none.
+/// Mean direction of the lines that pass within `radius` of `place`; zero if there are none.
 Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radius);
 
-/// Those of `bundle` that pass the middle of the tube within the connected dense region around its
-/// `o`. `h` is the size of the first look [metres].
+/// The lines that cross the tube's middle plane within the connected dense region around its `o`.
+/// `h`: cell size of the first histogram [metres].
 Bundle members(const Bundle& bundle, const Tube& tube, double h);
 
-/// The plane near `start` that the lines cross within the smallest area: the waist of the bundle.
-/// Strays are left out; planes that fewer lines cross are held back. In a thick wall, its middle.
-/// The area is that of the moments (square root of their determinant): quick and without local
-/// minima, but biased where light comes from one side.
+/// The plane near `start` that the lines cross within the least area: the waist of the bundle; in a
+/// thick wall, its middle. Outliers are left out, and planes that fewer lines cross are penalised.
+/// The area is that of the moments (square root of their determinant): fast and without local
+/// minima, but biased if light comes from one side.
 Plane waist(const Bundle& bundle, const Plane& start);
 
 }  // namespace tdpt

@@ -1,8 +1,7 @@
-// What tells an opening from a plane in the air.
+// Distinguishes an opening from a plane in the air.
 //
-// Method: of a part of a plane across several openings, fewer lines pass to the area than of an
-// opening itself (minimum etendue again); so among the lines through a half and a third of it an
-// aperture is looked for that is denser.
+// Method: a plane across several openings has fewer lines per area than a single opening (minimum
+// etendue again); so a denser aperture is sought among the lines through a half and a third of it.
 #include "tools/portalfit/candidate.h"
 
 #include <algorithm>
@@ -18,11 +17,11 @@
 namespace tdpt {
 namespace {
 
-constexpr double kFewestProbes = 30;   // that tell the support
-constexpr double kSure = 0.8;          // support: with less it may be several openings
-constexpr double kDenser = 1.3;        // lines to the area, of a part over the whole
-constexpr double kLeastOfWhole = 0.1;  // of its lines, in such a part
-constexpr double kTowards = 0.6;       // cosine: lines of one wall's windows
+constexpr double kFewestProbes = 30;   // to estimate the support
+constexpr double kSure = 0.8;          // support below which it may be several openings
+constexpr double kDenser = 1.3;        // lines per area, of a part over the whole
+constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
+constexpr double kTowards = 0.6;       // cosine between lines of windows in one wall
 
 // Share of the lines through the middle of the tube that pass both its faces.
 double through_share(const Aperture& a) {
@@ -36,7 +35,7 @@ double density(const Aperture& a) {
   return static_cast<double>(a.lines.size()) / area(a.polygon);
 }
 
-// Those of its lines that cross `a` along `axis` between these places, the middle being 0.
+// Its lines that cross `a` between these positions along `axis`, measured from `middle`.
 Bundle strip_of(const Aperture& a, Vec2d middle, Vec2d axis, double from, double to) {
   return a.lines.where([&](const LightLine& line) {
     const auto at = crossing(a.tube.middle, line);
@@ -80,8 +79,7 @@ double density_of(const Aperture& a) {
 
 namespace {
 
-// All of them, and those that begin on either side of the middle of where they do: light of two
-// windows.
+// All lines, and the two halves by where they begin, which may be the light of two windows.
 std::vector<Bundle> apart(const Bundle& lines) {
   Vec3d low(INFINITY), high(-INFINITY), sum{};
   for (const uint32_t l : lines.which) {
@@ -97,7 +95,7 @@ std::vector<Bundle> apart(const Bundle& lines) {
   return {lines, lines.where(before), lines.where(std::not_fn(before))};
 }
 
-// At the narrowest place of a bundle, looked for from where its light begins.
+// A tube at the waist of a bundle, sought from where its light begins.
 Tube at_waist(const Bundle& bundle, const Vec3d& along, double voxel) {
   Vec3d sum{};
   for (const uint32_t l : bundle.which) sum += bundle.line(l).light;
@@ -108,8 +106,8 @@ Tube at_waist(const Bundle& bundle, const Vec3d& along, double voxel) {
   return tube;
 }
 
-// The densest opening, among all `lines`, of those of `some` that go along one of the `axes`, as
-// far as it is denser than `most` and holds so many.
+// The densest opening, among all `lines`, of those of `some` that run along one of the `axes`, if
+// it is denser than `most` and has at least `fewest` lines.
 std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines,
                                       const Bundle& some, const std::vector<Vec3d>& axes,
                                       double least_cos, double most, double fewest) {

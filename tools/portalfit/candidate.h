@@ -1,4 +1,4 @@
-// What tells an opening from a plane in the air, or from one across several openings.
+// Distinguishes an opening from a plane in the air, or from one across several openings.
 #pragma once
 #include <optional>
 #include <vector>
@@ -8,30 +8,31 @@
 namespace tdpt {
 
 /// Share of the `probes` through the outline that join the two sides, over that of a perfect
-/// opening as deep; nothing when they are too few to tell.
+/// opening of the same depth; nothing if there are too few.
 std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a);
 
-/// Tightness of the aperture (merit.h) over that of a perfect opening as deep. In open air, where
-/// no edge bounds the light, lines thin out towards the border and away from the mean direction.
+/// Tightness of the aperture (merit.h) over that of a perfect opening of the same depth. In open
+/// air, where no edge bounds the light, lines thin out towards the border and away from the mean
+/// direction.
 double fullness_of(const Aperture& a);
 
-/// Lines to the etendue of a perfect opening like it [1/(m2 pi)]. Lines are uniform by etendue, so
-/// this is the same for all openings of a cut but for what stands in them.
+/// Lines per etendue of a perfect opening of this shape [1/(m2 pi)]. Lines are uniform by etendue,
+/// so this is the same for all unobstructed openings of a cut.
 double density_of(const Aperture& a);
 
-/// What lies across several openings, as the sides of a bay, has little support and fewer of the
-/// `lines` to its area than one of them: that one. Nothing when there is none.
+/// A plane across several openings, such as the sides of a bay, has little support and fewer of the
+/// `lines` per area than one of them. Returns that one; nothing if there is none.
 std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
                                     const Aperture& whole);
 
-/// A plane before two windows at a corner lies in the open: most of the light of each goes to one
-/// side. The densest opening, among all `lines`, of those that go to one side of `whole`. Nothing
-/// where none is denser than it.
+/// A plane before two windows at a corner lies in the open: most light of each window goes to one
+/// side of its normal. Returns the densest opening, among all `lines`, of those that go to one side
+/// of `whole`; nothing if none is denser than it.
 std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
                                            const Aperture& whole);
 
-/// The densest opening of lines that go about the same way: where the windows of several walls are
-/// and the light of all has no common waist.
+/// The densest opening of lines with similar directions, for windows in several walls, whose light
+/// has no common waist.
 std::optional<Aperture> aperture_of_directions(const LightGrid& grid, const Bundle& lines);
 
 }  // namespace tdpt

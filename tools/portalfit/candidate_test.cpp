@@ -13,9 +13,9 @@
 
 namespace tdpt::candidate_test {
 
-// Windows 1 m high and 1 m wide, kPier from the z axis on both sides of it, that lean back from the
-// plane across x by `angle`; and the plane across the mouth between their far sides. Probes pass
-// anywhere there; lines, and probes that join, pass a window.
+// Windows 1 m high and 1 m wide, kPier from the z axis on either side, leaning back from the plane
+// across x by `angle`; and the plane across the mouth between their far sides. Probes pass anywhere
+// there; lines, and probes that join, pass a window.
 constexpr double kPier = 0.7, kFar = kPier + 1;
 
 struct Bay {
@@ -68,7 +68,7 @@ TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
   EXPECT_NEAR(part->tube.middle.n.x, std::cos(kAngle), 0.05);
 }
 
-// Twin: of one of them none is.
+// Twin: a single window has no denser part.
 TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   const Bay b(std::numbers::pi / 6);
   const auto window = denser_part(b.grid, b.all, b.mouth);

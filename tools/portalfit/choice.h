@@ -1,4 +1,4 @@
-// Which portals are not written unless asked for.
+// Portals that are not written unless asked for.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,15 +7,15 @@
 
 namespace tdpt {
 
-/// All portals of a cut that carry less of its light together bring next to nothing.
+/// A cut is useless if all its portals together carry less of its light than this.
 inline constexpr double kLeastTogether = 0.1;
-/// Of the smaller side's light, across the cut: half of a room that is twice as long as wide and
-/// high has a fifth.
+/// Conductance of open space: share of the smaller side's light across the cut. Half of a room that
+/// is twice as long as wide and high has a fifth.
 inline constexpr double kOpenSpace = 0.2;
 
-/// For each portal why it is useless for certain, a sentence without its end; empty where it may be
-/// of use. From the figures of portal(5): cut, flux_share and conductance; what is missing says
-/// nothing. Tightness says nothing either: it is small in a keyhole, too.
+/// For each portal the reason why it is certainly useless, as a sentence without its full stop;
+/// empty if it may be useful. From the figures cut, flux_share and conductance of portal(5); a
+/// missing figure proves nothing, and neither does tightness, which is small in a keyhole, too.
 std::vector<std::string> why_useless(const std::vector<Portal>& portals);
 
 }  // namespace tdpt

@@ -35,13 +35,13 @@ Aperture rectangle(const LightGrid& grid, const Window& w) {
   return a;
 }
 
-// Across the corner, before both windows.
+// A plane across the corner, before both windows.
 Window diagonal() {
   const double c = std::sqrt(0.5);
   return {{-0.65, -0.65, 0}, Vec3d{c, -c, 0} * 0.92, {0, 0, 1}, {-c, -c, 0}};
 }
 
-// Which of the windows an opening is; none: -1.
+// Index of the window that an opening matches; -1: none.
 int window_of(const Aperture& a, const std::vector<Window>& windows) {
   for (size_t k = 0; k < windows.size(); ++k)
     if (dot(a.tube.middle.n, windows[k].n) > std::cos(0.06) &&
@@ -84,7 +84,7 @@ TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
   std::vector<uint32_t> of_other;
   std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
                         std::back_inserter(of_other));
-  EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // but for grazing lines of the one
+  EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // without the first window's grazing lines
   EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
   EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
 }

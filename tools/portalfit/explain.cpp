@@ -15,7 +15,7 @@ std::string percent(double share) {
   return percent_words(share, 3);
 }
 
-// What let it be a portal.
+// Why it was accepted as a portal.
 std::string merits(const Portal& portal, const PortalFitOptions& options) {
   const auto& f = portal.figures;
   if (options.by_paper) return "the fullest voxels lie along it";

@@ -1,5 +1,5 @@
-// Cycles: an area lamp with Portal set guides the sampling of the world's light. It helps points
-// that it shines on, those on the side of its -Z.
+// Cycles: an area lamp with Portal set guides the sampling of the world's light. It helps points on
+// the side of its -Z, to which it would shine.
 //   https://docs.blender.org/manual/en/latest/render/cycles/light_settings.html
 #include <fmt/format.h>
 
@@ -35,7 +35,7 @@ for name, width, height, matrix in PORTALS:
     bpy.context.scene.collection.objects.link(portal)
 )";
 
-// As Blender's importer turns glTF.
+// The axes that Blender's glTF importer gives.
 Vec3d z_up(const Vec3d& v) {
   return {v.x, -v.z, v.y};
 }

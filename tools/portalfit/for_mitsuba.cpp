@@ -1,5 +1,5 @@
-// Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z looks away
-// from the environment. Documented at the head of src/emitters/portal.cpp there; `include` in
+// Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z points away
+// from the environment. Documented at the head of its src/emitters/portal.cpp; `include` in
 // docs/src/key_topics/scene_format.rst.
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 namespace tdpt {
 namespace {
 
-// Within a comment two dashes may not follow each other.
+// XML comments may not contain two dashes in a row.
 std::string in_comment(const std::string& text) {
   std::string spaced;
   for (const char c : text) {

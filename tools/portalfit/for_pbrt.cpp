@@ -1,8 +1,7 @@
-// pbrt-v4: an infinite light with `portal`, four corners of a rectangle in the axes of the world,
+// pbrt-v4: an infinite light with `portal`, four corners of a rectangle in world axes,
 // counter-clockwise seen from the room: PortalImageInfiniteLight takes z = cross(p3 - p0, p1 - p0)
-// as the way out. Such a light shines through its portal and nowhere else, so that each window has
-// a light of its own, and light that passes two portals would count twice: they are kept apart, and
-// those of one cut alone are lights.
+// as the way out. Such a light shines through its portal only, so each window has its own. Light
+// through two portals would count twice: only portals of one cut become lights, without overlaps.
 //   https://pbrt.org/fileformat-v4#lights
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // OpenUSD: a PortalLight is a rectangle in its local XY plane, width along X and height along Y,
-// that transmits light along -Z; a DomeLight names its portals.
+// which transmits light along -Z; a DomeLight names its portals.
 //   https://openusd.org/release/user_guides/schemas/usdLux/PortalLight.html
 //   https://openusd.org/release/user_guides/schemas/usdLux/DomeLight.html
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 namespace tdpt {
 namespace {
 
-// Points are rows there.
+// USD has points as rows.
 std::string transposed(const Placement& p) {
   std::vector<std::string> rows;
   for (const Vec3d& v : {p.x, p.y, p.z})

@@ -1,4 +1,4 @@
-// The only source that includes CGAL.
+// Convex hull and triangulation, by CGAL: the only source that includes it.
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>

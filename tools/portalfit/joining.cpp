@@ -1,9 +1,9 @@
-// Which openings are one.
+// Decides which openings are one.
 //
 // Method: agglomerative clustering of flat shapes. The pair that leaves most of its joint outline
 // open is joined first. A portal over bars loses, in tightness, the share that they cover; a portal
-// for each gap between them costs a technique each, and too narrow ones are laid badly. So panes
-// are joined across bars, windows not across the wall between them.
+// for each gap between them costs a technique each, and narrow gaps are fitted badly. So panes are
+// joined across bars, but windows are not joined across the wall between them.
 #include "tools/portalfit/joining.h"
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 namespace tdpt {
 namespace {
 
-constexpr double kMostlyOpen = 0.8;  // of the joint outline: then across mullions, too
-constexpr double kOpenEnough = 0.3;  // across thin bars, or where there are too many
+constexpr double kMostlyOpen = 0.8;  // share of the joint outline: then also across mullions
+constexpr double kOpenEnough = 0.3;  // across thin bars, or if there are too many parts
 constexpr double kThinBar = 2;       // voxels
 constexpr double kMullion = 0.25;    // of the narrower part's shorter side: a wider bar is a pier
 constexpr double kFlat = 0.15;       // of the shorter side
 // Cosine between normals. Slits may be turned far about their long side, as between tilted slats.
 constexpr double kTurned = 0.97, kTurnedSlit = 0.5, kSlit = 0.25;
-constexpr double kMostGrowth = 1.5;  // of the outline, when it is laid through the lines
+constexpr double kMostGrowth = 1.5;  // of the outline, by the fit to the lines
 constexpr double kLeastLines = 0.9;  // of the parts' lines
 
 std::vector<Vec3d> corners_of(const Aperture& a) {
@@ -32,7 +32,7 @@ std::vector<Vec3d> corners_of(const Aperture& a) {
   return corners;
 }
 
-// The plane along `first` from which the places have least squares of heights.
+// Least-squares plane of the points, with heights measured along the normal of `first`.
 Plane nearest_plane(const Plane& first, const std::vector<Vec3d>& places) {
   const Onb<double> frame(first.n);
   double n = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
@@ -74,7 +74,7 @@ Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
   return convex_hull(corners);
 }
 
-// How good it is to join two groups of parts: the share left open, 0 where they stay apart.
+// Merit of joining two groups of parts: the share left open; 0 if they stay apart.
 double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
                      double voxel) {
   std::vector<Aperture> both = a;
@@ -85,7 +85,7 @@ double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>
   const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
   const double bar = distance_between(one, other);
   if (bar <= kThinBar * voxel) return joint.open;
-  // The corners of a rectangle spread as a larger one.
+  // The corners of a rectangle spread like a larger rectangle.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
   return joint.open >= kMostlyOpen && bar <= kMullion * side ? joint.open : 0;
@@ -93,7 +93,7 @@ double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>
 
 using Group = std::vector<Aperture>;
 
-// Joins the best pair; false when there is none.
+// Joins the best pair; returns false if there is none.
 bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
                double voxel) {
   size_t best_a = 0, best_b = 0;
@@ -117,7 +117,7 @@ std::vector<std::vector<double>> unknown(size_t groups) {
   return std::vector<std::vector<double>>(groups, std::vector<double>(groups, -1));
 }
 
-// One opening through the lines of all parts; the parts where that fails.
+// Fits one opening to the lines of all parts; returns the parts if that fails.
 std::vector<Aperture> laid_again(const Bundle& all, const Group& parts, double voxel) {
   const Joint joint = joint_of(parts, voxel);
   std::vector<uint32_t> own;

@@ -11,7 +11,7 @@
 
 namespace tdpt::joining_test {
 
-// 1 m x 1 m in the plane across z, its middle at (x, 0, z), turned about the y axis.
+// 1 m x 1 m in the plane across z, centre at (x, 0, z), turned about the y axis.
 Aperture pane(double x, double z = 0, double slope = 0) {
   Aperture a;
   a.tube.middle = {{x, 0, z}, normalize(Vec3d{slope, 0, 1})};
@@ -40,7 +40,8 @@ TEST(Joining, PanesOfABayAreNotFlat) {
   EXPECT_FALSE(joint_of({pane(0), pane(1, 0.5, 1)}, kVoxel).flat);
 }
 
-// Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both.
+// Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both. Returns
+// the number after joining.
 size_t left_of_two(double gap) {
   LightGrid g;
   std::vector<Aperture> panes{pane(0), pane(1 + gap)};
@@ -56,7 +57,7 @@ size_t left_of_two(double gap) {
   return joined_in_planes(all, panes, 8, kVoxel).size();
 }
 
-// Though 0.83 of the outline around both is open.
+// Although 0.83 of the outline around both is open.
 TEST(Joining, IsNotAcrossThePierBetweenTwoWindows) {
   EXPECT_EQ(left_of_two(0.4), 2u);
   // Twins: a mullion, and a bar as thin as the grid resolves.

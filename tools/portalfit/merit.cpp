@@ -1,4 +1,4 @@
-// What portals are worth, from the lines of the grid alone.
+// Figures of merit of portals, from the lines of the grid alone.
 //
 // Tightness without a scene: the grid's lines are a sample, uniform by etendue, of all lines that
 // join the two sides. In the middle of an opening and close to its normal every line passes, so
@@ -29,8 +29,8 @@ std::vector<LineCrossing> crossings_of(const std::vector<LightLine>& lines,
   return found;
 }
 
-// The cut with the largest share of whose lines the portal is crossed: shares, as cuts may have
-// different numbers of them.
+// The cut that has the largest share of its lines cross the portal (a share, since cuts may differ
+// in their number of lines).
 size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of_cut,
               const std::vector<LineCrossing>& crossings) {
   std::vector<size_t> crossed(of_cut.size(), 0);
@@ -69,7 +69,7 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
 
 namespace {
 
-// A portal with its cut, and the lines of that cut that cross it.
+// A portal with its cut, and that cut's lines that cross it.
 struct Appraised {
   Portal* portal;
   size_t cut;
@@ -77,9 +77,9 @@ struct Appraised {
   std::optional<double> tightness;
 };
 
-// Conductance of cut `c`, for its portals. Lines may end on a jamb before they cross: flux_share
-// counts them, conductance does not. Then tightness to conductance is the room's surface to the
-// opening, wherever the cut ran. `lines`: of the cut.
+// Sets the conductance of cut `c` on its portals. `lines`: of the cut. Lines that end on a jamb
+// before they cross count for flux_share, but not for conductance: tightness / conductance is then
+// the room's surface over the opening, wherever the cut runs.
 void appraise_cut(const LightGrid& grid, size_t c, size_t lines,
                   const std::vector<Appraised>& portals) {
   std::vector<uint8_t> met(grid.lines.size(), 0);

@@ -1,4 +1,4 @@
-// What fitted portals are worth, from the grid that they were fitted to.
+// Figures of merit of fitted portals, from the grid to which they were fitted.
 #pragma once
 #include <optional>
 #include <vector>
@@ -16,15 +16,15 @@ struct LineCrossing {
   Vec2d at;  ///< in the plane of the portal's shape
 };
 
-/// Share of a portal's lines that pass from one side to the other; nothing when none crosses.
-/// `crossings`: of one cut, by the grid's `lines`.
+/// Share of a portal's lines that pass from one side to the other; nothing if none crosses.
+/// `crossings`: of one cut, by index into `lines`.
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
                                    const std::vector<LineCrossing>& crossings);
 
-/// Adds figures of portal(5) to each portal: `cut` (the one most of whose lines cross it),
-/// `tightness` (share of its lines that pass from one side to the other: places uniform on it,
-/// directions cosine-distributed), and where the grid knows its cuts `conductance` (of the cut,
-/// as far as lines cross its portals).
+/// Adds figures of portal(5) to each portal: `cut` (the one that has the largest share of its lines
+/// cross the portal), `tightness` (share of the lines through the portal that pass from one side to
+/// the other: positions uniform, directions cosine-distributed), and `conductance` if the grid
+/// knows its cuts (of the cut, as far as its lines cross its portals).
 void appraise(const LightGrid& grid, std::vector<Portal>& portals);
 
 }  // namespace tdpt

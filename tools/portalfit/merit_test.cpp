@@ -11,7 +11,7 @@
 namespace tdpt::merit_test {
 
 // A square hole of side `a` about the origin, light going to +z through a wall of thickness `d`:
-// places uniform on its middle, cosine directions, lines that meet the jambs dropped.
+// positions uniform in its middle, cosine directions, lines that hit the jambs dropped.
 std::vector<LightLine> lines_through(double a, double d, size_t n, uint32_t cut, double x = 0) {
   std::vector<LightLine> lines;
   for (uint64_t i = 0; lines.size() < n; ++i) {
@@ -38,8 +38,8 @@ Portal square(double a, double x = 0) {
   return p;
 }
 
-// Share of the cosine-distributed lines through a square channel's middle that meet no jamb, by
-// drawing them.
+// Share of the cosine-distributed lines through a square channel's middle that hit no jamb, by
+// Monte Carlo.
 double passing(double a, double d) {
   size_t n = 0;
   constexpr size_t kTries = 200000;
@@ -58,7 +58,7 @@ double tightness_of(const std::vector<LightLine>& lines, const Portal& portal) {
   grid.lines = lines;
   std::vector<Portal> portals{portal};
   appraise(grid, portals);
-  EXPECT_FALSE(portals[0].figures.contains("conductance"));  // of an unknown cut
+  EXPECT_FALSE(portals[0].figures.contains("conductance"));  // its cut is unknown
   return portals[0].figures.at("tightness");
 }
 
@@ -71,7 +71,7 @@ TEST(Tightness, IsTheShareThatPassesTheWall) {
     const double expected = passing(1, d);
     EXPECT_TRUE(near(tightness_of(lines_through(1, d, 8000, 0), square(1)), expected)) << d;
   }
-  // A portal twice as wide as the hole: a quarter of its lines. Twin of the above, too.
+  // A portal twice as wide as the hole passes a quarter of its lines. Also the twin of the above.
   const double loose = tightness_of(lines_through(0.5, 0.1, 8000, 0), square(1)),
                tight = tightness_of(lines_through(0.5, 0.1, 8000, 0), square(0.5));
   EXPECT_TRUE(near(loose, 0.25 * passing(0.5, 0.1))) << loose;
@@ -114,14 +114,14 @@ TEST(Appraise, PortalsOfOneCutCarryItsLightTogether) {
   EXPECT_NEAR(one[0].figures.at("conductance"), 0.0005, 1e-5);
 }
 
-// Whether the cut runs before or behind the jambs, the way is as narrow.
+// The way is equally narrow whether the cut runs before or behind the jambs.
 TEST(Appraise, JambsOnEitherSideOfTheCutMakeNoDifference) {
   LightGrid grid;
   grid.lines = lines_through(0.2, 0.3, 4000, 0);
   grid.cuts = {{0.0005, 1}};
   std::vector<Portal> clear{square(0.2)}, jambs{square(0.2)};
   appraise(grid, clear);
-  // As many lines again that end on a jamb before the middle; the cut carries twice as much.
+  // As many lines again, which end on a jamb before the middle; the cut carries twice as much.
   for (LightLine l : lines_through(0.2, 0.3, 4000, 0)) {
     l.camera = l.light + (l.camera - l.light) * 0.45;
     grid.lines.push_back(l);

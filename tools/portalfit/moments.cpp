@@ -27,7 +27,7 @@ Moments trimmed_moments(const std::vector<Vec2d>& points) {
   kept.reserve(points.size());
   for (const Vec2d& p : points) {
     const Vec2d d = p - all.mean;
-    // The squared Mahalanobis distance.
+    // Squared Mahalanobis distance.
     if ((all.yy * d.x * d.x - 2 * all.xy * d.x * d.y + all.xx * d.y * d.y) / det <= 9)
       kept.push_back(p);
   }
@@ -38,7 +38,8 @@ Moments trimmed_moments(const std::vector<Vec2d>& points) {
 
 Extents extents_of(const std::vector<Vec2d>& points) {
   const Moments m = moments_of(points);
-  // Eigenvalues half +- spread of the covariance; a side of length s has the variance s^2 / 12.
+  // The covariance has the eigenvalues half +- spread; a side of length s has the variance s^2 /
+  // 12.
   const double turn = 0.5 * std::atan2(2 * m.xy, m.xx - m.yy), half = 0.5 * (m.xx + m.yy),
                spread = std::hypot(0.5 * (m.xx - m.yy), m.xy);
   return {m.mean,

@@ -1,4 +1,4 @@
-// How points in a plane spread: mean and covariance, and the rectangle that has the same.
+// Spread of points in a plane: mean and covariance, and the rectangle with the same moments.
 #pragma once
 #include <vector>
 
@@ -14,8 +14,8 @@ struct Moments {
 };
 Moments moments_of(const std::vector<Vec2d>& points);
 
-/// Without the points farther than 3 standard deviations (a uniform rectangle reaches 2.45); `n`
-/// counts all.
+/// Moments without the points farther than 3 standard deviations (a uniform rectangle reaches
+/// 2.45); `n` counts all.
 Moments trimmed_moments(const std::vector<Vec2d>& points);
 
 /// Coordinates along u and v from an origin.
@@ -24,17 +24,17 @@ struct Whitening {
   Vec2d operator()(Vec2d p) const { return {dot(p - origin, u), dot(p - origin, v)}; }
 };
 
-/// The rectangle over which points would have to be uniform to have these moments.
+/// The rectangle whose uniform distribution has these moments.
 struct Extents {
   Vec2d mean, axis;  ///< axis: unit, of the longer side
   double longer = 0, shorter = 0;
-  /// In its coordinates the rectangle is a unit square, so that slits are as well described as
+  /// In these coordinates the rectangle is a unit square, so that slits are described as well as
   /// squares.
   Whitening whitening() const {
     return {mean, axis * (1 / longer), Vec2d{-axis.y, axis.x} * (1 / shorter)};
   }
 };
-/// Of one point or more.
+/// Needs a point.
 Extents extents_of(const std::vector<Vec2d>& points);
 
 }  // namespace tdpt

@@ -62,7 +62,7 @@ std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share) 
   std::vector<Vec2d> points;
   for (const Vec3d& p : axes.centres) points.push_back(in_plane(plane, p));
   const Polygon hull = convex_hull(points);
-  // Voxels in one row have no width: what rounding makes of it is no portal.
+  // Voxels in one row have no width: the hull is rounding error.
   if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};
   PaperPortal found;
   Portal& portal = found.portal;

@@ -1,5 +1,5 @@
-// The rule of the paper (section 4.3), for comparison: the normal is the main axis of the full
-// voxels, by principal component analysis, and the outline their hull.
+// The paper's rule (section 4.3), for comparison: the normal is the main principal axis (PCA) of
+// the full voxels, and the outline their hull.
 #pragma once
 #include <optional>
 
@@ -17,10 +17,10 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share);
 
 struct PaperPortal {
   Portal portal;
-  std::vector<uint32_t> lines;  ///< that cross it along its normal, indices into grid.lines
+  std::vector<uint32_t> lines;  ///< that cross it along its normal, as indices into grid.lines
 };
 /// One portal: the convex hull of the full voxels' centres, projected along their main axis, which
-/// is turned the way the light goes. Nothing when fewer than three of them make a polygon.
+/// is turned the way the light goes. Nothing if they make no polygon.
 std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share);
 
 }  // namespace tdpt

@@ -6,7 +6,7 @@
 
 namespace tdpt::paper_test {
 
-// Full voxels in a box of so many voxels, light along +x.
+// Full voxels in a box of nx x ny x nz, light along +x.
 LightGrid grid_with_box(int nx, int ny, int nz) {
   LightGrid g;
   g.voxel = 0.1;
@@ -28,7 +28,7 @@ TEST(PortalByPaper, IsTheHullAcrossALongBeam) {
   EXPECT_EQ(portal->lines, std::vector<uint32_t>{0});
   EXPECT_NEAR(portal->portal.figures.at("direction_angle"), 0, 1e-6);
   for (const Vec3d& v : portal->portal.vertices) EXPECT_NEAR(v.x, 0.7, 1e-9);
-  // The other way round when the light is.
+  // Turned round if the light is.
   LightGrid turned = grid_with_box(10, 3, 4);
   std::swap(turned.lines[0].light, turned.lines[0].camera);
   const auto back = portal_by_paper(turned, 0.5);
@@ -41,7 +41,8 @@ TEST(PortalByPaper, IsTheHullAcrossALongBeam) {
   EXPECT_LT(normal_x(back->portal), 0);
 }
 
-// Its known weakness: where the full voxels lie flat in the opening, it stands across it.
+// Its known weakness: where the full voxels lie flat in the opening, the portal is perpendicular to
+// it.
 TEST(PortalByPaper, StandsAcrossFlatOnes) {
   const auto portal = portal_by_paper(grid_with_box(2, 10, 4), 0.5);
   ASSERT_TRUE(portal);
@@ -51,7 +52,7 @@ TEST(PortalByPaper, StandsAcrossFlatOnes) {
 TEST(PortalByPaper, NeedsAPolygon) {
   EXPECT_FALSE(portal_by_paper(grid_with_box(10, 1, 1), 0.5));
   EXPECT_FALSE(portal_by_paper(LightGrid{}, 0.5));
-  // A plane of voxels seen along itself is a line, whatever rounding makes of it.
+  // A plane of voxels seen edge-on is a line, apart from rounding.
   LightGrid row = grid_with_box(9, 4, 1);
   row.origin = {0.1, 0.7, 0.3};
   EXPECT_FALSE(portal_by_paper(row, 0.5));

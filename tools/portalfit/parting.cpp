@@ -1,8 +1,7 @@
-// Two openings that share lines or an edge: each is fitted again to what is its own.
+// Separates openings that share lines or an edge: each is fitted again to its own lines.
 //
-// Method: alternating assignment of lines and fit of openings. Edges are those of the planes: the
-// plane of one opening bounds the other as a half plane does, and convex outlines are clipped
-// there.
+// Method: alternating assignment of lines and fit of openings. The plane of one opening bounds the
+// other as a half-plane, at which its convex outline is clipped.
 #include "tools/portalfit/parting.h"
 
 #include <algorithm>
@@ -13,13 +12,13 @@ namespace tdpt {
 namespace {
 
 constexpr double kSlant = 0.5;       // sine between planes that bound each other
-constexpr double kMost = 0.25;       // of an opening's area, beyond the edge it shares
-constexpr double kReach = 1.5;       // in area: how near is near
-constexpr double kReachOfLines = 2;  // the same, for lines: few are where an opening narrows
-constexpr double kLeastLeft = 0.5;   // of an opening's lines, or it stays as it was
-constexpr double kHolding = 3;       // as holding_plane(): what a line is worth against area
+constexpr double kMost = 0.25;       // share of an opening's area that clipping may remove
+constexpr double kReach = 1.5;       // growth of the area within which things are near
+constexpr double kReachOfLines = 2;  // the same for lines: few pass where an opening narrows
+constexpr double kLeastLeft = 0.5;   // of an opening's lines, otherwise it stays unchanged
+constexpr double kHolding = 3;       // worth of a line against area, as in holding_plane()
 
-// The middle of the piece of the half plane's border within `polygon`, if there is one.
+// Midpoint of the half-plane's border within `polygon`, if it crosses it.
 std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
   Vec2d sum{};
   int ends = 0;
@@ -34,8 +33,8 @@ std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& h
   return sum * (1.0 / ends);
 }
 
-// Cuts off what `a`, number `own` of `all` or what shall take its place, reaches beyond the edges
-// that it shares with the others. False when it shares none.
+// Clips `a`, which is or replaces number `own` of `all`, at the edges that it shares with the
+// others. Returns false if it shares none.
 bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
   bool shares = false;
   for (size_t b = 0; b < all.size(); ++b) {
@@ -48,7 +47,7 @@ bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
   return shares;
 }
 
-// Lines through `plane` near `polygon`, without the sorted `taken`.
+// Lines through `plane` near `polygon`, except those in `taken`, which is sorted.
 std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
                                   const std::vector<uint32_t>& taken) {
   const Polygon reach = enlarged(polygon, kReachOfLines);
@@ -67,7 +66,7 @@ std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& l
   return places;
 }
 
-// The opening again, from all lines that pass here and not through the others.
+// Fits the opening again, to all lines that pass here and not through the others.
 std::optional<Aperture> fitted_again(const Bundle& all, const std::vector<uint32_t>& taken,
                                      Aperture a) {
   constexpr int kRounds = 6;
@@ -84,8 +83,8 @@ std::optional<Aperture> fitted_again(const Bundle& all, const std::vector<uint32
   return a;
 }
 
-// Whether `a` is a better opening than `b`: less area, or more lines. A fit to what is left of the
-// light may turn with what it has lost.
+// Whether `a` is a better opening than `b`: less area, or more lines. A fit to only part of the
+// light may be turned by what it lacks.
 bool better(const Aperture& a, const Aperture& b) {
   const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
   return std::log(area(a.polygon) / area(b.polygon)) < kHolding * std::log(lines(a) / lines(b));
@@ -113,7 +112,7 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
 
 void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, double voxel) {
   if (found.size() < 2) return;
-  constexpr double kShared = 0.01;  // of its lines: with fewer, an opening stays as it is
+  constexpr double kShared = 0.01;  // share of its lines; with fewer shared it stays unchanged
   for (const double growth : {1.5, 1.2, 1.0}) {
     for (Aperture& a : found) {
       std::vector<uint32_t> others;

@@ -94,7 +94,7 @@ TEST(Parting, OpeningsApartShareNothing) {
   EXPECT_FALSE(shared_edge(slit(0), slit(0)));
 }
 
-// The slit has taken the light through the gap near their edge: the gap gets it back.
+// The slit has taken the gap's light near their edge: the gap gets it back.
 TEST(Parting, EachGetsItsLines) {
   const LightGrid grid = light(6000);
   const Bundle all = testing::all_of(grid);
@@ -102,7 +102,7 @@ TEST(Parting, EachGetsItsLines) {
   small.polygon = enlarged(small.polygon, 0.7);
   std::vector<Aperture> found{slit(0.3), small};
   for (Aperture& a : found) a.lines = lines_across(all, a);
-  // Twin: what they are before is none of what is asked for after.
+  // Twin: the openings before parting fail what is required after it.
   EXPECT_GT(highest(found[0]), kHigh + 0.25);
   EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
   EXPECT_GT(through_neither(found, all), 0.02);
@@ -116,8 +116,8 @@ TEST(Parting, EachGetsItsLines) {
   EXPECT_LT(through_neither(found, all), 0.02);
 }
 
-// The gap over a leaf narrows to nothing at the hinge, and the thicker the leaf the fewer lines
-// pass there.
+// The gap over a leaf narrows to nothing at the hinge; the thicker the leaf, the fewer lines pass
+// there.
 TEST(Parting, AThinCornerIsKept) {
   std::vector<Vec2d> places;
   for (uint64_t i = 0; places.size() < 800; ++i) {
@@ -131,10 +131,10 @@ TEST(Parting, AThinCornerIsKept) {
   };
   EXPECT_EQ(left_out(whole_outline(places)), 0);
   EXPECT_LT(area(whole_outline(places)), 1.1 * 0.06);
-  EXPECT_GT(left_out(outline_of(places)), 0);  // twin: where strays are looked for
+  EXPECT_GT(left_out(outline_of(places)), 0);  // twin: with outliers removed
 }
 
-// What the slit would keep alone is not enough to lay it again: it stays.
+// The slit's own lines are too few for another fit: it stays unchanged.
 TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   const LightGrid grid = light(200);
   const Bundle all = testing::all_of(grid).where([](const LightLine& line) {

@@ -1,6 +1,7 @@
-// Where lines of light cross a plane, or pass the slab between two parallel planes.
+// Crossings of light lines with a plane, and their passage through the slab between two parallel
+// planes.
 //
-// Symbols: o a place in the plane, n its unit normal, the way the light goes, (u, v) coordinates in
+// Symbols: o a point in the plane, n its unit normal, the way the light goes, (u, v) coordinates in
 // the plane along the axes of Onb(n); all lengths in metres.
 #pragma once
 #include <algorithm>
@@ -17,19 +18,19 @@ struct Plane {
 };
 
 /// The slab between the planes `half` before and `half` behind `middle`; with an outline in the
-/// middle a tube, the prism that an opening makes of its wall.
+/// middle it is a tube, the prism that an opening cuts into its wall.
 struct Tube {
   Plane middle;
   double half = 0;
 };
 
-/// A line as a slab sees it: it starts `from` above the middle and rises by `along` > 0.
+/// A line relative to a slab: it starts at height `from` above the middle and rises by `along` > 0.
 struct Passage {
   double from, along;
   Vec2d start, way;  ///< of the whole line, projected into the middle plane
 
-  /// Its place nearest to the height `offset`, projected: where it passes there, or the end that it
-  /// has before, as on a jamb.
+  /// Its point nearest to the height `offset`, projected: where it passes there, or its end before
+  /// that, as on a jamb.
   Vec2d at(double offset) const {
     return start + way * std::clamp((offset - from) / along, 0.0, 1.0);
   }
@@ -37,12 +38,12 @@ struct Passage {
   bool through(double half) const { return from <= -half && from + along >= half; }
 };
 
-/// A slab with its frame, for looking at many lines.
+/// A slab with its frame, for processing many lines.
 class Slab {
  public:
   explicit Slab(const Tube& tube) : tube_(tube), frame_(tube.middle.n) {}
 
-  /// Nothing when the line stays outside or does not run along the normal.
+  /// Nothing if the line stays outside or does not run along the normal.
   std::optional<Passage> passage(const LightLine& line) const {
     const Vec3d a = line.light - tube_.middle.o, d = line.camera - line.light;
     const double from = dot(a, tube_.middle.n), along = dot(d, tube_.middle.n);
@@ -58,14 +59,14 @@ class Slab {
 
 /// Where `line` crosses the plane along n.
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line);
-/// The same, and nothing where it crosses at a grazing angle, which says nothing about a place.
+/// The same, but nothing at grazing angles, where the crossing is ill-defined.
 std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line);
-/// Where `line` is nearest to the height `offset` above the middle while inside the slab: see
+/// The point of `line` inside the slab nearest to the height `offset` above the middle: see
 /// Passage::at.
 std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset);
 
 Vec3d to_space(const Plane& plane, Vec2d at);
-/// The inverse: of the foot of the perpendicular from `place`.
+/// The inverse, for the foot of the perpendicular from `place`.
 Vec2d in_plane(const Plane& plane, const Vec3d& place);
 
 }  // namespace tdpt

@@ -45,8 +45,7 @@ Polygon clipped(const Polygon& polygon, Vec2d axis, double limit) {
     if (dp >= 0) kept.push_back(p);
     if ((dp >= 0) != (dq >= 0)) kept.push_back(p + (q - p) * (dp / (dp - dq)));
   }
-  // A cut through a corner gives it twice but for rounding, and nothing lies on one side of an edge
-  // of no length.
+  // A cut through a corner duplicates it but for rounding, and an edge of no length has no sides.
   double size = 0;
   for (const Vec2d& p : kept) size = std::max({size, std::abs(p.x), std::abs(p.y)});
   constexpr double kSame = 1e-9;
@@ -67,7 +66,7 @@ Polygon simplified(const Polygon& polygon, size_t corners, double tolerance) {
     size_t edge = n;
     Vec2d corner;
     for (size_t i = 0; i < n; ++i) {
-      // Edge b-c goes; a-b and d-c are extended until they meet.
+      // Removes edge b-c; a-b and d-c are extended until they meet.
       const Vec2d &a = p[(i + n - 1) % n], &b = p[i], &c = p[(i + 1) % n], &d = p[(i + 2) % n];
       const double turn = cross(b - a, d - c);
       if (!(turn < 0 || turn > 0)) continue;

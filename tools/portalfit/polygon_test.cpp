@@ -41,7 +41,7 @@ TEST(Polygon, SimplifyingOnlyAdds) {
 }
 
 TEST(Polygon, SimplifyingFindsTheRectangle) {
-  // A rectangle with its corners cut off a little.
+  // A rectangle with slightly cut corners.
   const double e = 0.01;
   const Polygon cut{{e, 0}, {2 - e, 0}, {2, e}, {2, 1 - e}, {2 - e, 1}, {e, 1}, {0, 1 - e}, {0, e}};
   const Polygon p = simplified(cut, 12, 0.003);

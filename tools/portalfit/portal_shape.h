@@ -8,13 +8,13 @@
 namespace tdpt {
 
 struct PortalShape {
-  double area = 0;                 ///< [m2]; 0: no triangle has any, and there is no plane
-  Plane plane{};                   ///< through the middle of the area, normal as the triangles'
-  std::vector<Polygon> triangles;  ///< in the plane; those that have an area
+  double area = 0;                 ///< [m2]; 0: all triangles are degenerate, there is no plane
+  Plane plane{};                   ///< through the centroid, with the triangles' normal
+  std::vector<Polygon> triangles;  ///< in the plane, without degenerate ones
 };
 PortalShape shape_of(const Portal& portal);
 
-/// Whether some triangle holds `p` of the plane.
+/// Whether some triangle contains `p`, a point of the plane.
 bool contains(const PortalShape& shape, Vec2d p);
 
 }  // namespace tdpt

@@ -1,10 +1,10 @@
-// The planar openings that the light of a grid passes, cut by cut.
+// Finds the planar openings that the light of a grid passes, cut by cut.
 //
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
-// the lines it explains are deleted, until few are left. A candidate needs support, few of the
-// probes through it may join one side with itself, and edges: lines must fill it. Those that lie
-// beside each other in one plane are joined, as panes; then each needs a share of the lines; then
-// those that stand beside each other are parted.
+// whose lines are deleted, until few are left. A candidate needs support (few of the probes through
+// it may join one side with itself) and edges (lines must fill it). Openings beside each other in
+// one plane are joined, as panes; then each needs a share of the lines; then those that stand
+// beside each other are separated.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -29,21 +29,21 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastPart = 0.25;     // of the threshold: before parts are joined
-constexpr double kStrays = 0.15;        // of the lines may be leaks
-constexpr double kAfterAll = 2.5;       // thresholds, for what comes after nearly all light
-constexpr double kSparse = 0.2;         // in density, against other openings of the cut
+constexpr double kLeastPart = 0.25;     // of the threshold, before parts are joined
+constexpr double kStrays = 0.15;        // share of the lines that may be leaks
+constexpr double kAfterAll = 2.5;       // times the threshold, after nearly all light is explained
+constexpr double kSparse = 0.2;         // of the density of other openings of the cut
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
-constexpr size_t kMostTried = 48;       // candidates of a cut
-// Support of one opening: a plane across a corner, with windows on both sides of it, has less.
+constexpr size_t kMostTried = 48;       // candidates per cut
+// Least support of a single opening: a plane across a corner with windows on both sides has less.
 constexpr double kOneOpening = 0.9;
 constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 using Refusals = std::vector<FitResult::Refusal>;
 
-// Without those that come through the opening or end within or close before it: none of them tells
-// of another opening.
+// Removes lines that come through the opening, or end within or close before it: they tell nothing
+// of other openings.
 Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
   const Polygon wider = enlarged(a.polygon, 1.1);
   const Extents e = extents_of(a.polygon);
@@ -56,7 +56,8 @@ Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
   });
 }
 
-// Angles between n and the main and minor axis of the voxels fuller than half the fullest.
+// Angles between n and the main and minor axis of the voxels with over half the fullest one's
+// count.
 std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
   const VoxelAxes axes = axes_of_full_voxels(grid, kFull);
   const auto angle = [&](const Vec3d& axis) {
@@ -66,7 +67,7 @@ std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
                               : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
-// `of`: lines of the cut.
+// `of`: number of lines of the cut.
 Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
                  std::optional<double> support) {
   Portal portal;
@@ -98,7 +99,7 @@ double share_of(const Aperture& a, size_t lines) {
   return static_cast<double>(a.lines.size()) / static_cast<double>(lines);
 }
 
-// What the lines `all` of one cut pass, one after the other; however little each carries.
+// Openings that the lines `all` of one cut pass, one by one, however little each carries.
 std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
                                const PortalFitOptions& options, FitResult& result) {
   Refusals& refused = result.refused;
@@ -106,7 +107,7 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
                                  kLeastPart * options.threshold * static_cast<double>(all.size()));
   Bundle rest = all;
   std::vector<Aperture> parts;
-  // Each takes its lines, so this ends.
+  // Ends, since each candidate removes its lines.
   for (size_t tried = 0; tried < kMostTried && static_cast<double>(rest.size()) >= fewest;
        ++tried) {
     auto aperture = find_aperture(grid, rest);
@@ -121,8 +122,8 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
     if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
     auto support = support_of(grid.probes, *aperture);
     double passing = support.value_or(1) * fullness_of(*aperture);
-    // Lines that only end before an opening found earlier may be this one's, and what lies before
-    // two windows at a corner has a denser part.
+    // Lines that end before an opening found earlier may belong to this one, and a plane before two
+    // windows at a corner has a denser part.
     const auto instead = [&](std::optional<Aperture> other) {
       if (!other || other->lines.empty()) return;
       aperture = std::move(other);
@@ -154,12 +155,12 @@ std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
   return parts;
 }
 
-// Without those that far fewer lines pass to the etendue than others of about as many lines: what
-// leaks there is spread over a large plane.
+// Removes openings with far fewer lines per etendue than others of about as many lines: they are
+// leaks, spread over a large plane.
 void leave_out_sparse(std::vector<Aperture>& found, Refusals& refused) {
   std::vector<Aperture> left;
   for (const Aperture& a : found) {
-    // Depths of small openings are known badly: the other counts as without depth.
+    // The depth of small openings is uncertain: that of the other is taken as 0.
     const double least = density_of(a) / kSparse;
     if (std::none_of(found.begin(), found.end(), [&](const Aperture& b) {
           return 2 * b.lines.size() >= a.lines.size() &&
@@ -176,8 +177,8 @@ void leave_out_sparse(std::vector<Aperture>& found, Refusals& refused) {
   found = std::move(left);
 }
 
-// Those that carry enough, the fullest first. Where the others carry nearly all, what is left may
-// be leaks, and more is asked of it.
+// Keeps the openings that carry enough light, the fullest first. Once nearly all is explained the
+// rest may be leaks, and the threshold is higher.
 std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
                                    const PortalFitOptions& options, Refusals& refused) {
   std::stable_sort(found.begin(), found.end(), [](const Aperture& a, const Aperture& b) {
@@ -201,7 +202,7 @@ std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
   return enough;
 }
 
-// The openings that the lines `all` of one cut pass, the fullest first.
+// The openings of one cut with the lines `all`, the fullest first.
 std::vector<Aperture> fit_cut(const LightGrid& grid, const Bundle& all,
                               const PortalFitOptions& options, FitResult& result) {
   Refusals& refused = result.refused;
@@ -224,7 +225,7 @@ std::vector<Aperture> fit_cut(const LightGrid& grid, const Bundle& all,
   return found;
 }
 
-// Whether one opening is the other again, found by the light of another cut.
+// Whether both are the same opening, found by the light of two cuts.
 bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
   const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
   const auto middle = [](const Aperture& x) {

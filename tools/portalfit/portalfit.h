@@ -11,28 +11,28 @@ namespace tdpt {
 struct PortalFitOptions {
   double threshold = 0.02;  ///< smallest share of all lines that makes a portal
   size_t max_portals = 8;
-  bool by_paper = false;  ///< the rule of the paper instead, see paper.h
+  bool by_paper = false;  ///< use the paper's rule instead [paper.h]
   double support = 0.5;   ///< smallest support that makes a portal
 };
 
-/// A portal has figures of merit: `area` [m2], `flux_share` (share of all lines that cross
-/// it), `support` (share of the lines through it that join the two sides; left out when unknown),
+/// Figures of merit of each portal: `area` [m2], `flux_share` (share of all lines that cross it),
+/// `support` (share of the lines through it that join the two sides; omitted if unknown),
 /// `direction_x/y/z` (mean direction of its lines), `direction_angle` [deg] (between it and the
 /// normal), `concentration` (length of the mean of the unit directions), `pca_main_angle` and
 /// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
 struct FitResult {
-  /// A candidate that was turned down.
+  /// A rejected candidate.
   struct Refusal {
     std::string why;    ///< a plain sentence with its figure
-    std::string limit;  ///< what that is held against; empty: nothing
+    std::string limit;  ///< the limit for that figure; empty: none
   };
   std::vector<Portal> portals;
-  /// Of each portal those that its flux_share counts, as indices into grid.lines, ascending.
+  /// By portal: the lines that its flux_share counts, as indices into grid.lines, ascending.
   std::vector<std::vector<uint32_t>> lines;
   double explained = 0;  ///< share of all lines that cross some portal
   std::vector<Refusal> refused;
-  size_t candidates = 0;  ///< looked at, joined ones apart
-  size_t repeated = 0;    ///< openings of one cut that are those of another, or too many
+  size_t candidates = 0;  ///< examined, before joining
+  size_t repeated = 0;    ///< openings of one cut that another already has, or too many
 };
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options);

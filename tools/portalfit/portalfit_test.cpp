@@ -1,5 +1,5 @@
-// Light grids of rooms with known openings are generated here: points uniform on the openings,
-// cosine directions, lines that run to the far walls and are dropped when a jamb is in their way.
+// Generates light grids of rooms with known openings: points uniform on the openings, cosine
+// directions, lines that run to the far walls and are dropped if a jamb blocks them.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace tdpt::portalfit_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// A rectangular opening through a wall: middle, half axes u and v, direction the light goes,
-// thickness of the wall (the middle lies in the middle of it).
+// A rectangular opening in a wall: centre (in the middle of the wall), half axes u and v, direction
+// of the light, thickness of the wall.
 struct Opening {
   Vec3d middle, u, v, n;
   double thickness = 0;
@@ -28,7 +28,7 @@ struct Opening {
   double area() const { return 4 * length(u) * length(v); }
 };
 
-// Where the line a-b passes the plane of the opening shifted by `shift` along n.
+// The point of line a-b in the opening's plane, shifted by `shift` along n.
 Vec3d at_plane(const Opening& o, double shift, const Vec3d& a, const Vec3d& b) {
   const double t = (dot(o.middle - a, o.n) + shift) / dot(b - a, o.n);
   return a + (b - a) * t;
@@ -95,8 +95,8 @@ LightGrid grid_of(const std::vector<LightLine>& lines, int resolution = 64) {
   return g;
 }
 
-// How good a portal is for an opening: share of fresh lines through the opening that cross the
-// portal along its normal, area of the opening over that of the portal, angle between the normals.
+// Score of a portal for an opening: share of fresh lines through the opening that cross the portal
+// along its normal, area of the opening over that of the portal, angle between the normals.
 struct Score {
   double coverage = 0, tightness = 0, angle = 180;
 };
@@ -173,7 +173,7 @@ TEST(PortalFit, FindsASlitThinnerThanAVoxel) {
   expect_good(grid_of(lines_through({o}, 8000, light, 1), 48), o, light, 5);
 }
 
-// Nothing but the lines tells where the opening is.
+// Only the lines locate the opening.
 TEST(PortalFit, AGridOfOneVoxelIsEnough) {
   const Light light;
   LightGrid grid = grid_of(lines_through({hole()}, 8000, light, 1), 1);
@@ -185,7 +185,7 @@ TEST(PortalFit, IsNotMisledByLightFromOneSide) {
   Light light;
   light.lean = 0.9;
   expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
-  // The mean direction alone would be far off: what the waist is for.
+  // The mean direction alone would be far off; the waist corrects it.
   const FitResult fit = fit_portals(grid_of(lines_through({hole()}, 8000, light, 1)), {});
   EXPECT_GT(fit.portals.at(0).figures.at("direction_angle"), 10);
 }
@@ -218,7 +218,7 @@ TEST(PortalFit, FindsTwoWindows) {
             1u);
 }
 
-// Two large holes and 23 small ones: what carries next to nothing hides no other.
+// Two large holes and 23 small ones: portals that carry next to nothing do not hide the others.
 TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
   const Light light;
   std::vector<Opening> holes;
@@ -244,7 +244,7 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
   EXPECT_EQ(fit.refused.back().limit, "at least 5 %");
 }
 
-// `n` panes, each `wide` across u, at a distance of `step`; all in the plane of hole().
+// `n` panes, each `wide` along u, `step` apart; all in the plane of hole().
 std::vector<Opening> row_of_panes(int n, double wide, double step) {
   std::vector<Opening> panes;
   for (int i = 0; i < n; ++i) {
@@ -274,7 +274,7 @@ TEST(PortalFit, BlindsAreOneWindow) {
   expect_one_window(fit_portals(grid_of(lines_through(gaps, 8000, {}, 1)), {}), gaps, 1.18);
 }
 
-// Twin: windows with a wall between them are not.
+// Twin: windows with a wall between them are not joined.
 TEST(PortalFit, WindowsInARowStayApart) {
   const auto windows = row_of_panes(4, 0.3, 0.5);
   const FitResult fit = fit_portals(grid_of(lines_through(windows, 8000, {}, 1)), {});
@@ -288,19 +288,19 @@ TEST(PortalFit, WindowsWithFewPerCentEachAreFound) {
   light.strays = 0.6;
   light.reach = 3;
   const FitResult fit = fit_portals(grid_of(lines_through(windows, 8000, light, 1)), {});
-  // Strays over the whole box are no seventh.
+  // Outliers scattered over the box do not make a seventh.
   ASSERT_EQ(fit.portals.size(), 6u);
   for (const Portal& portal : fit.portals) {
     EXPECT_LT(portal.figures.at("flux_share"), 0.1);
     EXPECT_NEAR(portal.figures.at("area"), 0.3, 0.04);
   }
-  // Twin: one that asks for more of each finds none.
+  // Twin: with a higher threshold none is found.
   PortalFitOptions more;
   more.threshold = 0.1;
   EXPECT_TRUE(fit_portals(grid_of(lines_through(windows, 8000, light, 1)), more).portals.empty());
 }
 
-// Nothing bounds these lines: they scatter about a middle, and about a direction.
+// Unbounded lines: they scatter about a centre and about a direction.
 std::vector<LightLine> lines_in_the_open(size_t n) {
   std::vector<LightLine> lines;
   for (uint64_t i = 0; i < n; ++i) {
@@ -346,7 +346,7 @@ TEST(PortalFit, FewLinesAreEnough) {
   EXPECT_LT(s.angle, 6);
 }
 
-// Median angle of a hole's portal over 21 seeds; 90 where there is none.
+// Median angular error of a hole's portal over 21 seeds; 90 where there is none.
 double median_angle(size_t lines) {
   std::vector<double> angles;
   for (uint64_t seed = 1; seed <= 21; ++seed) {
@@ -357,7 +357,8 @@ double median_angle(size_t lines) {
   return angles[10];
 }
 
-// One seed says little. With 400 lines the median is 2.9 degrees; a quarter of them do not do.
+// A single seed says little. With 400 lines the median is 2.9 degrees; a quarter of them is not
+// enough.
 TEST(PortalFit, FewLinesGiveAFewDegrees) {
   EXPECT_LT(median_angle(400), 4);
   EXPECT_GT(median_angle(100), 4);
@@ -385,7 +386,7 @@ TEST(PortalFit, NoBottleneckGivesNoPortal) {
   EXPECT_TRUE(fit_portals(LightGrid{}, {}).portals.empty());
 }
 
-// The judge itself must see faults: a portal turned, shifted or facing the other way.
+// Score itself must detect faults: a portal turned, shifted or facing the other way.
 TEST(PortalScore, SeesWhatIsWrong) {
   const Light light;
   const Opening o = hole();

@@ -1,4 +1,4 @@
-// Pictures of fitted portals over the light they were fitted to.
+// Pictures of fitted portals over the light to which they were fitted.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,32 +10,32 @@
 
 namespace tdpt {
 
-/// How a portal is looked at, metres: `front` from the camera's side along -n, `above` along -up.
+/// Views of a portal, metres: `front` from the camera's side along -n, `above` along -up.
 struct PortalFrame {
-  Vec3d o;             ///< middle of its area
-  Vec3d n, up, right;  ///< unit; n the way the light goes; `up` in the plane, as upright as can be
+  Vec3d o;             ///< centroid
+  Vec3d n, up, right;  ///< unit; n the way the light goes; `up` in the plane, as vertical as it can
 };
 PortalFrame frame_of(const Portal& portal);
 
 /// Edges that belong to one triangle only.
 std::vector<std::array<uint32_t, 2>> outline_of(const Portal& portal);
 
-/// Where a line goes: through this portal, through another, through none.
+/// Where a line passes: through this portal, another, or none.
 enum class Way { here, elsewhere, nowhere };
 struct SeenLine {
-  uint32_t line;  ///< of grid.lines
-  Vec3d at;       ///< where it crosses the portal's plane, or its end nearest to that [metres]
+  uint32_t line;  ///< index into grid.lines
+  Vec3d at;       ///< crossing with the portal's plane, or the line's nearest end [metres]
   Way way;
 };
-/// The lines to show with portal number `own`: its own lines, which may end within its wall, and
-/// the others that cross its plane along the normal. `lines`: of each portal those that it counts,
-/// as fit_portals() says.
+/// The lines to show for portal number `own`: its own, which may end within its wall, and others
+/// that cross its plane along the normal. `lines`: by portal, those that it counts, as in
+/// fit_portals().
 std::vector<SeenLine> lines_to_show(const LightGrid& grid,
                                     const std::vector<std::vector<uint32_t>>& lines, size_t own,
                                     const PortalFrame& frame);
 
-/// A row for each portal (six at most) or for the whole grid where there is none; `why_none`
-/// says why. `lines`: as above. `name`: of the grid.
+/// A row for each portal (six at most), or for the whole grid if there is none; `why_none` gives
+/// the reason. `lines`: as above. `name`: of the grid.
 draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
                             const std::vector<std::vector<uint32_t>>& lines,
                             const std::string& name, const std::string& why_none);

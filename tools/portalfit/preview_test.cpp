@@ -54,7 +54,7 @@ TEST(frame_of, stands_upright_in_the_plane_and_looks_along_the_light) {
   EXPECT_NEAR(length(f.o - Vec3d{2, 1, 0.2}), 0, 1e-12);
   EXPECT_NEAR(f.n.x, -1, 1e-12);
   EXPECT_NEAR(f.up.y, 1, 1e-12);
-  // Who looks from the camera's side, along +x, has +z to the right.
+  // Seen from the camera's side, along +x, +z is to the right.
   EXPECT_NEAR(f.right.z, 1, 1e-12);
   Portal skylight = door();
   for (Vec3d& v : skylight.vertices) v = {v.z, 3, v.y};
@@ -68,7 +68,7 @@ TEST(outline_of, leaves_the_diagonal_out) {
   for (const auto& e : edges) EXPECT_LE(length(p.vertices[e[0]] - p.vertices[e[1]]), 1.0 + 1e-12);
 }
 
-// Pixels of the portal's colour, in the left panel (front) and in the right one (from above).
+// Counts pixels of the portal's colour in the left panel (front) and in the right one (from above).
 struct Green {
   int front = 0, above = 0;
 };
@@ -97,8 +97,7 @@ TEST(portal_preview, shows_the_outline_in_front_and_the_edge_from_above) {
   EXPECT_EQ(without.front + without.above, 0);
 }
 
-// A hole as deep as wide: many of its lines end within it, before the plane of the portal or
-// behind.
+// A hole as deep as wide: many of its lines end within it, before the portal's plane or behind.
 LightGrid lines_through_a_deep_hole() {
   LightGrid grid;
   grid.lines = testing::lines_of_tube(0.4, 0.4, 0.2, 4000);
@@ -128,7 +127,7 @@ TEST(portal_preview, shows_the_lines_that_the_fit_counts) {
   const auto shown =
       std::count_if(seen.begin(), seen.end(), [](const SeenLine& l) { return l.way == Way::here; });
   EXPECT_EQ(static_cast<size_t>(shown), counted);
-  // Twin: those that cross the polygon are fewer.
+  // Twin: fewer lines cross the polygon.
   const PortalShape shape = shape_of(fit.portals[0]);
   const auto crossing_it = static_cast<size_t>(
       std::count_if(grid.lines.begin(), grid.lines.end(), [&](const LightLine& l) {

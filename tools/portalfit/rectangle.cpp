@@ -1,5 +1,5 @@
-// The least rectangle around points has a side along an edge of their convex hull (Freeman and
-// Shapira 1975), so each edge is tried: outlines have a dozen corners.
+// Minimum-area rectangle: it has a side along an edge of the points' convex hull (Freeman and
+// Shapira 1975), so each edge is tried; outlines have a dozen corners.
 #include "tools/portalfit/rectangle.h"
 
 #include <algorithm>
@@ -41,13 +41,13 @@ Box least_box(const Polygon& hull) {
     const double length = std::sqrt(dot(edge, edge));
     if (!(length > 0)) continue;
     const Box box = box_along(hull, edge * (1 / length));
-    // Edges of one rectangle differ in rounding alone: the first stays.
+    // Edges of the same rectangle differ only by rounding: the first is kept.
     if (box.area() < least * (1 - 1e-12)) least = box.area(), best = box;
   }
   return best;
 }
 
-// Its sides as the head says: y upright, else x the longer.
+// Orients the sides as the header says: y vertical, else x the longer.
 void turn_upright(Rectangle& r) {
   constexpr double kLevel = 1e-9;
   const bool level = std::abs(r.x.y) < kLevel && std::abs(r.y.y) < kLevel;
@@ -75,7 +75,7 @@ Portal portal_around(const Portal& a, const Portal& b) {
   return both;
 }
 
-// Whether `a` and `b` share a place when seen along the normal of `a`, one close behind the other.
+// Whether `a` and `b` overlap when seen along the normal of `a`, and are close along it.
 bool overlap(const Rectangle& a, const Rectangle& b) {
   if (dot(a.normal, b.normal) < kSameWay) return false;
   const double close = 0.5 * std::min({a.width, a.height, b.width, b.height});
@@ -91,7 +91,7 @@ bool overlap(const Rectangle& a, const Rectangle& b) {
   return seen.size() > 2 && area(seen) > kOverlap * smaller;
 }
 
-// Whether two were left to join.
+// Joins two that overlap; returns false if there are none.
 bool join_a_pair(std::vector<Portal>& portals) {
   for (size_t i = 0; i < portals.size(); ++i)
     for (size_t j = i + 1; j < portals.size(); ++j)
@@ -129,7 +129,7 @@ Rectangle rectangle_of(const Portal& portal) {
 }
 
 std::vector<Portal> without_overlaps(std::vector<Portal> portals) {
-  // What two became may overlap with one that was passed before.
+  // A joined rectangle may overlap with one examined before.
   while (join_a_pair(portals)) continue;
   return portals;
 }

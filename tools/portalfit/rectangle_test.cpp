@@ -26,7 +26,8 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-12);
 }
 
-// Whether the frame is one, and the rectangle holds every corner and is touched on its four sides.
+// Checks that the frame is orthonormal, and that the rectangle contains every corner and is touched
+// on its four sides.
 void expect_tight(const Portal& p, const Rectangle& r) {
   EXPECT_NEAR(length(r.x), 1, 1e-12);
   EXPECT_NEAR(length(r.y), 1, 1e-12);
@@ -152,7 +153,7 @@ TEST(Overlaps, WindowsThatShareAPlaceAreOne) {
 }
 
 TEST(Overlaps, OneMayReachAThird) {
-  // The rectangle around the first and the last holds the second, which neither of them touched.
+  // The rectangle around the first and the last contains the second, which touched neither.
   const auto joined =
       without_overlaps({window(0, 0, 3, 1), window(2, 2, 3, 3), window(0, 0.5, 1, 4)});
   EXPECT_EQ(joined.size(), 1u);

@@ -1,4 +1,4 @@
-// What the texts for other renderers share.
+// Parts shared by the texts for other renderers.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,23 +8,23 @@
 
 namespace tdpt {
 
-/// Who made the file, of which scene: what stands in it as comments. Plain ASCII without control
-/// characters, since names of files come from outside.
+/// Comments for the file: what made it, and of which scene. Plain ASCII without control characters,
+/// since file names are not trusted.
 std::vector<std::string> remarks_on(const PortalFile& file);
 
-/// Shortest decimals that read back as the same number, `between` them; no negative zero.
+/// Shortest decimals that read back as the same number, separated by `between`; no negative zero.
 std::string numbers(const std::vector<double>& values, const char* between = " ");
 
 /// Columns of the matrix from a portal's own frame to the world's: points are columns, the last
-/// is the origin.
+/// column is the origin.
 struct Placement {
   Vec3d x, y, z, origin;
 
   /// Rows of the 4 x 4 matrix for points as columns.
   std::vector<std::vector<double>> rows() const;
 };
-/// That of a lamp in the middle of the rectangle which shines along its -Z, the way the light goes,
-/// its width along x and its height along y.
+/// Placement of a lamp at the centre of the rectangle which shines along its -Z, the way the light
+/// goes; width along x, height along y.
 Placement shining_along_minus_z(const Rectangle& r);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// Portals in the terms of other renderers, which have them as rectangles: a text that each reads.
+// Portals for other renderers, whose portals are rectangles: a text in each one's format.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,8 +7,7 @@
 
 namespace tdpt {
 
-/// A Python script for Blender: area lamps that are portals. Z up, as Blender's importer turns
-/// glTF.
+/// A Python script for Blender: area lamps as portals. Z up, as by Blender's glTF importer.
 std::string portals_for_cycles(const PortalFile& file);
 /// A file for pbrt-v4 to Include: an infinite light for each window. Axes of the scene.
 std::string portals_for_pbrt(const PortalFile& file);

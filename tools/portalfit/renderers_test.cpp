@@ -29,7 +29,7 @@ PortalFile one_window() {
   return file;
 }
 
-// Askew, and with numbers that have no short decimals.
+// Oblique, with numbers that have no short decimals.
 PortalFile askew_window() {
   PortalFile file;
   const double a = 0.3, b = 1.1;
@@ -45,7 +45,7 @@ std::string remarks(const std::string& open, const std::string& close) {
 
 const std::string kMade = "made by portalfit 0.1.0: portalfit --for usd";
 
-// The part of `text` that begins with `from`.
+// The part of `text` from `from` on.
 std::string tail(const std::string& text, const std::string& from) {
   const size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from << " is not in\n" << text;
@@ -104,7 +104,7 @@ for name, width, height, matrix in PORTALS:
 TEST(Renderers, MitsubaHasAnEmitterForAWindow) {
   EXPECT_EQ(portals_for_mitsuba(one_window()),
             "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + remarks("<!-- ", " -->\n") +
-                // XML has no two dashes within a comment.
+                // XML comments may not contain two dashes in a row.
                 "<!-- made by portalfit 0.1.0: portalfit - -for usd -->\n" +
                 R"(<!-- Mitsuba 3 from September 2026 on, which has the emitter "portal":
      <include filename="portals.xml"/> in the scene, beside its envmap or constant. -->
@@ -143,8 +143,8 @@ TEST(Renderers, PbrtsWayOutIsAgainstTheNormal) {
 }
 
 TEST(Renderers, PbrtsMapStandsAsOurs) {
-  // Column by column. Its tool reads latitude-longitude maps with z up: u is the azimuth from x to
-  // y.
+  // Column by column. pbrt's tool reads latitude-longitude maps with z up: u is the azimuth from x
+  // to y.
   const std::vector<double> m =
       numbers_after(portals_for_pbrt(one_window()), "ConcatTransform [", 16);
   ASSERT_EQ(m.size(), 16u);
@@ -162,7 +162,7 @@ TEST(Renderers, PbrtsMapStandsAsOurs) {
 
 TEST(Renderers, PbrtCountsNoLightTwice) {
   PortalFile file = one_window();
-  // A window that overlaps with the first, one apart, and a door further in.
+  // A window that overlaps with the first, a separate one, and a door further in.
   file.portals.push_back(quadrilateral({2, 1, 3}, {0, 0, 2}, {0, 1.5, 0}));
   file.portals.push_back(quadrilateral({2, 1, 6}, {0, 0, 1}, {0, 1.5, 0}));
   file.portals.push_back(quadrilateral({-2, 0, 2}, {0, 0, 1}, {0, 2, 0}, 1));

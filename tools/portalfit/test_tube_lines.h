@@ -10,8 +10,8 @@
 
 namespace tdpt::testing {
 
-/// Lines through the middle of a rectangular tube, a x b x 2 half, along +x about the origin; what
-/// meets a wall of it ends there, as on the jambs of an opening, the rest 3 m away.
+/// Lines through the middle of a rectangular tube, a x b x 2 half, along +x about the origin; those
+/// that hit its wall end there, as on the jambs of an opening, the others 3 m away.
 inline std::vector<LightLine> lines_of_tube(double a, double b, double half, size_t n) {
   std::vector<LightLine> lines;
   for (uint64_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// Test only: light through windows in walls of a room, and probes of what lies between.
+// Test only: light through windows in the walls of a room, and probes of the space between.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace tdpt::testing {
 
-/// A rectangle in a wall without thickness: middle, half axes, the way the light goes.
+/// A rectangle in a wall of no thickness: centre, half axes, direction of the light.
 struct Window {
   Vec3d middle, u, v, n;
 
@@ -23,10 +23,10 @@ struct Window {
 
 /// The room -3 <= x <= 0, -3 <= y <= 0, -1 <= z <= 1 [metres]; `windows` lie in its walls.
 struct RoomWithWindows {
-  static constexpr double kOutside = 2;  // metres that a line goes on before a window
+  static constexpr double kOutside = 2;  // length of a line before a window [metres]
   std::vector<Window> windows;
 
-  /// Where a ray from within ends, and whether it leaves through a window.
+  /// End of a ray from within; `leaves`: it passes a window.
   Vec3d end_of(const Vec3d& p, const Vec3d& w, bool& leaves) const {
     const Vec3d low{-3, -3, -1}, high{0, 0, 1};
     double reach = INFINITY;
@@ -41,8 +41,8 @@ struct RoomWithWindows {
     return leaves ? at + w * kOutside : at;
   }
 
-  /// `lines` through the windows in turn, cosine directions within `widest` of the
-  /// normal [sine]; probes in any direction through places on them.
+  /// `lines` through the windows in turn, cosine directions within `widest` of the normal [sine];
+  /// probes in any direction through points on them.
   LightGrid light(size_t lines, size_t probes, double widest = 1) const {
     LightGrid grid;
     grid.bottleneck = true;

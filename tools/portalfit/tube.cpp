@@ -1,23 +1,22 @@
-// The least tube: where the wall of an opening stands, how it is turned and how thick it is, from
-// lines that pass it.
+// Fits the least tube: position, orientation and thickness of an opening's wall, from lines that
+// pass it.
 //
-// Method: minimum etendue, by coordinate search (each coordinate has a step of its own, which grows
-// by success and shrinks by failure). What is made small is
+// Method: minimum etendue, by coordinate search (each coordinate has its own step, which grows by
+// success and shrinks by failure). The objective is
 //
 //   log(A F) - p log(n / N) + s mean(log cos)
 //
-// A  area of the outline of the lines' places on both faces of the tube [m2]: that within kSides
-//    tangents, each of which leaves the share `outside` of the places outside
+// A  area of the outline of the lines' crossings with both faces of the tube [m2]: that within
+//    kSides tangents, each of which leaves the share `outside` of the crossings outside
 // F  form factor between its two faces; pi A F is the etendue of all lines through the tube
 // n  lines that the tube holds: those that come within its slab, along its normal; of N
-// p  penalty for lines that miss it: 1 would be etendue per line
-// s  1: maximum likelihood whatever the directions of the light; 0: light from all directions
-// alike.
-//    Lines have density 1/A per etendue dA cos dw times that of their directions, so where these
-//    favour one side, A alone falls as the plane turns to face it
+// p  penalty for lines that miss it: 1 would minimise etendue per line
+// s  1: maximum likelihood for any distribution of directions; 0: for light from all directions
+//    alike. Lines have density 1/A per etendue dA cos dw times that of their directions, so where
+//    these favour one side, A alone falls as the plane turns to face it
 //
 // In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
-// outlines on the two faces, which no longer cover each other.
+// outlines on the two faces, which no longer coincide.
 #include "tools/portalfit/tube.h"
 
 #include <algorithm>
@@ -37,31 +36,31 @@ namespace tdpt {
 namespace {
 
 constexpr int kSides = 16;           // of an outline
-constexpr double kInner = 0.97;      // of the nearest tangent, within which places are passed over
-constexpr double kRounding = 1e-9;   // by which products of lengths are told apart
+constexpr double kInner = 0.97;      // of the nearest tangent: crossings within it are skipped
+constexpr double kRounding = 1e-9;   // relative tolerance of products of lengths
 constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
-constexpr double kGrazing = 0.1;     // cosines count as no less
-constexpr double kMostTilt = 0.3;    // in a step: tangent
-constexpr size_t kMostRough = 2000;  // lines for a first search
-constexpr size_t kMostFine = 8192;   // and for the others
-constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step of a search, in shorter sides
-constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and its last
+constexpr double kGrazing = 0.1;     // lower bound of cosines
+constexpr double kMostTilt = 0.3;    // per step: tangent
+constexpr size_t kMostRough = 2000;  // lines in the first searches
+constexpr size_t kMostFine = 8192;   // and in the others
+constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step, in shorter sides
+constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and the last
 
-// Area of the outline on the faces over that in the middle: of a prism at most, and of anything,
+// Area of the outline on the faces over that in the middle: largest of a prism, and of any tube,
 // since a room is a tube, too, and all lines end in it.
 constexpr double kPrism = 1.08, kWidest = 1.5;
 constexpr double kDense = 0.6;        // least density of a tube over that of the narrowest plane
 constexpr double kShort = 0.5;        // form factor of the faces below which a tube is long
-constexpr double kPlaneHolds = 0.97;  // of the tube's lines: then a plane may take its place
+constexpr double kPlaneHolds = 0.97;  // share of the tube's lines with which a plane may replace it
 constexpr double kBlindEnd = 0.1;     // of the depth, behind which lines end on the end of a room
-constexpr double kClearly = 0.04;     // of the area: a few per cent of it are noise
+constexpr double kClearly = 0.04;     // of the area: a few per cent are noise
 
-// What a tube is to the lines.
+// Evaluation of a tube.
 struct Look {
-  double cost = INFINITY;        // as above; infinite where it is none
-  size_t held = 0, through = 0;  // lines; those that pass both faces
+  double cost = INFINITY;        // the objective; infinite if invalid
+  size_t held = 0, through = 0;  // number of lines; of those that pass both faces
   double slant = 0;              // mean(log cos)
-  Extents extents{};             // of their places
+  Extents extents{};             // of the crossings
   double size = 0;               // A [m2]
   std::array<double, 2> box{};  // sides of the rectangle of area A in the outline's proportions [m]
 };
@@ -77,24 +76,24 @@ double form_factor(const Found& f) {
 
 enum class Shape { tube, plane };
 
-// What is made small: symbols as above.
+// Parameters of the objective, symbols as above.
 struct Goal {
   Shape shape;
   double penalty;           // p
-  double outside = 0.0006;  // of the places beyond each side
+  double outside = 0.0006;  // share of the crossings beyond each side
   double slant = 0;         // s
 };
 constexpr Goal kTube{Shape::tube, 2}, kNarrowest{Shape::plane, 2};
-// A plane where there is no prism, as beside a door ajar; of fewer lines than kMany, whose mean(log
-// cos) is noise; and of lines that are known but for leaks.
+// Planes: of fewer lines than kMany, whose mean(log cos) is noise; where there is no prism, as
+// beside a door ajar; and for lines that are known except for leaks.
 constexpr size_t kMany = 500;
 constexpr Goal kOfFew{Shape::plane, 0.3};
 constexpr Goal kInsteadOfTube{Shape::plane, 2, 0.002, 1}, kKnown{Shape::plane, 3, 0.002, 1};
 
-// Coordinates of a tube: its place along n, the depth of both faces, of either, and two tilts.
+// Coordinates of a tube: position along n, depth of both faces or of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
 
-// The tube moved by `by` [metres] along one of them; it turns about its middle's `o`.
+// The tube moved by `by` [metres] along one coordinate; it turns about its middle's `o`.
 Tube moved(Tube tube, const Extents& e, Move move, double by) {
   const Vec3d n = tube.middle.n;
   const Onb<double> frame(n);
@@ -134,7 +133,7 @@ class Search {
       for (const LightLine& line : lines) length_.push_back(length(line.camera - line.light));
   }
 
-  // `faces`: where the outline is taken, in halves of the tube.
+  // `faces`: heights of the outlines, in half depths of the tube.
   Look look(const Tube& tube, std::array<double, 2> faces = {-1, 1}) {
     Look look;
     take_places(tube, faces, look);
@@ -148,7 +147,7 @@ class Search {
     return look;
   }
 
-  // Steps from `first` down to `last`, in shorter sides of the start's extents.
+  // Steps shrink from `first` to `last`, in shorter sides of the start's extents.
   Found run(const Tube& start, double first, double last) {
     Found best{start, look(start)};
     if (!std::isfinite(best.look.cost)) return best;
@@ -175,7 +174,7 @@ class Search {
   double waistedness(const Found& f) { return f.look.size / look(f.tube, {0, 0}).size; }
 
  private:
-  // Where the lines that the tube holds are nearest to the two faces.
+  // Points of the held lines that are nearest to the two faces.
   void take_places(const Tube& tube, std::array<double, 2> faces, Look& look) {
     const Slab slab(tube);
     places_.clear();
@@ -190,7 +189,7 @@ class Search {
     look.slant /= static_cast<double>(std::max<size_t>(look.held, 1));
   }
 
-  // A and the box; false when there is none. Leaves the places whitened.
+  // A and the box; false if there is no outline. Leaves the crossings whitened.
   bool measure_outline(Look& look) {
     const Whitening whitening = look.extents.whitening();
     for (Vec2d& p : places_) p = whitening(p);
@@ -204,7 +203,7 @@ class Search {
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
       const Vec2d axis{std::cos(angle), std::sin(angle)};
-      // None of those left out reaches as far as inner_.
+      // The crossings skipped reach no farther than inner_.
       double limit = reach_of(outer_, axis, beyond);
       if (!(limit > inner_ * (1 + kRounding))) limit = reach_of(places_, axis, beyond);
       nearest = std::min(nearest, limit);
@@ -222,8 +221,8 @@ class Search {
     return true;
   }
 
-  // How far along the axis these places reach but for the `beyond` farthest: the least of a heap of
-  // the farthest, which few of the places ever enter. -INFINITY where there are no more than those.
+  // Extent along the axis without the `beyond` farthest crossings: the least of a heap of the
+  // farthest, which few crossings ever enter. -INFINITY if there are no more than `beyond`.
   double reach_of(const std::vector<Vec2d>& places, Vec2d axis, size_t beyond) {
     if (places.size() <= beyond) return -INFINITY;
     farthest_.clear();
@@ -244,7 +243,7 @@ class Search {
   bool improved(Found& best, Move move, double by) {
     const Extents e = best.look.extents;
     Tube from = best.tube;
-    from.middle.o = to_space(best.tube.middle, e.mean);  // about which it turns
+    from.middle.o = to_space(best.tube.middle, e.mean);  // centre of rotation
     for (const double way : {by, -by}) {
       const Tube next = moved(from, e, move, way);
       const Look there = look(next);
@@ -257,10 +256,10 @@ class Search {
 
   std::span<const LightLine> lines_;
   Goal goal_;
-  std::vector<double> length_;  // of the lines, where it is needed [m]
-  std::vector<Vec2d> places_;   // of the last look, both faces
-  std::vector<Vec2d> outer_;    // those that may matter to its outline: not within inner_
-  double inner_ = 0;            // within all tangents of the look before, about as this one's
+  std::vector<double> length_;  // of the lines, if needed [m]
+  std::vector<Vec2d> places_;   // crossings of the last look, both faces
+  std::vector<Vec2d> outer_;    // those not within inner_, which may matter to the outline
+  double inner_ = 0;            // radius within all tangents of the previous, similar look
   std::vector<double> farthest_;
 };
 
@@ -269,7 +268,7 @@ Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal
   return Search(lines, goal).run(start, kRoughStep, kFineLast);
 }
 
-// Whether the tube is a room and no opening: its lines begin or end where it does.
+// Whether the tube is a room and not an opening: its lines begin or end where it does.
 bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
   const Slab slab(tube);
   const double close = kBlindEnd * 2 * tube.half;
@@ -283,14 +282,14 @@ bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
   return 2 * std::max(begin, end) > through;
 }
 
-// What a search with few lines has found.
+// Result of a search with few lines.
 struct Rough {
   Tube tube;
   double cost, density, waistedness;
 };
 using RoughTubes = std::array<Rough, 5>;
 
-// From several starts: there are valleys.
+// From several starts, since the objective has several valleys.
 RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
   constexpr double kTurn = 0.25;
   constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
@@ -307,7 +306,7 @@ RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
   return rough;
 }
 
-// Of those as dense as `enough`; `otherwise` when there is none.
+// The best of those at least as dense as `enough`; `otherwise` if there is none.
 Tube best_of(const RoughTubes& rough, double enough, const Tube& otherwise) {
   Tube best = otherwise;
   double least = INFINITY;
@@ -343,15 +342,15 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
                          else
                            rough = rough_tubes(lines, start);
                        });
-  // Where all of a tube lets light through, its density of lines per etendue is that of its
-  // narrowest plane.
+  // If the whole tube passes light, its density of lines per etendue is that of its narrowest
+  // plane.
   const double enough = kDense * search.density(narrowest);
   if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
   if (search.density(found) < enough || is_blind(fine, found.tube)) return narrowest.tube;
   const double waistedness = search.waistedness(found);
   if (!(waistedness < kWidest)) return narrowest.tube;
   if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
-  // Where the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
+  // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
   const Found plane = least_plane(fine, found.tube, flat);
   const bool holds_too_few =
       static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
@@ -363,7 +362,7 @@ std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube&
   const std::vector<LightLine> fine = thinned(lines, kMostFine);
   Search search(fine, kTube);
   const Look before = search.look(tube), after = search.look(next);
-  // Depth alone makes the cost less, and beside a door ajar there is none.
+  // Depth alone lowers the cost, although beside a door ajar there is none: area must fall, too.
   const bool lesser = after.cost < before.cost && after.size < (1 - kClearly) * before.size;
   return lesser ? std::optional(next) : std::nullopt;
 }

@@ -1,10 +1,9 @@
-// The tube an opening makes of its wall: a prism that all its lines keep within.
+// The tube that an opening cuts into its wall: a prism that contains all its lines.
 //
-// An opening with outline P in a wall of thickness t lets through the lines that pass P on both
-// faces. Where the wall stands, how it is turned and how thick it is, is found by looking for the
-// tube of least etendue that still holds nearly all lines. In thin walls a wrong tilt shows in the
-// area, which grows with the lines' slant; in thick ones it shows in the outlines of the two faces,
-// which no longer cover each other.
+// An opening with outline P in a wall of thickness t passes the lines that cross P on both faces.
+// Position, orientation and thickness of the wall are found as the tube of least etendue that still
+// holds nearly all lines. In thin walls a wrong tilt shows in the area, which grows with the lines'
+// slant; in thick ones it shows in the outlines of the two faces, which no longer coincide.
 #pragma once
 #include <optional>
 #include <vector>
@@ -19,17 +18,17 @@ namespace tdpt {
 /// Howell, Menguc, configuration C-11. 1 for c = 0.
 double facing_rectangles(double a, double b, double c);
 
-/// The tube of least etendue near `start` that holds `lines`. Of 16 sides of its outline each
-/// leaves 0.06 % of the lines outside; lines that miss it altogether are held against it. `near`:
-/// `start` is a result of this already, for nearly the same lines.
+/// The tube of least etendue near `start` that holds `lines`. Each of the 16 sides of its outline
+/// leaves 0.06 % of the crossings outside; lines that miss the tube altogether are penalised.
+/// `near`: `start` is the result of an earlier search with nearly the same lines.
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near);
 
-/// A tube near `tube` that holds `lines` within clearly less area, and less etendue; nothing when
-/// there is none.
+/// A tube near `tube` that holds `lines` in clearly less area, and less etendue; nothing if there
+/// is none.
 std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube);
 
-/// The plane of least area near that of `start`, where few of `lines` may miss it: for lines that
-/// are known to pass there.
+/// The plane of least area near that of `start`, for lines that are known to pass there: missing
+/// lines are penalised more.
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start);
 
 }  // namespace tdpt

@@ -14,7 +14,7 @@ namespace tdpt::tube_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// Two equal rectangles face to face, against points and directions drawn at random.
+// Form factor of two equal facing rectangles by Monte Carlo.
 double facing_by_chance(double a, double b, double c) {
   constexpr int kRays = 200000;
   int hits = 0;
@@ -36,7 +36,7 @@ TEST(Tube, FacingRectanglesSeeEachOther) {
   EXPECT_NEAR(facing_rectangles(1, 2, 500) * std::numbers::pi * 500 * 500, 2, 1e-3);
   EXPECT_NEAR(facing_rectangles(1, 2, 5000) * std::numbers::pi * 5000 * 5000, 2, 1e-3);
   EXPECT_NEAR(facing_rectangles(0.03, 1.4, 0.2), facing_by_chance(0.03, 1.4, 0.2), 0.003);
-  // Twin: another distance is noticed.
+  // Twin: another distance is detected.
   EXPECT_GT(std::abs(facing_rectangles(0.03, 1.4, 0.22) - facing_by_chance(0.03, 1.4, 0.2)), 0.005);
 }
 
@@ -48,7 +48,7 @@ TEST(Tube, IsFoundFromATiltedPlane) {
   for (const double width : {0.3, 0.03}) {
     const auto lines = testing::lines_of_tube(width, 0.3, 0.1, 4000);
     const Tube start{{{0.03, 0, 0}, normalize(Vec3d{1, 0.1, -0.2})}, 0.02};
-    EXPECT_GT(degrees_from_x(start), 10);  // twin: the measure sees the tilt
+    EXPECT_GT(degrees_from_x(start), 10);  // twin: the measure detects the tilt
     const Tube tube = least_tube(lines, start, false);
     EXPECT_LT(degrees_from_x(tube), 2) << width << " " << degrees_from_x(tube) << " " << tube.half;
     EXPECT_NEAR(tube.half, 0.1, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
@@ -57,8 +57,8 @@ TEST(Tube, IsFoundFromATiltedPlane) {
   }
 }
 
-// A long room, 9 x 4 x 2.6 m, one of whose ends is open: light goes from there along +x and ends on
-// its walls, or at x = `end`.
+// A long room, 9 x 4 x 2.6 m, open at one end: light enters there along +x and ends on its walls,
+// or at x = `end`.
 std::vector<LightLine> into_a_long_room(double end, size_t n) {
   std::vector<LightLine> lines;
   for (uint64_t i = 0; i < n; ++i) {
@@ -75,13 +75,13 @@ std::vector<LightLine> into_a_long_room(double end, size_t n) {
   return lines;
 }
 
-// A room is a tube, too, and of less etendue than its opening, but its lines end where it does.
+// A room is a tube, too, and has less etendue than its opening, but its lines end where it does.
 TEST(Tube, ARoomAsWideAsItsOpeningIsNoOpening) {
   const Tube start{{{0.1, 0, 0}, {1, 0, 0}}, 0.05};
   const Tube mouth = least_tube(into_a_long_room(9, 4000), start, false);
   EXPECT_NEAR(mouth.middle.o.x, 0, 0.1);
   EXPECT_LT(mouth.half, 0.1);
-  // Twin: a passage of that length, with a hall behind it, is one.
+  // Twin: a passage of that length, with a hall behind it, is an opening.
   const Tube passage = least_tube(into_a_long_room(19, 4000), start, false);
   EXPECT_NEAR(passage.middle.o.x, 4.5, 1);
   EXPECT_GT(passage.half, 3.5);
@@ -109,7 +109,7 @@ TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
   const auto lines = leaning_lines(400);
   const Tube start{{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0};
   EXPECT_LT(degrees_from_z(holding_plane(lines, start)), 2.5);
-  // Twin: by the area alone it leans with the light.
+  // Twin: by area alone it leans with the light.
   EXPECT_GT(degrees_from_z(least_tube(lines, start, true)), 4);
 }
 

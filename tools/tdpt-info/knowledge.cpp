@@ -35,7 +35,7 @@ void fact(Knowledge& k, const std::string& name, const Json& value) {
   k.facts.emplace_back(name, value.dump());
 }
 
-// Which camera it was made for.
+// Adds the camera it was made for.
 void tell_camera(Knowledge& k, const std::string& camera) {
   if (!camera.empty()) fact(k, "camera", camera);
 }
@@ -45,7 +45,8 @@ void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
   if (!bottleneck) fact(k, "reason", reason);
 }
 
-// Of channels by full name: "albedo" of albedo.R; the letters of the picture itself have none.
+// Layers of channels given by full name: "albedo" for albedo.R; those of the picture itself have
+// none.
 std::vector<std::string> layers_of(const std::vector<std::string>& channels) {
   std::set<std::string> layers;
   for (const std::string& channel : channels)
@@ -54,7 +55,7 @@ std::vector<std::string> layers_of(const std::vector<std::string>& channels) {
   return {layers.begin(), layers.end()};
 }
 
-// Of the box around what is to be seen, in metres: six digits, what single precision leaves.
+// Of the box around everything visible, in metres: six digits, the precision of floats.
 double longest_side(const Scene& scene) {
   Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
   for (const Triangle& t : scene.triangles)
@@ -65,7 +66,7 @@ double longest_side(const Scene& scene) {
   return std::stod(fmt::format("{:.6g}", max_component(high - low) / scene.frame.scale));
 }
 
-// ---- A kind each ----
+// ---- One function for each kind ----
 
 void tell_scene(const Scene& scene, Knowledge& k) {
   k.kind = "scene";
@@ -103,7 +104,7 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
   fact(k, "portals", portals);
 }
 
-// Portals that a program made say so; others are triangles without a lamp or a camera.
+// Portals made by a program are marked; drawn ones are triangles without a lamp or a camera.
 void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) {
   if (bytes.find("portal.0") != std::string::npos ||
       bytes.find(kPortalVersionKey) != std::string::npos)
@@ -225,7 +226,7 @@ bool is_json(const std::string& bytes) {
 
 namespace {
 
-// Some readers open a file themselves: what came by standard input becomes one for as long.
+// Some readers open a file themselves: standard input is copied to a temporary one.
 Knowledge knowledge_of_input() {
   const std::string path = keep_elsewhere("standard-input", read_file("-"));
   if (path.empty()) throw InputError("(standard input)", "", "cannot be kept while it is read");

@@ -36,7 +36,7 @@ int dump(const Arguments& a) {
   return 0;
 }
 
-// All are told of; the first that is damaged decides how it ends.
+// Describes all files; the first damaged one decides the exit code.
 int run(const Arguments& a, const cli::Common& common) {
   if (!a.dump.empty()) return dump(a);
   int code = 0;

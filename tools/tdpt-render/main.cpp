@@ -1,4 +1,4 @@
-// tdpt-render: renders a scene, with portals if there are any.
+// tdpt-render: renders a glTF scene by path tracing, through portals where given.
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
@@ -41,7 +41,7 @@ constexpr cli::Program kProgram{
     cli::kLibraries,
     cli::kCommit};
 
-// Of each pixel, where nothing else says how many.
+// Samples per pixel if no option sets them.
 constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
 
 Loaded load(const Arguments& a, const cli::Common& common) {
@@ -88,7 +88,7 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   return settings;
 }
 
-// Share of the light that segments through portals brought; 1 where none took part.
+// Share of the light carried by portal segments; 1 if that technique is not used.
 double share_of_portals(const World& world, const Integrator& integrator,
                         const RenderResult& result) {
   if (world.portals.empty() || !integrator.mixture.has(Technique::portal) || result.longest)
@@ -130,7 +130,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
     common.note(length);
 }
 
-// Says what was decided and where it stands, without a picture.
+// --plan without rendering: writes what was decided and reports where it was written.
 int write_plan(const Job& job, SampleRenderer& renderer, const Choice& choice) {
   const std::vector<Portal>& portals = job.in.portals;
   const RenderResult decided = decide(renderer, choice.candidates, job.settings, choice);
@@ -172,7 +172,7 @@ int print_shards(const Arguments& a, const cli::Common& common) {
 
 constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
-// What looks at the rendering while it forms.
+// Observers of the unfinished picture.
 void add_visitors(const Job& job, const Choice& choice, RenderSchedule& schedule) {
   const double every = job.a.checkpoint_every < 0 ? kCheckpointEvery : job.a.checkpoint_every;
   if (!job.checkpoint().empty())
@@ -185,7 +185,7 @@ void add_visitors(const Job& job, const Choice& choice, RenderSchedule& schedule
                                  }});
 }
 
-// A device that is lost on the way leaves what a checkpoint can hold.
+// If the device is lost, what has been rendered is kept where a checkpoint can hold it.
 RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& choice,
                       RenderSchedule schedule) {
   add_visitors(job, choice, schedule);
@@ -203,7 +203,6 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
   }
 }
 
-// Renders, and tells of it.
 int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
            RenderSchedule schedule) {
   const World& world = renderer.world;

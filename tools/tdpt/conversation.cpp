@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr auto kEvery = std::chrono::milliseconds(300);
 
-// Of an object that a program tells [base/progress.h].
+// `progress`: an object from a program [base/progress.h].
 std::string words_of(const Json& progress) {
   const auto number = [&](const char* key) {
     return progress.contains(key) && progress[key].is_number() ? progress[key].get<double>() : -1;

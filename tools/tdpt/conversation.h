@@ -1,5 +1,5 @@
-// What tdpt says while its programs run: one line of progress over all of them, or JSON, and what
-// they have to say, as they say it.
+// The output of tdpt while its programs run: one progress line for all of them, or JSON, and their
+// messages as they come.
 #pragma once
 #include <chrono>
 #include <string>
@@ -16,13 +16,13 @@ class Conversation {
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
 
-  /// From now on the step `number` of `steps` runs, from 1.
+  /// From now on step `number` of `steps` runs, counted from 1.
   void step(size_t number, size_t steps, const std::string& title, const std::string& program);
-  /// A line that the program has written. Whether it told of progress.
+  /// Handles a line from the program. Returns whether it reported progress.
   bool heard(const std::string& line);
-  /// Shows how long it has been, where nothing else is told; call now and then.
+  /// Shows the elapsed time if nothing else is reported; call now and then.
   void tick();
-  /// A line of one's own, on stderr.
+  /// Prints a line of tdpt itself on stderr.
   void say(const std::string& line);
 
  private:
@@ -34,7 +34,7 @@ class Conversation {
   std::string title_, program_;
   size_t number_ = 0, steps_ = 0;
   Clock::time_point began_ = Clock::now(), shown_ = began_;
-  std::string told_;  ///< by the program, how far it is
+  std::string told_;  ///< progress last reported by the program
   bool visible_ = false;
 };
 

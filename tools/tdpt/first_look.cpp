@@ -12,10 +12,10 @@ namespace tdpt {
 namespace {
 
 constexpr int64_t kSmall = 320;  // pixels on the longer side
-constexpr int64_t kMost = 1024;  // samples of a pixel
-constexpr int kNice = 10;        // where the small one is there the stages come first
+constexpr int64_t kMost = 1024;  // samples per pixel
+constexpr int kNice = 10;        // after the small picture the stages have priority
 
-// An option with the word behind it, as request_of() writes it; `option` "--set retry": a setting.
+// Drops an option and its value, as request_of() writes them; "--set retry" names a setting.
 void drop(Words& words, const std::string& option, bool has_value) {
   const bool setting = option.starts_with("--set ");
   for (auto at = words.begin(); at != words.end();) {
@@ -62,7 +62,7 @@ void FirstLook::begin() {
     words.emplace_back(option);
     words.push_back(value);
   };
-  // The small one in the shape of the picture, where the command line says which.
+  // The small picture has the aspect of the final one, if the command line sets it.
   const int64_t larger = std::max(width_, height_);
   const double scale =
       spp_ > 0 || larger == 0 ? 1 : std::min(1.0, kSmall / static_cast<double>(larger));
@@ -80,7 +80,7 @@ void FirstLook::begin() {
 
 void FirstLook::tick() {
   if (!child_) return;
-  std::string unheard;  // the picture's renderer says it all
+  std::string unheard;  // discarded: the picture's renderer will say it all
   child_->read(unheard);
   const auto code = child_->exit_code();
   if (!code) return;
@@ -89,7 +89,7 @@ void FirstLook::tick() {
   try {
     write_output(preview_, read_file(png_));
   } catch (const Error&) {
-    return;  // whether it can be written the end tells
+    return;  // the final write will report an error
   }
   spp_ = spp_ == 0 ? 1 : 2 * spp_;
   if (spp_ <= kMost) begin();

@@ -1,6 +1,6 @@
-// A picture to look at while portals are being looked for: bidirectional path tracing without them,
-// small at first, then in the size that was asked for with more and more samples. None of its
-// samples is in the picture.
+// A preview picture while portals are being sought: bidirectional path tracing without them, small
+// at first, then at the requested size with more and more samples. The final picture uses none of
+// its samples.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,11 +12,11 @@ namespace tdpt {
 
 class FirstLook {
  public:
-  /// `folder` holds what it makes, `preview` is what it writes, a PNG.
+  /// `folder` holds its files; it writes the PNG `preview`.
   FirstLook(const Arguments& a, const Request& request, const std::string& programs,
             const std::string& folder, const std::string& preview);
 
-  /// Brings what is done to its place, and begins what comes next. Call now and then.
+  /// Publishes a finished picture and starts the next. Call now and then.
   void tick();
 
  private:
@@ -25,7 +25,7 @@ class FirstLook {
   Words base_;
   std::string picture_, png_, preview_;
   int64_t width_, height_;  ///< of the picture [pixels]; 0: not said
-  int64_t spp_ = 0;         ///< of the next one; 0: it is the small one
+  int64_t spp_ = 0;         ///< of the next picture; 0: it is the small one
   std::unique_ptr<ChildProcess> child_;
 };
 

@@ -18,9 +18,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr size_t kMostMakers = 32;  // of the same bytes
+constexpr size_t kMostMakers = 32;  // requests stored per picture
 
-// Words may hold what is no UTF-8, and are compared as they are kept.
+// Words may hold invalid UTF-8; comparisons use the stored form.
 Json as_kept(const Words& words) {
   const Json json(words);
   return Json::parse(json.dump(-1, ' ', true, Json::error_handler_t::replace));

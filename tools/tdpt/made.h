@@ -1,4 +1,5 @@
-// Who made a picture: known by its bytes, so wherever it lies and whatever the clock says.
+// Which request made a picture, looked up by the hash of its bytes: neither its path nor its time
+// matters.
 #pragma once
 #include <map>
 #include <optional>
@@ -13,33 +14,32 @@ struct Made {
   Words identity;     ///< of the request that made it
   std::string key;    ///< Pipeline::key
   bool whole = true;  ///< not stopped by a signal
-  /// What was written with it, by option: hashes of the files.
+  /// Files written with it, by option: their hashes.
   std::map<std::string, std::string> beside;
 };
 
-/// By each request that has made a picture of these bytes; none where they are not known.
+/// One for each request known to have made a picture with these bytes.
 std::vector<Made> made_of(const std::string& hash, const WorkFolder& work);
-/// Keeps one more, or in the place of what the same request has made before. Throws OutputError
-/// where it cannot be kept.
+/// Stores another, replacing that of the same request. Throws OutputError on failure.
 void keep(const Made& made, const std::string& hash, const WorkFolder& work);
 
-/// What a picture's entry holds beside a checkpoint: what that is of.
+/// Stored beside a checkpoint in a picture's entry: which picture the checkpoint is of.
 struct Unfinished {
   std::string key;  ///< Pipeline::key
 };
 void keep(const Unfinished& unfinished, const std::string& entry);
 std::optional<Unfinished> unfinished_in(const std::string& entry);
 
-/// Of the file at that path; "" where there is none.
+/// Of the file at that path; "" if there is none.
 std::string hash_of_picture(const std::string& path);
-/// Hashes of the files that --preview, --stats and --set nonzero name, where they are there.
+/// Hashes of the existing files that --preview, --stats and --set nonzero name.
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a);
 
-/// Whether the picture is there, whole, as `p` would make it, and all that goes with it.
+/// Whether the picture exists, complete, as `p` would make it, with all files that belong to it.
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work);
 
-/// Throws UsageError where the picture is there and another command made it, or nobody known.
+/// Throws UsageError if the picture exists but was made by another command, or by an unknown one.
 void check_owner(const Request& request, const WorkFolder& work);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// tdpt: from a scene to its picture through its portals, by the other programs.
+// tdpt: makes a scene's picture through its portals, by running the other programs.
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
@@ -27,7 +27,7 @@ std::string report_beside(const std::string& picture) {
   return picture.substr(0, dot) + ".report.html";
 }
 
-// The renderer knows them; a program that only starts others need not.
+// The renderer lists them: tdpt only starts other programs.
 std::string list_of_devices() {
   const std::string renderer = program_folder() + "/tdpt-render";
   ::execl(renderer.c_str(), renderer.c_str(), "--list-devices", nullptr);

@@ -26,15 +26,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kStopped = static_cast<int>(Exit::interrupted);
-constexpr const char* kDecision = ", because ";          // in a sentence of --explain
-constexpr const char* kPicture = "partial-picture.exr";  // as the renderer writes it
-constexpr const char* kPartial = "partial-";             // of a result that is not whole yet
+constexpr const char* kDecision = ", because ";          // in sentences of --explain
+constexpr const char* kPicture = "partial-picture.exr";  // the renderer's output
+constexpr const char* kPartial = "partial-";             // prefix of results that are not complete
 
 std::string name_of(const std::string& program) {
   return fs::path(program).filename().string();
 }
 
-// What a run that was killed left of an entry, but for what `stays` names.
+// Removes what a killed run left in an entry, except the names in `stays`.
 void clear(const std::string& folder, const std::vector<std::string>& stays) {
   std::error_code ignored;
   for (const auto& file : fs::directory_iterator(folder, ignored))
@@ -47,8 +47,7 @@ bool is_there(const std::string& path) {
   return fs::exists(path, failed);
 }
 
-// A result of a stage, with the hash that it got when it was whole: a file that was damaged since
-// is none.
+// Whether a stage's result still has the hash stored when it was complete: damaged files do not.
 bool is_whole(const std::string& result) {
   try {
     return is_there(result) && read_file(result + ".hash") == content_hash_of_file(result) + "\n";
@@ -62,20 +61,20 @@ std::string variable(const char* name, const char* usual) {
   return value && *value ? value : usual;
 }
 
-// From here, in a folder that may be gone, too.
+// Absolute, even if the current folder no longer exists.
 std::string full_path(const std::string& path) {
   std::error_code failed;
   const fs::path full = fs::absolute(path, failed);
   return failed ? path : full.string();
 }
 
-// What shapes a report beside the picture.
+// Settings that affect a report, apart from the picture.
 std::string report_settings() {
   return variable("REPORT_TIME", "10") + " " + variable("REPORT_REFERENCE", "8") + " " +
          variable("REPORT_WIDTH", "320");
 }
 
-// The fault is the file's: nothing more can be done about it here.
+// Throws OutputError naming the file: nothing else can be done here.
 void rename_whole(const std::string& from, const std::string& to) {
   std::error_code failed;
   fs::rename(from, to, failed);
@@ -93,7 +92,7 @@ Making::Making(const Arguments& a, const cli::Common& common, ProgressForm form)
       conversation_(form, common.quiet) {}
 
 bool Making::has_changed() const {
-  if (stop_requested()) return false;  // it ends anyway
+  if (stop_requested()) return false;  // the run ends anyway
   try {
     return !(state_of(a_, work_) == state_);
   } catch (const InputError&) {
@@ -101,7 +100,7 @@ bool Making::has_changed() const {
   }
 }
 
-// Waits until a scene that is being written is whole, as far as can be seen.
+// Waits until a scene that is being written seems complete.
 void Making::settle() {
   for (int i = 0; i < 20 && !stop_requested(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
@@ -127,7 +126,7 @@ bool Making::all_is_fresh() const {
   return is_fresh(a_, request_, pipeline_, work_) && report_is_fresh();
 }
 
-// What is done while another run holds an entry: `sentence` says it once, and a signal ends it.
+// Called while another run holds an entry: prints `sentence` once, and throws after a signal.
 std::function<void()> Making::waits(const std::string& sentence) const {
   return [this, sentence, told = false]() mutable {
     if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal");
@@ -173,7 +172,7 @@ int Making::run() {
   }
 }
 
-// What the command line asks for beside the picture, and the bound of the work folder.
+// Writes the dependency file, and limits the size of the work folder.
 void Making::tell_end(int code) const {
   if (code == 0 && !common_.dependencies.empty())
     write_output(common_.dependencies, common_.dependency_rule());
@@ -211,7 +210,7 @@ Making::Ending Making::attempt() {
   return ending;
 }
 
-// All that can be told before the first stage: options of the renderer, what it reads, its device.
+// Checks what can be checked before the first stage: the renderer's options, its files, its device.
 Making::Ending Making::check() {
   conversation_.step(1, steps_, "reading the scene", "tdpt-render");
   if (!a_.report.empty() && !run_program({"python3", "-c", ""}, {}, Reads::files).good())
@@ -232,7 +231,7 @@ Making::Ending Making::find_portals() {
     portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, wait);
     if (!is_whole(found))
       if (const Ending ending = run_stages(); !ending.good()) return ending;
-    portals_ = {};  // held by all who read it from here on
+    portals_ = {};  // from here on it is held for reading
   }
   return {};
 }
@@ -252,7 +251,7 @@ Making::Ending Making::run_stages() {
     if (is_whole(step.output)) continue;
     const std::string partial = portals_.path() + "/" + kPartial + name_of(step.output);
     Words words = step.command(partial);
-    if (name_of(step.options[0]) == "lightgrid")  // the others are short, and show none
+    if (name_of(step.options[0]) == "lightgrid")  // the others are short and report no progress
       words.insert(words.end(), {"--set", "progress=json"});
     const bool reads_scene =
         std::find(step.inputs.begin(), step.inputs.end(), request_.scene) != step.inputs.end();
@@ -276,7 +275,7 @@ Making::Ending Making::run_stages() {
   return {};
 }
 
-// The preview of what is rendered, in its place as soon as there is another.
+// Copies the renderer's preview to its place whenever it has changed.
 void Making::publish_preview() {
   std::error_code failed;
   const std::string png = cli::png_beside(picture_.path() + "/" + kPicture);
@@ -286,8 +285,8 @@ void Making::publish_preview() {
   write_output(a_.preview, read_file(png));
 }
 
-// Whose picture it is is known before it stands under its name, so that whoever finds it there, and
-// however this process ends, can tell.
+// The picture's maker is recorded before the picture gets its name, so that it is known however
+// this process ends.
 void Making::place(bool whole) {
   const std::string made = picture_.path() + "/" + kPicture;
   publish_preview();
@@ -400,7 +399,7 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
   ChildProcess child(words, how);
   std::string text;
   bool told_to_stop = false, looked = reads == Reads::files;
-  // What a program tells of its progress it tells when it has read the scene.
+  // A program's first progress report means that it has read the scene.
   const auto hear = [&] {
     for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
       const std::string line = text.substr(0, end);
@@ -421,7 +420,7 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
         look_->tick();
       else
         publish_preview();
-    } catch (const Error&) {  // whether it can be written the end tells
+    } catch (const Error&) {  // the final write will report an error
     }
     conversation_.tick();
     pollfd wait{child.descriptor(), POLLIN, 0};

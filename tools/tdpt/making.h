@@ -1,5 +1,5 @@
-// Makes what a request asks for: portals where there are none yet, the picture, its report; nothing
-// that is there and fresh.
+// Makes what a request asks for: portals if there are none yet, the picture, its report. Results
+// that exist and are up to date are kept.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -15,20 +15,19 @@ class Making {
  public:
   Making(const Arguments& a, const cli::Common& common, ProgressForm form);
 
-  /// The exit code. Throws Error for what is wrong before a program runs.
+  /// Returns the exit code. Throws Error for what is wrong before a program runs.
   int run();
-  /// Prints the commands that run() would run, for a shell.
+  /// Prints the commands that run() would execute, for a shell.
   int print();
 
  private:
-  /// How a program ended, or that the scene is no longer what was read of it before: then nothing
-  /// it made counts.
+  /// How a program ended; `changed`: the scene changed meanwhile, so that its results are invalid.
   struct Ending {
     int code = 0;
     bool changed = false;
     bool good() const { return code == 0 && !changed; }
   };
-  /// Whether a program that runs reads the scene.
+  /// Whether a program reads the scene.
   enum class Reads { scene, files };
 
   bool all_is_fresh() const;
@@ -41,7 +40,7 @@ class Making {
   Ending run_stages();
   Ending render();
   Ending make_report();
-  /// `told` receives what the program says; decisions are said there only.
+  /// `told` receives the program's messages; decisions go only there.
   Ending run_program(const Words& words, const ChildProcess::How& how, Reads reads,
                      std::string* told = nullptr);
   Ending ending_of(const std::string& program, int code) const;
@@ -63,7 +62,7 @@ class Making {
   HeldEntry picture_, portals_;
   std::unique_ptr<FirstLook> look_;
   std::string before_;  ///< hash of the picture that may be replaced; "": there is none
-  std::filesystem::file_time_type preview_time_{};  ///< of the preview that was published last
+  std::filesystem::file_time_type preview_time_{};  ///< of the last published preview
   size_t step_ = 0, steps_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What it is a key of is told by its parts, which no byte of theirs can part otherwise.
+// The hash of a list of strings, encoded so that no other list gives the same bytes.
 class Key {
  public:
   void add(const std::string& part) { text_ += std::to_string(part.size()) + ':' + part; }
@@ -34,8 +34,8 @@ std::string file_name(const std::string& path) {
   return fs::path(path).filename().string();
 }
 
-// The same words, but of the sky's file its name, which stands in the provenance, and what it
-// holds.
+// The same words, with the hash of the sky's file added, and of its path only the name, which is
+// part of the provenance.
 Words by_content(Words sky, const std::string& hash) {
   for (size_t i = 0; !hash.empty() && i < sky.size(); ++i)
     if (sky[i].starts_with("--environment=") || (i > 0 && sky[i - 1] == "--environment"))
@@ -59,7 +59,7 @@ void add_stages(const Request& r, const std::string& programs, const std::string
   stage(3, "fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
 }
 
-// A file is taken for another where the scene's name is: it stands in the provenance.
+// The scene's name counts, too: it is part of the provenance.
 std::string key_of_portals(const Request& r, const SceneState& state, const std::string& programs) {
   Key key;
   for (const char* tool : {"ffgraph", "mincut", "lightgrid", "portalfit"})
@@ -77,7 +77,7 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
   return key.hash();
 }
 
-// `found`: key of the portals that the stages find; `given`: paths of others.
+// `found`: key of the portals that the stages find; `given`: paths of given ones.
 std::string key_of_picture(const Request& r, const SceneState& state, const std::string& found,
                            const Words& given, const std::string& renderer) {
   Key key;
@@ -93,7 +93,7 @@ std::string key_of_picture(const Request& r, const SceneState& state, const std:
   return key.hash();
 }
 
-// The scene, and portals as a renderer is given them.
+// The scene, and portals as options of the renderer.
 Words given_to(const Request& r, const Words& portals) {
   Words words{r.scene};
   for (const std::string& path : portals)

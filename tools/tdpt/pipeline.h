@@ -1,4 +1,4 @@
-// The way from a scene to a picture: the commands, in order, and the keys of what they make.
+// The way from a scene to a picture: the commands in order, and the cache keys of their results.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,34 +9,34 @@
 
 namespace tdpt {
 
-/// A program, and what it makes.
+/// A program and its result.
 struct Step {
-  std::string title;   ///< "finding bottlenecks", while it runs
-  Words options;       ///< the program and what shapes its result
+  std::string title;   ///< "finding bottlenecks", shown while it runs
+  Words options;       ///< the program, and options that affect its result
   Words inputs;        ///< files
-  Words unshaped;      ///< options that shape nothing
+  Words unshaped;      ///< options that do not affect the result
   std::string output;  ///< path of its result
-  /// All of it, with the result under that name.
+  /// The whole command, with `to` as the path of its result.
   Words command(const std::string& to) const;
 };
 
 struct Pipeline {
-  /// Names of entries of the work folder: for the portals, empty where no stage is to find them;
-  /// for what a picture leaves unfinished.
+  /// Names of entries of the work folder: for the portals, empty if no stage is to find them; for
+  /// an unfinished picture.
   std::string portals_entry, picture_entry;
-  std::vector<Step> stages;  ///< to the portals; none where none are to be found
+  std::vector<Step> stages;  ///< that find portals; none if none are sought
   Step render;
-  Words check;              ///< the same, of what is there before the stages, without rendering
-  std::string key;          ///< of the picture: hash of all that shapes it
-  bool keeps_film = false;  ///< for the next run, where this one is stopped
-  bool repeatable = true;   ///< the same command again has nothing to do
+  Words check;              ///< the renderer's check of all files that exist before the stages
+  std::string key;          ///< of the picture: hash of everything that affects it
+  bool keeps_film = false;  ///< so that the next run can resume it
+  bool repeatable = true;   ///< running the same command again does nothing
 };
 
-/// `programs`: their folder.
+/// `programs`: the folder with the programs.
 Pipeline pipeline_of(const Arguments& a, const Request& request, const SceneState& state,
                      const WorkFolder& work, const std::string& programs);
 
-/// For a shell, each word as it is.
+/// Quoted for a shell.
 std::string shell_text(const Words& words);
 
 }  // namespace tdpt

@@ -1,6 +1,6 @@
 #!/bin/sh
-# report_test.sh BIN TESTDATA: room.report.html, made at the size of a stamp: what it holds, what it asks of others
-# (nothing), names that would be HTML, and what makes it again. Exit 77 without GNU Make or Python.
+# report_test.sh BIN TESTDATA: makes a tiny room.report.html, and checks its contents, that it loads nothing, that names
+# are escaped, and what makes it again. Exit 77 without GNU Make or Python.
 bin=$(cd "${1:?usage: report_test.sh BIN TESTDATA}" && pwd) testdata=$(cd "${2:?}" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 make --version 2>/dev/null | grep -q 'GNU Make' || { echo "skipped: GNU Make is missing"; exit 77; }

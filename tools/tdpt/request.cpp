@@ -26,7 +26,7 @@ constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "
 constexpr std::string_view kBeside[]{"--checkpoint", "--set checkpoint-every", "--resume",
                                      "--stats",      "--set nonzero",          "--preview",
                                      "--json"};
-// Of this program alone.
+// Options of this program alone.
 constexpr std::string_view kOwn[]{"--output",
                                   "--work",
                                   "--work-size",
@@ -43,7 +43,7 @@ bool is_one_of(Names names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// A value that begins with a dash is no option of its own.
+// A value that begins with a dash is joined by "=", lest it look like an option.
 void append(Words& words, const cli::Given& given) {
   if (given.values.empty()) words.push_back(given.name);
   for (const std::string& value : given.values) {
@@ -75,7 +75,7 @@ Words words_in(const char* variable) {
   return words;
 }
 
-// One that shapes the picture, as who asks for it says it.
+// An option that affects the picture, as it enters Request::identity.
 std::string identity_of(const cli::Given& given) {
   std::string text = given.name;
   for (const std::string& value : given.values) {
@@ -116,7 +116,7 @@ Request request_of(const Arguments& a, const cli::Common& common) {
       append(r.beside, given);
     } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
       r.identity.push_back(identity_of(given));
-      if (given.name == "--portal") continue;  // the renderer's, behind the scene
+      if (given.name == "--portal") continue;  // goes to the renderer, after the scene
       append(is_one_of(kCamera, given.name)     ? r.camera
              : is_one_of(kSky, given.name)      ? r.sky
              : is_one_of(kDevice, given.name)   ? r.device

@@ -1,4 +1,4 @@
-// What a command line of tdpt asks for, as the words of the programs that do it.
+// A command line of tdpt, translated to the options of the programs that do the work.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,38 +9,38 @@
 namespace tdpt {
 
 struct Arguments : RenderArguments {
-  std::string work;               ///< --work; empty: the usual folder
+  std::string work;               ///< --work; empty: the default folder
   std::string work_size = "10G";  ///< --work-size
-  std::string report;             ///< its path; empty: not asked for
+  std::string report;             ///< its path; empty: none
   bool force = false, dry_run = false, clean = false;
 };
 
 using Words = std::vector<std::string>;
 
-/// Words of options, by who is given them.
+/// Options, grouped by the programs that get them.
 struct Request {
-  std::string scene;    ///< path, as programs are given it
+  std::string scene;    ///< path, as passed to programs
   std::string picture;  ///< path
   Words camera, sky, device, all;
-  Words sampling;  ///< of those that draw random numbers: --seed and --quality
-  Words render;    ///< of the renderer alone, that shape the picture
-  Words unshaped;  ///< of all programs, that shape nothing: --threads and the like
-  Words beside;    ///< of the renderer alone, that shape nothing
-  /// More options for each stage, by the environment: FFGRAPH_FLAGS, MINCUT_FLAGS, LIGHTGRID_FLAGS,
-  /// PORTALFIT_FLAGS.
+  Words sampling;  ///< for programs that draw random numbers: --seed and --quality
+  Words render;    ///< for the renderer alone, affecting the picture
+  Words unshaped;  ///< for all programs, not affecting results: --threads and the like
+  Words beside;    ///< for the renderer alone, not affecting the picture
+  /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
+  /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];
-  /// Who asks: the path of the scene and all words that shape the picture, files by their paths.
+  /// Identifies the request: the path of the scene and all options that affect the picture, files
+  /// by path.
   Words identity;
 };
 
-/// Throws UsageError where the command line lacks what no program can tell.
+/// Throws UsageError if the command line lacks what no program can find out.
 Request request_of(const Arguments& a, const cli::Common& common);
 
-/// Whether the picture can make use of portals that the stages find.
+/// Whether the picture can use portals that the stages find.
 bool uses_portals(const Arguments& a, bool scene_has_sky);
 
-/// What the request of `then` had and that of `now` has not, for people: "with --width 16, not
-/// --width 24".
+/// How `now` differs from `then`, for people: "with --width 16, not --width 24".
 std::string difference(const Words& then, const Words& now);
 
 }  // namespace tdpt

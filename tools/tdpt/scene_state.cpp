@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Hash of a file; none where there is nothing to read.
+// Hash of a file; none if it cannot be read.
 std::optional<std::string> hash_of(const std::string& path) {
   std::error_code failed;
   if (!fs::is_regular_file(path, failed)) return {};
@@ -27,7 +27,7 @@ std::optional<std::string> hash_of(const std::string& path) {
   }
 }
 
-// Which files it reads is told by its content, and kept: a large .gltf takes long to parse.
+// The files it reads follow from its content, and are cached: a large .gltf takes long to parse.
 SceneFiles files_of(const std::string& scene, const std::string& hash, const WorkFolder& work) {
   using Json = nlohmann::json;
   SceneFiles files;
@@ -47,14 +47,14 @@ SceneFiles files_of(const std::string& scene, const std::string& hash, const Wor
   return files;
 }
 
-// Whether it lies in the folder or below, links followed: no other is read.
+// Whether the file lies in the folder or below, following links: no other is read.
 bool is_below(const fs::path& file, const fs::path& folder) {
   std::error_code failed;
   const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
   return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
 }
 
-// Portals that an artist drew lie beside the scene, and no program made them.
+// Portals drawn by an artist lie beside the scene.
 std::string drawn_portals(const std::string& scene) {
   const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
   std::error_code failed;

@@ -1,5 +1,4 @@
-// What a picture is made from, by content: the scene with all that it reads, the sky, portals that
-// are given.
+// The inputs of a picture by content: the scene with all files it reads, the sky, given portals.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,17 +9,17 @@
 namespace tdpt {
 
 struct SceneState {
-  std::string hash;  ///< of the scene and the files that it reads
-  std::string sky;   ///< of the environment that the command line names; empty: no file
-  std::vector<std::string> portals;  ///< hashes of files that are given, or drawn beside the scene
-  std::string drawn;                 ///< path of those that are drawn beside it; empty: none
-  std::vector<std::string> files;    ///< paths of all that there is of these
-  bool has_sky = false;              ///< named by the scene
+  std::string hash;                  ///< of the scene and its files
+  std::string sky;                   ///< of the environment named on the command line; empty: none
+  std::vector<std::string> portals;  ///< hashes of portal files, given or drawn beside the scene
+  std::string drawn;                 ///< path of those drawn beside it; empty: none
+  std::vector<std::string> files;    ///< paths of all of these that exist
+  bool has_sky = false;              ///< the scene names one
   friend bool operator==(const SceneState&, const SceneState&) = default;
 };
 
-/// Reads every byte, and nothing else: a scene that is wrong has a state, too. Which files it names
-/// is kept in `work`. Throws InputError where the scene cannot be read.
+/// Only hashes bytes, so an invalid scene has a state too. The names of its files are cached in
+/// `work`. Throws InputError if the scene cannot be read.
 SceneState state_of(const Arguments& a, const WorkFolder& work);
 
 }  // namespace tdpt

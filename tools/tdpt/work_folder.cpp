@@ -51,7 +51,7 @@ std::string lock_in(const std::string& entry) {
   return entry + "/lock";
 }
 
-// Whether the path still leads to what is open: it may have been removed, and made anew.
+// Whether the path still leads to the open file: it may have been removed and created anew.
 bool is_still_there(int fd, const std::string& path) {
   struct stat open {
   }, there{};
@@ -59,7 +59,7 @@ bool is_still_there(int fd, const std::string& path) {
          open.st_ino == there.st_ino && open.st_dev == there.st_dev;
 }
 
-// Whether it is `prefix` and a hash.
+// Whether the name is `prefix` and a hash.
 bool is_keyed(const std::string& name, const char* prefix) {
   const std::string_view key =
       std::string_view(name).substr(std::min(std::strlen(prefix), name.size()));
@@ -88,7 +88,7 @@ struct Used {
   uint64_t bytes;
 };
 
-// Those whose names `is` takes, the oldest first.
+// Entries whose names satisfy `is`, the oldest first.
 std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string&)) {
   std::vector<Used> all;
   std::error_code failed;
@@ -140,7 +140,7 @@ void WorkFolder::make() const {
   if (is_ours()) return;
   for (const auto& file : fs::directory_iterator(path_, failed))
     if (file.path().filename() != "CACHEDIR.TAG" &&
-        !file.path().filename().string().starts_with(".tdpt-"))  // of a run that begins, too
+        !file.path().filename().string().starts_with(".tdpt-"))  // a starting run's
       throw UsageError("--work " + path_ +
                        ": has other things in it, expected a folder of its own");
   write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
@@ -167,7 +167,7 @@ HeldEntry WorkFolder::hold(const std::string& name, For what,
   make();
   const std::string path = path_of(name);
   const int how = what == For::writing ? LOCK_EX : LOCK_SH;
-  // It may be removed and made anew in between; what is always so is something else of that name.
+  // It may be removed and created anew in between; after many tries it is something else.
   for (int tries = 0;; ++tries) {
     if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail(path, errno);
     const std::string file = lock_in(path);
@@ -180,7 +180,7 @@ HeldEntry WorkFolder::hold(const std::string& name, For what,
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     if (!is_still_there(fd, file)) continue;
-    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // used now
+    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // marks it as just used
     return entry;
   }
 }

@@ -1,16 +1,15 @@
-// The folder that tdpt keeps its work in: a cache, shared by runs side by side and by all scenes.
+// The folder where tdpt keeps its results: a cache, shared by concurrent runs and by all scenes.
 //
-//   CACHEDIR.TAG       tells backup programs what this is (bford.info/cachedir), and us the version
-//                      of the format; without it nothing is removed from a folder, which may be
-//                      anybody's
-//   portals-KEY/       what the four stages made; KEY: hash of all that shapes it
+//   CACHEDIR.TAG       marks a cache for backup programs (bford.info/cachedir), and holds the
+//                      version of the format; without it nothing is removed from a folder, which
+//                      may be anybody's
+//   portals-KEY/       what the four stages made; KEY: hash of everything that affects it
 //   picture-KEY/       what an unfinished picture left; KEY: hash of the picture's path
 //   known-KEY          of a picture, who made it; of a scene, which files it reads; KEY: hash of
-//   its
-//                      bytes
+//                      its bytes
 //
-// A run holds the entries that it works with, by a lock on the file `lock` in each, so that no
-// other writes or removes them.
+// A run locks the file `lock` in each entry that it uses, so that no other run writes or removes
+// it.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -20,8 +19,7 @@
 
 namespace tdpt {
 
-/// An entry, held while this object lives, and with it by the process: the system lets it go
-/// whenever that ends.
+/// An entry, locked while this object lives; when the process ends the system releases it.
 class HeldEntry {
  public:
   HeldEntry() = default;
@@ -40,31 +38,31 @@ class WorkFolder {
  public:
   explicit WorkFolder(std::string path) : path_(std::move(path)) {}
 
-  /// Without --work: where the user's caches are by the XDG base directory specification. Throws
-  /// UsageError where nothing says where that is.
+  /// Default for --work: the user's cache folder by the XDG base directory specification. Throws
+  /// UsageError if there is none.
   static std::string usual_path();
 
   std::string path_of(const std::string& name) const { return path_ + "/" + name; }
 
   enum class For { writing, reading };
-  /// The entry of that name, made where it is not there, as is the folder. Throws OutputError where
-  /// that fails. While another run holds it, `waits` is
-  /// called now and then, and may throw. For writing it is held alone.
+  /// Locks the entry of that name, creating it and the folder if necessary. Throws OutputError if
+  /// that fails. While another run holds it, `waits` is called now and then, and may throw. A lock
+  /// for writing is exclusive.
   HeldEntry hold(const std::string& name, For what, const std::function<void()>& waits) const;
 
-  /// Makes the folder where it is not there. Throws OutputError where that fails, and UsageError
-  /// for a folder that has other things in it.
+  /// Creates the folder if necessary. Throws OutputError if that fails, and UsageError for a folder
+  /// with other contents.
   void make() const;
 
-  /// What is known of the bytes with that hash; nothing where nothing is.
+  /// What is stored for bytes with that hash; nothing if unknown.
   std::optional<std::string> known(const std::string& hash) const;
-  /// Whether it is kept: not where there is no folder yet, or no room in it.
+  /// Stores it. Returns whether that succeeded: not without a folder, or room in it.
   bool know(const std::string& hash, const std::string& text) const;
 
-  /// Whether it is one, and not some folder of that name. Throws InputError, as all that asks this,
-  /// for one of another version.
+  /// Whether the folder is tdpt's, and not another of that name. Throws InputError, as do all
+  /// functions that use this, if it has another version.
   bool is_ours() const;
-  /// Removes what was used longest ago, and nobody holds, until all is no larger than `bytes`. Does
+  /// Removes unlocked entries, least recently used first, until the total is at most `bytes`. Does
   /// nothing to a folder that is not ours.
   void shrink_to(uint64_t bytes) const;
 

@@ -101,7 +101,7 @@ Spread spread_of(std::vector<double> values) {
   return {values.front(), values[values.size() / 2], values.back()};
 }
 
-// A scene on both.
+// A scene with both renderers.
 struct Stage {
   Stage(const Options& o, const gpu::Device& device)
       : scene(read_gltf(o.files[0])),
@@ -130,19 +130,19 @@ struct Stage {
   const PictureSize size;
   World world;
   RenderTables tables;
-  const bool of_cores;  // it is a CPU
+  const bool of_cores;  // the device is a CPU
   DeviceWork work;
   std::shared_ptr<SampleRenderer> renderer;
 };
 
-// What rounds of one integrator come to.
+// Measurements of one integrator over all rounds.
 struct Measured {
   std::string label;
   std::vector<double> cpu, device, ratio;  // samples per second [one_round()]
-  double making = 0;                       // seconds
+  double making = 0;                       // seconds of compiling kernels
   DeviceWork work;                         // of all rounds
   RayCounts rays;
-  double samples = 0;  // of the device
+  double samples = 0;  // on the device
 };
 
 RenderSettings settings_of(const Options& o, int round) {
@@ -153,7 +153,7 @@ RenderSettings settings_of(const Options& o, int round) {
   return s;
 }
 
-// Which one that is: of a name, or of what the device would take.
+// The integrator of that name, or the one `auto` would choose on the device.
 Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) {
   if (name != "auto") return {integrator_named(name), name};
   const std::vector<Candidate> all = auto_candidates(stage.world);
@@ -162,7 +162,7 @@ Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) 
   return {chosen.integrator, "auto: " + chosen.label};
 }
 
-// A round of one of them: samples per CPU second, or per second of a device that is none.
+// One round: samples per CPU second, or per second of a device that is not a CPU.
 double one_round(const Candidate& c, const RenderSettings& settings, const Stage& stage,
                  SampleRenderer& renderer, RenderResult& result) {
   const bool of_cores = !renderer.on_device() || stage.of_cores;
@@ -250,8 +250,8 @@ void print_shares(const std::string& scene, const Measured& m) {
   std::puts("");
 }
 
-// Of all that drivers tell, what decides how many invocations run side by side, and what they keep
-// in memory: as Mesa's drivers and NVIDIA's call it.
+// Whether a driver's statistic concerns occupancy or memory, by the names of Mesa's drivers and
+// NVIDIA's.
 bool tells_of_room(const std::string& name) {
   constexpr const char* kNames[] = {"SGPRs",          "VGPRs",        "Spilled SGPRs",
                                     "Spilled VGPRs",  "Scratch size", "Subgroups per SIMD",

@@ -3,7 +3,7 @@
 namespace tdpt {
 namespace {
 
-// How many records of each kind one invocation reads, or writes.
+// Records of each kind that one invocation reads, or writes.
 struct Records {
   int vertices = 0, densities = 0, rays = 0, connections = 0, scatterings = 0, ends = 0,
       segments = 0, sides = 0, words = 0;
@@ -12,8 +12,8 @@ struct Touched {
   Records read, written;
 };
 
-// In the order of Step. Connections are written by steps that choose them, and counted where they
-// are seen: each that was chosen is. Candidates of connections are counted by traffic_of().
+// In the order of Step. Connections are written by the steps that choose them but counted at `see`,
+// which handles each. traffic_of() counts candidate connections.
 constexpr std::array<Touched, static_cast<size_t>(Step::kSteps)> kTouched{{
     {{}, {.vertices = 1, .densities = 1, .rays = 1, .words = 1}},  // begin light
     {{}, {.rays = 1, .words = 1}},                                 // begin camera
@@ -79,11 +79,11 @@ Traffic traffic_of(const DeviceWork& work, uint64_t connections, bool layered) {
     t.read += n * bytes_of(kTouched[i].read, layered);
     t.written += n * bytes_of(kTouched[i].written, layered);
   }
-  // Their number, the end that it stands for, and the estimate, which some keep.
+  // The index of each, the end it stands for, and the estimate, which some store.
   const auto estimates = static_cast<double>(connections);
   t.read += estimates * (sizeof(shader::ConnectionEnd) + 2 * sizeof(uint32_t));
   t.written += estimates * sizeof(uint32_t);
-  // Scans read and write flags and ranks twice; what they find is listed.
+  // Scans read and write flags and ranks twice; what they find is written to a list.
   const auto flagged = static_cast<double>(work.gather.invocations);
   t.read += flagged * 5 * sizeof(uint32_t);
   t.written += flagged * 3 * sizeof(uint32_t);

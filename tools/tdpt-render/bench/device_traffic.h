@@ -9,10 +9,10 @@ struct Traffic {
   double read = 0, written = 0;
 };
 
-/// Of records [shaders/shared/path/render_layout.h], each counted whole, once for every invocation
-/// that reads or writes it, as if no cache held it and no walk had ended: an upper bound but for
-/// what weights read along a path, the scene, and the film, which are not counted. `connections`:
-/// pairs of ends whose contribution was estimated. `layered`: vertices keep what they are made of.
+/// Counts whole records [shaders/shared/path/render_layout.h], once for every invocation that reads
+/// or writes them, as if there were no cache and no walk had ended. It is an upper bound, except
+/// that reads by MIS weights along a path, the scene and the film are not counted. `connections`:
+/// pairs of ends whose contribution was estimated. `layered`: vertices store their layers.
 Traffic traffic_of(const DeviceWork& work, uint64_t connections, bool layered);
 
 }  // namespace tdpt

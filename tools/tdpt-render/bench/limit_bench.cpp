@@ -1,11 +1,11 @@
-// limit_bench SCENE PORTAL... : how far rendering is from casting its rays and nothing else. A
-// frame is rendered, and the rays that it gave to Embree are given to it again, raw: the same
-// queries (in robust mode, with the renderer's flags) in the order in which they came, on as many
-// threads as made them, each with its own. A line for each integrator, number of threads and seed;
-// taking turns. bench/speed.py makes doc/limit.md of these lines.
+// limit_bench SCENE PORTAL... : how far rendering is from only tracing its rays. It renders a
+// frame, then gives the same rays to Embree again: the same queries (robust mode, the renderer's
+// flags) in the same order, on as many threads, each with the rays it made. Prints a line for each
+// integrator, number of threads and seed, taking turns. bench/speed.py makes doc/limit.md of these
+// lines.
 //   --integrators A,B --threads 1,2 --seeds N --width W --spp N   default: as below
 //
-// Only opaque scenes: what decides whether a ray is stopped is a part of the renderer.
+// Only for opaque scenes: deciding whether a ray is stopped is the renderer's work.
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>

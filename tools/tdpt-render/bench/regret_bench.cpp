@@ -1,18 +1,17 @@
 // regret_bench SCENE PORTAL... : what `auto` loses by not knowing which integrator is best: the
-// true error x work of each, from converged second moments, and what is chosen from few samples at
-// what price. bench/promises.py makes tables of its lines.
+// true error x work of each, from converged second moments, and what is chosen from few samples,
+// and its cost. bench/promises.py makes tables of the lines.
 //   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each
-//   integrator;
-//                                      0: none is told
+//                                      integrator; 0: no truth
 //   --seeds N                          pictures of each length, default 8
 //   --lengths N,N...                   samples per pixel, default 4,8,16,32,64,256
 //   --depth N --camera NAME --environment FILE
-//                                     as of tdpt-render, default no limit, the first and none
-//   --name NAME                        of the scene, in what is printed
+//                                      as in tdpt-render, default no limit, the first and none
+//   --name NAME                        of the scene, for the output
 //
-//   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample, ns by
-//                                     the model of work
-//   told   SCENE SPP SEED INTEGRATOR  relMSE as it is judged, and work, from the samples of a pilot
+//   truth  SCENE INTEGRATOR  relMSE of a sample, its standard error, CPU ns of a sample, ns by the
+//                            work model
+//   told   SCENE SPP SEED INTEGRATOR  relMSE and work of a sample, as a pilot estimates them
 //   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the pilot, its groups; pixels; the
 //                                     gain by portals, its interval, the best with and without them
 #include <cmath>
@@ -29,21 +28,21 @@
 namespace tdpt {
 namespace {
 
-constexpr size_t kPictures = 8;  // of each integrator, for the variance of its pixels
+constexpr size_t kPictures = 8;  // per integrator, for the variance of its pixels
 
 struct Settings {
   int width = 96, height = 72, seeds = 8, depth = kMaxDepth;
   double seconds = 2;
   std::vector<uint64_t> lengths{4, 8, 16, 32, 64, 256};
   std::string camera, environment;
-  std::string name;  // of the scene in what is printed; empty: its file
+  std::string name;  // of the scene in the output; empty: its file
 };
 
-// Pictures of one integrator, of as many samples each.
+// Pictures of one integrator, all of equally many samples.
 struct Pictures {
   uint64_t spp = 0;
   double cpu_seconds = 0;
-  double work = 0;  // of a sample, by the model [ns]
+  double work = 0;  // of a sample, by the work model [ns]
   std::vector<std::vector<double>> luminance;
 };
 
@@ -63,7 +62,7 @@ void render_one(const World& world, const Integrator& integrator, uint64_t spp, 
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
 
-// Mean of each pixel, of all integrators by their errors.
+// Mean of each pixel over all integrators, weighted by their errors.
 std::vector<double> reference_of(const std::vector<Pictures>& all) {
   std::vector<double> mean(all[0].luminance[0].size(), 0);
   double total = 0;
@@ -89,7 +88,7 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
   double mean = 0;
   for (const double r : reference) mean += r;
   mean /= static_cast<double>(reference.size());
-  // Each picture against the mean of the others of its kind: their scatter tells the error.
+  // Each picture against the mean of the others of its integrator: their scatter gives the error.
   const auto n = static_cast<double>(p.luminance.size());
   std::vector<double> each;
   for (const auto& l : p.luminance) {
@@ -110,7 +109,7 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
               p.work);
 }
 
-// Of the candidates and of all other integrators that can render the scene.
+// For the candidates and all other integrators that can render the scene.
 void print_truths(const char* name, const World& world, const std::vector<Candidate>& candidates,
                   const Settings& s) {
   std::vector<Candidate> all = candidates;
@@ -145,7 +144,7 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
   add_sky(scene, sky, {}, read);
   const Camera& camera = scene.camera(s.camera);
   World world(scene, camera, s.width, s.height, portals);
-  // As the program does before: which way they work.
+  // As in the program: portals are first turned to the way that light passes.
   apply_ways(explore(world, camera, portals, s.depth, 1).ways, portals);
   world.fill_openings(PortalSet(portals, scene.frame));
   const std::vector<Candidate> candidates =

@@ -1,5 +1,5 @@
-// target_bench SCENE FOLDER [PORTAL...]: pictures of many seeds with --target-error, and what they
-// are held against; bench/promises.py runs it.
+// target_bench SCENE FOLDER [PORTAL...]: renders pictures of many seeds with --target-error, and
+// their references; bench/promises.py runs it.
 //   --width W --height H    default 32 24
 //   --integrator NAME       default bdpt; auto
 //   --target E              relMSE, default 0.05
@@ -7,7 +7,7 @@
 //   --seeds N               default 100; FOLDER/SEED.exr, and a line of statistics each:
 //                             SEED, samples fixed, relMSE estimated, low, high, pilot's samples,
 //                             reached
-// Also FOLDER/SEED.reference.exr, the mean of all other pictures, which are independent of it.
+// Also FOLDER/SEED.reference.exr, the mean of all other pictures, which is independent of it.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -1,10 +1,9 @@
-// work_model_bench SCENE PORTAL... : what samples of the integrators that `auto` tries cost, and
-// what the work model tells it from: a line for each integrator and depth with the terms of the
-// model, that is, what it answers where one number of its table is 1 and the others are 0.
+// work_model_bench SCENE PORTAL... : measures what samples of the integrators that `auto` tries
+// cost. Prints a line for each integrator and depth with the measured cost and the terms of the
+// model: its predictions when one number of its table is 1 and the others are 0.
 // bench/work_model.py fits the table to these lines. Give scenes with their portals and without.
 //   --width W --height H --seconds T   default 160 120 2, T of each line
-//   --device gpu[:WHICH]               of a Vulkan device, by the clock; by CPU time of a software
-//   one
+//   --device gpu[:WHICH]               on a Vulkan device, by the clock; a software one by CPU time
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -1,6 +1,6 @@
-// The renderer of devices, by its scalar build on the CPU, makes the picture of the renderer that
-// counts in doubles: block by block with random numbers of its own, and all but pixel by pixel with
-// the same ones; and what is wrong by some per cent in its tables does not.
+// The device renderer, as its scalar build on the CPU, makes the same picture as the renderer in
+// doubles: block by block with independent random numbers, and nearly pixel by pixel with the same
+// ones. Errors of some per cent in its tables are detected.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -47,7 +47,7 @@ testing::BlockRuns blocks(SampleRenderer& renderer, const Integrator& integrator
   return all;
 }
 
-// As one of a test's, of at most 100 questions.
+// One of at most 100 comparisons in a test.
 testing::Agreement asked(testing::Agreement (*how)(const testing::BlockRuns&,
                                                    const testing::BlockRuns&),
                          const testing::BlockRuns& found, const testing::BlockRuns& known,
@@ -58,8 +58,8 @@ testing::Agreement asked(testing::Agreement (*how)(const testing::BlockRuns&,
   return a;
 }
 
-// With the same random numbers the scalar build's mean agrees with the CPU's to some hundredths of
-// a per cent; with its own, `blocks_too`, block by block.
+// With the same random numbers the means agree to some hundredths of a per cent; `blocks_too`: with
+// independent ones, block by block.
 void expect_agreement(const Stage& stage, const Runs& runs,
                       const std::vector<const Integrator*>& chosen = {&nee, &tdpt_org,
                                                                       &tdpt_guided},
@@ -113,8 +113,8 @@ TEST(long_device_agreement, of_every_integrator_on_every_stage) {
     expect_agreement(everything_stage(), {.max_depth = depth}, integrators());
 }
 
-// Coloured glass of which nothing but the front is there, lit from within by the sky and by a lamp
-// infinitely far: light from there has come through no glass.
+// Coloured glass of which only the front exists, lit from within by the sky and by a lamp
+// infinitely far away: light from there has passed no glass.
 Stage open_glass_stage() {
   Scene scene = read_bytes(testing::glossy_rooms({}));
   scene = without_lamps(open_end(scene, 2.09));
@@ -145,8 +145,8 @@ TEST(device_agreement, sky_sun_and_windows) {
   expect_agreement(sky_stage(), {});
 }
 
-// Pixels that differ by more than a thousandth, of the pixel or of the mean, by the same samples of
-// the same paths. Integrators that choose which pairs of many to connect choose others on a device.
+// Share of pixels that differ by more than a thousandth, of the pixel or of the mean, with the same
+// samples and paths. Integrators that resample connections choose others on a device.
 double share_that_differs(SampleRenderer& device, const Integrator& integrator) {
   const Runs runs{.spp = 4};
   CpuRenderer cpu(device.world);
@@ -174,7 +174,7 @@ TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
   }
 }
 
-// Faults, each in what a device is told.
+// Faults, each in the device's tables.
 class device_agreement_twin : public ::testing::Test {
  protected:
   testing::Agreement of(const char* what, const Integrator& integrator, const Faults& faults) {
@@ -204,7 +204,7 @@ class device_agreement_twin : public ::testing::Test {
 TEST_F(device_agreement_twin, control_nothing_is_wrong) {
   for (const Integrator* integrator : {&bdpt, &tdpt_ref})
     EXPECT_TRUE(of("control", *integrator, {}).holds());
-  // Weights may expect what they like, as long as all strategies' do.
+  // Expected numbers in MIS weights may be wrong, as long as all strategies use the same.
   EXPECT_TRUE(
       of("connections expected twice", bdpt, {.parameters = [](auto& p) { p.connected *= 2; }})
           .holds());
@@ -279,7 +279,7 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
   EXPECT_FALSE(of("lights are not met", pt, {.skipped = Step::meet_lights}).holds());
 }
 
-// Twin of the above: a colour off by half a per cent is another pixel nearly everywhere.
+// Twin of the above: a colour off by half a per cent changes nearly every pixel.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
   ScalarRenderer scalar(*world_, kEnough, Faults{.tables = [](RenderTables& t) {

@@ -12,13 +12,13 @@
 namespace tdpt {
 namespace {
 
-// Of a cache, when no walk ends before the limit of depth; the ends of its segments.
+// For one cache if no walk ends before the limit of depth, with the ends of its segments.
 constexpr uint64_t kFewestSlots = 2 * kMostOfCache * (uint64_t{kMaxDepth} + 1) + 2 * kMostOfCache;
 constexpr uint64_t kMostSlots = uint64_t{1} << 24;
-constexpr uint64_t kSlotsOfSample = 16;  // more than most samples take
-constexpr uint64_t kWorkGroup = 64;      // invocations, one for a slot
+constexpr uint64_t kSlotsOfSample = 16;  // more than most samples need
+constexpr uint64_t kWorkGroup = 64;      // invocations, one per slot
 
-// What so many slots and samples take of PATH_TABLES and PATH_WORDS.
+// Bytes of PATH_TABLES and PATH_WORDS.
 uint64_t bytes_of_paths(const Capacity& room, bool layered) {
   using namespace shader;
   constexpr uint64_t words_of_film = 0;
@@ -34,7 +34,7 @@ uint64_t bytes_of_paths(const Capacity& room, bool layered) {
 #undef BYTES
 #undef BYTES_OF_WORDS
 }
-// Of a slot, with its share of a sample.
+// Bytes per slot, with its share of a sample.
 uint64_t slot_bytes(bool layered) {
   constexpr uint32_t kSlots = kSlotsOfSample;
   return (bytes_of_paths({2 * kSlots, 2}, layered) - bytes_of_paths({kSlots, 1}, layered)) /

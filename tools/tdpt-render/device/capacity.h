@@ -1,4 +1,4 @@
-// Whether a world and its film find room in a device's memory, and how much is left to samples.
+// Whether a world and its film fit into a device's memory, and how much is left for samples.
 #pragma once
 #include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/device/machine.h"
@@ -6,27 +6,27 @@
 
 namespace tdpt {
 
-/// Some of what a scene takes, however many samples are rendered at a time.
+/// A part of the memory that a scene takes, however many samples are rendered at a time.
 struct SceneShare {
   std::string name;  ///< "the triangles"
   uint64_t bytes;
 };
 
-/// All of them.
+/// All parts.
 std::vector<SceneShare> shares_of(const RenderTables& tables);
 
-/// What else a rendering asks of a device.
+/// What a rendering needs of a device beside the samples.
 struct DeviceNeeds {
-  std::vector<SceneShare> scene;  ///< one buffer for all of them
+  std::vector<SceneShare> scene;  ///< all in one buffer
   uint64_t film = 0;              ///< bytes
-  bool layered = false;           ///< vertices keep what they are made of [SurfaceFeatures::layers]
+  bool layered = false;           ///< vertices store their layers [SurfaceFeatures::layers]
   size_t buffers = 0;             ///< storage buffers that a kernel binds
 };
 
-/// As many slots, and samples, as suit the device `name`: scene, film and they take three
-/// quarters of its memory at the most, they alone an eighth, since laptops share it with all else,
-/// or what the fewest samples take. Throws Error (no_device), with the number that is needed and
-/// the one that is allowed, where that is too much.
+/// The slots and samples that suit the device `name`: together with scene and film at most three
+/// quarters of its memory; by themselves at most an eighth, since laptops share it with everything
+/// else, or whatever the fewest samples take. Throws Error (no_device), with the number needed and
+/// the one allowed, if that is too much.
 Capacity capacity_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs);
 
 }  // namespace tdpt

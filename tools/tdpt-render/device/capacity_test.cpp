@@ -8,8 +8,7 @@
 
 namespace tdpt::capacity_test {
 
-// The largest buffer of the least device that Vulkan allows; memory, texels and buffers as laptops
-// have them.
+// Largest buffer: the least that Vulkan allows; memory, texels and buffers as in laptops.
 gpu::Limits laptop() {
   gpu::Limits limits;
   limits.memory = uint64_t{2} << 30;
@@ -55,7 +54,7 @@ TEST(capacity, follows_each_limit) {
   const uint32_t plain = capacity_on("a device", limits, {}).vertices;
   EXPECT_LT(plain, 64u * 65535);
   EXPECT_LT(capacity_on("a device", limits, {{}, 0, true, 0}).vertices, plain);
-  // What is fixed takes its part before samples do.
+  // Scene and film are placed before samples.
   EXPECT_LT(capacity_on("a device", limits, {{{"the triangles", uint64_t{11} << 28}}, 0, false, 0})
                 .vertices,
             plain);

@@ -1,4 +1,4 @@
-// Sums of the film by atomics of 32 bits are those of FixedSum.
+// Film sums by 32-bit atomics equal those of FixedSum.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -19,7 +19,7 @@ struct ScalarFilm {
   uint* film_words;
 
 #include "shaders/shared/path/film_sum.h"
-  // Apart: each begins with language.h.
+  // Separate: each begins with language.h.
 #include "shaders/shared/path/film_sum_test.h"
 };
 
@@ -40,7 +40,7 @@ shader::uvec4 words_of(Units units) {
   return words;
 }
 
-// Words of FixedSum, and which of what was added it holds.
+// Words of FixedSum, and a flag for each value that fits.
 struct Film {
   std::vector<uint32_t> words = std::vector<uint32_t>(kWords);
   std::vector<uint32_t> held = std::vector<uint32_t>(kInvocations);
@@ -101,7 +101,7 @@ TEST(film_sum, twin_one_unit_more_is_seen) {
 TEST(film_sum, units_are_those_of_doubles_for_the_same_coin) {
   Rng rng(51, 0, 0);
   for (int i = 0; i < 1000000; ++i) {
-    // From the least number that is not denormal to what cannot be held, and next to whole units.
+    // From the least normal number to those that do not fit, and close to whole units.
     const uint32_t exponent = 33 + static_cast<uint32_t>(rng.uniform() * 150);
     const auto digits = static_cast<uint32_t>(rng.bits()) >> (9 + i % 24);
     const float value = shader::uintBitsToFloat(exponent << 23 | (digits & 0x7FFFFF));
@@ -116,11 +116,11 @@ TEST(film_sum, units_are_those_of_doubles_for_the_same_coin) {
   }
 }
 
-// Over all coins, the digits behind 2^-32 of a unit, too.
+// Stochastic rounding is unbiased over all coins, including the digits below 2^-32 of a unit.
 TEST(film_sum, values_below_a_unit_keep_their_mean) {
   for (const double share : {0.75, 1.0 / 3, 1e-3, 1e-9, 3e-12, 0x1p-62}) {
     const auto value = static_cast<float>(std::ldexp(share, -64));
-    // The coin below which the unit is given is the value's share of all of them, to its digits.
+    // A unit is added below a coin that equals the value's fraction of a unit, to its precision.
     const auto least = static_cast<uint64_t>(std::ldexp(double{value}, 128));
     shader::uvec4 units;
     EXPECT_TRUE(shader::film_units(value, least - 1, units));
@@ -151,7 +151,7 @@ TEST(film_sum, threads_carry_every_wrap_once) {
   const shader::ScalarFilm scalar{words.data()};
   constexpr uint64_t kOfThread = 40000;
   const auto units = [](uint64_t i) {
-    // Words that are full, so that each carries, and empty ones between them.
+    // Full words, so that each carries, with empty ones between them.
     const Units all = (Units{mix64(i)} << 64 | mix64(i + 1)) >> 24;
     return i % 3 == 0 ? all | 0xFFFFFFFF : i % 3 == 1 ? (Units{1} << 96) - 1 : all << 20 >> 20;
   };
@@ -164,7 +164,7 @@ TEST(film_sum, threads_carry_every_wrap_once) {
   for (std::thread& t : threads) t.join();
   for (uint64_t i = 0; i < 4 * kOfThread; ++i) sum.add(units(i));
   EXPECT_TRUE(units_of({words[0], words[1], words[2], words[3]}) == sum.units());
-  // Beyond the top it is told.
+  // Overflow is reported.
   const Units rest = ~sum.units();
   EXPECT_TRUE(scalar.film_add_units(0, words_of(rest)));
   EXPECT_FALSE(scalar.film_add_units(0, words_of(1)));

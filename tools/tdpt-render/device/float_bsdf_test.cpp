@@ -1,9 +1,10 @@
-// BSDFs in floats against the same text in doubles: values, weights, densities of what is drawn,
-// and extremes.
+// BSDFs in floats against the same text in doubles: values, weights, densities of sampled
+// directions, and extremes.
 //
-// Floats know a direction to 2^-24, a microfacet's slope as well as that, and the density of slopes
-// D, which changes by 4/alpha of itself a unit of slope, to some 1e-6/alpha; near total reflection
-// what gets through changes faster still. D is the same in f and pdf_w, and leaves their quotient.
+// Floats hold a direction to 2^-24, and a microfacet's slope as well. The density of slopes D
+// changes by 4/alpha of itself per unit of slope, so it is accurate to some 1e-6/alpha; near total
+// reflection transmission changes faster still. D is the same in f and pdf_w, and cancels in their
+// quotient.
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -27,7 +28,7 @@ std::vector<NamedBsdf> all(float alpha) {
   return kinds;
 }
 
-// With a shading normal of its own, and a coat of another.
+// With its own shading normal, and a coat with another.
 Point bent_point(const Bsdf& b, Rng& rng) {
   const auto tilted = [&rng](const Vec3d& n, double most) {
     return Vec3d(Vec3f(normalize(n + uniform_direction(rng) * (most * rng.uniform()))));
@@ -50,7 +51,7 @@ Pair pair(const Rgb& mine, const Rgb& exact) {
   return {max_component(mine), max_component(exact)};
 }
 
-// Directions that floats hold: `back` evenly, `to` evenly or as the walk turns.
+// Directions in floats: `back` uniform, `to` uniform or sampled from the BSDF.
 struct Ways {
   Vec3f back, to;
 };
@@ -68,7 +69,7 @@ bool draw_ways(const Point& p, Rng& rng, bool turned, Ways& out) {
   return true;
 }
 
-// Errors of all kinds of one alpha, sorted. `faulty`: given to floats is that, and not the same.
+// Errors of all BSDFs at one alpha, sorted. `faulty_alpha` is what the floats get in its place.
 std::vector<double> errors(float alpha, bool bent, float faulty_alpha) {
   std::vector<double> found;
   for (const NamedBsdf& k : all(alpha))
@@ -80,7 +81,7 @@ std::vector<double> errors(float alpha, bool bent, float faulty_alpha) {
       Ways w;
       if (!draw_ways(p, rng, i % 2 == 1, w)) continue;
       const Vec3d back(w.back), to(w.to);
-      // Where rounding may decide on which side of a surface a direction lies.
+      // Skips directions whose side of a surface rounding may decide.
       if (std::min(std::abs(dot(p.shading, back)), std::abs(dot(p.shading, to))) < 1e-4) continue;
       const Pair f = pair(any_surface().bsdf_at(q, w.to, w.back), bsdf_at(p, to, back));
       const Pair pdf{any_surface().scatter_pdf_w(q, w.back, w.to, false),
@@ -147,7 +148,7 @@ TEST(float_bsdf, off_surfaces_the_albedo_is_1_and_of_simple_ones_their_colour) {
   EXPECT_EQ(any_surface().albedo_at(p, {0, 0, 1}), 0.7f);
 }
 
-// The walk's weight, by doubles along the direction that floats drew.
+// The walk's weight in doubles, for the direction sampled in floats.
 bool exact_weight(const Point& p, bool camera, const Vec3d& back, const shader::Turn<float>& t,
                   Vec3d& weight) {
   const shader::Surfaces& s = surfaces();

@@ -1,5 +1,5 @@
-// Surfaces as kernels see them (shaders/shared/path/surface.h): what a place is made of, against
-// the renderer that counts in doubles, and on a device, against C++, bit for bit.
+// Surfaces as kernels see them (shaders/shared/path/surface.h): the material at a point, against
+// the renderer in doubles, and on a device against C++, bit for bit.
 #include <gtest/gtest.h>
 
 #include "libcommon/gpu/kernel.h"
@@ -73,7 +73,7 @@ double distance(const shader::Point& a, const Point& b) {
   return d + distance(a.shading, b.shading) + distance(a.bsdf, b.bsdf);
 }
 
-// Distances between places in floats and in doubles, sorted; `shift` moves the places apart.
+// Distances between points in floats and in doubles, sorted; `shift` moves them apart.
 std::vector<double> distances(const Both& both, float shift) {
   const World world(both.scene(), any_camera(), 4, 4, {});
   std::vector<double> found;
@@ -96,7 +96,7 @@ double quantile(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-// What may differ: a texel that is taken whole, at its edge, and what turns round with a normal.
+// Two things may differ: a texel without interpolation, at its edge, and what flips with a normal.
 TEST(float_surface, places_are_those_of_doubles) {
   const std::vector<double> d = distances(Both(), 0);
   EXPECT_LT(quantile(d, 0.5), 2e-6);
@@ -182,7 +182,7 @@ TEST(float_surface, plain_scenes_have_no_tables_but_faces_and_materials) {
                f.transmission || f.absorption || f.panes || f.coverage || f.coverage_textures);
 }
 
-// Coordinates that are no numbers, and far beyond any, give some colour and nothing worse.
+// Coordinates that are NaN or huge give some colour, and nothing worse.
 TEST(float_surface, any_texture_coordinates_will_do) {
   for (const float odd : {1e9f, -1e20f, 3e38f, INFINITY, NAN}) {
     Scene scene = SurfaceHeap().scene();
@@ -211,7 +211,7 @@ class OnDevice {
   explicit OnDevice(const Both& both)
       : materials_(device_, both.tables.materials), kernel_(bound(both.tables, both.curves)) {}
 
-  // Words that are not those of C++.
+  // Number of words that differ from those of C++.
   size_t differences(const SurfaceTables& tables, const shader::Curves& curves) {
     device_.run([&](gpu::Commands& c) {
       c.dispatch(kernel_, gpu::push(SurfaceHeap::kTriangles), kGroups);
@@ -250,7 +250,7 @@ TEST(float_surface, of_a_device_are_those_of_the_cpu) {
   Both both;
   OnDevice device(both);
   EXPECT_EQ(device.differences(both.tables, both.curves), 0u);
-  // One bit in a material is seen.
+  // One wrong bit in a material is detected.
   float& red = both.tables.materials[8].base_color.x;
   red = std::nextafter(red, 2.0f);
   EXPECT_GT(device.differences(both.tables, both.curves), 0u);

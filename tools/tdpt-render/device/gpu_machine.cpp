@@ -75,7 +75,7 @@ Words words_for(const Capacity& room, uint32_t words_of_film, const Device& devi
 #undef BUFFER
 }
 
-// Bindings are numbered as they are listed, behind the texels and the settings.
+// Bindings are numbered in the order of the list, after the texels and the settings.
 #define BINDING(number, type, name, array, count) number,
 #define BINDING_OF_WORDS(number, array, count) number,
 constexpr uint32_t kBindings[] = {PATH_TABLES(BINDING) PATH_WORDS(BINDING_OF_WORDS)};
@@ -132,7 +132,7 @@ class GpuMachine : public Machine {
              p.transparent != 0};
   }
 
-  // Drivers may leave some of the work to the first dispatch: one of nothing is enough.
+  // Drivers may defer work to the first dispatch: an empty one triggers it.
   void prepare(const std::vector<Step>& steps, Progress& progress) override {
     const auto start = std::chrono::steady_clock::now();
     for (const Step step : steps) {
@@ -222,7 +222,7 @@ class GpuMachine : public Machine {
             !t.portals.pairs.empty()};
   }
 
-  // By PATH_TABLES and PATH_WORDS.
+  // In the order of PATH_TABLES and PATH_WORDS.
   std::vector<Memory> bind() const {
     std::vector<Memory> all{path_.texels(), scene_.texels(), gpu::Uniforms(settings_)};
 #define BIND(binding, type, name, array, count) all.emplace_back(path_.part(path::array));
@@ -237,8 +237,8 @@ class GpuMachine : public Machine {
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
     return {device_, program, memory_, sizeof(shader::StepParameters), constants};
   }
-  // Made when they are first run. Those of kinds that differ in nothing that the program reads are
-  // one.
+  // Compiled when first run. Kinds that differ only in constants the program does not read share a
+  // kernel.
   const Kernel& kernel_of(size_t step) {
     const std::set<uint32_t> read = gpu::constants_of(kPrograms[step]);
     std::array<uint32_t, 6> kind = kind_;
@@ -267,10 +267,10 @@ class GpuMachine : public Machine {
 
   Device device_;
   const Capacity room_;
-  DeviceWork* const work_;  // or none
+  DeviceWork* const work_;  // may be null
   shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
-  // Walks are directed, the camera culls, techniques, power heuristic, layers, transparent.
+  // Guided walks, culling camera, techniques, power heuristic, layers, transparent.
   std::array<uint32_t, 6> kind_{};
   const uint32_t film_words_;
   gpu::Tables scene_, path_;

@@ -8,14 +8,14 @@
 
 namespace tdpt {
 
-/// A world on its way to a device: that there is room for it is known before work begins, its
-/// portals and shares of lights are those of the end.
+/// The upload of a world to a device, in two stages: the constructor checks that it fits before any
+/// work begins, renderer() uploads its final portals and light probabilities.
 class GpuUpload {
  public:
   /// `layers`: films may have them. The world must outlive it. Throws Error (no_device), with both
-  /// numbers, where the scene or the film is too large.
+  /// numbers, if the scene or the film is too large.
   GpuUpload(const gpu::Device& device, const World& world, bool layers);
-  /// Brings the world there, as it is now; it must outlive the renderer, too. Once.
+  /// Uploads the world as it is now; the world must outlive the renderer, too. Call once.
   std::shared_ptr<SampleRenderer> renderer();
 
  private:

@@ -18,7 +18,7 @@ using shader::FROM_LIGHT;
 using shader::ScalarPortals;
 using shader::vec3;
 
-// A triangle and lamps of both kinds; portals are put in.
+// A triangle and lamps of both kinds; the test adds portals.
 Scene few_things() {
   Scene scene;
   scene.materials.resize(1);
@@ -43,7 +43,7 @@ vec3 direction(Rng& rng) {
   return vec3(normalize(Vec3d(place(rng))));
 }
 
-// One point in both.
+// The same point in both.
 struct Both {
   Vertex theirs;
   shader::Point mine{};
@@ -85,7 +85,7 @@ class Points {
     if (!p.mine.simple) add_lobes(rng, p);
   }
 
-  /// What the scalar build is told of a point that is not simple, as it is seen along `back`.
+  /// Gives the scalar build a point that is not simple, as seen along `back`.
   static void look_at(const vec3& back, Both& p) {
     if (p.mine.simple) return;
     const Incidence in(p.theirs, Vec3d(back));
@@ -133,7 +133,7 @@ struct Trial {
     scalar.scene_has_portals = guide.sees_portals();
   }
 
-  // A walk that is somewhere, and goes on by the same numbers.
+  // A walk at some point continues with the same random numbers in both.
   void walk(Rng& rng) {
     Both at, to;
     points.draw(rng, at);

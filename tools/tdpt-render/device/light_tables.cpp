@@ -24,7 +24,7 @@ void add_emitters(const World& world, const WordTable& table, LightTables& table
     e.triangle = emitters[i];
     e.source = world.scene.material_of(e.triangle).double_sided ? shader::SOURCE_BOTH
                                                                 : shader::SOURCE_FRONT;
-    constexpr double kMost = 1e30;  // what products in floats can bear
+    constexpr double kMost = 1e30;  // largest factor that products of floats can bear
     const auto words = static_cast<double>(table.words_of(tables.words, i));
     e.pdf_A = pdf_A[e.triangle] = static_cast<float>(std::min(words * 0x1p-32 / shape.area, kMost));
     tables.emitters.push_back(e);
@@ -37,7 +37,7 @@ void add_emitters(const World& world, const WordTable& table, LightTables& table
 void add_lamps(const World& world, const WordTable& table, double radiance_unit,
                LightTables& tables) {
   const std::vector<LightSource>& lamps = world.lights.lamps();
-  std::map<const LightProfile*, uint32_t> profiles;  // where they stand
+  std::map<const LightProfile*, uint32_t> profiles;  // offset of each
   for (uint32_t i = 0; i < lamps.size(); ++i) {
     tables.lamps.push_back(static_cast<shader::Lamp>(lamps[i].lamp()));
     tables.lamps.back().intensity = Rgb(lamps[i].lamp().intensity / radiance_unit);
@@ -77,7 +77,7 @@ void add_rect_lights(const World& world, LightTables& tables) {
   tables.has_rect_lights = !tables.rect_lights.empty();
 }
 
-// 2^64 over the words of the sky.
+// spread = 2^64 / words of the sky.
 void spread_words(uint64_t words, shader::LightSettings& settings) {
   const uint64_t spread = ~uint64_t{0} / words + (std::has_single_bit(words) && words > 1);
   settings.spread_low = static_cast<uint32_t>(spread);

@@ -1,5 +1,5 @@
-// The lights of a world as shaders/shared/path/lights_layout.h has them: for a device, or for its
-// twin.
+// The lights of a world in the layout of shaders/shared/path/lights_layout.h, for a device or for
+// the scalar build of its kernels.
 #pragma once
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace tdpt {
 
-/// No vector is empty, as no buffer may be.
+/// No vector is empty, since no buffer may be.
 struct LightTables {
   shader::LightSettings settings{};
   std::vector<uint32_t> words;
@@ -20,17 +20,17 @@ struct LightTables {
   std::vector<shader::SkyWindow> windows;
   std::vector<shader::WindowFrame> frames;
 
-  // What kernels are made for.
+  // Features for which kernels are specialised.
   bool has_sky = false;
   bool has_sky_map = false;  ///< of more than one colour
   bool has_lamps = false;
   bool has_rect_lights = false;
   bool has_windows = false;
-  bool prefers = false;  ///< walks prefer some directions of the sky
+  bool prefers = false;  ///< light walks prefer some directions of the sky
 };
 
-/// Radiance is that of the world over `radiance_unit`. As the world is now: portals and shares of
-/// lights that change later need tables of their own.
+/// Radiance is divided by `radiance_unit`. The tables are those of the world as it is now: if
+/// portals or light probabilities change later, make new ones.
 LightTables make_light_tables(const World& world, double radiance_unit);
 
 }  // namespace tdpt

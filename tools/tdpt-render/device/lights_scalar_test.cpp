@@ -1,5 +1,5 @@
-// Lights in floats are those that the renderer counts in doubles, and a device's are its scalar
-// build's to the last bit.
+// Lights in floats match those that the renderer computes in doubles, and a device's match its
+// scalar build's to the last bit.
 #include <cstddef>
 
 #include "libcommon/gpu/kernel.h"
@@ -26,7 +26,7 @@ namespace lights_scalar_test {
 
 constexpr uint32_t kGroups = 64, kInvocations = 64 * kGroups;
 
-// In both rooms and behind their walls; simple, bent and with light on both sides.
+// Places in both rooms and behind their walls; simple, bent, and lit from both sides.
 std::vector<shader::Shaded> shaded_places(const Scene& scene) {
   std::vector<shader::Shaded> all;
   for (uint64_t i = 0; i < shader::kShadedPlaces; ++i) {
@@ -68,7 +68,7 @@ std::vector<uint32_t> device_words(const LightTables& t,
 struct Differences {
   size_t words = 0, no_numbers = 0;
 };
-// Of `theirs` against the scalar build.
+// Compares `theirs` with the scalar build.
 Differences compare_words(const std::vector<uint32_t>& theirs, const LightTables& tables,
                           const std::vector<shader::Shaded>& places) {
   const shader::TestedLights scalar(tables, places);
@@ -83,7 +83,7 @@ Differences compare_words(const std::vector<uint32_t>& theirs, const LightTables
   return d;
 }
 
-// Both of these of one run: a device is long in compiling so many lights.
+// Both tests in one run: compiling so many lights takes a device long.
 TEST(lights_scalar, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bit_is_seen) {
   const std::vector<std::string> named{"rectangular lights",
                                        "colour and windows",
@@ -108,7 +108,7 @@ TEST(lights_scalar, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bi
   EXPECT_GT(lamps, 0u);
 }
 
-// Which of the renderer's lights it is: a kind, and of lamps which.
+// Index of the renderer's light: its kind, and which of the lamps.
 uint32_t source_of(const LitWorld& lit, const LightSource& source) {
   if (source.is_sky()) return shader::SOURCE_SKY;
   if (&source == &lit.world.lights.surface(false)) return shader::SOURCE_FRONT;
@@ -126,7 +126,7 @@ double difference(const Vec3f& a, const Vec3d& b) {
   return length(Vec3d(a) - b);
 }
 
-// The same numbers choose the same place on surfaces and lamps, with the same density.
+// The same random numbers select the same point on surfaces and lamps, with the same density.
 TEST(lights, are_chosen_as_the_renderer_chooses_them) {
   for (const auto& lit : lit_worlds()) {
     int others = 0;
@@ -145,11 +145,11 @@ TEST(lights, are_chosen_as_the_renderer_chooses_them) {
       EXPECT_NEAR(p.b1, q.b1, 1e-6);
       EXPECT_NEAR(p.b2, q.b2, 1e-6);
     }
-    EXPECT_LE(others, 1) << lit->name;  // where a share of one ends
+    EXPECT_LE(others, 1) << lit->name;  // at the border between two shares
   }
 }
 
-// Of the same place: the ray that leaves, what it carries, the densities.
+// For the same point: the ray that leaves, its radiance, the densities.
 TEST(lights, shine_as_the_renderer_has_them) {
   for (const auto& lit : lit_worlds()) {
     for (uint64_t i = 0; i < 5000; ++i) {
@@ -187,7 +187,7 @@ TEST(lights, shine_as_the_renderer_has_them) {
   }
 }
 
-// Of emitters the area, of lamps each, of the sky a lattice.
+// Over the area of emitters, each lamp, and a lattice of the sky.
 double sum_of_densities(const LitWorld& lit) {
   double sum = 0;
   for (uint32_t t = 0; t < lit.scene.triangles.size(); ++t)
@@ -200,7 +200,7 @@ TEST(lights, have_densities_that_add_up_to_one) {
   for (const auto& lit : lit_worlds()) EXPECT_NEAR(sum_of_densities(*lit), 1, 1e-5) << lit->name;
 }
 
-// Kinds are chosen otherwise when the pilot has looked: tables that are made then say so.
+// The pilot may change the probabilities of kinds: tables made then have them.
 TEST(lights, are_chosen_by_the_shares_that_are_asked_for) {
   LitWorld lit("uneven", open_room(uneven_sky()), {});
   lit.world.lights.choose_by({0.1, 0.2, 0.3, 0.4});
@@ -219,7 +219,7 @@ TEST(lights, are_chosen_by_the_shares_that_are_asked_for) {
   EXPECT_LT(chi_square(counts, {7200, 12000, 16800, 24000}).p, 1e-9);  // twin
 }
 
-// Hundreds of emitters, the strongest a million times the faintest.
+// Hundreds of emitters, the strongest a million times as strong as the faintest.
 TEST(lights, of_many_strengths_are_chosen_with_their_density) {
   Scene scene = without_lamps(read_gltf(two_rooms_path()));
   for (int i = 0; i < 300; ++i)
@@ -246,8 +246,8 @@ TEST(lights, of_many_strengths_are_chosen_with_their_density) {
   EXPECT_LT(chi_square(counts, wrong).p, 1e-9);  // twin
 }
 
-// What is left of a number that has chosen the sky fills 32 bits without gaps: entries of a few
-// words, too, have their share.
+// The remainder of a random number that selected the sky fills 32 bits without gaps, so that
+// entries of a few words get their share too.
 TEST(lights, words_in_the_sky_are_even_to_the_last_bit) {
   const LitWorld lit("colour", open_room(one_colour_sky({1, 2, 3})), {});
   ASSERT_LT(lit.tables.settings.sky_pdf_1, 0.99f);
@@ -264,7 +264,7 @@ TEST(lights, words_in_the_sky_are_even_to_the_last_bit) {
     EXPECT_GT(chi_square(counts, std::vector<double>(256, n / 256)).p, 1e-4);
 }
 
-// Nothing shines: there is no place.
+// Without emission there is nothing to sample.
 TEST(lights, there_may_be_none) {
   const LitWorld lit("dark", without_lamps(read_gltf(two_rooms_path())), {});
   EXPECT_EQ(lit.scalar.sample_light(0.5f, 0.5f, 0.5f, 0.5f).source, shader::SOURCE_NONE);
@@ -296,7 +296,7 @@ TEST(lights, of_any_width_and_strength_are_found) {
     lit_ones += lit.scalar.emission_pdf_w(p.source, {}, w) > 0;
   }
   EXPECT_NEAR(faint, 50, 30);
-  // Directions are good to 1e-7, the cone is 1.7e-5 wide.
+  // Directions are accurate to 1e-7, the cone is 1.7e-5 wide.
   EXPECT_GT(lit_ones, 0.98 * spots);
 }
 

@@ -1,5 +1,5 @@
-// A device that is lost on the way: nothing that was rendered before is, and the rest gives the
-// bytes of a rendering that was never interrupted.
+// A device that is lost during rendering: nothing rendered before is lost, and the resumed picture
+// is byte-identical to an uninterrupted one.
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
@@ -10,7 +10,7 @@
 
 namespace tdpt::lost_device_test {
 
-// Is lost when it has run so many steps.
+// Is lost after a given number of steps.
 class LostMachine : public Machine {
  public:
   LostMachine(std::unique_ptr<Machine> sound, int& steps)
@@ -37,7 +37,7 @@ class LostMachine : public Machine {
 
 class lost_device : public ::testing::Test {
  protected:
-  // Fails at the step of that number; -1: never.
+  // The machine fails at step number `steps`; -1: never.
   std::shared_ptr<SampleRenderer> lost_after(int steps) {
     left_ = steps;
     const FilmPlaces places(24 * 18, true, world_.portals.portals());
@@ -91,7 +91,7 @@ TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes
   }
 }
 
-// Twin: a renderer that adds half a pass before it fails spoils the film.
+// Twin: a renderer that adds half a pass before it fails corrupts the film.
 class Careless : public SampleRenderer {
  public:
   explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)

@@ -1,5 +1,5 @@
-// Next events in floats: at rectangular lights and through windows they have the density that is
-// told and that the renderer has, wherever they are made.
+// Next events in floats: at rectangular lights and through windows they have the reported density,
+// which is the renderer's, wherever they are made.
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/testing/lights.h"
 
@@ -16,7 +16,7 @@ struct Place {
   bool both_ways = false;
 };
 
-// The same point for the scalar build and for the renderer, which has looked out.
+// The same point for the scalar build and for the renderer, whose windows have been evaluated.
 struct Seen {
   shader::Point p{};
   shader::LightContext light_context{};
@@ -58,7 +58,7 @@ const std::vector<Place> kBeforeRectLights{
     {{1.9, 0.3, 0.8}, {-1, 0.3, -0.2}},        // sees some of each
     {{0.2, 0.4, -0.3}, {0.1, 1, 0.2}},         // before one that its horizon cuts
     {{0.051, 0.6, -0.1}, {1, 0, 0}, true},     // a millimetre before it
-    {{1.3, 1.3, 0.25}, {0.3, -1, 0.1}, true},  // light goes through, between all
+    {{1.3, 1.3, 0.25}, {0.3, -1, 0.1}, true},  // transmits light, between all
     {{3.5, 0.5, 0.1}, {0, 1, 0}},              // in the lamp's room
 };
 constexpr size_t kLattice = 6;
@@ -115,13 +115,13 @@ TEST(next_event_scalar, twin_a_density_of_another_horizon) {
   EXPECT_LT(at_rect_lights(kBeforeRectLights[1], tilted), kWrong);
 }
 
-// Where the renderer finds its places, both have the same density; what is sent is the same.
+// At the renderer's sampled points both have the same density; the same light is sent.
 TEST(next_event_scalar, rect_lights_are_the_renderers) {
   const auto lit = rect_lights();
   for (const Place& place : kBeforeRectLights) {
     Seen s(*lit, place);
     int others = 0;
-    // A height of a millimetre is good to 1e-4 in floats.
+    // In floats a height of a millimetre is accurate to 1e-4.
     EXPECT_NEAR(s.light_context.sent / s.v.light_context.sent, 1, 3e-4);
     for (uint64_t i = 0; i < 2000; ++i) {
       const FourNumbers n(92, i);
@@ -150,7 +150,7 @@ TEST(next_event_scalar, rect_lights_that_send_nothing_are_not_chosen) {
   }
 }
 
-// In its plane, on it, at its corner, a millionth of a metre before it.
+// In its plane, on it, at its corner, a micrometre before it.
 TEST(next_event_scalar, rect_lights_are_finite_at_the_extremes) {
   const auto lit = rect_lights();
   for (const Vec3d& place :
@@ -189,8 +189,8 @@ std::unique_ptr<LitWorld> behind_windows(bool one_colour) {
       three_windows());
 }
 
-// `through`: how often the density has it that one looks through windows. Samples that are below
-// the horizon are not looked at: they count where they were drawn.
+// `through`: probability, according to the density, of looking through windows. Samples below the
+// horizon are not evaluated: they count where they were drawn.
 double at_windows(const LitWorld& lit, const Place& place, float through, int fine) {
   Seen s(lit, place);
   EXPECT_GT(s.light_context.seen, 0);
@@ -230,8 +230,8 @@ TEST(next_event_scalar, twin_windows_that_are_looked_through_more_often_than_is_
     EXPECT_LT(at_windows(*lit, place, 0.8f * kThrough, 24), kWrong) << place.place.x;
 }
 
-// What is seen and its densities are the renderer's; all samples that do not lie on a window's edge
-// are found in it again.
+// Radiance and densities are the renderer's; every sample that does not lie on a window's edge is
+// found in it again.
 TEST(next_event_scalar, windows_are_the_renderers) {
   for (const auto& lit : lit_worlds()) {
     if (!lit->tables.has_windows) continue;
@@ -273,7 +273,7 @@ Moments moments(const Estimate& estimate) {
   const double mean = sum / kEstimates;
   return {mean, squares / kEstimates - mean * mean};
 }
-// What arrives of the sky at an upright surface, unoccluded, by either.
+// Unoccluded irradiance from the sky at an upright surface, by each.
 Moments by_scalar(const LitWorld& lit, Seen& s) {
   return moments([&](const FourNumbers& n) {
     const shader::LightPlace p =
@@ -296,7 +296,7 @@ Moments by_renderer(const LitWorld& lit, Seen& s) {
     return pdf > 0 ? cosine * luminance(q.in_sky.radiance) / pdf : 0.0;
   });
 }
-// How many standard deviations the means differ, `fault`: factor of one.
+// Difference of the means in standard errors; `fault`: factor on one of them.
 double off_by(const Moments& a, const Moments& b, double fault) {
   return std::abs(a.mean * fault - b.mean) / std::sqrt((a.variance + b.variance) / kEstimates);
 }
@@ -311,7 +311,7 @@ TEST(next_event_scalar, estimates_are_the_renderers_and_no_noisier) {
   }
 }
 
-// A place a hair before a window, far from it, beside its edge.
+// Very close to a window, far from it, beside its edge.
 TEST(next_event_scalar, windows_are_finite_at_the_extremes) {
   for (const bool one_colour : {true, false}) {
     const auto lit = behind_windows(one_colour);
@@ -330,7 +330,7 @@ TEST(next_event_scalar, windows_are_finite_at_the_extremes) {
   }
 }
 
-// Most of the table is the sun's: what a window without it shows keeps its digits.
+// Most of the table is the sun's: a window that does not show it must keep its precision.
 TEST(next_event_scalar, beside_a_sun_the_rest_of_the_sky_is_seen_as_exactly) {
   const auto with = [](float irradiance) {
     return std::make_unique<LitWorld>(
@@ -341,7 +341,7 @@ TEST(next_event_scalar, beside_a_sun_the_rest_of_the_sky_is_seen_as_exactly) {
         three_windows());
   };
   const auto faint = with(1e-6f), strong = with(1e4f);
-  // From near the ceiling only the foot of the sky is in the window.
+  // From near the ceiling the window shows only the lowest part of the sky.
   const Place place{{2.3, 1.95, 0}, {0.2, -1, 0}};
   Seen a(*faint, place), b(*strong, place);
   ASSERT_GT(a.light_context.seen, 0);

@@ -5,7 +5,7 @@
 namespace tdpt {
 namespace {
 
-// Portals are no smaller than rounding; what is keeps to what a float holds.
+// Clamps to what floats can hold: gradients of portals as small as rounding are large.
 float held(double x) {
   constexpr double kMost = 1e30;
   return static_cast<float>(std::clamp(x, -kMost, kMost));
@@ -14,7 +14,7 @@ Vec3f held(const Vec3d& v) {
   return {held(v.x), held(v.y), held(v.z)};
 }
 
-// Distance that a place found in the plane of a portal may be off by: barycentric.
+// Error of a point computed in the plane of a portal, in barycentric coordinates.
 float border_of(const shader::PortalPolygonOf<double>& q) {
   constexpr double kOff = 2e-6, kMost = 0.3;
   const double steepest = std::max({length(q.grad1), length(q.grad2), length(q.grad1 + q.grad2)});

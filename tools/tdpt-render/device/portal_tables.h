@@ -1,5 +1,4 @@
-// Portals as the tables that kernels and their scalar build read
-// [shaders/shared/path/portal_layout.h].
+// Portals as tables for kernels and their scalar build [shaders/shared/path/portal_layout.h].
 #pragma once
 #include <vector>
 
@@ -8,7 +7,7 @@
 
 namespace tdpt {
 
-/// All empty, and `guiding` 0, where there are no portals.
+/// All empty, and `guiding` 0, if there are no portals.
 struct PortalTables {
   PortalTables() = default;
   explicit PortalTables(const PortalSet& set);

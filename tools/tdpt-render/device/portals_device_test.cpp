@@ -1,4 +1,4 @@
-// Portals and guiding of a device are those of the scalar build, bit for bit.
+// Portals and guiding on a device match the scalar build bit for bit.
 #include <gtest/gtest.h>
 
 #include "libcommon/gpu/kernel.h"
@@ -30,7 +30,7 @@ std::vector<uint32_t> device_words(const PortalTables& tables,
   return words.download<uint32_t>(size_t{kInvocations} * shader::kTrialWords);
 }
 
-// Words that are not those of the scalar build.
+// Number of words that differ from the scalar build.
 size_t differences(const shader::ScalarPortals& scalar, const std::vector<uint32_t>& theirs) {
   size_t n = 0;
   for (uint32_t i = 0; i < kInvocations; ++i) {

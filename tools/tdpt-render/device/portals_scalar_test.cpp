@@ -23,7 +23,7 @@ using shader::ScalarPortals;
 using shader::SegmentDraw;
 using shader::vec3;
 
-constexpr double kLevel = 1e-3;  // a right program fails with this probability
+constexpr double kLevel = 1e-3;  // a correct program fails with this probability
 constexpr double kWrong = 1e-9;  // a wrong one is below this
 
 float number(Rng& rng) {
@@ -45,7 +45,7 @@ SegmentDraw draw(const ScalarPortals& scalar, Rng& rng) {
   std::array<float, 7> u;
   return draw(scalar, u, rng);
 }
-// An edge that is likely to cross a portal, or ends short of it.
+// An edge that is likely to cross a portal, or ends just before it.
 std::pair<vec3, vec3> edge(const ScalarPortals& scalar, Rng& rng) {
   const SegmentDraw s = draw(scalar, rng);
   const vec3 aside = place(rng, 0.05);
@@ -62,13 +62,13 @@ std::vector<NamedPortals> all_portals() {
 }
 
 struct Differences {
-  double share = 0;  // of edges in which a triangle counts for one of the two alone
-  double worst = 0;  // of others, relative, over what rounding explains
+  double share = 0;  // of edges for which only one of the two counts some triangle
+  double worst = 0;  // of the others, relative, over the rounding bound
   double crossed = 0;
 };
 
-// What rounding explains of a crossing of portals: positions relative to a plane are off by 18 e
-// [portal_layout.h] at most, mostly by 4; heights and cosines by that over their size, and the
+// Rounding bound of a portal crossing: positions relative to a plane have an error of 18 e
+// [portal_layout.h] at most, mostly 4; heights and cosines have that over their size, and the
 // density goes as height^2 / cos^3, that of pairs as distance^2 / cos^2.
 double explained(const PortalSet& set, const Vec3d& a, const Vec3d& b, bool pairs) {
   const Vec3d d = b - a;
@@ -83,7 +83,7 @@ double explained(const PortalSet& set, const Vec3d& a, const Vec3d& b, bool pair
   return 0x1p-24 * 8 * (1 + worst) * (pairs ? 4 : 1);
 }
 
-// `spoil` changes a density of the scalar build.
+// `spoil` alters a density of the scalar build.
 template <class Spoil>
 Differences differences(const PortalSet& set, Spoil spoil) {
   constexpr int kEdges = 200000;
@@ -121,7 +121,7 @@ TEST(portals_scalar, edges_have_the_crossings_that_they_have_in_doubles) {
   for (const auto& [name, set] : all_portals()) {
     const Differences d = differences(set, [](CrossingDensity c) { return c; });
     EXPECT_GT(d.crossed, 0.03) << name;
-    // Borders are off by some 1e-7, and margins by 2e-6, of edges a tenth to one long.
+    // Borders have an error of some 1e-7, and margins of 2e-6, of edges a tenth to one long.
     EXPECT_LT(d.share, 1e-4) << name;
     EXPECT_LT(d.worst, 1) << name;
   }
@@ -140,7 +140,7 @@ TEST(portals_scalar, twin_densities_off_by_a_thousandth_are_seen) {
   EXPECT_GT(off(&CrossingDensity::from_camera), 2);
 }
 
-// Off by what rounds a place where a ray met a surface.
+// Moved by the rounding error of a hit point.
 vec3 jittered(const vec3& p, Rng& rng) {
   return p + place(rng, 4 * 0x1p-24);
 }
@@ -172,7 +172,7 @@ Misses misses(const PortalSet& set) {
     const int triangle = scalar.draw_towards_portal(v, facing, FROM_CAMERA, W, u, u2, pick, w);
     const float length = 0.1f + number(rng);
     const vec3 to = jittered(v + w * length, rng);
-    // Where rounding turns no edge that grazes the plane.
+    // Skips edges that graze the plane so closely that rounding flips them.
     if (!(-dot(w, tables.facets[tables.polygons[static_cast<size_t>(triangle)].facet].normal) *
               length >
           1e-5f))
@@ -191,15 +191,15 @@ TEST(portals_scalar, what_was_drawn_through_a_triangle_always_crosses_it) {
     EXPECT_GT(m.aimed, 30000) << name;
     EXPECT_EQ(m.segments, 0) << name;
     EXPECT_EQ(m.guide_totals, 0) << name;
-    // Were it not told: the slit is narrow.
+    // Without the drawn polygon: the slit is narrow.
     if (name == "slit") {
       EXPECT_GT(m.undrawn, 0);
     }
   }
 }
 
-// How far from the plane of a portal places of a wall are that it lies in, in margins, and how far
-// before them segments begin.
+// Largest distance from a portal's plane of points on a wall in that plane, and least distance at
+// which segments begin before it; both in margins.
 struct Flush {
   double wall = 0, start = 1;
 };
@@ -210,7 +210,7 @@ Flush flush() {
     const Onb<double> onb(normalize(Vec3d(place(rng))));
     const Vec3d middle(place(rng, 0.9));
     const double height = dot(onb.z, middle);
-    // In the plane, mostly as far away as the scene goes.
+    // In the plane, mostly at distances as large as the scene.
     const auto in_plane = [&] {
       const Vec3d p(place(rng));
       return vec3(p - onb.z * (dot(onb.z, p) - height));
@@ -264,8 +264,8 @@ TEST(portals_scalar, segments_are_those_of_the_same_numbers_in_doubles) {
   }
 }
 
-// Segments, each counted 1 / D for every triangle that it crosses: their mean is pi A_q, whatever
-// the mixture. Largest difference [standard errors]; `fault`: factor of D.
+// Segments, each counted as 1 / D for every triangle that it crosses: the mean is pi A_q, whatever
+// the mixture. Largest difference [standard errors]; `fault`: factor on D.
 double worst_of_triangles(const PortalSet& set, double fault) {
   constexpr int kSamples = 60000;
   const PortalTables tables(set);
@@ -300,7 +300,7 @@ double worst_of_triangles(const PortalSet& set, double fault) {
   double worst = 0;
   for (size_t k = 0; k < expected.size(); ++k) {
     const double mean = sum[k] / kSamples;
-    // One portal alone: nothing varies.
+    // With a single portal nothing varies.
     const double error = std::sqrt(std::max(squares[k] / kSamples - mean * mean, 0.0) / kSamples) +
                          1e-5 * expected[k];
     worst = std::max(worst, std::abs(mean - expected[k]) / error);
@@ -314,7 +314,7 @@ TEST(portals_scalar, twin_a_density_of_segments_5_percent_off) {
   for (const auto& [name, set] : all_portals()) EXPECT_GT(worst_of_triangles(set, 1.05), 8) << name;
 }
 
-// Place in its square and cos^2 of segments through a square: uniform.
+// Position in the square and cos^2 of segments through it are uniform.
 double uniform_p(double fault) {
   const PortalTables tables(
       PortalSet({plate({0.1, -0.2, 0.3}, {0.4, 0, 0}, {0, 0.4, 0})}, Frame{}));
@@ -341,8 +341,9 @@ TEST(portals_scalar, twin_one_bin_that_has_a_fifth_more) {
   EXPECT_LT(uniform_p(1.2), kWrong);
 }
 
-// Bins of the sphere, aslant, by cosine and azimuth, and their integrals by a grid: borders cross
-// many bins, where adaptive rules know a thousandth. A cell of it gets about one sample.
+// Bins of the sphere, obliquely oriented, by cosine and azimuth, and their integrals over a grid:
+// borders cross many bins, where adaptive rules are accurate to a thousandth only. A grid cell gets
+// about one sample.
 class Sphere {
  public:
   size_t bin(const Vec3d& direction) const {
@@ -372,7 +373,7 @@ class Sphere {
   Onb<double> onb_{normalize(Vec3d(0.31, -0.52, 0.83))};
 };
 
-// Directions aimed at from v against a(w), by chi-square over bins of the sphere.
+// Guided directions from v against a(w), by chi-square over bins of the sphere.
 double aims_p(const PortalSet& set, const Vec3d& at, const vec3& facing, uint32_t from,
               double fault, uint64_t stream) {
   const PortalTables tables(set);
@@ -421,7 +422,7 @@ TEST(portals_scalar, twin_a_density_of_aiming_5_percent_off) {
         << i;
 }
 
-// Lines of parallel light by where they pass the plane across their way.
+// Rays of parallel light, by where they pass a plane perpendicular to them.
 double lines_p(double fault) {
   const PortalSet set = portals_to_try()[1].set;
   const PortalTables tables(set);
@@ -493,7 +494,7 @@ TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
       }
       const double along = set.guide_total_along(Vec3d(d)),
                    mine_along = scalar.portal_guide_total_along(d);
-      // A cosine of a hundredth has still five digits; edge on some are left out.
+      // At a cosine of 0.01 five digits remain; some facets are left out edge-on.
       EXPECT_NEAR(mine_along, along, 1e-5 * along + shader::kPortalEdgeOn * area);
       Vec3d at;
       vec3 my_at;
@@ -508,7 +509,7 @@ TEST(portals_scalar, walks_are_aimed_as_the_same_numbers_aim_them_in_doubles) {
   }
 }
 
-// Nothing grows beyond what a float holds: ends in the plane, in each other, grazing, far out.
+// Nothing exceeds the range of floats: ends in the plane, coincident, grazing, far away.
 TEST(portals_scalar, extremes_are_finite) {
   for (const auto& [name, set] : all_portals()) {
     const PortalTables tables(set);

@@ -1,4 +1,4 @@
-// All that kernels know of a world, as flat tables.
+// Everything kernels know of a world, as flat tables.
 #pragma once
 #include <span>
 
@@ -11,22 +11,21 @@
 namespace tdpt {
 
 struct RenderTables {
-  /// As the world is now: portals and shares of lights that change later need tables of their own.
+  /// Of the world as it is now: if portals or light probabilities change later, call follow().
   explicit RenderTables(const World& world);
-  /// Takes the portals and the shares of lights that the world has now; the rest of it is as it
-  /// was.
+  /// Updates the portals and light probabilities; the rest of the world must be unchanged.
   void follow(const World& world);
 
-  double radiance_unit;  ///< radiance in the tables is over it, a power of two
+  double radiance_unit;  ///< divisor of radiance in the tables, a power of two
   SurfaceTables surfaces;
-  std::vector<float> surface_curves, sheen_curves;  ///< the latter where there is sheen
+  std::vector<float> surface_curves, sheen_curves;  ///< the latter if there is sheen
   LightTables lights;
   PortalTables portals;
   Bvh bvh;
 };
 
 namespace shader {
-/// Each of a scene's tables, by the name that kernels have for it.
+/// Each table of a scene, by the name that kernels use.
 struct SceneSpans {
   explicit SceneSpans(const RenderTables& tables);
 #define SPAN(type, name, array) std::span<const type> array;

@@ -1,5 +1,5 @@
-// A device makes the bytes of its scalar build on the CPU, whatever is in the scene, and Vulkan's
-// validation has nothing to say.
+// A device produces the same bytes as its scalar build on the CPU, whatever is in the scene, and
+// Vulkan's validation layers report nothing.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,7 @@ class device_bytes : public ::testing::Test {
     device_ = std::make_unique<gpu::Device>(gpu::Device::open());
   }
   void TearDown() override {
-    device_.reset();  // what is left over is told now
+    device_.reset();  // reports leaks now
     EXPECT_EQ(gpu::take_validation_messages(), std::vector<std::string>());
   }
   const gpu::Device& device() const { return *device_; }
@@ -71,8 +71,8 @@ class Pair {
   std::unique_ptr<Machine> gpu_, twin_;
 };
 
-// Most of the time goes into making kernels: most stages have the integrators between which all
-// kernels are run, and one has all. What an integrator's kernels are made for is the same for all
+// Compiling kernels takes most of the time: most stages use integrators that together run all
+// kernels, one stage uses all integrators. An integrator's kernels are specialised alike for all
 // its samples.
 const std::vector<const Integrator*> kFew{&nee, &bdpt, &tdpt_guided};
 
@@ -142,7 +142,7 @@ TEST_F(long_device_bytes, of_generated_rooms) {
   }
 }
 
-// With all that the program has around it: the device's own room, passes, errors, auto.
+// With everything the program adds: the device's own capacity, passes, errors, auto.
 TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   const Stage stage = sky_stage();
   const auto world = stage.world(kWidth, kHeight);
@@ -178,7 +178,7 @@ TEST_F(long_device_bytes, of_the_papers_scenes) {
   if (there == 0) GTEST_SKIP() << "the paper's scenes are not here";
 }
 
-// Twin: one wrong bit of a table is another picture.
+// Twin: one wrong bit in a table makes another picture.
 TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
   const Stage stage = two_rooms_stage();
   const auto up = [](float& x) { x = std::nextafter(x, 2 * x); };

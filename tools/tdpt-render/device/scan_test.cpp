@@ -1,4 +1,4 @@
-// Prefix sums of a device are those of the standard library.
+// Prefix sums on a device match the standard library's.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -14,12 +14,12 @@ struct Sums {
   std::vector<uint32_t> before;
   uint32_t all;
 };
-// `in_place`: the sums take the place of the counts.
+// `in_place`: the sums replace the counts.
 Sums device_sums(gpu::Device& device, const std::vector<uint32_t>& counts, bool in_place = false) {
   const auto n = static_cast<uint32_t>(counts.size());
   const uint32_t blocks = shader::scan_blocks(n);
   std::vector<uint32_t> padded = counts;
-  padded.push_back(~0u);  // what lies behind is not read
+  padded.push_back(~0u);  // must not be read
   const gpu::Buffer input(device, padded), sums(device, padded),
       totals(device, 4ull * (blocks + 1));
   const gpu::Kernel kernel(device, shader::path_scan_spv, {in_place ? sums : input, sums, totals},

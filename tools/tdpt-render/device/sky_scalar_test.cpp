@@ -1,5 +1,5 @@
-// The sky in floats: what is seen is what the renderer sees, and directions are drawn with the
-// density that is told, each with a fault that must be found.
+// The sky in floats: its radiance is the renderer's, and directions are drawn with the reported
+// density; each test has a fault that must be found.
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/testing/lights.h"
 
@@ -39,7 +39,7 @@ double sum(const std::vector<double>& all) {
   return s;
 }
 
-/// Worlds that have a sky; or of those the ones whose sky a lattice can integrate.
+/// Worlds that have a sky; `smooth`: only those whose sky a lattice can integrate.
 std::vector<std::unique_ptr<LitWorld>> under_skies(bool smooth = false) {
   std::vector<std::unique_ptr<LitWorld>> all = lit_worlds();
   std::erase_if(all, [&](const auto& lit) {
@@ -55,7 +55,7 @@ Vec3f any_direction(uint64_t i) {
   return Vec3f(Vec3d(r * std::cos(2 * pi * n.v), y, r * std::sin(2 * pi * n.v)));
 }
 
-// Radiance and density, but for the few within a millionth of an edge.
+// Number of directions whose radiance or density differs; a few are within a millionth of an edge.
 int off(const LitWorld& lit, double fault = 1) {
   const Lights& lights = lit.world.lights;
   int n = 0;
@@ -78,8 +78,8 @@ TEST(sky_scalar, twin_a_sky_one_percent_brighter) {
   for (const auto& lit : under_skies(true)) EXPECT_GT(off(*lit, 1.01), 5000) << lit->name;
 }
 
-// Densities are those of the renderer, but for what of a block's light is less than one part of
-// 65535, and where parts with weights of their own meet.
+// Densities match the renderer's, except below 1/65535 of a block's light, and at borders between
+// parts with weights of their own.
 TEST(sky_scalar, has_the_renderers_densities) {
   for (const auto& lit : under_skies()) {
     const Lights& lights = lit->world.lights;
@@ -122,7 +122,7 @@ TEST(sky_scalar, twin_directions_near_the_top_a_tenth_off) {
   for (const auto& lit : under_skies(true)) EXPECT_LT(plain(*lit, 0.9), kWrong) << lit->name;
 }
 
-// Of the lights, those of the sky.
+// Only the lights of the sky.
 double starts(const LitWorld& lit, double fault) {
   const auto density = [&](const Vec3f& w) {
     return fault * lit.scalar.light_pdf(shader::SOURCE_SKY, ~0u, -w, lit.scalar.look_at_sky(w));
@@ -146,8 +146,8 @@ TEST(sky_scalar, twin_walks_that_begin_a_tenth_less_often_in_the_sky) {
   for (const auto& lit : under_skies(true)) EXPECT_LT(starts(*lit, 0.9), kWrong) << lit->name;
 }
 
-// Whatever is small: in a table of cells it has the probability that it is told to have, and
-// 1 / pdf has its solid angle as mean.
+// However small, an entry is drawn with its reported probability, and the mean of 1 / pdf is its
+// solid angle.
 TEST(sky_scalar, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
   Sky::Map texel{512, 256, std::vector<Rgb>(512 * 256, Rgb(0.01f))};
   texel.texels[200 * 512 + 77] = Rgb(1e6f);
@@ -177,7 +177,7 @@ TEST(sky_scalar, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
   }
 }
 
-// Rows of 2e-4 degrees at the poles, the seam, columns beyond rounding.
+// Rows of 2e-4 degrees at the poles, the seam, columns narrower than rounding.
 TEST(sky_scalar, places_are_found_again) {
   Sky::Map map{4096, 512, {}};
   for (int y = 0; y < map.height; ++y)
@@ -200,7 +200,7 @@ TEST(sky_scalar, places_are_found_again) {
     double columns = std::abs((p.column + double{p.across}) - (q.column + double{q.across}));
     columns = std::min(columns, 4096 - columns);
     ASSERT_LT(std::abs(rows), 2e-3) << p.row << ' ' << p.down;
-    // Near a pole a column is narrower than directions are exact.
+    // Near a pole a column is narrower than the precision of directions.
     const double r = std::sqrt(1 - double{p.towards.y} * p.towards.y);
     ASSERT_LT(columns, 2e-4 + 3e-7 / std::max(r, 1e-9) * 4096) << p.row;
     const Sky::Cell cell{static_cast<int>(p.column), static_cast<int>(p.row), n.u, n.v};
@@ -208,7 +208,7 @@ TEST(sky_scalar, places_are_found_again) {
   }
 }
 
-// All numbers at both ends of what they may be.
+// All random numbers at both ends of their range.
 TEST(sky_scalar, ends_of_the_unit_interval_are_drawn) {
   for (const auto& lit : under_skies())
     for (int k = 0; k < 81; ++k) {

@@ -12,11 +12,11 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr float kBlack = 1e-30f;  // in units of radiance: kernels take less for 0
-// Suns are drawn and found by directions in floats, good to 1e-7.
+constexpr float kBlack = 1e-30f;  // in units of radiance: kernels treat less as 0
+// Suns are sampled and found by float directions, accurate to 1e-7.
 constexpr double kLeastHalfAngle = 5e-5, kSunMargin = 4e-7;
-// As SkyDirections [sky.cpp]: a coarse map is split into parts if they are to have weights, the
-// cells of a fine one are taken together in blocks.
+// As in SkyDirections [sky.cpp]: a coarse map is subdivided if its parts get weights; the cells of
+// a fine one are grouped into blocks.
 constexpr int kColumns = 128, kRows = 64, kFewCells = 40000, kBlock = 4;
 
 Rgb in_units(const Rgb& radiance, double unit) {
@@ -31,7 +31,7 @@ double versine(double angle) {
   return 2 * s * s;
 }
 
-// How a sky is cut into entries, and the light of each.
+// The entries into which a sky is cut, and the light of each.
 class SkyEntries {
  public:
   SkyEntries(const Sky& sky, const std::vector<shader::SkyTexel>& texels, bool split)
@@ -61,7 +61,7 @@ class SkyEntries {
     const double mean = (1 - y) * ((1 - x) * c[0] + x * c[1]) + y * ((1 - x) * c[2] + x * c[3]);
     return mean > kBlack ? mean * sky_.solid_angle(row / split_y_) / (split_x_ * split_y_) : 0;
   }
-  // Of the cells of block (i, j), row by row; 0 beyond the map.
+  // Light of each cell of block (i, j), row by row; 0 beyond the map.
   std::vector<double> lights(int i, int j) const {
     std::vector<double> all;
     for (int row = j * block_; row < (j + 1) * block_; ++row)
@@ -79,7 +79,7 @@ class SkyEntries {
       }
     return sums;
   }
-  // The middle of block (i, j).
+  // Centre of block (i, j).
   Sky::Cell middle(int i, int j) const {
     const auto twice = [&](int k, int end) { return k * block_ + std::min((k + 1) * block_, end); };
     const int x = twice(i, fine_columns()), y = twice(j, fine_rows());
@@ -128,7 +128,7 @@ void add_rows(int height, LightTables& tables) {
   }
 }
 
-// Of the cells of each block, row by row.
+// Shares of the cells in each block, row by row.
 void add_cells(const SkyEntries& entries, LightTables& tables) {
   tables.settings.first_cell = static_cast<uint32_t>(tables.words.size());
   for (int j = 0; j < entries.rows(); ++j)
@@ -144,7 +144,7 @@ void add_cells(const SkyEntries& entries, LightTables& tables) {
 }
 
 struct SunLights {
-  std::vector<double> versines, lights;  // of those that are drawn
+  std::vector<double> versines, lights;  // of the suns that are sampled
 };
 
 SunLights add_suns(const Sky& sky, double unit, LightTables& tables) {
@@ -170,7 +170,7 @@ std::vector<double> with_suns(std::vector<double> lights, const SunLights& suns)
   return lights;
 }
 
-// A tenth of the walks by luminance, the others by luminance x weight, as Lights has it.
+// A tenth of the walks by luminance, the others by luminance x weight, as in Lights.
 std::vector<double> preferred(const SkyDirections& by_weight, const SkyEntries& entries,
                               bool has_blocks, const std::vector<double>& lights) {
   std::vector<double> weighted = lights;
@@ -215,7 +215,7 @@ void add_sky(const World& world, double radiance_unit, LightTables& tables) {
   if (!black && sky.one_colour())
     settings.sky_colour = {tables.texels[0].r, tables.texels[0].g, tables.texels[0].b};
 
-  // Of one colour one entry is enough to draw by luminance.
+  // To sample by luminance alone, a sky of one colour needs only one entry.
   const SkyEntries plain(sky, tables.texels, false);
   std::vector<double> lights;
   if (!black && sky.one_colour()) lights = {luminance(settings.sky_colour) * 4 * pi};

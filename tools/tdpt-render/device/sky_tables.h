@@ -4,9 +4,9 @@
 
 namespace tdpt {
 
-/// There must be a sky.
+/// Needs a sky.
 void add_sky(const World& world, double radiance_unit, LightTables& tables);
-/// What portals show of it, if they do.
+/// Adds the part of the sky that each window shows, if there are windows.
 void add_windows(const World& world, double radiance_unit, LightTables& tables);
 
 }  // namespace tdpt

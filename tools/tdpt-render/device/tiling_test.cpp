@@ -1,4 +1,4 @@
-// A picture is the same bytes however it is divided into submissions, and into calls.
+// A picture is byte-identical however it is divided into submissions and calls.
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
@@ -8,7 +8,7 @@
 
 namespace tdpt::tiling_test {
 
-// One cache at a time has room, and less than that where paths are long.
+// Room for one cache at a time, and less where paths are long.
 const std::vector<Capacity> kRooms{{1u << 13, kMostOfCache}, {1u << 14, 777}, {1u << 15, 1u << 14}};
 
 void expect_same_in_all_rooms(const Stage& stage, int width, int height, const Samples& samples) {
@@ -31,8 +31,8 @@ TEST(tiling, in_any_room_is_the_same) {
   expect_same_in_all_rooms(culling_stage(), 40, 30, {{0, 2}, {8}, true});
 }
 
-// Halved in the middle of it: many samples have room for their walks at first, and rays that were
-// counted are taken back.
+// A submission that is halved on the way: there is room for the walks of many samples at first, and
+// rays that were counted must be taken back.
 TEST(tiling, walks_that_have_no_room_leave_nothing_behind) {
   const Stage stage{"furnace", read_gltf(furnace_path()), {portal_in_the_furnace()}};
   const auto world = stage.world(24, 18);
@@ -50,7 +50,7 @@ TEST(tiling, of_the_smallest_pictures) {
     expect_same_in_all_rooms(two_rooms_stage(), width, height, {{0, 5}, {4}});
 }
 
-// Samples in several calls: what shards and checkpoints rest on.
+// Samples split over several calls, as shards and checkpoints do.
 TEST(tiling, in_any_calls_is_the_same) {
   const Stage stage = sky_stage();
   const auto world = stage.world(33, 17);
@@ -69,7 +69,7 @@ TEST(tiling, in_any_calls_is_the_same) {
   }
 }
 
-// Twin: other samples are another picture.
+// Twin: other samples make another picture.
 TEST(tiling, twin_other_samples_are_seen) {
   const Stage stage = two_rooms_stage();
   const auto world = stage.world(7, 5);
@@ -82,7 +82,7 @@ TEST(tiling, twin_other_samples_are_seen) {
   EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8, 2}}));
 }
 
-// A lamp that is brighter than films hold, by what the CPU says of the same samples.
+// A lamp brighter than films can hold; the CPU reports the places of the same samples.
 TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
   Stage stage{"furnace", read_gltf(furnace_path()), {}};
   Material lamp = stage.scene.materials[0];
@@ -100,7 +100,7 @@ TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
       ScalarRenderer scalar(*world, room);
       const Outcome found = rendered_by(scalar, *world, pt, samples);
       EXPECT_EQ(found.not_finite_at, known.not_finite_at);
-      EXPECT_EQ(found.counts[4], known.counts[4]);  // how many there are
+      EXPECT_EQ(found.counts[4], known.counts[4]);  // their number
     }
   }
 }

@@ -73,7 +73,7 @@ void set_caches(const Mixture& m, RenderParameters& p) {
   p.walks_less = static_cast<uint32_t>(light_walks_of(m, most - 1));
 }
 
-// As far as pixel_of_cache() takes sample i along its stretch.
+// Offset of the pixel that pixel_of_cache() gives sample i within its stretch.
 uint32_t cache_offset(uint64_t i, uint64_t caches) {
   const uint64_t stretch = i * caches;
   return static_cast<uint32_t>(pixel_of_cache(0, i, caches, stretch + caches) - stretch);
@@ -92,7 +92,7 @@ void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, F
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
 
-// What was left out of samples from `first` on.
+// Reports the non-finite values left out; the film's first sample is `first`.
 void add_left_out(const std::vector<uint32_t>& words, const FilmPlaces& places, uint64_t first,
                   uint64_t width, uint64_t pixels, Tally& tally) {
   const size_t begin = places.tally + shader::kTallyBuckets * shader::kTallyWords;
@@ -136,14 +136,14 @@ std::vector<uint32_t> cache_offsets(const RenderParameters& p) {
   return offsets;
 }
 
-// Samples of the first submission; then they grow while they take less than so many seconds, and
-// are halved above: drivers reset devices that are busy for long, and who waits wants to see
-// progress.
+// Samples of the first submission. Later ones grow while a submission takes less than kShort
+// seconds, and are halved above kLong: drivers reset devices that are busy for long, and users want
+// to see progress.
 constexpr uint32_t kFirstSubmission = 1 << 14;
 constexpr double kShort = 0.1, kLong = 1;
-// Of a pass [s], so that signals and checkpoints do not wait for long.
+// Length of a pass [s], so that signals and checkpoints do not wait long.
 constexpr double kPass = 0.5;
-// Samples whose rays and segments 32 bits count, in every bucket.
+// Samples whose rays and segments 32-bit counters can hold, in every bucket.
 constexpr uint64_t kMostCounted = uint64_t{1} << 26;
 
 Error no_room(const RenderParameters& p) {
@@ -249,12 +249,12 @@ class Submission {
         samples_(p.groups * p.per_cache),
         room_(crosses ? p.segments_first : p.most_vertices) {}
 
-  /// False when there was no room for all of it: then nothing has come of it.
+  /// False if not all of it fits; the film is then unchanged.
   bool run() {
     if (!light_walks() || !camera_walks()) return false;
     const uint64_t row = p_.per_cache + 2;
     if (crosses_ && (camera_end_ - camera_) * row > machine_.room().estimates()) return false;
-    // From here on the film is added to.
+    // The film changes from here on.
     run(Step::meet_lights, camera_end_ - camera_, camera_);
     if (techniques_.has(Technique::direct))
       pairs({Step::choose_next_events, Step::connect, 1, Ends::camera}, camera_, camera_end_);
@@ -271,8 +271,7 @@ class Submission {
     if (count > 0) machine_.run(step, {count, first, next});
   }
 
-  // Where the rays of as many walks have come to, and a vertex more of each that goes on, until
-  // none does.
+  // Traces `count` rays and adds a vertex to each walk, until no walk continues.
   bool extend(bool of_light, uint32_t count) {
     const Step arrive = of_light ? Step::arrive_light : Step::arrive_camera;
     for (;;) {
@@ -307,15 +306,15 @@ class Submission {
     return true;
   }
 
-  // Which ends of pairs scatter.
+  // The ends of a connection where a BSDF is evaluated.
   enum class Ends : uint8_t { light, camera, both };
   struct Pairing {
     Step choose, connect;
-    uint32_t each;  // places
+    uint32_t each;  // connections
     Ends ends;
   };
 
-  // Of first .. end: pairs that are chosen for each, and the paths that they make.
+  // Chooses connections for each of first .. end, and makes the paths.
   void pairs(const Pairing& p, uint32_t first, uint32_t end) {
     const uint32_t most = machine_.room().connections() / p.each;
     for (uint32_t at = first; at < end; at += most) {
@@ -353,7 +352,7 @@ class Submission {
   uint32_t used_ = 0, lights_end_ = 0, camera_ = 0, camera_end_ = 0;  // slots
 };
 
-// Lists the steps of a submission, if some of its walks go on and all end.
+// Records the steps of a submission in which some walks continue and all end.
 class StepList : public Machine {
  public:
   explicit StepList(const Capacity& room) : room_(room) {}

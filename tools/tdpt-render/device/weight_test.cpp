@@ -1,4 +1,4 @@
-// The weights of all strategies that could have made a path add up to 1, whatever its densities.
+// The MIS weights of all strategies that could have made a path sum to 1, whatever its densities.
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
@@ -21,14 +21,14 @@ struct Weights {
 
 constexpr uint kLongest = 9;
 
-// A path of k edges as densities, and as the records of the walks of any strategy.
+// A path of k edges as densities, and as the walk records of any strategy.
 struct Path {
   uint k;
   float light_A[kLongest], camera_A[kLongest];  // of x_i, i < k
   float pair_A[kLongest];                       // of x_i -> x_{i+1}, i < k - 1
   float nee_A;
   bool dirac[kLongest + 1]{};
-  // Survival of walks at x_i, which densities of the next vertex have as a factor.
+  // Survival probabilities of walks at x_i, a factor of the densities of the next vertex.
   float light_survival[kLongest + 1], camera_survival[kLongest + 1];
 
   bool connections(uint s) const { return s == 0 || !(dirac[s - 1] || dirac[s]); }
@@ -163,7 +163,7 @@ RenderParameters mixture_of(TechniqueSet techniques) {
   return render;
 }
 
-// Farthest of sum_of_weights() from 1 over random paths that some strategy can make.
+// Largest deviation of sum_of_weights() from 1 over random paths that some strategy can make.
 double worst(const RenderParameters& render, bool portals, double decades) {
   tdpt::Rng rng(3, 0, 0);
   double most = 0;
@@ -189,7 +189,7 @@ TEST(weights_of_kernels, add_up_to_1) {
           << int{techniques.bits()} << " " << render.beta;
 }
 
-// Products of densities are beyond floats by far.
+// Products of densities exceed the range of floats by far.
 TEST(weights_of_kernels, add_up_to_1_at_the_extremes) {
   for (RenderParameters render = mixture_of(kAll); render.beta <= 2; render.beta += 1)
     EXPECT_LT(worst(render, true, 40), 2e-5);

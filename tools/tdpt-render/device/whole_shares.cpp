@@ -11,7 +11,7 @@ std::vector<uint64_t> whole_shares(const std::vector<double>& weights, uint64_t 
   const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
   std::vector<uint64_t> begin{0};
   double sum = 0;
-  uint64_t before = 0;  // entries that are not 0, each of which has one unit beforehand
+  uint64_t before = 0;  // nonzero entries so far, each of which has one unit in advance
   for (const double w : weights) {
     sum += w;
     before += w > 0;

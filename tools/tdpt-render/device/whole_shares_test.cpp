@@ -24,7 +24,7 @@ TEST(whole_shares, are_in_proportion_and_never_none) {
   }
 }
 
-// As kernels do: the guide's two ends hold every word's entry between them.
+// As in kernels: the two ends of a guide slot enclose the entry of each of its words.
 TEST(word_table, guides_to_every_word) {
   std::vector<double> weights(1000, 1e-3);
   for (size_t i = 0; i < weights.size(); i += 7) weights[i] = 0;

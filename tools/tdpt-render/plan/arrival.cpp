@@ -6,7 +6,7 @@ namespace tdpt {
 namespace {
 
 constexpr double kByPower = 0.1;
-constexpr double kBrightest = 0.1;  // most of all that one path may tell
+constexpr double kBrightest = 0.1;  // largest share of the total that one path counts for
 
 void add(Lights::KindProbabilities& sum, const Lights::KindProbabilities& s, double factor) {
   sum.surfaces += factor * s.surfaces;

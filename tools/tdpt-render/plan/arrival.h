@@ -1,5 +1,5 @@
-// How often each kind of light is to be chosen, where a sky stands beside other lights: by what
-// arrives of it. By power alone a sky outranks every lamp indoors.
+// How often each kind of light is selected when there is a sky beside other lights: in proportion
+// to the light that arrives from it. By power alone a sky would outrank every lamp indoors.
 #pragma once
 #include <utility>
 #include <vector>
@@ -8,15 +8,14 @@
 
 namespace tdpt {
 
-/// Adds up what paths bring of each kind of light.
+/// Sums the contribution of each kind of light.
 class ArrivingLight {
  public:
-  /// A path of its samples and its weighted luminance. That a light is seen needs no choice: it
-  /// does not count.
+  /// A path and its weighted luminance. Directly seen lights are ignored: no selection was needed.
   void see(const Path& path, double light);
   void merge(const ArrivingLight& other);
-  /// Shares that add up to 1: nine tenths by what arrived, a tenth `by_power`, which all
-  /// is where nothing arrived. One path tells at most a tenth of all.
+  /// Selection probabilities, which sum to 1: nine tenths by what arrived, one tenth `by_power`;
+  /// all `by_power` if nothing arrived. A single path counts for at most a tenth of the total.
   Lights::KindProbabilities shares(const Lights::KindProbabilities& by_power) const;
 
  private:

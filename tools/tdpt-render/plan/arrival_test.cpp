@@ -1,4 +1,4 @@
-// What arrives of each kind of light.
+// The light that arrives from each kind of light.
 #include "tools/tdpt-render/plan/arrival.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(arrival, of_a_sky_that_comes_in_is_more) {
   EXPECT_GT(arriving(scene).sky, 0.3);
   const Portal end = rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0});
   EXPECT_NEAR(arriving(scene, {end}).sky, arriving(scene).sky, 0.2);
-  // Next events look through the portal as it is drawn, be it the wrong way.
+  // Next events look through the portal as drawn, even if it faces the wrong way.
   Portal turned = end;
   for (auto& t : turned.triangles) std::swap(t[1], t[2]);
   EXPECT_NEAR(arriving(scene, {turned}).sky, arriving(scene).sky, 0.2);

@@ -1,5 +1,5 @@
-// Pictures of `auto`: the same for any number of threads, made by the right integrator, which is
-// told from few samples.
+// Pictures of `auto`: independent of the number of threads, and rendered by the right integrator,
+// which is chosen from few samples.
 #include <cmath>
 #include <set>
 
@@ -72,7 +72,7 @@ TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_estimates) {
   EXPECT_NE(one.forecast.estimates[0].relmse, two.forecast.estimates[0].relmse);
 }
 
-// From 8 samples of each pixel on.
+// From 8 samples per pixel on.
 TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_window) {
   for (const bool hole : {true, false}) {
     const Room room = hole ? two_rooms(96, 72) : window(64, 48);
@@ -98,7 +98,8 @@ TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_wi
   }
 }
 
-// The pilot's samples are thrown away: the picture is that of the chosen one, sample by sample.
+// The pilot's samples are thrown away: the picture equals the chosen integrator's, sample by
+// sample.
 TEST(auto_choice, renders_as_the_chosen_one_does_alone) {
   const Room room = two_rooms();
   const RenderResult r = room.render(of(24));
@@ -134,7 +135,7 @@ TEST(auto_choice, costs_a_small_part_of_the_work) {
     const uint64_t groups = groups_for(spp, 64 * 48, pilot);
     const double share =
         static_cast<double>(groups) * pilot.work_of_group() / (spp * 64 * 48 * work);
-    EXPECT_LE(share, 1.5 * kPilotShare);  // of what may be the best
+    EXPECT_LE(share, 1.5 * kPilotShare);  // of the best candidate's work
     EXPECT_EQ(groups % PilotSums::kBatches, 0u);
     EXPECT_LE(groups, kMostGroups);
   }
@@ -239,13 +240,13 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
                                               "bdpt favouring next events", "bdpt"}));
 }
 
-// What is told of errors against pictures: each pixel's variance over many of them.
+// Estimated errors against pictures: each pixel's variance over many of them.
 class Told : public testing::Test {
  protected:
   static constexpr int kWidth = 24, kHeight = 18;
 
-  // [candidate]: by several pilots together, since a bright path that one of them meets may be half
-  // of what it tells.
+  // [candidate]: the mean of several pilots, since a bright path that one of them meets may be half
+  // of its estimate.
   static std::vector<double> told(const World& world, const std::vector<Candidate>& candidates) {
     constexpr uint64_t kPilots = 6;
     Film film(kWidth, kHeight, world.lights.power());
@@ -270,18 +271,18 @@ TEST_F(Told, errors_are_those_of_pictures) {
     pictures.push_back(error_of_pictures(room.world, room.candidates[i].integrator));
     std::printf("%-28s told %8.4f  of pictures %8.4f\n", room.candidates[i].label.c_str(),
                 errors[i], pictures[i]);
-    // Points that fill a pixel evenly make pictures better than one sample tells, calm ones most.
+    // Stratified samples make pictures better than one sample predicts, low-noise pictures most.
     EXPECT_GT(pictures[i], 0.5 * errors[i]) << room.candidates[i].label;
     EXPECT_LT(pictures[i], 1.3 * errors[i]) << room.candidates[i].label;
   }
-  // Twin: those of another candidate are not.
+  // Twin: the errors of another candidate do not match.
   for (size_t i = 1; i < errors.size(); ++i)
     if (room.candidates[i].label == "nee" || room.candidates[i].label == "tdpt-org") {
       EXPECT_FALSE(pictures[i] > 0.5 * errors[0] && pictures[i] < 1.3 * errors[0]);
     }
 }
 
-// Candidates that meet the light of the next room in one sample of many are not thought calm
+// Candidates that meet the light of the next room in one sample of many must not look low-noise
 // because none of a few was among them: 512 samples are enough.
 TEST_F(Told, errors_of_what_seldom_finds_light_are_large_at_once) {
   const Room room = two_rooms(64, 48);

@@ -9,21 +9,22 @@ namespace {
 
 constexpr double kAim = 0.4;
 
-// Samples share their light walks. bdpt with a walk for each took 1.07 to 1.5 times the work for
-// the same error in twenty scenes with doors, windows and neither; it is there for caustics.
+// Samples share their light walks. With a light walk per sample bdpt took 1.07 to 1.5 times the
+// work for the same error in twenty scenes with doors, windows and neither; plain bdpt is kept for
+// caustics.
 Integrator few(Integrator integrator, uint64_t stream) {
   integrator.stream = stream;
   integrator.mixture.light_walks = kFewLightWalks;
   return integrator;
 }
 
-// As without portals.
+// Next events as without portals.
 Integrator looking_everywhere(Integrator integrator) {
   integrator.mixture.through_windows = 0;
   return integrator;
 }
 
-// With tdpt-guided's sample weights of next events: what that is without portals.
+// With tdpt-guided's sample weights of next events: tdpt-guided without its portal techniques.
 Integrator favouring_next_events(Integrator integrator) {
   integrator.mixture.first_direct = tdpt_guided.mixture.first_direct;
   integrator.mixture.later_direct = tdpt_guided.mixture.later_direct;
@@ -35,8 +36,8 @@ Integrator with_stream(Integrator integrator, uint64_t stream) {
   return integrator;
 }
 
-// Its walks from the camera directed at portals: much of a sky's light comes off the ground
-// outside, where no next event looks.
+// With camera walks guided to portals: much of a sky's light is reflected by the ground outside,
+// where no next event looks.
 Integrator aiming(Integrator integrator, uint64_t stream) {
   integrator.stream = stream;
   integrator.mixture.guiding.chance = {0, kAim};
@@ -53,8 +54,8 @@ std::vector<Candidate> possible_candidates(const World& world, const Integrator&
       {with_stream(favouring_next_events(plain), stream::bdpt_favouring_next_events),
        "bdpt favouring next events"},
       {looking_everywhere(bdpt), "bdpt"}};
-  // Of tdpt-org, and of tdpt-guided with more segments or fewer, none was ever much better in forty
-  // rooms and seventeen views of others, and choosing among them by chance cost up to half.
+  // tdpt-org, and tdpt-guided with more or fewer segments, were never much better in forty rooms
+  // and seventeen views of others, and choosing among them by chance cost up to half.
   if (!world.portals.empty())
     all.push_back({guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
   if (!world.windows.empty()) {
@@ -71,14 +72,14 @@ std::vector<Candidate> auto_candidates(const World& world, const Integrator& gui
   std::vector<Candidate> candidates;
   for (const Candidate& c : all)
     if (light_missed(c.integrator, world.scene).empty()) candidates.push_back(c);
-  // Where each misses some, the first misses least.
+  // If all miss some light, the first misses least.
   if (candidates.empty()) candidates.push_back(all.front());
   return candidates;
 }
 
 std::vector<Candidate> expecting_connections(const World& world, std::vector<Candidate> candidates,
                                              int max_depth) {
-  // Those of one guiding have the same walks.
+  // Candidates with the same guiding have the same walks.
   std::vector<std::pair<Guiding, LightVertices>> known;
   for (Candidate& c : candidates) {
     Mixture& m = c.integrator.mixture;

@@ -8,11 +8,11 @@ namespace {
 
 constexpr double kUnknown = 100;  // variance of the level
 // Effects of traits on the logarithm: mean and standard deviation over scenes, and standard
-// deviation of the measurement's systematic errors. Rough: half or twice of them choose about
-// alike.
+// deviation of the measurement's systematic errors. Rough values: halving or doubling them hardly
+// changes the choices.
 constexpr std::array<double, kTraits> kMeans{-0.3, -0.3, 0.8, 0, 0.2},
     kEffects{1, 0.5, 0.8, 0.5, 0.2}, kErrors{0.25, 0.15, 0.2, 0.2, 0.1};
-constexpr double kOwn = 0.2, kOwnError = 0.1;  // of what is a candidate's own
+constexpr double kOwn = 0.2, kOwnError = 0.1;  // of the effect of one candidate alone
 constexpr double kTails = 2;  // the jackknife misses bright paths that no batch has met
 constexpr double kNinety = 1.645;
 
@@ -24,7 +24,7 @@ Measured measured(const std::vector<Evidence>& all) {
   const size_t n = all.size(), batches = all[0].costs.size();
   const auto m = static_cast<double>(batches);
   Measured out{std::vector<double>(n), std::vector<double>(n * n)};
-  std::vector<std::vector<double>> without(n);  // each batch, less the mean of these
+  std::vector<std::vector<double>> without(n);  // logs without each batch, less their mean
   for (size_t i = 0; i < n; ++i) {
     double sum = 0, mean = 0;
     for (const double c : all[i].costs) sum += c;
@@ -55,7 +55,7 @@ double expected(const Evidence& e) {
   return sum;
 }
 
-// X of A X = B, A positive definite; all n x n, row by row.
+// Solves A X = B, A positive definite; all n x n, row by row.
 std::vector<double> solved(std::vector<double> A, std::vector<double> B, size_t n) {
   for (size_t k = 0; k < n; ++k)
     for (size_t i = 0; i < n; ++i) {

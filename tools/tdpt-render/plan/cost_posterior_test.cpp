@@ -1,5 +1,5 @@
-// Of simulated measurements whose truth is known: noise wins no choice, and intervals hold the
-// truth; twins that are told of too little noise do neither.
+// Simulated measurements with known truth: noise wins no choice, and intervals hold the truth. The
+// twins, whose noise is understated, fail both.
 #include "tools/tdpt-render/plan/cost_posterior.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ double normal(Rng& rng) {
   return std::normal_distribution<double>()(rng);
 }
 
-// Of that cost, with batches of mean 1 and log-normal noise around it.
+// A candidate of that cost: batches of mean 1 with log-normal noise.
 Evidence measured(Rng& rng, double cost, double noise, std::array<bool, kTraits> traits = {}) {
   Evidence e{traits, {}};
   for (size_t b = 0; b < kBatches; ++b)
@@ -31,7 +31,7 @@ double mean(const Evidence& e) {
   return std::accumulate(e.costs.begin(), e.costs.end(), 0.0) / kBatches;
 }
 
-// The same mean, batches that agree ten times as well.
+// The same mean, with a tenth of the noise.
 Evidence smoothed(Evidence e) {
   const double m = mean(e);
   for (double& c : e.costs) c = m + 0.1 * (c - m);
@@ -46,9 +46,9 @@ size_t least(const std::vector<Evidence>& all) {
   return best;
 }
 
-// One that is calm, and eight that are noisy and cost more.
+// One low-noise candidate, and eight noisy ones that cost more.
 struct Lost {
-  double plainly = 0, judged = 0, smoothed = 0;  // of all trials, as logarithms
+  double plainly = 0, judged = 0, smoothed = 0;  // sums over all trials, as logarithms
 };
 Lost lost() {
   Lost sum;

@@ -13,12 +13,13 @@ std::optional<int> shorter(const Session& session) {
   return {};
 }
 
-// In rounds, each as large as all before, so that a short time is not overrun by much.
+// Draws the pilot in rounds, each as large as all before, so that a short time limit is hardly
+// exceeded.
 void look_around(const Session& session, Pilot& pilot, Film& film) {
   const RenderSettings& settings = session.settings;
   const auto spp = static_cast<double>(spp_foreseen(settings));
   const bool by_clock = settings.seconds > 0;
-  const double time = 0.5 * kPilotShare * settings.seconds;  // the last round is the rest
+  const double time = 0.5 * kPilotShare * settings.seconds;  // the last round takes the other half
   if (spp > 0 && !can_spare(spp, session.pixels, pilot)) return;
   for (uint64_t n = kFewestGroups; n > 0 && !stop_requested();) {
     pilot.draw(n, film);

@@ -1,4 +1,5 @@
-// All that is decided before the first sample of a picture: who renders it, and how many samples.
+// Everything decided before the first sample of a picture: the integrator and the number of
+// samples.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,29 +11,29 @@
 
 namespace tdpt {
 
-/// What was found out before, for the plan.
+/// What the exploration found, for the plan.
 struct Known {
   std::vector<PortalWay> ways;       ///< which way portals work; empty: as drawn
-  std::optional<Truncation> beyond;  ///< what the limit of depth leaves out
+  std::optional<Truncation> beyond;  ///< light lost by the limit of depth
 };
 
 struct Decision {
-  Plan plan;               ///< what was decided by measuring
-  bool cut_short = false;  ///< a signal came before it was: another run would decide otherwise
+  Plan plan;               ///< everything decided by measuring
+  bool cut_short = false;  ///< by a signal: another run would decide otherwise
   SampleCount count;
   std::optional<int> longest;  ///< path worth sampling, if shorter than asked [longest_path.h]
-  size_t chosen = 0;           ///< which of the candidates renders
+  size_t chosen = 0;           ///< index of the candidate that renders
   std::string chosen_label;    ///< empty when there is only one
-  Forecast forecast;           ///< of the candidates; no estimates where none was looked at
-  uint64_t pilot_samples = 0;  ///< samples that they are told from
+  Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
+  uint64_t pilot_samples = 0;  ///< samples behind the forecast
   double pilot_cpu_seconds = 0;
 };
 
-/// The best of the candidates, found by a pilot if the budget allows one [pilot.h], else the first;
-/// and its samples. `film`: empty, as large as the picture; it is left so.
+/// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and its
+/// number of samples. `film`: empty, of the picture's size; it is left empty.
 Decision decided(Session& session, const std::vector<Candidate>& candidates, const Known& known,
                  Film& film);
-/// What a plan says.
+/// The decision that a plan records.
 Decision obeyed(const Plan& plan, const Session& session, const std::vector<Candidate>& candidates);
 
 }  // namespace tdpt

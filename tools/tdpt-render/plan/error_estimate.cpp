@@ -17,7 +17,7 @@ double mean_magnitude(const PictureParts& parts) {
   return sum / (3 * static_cast<double>(parts.size() * parts[0].size()));
 }
 
-// What one component of one pixel tells.
+// Terms of one component of one pixel.
 struct Told {
   double high = 0, low = 0, denominator = 1, sum = 0;
 };
@@ -41,7 +41,7 @@ Told tell(const PictureParts& parts, size_t pixel, int c, double dark) {
   return t;
 }
 
-// Relative standard error of the mean of a few.
+// Relative standard error of the mean of a small sample.
 double relative_error(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
   double mean = 0, squares = 0;
@@ -50,14 +50,14 @@ double relative_error(const std::vector<double>& values) {
   return mean > 0 ? std::sqrt(squares / (n - 1) / n) / mean : 0;
 }
 
-// Quantile of a gamma distribution of mean 1 and relative standard deviation `deviation` (Wilson
-// and Hilferty), of the standard normal's `z`.
+// Quantile of a gamma distribution of mean 1 and relative standard deviation `deviation`, for the
+// standard normal's `z` (Wilson and Hilferty).
 double quantile(double deviation, double z) {
   const double root = 1 - deviation * deviation / 9 + z * deviation / 3;
   return std::pow(std::max(root, 1.0), 3);
 }
 
-// m 2^j, m < 16, not below n.
+// The least m 2^j, m < 16, not below n.
 uint64_t rounded_up(uint64_t n) {
   const int bits = static_cast<int>(std::bit_width(n));
   if (bits <= 4) return std::max<uint64_t>(n, 1);
@@ -106,10 +106,10 @@ double interval_factor(const ErrorEstimate& estimate) {
 uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t samples,
                         double target) {
   constexpr double kMost = 0x1p32, kNinetyFive = 1.645;
-  constexpr double kMargin = 1.1;  // for what the estimate is too small by
+  constexpr double kMargin = 1.1;  // the estimate may be a tenth too small
   const double plain = static_cast<double>(samples) * estimate.relmse / target;
   if (!(plain > 0)) return 1;
-  // The estimate is off, and the picture is better or worse than such pictures are on average.
+  // Variance of the estimate, and of this picture about the mean of such pictures.
   const double known = static_cast<double>(parts * samples);
   const double variance =
       estimate.spread * estimate.spread * (1 + known / std::max(plain, 1.0)) + 2 / estimate.pixels;

@@ -1,19 +1,20 @@
-// The relMSE of a picture, as exrdiff says it against a converged one, told without that: from
-// parts, pictures of the same number of samples whose random numbers have nothing in common.
+// Estimates the relMSE of a picture (as exrdiff reports it against a converged one) without a
+// reference: from parts, which are pictures of equally many samples with independent random
+// numbers.
 //
 // x_k     part k of K; r the truth, M the mean of all parts
-// v       variance of a pixel's component over the parts; m its mean, m_ab that of the parts but a
+// v       variance of a pixel's component over the parts; m its mean, m_ab the mean without parts a
 //         and b
 // relMSE  of one part: mean over pixels and components of E[(x_k - r)^2] / (r^2 + 0.01 M^2)
 //
-//   high  = mean of (x_a - x_b)^2 / 2 / (m_ab^2 + 0.01 M^2), b the part after a, round and round:
-//           above and below are independent, but 1/m^2 is convex: too large on average
-//   low   = mean of v / (max(m^2 - v/K, 0) + 0.01 M^2): no bias above nor, before it is cut at 0,
-//           below, but one bright sample raises both: too small on average
-//   relMSE is taken for the geometric mean of the two. Where that of a part is 0.5 or less both are
-//   within a fifth of the truth, and their geometric mean within a tenth.
+//   high  = mean of (x_a - x_b)^2 / 2 / (m_ab^2 + 0.01 M^2), b the part after a, cyclically:
+//           numerator and denominator are independent, but 1/m^2 is convex: biased high
+//   low   = mean of v / (max(m^2 - v/K, 0) + 0.01 M^2): numerator unbiased, and the denominator too
+//           before it is clamped at 0, but one bright sample raises both: biased low
+//   The estimate is the geometric mean of the two. Where the relMSE of a part is at most 0.5, both
+//   are within a fifth of the truth and their geometric mean is within a tenth.
 //
-// Bright paths that no part met are missing from it, as from any estimate.
+// Like any estimate it misses bright paths that no part met.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -22,50 +23,52 @@
 
 namespace tdpt {
 
-/// All parts as large; the pixels of each.
+/// The pixels of each part; all parts have the same size.
 using PictureParts = std::vector<std::vector<Rgb>>;
 
 struct ErrorEstimate {
-  bool lit = false;   ///< there is a pixel that is not black
+  bool lit = false;   ///< some pixel is not black
   double relmse = 0;  ///< of one part
-  /// Relative standard error of that: the larger of what parts and what pixels show.
+  /// Its relative standard error: the larger of those over parts and over pixels.
   double spread = 0;
   double pixels = 1;
 };
 
-/// From two parts or more; `high` needs three.
+/// Needs two parts or more; `high` needs three.
 ErrorEstimate estimate_error(const PictureParts& parts);
 
-/// Whether that is within about a tenth of the truth, as far as chance lets it; else it may be many
-/// times too large.
+/// Whether the estimate is within about a tenth of the truth, apart from chance; otherwise it may
+/// be many times too large.
 inline bool tells(const ErrorEstimate& estimate) {
   return estimate.lit && estimate.relmse <= 0.5;
 }
 
-/// About 95 %: the estimate, times and over this.
+/// Multiply and divide the estimate by this for its interval of about 95 %.
 double interval_factor(const ErrorEstimate& estimate);
 
-/// How many samples of each pixel meet `target`, with about 95 % chance as far as the estimate
-/// shows, told from `parts` parts of `samples` samples of each pixel: relMSE falls as 1/N at least,
-/// times a safety factor. At most 2^32, and of the form m 2^j, m < 16: of those, blocks of a
-/// fourth to an eighth complement each other as samples of powers of two do.
+/// Samples per pixel that meet `target` with about 95 % chance, as far as the estimate from `parts`
+/// parts of `samples` samples per pixel shows: relMSE falls at least as 1/N; a safety factor is
+/// added. At most 2^32, and of the form m 2^j, m < 16: blocks of a fourth to an eighth of such a
+/// number are as well stratified as samples in powers of two.
 uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t samples,
                         double target);
 
-/// Cuts the samples of a picture, as they come, into four to seven blocks of 2^j each. Samples of a
-/// pixel complement each other, across blocks too, so the picture is better than blocks tell.
+/// Cuts the samples of a picture, as they arrive, into four to seven blocks of 2^j each. The
+/// samples of a pixel are stratified, across blocks too, so the picture is better than the blocks
+/// predict.
 class PictureBlocks {
  public:
   PictureBlocks() = default;
-  /// As they were: of `size` samples each, `before` the sums that the last one ended with.
+  /// Restores blocks of `size` samples each; `before`: the picture's sums at the end of the last
+  /// one.
   PictureBlocks(uint64_t size, PictureParts blocks, std::vector<Vec3d> before)
       : size_(size), blocks_(std::move(blocks)), before_(std::move(before)) {}
-  /// The number of samples that ends the block that is being made.
+  /// Number of samples at which the current block ends.
   uint64_t next() const { return (blocks_.size() + 1) * size_; }
-  /// The sums of the picture's first next() samples.
+  /// `sums`: of the picture's first next() samples.
   void add(const std::vector<Vec3d>& sums);
   const PictureParts& blocks() const { return blocks_; }
-  uint64_t size() const { return size_; }  ///< samples of a block
+  uint64_t size() const { return size_; }  ///< samples per block
   const std::vector<Vec3d>& before() const { return before_; }
 
  private:

@@ -1,4 +1,4 @@
-// Pictures without a renderer: pixels whose samples are log-normal, so that the truth is known.
+// Synthetic pictures: pixels with log-normal samples, so that the truth is known.
 #include "tools/tdpt-render/plan/error_estimate.h"
 
 #include <algorithm>
@@ -39,14 +39,14 @@ class Synthetic {
     return picture;
   }
   double denominator(size_t i) const { return truth_[i] * truth_[i] + 0.01 * mean_ * mean_; }
-  // Of a sample, on average.
+  // Expected relMSE of one sample.
   double relmse() const {
     double sum = 0;
     for (size_t i = 0; i < pixels(); ++i)
       sum += truth_[i] * truth_[i] * std::expm1(sigma_ * sigma_) / denominator(i);
     return sum / static_cast<double>(pixels());
   }
-  // Of that picture, as exrdiff says it.
+  // Of that picture, as exrdiff reports it.
   double relmse(const std::vector<Rgb>& picture) const {
     double sum = 0;
     for (size_t i = 0; i < pixels(); ++i) {
@@ -61,7 +61,7 @@ class Synthetic {
   std::vector<double> truth_;
 };
 
-// Mean estimate over the true relMSE of a part; `shared`: the parts have the same random numbers.
+// Mean estimate over the true relMSE of a part; `shared`: the parts share their random numbers.
 double told_over_truth(uint64_t samples, uint64_t count, bool shared) {
   const Synthetic scene(512, 1);
   double told = 0;
@@ -107,10 +107,10 @@ TEST(error_estimate, is_finite_from_faint_to_bright) {
   }
 }
 
-// Pictures of as many samples as a pilot fixes. `naive`: its error is over the squares of the
+// Pictures of as many samples as a pilot fixes. `naive`: the pilot divides by the squares of the
 // parts' own noisy pixels.
 struct Coverage {
-  double met = 0, median = 0;  ///< share of pictures; target over what they have
+  double met = 0, median = 0;  ///< share of pictures; target over their relMSE
 };
 Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
   const Synthetic scene(pixels, sigma);
@@ -163,9 +163,10 @@ TEST(error_estimate, twin_an_error_over_the_noisy_picture_itself) {
   EXPECT_LT(coverage(256, 1.2, 0.05, true).met, 0.8);
 }
 
-// How far pictures are off on average, in standard errors of one; target: what `kNeeded` samples
-// have on average. With a retry: twice as many are fixed, and where they miss the target by
-// their own estimate more are, once. `looking`: the picture ends as soon as it looks good enough.
+// Mean deviation of pictures from the truth, in standard errors of one; the target is the mean
+// relMSE of `kNeeded` samples. With a retry twice as many samples are fixed, and a picture that
+// misses the target by its own estimate gets more, once. `looking`: the picture ends as soon as it
+// looks good enough.
 constexpr uint64_t kNeeded = 12;
 struct Bias {
   double off = 0, retried = 0;  ///< standard errors; share of pictures
@@ -230,7 +231,7 @@ TEST(error_estimate, samples_are_few_bits_and_enough) {
     while (m % 2 == 0) m /= 2;
     EXPECT_LT(m, 16u) << n;
   }
-  // Of one pixel any picture may be off by more than most are.
+  // The error of one-pixel pictures scatters more than that of large ones.
   e.pixels = 1;
   EXPECT_GT(samples_needed(e, 8, 1, 0.01), 300u);
   e.pixels = 1e6;

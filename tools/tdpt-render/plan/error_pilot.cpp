@@ -5,15 +5,15 @@
 namespace tdpt {
 namespace {
 
-// Samples of all pixels together. Fewer tell nothing of small pictures; where so many, and so many
-// of each pixel, met no light, more are not tried.
+// Counts over all pixels. With fewer than kFewest samples small pictures give no estimate; after
+// kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
 constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
-// Parts as large as a fourth of the picture are enough whatever they tell; an eighth where it is
-// told well, and never more than so many samples of each pixel then.
+// A fourth of the picture's samples is enough in any case; an eighth, and at most kMostIfKnown
+// samples per pixel, if the estimate is good.
 constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 15;
 constexpr double kKnown = 0.1, kCalm = 0.3;
-// Where the picture takes so few samples of each pixel, parts of a fourth tell too little, and more
-// are cheap.
+// Where the picture takes at most that many samples per pixel, a fourth of them may give no
+// estimate, and more are cheap.
 constexpr uint64_t kFewSamples = 32;
 
 bool is_enough(const ErrorPilot& pilot, uint64_t picture) {

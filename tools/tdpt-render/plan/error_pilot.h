@@ -1,7 +1,9 @@
-// How many samples a picture needs for a relMSE that is asked for, told before it is rendered: two
-// stages, as Stein's for a mean, so that when to stop does not depend on the picture's own samples.
-// Eight parts of the picture with random numbers of their own are rendered, twice as many samples
-// each time, until they tell enough [error_estimate.h]; they are thrown away.
+// How many samples a picture needs to meet a given relMSE, estimated before it is rendered.
+//
+// Method: two-stage sampling, as Stein's for a mean, so that the stopping point does not depend on
+// the picture's own samples. Eight parts with random numbers of their own are rendered with
+// doubling numbers of samples until their estimate suffices [error_estimate.h]; they are thrown
+// away.
 #pragma once
 #include <functional>
 #include <optional>
@@ -13,29 +15,29 @@ namespace tdpt {
 
 struct ErrorPilot {
   static constexpr uint64_t kParts = kErrorPilotRounds.count;
-  /// Of parts of so many samples of each pixel.
+  /// Parts of that many samples per pixel.
   struct Round {
     uint64_t samples = 0;
     ErrorEstimate estimate;
   };
-  std::vector<Round> rounds;  ///< each of twice as many; none: it was given up before that
-  uint64_t needed = 0;        ///< samples of each pixel; 0: it is not known
+  std::vector<Round> rounds;  ///< each of twice as many samples; none: given up before the first
+  uint64_t needed = 0;        ///< samples per pixel; 0: unknown
 
   uint64_t part_samples() const { return rounds.empty() ? 0 : rounds.back().samples; }
-  /// That tells most of a picture of `samples`: the last one that is no larger, since relMSE falls
-  /// as 1/N at least; where that one tells too little, or there is none, the next that tells
-  /// enough. There is a round.
+  /// The round that best predicts a picture of `samples`: the last that is no larger, since relMSE
+  /// falls at least as 1/N; if there is none, or its estimate does not suffice, the next that does.
+  /// Needs a round.
   const Round& about(uint64_t samples) const;
 };
 
-/// Sums over those samples of a part, pixel by pixel; nothing to give up.
+/// Sums over those samples of a part, by pixel; nothing to give up.
 using DrawPart =
     std::function<std::optional<std::vector<Vec3d>>(uint64_t part, const SampleRange& samples)>;
 
-/// `most`: samples of each pixel that the picture will have at the most.
+/// `most`: upper limit of the picture's samples per pixel.
 ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw);
 
-/// Gives up soon after `give_up` says so. The film is as large as the picture; it is left empty.
+/// Gives up soon after `give_up` returns true. The film has the picture's size; it is left empty.
 ErrorPilot run_error_pilot(SampleRenderer& renderer, const Integrator& integrator,
                            const SampleRules& rules, double target, uint64_t most,
                            const std::function<bool()>& give_up, Film& film, Progress& progress);

@@ -11,9 +11,8 @@
 namespace tdpt {
 namespace {
 
-constexpr int kDeepest = 8;  // edges, where no limit asks for what lies beyond
+constexpr int kDeepest = 8;  // edges, if no limit of depth asks for longer paths
 
-// The observers, of a part of the samples.
 struct Observers {
   Observers(const std::vector<PassedPortals::Opening>& openings, int depth)
       : passed(openings), by_depth(depth), max_depth(depth) {}
@@ -35,11 +34,11 @@ struct Observers {
   int max_depth;
 };
 
-// One sample of each pixel of the world's film.
+// Renders one sample for each pixel of the world's film.
 Observers look(const World& world, const std::vector<PassedPortals::Opening>& openings,
                int max_depth, uint64_t seed, uint64_t round) {
   const int width = world.film.width(), height = world.film.height();
-  // Its samples are few: each makes a light walk and draws a segment.
+  // With so few samples each makes its own light walk and draws a segment.
   Mixture mixture = tdpt_guided.mixture;
   mixture.light_walks = mixture.segments = 1;
   const SampleSettings how{mixture, max_depth < kMaxDepth ? kMaxDepth : kDeepest, 1, seed,
@@ -73,8 +72,8 @@ FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels)
   return FilmPlane(camera, size(pixels / height), height);
 }
 
-// A world that is to have another film and other portals for a while. Next events look for the sky
-// as they did.
+// Swaps the world's film and restores film and portals at the end of the scope. Next events towards
+// the sky stay as they were.
 class Lent {
  public:
   Lent(World& world, FilmPlane film) : world_(world), film_(world.film), drawn_(world.portals) {

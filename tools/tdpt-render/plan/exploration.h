@@ -1,10 +1,10 @@
-// A first look at a scene, before anything is chosen: a few samples of the picture, which several
-// observers see and which are then thrown away, so that nothing they decide can bias the picture.
+// A first look at a scene, before anything is chosen: a few samples, which several observers see
+// and which are then thrown away, so that no decision made from them can bias the picture.
 //
-// Method: a small picture is rendered by tdpt-guided through all portals, each working both ways,
-// one sample of each pixel. Every path that brings light, whichever technique made it, is seen with
-// its weighted luminance by those who ask which way light passes portals [portal_ways.h], which
-// kind of light arrives [arrival.h], and what a limit of depth leaves out [truncation.h].
+// Method: tdpt-guided renders a small picture, one sample per pixel, through all portals, each
+// working both ways. Every path that carries light, whichever technique made it, is passed with its
+// weighted luminance to the observers: which way light passes portals [portal_ways.h], which kind
+// of light arrives [arrival.h], and how much a limit of depth leaves out [truncation.h].
 #pragma once
 #include <optional>
 
@@ -19,18 +19,18 @@ struct Explored {
   std::vector<PortalWay> ways;     ///< by portal
   std::vector<PortalLight> light;  ///< by portal
   Lights::KindProbabilities arriving;
-  std::optional<Truncation> beyond;  ///< where there is a limit of depth
-  uint64_t samples = 0;              ///< that were drawn
+  std::optional<Truncation> beyond;  ///< if there is a limit of depth
+  uint64_t samples = 0;
 };
 
-/// Share of a picture's samples that it may take, beside a pilot and where there is none, and how
-/// many are enough or tell nothing.
+/// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their
+/// number.
 inline constexpr double kShareBesidePilot = 0.005, kShareAlone = 0.02, kExplorationEnough = 3072,
                         kExplorationFewest = 128;
 
-/// A function of scene, camera, aspect of the picture, portals, rules and `samples`: the small
-/// picture has about so many pixels, and a second one, for portals that few samples of the first
-/// passed, as many again. `world` must hold the portals' scene; it is as before afterwards.
+/// A function of scene, camera, aspect of the picture, portals, rules and `samples`. The small
+/// picture has about `samples` pixels; a second one, for portals that few samples of the first
+/// passed, has as many. `world` must hold the portals' scene; it is restored afterwards.
 Explored explore(World& world, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples = kExplorationEnough);
 

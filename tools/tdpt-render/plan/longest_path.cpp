@@ -6,7 +6,7 @@
 namespace tdpt {
 namespace {
 
-// All of a scene lies within the cube [-1,1]^3 of its canonical frame [Frame].
+// The canonical frame puts the whole scene in the cube [-1,1]^3 [Frame].
 bool beyond(const Vec3d& inwards, const Vec3d& apex) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3d at(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);

@@ -1,4 +1,4 @@
-// A picture that no path can bring light to takes no paths.
+// No path is sampled for a picture that no path can light.
 #include "tools/tdpt-render/plan/longest_path.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ Scene under_a_sky(Scene scene) {
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1.0f)}}, 0.0);
   return scene;
 }
-// Stands above the roof and looks up, `degrees` from there towards the camera's right.
+// Above the roof, looking up, turned by `degrees` towards the camera's right.
 Camera from_above(const Scene& scene, double degrees) {
   const double a = degrees * std::numbers::pi / 180;
   Camera camera = scene.camera("");
@@ -82,8 +82,8 @@ TEST(longest_path, is_the_cameras_ray_where_only_the_sky_is_seen) {
   for (const Rgb& p : r.picture.pixels) EXPECT_NEAR(p.x, 1, 1e-5);
 }
 
-// Twin: whoever sees a corner of the scene samples as ever. The cube is seen from 4 above it under
-// an angle of 2 atan(sqrt(2)/4) about the way down.
+// Twin: a camera that sees a corner of the scene samples as usual. From 4 above its centre the cube
+// fills a cone of 2 atan(sqrt(2)/4) about the downward direction.
 TEST(longest_path, is_as_asked_for_where_a_surface_may_be_seen) {
   const Scene scene = rooms();
   for (const double degrees : {160.0, 180.0, 200.0}) {
@@ -96,7 +96,7 @@ TEST(longest_path, is_as_asked_for_where_a_surface_may_be_seen) {
   EXPECT_EQ(longest_path(inside, 7, false), 7);
 }
 
-// Never false where a ray of the camera meets something.
+// Never false if a camera ray hits something.
 TEST(longest_path, never_passes_by_what_a_ray_meets) {
   const Scene scene = rooms();
   size_t met_in = 0, passed_by = 0;

@@ -1,6 +1,6 @@
-// How noisy a picture is, told while it is rendered, for people: when it ends does not depend on
-// it. From blocks of its own samples [error_estimate.h], of some of its pixels, so that it costs
-// next to nothing.
+// Estimates the noise of a picture while it renders, for display only: the stopping point does not
+// depend on it. It uses blocks of the picture's own samples [error_estimate.h] at some of its
+// pixels, so that it costs next to nothing.
 #pragma once
 #include <optional>
 #include <string>

@@ -17,7 +17,7 @@ double mean_of(size_t pixel) {
   return 0.1 + static_cast<double>(pixel % 17);
 }
 
-// `again`: every block of four samples has the random numbers of the first.
+// `again`: every block of four samples repeats the random numbers of the first.
 void add_samples(Film& film, uint64_t n, uint64_t seed, bool again) {
   const uint64_t first = film.samples();
   for (uint64_t s = first; s < first + n; ++s)
@@ -41,8 +41,8 @@ double true_relmse(const Film& film) {
   return sum / static_cast<double>(sums.size());
 }
 
-// What is told of a picture of `samples`, over the truth; `before`: samples that were there when
-// the watch began.
+// Estimated noise of a picture of `samples`, over the truth; `before`: samples rendered before the
+// watch began.
 double told_over_truth(uint64_t samples, uint64_t before = 0, bool again = false) {
   Film film(kWidth, kHeight, 1);
   if (before > 0) add_samples(film, before, 3, again);
@@ -100,7 +100,7 @@ TEST(noise, is_not_told_from_three_samples_or_of_the_dark) {
   EXPECT_FALSE(watch.noise(film));
 }
 
-// The pixels that are watched lie in every column, whatever the width.
+// The watched pixels cover every column, whatever the width.
 TEST(noise, is_told_where_light_falls_into_one_column_alone) {
   for (const int width : {1024, 1000, 640, 777}) {
     Film film(width, 1024, 1);

@@ -1,4 +1,4 @@
-// How a pilot draws its samples, and what each path says of all candidates [pilot.h].
+// How a pilot draws its samples, and evaluates each path for all candidates [pilot.h].
 #include "tools/tdpt-render/plan/pilot.h"
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kChunk = 64;  // groups that are added up in a row
-constexpr double kAlike = 1.05;  // most of moments over the least
+constexpr uint64_t kChunk = 64;  // groups that one thread sums in order
+constexpr double kAlike = 1.05;  // greatest moment over least
 
 bool directed(const Candidate& c) {
   return c.integrator.mixture.guiding != Guiding{};
 }
 
-// What a run's walks and next events have to be alike in to stand for those of a candidate.
+// A run stands for the candidates whose walks and next events are of the same manner.
 enum class Manner { plain, looking_out, directed };
 
 Manner manner(const World& world, const Candidate& c) {
@@ -32,7 +32,7 @@ int techniques(const Candidate& c) {
   return std::popcount(c.integrator.mixture.techniques.bits());
 }
 
-// Which of the parts of the picture, across or down, a pixel lies in.
+// Index of the block, across or down, in which a pixel lies.
 int64_t part_of(int64_t at, int64_t size) {
   return at * PilotSums::kAcross / size;
 }
@@ -64,16 +64,16 @@ bool begins_with_a_light_walk(Strategy s) {
          (s.technique == Technique::portal && s.split > 0);
 }
 
-// A path that a sample's camera walk makes with a light walk or a segment of the cache, as a
-// candidate would.
+// A path of a sample's camera walk with a light walk or a segment of the cache, as a candidate
+// would make it.
 struct Connected {
-  double brought;  // when the candidate has that walk
-  double often;    // that it has it, over the run's
-  double chance;   // that the path is then made; of what is seldom made the square is so much more
+  double brought;  // contribution, given that the candidate has that walk
+  double often;    // how often it has it, relative to the run
+  double chance;   // that the path is then made; a rarer path has a square as much larger
 };
 
-// What paths of one sample have in common, of one candidate: X^2 less the sum of squares of its
-// paths, as it would be expected of the candidate.
+// Correlation of the paths of one sample, for one candidate: the expectation of X^2 less the sum of
+// squares of its paths.
 class Together {
  public:
   void clear() {
@@ -100,8 +100,7 @@ class Together {
   double lit = 0;               // of paths that begin with light walks
 
  private:
-  // Two paths of one walk are made together about as often as the geometric mean of how often each
-  // is.
+  // Two paths of one walk occur together about as often as the geometric mean of their frequencies.
   struct Walk {
     const Vertex* y;
     double sum = 0, squares = 0, lit = 0;
@@ -109,7 +108,7 @@ class Together {
   std::vector<Walk> walks_;
 };
 
-// One sample of a run, seen by all candidates.
+// One sample of a run, evaluated for all candidates.
 class PilotSample {
  public:
   PilotSample(const Pilot& pilot, size_t run, PilotSums& sums)
@@ -129,7 +128,7 @@ class PilotSample {
     for (Together& t : together_) t.clear();
   }
 
-  /// Of the samples that a cache has in pictures, how many this one has.
+  /// Samples of this cache over those of a picture's.
   void share_of_cache(double share) { share_of_cache_ = share; }
 
   void see(const Contribution& found) {
@@ -163,7 +162,7 @@ class PilotSample {
                                part_of(x, pilot_.world_.film.width()));
   }
 
-  // Where a path falls that no sample of its pixel has made.
+  // Block of a splat, whose pixel is not the sample's.
   size_t block_of(const Path& path) const {
     const FilmPlane& film = pilot_.world_.film;
     double x = 0, y = 0;
@@ -177,8 +176,7 @@ class PilotSample {
     sums_.squares[block] += light * light;
   }
 
-  // A path from the camera, or one that candidate i makes as the run does, in the sample's own
-  // pixel.
+  // A path from the camera, in the sample's own pixel, that candidate i makes as the run does.
   void bring(size_t i, double brought) {
     Together& t = together_[i];
     t.sum += brought;
@@ -186,14 +184,14 @@ class PilotSample {
     if (pilot_.home_[i] == run_) record_->x[i] += brought;
   }
 
-  // A path that begins with a light walk of the run, or has its segment.
+  // A path with a light walk of the run, or with its segment.
   void bring(size_t i, const Connected& j, const Vertex* walk) {
     if (pilot_.lit_by_[i] == run_) together_[i].add(walk, j);
     if (pilot_.home_[i] == run_) record_->x[i] += j.brought * j.often;
   }
 
-  // Of each candidate. The run knows the densities of its own walks, and where it is not directed
-  // those are the plain ones.
+  // By candidate. The run knows the densities of its own walks; an unguided run's are the plain
+  // ones.
   const std::vector<StrategySums>& sums_of(const Path& path, Strategy strategy) {
     const Mixture& own = mixture(pilot_.runs_[run_]);
     const bool is_plain = own.guiding == Guiding{};
@@ -222,16 +220,16 @@ class PilotSample {
     for (const size_t r : pilot_.runs_) all_runs += of[r].counted;
     const size_t own = pilot_.runs_[run_];
     if (!(of[own].used > 0 && std::isfinite(all_runs))) return;
-    // v_s, over the samples that were really made: E[n_s] of them on average.
+    // v_s over the samples really made: E[n_s] on average.
     const auto per_sample = [&](size_t i) {
       return mixture(i).sample_weight(strategy.technique, strategy.split, path.k()) / times;
     };
     const auto samples_of = [&](size_t i) {
       return mixture(i).samples_of(strategy.technique, strategy.split, path.k());
     };
-    // Of all samples of the strategy: f = value p, `used` n_s p.
+    // Over all samples of the strategy: f = value p, `used` = n_s p.
     const double f = light * times / samples_of(own) * of[own].used;
-    const double share = f * per_sample(own) / all_runs;  // of the picture, both runs together
+    const double share = f * per_sample(own) / all_runs;  // of the picture, all runs together
     const bool segment = strategy.technique == Technique::portal;
     const bool splat = strategy.technique == Technique::light ||
                        (segment && Mixture::sees_segment(strategy.split, path.k()));
@@ -255,7 +253,7 @@ class PilotSample {
         bring(i, brought);
         continue;
       }
-      // Samples of it that are made for each that the run makes, were all connected.
+      // Samples that the candidate makes for each of the run's, if all were connected.
       const double more = samples_of(i) / samples_of(own);
       const int walk = segment ? strategy.split : 0;
       bring(i, {brought, of[i].used / of[own].used / more, std::min(1.0, chance / more)},
@@ -276,7 +274,7 @@ class PilotSample {
   size_t block_ = 0, batch_ = 0;
   double share_of_cache_ = 1;
   PilotRecord* record_ = nullptr;
-  std::vector<Together> together_;  // of each candidate
+  std::vector<Together> together_;  // by candidate
   std::vector<StrategySums> of_;
   std::vector<double> moments_;
   WalkDensities plain_, directed_;
@@ -285,7 +283,7 @@ class PilotSample {
 Pilot::Pilot(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
              const WorkTables& work)
     : world_(world), candidates_(candidates), rules_(rules), work_(work), home_(candidates.size()) {
-  // The first of those with most techniques, of each manner.
+  // For each manner, the first candidate with the most techniques.
   for (const Manner m : {Manner::plain, Manner::looking_out, Manner::directed}) {
     size_t most = candidates.size();
     for (size_t i = 0; i < candidates.size(); ++i)
@@ -308,7 +306,7 @@ Pilot::Pilot(const World& world, const std::vector<Candidate>& candidates, const
 
 namespace {
 
-// Makes samples of one run and counts the rays of each of its parts.
+// Makes samples of one run and counts the rays by phase and technique.
 class Runner {
  public:
   using Rays = std::array<RayCounts, PilotSums::kParts>;
@@ -357,8 +355,8 @@ class Runner {
 
 }  // namespace
 
-// Groups first to end of one run, one sample of each at a time, whose light walks are cached as
-// those of the picture are.
+// Draws groups [first, end) of one run, one sample of each at a time; light walks are cached as in
+// the picture.
 void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, PilotSums& sums) {
   const Integrator& integrator = candidates_[runs_[r]].integrator;
   PilotSample seen(*this, r, sums);
@@ -376,7 +374,7 @@ void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, PilotSu
     const uint64_t walking = light_walks_of(integrator.mixture, in_cache);
     cache.clear(in_cache);
     seen.share_of_cache(static_cast<double>(in_cache) / static_cast<double>(per_cache));
-    // The first `count` samples: place in the cache, group, pixel.
+    // Visits the first `count` samples: place in the cache, group, pixel.
     const auto each = [&](uint64_t count, const auto& visit) {
       for (uint64_t i = 0; i < count; ++i) {
         const auto [x, y] = spread_pixel(begin + i, world_.film.width(), world_.film.height());

@@ -1,46 +1,47 @@
-// Integrator `auto`: finds out which of several integrators renders this picture with the least
-// error x work, before it renders, from few samples.
+// Integrator `auto`: decides before rendering, from few samples, which of several integrators
+// renders this picture with the least error x work.
 //
-// Method: second moments of many estimators from the samples of one or two (as Grittmann et al.
-// 2022, "Efficiency-aware multiple importance sampling for bidirectional rendering algorithms",
-// choose numbers of samples). Every path that is found says by its densities how often each
-// candidate would find it and what it would then bring, so all candidates are judged by the same
-// paths, and one that seldom finds a bright path does not look calm because it found none.
+// Method: second moments of many estimators from the samples of one to three of them (as Grittmann
+// et al. 2022, "Efficiency-aware multiple importance sampling for bidirectional rendering
+// algorithms", choose numbers of samples). The densities of every path found tell how often each
+// candidate would find it and what it would contribute then. All candidates are thus judged by the
+// same paths, and one that seldom finds a bright path does not look noise-free because it found
+// none.
 //
-// x         path, f its luminance, s strategies of candidate i: n_s samples of density p_s, counted
-//           v_s times in the weights
-// M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moments of what
-//           candidate i makes of a sample, path by path (balance heuristic)
-// R         runs: candidates that are rendered, `home` of those whose walks, and whose next events
-//           towards a sky, are like theirs; paths of several runs are weighed by the balance
-//           heuristic among them
-// X, X'     luminance of two independent samples of one pixel, of a candidate, as its home makes
-//           them: the home's strategies that it has, with its own weights; without splats
+// x         path, f its luminance; s strategies of candidate i: n_s samples of density p_s, with
+//           sample weight v_s in the MIS weights
+// M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moment of the
+//             contributions of single paths to a sample of candidate i (balance heuristic)
+// R         runs: the candidates that are rendered. A candidate's `home` is the run whose walks and
+//           next events towards a sky are drawn like its own. Paths of several runs are weighted by
+//           the balance heuristic among them
+// X, X'     luminance of two independent samples of one pixel, of a candidate, from its home's
+//           paths: of the strategies that it has too, with its own weights, without splats
 // V_i       variance of one sample of a pixel:
 //             V_i = M_i + E[X^2 - sum of squares of its paths, each times c] - E[X X'],
-//           no bias: the second term is what the paths of one sample have in common, and what it
-//           adds that few connections are made: M_i counts all that come into question, c is the
-//           chance of one to get its ray [resampling.h]. A candidate whose walks are like none of a
-//           run takes its home's last two terms. What paths have in common that begin with a light
-//           walk is told, where there are portals, by the run that directs those, each path as
-//           often as the candidate would make it: few samples of walks that are not directed, and
-//           seldom come in, meet one.
-// I         the larger of two brightnesses: the mean of a block of pixels, the smallest that is
-//           known well, and that of the other samples of the pixel, which know a lamp or a window
-//           from the wall beside it. Paths that all candidates make alike, as those to a lamp in
-//           sight, tell nothing of these: they count by the mean of all samples of the pixel
+//             unbiased. The second term is the correlation of the paths of one sample, plus the
+//             variance of tracing few connections: M_i counts all possible ones, c is the chance
+//             that one gets its ray [resampling.h]. A candidate whose walks are drawn as in no run
+//             takes the last two terms of its home. With portals, the correlation of paths that
+//             share a light walk is estimated by the run that guides its light walks, each path as
+//             often as the candidate would make it: unguided walks seldom come in, and few samples
+//             meet one.
+// I         the larger of two brightnesses: the mean of the smallest block of pixels for which it
+//           is well known, and that of the other samples of the pixel, which tell a lamp or a
+//           window from the wall beside it. Paths that all candidates make alike, such as those to
+//           a visible lamp, do not distinguish them: they are divided by the mean of all samples of
+//           the pixel
 //
 // The error of a candidate is the mean of V_i / (I^2 + 0.01 mean^2): the relMSE of one sample per
-// pixel, as exrdiff has it but for I. Its work is told from the rays that its walks and techniques
-// take [work_model.h], never from the clock.
+// pixel, as exrdiff has it but for I. Its work is modelled from the rays that its walks and
+// techniques take [work_model.h], never from the clock. Cost is error x work; it is computed by
+// batches of samples, whose scatter says how far each candidate's cost can be trusted
+// [cost_posterior.h].
 //
-// What that costs, error x work, is told by batches of the samples, and candidates are weighed by
-// how far these agree [cost_posterior.h].
+// The error is that of independent samples. The samples of a pixel are stratified [sequence.h], and
+// low-noise candidates gain most by that.
 //
-// What is told is the error of independent samples. Samples of a pixel complement each other
-// [sequence.h], and candidates gain most by that where they are calm.
-//
-// The samples are thrown away, so nothing that is decided by them can bias the picture.
+// The samples are thrown away, so that decisions made from them cannot bias the picture.
 #pragma once
 #include <optional>
 #include <string>
@@ -57,42 +58,42 @@ namespace tdpt {
 struct CandidateEstimate {
   std::string integrator;     ///< its label
   bool with_portals = false;  ///< whether it uses them
-  double relmse = 0;          ///< of one sample per pixel; infinite where it misses light
+  double relmse = 0;          ///< of one sample per pixel; infinite if it misses light
   double work = 0;            ///< of one sample [ns]
-  double cost = 0;            ///< error x work, as it is judged
+  double cost = 0;            ///< posterior error x work
 };
 
-/// What portals are worth: the cost of the best without them over that of the best with them.
+/// Gain by portals: the cost of the best candidate without them over that of the best with them.
 struct PortalsGain : CostRatio {
-  size_t with = 0, without = 0;  ///< which candidates these are
+  size_t with = 0, without = 0;  ///< their indices
 };
 
 struct Forecast {
   std::vector<CandidateEstimate> estimates;
-  size_t best = 0;                     ///< the first where none met light
-  std::optional<PortalsGain> portals;  ///< none: there are not both, or none met light
+  size_t best = 0;                     ///< the first if none met light
+  std::optional<PortalsGain> portals;  ///< none: one kind is missing, or none met light
 };
 
 /// Samples of a pixel that are drawn together.
 inline constexpr size_t kPilotGroup = 4;
 
-/// What a sample of a run says of each candidate.
+/// One sample of a run, evaluated for each candidate.
 struct PilotRecord {
-  double brought = 0;           ///< luminance, as the run brings it to the sample's own pixel
-  double alike = 0;             ///< moment of paths that all candidates make alike
+  double brought = 0;           ///< luminance that the run adds to the sample's own pixel
+  double alike = 0;             ///< second moment of paths that all candidates make alike
   std::vector<double> moments;  ///< of its own pixel
-  // X, where the run is the candidate's home; what it tells of X^2 less the squares of its paths.
+  // X, where the run is the candidate's home; its term X^2 less the squares of its paths.
   std::vector<double> x, common;
 };
 
-/// Sums over all samples, of what they bring to other pixels or need no others for.
+/// Sums over all samples, for splats to other pixels and for all that needs no pairs of samples.
 struct PilotSums {
-  /// Of the picture in blocks, row by row.
+  /// Blocks across the picture, and down; row by row.
   static constexpr int kAcross = 16;
   static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
-  static constexpr size_t kBatches = 16;  ///< of the groups, k-th of each sixteen
-  /// Rays of each run: those of the walks from the camera and from the light, of segments until
-  /// they are connected with the camera's side, then by technique.
+  static constexpr size_t kBatches = 16;  ///< group k belongs to batch k mod 16
+  /// Rays of each run: of camera walks, of light walks, of segments until they are connected with
+  /// the camera's side, then by technique.
   static constexpr size_t kParts = 3 + kTechniques;
 
   PilotSums() = default;
@@ -100,27 +101,27 @@ struct PilotSums {
   void merge(const PilotSums& other);
 
   std::vector<std::vector<double>> splats;  ///< M_i of splats [candidate][batch, block]
-  std::vector<double> luminance, squares;   ///< of all paths, by block; those of each, squared
-  std::vector<double> missed;               ///< of those that a candidate cannot make
+  std::vector<double> luminance, squares;   ///< of all paths, by block; squared path by path
+  std::vector<double> missed;               ///< luminance of paths that a candidate cannot make
   std::vector<std::array<RayCounts, kParts>> rays;
 };
 
 /// Judges candidates for one picture.
 class Pilot {
  public:
-  /// At least one candidate, with the connections that are to be expected of it
-  /// [expecting_connections()]. `work`: of who is to render; the pilot itself runs on the CPU.
+  /// Needs at least one candidate, with its expected connections [expecting_connections()]. `work`:
+  /// of the renderer that will render; the pilot itself runs on the CPU.
   Pilot(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
         const WorkTables& work = kCpuWork);
 
-  /// Draws more groups of samples in each run. They are left in `film`, as large as the picture.
+  /// Draws more groups of samples in each run. They accumulate in `film`, of the picture's size.
   void draw(uint64_t groups, Film& film);
   uint64_t groups() const { return blocks_.size(); }
-  /// Samples of a group, in all runs.
+  /// Samples in a group, over all runs.
   uint64_t samples_of_group() const { return kPilotGroup * runs_.size(); }
 
   Forecast forecast() const;
-  /// Of a group, in all runs [ns], once one is drawn.
+  /// Work of a group, over all runs [ns]; needs a group.
   double work_of_group() const;
 
  private:
@@ -138,24 +139,24 @@ class Pilot {
   const SampleRules rules_;
   const WorkTables work_;
   std::vector<size_t> runs_;  ///< candidates that are rendered
-  std::vector<size_t> home_;  ///< of each candidate: which of the runs
-  /// And that which tells what paths of one light walk have in common: with portals, one that
-  /// directs its light walks. Where those seldom come in by themselves, few samples see none.
+  std::vector<size_t> home_;  ///< by candidate: index of a run
+  /// By candidate: the run that estimates the correlation of paths of one light walk; with portals,
+  /// a run that guides its light walks. Unguided, they seldom come in, and few samples see one.
   std::vector<size_t> lit_by_;
-  std::vector<Guide> guides_;  ///< of each candidate
+  std::vector<Guide> guides_;  ///< by candidate
   PilotSums sums_;
-  std::vector<uint32_t> blocks_;      ///< of each group's pixel
+  std::vector<uint32_t> blocks_;      ///< by group: block of its pixel
   std::vector<PilotRecord> records_;  ///< by group, run, sample
 };
 
-/// Share of the work of a picture that a pilot may take up.
+/// Share of a picture's work that a pilot may take.
 inline constexpr double kPilotShare = 0.025;
-/// Fewer groups tell nothing, more tell enough.
+/// Fewer groups give no estimate, more add nothing.
 inline constexpr uint64_t kFewestGroups = PilotSums::kBatches, kMostGroups = 8192;
-/// Whether a picture of `spp` samples of each pixel can spare the fewest.
+/// Whether kFewestGroups fit into the pilot's share of a picture of `spp` samples per pixel.
 bool can_spare(double spp, uint64_t pixels, const Pilot& pilot);
-/// How many it can spare, kMostGroups at most, from what those that were drawn tell. As many in
-/// each batch.
+/// How many groups fit, at most kMostGroups, by the work of those drawn so far. A multiple of
+/// kBatches.
 uint64_t groups_for(double spp, uint64_t pixels, const Pilot& pilot);
 
 }  // namespace tdpt

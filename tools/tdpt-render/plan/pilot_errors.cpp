@@ -1,4 +1,4 @@
-// What a pilot tells from its samples: errors and work of candidates, how many samples it may take,
+// What a pilot derives from its samples: errors and work of candidates, its own number of samples,
 // and the choice [pilot.h].
 #include "tools/tdpt-render/plan/pilot.h"
 
@@ -11,15 +11,15 @@ namespace tdpt {
 namespace {
 
 constexpr double kDark = 0.01;    // as exrdiff's relMSE
-constexpr double kKnown = 0.2;    // relative error of what is known well
-constexpr double kMostAlike = 2;  // of X X' over I^2: more is chance
-// What it costs that all candidates look at a path: so many times the sample, and more where walks
-// are directed.
+constexpr double kKnown = 0.2;    // relative error below which a mean is well known
+constexpr double kMostAlike = 2;  // bound of X X' / I^2: more is chance
+// Cost of evaluating paths for all candidates: the sample's own work times this, more if some walks
+// are guided.
 constexpr double kLooking = 1.35, kLookingDirected = 1.8;
-constexpr double kLeastLeft = 0.05;   // of M_i, whatever the other terms of V_i take away
-constexpr double kMostMissed = 1e-3;  // of the light
+constexpr double kLeastLeft = 0.05;   // of M_i: lower bound of V_i
+constexpr double kMostMissed = 1e-3;  // share of the light
 
-// How many pixels lie in one of the parts of the picture, across or down.
+// Number of pixels in a block, across or down.
 int64_t in_part(int64_t part, int64_t size) {
   const auto first = [size](int64_t p) {
     return (p * size + PilotSums::kAcross - 1) / PilotSums::kAcross;
@@ -29,7 +29,7 @@ int64_t in_part(int64_t part, int64_t size) {
 
 }  // namespace
 
-// Where the run makes more segments or light walks than the candidate, those count in proportion.
+// Where the run makes more segments or light walks than the candidate, their work is scaled.
 double Pilot::work_of(size_t candidate, const WorkTables& tables) const {
   const Mixture& m = candidates_[candidate].integrator.mixture;
   const size_t run = home_[candidate];
@@ -47,7 +47,8 @@ double Pilot::work_of(size_t candidate, const WorkTables& tables) const {
     if (!m.has(technique)) continue;
     all += work(3 + t) * (technique == Technique::light ? light_walks : 1);
     if (technique != Technique::portal) continue;
-    // The segments, and the pairs of them and vertices, few of which get their ray whatever.
+    // Work of the segments, and of considering their pairs with vertices; few pairs get a ray,
+    // however many segments there are.
     const double segments = m.segments / rendered.segments;
     RayCounts pairs;
     pairs.connect = sums_.rays[run][3 + t].connect;
@@ -58,7 +59,7 @@ double Pilot::work_of(size_t candidate, const WorkTables& tables) const {
 
 namespace {
 
-// Brightness of the picture in blocks, each as small as it is known well.
+// Brightness of the picture in the smallest blocks for which it is well known.
 class Blocks {
  public:
   Blocks(const PilotSums& sums, double groups, int width, int height) {
@@ -78,7 +79,7 @@ class Blocks {
   double light(size_t block) const { return light_[block]; }
 
  private:
-  // Takes the mean of a square of blocks where that is known.
+  // Uses the mean of a square of blocks if it is well known.
   void refine(const PilotSums& sums, int x0, int y0, int size, double of_pixel, int width,
               int height) {
     double light = 0, squares = 0, pixels = 0;
@@ -99,7 +100,7 @@ class Blocks {
   double mean_ = 0;
 };
 
-// Terms of V_i, of all candidates, over the square of the brightness.
+// Terms of V_i for all candidates, over the squared brightness.
 struct Terms {
   explicit Terms(size_t n) : moments(n), common(n), apart(n) {}
   double variance(size_t i) const { return moments[i] + common[i] - apart[i]; }
@@ -108,8 +109,8 @@ struct Terms {
 
 }  // namespace
 
-// The moments are known best. The other terms are held within what they can be: E[X X'] is about
-// the squared brightness, which it is divided by.
+// The moments are known best. The other terms are clamped to their plausible range: E[X X'] is
+// about the squared brightness, by which it is divided.
 std::array<std::vector<double>, PilotSums::kBatches> Pilot::errors() const {
   const size_t n = candidates_.size(), each = samples_of_group();
   std::array<std::vector<double>, PilotSums::kBatches> errors;
@@ -125,7 +126,7 @@ std::array<std::vector<double>, PilotSums::kBatches> Pilot::errors() const {
   const auto all = static_cast<double>(kPilotGroup * groups());
   const double of_batch = all / PilotSums::kBatches;
   const double pairs =
-      of_batch * 0.5 * (kPilotGroup - 1);  // each sample with each other of its run
+      of_batch * 0.5 * (kPilotGroup - 1);  // each sample with each other of its group and run
   std::vector<Terms> by_batch(PilotSums::kBatches, Terms(n));
   for (uint64_t k = 0; k < groups(); ++k) {
     Terms& terms = by_batch[k % PilotSums::kBatches];
@@ -184,7 +185,7 @@ Forecast Pilot::forecast() const {
   const auto errors = this->errors();
   Forecast out;
   std::vector<Evidence> evidence;
-  std::vector<size_t> judged;  // which candidates have it
+  std::vector<size_t> judged;  // their candidates
   for (size_t i = 0; i < candidates_.size(); ++i) {
     const Candidate& c = candidates_[i];
     CandidateEstimate p{c.label, c.with_portals(), 0, work_of(i, work_), 0};

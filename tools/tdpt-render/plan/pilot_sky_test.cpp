@@ -1,5 +1,4 @@
-// What the pilot tells under a sky, where the light walks of a run are directed and a candidate's
-// are not.
+// The pilot's estimates under a sky, where a run guides its light walks and a candidate does not.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -12,9 +11,9 @@ namespace tdpt::pilot_sky_test {
 
 constexpr double kEnd = 4.09;  // the far room's wall [m]
 
-// Light walks find what camera walks miss here: told by the run's own weights, bdpt has 0.38 and
-// 0.45 of the error of nee, both with camera walks directed alike. With its own weights for walks
-// that it would seldom make it had 0.93 and 1.01, and in a room with one window 4000.
+// Here light walks find what camera walks miss: by the run's own weights bdpt has 0.38 and 0.45 of
+// the error of nee, both with camera walks guided alike. With its own weights for walks that it
+// would seldom make it had 0.93 and 1.01, and 4000 in a room with one window.
 TEST(pilot_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not) {
   const Scene scene =
       under(without_lamps(open_end(diffuse_rooms(), kEnd)), one_colour_sky({2, 3, 4}));
@@ -38,11 +37,11 @@ TEST(pilot_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
   }
 }
 
-// Of light walks that seldom come in, few samples meet one. What the paths of such a walk have in
-// common is most of the error of bdpt, and is told from walks that are directed; from its own alone
-// the median of small pilots is 0.41 of what pictures have, with few light walks 0.31. Candidates
-// are connected with more or fewer vertices of a walk than the run; were they taken for as many,
-// bdpt would be told 3.5 times its error.
+// Light walks seldom come in, so few samples meet one. Most of bdpt's error is the correlation of
+// paths of one such walk; it is estimated from guided walks. From its own walks alone the median
+// estimate of small pilots is 0.41 of the pictures' error, with few light walks 0.31. Candidates
+// connect to more or fewer vertices of a walk than the run: ignoring that would overestimate bdpt's
+// error 3.5 times.
 TEST(pilot_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
   const World world(room.scene, room.scene.camera(""), 12, 9, room.windows);

@@ -17,10 +17,10 @@ namespace {
 
 constexpr uint64_t kMostSamples = uint64_t{1} << 32;  // as --spp
 
-// By PortalWay::Way.
+// Indexed by PortalWay::Way.
 constexpr std::array kWays{"as drawn", "front", "back", "both", "left out"};
 
-// A value of the plan, checked on the way in.
+// A value of the plan; every access checks it.
 class Reader {
  public:
   Reader(const nlohmann::json& from, const std::string& file) : from_(from), file_(file) {}

@@ -1,4 +1,4 @@
-// Any bytes as a plan; what is read comes back the same when it is written.
+// Reads any bytes as a plan; an accepted plan must survive writing and reading again.
 #include "libcommon/testing/files/fuzz.h"
 #include "tools/tdpt-render/plan/plan.h"
 

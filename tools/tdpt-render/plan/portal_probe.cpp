@@ -7,7 +7,7 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kWalks = 800;
-// The first steps are too near the portal to know how large the room is.
+// The first steps are too near the portal to measure the size of the room.
 constexpr int kSteps = 8, kSkipped = 2;
 
 }  // namespace

@@ -19,11 +19,11 @@ bool near(double measured, double expected) {
   return measured > 0.75 * expected && measured < 1.33 * expected;
 }
 
-// A room's surface is 24 m2, less the opening.
+// The room's surface is 24 m2, less the opening.
 TEST(portal_probe, measures_the_opening_against_the_room) {
   const double window = 2.56 / 24;
   EXPECT_TRUE(near(conductance_in("window.glb", in_the_window()), window));
-  // Twin: a portal over a quarter of the window is seen to be another.
+  // Twin: a portal over a quarter of the window has another conductance.
   EXPECT_FALSE(
       near(conductance_in("window.glb", rectangle({2.05, 0.2, -0.8}, {0, 0, 0.8}, {0, 0.8, 0})),
            window));

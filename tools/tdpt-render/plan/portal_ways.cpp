@@ -10,10 +10,10 @@ namespace {
 
 constexpr size_t kMostPortals = 16;
 constexpr uint64_t kLeastSamples = 10;
-constexpr double kLeastEnergy = 0.001;  // of the picture's
-constexpr double kEarnest = 0.2;        // of what passes the portal
+constexpr double kLeastEnergy = 0.001;  // share of the picture's
+constexpr double kEarnest = 0.2;        // share of the light through the portal
 constexpr double kWideWay = 0.066;      // conductance
-constexpr double kNoLight = 1e-4;       // of the picture's but for its brightest sample
+constexpr double kNoLight = 1e-4;       // share of the picture's without its brightest sample
 constexpr uint64_t kEnoughLit = 100;    // samples
 
 bool tells(const std::array<PassedLight, 2>& light) {
@@ -137,7 +137,7 @@ void WayFinder::learn(const PassedPortals& passed, const World& world) {
     const auto way = [&, &with = with, &against = against](bool wide) {
       return way_of(portals_[i].both_ways, with, against, passed.total_, wide);
     };
-    // Whether it is wide is asked only where it matters.
+    // Conductance is probed only where it matters.
     const bool wide = way(true) != way(false) && probed_conductance(world, portals_[i]) > kWideWay;
     ways_[i].way = way(wide);
     light_[i] = passed.either_[k];

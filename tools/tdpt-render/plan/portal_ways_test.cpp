@@ -1,5 +1,5 @@
-// Portals are turned by what a small picture says of the light: in rooms whose light is known to
-// pass them one way, both ways, or not at all.
+// Portals are turned according to a small picture's light, in rooms where light is known to pass
+// them one way, both ways, or not at all.
 #include "tools/tdpt-render/plan/portal_ways.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ std::vector<PortalWay::Way> ways_in(const Scene& scene, const std::vector<Portal
 }
 using Ways = std::vector<PortalWay::Way>;
 
-/// In a wall of rooms, light going to -x; y and z extents.
+/// A portal in a wall between rooms, with light going to -x; y and z extents.
 Portal in_the_wall(double x, double y0, double y1, double z0, double z1) {
   return rectangle({x, y0, z0}, {0, 0, z1 - z0}, {0, y1 - y0, 0});
 }
@@ -121,18 +121,19 @@ TEST(portal_ways, leaves_out_what_no_light_passes) {
   EXPECT_EQ(ways_in(scene, {in_the_stone, for_both_ways(in_the_stone), away}),
             (Ways{kLeftOut, kLeftOut, kLeftOut}));
   EXPECT_EQ(ways_in(scene, {in_the_stone, portal_in_the_hole()}), (Ways{kLeftOut, kAsDrawn}));
-  // Behind the camera light passes, and next to none of it is seen.
+  // Light passes behind the camera, where next to none of it is seen.
   const Portal corner = rectangle({0.05, 0.02, -0.97}, {0, 0, 0.1}, {0, 0.1, 0});
   EXPECT_EQ(ways_in(scene, {corner}), Ways{kLeftOut});
-  // Where next to no light was found nothing is known of portals.
+  // Where next to no light was found nothing is decided about portals.
   Scene dark = scene;
   for (Material& m : dark.materials) m.emission = {};
   EXPECT_EQ(ways_in(dark, {turned_round(portal_in_the_hole())}), Ways{kAsDrawn});
   EXPECT_EQ(ways_in(scene, {}), Ways{});
 }
 
-// Across the camera's room: what comes from the window goes on, and comes back from the walls. All
-// of the section is a wide way, where two ways cost more than they bring; a slip of it is not.
+// A portal across the camera's room: light from the window passes on, and comes back from the
+// walls. The whole cross-section is wide, where both ways cost more than they gain; a strip of it
+// is not.
 TEST(portal_ways, lets_light_pass_both_ways_where_it_does) {
   const Scene scene = scene_of("window.glb");
   const Portal section = in_the_wall(0.8, 0.02, 1.98, -0.98, 0.98);
@@ -153,8 +154,8 @@ TEST(portal_ways, portals_in_a_row_are_told_one_by_one) {
   EXPECT_EQ(ways_in(scene, {first, turned_round(second)}), (Ways{kAsDrawn, kBack}));
 }
 
-// A lamp without surface: one in the far room, and the sun, which shines straight through the hole
-// from where there is nothing to reflect it.
+// Lamps without surface: one in the far room, and the sun, which shines straight through the hole
+// from where nothing reflects it.
 TEST(portal_ways, knows_light_of_lamps_without_surface) {
   Scene scene = scene_of("two-rooms.glb");
   for (Material& m : scene.materials) m.emission = {};
@@ -179,8 +180,8 @@ TEST(portal_ways, knows_light_of_lamps_without_surface) {
   EXPECT_EQ(ways_in(scene, {turned_round(portal_in_the_hole())}), Ways{kBack});
 }
 
-// All light of the camera's room came through the first of two holes in a row; it sees the wall of
-// the middle room through the second.
+// All light of the camera's room comes through the first of two holes in a row; through the second
+// the camera sees the wall of the middle room.
 TEST(portal_ways, measures_the_share_of_the_light_that_passes) {
   const Scene scene = scene_of("three-rooms.glb");
   const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25),

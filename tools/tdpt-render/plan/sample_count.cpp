@@ -9,8 +9,8 @@
 namespace tdpt {
 namespace {
 
-// As fast as the last of some that are thrown away, twice as many each time; of the form m 2^j,
-// m < 16, as samples_needed() has it.
+// Number of samples that fit into the time, by the speed of trial samples that are thrown away,
+// doubled until they take long enough. Of the form m 2^j, m < 16, as in samples_needed().
 uint64_t samples_in_time(Session& session, const Integrator& integrator, const Film& film) {
   constexpr double kShare = 0.02;
   const double seconds = session.settings.seconds;
@@ -68,15 +68,15 @@ void aim_at_error(Session& session, const Integrator& integrator, const Film& fi
   target.pilot_samples = ErrorPilot::kParts * pilot.part_samples();
   target.pilot_cpu_seconds = session.clock.cpu() - cpu;
   target.fixed = pilot.needed;
-  // Where the pilot met no light the picture gets as many samples: they may.
+  // Where the pilot met no light the picture gets as many samples as it: they may.
   uint64_t goal = pilot.needed > 0 ? pilot.needed : target.pilot_samples;
   if (settings.spp > 0) goal = goal > 0 ? std::min(goal, settings.spp) : settings.spp;
-  if (goal == 0 && settings.seconds == 0) goal = kMostSamples;  // a signal came: it ends it
+  if (goal == 0 && settings.seconds == 0) goal = kMostSamples;  // a signal will end it
   count.goal = goal;
   count.measured = true;
 }
 
-// Blocks of so many samples tell more than a pilot does, whatever they tell.
+// Blocks of that many samples are trusted more than a pilot in any case.
 constexpr uint64_t kTelling = 8;
 
 ErrorEstimate told_by(const PictureBlocks& blocks) {
@@ -120,8 +120,8 @@ SampleCount count_samples(Session& session, const Integrator& integrator, const 
   return count;
 }
 
-// From the blocks; from the pilot's parts where those tell too little, or there are fewer than
-// three.
+// Uses the blocks; or the pilot's parts, if the blocks' estimate does not suffice or there are
+// fewer than three.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target) {
   target.stop = stop_of(settings, at, target);
   ErrorEstimate told = told_by(at.blocks);

@@ -1,5 +1,5 @@
-// How many samples each pixel gets: as the settings say, as the time allows, or as the error takes
-// that is asked for, and whether there is a second try.
+// How many samples each pixel gets: a given number, as many as the time allows, or as many as a
+// target error needs; and whether there is a second try.
 #pragma once
 #include <optional>
 
@@ -8,52 +8,52 @@
 
 namespace tdpt {
 
-/// Of each pixel at the most, as --spp.
+/// Largest number per pixel, as for --spp.
 inline constexpr uint64_t kMostSamples = uint64_t{1} << 32;
 
-/// As far as the settings say, before anything is known; 0: as time allows.
+/// Per pixel, by the settings alone, before anything is measured; 0: as time allows.
 uint64_t spp_foreseen(const RenderSettings& settings);
-/// Samples of the whole picture, about; by the clock, as fast as most scenes are.
+/// Of the whole picture, approximately; under a time limit, at the speed of a typical scene.
 double samples_foreseen(const RenderSettings& settings, const FilmPlane& film);
 
-/// How a picture that was to have a relMSE of at most `error` came out.
+/// Result of a picture with a target relMSE of `error`.
 struct TargetOutcome {
-  /// `fixed`: all samples are there that were fixed; `unlit`: none were, the pilot met no light.
+  /// `fixed`: the fixed number was rendered; `unlit`: the pilot met no light and fixed none.
   enum class Stop { fixed, spp, time, signal, unlit };
 
   double error = 0;
-  uint64_t pilot_samples = 0;  ///< of each pixel, thrown away
+  uint64_t pilot_samples = 0;  ///< per pixel, thrown away
   double pilot_cpu_seconds = 0;
-  uint64_t fixed = 0;  ///< samples of each pixel, by the pilot; 0: it did not come to that
+  uint64_t fixed = 0;  ///< samples per pixel, fixed by the pilot; 0: none
   bool retried = false;
   bool may_retry = false;  ///< --set retry was not asked for
   Stop stop = Stop::fixed;
   bool dark = false;             ///< nothing in the scene emits light: there is no error
-  std::optional<double> relmse;  ///< of the picture, estimated; from no light nothing is told
+  std::optional<double> relmse;  ///< of the picture, estimated; none if no light was met
   double low = 0, high = 0;      ///< its interval, about 95 %
   bool reached() const { return dark || (relmse && *relmse <= error); }
 };
 
 struct SampleCount {
-  uint64_t goal = 0;      ///< samples of each pixel; 0: as many as the time allows
+  uint64_t goal = 0;      ///< samples per pixel; 0: as many as the time allows
   bool measured = false;  ///< rather than asked for
-  std::optional<TargetOutcome> target_at_start;  ///< where an error is asked for
+  std::optional<TargetOutcome> target_at_start;  ///< if an error is asked for
   ErrorPilot pilot;
 };
-/// Before the first sample of the picture. Where an error is asked for, or a time that is to be
-/// fixed, by samples that are thrown away.
+/// Called before the first sample of the picture. For a target error, or a time limit that is to
+/// become a fixed number, it draws samples that are thrown away.
 SampleCount count_samples(Session& session, const Integrator& integrator, const Film& film);
 
-/// Where a picture with a target stands.
+/// State of a picture with a target.
 struct TargetProgress {
-  uint64_t samples, goal;  ///< of each pixel: there, and asked for
+  uint64_t samples, goal;  ///< per pixel: rendered, and asked for
   bool interrupted;        ///< by a signal
   const PictureBlocks& blocks;
   const ErrorPilot& pilot;
 };
-/// Says what the picture's own blocks tell of its error, and what ended it.
+/// Estimates the error from the picture's own blocks, and sets what ended the rendering.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target);
-/// The new goal where a second try is due. The samples that are there stay.
+/// The new goal if a second try is due. The samples rendered so far are kept.
 std::optional<uint64_t> goal_of_retry(const RenderSettings& settings, const TargetProgress& at,
                                       TargetOutcome& target);
 

@@ -1,4 +1,4 @@
-// What the phases of one rendering share: who renders, what is asked, and the clock.
+// What the phases of one rendering share: renderer, settings and clock.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace tdpt {
 
-/// Wall-clock and CPU time of rendering [s]; what is done aside does not count.
+/// Wall-clock and CPU time of rendering [s], not counting what runs in aside().
 class WorkClock {
  public:
   /// `seconds`, `cpu`: spent before.
@@ -51,18 +51,18 @@ struct Session {
   SampleRenderer& renderer;
   const World& world;
   const RenderSettings& settings;
-  const int longest;  ///< path that can bring light [edges]; 0: none can
+  const int longest;  ///< path that can carry light [edges]; 0: none can
   const SampleRules rules;
   const uint64_t pixels;
   WorkClock clock;
 
-  /// Before the first samples, of whatever kind; what the renderer takes for it does not count.
+  /// Call before the first samples of any kind; the renderer's preparation is not timed.
   void make_ready(const Integrator& integrator, const Film& film) {
     if (ready_) return;
     ready_ = true;
     clock.aside([&] { renderer.prepare(integrator, rules, film, settings.quiet); });
   }
-  /// For samples that are thrown away.
+  /// A film for samples that are thrown away.
   Film film_aside() const { return film_for(world, TechniqueSet()); }
 
  private:

@@ -1,4 +1,4 @@
-// What is asked of a rendering.
+// Settings of a rendering.
 #pragma once
 #include <cstdint>
 
@@ -8,10 +8,10 @@ namespace tdpt {
 
 /// What ends a rendering; 0: no such limit.
 struct Limits {
-  uint64_t spp = 0;    ///< samples per pixel; 0: as many as fit into `seconds`, or the target takes
-  double seconds = 0;  ///< wall-clock limit of rendering alone
-  double target_error = 0;  ///< relMSE to render to, within the limits of spp and seconds
-  bool retry = false;       ///< where it is missed, goes on once
+  uint64_t spp = 0;         ///< samples per pixel; 0: what fits into `seconds`, or the target needs
+  double seconds = 0;       ///< wall-clock limit of rendering alone
+  double target_error = 0;  ///< relMSE to reach, within the limits of spp and seconds
+  bool retry = false;       ///< if the target is missed, continue once
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
@@ -20,11 +20,11 @@ struct RenderSettings : Limits {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
-  bool alpha = false;     ///< transparent film: the sky behind all is left out
+  bool alpha = false;     ///< transparent film: the sky in the background is left out
   bool layers = false;    ///< keep each technique's contribution apart
-  bool variance = false;  ///< keep what tells the variance of each pixel
-  bool frames = false;    ///< measure the picture while it forms
-  bool fixed = false;     ///< a limit of time is turned into a number of samples before the first
+  bool variance = false;  ///< keep what each pixel's variance is computed from
+  bool frames = false;    ///< measure the unfinished picture
+  bool fixed = false;     ///< turn a time limit into a number of samples before the first
 };
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// Pictures that are rendered to an error.
+// Pictures rendered to a target error.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
@@ -27,7 +27,7 @@ RenderSettings to(double error) {
   return settings;
 }
 
-// As exrdiff says it.
+// As exrdiff reports it.
 double relmse(const Picture& picture, const Picture& reference) {
   double m = 0, sum = 0;
   const auto n = 3 * static_cast<double>(reference.pixels.size());
@@ -53,8 +53,8 @@ const Picture& reference() {
   return reference;
 }
 
-// What a pilot tells over the mean relMSE of pictures of as many samples. `one_round`: its parts
-// have the random numbers of one.
+// A pilot's estimate over the mean relMSE of pictures of as many samples. `one_round`: its parts
+// share the random numbers of one round.
 double told_over_true(bool one_round) {
   Film film(kWidth, kHeight, window().world.lights.power());
   Tally tally(film.unit());
@@ -106,8 +106,7 @@ TEST(target, the_picture_is_that_of_as_many_samples_on_any_number_of_threads) {
   }
 }
 
-// What is said of the errors of small pictures of 3 or 4 samples, and what they are: geometric
-// means.
+// Estimated and true errors of small pictures of 3 or 4 samples: geometric means.
 struct Few {
   static constexpr uint64_t kPictures = 8;
   const World world{window().scene, window().scene.camera(""), 8, 8, {}};
@@ -220,7 +219,7 @@ TEST(target, a_picture_without_light_ends) {
   EXPECT_EQ(target_json(*r.target)["relmse"], 0);
 }
 
-// A heavy-tailed picture, of a door that is hardly open: some seed misses its target.
+// A heavy-tailed picture, through a door that is hardly open: some seed misses its target.
 TEST(target, a_retry_goes_on_with_the_picture_once) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
   const World world(scene, scene.camera(""), 8, 6, {});
@@ -244,7 +243,7 @@ TEST(target, a_retry_goes_on_with_the_picture_once) {
   plain.seed = settings.seed;
   plain.spp = retried.spp;
   EXPECT_EQ(retried.picture.pixels, render(world, bdpt, plain).picture.pixels);
-  settings.spp = missed.spp;  // a limit that leaves nothing to go on with
+  settings.spp = missed.spp;  // a limit that allows no more samples
   const RenderResult limited = render(world, bdpt, settings);
   EXPECT_FALSE(limited.target->retried);
   EXPECT_EQ(limited.spp, missed.spp);

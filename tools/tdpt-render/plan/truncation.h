@@ -1,6 +1,6 @@
 // How much light a picture of limited depth leaves out.
 //
-// Method: a ratio of two sums over groups of samples; its error from the groups (delta method).
+// Method: ratio estimator over groups of samples, its error by the delta method.
 #pragma once
 #include <string>
 #include <vector>
@@ -16,11 +16,11 @@ struct Truncation {
   double error = 0;  ///< standard error of the share
 };
 
-/// Adds up the light of paths within a depth, and beyond.
+/// Sums the light of paths within a depth, and of longer ones.
 class LightByDepth {
  public:
   explicit LightByDepth(int depth) : depth_(depth) {}
-  /// A path of the group and its weighted luminance.
+  /// A path of the current group and its weighted luminance.
   void see(const Path& path, double light) {
     (path.k() > depth_ ? groups_.back().beyond : groups_.back().within) += light;
   }

@@ -1,4 +1,4 @@
-// What a limit of depth leaves out, and what is said of it.
+// The light that a limit of depth leaves out, and its sentence.
 #include "tools/tdpt-render/plan/truncation.h"
 
 #include <numeric>
@@ -11,7 +11,7 @@
 
 namespace tdpt::truncation_test {
 
-// In the furnace of albedo 1/2 the light of paths of up to k edges is a share of 1 - 2^-k.
+// In the furnace of albedo 1/2 paths of up to k edges carry a share of 1 - 2^-k of the light.
 Truncation in_the_furnace(int depth) {
   const Scene scene = read_gltf(furnace_path());
   World world(scene, scene.camera(""), 16, 16, {});
@@ -24,7 +24,7 @@ TEST(truncation, share_of_the_furnace_is_known) {
     EXPECT_EQ(beyond.depth, depth);
     EXPECT_LT(beyond.error, 0.02);
     EXPECT_NEAR(beyond.share, std::pow(0.5, depth), 5 * beyond.error);
-    // Twin: paths of one edge more counted as within.
+    // Twin: paths one edge longer are counted as within.
     EXPECT_GT(std::abs(beyond.share - std::pow(0.5, depth + 1)), 5 * beyond.error);
   }
 }

@@ -1,41 +1,41 @@
-// What a sample costs, told from what it counts: a linear model of CPU time, fitted to
-// measurements. `auto` weighs errors by it and never by the clock, so that it chooses alike in
+// What a sample costs, predicted from its counts of rays: a linear model of CPU time, fitted to
+// measurements. `auto` weights errors by it and never by the clock, so that it chooses alike in
 // every run.
 //   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
 //          + rays.connect x connect
-//          + rays.portal (portal + portal_triangle T + directed D + (facets + facet F) [D and F >
-//          1])
-//          + rays.closest (looking_out + window F) where there is a sky to look for,
-// rays: of one sample, L = log2(triangles of the scene / 64), 0 at least, T: triangles of the
-// portals, F: their facets (portals.h), D: 1 where walks are directed, else 0.
+//          + rays.portal (portal + portal_triangle T + directed D
+//                         + (facets + facet F) [D and F > 1])
+//          + rays.closest (looking_out + window F) if there is a sky to look for,
+// rays: of one sample; L = log2(triangles of the scene / 64), at least 0; T: triangles of the
+// portals; F: their facets (portals.h); D: 1 if walks are guided, else 0.
 #pragma once
 #include "tools/tdpt-render/path/sample/path_sampler.h"
 
 namespace tdpt {
 
-/// CPU nanoseconds of one core on average.
+/// CPU nanoseconds of one core, on average.
 struct WorkCosts {
   double sample = 0;          ///< every sample
-  double closest = 0;         ///< a first hit
-  double closest_deeper = 0;  ///< more for each doubling of the scene's triangles
+  double closest = 0;         ///< a closest-hit ray
+  double closest_deeper = 0;  ///< extra for each doubling of the scene's triangles
   double shadow = 0;          ///< a visibility test
-  double connect = 0;         ///< a pair of ends that comes into question for a connection
-  double portal = 0;          ///< an edge tested against the portals, with the weighing of its path
-  double portal_triangle = 0;  ///< more for each triangle of the portals
-  double directed = 0;         ///< more where the edge's ends are told how to aim
-  double facets = 0;           ///< and where they choose among facets,
-  double facet = 0;            ///< for each facet
-  double looking_out = 0;      ///< a first hit where next events look for the sky through portals,
-  double window = 0;           ///< for each facet
+  double connect = 0;         ///< a pair of vertices considered for a connection
+  double portal = 0;  ///< an edge tested against the portals, and its part of the MIS weight
+  double portal_triangle = 0;  ///< extra for each triangle of the portals
+  double directed = 0;         ///< extra if the edge's ends have a guiding distribution
+  double facets = 0;           ///< extra if it chooses among facets,
+  double facet = 0;            ///< and for each facet
+  double looking_out = 0;      ///< a closest hit if next events look for the sky through portals,
+  double window = 0;           ///< and for each facet
 };
 
-// The tables are bench/work_model.py's, a least-squares fit to what work_model_bench measures: six
+// bench/work_model.py fits the tables by least squares to the measurements of work_model_bench: six
 // scenes with portals, eight without, depth 3, 6 and no limit, the integrators that `auto` tries
-// but `pt`. What facets and triangles of portals cost was measured apart (an edge that is tested
-// against 1, 4, 16 and 64 facets of two triangles: 241, 299, 455 and 1097) and held, and so was
-// what looking out costs (a room with one window and one with four); with portals a first hit was
-// held, too, since there are about as many as edges. Ratios to bdpt's CPU time come out within 10 %
-// on average; `nee` 0.7 to 1.25 times, tdpt-guided 0.6 to 1.1 times.
+// except `pt`. Some costs were measured apart and held fixed: portal facets and triangles (an edge
+// tested against 1, 4, 16 and 64 facets of two triangles: 241, 299, 455 and 1097), looking out (a
+// room with one window and one with four) and, with portals, the closest hit, since there are about
+// as many as edges. Ratios to bdpt's CPU time are within 10 % on average; `nee` 0.7 to 1.25 times,
+// tdpt-guided 0.6 to 1.1 times.
 inline constexpr WorkCosts kWorkWithPortals{
     .closest = 60,
     .closest_deeper = 25,
@@ -58,11 +58,11 @@ inline constexpr WorkCosts kWorkWithoutPortals{
     .window = 20,
 };
 
-// Likewise of samples on a device: CPU nanoseconds of Mesa's software device on one core, three
-// scenes with portals, five without. Ratios to bdpt's come out within 8 % on average, 46 % at most.
-// What facets, triangles of portals and looking out cost was not measured: they are to a first hit
-// as on the CPU. Devices that are of another kind have not been measured: `work_model_bench
-// --device gpu` does.
+// The same for samples on a device: CPU nanoseconds of Mesa's software device on one core, three
+// scenes with portals, five without. Ratios to bdpt's are within 8 % on average, 46 % at most.
+// Costs of facets, of portal triangles and of looking out were not measured: they are in proportion
+// to a closest hit as on the CPU. Other kinds of devices have not been measured: use
+// `work_model_bench --device gpu`.
 inline constexpr WorkCosts kDeviceWorkWithPortals{
     .closest = 474,
     .closest_deeper = 129,
@@ -84,21 +84,20 @@ inline constexpr WorkCosts kDeviceWorkWithoutPortals{
     .window = 49,
 };
 
-/// For samples that have a use for portals, and for those that have none.
+/// For samples that use portals, and for those that do not.
 struct WorkTables {
   WorkCosts with_portals, without_portals;
 };
 inline constexpr WorkTables kCpuWork{kWorkWithPortals, kWorkWithoutPortals};
-/// Of --device gpu, whichever: what a sample costs is then the same in every run.
+/// For any --device gpu, so that a sample's cost is the same in every run.
 inline constexpr WorkTables kDeviceWork{kDeviceWorkWithPortals, kDeviceWorkWithoutPortals};
 
 class WorkModel {
  public:
-  /// Of samples of `mixture`.
   WorkModel(const World& world, const Mixture& mixture, const WorkTables& tables = kCpuWork);
   WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs);
 
-  /// Of one sample [ns]; `rays` of `samples` of them.
+  /// Cost of one sample [ns]; `rays`: counts over `samples` samples.
   double per_sample(const RayCounts& rays, uint64_t samples) const;
 
  private:

@@ -47,7 +47,7 @@ TEST_F(WorkModelTest, of_a_device_has_tables_of_its_own) {
   EXPECT_EQ(of_device(tdpt_guided), kDeviceWorkWithPortals.shadow);
 }
 
-// work_model_bench asks the model for each of its terms this way.
+// work_model_bench gets each term of the model this way.
 TEST_F(WorkModelTest, is_linear_in_its_table) {
   const World world(scene_, scene_.camera(""), 8, 6, two_);
   const auto cost = [&](const WorkCosts& c) {

@@ -17,7 +17,7 @@
 namespace tdpt {
 namespace {
 
-// What the shared table of options knows of this program.
+// The shared table of options lists the names used here.
 constexpr bool names_are_those_of_the_table() {
   if (kIntegratorNames.size() != kIntegrators.size()) return false;
   for (size_t i = 0; i < kIntegrators.size(); ++i)
@@ -27,7 +27,7 @@ constexpr bool names_are_those_of_the_table() {
 static_assert(names_are_those_of_the_table());
 static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks);
 
-// What makes a rendering one of many.
+// Options of a rendering that is one of several parts.
 void declare_shard_options(cli::Options& options, Arguments& a) {
   using Use = cli::Options::Use;
   options.part(cli::Part::lasting);

@@ -1,4 +1,4 @@
-// What the command line of tdpt-render says; tdpt-render(1) tells what it means.
+// The command line of tdpt-render; tdpt-render(1) explains the options.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -14,20 +14,20 @@ struct Arguments : RenderArguments {
   bool check = false;
 };
 
-/// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for one
-/// that there is not.
+/// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an
+/// unknown one.
 std::vector<std::string> aovs_of(const Arguments& a);
 
-/// --shard all/N: prints commands, and renders nothing.
+/// --shard all/N: only prints commands.
 bool prints_shards(const Arguments& a);
 
-/// Whether --plan names a plan to obey, and not one to write: for a shard, and for a picture
-/// (`output_given`) where it is there.
+/// Whether --plan names a plan to obey rather than to write: always for a shard; for a picture
+/// (`output_given`) if the file exists.
 bool obeys_plan(const Arguments& a, bool output_given);
-/// Whether a plan is written, and no picture rendered.
+/// Whether a plan is written and no picture rendered.
 bool only_plans(const Arguments& a, bool output_given);
 
-/// The options of the program, which fill in `a`.
+/// Declares the program's options, which fill in `a`.
 void declare_options(cli::Options& options, Arguments& a);
 
 }  // namespace tdpt

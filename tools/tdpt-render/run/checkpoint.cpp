@@ -18,7 +18,7 @@
 namespace tdpt {
 namespace {
 
-// Whether there is something in it; an empty file may be the name of one to come.
+// An empty file does not count: it may be a placeholder for one to come.
 bool is_there(const std::string& path) {
   std::error_code failed;
   const auto size = std::filesystem::file_size(path, failed);
@@ -30,7 +30,7 @@ bool is_same(const std::string& a, const std::string& b) {
          std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
 }
 
-// "guided 0.7 0.4 0.25 0.5", as it was asked for.
+// "guided 0.7 0.4 0.25 0.5", from the options given.
 std::string integrator_words(const Arguments& a) {
   std::string words = a.integrator;
   for (const auto& [name, value] :
@@ -45,13 +45,13 @@ std::string sky_words(const Arguments& a, const Shaping& by) {
   return fmt::format("{} x {}, sun {}", by.scene.sky_hash, by.sky.scale, a.sky.sun_angle);
 }
 
-// Those that were taken, whether they were asked for or the likely ones.
+// Those in use, whether asked for or guessed.
 std::string units_of_lamps(const Scene& scene) {
   if (scene.lights.empty()) return "";
   return names_of_lamp_units().at(static_cast<size_t>(scene.lamp_units.kind));
 }
 
-// What was asked for this time, if anything, must be what was asked for then.
+// Restores the limits of the first run. Options given now must agree with them.
 void take_limits(const Arguments& a, const Limits& then, RenderSettings& settings) {
   const auto refuse = [&](const char* option, double now, double before) {
     throw UsageError(fmt::format("{} {}: {} was begun with {}; leave it out{}", option, now,
@@ -68,9 +68,8 @@ void take_limits(const Arguments& a, const Limits& then, RenderSettings& setting
   static_cast<Limits&>(settings) = then;
 }
 
-// The picture is to have more samples than it was to have. Where it had not got all that were added
-// before, and as many are to be added, those are meant, and nothing is added: the command is given
-// again.
+// Raises the picture's goal. If the last --add-samples asked for as many and was cut short, this is
+// the same command run again: it adds nothing and returns false.
 bool add_samples(uint64_t n, RenderState& render_state) {
   if (render_state.added == n && render_state.film.samples() < render_state.goal) return false;
   if (std::max(render_state.goal, render_state.film.samples()) + n > kMostSamples)
@@ -82,12 +81,12 @@ bool add_samples(uint64_t n, RenderState& render_state) {
   return true;
 }
 
-// No limit holds but the number of samples.
+// Makes the number of samples the only limit.
 void limit_to(uint64_t spp, RenderSettings& settings) {
   static_cast<Limits&>(settings) = {.spp = spp};
 }
 
-// What a film must have for this world to add to it, whatever its file says of itself.
+// Refuses a film that cannot hold this world's samples, whatever its file claims.
 void check_film(const RenderState& render_state, const World& world, const std::string& file) {
   const Film& film = render_state.film;
   if (film.width() != world.film.width() || film.height() != world.film.height() ||
@@ -104,7 +103,7 @@ Checkpoint planned(const Arguments& a, const Shaping& by) {
     throw InputError(name, "", "is of " + other);
   if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
   const auto spp = static_cast<uint64_t>(a.spp);
-  // A picture may have fewer of its samples; shards are parts of them all.
+  // A picture may have fewer samples than its plan; shards are parts of all.
   if (a.spp > 0 && (a.shard.empty() ? spp > file.plan.spp : spp != file.plan.spp))
     throw UsageError(
         fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
@@ -127,7 +126,7 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world,
   given.schedule.plan = read_plan(film.facts.plan, name);
   given.processor = film.facts.processor;
   given.attributes = film.facts.attributes;
-  // Of how it ended, which is to come.
+  // These say how a rendering ended, which is yet to come.
   for (const char* word : {"targetError", "estimatedError", "stoppedBy"})
     given.attributes.erase(word);
   if (film.facts.spp == 0) throw InputError(name, "film", "has no samples");
@@ -161,7 +160,7 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world,
   return given;
 }
 
-// The words of the command line that all shards share.
+// The options that all shards share.
 std::vector<std::string> words_of_shards(const std::vector<std::string>& arguments) {
   std::vector<std::string> words;
   for (size_t i = 0; i < arguments.size(); ++i) {
@@ -264,7 +263,7 @@ Shape film_shape_of(const Arguments& a, const Shaping& by) {
 
 Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
                            RenderSettings& settings) {
-  // What is named for both is begun where it is not there yet.
+  // A file named for both is created if it does not exist yet.
   const bool begins = is_same(a.checkpoint, a.resume) && !is_there(a.resume);
   if (!a.resume.empty() && !begins) return resumed(a, by, world, settings);
   Checkpoint given = is_plan ? planned(a, by) : Checkpoint();
@@ -343,7 +342,7 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
 }
 
 std::string merge_command(const Arguments& a, const std::string& output) {
-  // The stars stay outside of the quotes.
+  // The shell must expand the star: it stays outside the quotes.
   return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), shards_of(a),
                      shell_quoted(output));
 }

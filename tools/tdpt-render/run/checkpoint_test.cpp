@@ -1,4 +1,4 @@
-// Parts of a picture, what they say of themselves, and what may go on from what.
+// Parts of a picture, how they identify themselves, and which may resume which.
 #include "tools/tdpt-render/run/checkpoint.h"
 
 #include <functional>
@@ -120,7 +120,7 @@ TEST(schedule, commands_of_shards_are_for_a_shell) {
             "");
 }
 
-// A plan, a checkpoint or a shard of another one is refused.
+// A plan, a checkpoint or a shard of another camera is refused.
 TEST(shape, has_the_camera_with_what_it_culls) {
   Scene scene = read_gltf(two_rooms_path());
   Camera camera = scene.camera("");

@@ -1,5 +1,5 @@
-// Which integrator renders, as far as that is known before the first sample: the one that the
-// command line names, or candidates among which a pilot chooses [pilot.h].
+// Which integrator renders, as far as it is known before the first sample: the one named on the
+// command line, or candidates among which a pilot chooses [pilot.h].
 #pragma once
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/cli.h"
@@ -11,28 +11,28 @@ namespace tdpt {
 /// What the command line asks for.
 struct Request {
   bool automatic = false;           ///< `auto`, by name or because there are portals
-  Integrator named = bdpt;          ///< that to render with, when it is not automatic
-  Integrator guided = tdpt_guided;  ///< for `auto` to try, with the numbers that were given
+  Integrator named = bdpt;          ///< renders if not automatic
+  Integrator guided = tdpt_guided;  ///< `auto` tries it, with the numbers given
 };
-/// Throws UsageError where numbers for directed walks are given to an integrator that has none.
+/// Throws UsageError if numbers for guided walks are given to an integrator that has none.
 Request request_of(const Arguments& a);
 
 struct Choice : Known {
   std::vector<Candidate> candidates;
   Integrator integrator;    ///< the only candidate, or `auto` with the techniques of all
-  bool probed = false;      ///< portals were looked at
-  bool planned = false;     ///< a plan said all that
-  bool by_arrival = false;  ///< kinds of light are chosen by what arrives
-  uint64_t explored = 0;    ///< samples that were drawn to choose by, before
+  bool probed = false;      ///< portals were explored
+  bool planned = false;     ///< everything was read from a plan
+  bool by_arrival = false;  ///< kinds of light are selected by the light that arrives
+  uint64_t explored = 0;    ///< samples of the exploration
   Phases phases;            ///< exploration
 };
-/// Warns of light that will be missing, and explores the scene where something hangs on it
+/// Warns of light that will be missing, and explores the scene if a decision depends on it
 /// [exploration.h]. Portals that will be used are turned to the way that light passes them, or left
-/// out where none does, in `portals` and in the world, and what was measured is told.
+/// out if none does, in `portals` and in the world; the measurements are reported.
 Choice choose(const Request& request, const RenderSettings& settings, const Camera& camera,
               World& world, std::vector<Portal>& portals, const cli::Common& common);
 
-/// The same by a plan from `file`: nothing is measured. Throws InputError where it is of other
+/// The same by a plan from `file`, without measuring. Throws InputError if it was made for other
 /// portals or lights.
 Choice choose_as_planned(const Plan& plan, const std::string& file, const Request& request,
                          const RenderSettings& settings, World& world, std::vector<Portal>& portals,

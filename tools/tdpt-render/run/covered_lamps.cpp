@@ -16,19 +16,20 @@
 namespace tdpt {
 namespace {
 
-// Canonical. Twice the step off a surface [tracer.cpp]: rays to the one stop before the other.
+// Canonical units. Twice the offset of ray origins [tracer.cpp], so that rays to one surface stop
+// in front of the other.
 constexpr double kHair = 1e-6;
-// Of three lamps in one place two are moved, and then one of those. A triangle that one round's
-// rays miss the next one's may find.
+// Several rounds: of three coincident lamps two are moved, and then one of those again. A triangle
+// missed by the rays of one round may be found in the next.
 constexpr uint32_t kRounds = 8;
-// Of the triangles wholly in another surface a ray misses a quarter.
+// A ray misses the cover in a quarter of the triangles that lie wholly in another surface.
 constexpr size_t kFewest = 8, kMost = 256, kAll = size_t{1} << 16;
 
 bool emits(const Scene& scene, uint32_t triangle) {
   return max_component(scene.material_of(triangle).emission) > 0;
 }
 
-/// Whether the place, which lies in its plane, lies within the triangle.
+/// Whether the point, which lies in the triangle's plane, lies within it.
 bool holds(const TriangleShape& s, const Vec3d& place) {
   const Vec3d at = place - s.p0;
   const double twice = 2 * s.area;
@@ -37,16 +38,16 @@ bool holds(const TriangleShape& s, const Vec3d& place) {
   return b1 > 0 && b2 > 0 && b1 + b2 < 1;
 }
 
-/// What a ray from before the triangle, or from behind it, somewhere between it and what it shines
-/// on, to a place within it finds there; the triangle where that is nothing else. Near and far it
-/// may be another one, as roundings differ.
+/// What a ray hits at a random point of the triangle: another triangle, or `triangle` if there is
+/// none. The ray starts in front (or behind) at a random distance, since the rounding, and with it
+/// the hit, depends on the distance.
 uint32_t found_at(const Tracer& tracer, uint32_t triangle, bool behind, Rng& rng) {
   const double u = rng.uniform(), v = rng.uniform();
   const double a = rng.uniform(), b = rng.uniform();
   const double way = rng.uniform();
   double b1, b2;
   uniform_triangle(u, v, b1, b2);
-  constexpr double rim = 0.05;  // where neighbours may be met
+  constexpr double rim = 0.05;  // keeps off neighbours
   b1 = rim + (1 - 3 * rim) * b1, b2 = rim + (1 - 3 * rim) * b2;
   const TriangleShape& s = tracer.shape(triangle);
   const Vec3d place = s.p0 + s.e1 * b1 + s.e2 * b2;
@@ -61,7 +62,7 @@ uint32_t found_at(const Tracer& tracer, uint32_t triangle, bool behind, Rng& rng
   return there ? hit.triangle : triangle;
 }
 
-/// Gives the triangle vertices of its own, a hair before those it had.
+/// Gives the triangle vertices of its own, moved by a hair along its normal.
 void move(Scene& scene, uint32_t triangle) {
   const Vec3d by = shape_of(scene, triangle).normal * kHair;
   const auto again = [](auto& list, uint32_t vertex) {
@@ -80,7 +81,7 @@ void move(Scene& scene, uint32_t triangle) {
 
 using OneSided = std::map<uint32_t, uint32_t>;
 
-/// Material that is the same from the front and emits nothing behind, told from the other one.
+/// The single-sided copy of a material.
 uint32_t one_sided(Scene& scene, uint32_t material, OneSided& known) {
   const auto [it, fresh] = known.try_emplace(material, scene.materials.size());
   if (fresh) {
@@ -91,8 +92,8 @@ uint32_t one_sided(Scene& scene, uint32_t material, OneSided& known) {
   return it->second;
 }
 
-/// Moves it; one of two sides is parted into them, and each is brought before what lies between:
-/// which one faces a room its winding does not say, and both may.
+/// Moves the triangle. A double-sided one becomes two, one moved to each side, since its winding
+/// does not say which side faces a room, and both may.
 void uncover(Scene& scene, uint32_t triangle, OneSided& known) {
   if (scene.material_of(triangle).double_sided) {
     Triangle back = scene.triangles[triangle];

@@ -18,8 +18,8 @@
 namespace tdpt {
 namespace {
 
-// Of the picture that the film becomes. A rendering that goes on has those of its beginning.
-// `target`: how it came out, once that is known.
+// Attributes of the picture. A resumed rendering keeps those of its first run. `target`: its
+// outcome, once known.
 std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
                                                  const Plan& plan,
                                                  const std::optional<TargetOutcome>& target) {
@@ -36,7 +36,7 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
   return attributes;
 }
 
-// Those of --aov that the film's sums tell.
+// The --aov channels that are computed from the film's sums.
 std::vector<std::string> derived_of(const Arguments& a) {
   std::vector<std::string> derived;
   for (const std::string& name : aovs_of(a))
@@ -78,7 +78,7 @@ void write_all(const Outcome& r, const RenderResult& result) {
                job.common);
 }
 
-// What could not be written, and where all that was rendered is now.
+// Where everything rendered is kept after a failed write.
 std::string kept_sentence(const Outcome& r, bool saved) {
   if (saved)
     return fmt::format("all samples are in {}: --resume writes the picture",

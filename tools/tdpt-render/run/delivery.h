@@ -1,5 +1,5 @@
-// What a rendering leaves: checkpoints and previews while it lasts, its picture and what was asked
-// for beside it at the end.
+// The files of a rendering: checkpoints and previews on the way, the picture and whatever else was
+// asked for at the end.
 #pragma once
 #include <optional>
 
@@ -7,7 +7,7 @@
 
 namespace tdpt {
 
-/// A rendering while it lasts, or where it has ended: `target` and `channels` belong to the end.
+/// A rendering in progress or at its end; `target` and `channels` are set at the end.
 struct Outcome {
   const Job& job;
   const Choice& choice;
@@ -17,17 +17,17 @@ struct Outcome {
   Channels channels{};
 };
 
-/// Writes the checkpoint. One that cannot be written costs nothing but a warning, as the one before
-/// is whole; then false.
+/// Writes the checkpoint. A failure is only a warning, since the previous one stays whole; returns
+/// false then.
 bool save(const Outcome& r);
 
-/// Those of --aov that no sample changes: of several shards the first has them.
+/// The --aov channels that samples do not change: among shards only the first has them.
 Channels channels_of(const Job& job, const World& world);
 
-/// Writes the preview as it is, for whoever looks on. Whether it can be written the end tells.
+/// Writes the preview. A failure is ignored: the final write will report it.
 void show(const Job& job, const Picture& picture);
 
-/// Writes all that there is at the end. Throws Error for what cannot be written, and says where the
+/// Writes everything at the end. Throws Error for what cannot be written, and says where the
 /// picture is kept.
 void deliver(const Outcome& r, const RenderResult& result);
 

@@ -20,7 +20,7 @@ void append(Decisions& all, Decisions more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-// Where no light comes by more than the camera's own ray.
+// No light arrives except along the camera's own ray.
 constexpr const char* kNothingBeyond = "no path beyond the camera's ray can bring light";
 
 Decision rect_lights(const Rendered& r) {
@@ -48,7 +48,7 @@ Decision windows(const Rendered& r) {
           "no summed-area table is made"};
 }
 
-// CPU time, and its share of the rendering where there is one.
+// CPU time, and its share of the rendering if there is one.
 std::string price_in(double cpu_seconds, const Rendered& r) {
   if (r.result.spp == 0) return cli::price_of(cpu_seconds);
   return cli::price_of(cpu_seconds) + ", " +
@@ -68,7 +68,7 @@ Decision exploration(const Rendered& r) {
           price_in(cpu, r)};
 }
 
-// How lights are chosen among their kinds.
+// How a kind of light is selected.
 Decision kinds_of_light(const Rendered& r) {
   if (r.result.longest)
     return {"kinds of light", "none chosen", kNothingBeyond, "nothing is measured"};

@@ -1,15 +1,15 @@
-// What --explain says of a rendering: what the scene uses, which portals and integrators were
-// weighed, what ran, and the price of each.
+// The text of --explain: what the scene uses, which portals and integrators were considered, what
+// ran, and the cost of each.
 #pragma once
 #include "libcommon/cli/decision.h"
 #include "tools/tdpt-render/run/choice.h"
 
 namespace tdpt {
 
-/// All that a rendering was decided by.
+/// Everything that decided the rendering.
 struct Rendered {
   const World& world;
-  const std::vector<Portal>& portals;  ///< those that could be used, as they then worked
+  const std::vector<Portal>& portals;  ///< those in use, with the ways they work
   const Request& request;
   const Choice& choice;
   const RenderSettings& settings;
@@ -17,7 +17,7 @@ struct Rendered {
 };
 
 cli::Decisions decisions_of(const Rendered& r);
-/// Of what decide() tells: those that come before the first sample.
+/// For the result of decide(): the decisions made before the first sample.
 cli::Decisions decisions_of_plan(const Rendered& r);
 
 }  // namespace tdpt

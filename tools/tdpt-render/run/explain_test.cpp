@@ -69,11 +69,11 @@ TEST(explain, a_portal_is_told_with_what_passed_it) {
   EXPECT_NE(d.reason.find(" % of a small picture's light passed it"), std::string::npos);
 }
 
-// The wall beside the hole lets no light through.
+// No light passes the wall beside the hole.
 TEST(explain, a_portal_that_no_light_passes_is_left_out) {
   Portal beside = portal_in_the_hole();
   for (Vec3d& v : beside.vertices) v.z += 0.5;
-  constexpr uint64_t kSpp = 64;  // enough for the exploration to tell
+  constexpr uint64_t kSpp = 64;  // enough for the exploration to decide
   const Told told("tdpt-org", {portal_in_the_hole(), beside}, kSpp);
   EXPECT_EQ(told.with("used as drawn"), 1u);
   EXPECT_EQ(told.with("left out"),

@@ -11,7 +11,7 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kRays = 32;  // of each pixel
+constexpr uint64_t kRays = 32;  // per pixel
 
 struct Seen {
   Vec3d albedo, normal, position;

@@ -20,7 +20,7 @@ const std::vector<std::string> kAll{"albedo", "normal", "position", "depth"};
 
 class seen : public ::testing::Test {
  protected:
-  // Of the pixel (x, y).
+  // Value at pixel (x, y).
   Vec3d three(const std::string& name, const char* parts, int x, int y) const {
     Vec3d v;
     for (int c = 0; c < 3; ++c) v[c] = at(name + "." + parts[c], x, y);
@@ -44,7 +44,7 @@ TEST_F(seen, from_the_camera_lies_behind_its_pixel_at_its_depth) {
       const Vec3d away = p - film.position();
       double u, v;
       ASSERT_TRUE(film.raster(normalize(away), u, v));
-      // Where a pixel sees a corner, the mean lies a little beside it.
+      // In a pixel that sees a corner the mean is slightly off.
       EXPECT_NEAR(u, x + 0.5, 1) << x << ' ' << y;
       EXPECT_NEAR(v, y + 0.5, 1) << x << ' ' << y;
       EXPECT_NEAR(at("depth.Z", x, y), dot(away, film.forward()) / scene_.frame.scale, 1e-5);
@@ -59,7 +59,7 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
       EXPECT_LT(length(n), 1 + 1e-6);
       if (length(n) < 1 - 1e-6) continue;  // a corner
       ++whole;
-      // The ray through the middle meets the same wall.
+      // The ray through the centre hits the same wall.
       const Vec3d w = world_.film.direction(x + 0.5, y + 0.5);
       Hit hit;
       ASSERT_TRUE(world_.tracer.closest({world_.film.position()}, w, hit));
@@ -70,7 +70,7 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
       EXPECT_LE(max_component(Rgb(Vec3f(albedo))), 1.0f + 1e-6f);
     }
   EXPECT_GT(whole, kWidth * kHeight / 2);
-  // The wall straight ahead is of one material.
+  // The wall straight ahead has one material.
   const Vec3d w = world_.film.direction(2.5, 12.5);
   Hit hit;
   ASSERT_TRUE(world_.tracer.closest({world_.film.position()}, w, hit));
@@ -111,8 +111,8 @@ TEST(aov, names_are_known_or_refused) {
   }
 }
 
-// What a film tells of itself, against pictures of other seeds. `share`: a planted fault, of the
-// variance told.
+// Variance reported by a film over that seen among pictures of other seeds. `share`: a planted
+// fault, a factor on the reported variance.
 double told_over_seen_variance(double share) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 12, 9, {portal_in_the_hole()});
@@ -137,7 +137,7 @@ double told_over_seen_variance(double share) {
   return told / seen;
 }
 TEST(aov, variance_is_that_of_pictures_of_other_seeds) {
-  // Not less, and more where samples of a pixel complement each other.
+  // Not below 1, and above where the samples of a pixel are stratified.
   const double told = told_over_seen_variance(1);
   EXPECT_GT(told, 0.75);
   EXPECT_LT(told, 4);

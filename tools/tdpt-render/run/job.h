@@ -11,7 +11,7 @@
 
 namespace tdpt {
 
-/// What the command line names, read.
+/// What the command line names, after reading.
 struct Loaded {
   Scene scene;
   TakenSky sky;
@@ -19,10 +19,9 @@ struct Loaded {
   PictureSize size;
   std::vector<Portal> portals;
   std::vector<cli::Common::Input> files;
-  std::vector<std::string> portal_hashes;  ///< of their files
+  std::vector<std::string> portal_hashes;  ///< of the portal files
 };
 
-/// What is rendered, from the command line to the film.
 struct Job {
   const Arguments& a;
   const cli::Common& common;
@@ -31,13 +30,13 @@ struct Job {
   RenderSettings settings;
   Checkpoint given;
   Shape shape, film_shape;
-  std::string code;  ///< that renders [FilmFacts::processor]
+  std::string code;  ///< instruction set that renders [FilmFacts::processor]
 
   bool is_shard() const { return !a.shard.empty(); }
   bool only_plans() const { return tdpt::only_plans(a, common.output_given); }
-  /// Of one that is written beside the picture.
+  /// Whether a plan is written beside the picture.
   bool writes_plan() const { return !a.plan.empty() && given.plan_file.empty(); }
-  /// Where what there is is kept; empty: nowhere.
+  /// Where to save the rendering's progress; empty: nowhere.
   std::string checkpoint() const { return a.checkpoint.empty() ? a.resume : a.checkpoint; }
 };
 

@@ -1,4 +1,4 @@
-// Pictures in parts: merged, they have the bytes of the undivided one.
+// Pictures rendered in parts: merged, they are byte-identical to the undivided one.
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -54,7 +54,7 @@ TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the
     EXPECT_NEAR(sum / energy, 1, 1e-14);
   }
   expect_same(part({0, 16}, 1), part({0, 16}, 16));
-  // Twin: other samples are another picture.
+  // Twin: other samples make another picture.
   EXPECT_NE(part({0, 4}, 4).sums(), part({4, 4}, 4).sums());
 }
 

@@ -1,4 +1,4 @@
-// How large a picture becomes.
+// The size of a picture.
 #pragma once
 #include <cstdint>
 
@@ -10,12 +10,12 @@ struct PictureSize {
   int width = 0, height = 0;  ///< pixels
 };
 
-/// What `width` and `height` leave open, given as 0: square pixels, the camera's aspect (16 : 9
-/// where it has none), 640 wide. Throws UsageError for one that is too large.
+/// Fills in what `width` and `height` leave open as 0: square pixels, the camera's aspect (16 : 9
+/// if it has none), 640 wide. Throws UsageError if too large.
 PictureSize picture_size(const Camera& camera, int64_t width, int64_t height);
 
-/// Where neither is given, what the scene says of them, and as above what that leaves open. Throws
-/// InputError where that is too large.
+/// If neither is given, takes what the scene says, and fills in the rest as above. Throws
+/// InputError if that is too large.
 PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// What a rendering says about its portals: what was measured of them, and what their samples did.
+// What a rendering reports about its portals: the measurements, and what their samples contributed.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
@@ -7,16 +7,16 @@
 
 namespace tdpt {
 
-/// A portal brought next to no light when its samples brought less than the first share of it, or
-/// less than the second and less than the third share of them connected a lamp with the camera;
-/// told once there are as many samples as the last says.
+/// A portal is useless if its samples carried less than kNoEnergy of the light, or less than
+/// kLeastEnergy while less than kLeastLit of them connected a lamp with the camera; needs
+/// kEnoughSamples.
 inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.25;
 inline constexpr uint64_t kEnoughSamples = 1000;
 
-/// The sentences, one for each portal; of many the first ones, and how many more there are.
+/// The first of the sentences, one for each portal, and how many more there are.
 std::vector<std::string> first_few(std::vector<std::string> sentences);
 
-/// The figure of a portal that says what share of a small picture's light passes it.
+/// Name of the figure for the share of a small picture's light that passes the portal.
 inline constexpr const char* kLight = "light";
 
 /// How much of the light that the camera sees passes each portal that is used, those with most of
@@ -26,12 +26,12 @@ std::string light_sentence(const std::vector<Portal>& portals);
 /// "portal.0, portal.1 and 3 more".
 std::string names_of(const std::vector<std::string>& names);
 
-/// Why the segments through portals may have brought only a `share` of the light: what was measured
-/// of it before, here or by portalfit, or a question where nothing was.
+/// Why the segments through portals may have carried only a `share` of the light: from earlier
+/// measurements, here or by portalfit; a question if there are none.
 std::string idleness(const std::vector<Portal>& portals, double share);
 
-/// A sentence for each of the portals, as they are drawn, that will work another way; for many the
-/// first ones.
+/// A sentence for each portal, as drawn, that will work another way; only the first ones if there
+/// are many.
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
                                   const std::vector<PortalWay>& ways);
 

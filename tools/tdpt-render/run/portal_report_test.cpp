@@ -1,4 +1,4 @@
-// What is said about portals, for rooms whose portals are known to be good or bad.
+// Reports about portals that are known to be good or bad.
 #include "tools/tdpt-render/run/portal_report.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 namespace tdpt::portal_report_test {
 
-// Upright, in a corner of the camera's room behind the camera: light passes, none of it counts.
+// Upright, in a corner of the camera's room behind the camera: light passes, but does not matter.
 Portal in_the_corner() {
   return rectangle({0.05, 0.02, -0.97}, {0, 0, 0.1}, {0, 0.1, 0});
 }
@@ -31,7 +31,7 @@ TEST(portals_report, a_portal_off_the_lights_way_is_called_useless_and_one_in_th
   EXPECT_NE(useless_portal(portals, 1, result)
                 .find("samples connected a lamp with the camera, they brought"),
             std::string::npos);
-  // Each sample of the picture drew one segment, and what they brought is what the technique did.
+  // Each sample of the picture drew one segment; their light is the technique's share.
   ASSERT_EQ(result.tally.portals.size(), 2u);
   EXPECT_EQ(result.tally.portals[0].drawn + result.tally.portals[1].drawn, 32u * 24 * 32);
   EXPECT_NEAR(result.tally.portals[0].energy + result.tally.portals[1].energy,

@@ -37,7 +37,7 @@ Film::Options film_options(const World& world, const std::vector<Candidate>& can
 
 namespace {
 
-// Renders what was decided, pass by pass.
+// Renders by a decision, pass by pass.
 class Rendering {
  public:
   Rendering(Session& session, const RenderSchedule& schedule, RenderResult& result)
@@ -50,7 +50,7 @@ class Rendering {
         watch_(film_),
         framed_(film_.samples()) {}
 
-  /// Until the samples are there, or the time is up.
+  /// Until all samples are rendered or the time is up.
   void run();
 
  private:
@@ -70,7 +70,7 @@ class Rendering {
   Film& film_;
   NoiseWatch watch_;
   uint64_t framed_;          // samples when the last frame was recorded
-  std::vector<double> due_;  // when each visitor came last, or later [s]
+  std::vector<double> due_;  // when each visitor's period last began [s]
 };
 
 TargetProgress Rendering::stand() const {
@@ -78,7 +78,7 @@ TargetProgress Rendering::stand() const {
           render_state_.pilot};
 }
 
-// "relMSE about 0.02", as the pilot foresees it, or the picture tells.
+// "relMSE about 0.02", predicted by the pilot, or estimated from the picture.
 std::string Rendering::error_so_far() const {
   if (!render_state_.target) {
     const std::optional<Noise> noise = watch_.noise(film_);
@@ -103,7 +103,7 @@ void Rendering::record_frame() {
   });
 }
 
-// How many samples come next; 0: the picture is done, or the time is up.
+// Samples in the next pass; 0: the picture is done, or the time is up.
 uint64_t Rendering::next_pass() const {
   const uint64_t done = film_.samples(), goal = render_state_.goal;
   if (goal > 0 && done >= goal) return 0;
@@ -116,14 +116,14 @@ uint64_t Rendering::next_pass() const {
   if (session_.longest == 0) return 0;
   if (settings_.seconds == 0) return n;
   if (done == 0) return 1;  // there must be a picture
-  // Samples take about as long as the ones before: stop where the limit is nearest.
+  // Samples are expected to take as long as those before; stops nearest to the limit.
   const double now = session_.clock.seconds();
   const double per_sample = (now - render_state_.began) / static_cast<double>(done);
   const double in_time = (settings_.seconds - now) / per_sample;
   return in_time < 0.5 ? 0 : std::min(n, static_cast<uint64_t>(std::max(in_time, 1.0)));
 }
 
-// Not more than a tenth of the time goes into one, however large the picture.
+// Each visitor gets at most a tenth of the time, however large the picture.
 void Rendering::receive_visitors() {
   if (result_.cut_short) return;
   due_.resize(schedule_.visitors.size(), render_state_.began);
@@ -165,7 +165,7 @@ void Rendering::render_goal() {
       session_.longest == 0 && film_.samples() < all)
     film_.complete({render_state_.next(), all - film_.samples()});
   while (const uint64_t n = next_pass()) {
-    // A signal that comes when all is there cuts nothing short, and there must be a picture.
+    // A signal after the last sample interrupts nothing, and there must be a picture.
     result_.interrupted = stop_requested() && film_.samples() > 0;
     if (result_.interrupted) break;
     progress.tell(error_so_far());
@@ -208,7 +208,7 @@ std::shared_ptr<RenderState> beginning(const Session& session,
       session.settings);
 }
 
-// A picture that begins, or a part of one.
+// For a new picture, or a part of one.
 void take_count(const SampleCount& count, const RenderSchedule& schedule,
                 RenderState& render_state) {
   render_state.goal = count.goal;
@@ -220,14 +220,14 @@ void take_count(const SampleCount& count, const RenderSchedule& schedule,
   render_state.whole = schedule.whole;
 }
 
-// What there is when all is rendered.
+// Fills in the result when all is rendered.
 void finish(const Session& session, RenderResult& result) {
   RenderState& render_state = *result.render_state;
   render_state.seconds = result.seconds = session.clock.seconds();
   render_state.cpu_seconds = result.cpu_seconds = session.clock.cpu();
   result.spp = render_state.film.samples();
   result.tally.add(render_state.tally);
-  // What has ended by the clock has ended.
+  // A rendering that its time limit ended is complete.
   if (render_state.goal == 0 && !result.interrupted) render_state.goal = result.spp;
   result.target = render_state.target;
   result.picture = render_state.film.picture();

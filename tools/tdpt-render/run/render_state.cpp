@@ -19,7 +19,7 @@ constexpr const char *kRays = "rays", *kEnergy = "energy", *kByLength = "by_leng
                      *kPortals = "portal_samples", *kPortalEnergy = "portal_energy",
                      *kNotFinite = "not_finite";
 
-// The values of that name; as many as `n` at the most.
+// The values of that name, at most `n`.
 std::vector<Units> taken(const Counts& counts, const char* name, size_t n) {
   const auto found = counts.find(name);
   if (found == counts.end()) return std::vector<Units>(n);
@@ -32,7 +32,7 @@ uint64_t low(Units units) {
   return static_cast<uint64_t>(units);
 }
 
-// ---- Its numbers, checked on the way in ----
+// ---- Its numbers, checked on reading ----
 
 class Reader {
  public:
@@ -59,7 +59,7 @@ class Reader {
   }
   double real(const char* key) const {
     const Json& value = at(key);
-    if (value.is_null()) return std::numeric_limits<double>::infinity();  // as JSON has it
+    if (value.is_null()) return std::numeric_limits<double>::infinity();  // JSON has no infinity
     if (!value.is_number() || !(value.get<double>() >= 0)) fail(key, "is out of range");
     return value.get<double>();
   }
@@ -141,7 +141,7 @@ TargetOutcome target_of(const Reader& in) {
   return target;
 }
 
-// Where the film is that of a picture, or the beginning of one, as exrmerge leaves it.
+// For the film of a picture, or of its first samples, as exrmerge writes it.
 void stand_without_state(const FilmFacts& facts, RenderState& render_state) {
   render_state.goal = facts.spp;
   render_state.limits.spp = facts.spp;

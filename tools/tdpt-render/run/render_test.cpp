@@ -11,7 +11,7 @@
 
 namespace tdpt::render_test {
 
-// Rims of an opening count in density and in visibility alike, however far rays step off.
+// Rims of an opening count alike in density and in visibility, whatever the offset of ray origins.
 TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
   const Scene scene = read_gltf(two_rooms_path());
   World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
@@ -63,7 +63,7 @@ TEST(render, no_light_is_a_black_picture) {
   }
 }
 
-// In the plane of a surface rounding decides whether a ray meets it; every ray must decide alike.
+// Rounding decides whether a ray hits one of two coincident surfaces; all rays must decide alike.
 TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   Scene scene = read_gltf(furnace_path());
   for (Material& m : scene.materials) m.emission = {};
@@ -81,7 +81,7 @@ TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
         << integrator->name;
 }
 
-// As a device: it takes a while to be ready, and wants many samples at a time.
+// Like a device: slow to prepare, and efficient only with many samples at a time.
 class Eager : public CpuRenderer {
  public:
   using CpuRenderer::CpuRenderer;
@@ -115,7 +115,7 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
   EXPECT_NEAR(r.noise->relmse / by_cpu.noise->relmse, 1, 1e-4);
   EXPECT_EQ(r.picture.pixels, by_cpu.picture.pixels);
   EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
-  // What is there already needs no device to be ready.
+  // If all samples exist already, the device is not prepared.
   device.calls.clear(), device.prepared = 0;
   RenderSchedule schedule;
   schedule.plan = r.plan;

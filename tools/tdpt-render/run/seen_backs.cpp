@@ -10,7 +10,7 @@ namespace tdpt {
 namespace {
 
 constexpr int kRays = 32;             // along each side of the film
-constexpr double kLeastShare = 0.01;  // that is worth a word
+constexpr double kLeastShare = 0.01;  // below which there is no warning
 
 Vec3d direction_of(const FilmPlane& film, int ray) {
   return film.direction((ray % kRays + 0.5) / kRays * film.width(),

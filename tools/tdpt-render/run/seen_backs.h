@@ -1,4 +1,4 @@
-// How much of the picture shows backs of single-sided surfaces, which glTF viewers do not draw.
+// How much of the picture shows the backs of single-sided surfaces, which glTF viewers do not draw.
 #pragma once
 #include <string>
 
@@ -8,16 +8,16 @@ namespace tdpt {
 
 struct SeenBacks {
   double share = 0;      ///< of the picture
-  std::string material;  ///< whose backs are most of it: material "wall", materials[2]
+  std::string material;  ///< with the largest share of them: material "wall", materials[2]
 };
 
-/// By 32 x 32 rays at fixed places of the film.
+/// From 32 x 32 rays at fixed places of the film.
 SeenBacks seen_backs(const World& world);
 
-/// A sentence about a camera that is to see through backs where none is in its way, or nothing.
+/// A note if a camera is set to see through backs but none is in its way; else empty.
 std::string no_backs_sentence(const World& world);
 
-/// A sentence of warning, or nothing where it is too little to matter.
+/// A warning; empty if the share is negligible.
 std::string backs_sentence(const SeenBacks& seen);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// What a rendering says about itself.
+// What a rendering reports about itself.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -91,8 +91,8 @@ TEST(nonzero, red_where_light_arrives_and_green_elsewhere) {
   EXPECT_EQ(nonzero_picture(picture).pixels, (std::vector<Rgb>{{0, 1, 0}, {1, 0, 0}, {1, 0, 0}}));
 }
 
-// The furnace's walls all shine with radiance 1, seen as such at depth 1. Every other
-// triangle is spoilt when the world has been built: whoever sees it gets a number that is none.
+// All walls of the furnace emit radiance 1, seen directly at depth 1. Every other triangle is
+// spoilt once the world has been built: whoever sees it gets NaN or infinity.
 struct Spoilt {
   Scene scene = read_gltf(furnace_path());
   RenderResult result;
@@ -113,7 +113,8 @@ struct Spoilt {
   static constexpr uint64_t spp = 4;
 };
 
-// Kernels may take what is no number for any other, but not more than films hold.
+// Kernels may turn NaN or infinity into any number: they are tested with numbers too large for
+// films.
 const std::vector<float> kNoNumbers =
     kByScalar ? std::vector{1e30f, 3e38f}
               : std::vector{std::numeric_limits<float>::quiet_NaN(),
@@ -125,7 +126,7 @@ TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
   for (const float value : kNoNumbers) {
     const Spoilt room(value);
     const RenderResult& r = room.result;
-    // Samples that are missing from pixels tell how many there should be.
+    // The samples missing from the pixels give the expected count.
     double missing = 0;
     for (const Rgb& p : r.picture.pixels) {
       EXPECT_TRUE(is_finite(p));

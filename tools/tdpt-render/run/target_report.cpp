@@ -11,7 +11,7 @@ namespace {
 
 using Stop = TargetOutcome::Stop;
 
-// By Stop.
+// Indexed by Stop.
 constexpr std::array kStops{"target", "spp", "time", "signal", "no light"};
 
 const char* stop_of(const TargetOutcome& target) {

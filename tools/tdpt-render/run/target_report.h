@@ -1,4 +1,4 @@
-// What a picture that was rendered to an error says of that.
+// What a picture with a target error reports about it.
 #pragma once
 #include <map>
 #include <string>
