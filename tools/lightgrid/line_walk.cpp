@@ -65,7 +65,7 @@ std::vector<double> weights_of(const std::vector<double>& count) {
   return w;
 }
 
-// Weight of a line: w integrated along it [1/metres].
+// Weight W of a line: w integrated along it [count^3 metres].
 double weight_of(const LightGrid& grid, const std::vector<double>& w, const LightLine& line) {
   double sum = 0;
   walk_grid(grid, line.light, line.camera,
