@@ -1,8 +1,8 @@
-# For scripts that try things where nothing is installed; as root. To be sourced by sh with -eu.
+# Runs things on a system where nothing is installed; as root. To be sourced by sh with -eu.
 # shellcheck shell=sh
 
-# bare_system FOLDER SUITE: a bare Debian in FOLDER, made by debootstrap if there is none, from MIRROR,
-# http://deb.debian.org/debian if that is not set. Its /proc is mounted until the script ends.
+# bare_system FOLDER SUITE: a bare Debian in FOLDER, made by debootstrap if there is none, from MIRROR (default
+# http://deb.debian.org/debian). Its /proc is mounted until the script ends.
 bare_system() {
   bare=$1
   if [ "$(id -u)" != 0 ]; then
@@ -12,7 +12,7 @@ bare_system() {
   if [ ! -x "$bare/usr/bin/apt-get" ]; then
     debootstrap --variant=minbase "$2" "$bare" "${MIRROR:-http://deb.debian.org/debian}"
   fi
-  # The way to the network is that of this machine.
+  # Uses this machine's network configuration.
   cp /etc/resolv.conf /etc/hosts "$bare/etc"
   find /etc/apt/apt.conf.d -type f -exec cp {} "$bare/etc/apt/apt.conf.d" \;
   mkdir -p "$bare/proc"
@@ -20,18 +20,18 @@ bare_system() {
   trap 'umount "$bare/proc"' EXIT
 }
 
-# inside COMMANDS: by sh -eu, as root, in the bare system.
+# inside COMMANDS: runs them with sh -eu, as root, in the bare system.
 inside() {
   chroot "$bare" env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C \
     DEBIAN_FRONTEND=noninteractive sh -euc "$1"
 }
 
-# as_user USER COMMANDS: the same as a user of the bare system, whose folder is /work.
+# as_user USER COMMANDS: the same as a user of the bare system, in /work.
 as_user() {
   chroot "$bare" su -s /bin/sh "$1" -c "set -eu; cd /work; $2"
 }
 
-# container FILE CONTEXT: what a Containerfile says, done in the bare system, whatever FROM names. Sets `user`.
+# container FILE CONTEXT: executes the instructions of a Containerfile in the bare system, ignoring FROM. Sets `user`.
 container() {
   user=root
   lines=$(sed -e ':a' -e '/\\$/{N;s/\\\n//;ba' -e '}' "$1")

@@ -1,6 +1,7 @@
 #!/bin/sh
-# debian-control.sh ROOT: what the Debian package is built with is what cmake/packages.txt lists, but for the compiler,
-# which every package has, ccache and fonts; its version is the project's, in CITATION.cff and CHANGELOG.md as well. Exit 1 if not.
+# debian-control.sh ROOT: checks that the Debian package's build dependencies are those of cmake/packages.txt, except
+# the compiler, which every package has, ccache and fonts, and that its version is the project's, as in CITATION.cff and
+# CHANGELOG.md. Exit 1 if not.
 cd "${1:?usage: debian-control.sh ROOT}" || exit 2
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

@@ -1,10 +1,10 @@
 #!/bin/sh
-# debian-control_test.sh: debian-control.sh finds planted faults.
+# debian-control_test.sh: debian-control.sh detects planted faults.
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
-# faulty FILE EDIT PATTERN: with FILE so edited a line of what is said matches PATTERN.
+# faulty FILE EDIT PATTERN: with FILE edited in this way, a line of the output matches PATTERN.
 faulty() {
   rm -rf "$work/root"
   mkdir -p "$work/root/cmake" "$work/root/debian"

@@ -1,12 +1,12 @@
 #!/bin/sh
-# gpu.sh pack | gpu.sh run OUT: what only a real GPU can tell, within ten minutes, on a machine that has a copy of this
-# folder and a Vulkan driver and nothing else installed.
+# gpu.sh pack | gpu.sh run OUT: checks that need a real GPU, within ten minutes, on a machine with a copy of this
+# folder, a Vulkan driver and nothing else installed.
 #   pack   here: puts the programs, two more that test and measure, and the libraries they need into build/gpu-kit.tar.gz
 #   run    there: writes to OUT
 #            bytes.txt       whether the device gives the bytes of the scalar build of its kernels
-#            registers.txt   what the driver's compiler tells of each kernel
-#            frame.txt       the paper's frame: 1280 x 720, 32 samples, paths of 4 edges, beside all cores of the machine
-# SCENE=FILE of pack: the frame's scene, default the room of testdata.
+#            registers.txt   statistics of each kernel from the driver's compiler
+#            frame.txt       the paper's frame: 1280 x 720, 32 samples, paths of 4 edges, compared with all CPU cores
+# SCENE=FILE for pack: the frame's scene, by default the room of testdata.
 set -eu
 cd "$(dirname "$0")/.."
 kit=build/gpu-kit
@@ -20,7 +20,7 @@ pack() {
   tar xf build/tdpt-*-linux-*.tar.gz -C $kit --strip-components 1
   for tool in device_test device_bench; do
     strip -o $kit/tools/$tool build/bin/$tool
-    # Libraries that the programs themselves do without.
+    # Libraries that only these two need.
     ldd build/bin/$tool | awk '$2 == "=>" { print $1, $3 }' | grep -vE '^(linux-vdso|ld-linux|lib(c|m|dl|rt|pthread|gcc_s|stdc[+][+])[.]so)' |
       while read -r name path; do
         [ -e "$kit/lib/tdpt/$name" ] || cp -L "$path" "$kit/lib/tdpt/$name"
@@ -32,7 +32,7 @@ pack() {
   tar czf $kit.tar.gz $kit
 }
 
-# What a part takes at most, its name, and its command.
+# Time limit of a part, its name, and its command.
 part() {
   limit=$1 name=$2
   shift 2

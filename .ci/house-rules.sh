@@ -1,14 +1,14 @@
 #!/bin/sh
-# house-rules.sh ROOT: who may include whom. Prints every line that breaks a rule; exit 1 if any.
+# house-rules.sh ROOT: checks who may include whom. Prints every line that breaks a rule; exit 1 if any.
 #   A tool includes libcommon, shaders/shared and itself, never another tool.
-#   shaders/ is below them all: kernels and what they share with C++ include shaders/ alone, and every
-#   shared header gives the macros of language.h back.
+#   shaders/ is below them all: kernels and the headers they share with C++ include only shaders/, and every
+#   shared header undefines the macros of language.h.
 #   A room of libcommon includes itself and rooms before it; testing is for tests and bench.
-#   So do the rooms of tdpt-render; testing/ and bench/ of any tool are included by tests alone.
+#   So do the rooms of tdpt-render; testing/ and bench/ of any tool are included by tests only.
 #   Each heavy library has one home.
-#   What Linux alone has is called in libcommon/base (doc/systems.md).
-#   A planted fault, struct ...Faults, is defined by tests alone; the class that it spoils names it as a friend.
-#   A test has a namespace of its own, NAME_test: those of a program are compiled six files at a time.
+#   Functions that only Linux has are called in libcommon/base only (doc/systems.md).
+#   A planted fault, struct ...Faults, is defined by tests only; the class that it modifies declares it a friend.
+#   A test has a namespace of its own, NAME_test: the tests of a program are compiled six files at a time.
 cd "${1:?usage: house-rules.sh ROOT}" || exit 2
 found=$(mktemp) && all=$(mktemp) || exit 2
 trap 'rm -f "$found" "$all"' EXIT
@@ -20,7 +20,7 @@ grep -rnE '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]' --include='*.h' --
 [ -s "$all" ] || { echo "house-rules: no sources under $1"; exit 2; }
 
 awk -F: '
-# path/bsdf, say, of tools/tdpt-render/path/bsdf/coat.h, of which `part` are the parts
+# The room, such as path/bsdf of tools/tdpt-render/path/bsdf/coat.h; `part` holds the components of that path.
 function room_of(part) { return part[3] == "path" ? part[3] "/" part[4] : part[3] }
 function bad(why) { print $1 ":" $2 ": " $3 " is included, but " why }
 BEGIN {
@@ -40,7 +40,7 @@ BEGIN {
   inside["plan"] = inside["device"] = inside["integrators"] "integrators "
   inside["run"] = inside["plan"] "plan device "
   inside["main.cpp"] = inside["run"] "run "
-  # What is included -> where that may stand.
+  # Included header -> where it may be included.
   home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
   home["^draco/"] = "^libcommon/(scene/gltf/draco[.]cpp$|testing/files/compress)"
   home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf/meshopt[.]cpp$|testing/files/compress)"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# house-rules_test.sh: every rule of house-rules.sh finds a planted offence, and lets good code pass.
+# house-rules_test.sh: every rule of house-rules.sh detects a planted violation and accepts good code.
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

@@ -1,6 +1,6 @@
 #!/bin/sh
-# linked.sh BUILD PROGRAM ...: no program is made from a source that only tests are for: one of a folder testing/, or a
-# test. Reads the graph of Ninja; prints such sources; exit 1 if any.
+# linked.sh BUILD PROGRAM ...: checks that no program is built from a source meant for tests: a test, or one in a folder
+# testing/. Reads Ninja's build graph; prints such sources; exit 1 if any.
 build=${1:?usage: linked.sh BUILD PROGRAM ...}
 shift
 status=0

@@ -1,6 +1,6 @@
 #!/bin/sh
-# man-functions.sh ROOT PAGE: every function that PAGE names (a line `.Fn name`, then a line
-# `.Pa file`) stands in that file, and every page that it refers to is there. Exit 1 if not.
+# man-functions.sh ROOT PAGE: checks that every function that PAGE names (a line `.Fn name`, then a line `.Pa file`) is
+# in that file, and that every page it refers to exists. Exit 1 if not.
 root=${1:?usage: man-functions.sh ROOT PAGE} page=${2:?usage: man-functions.sh ROOT PAGE}
 status=0
 pairs=$(awk '$1 == ".Fn" { name = $2; next }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# man-options.sh PROGRAM PAGE: the long options and the settings in `PROGRAM --help` are those that the page's lists explain
-# (lines `.It Fl -name`, also `.It Fl o , Fl -name`; `.It Cm name Ns =` of a setting), no more and no fewer. Exit 1 if not.
+# man-options.sh PROGRAM PAGE: checks that the page explains exactly the long options and settings in `PROGRAM --help`
+# (lines `.It Fl -name`, also `.It Fl o , Fl -name`; `.It Cm name Ns =` for a setting). Exit 1 if not.
 program=${1:?usage: man-options.sh PROGRAM PAGE} page=${2:?usage: man-options.sh PROGRAM PAGE}
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
-# named-tests.sh ROOT PAGE: every row of PAGE's tables names tests in its last cell, `suite.test` or
-# `suite.test/row` of a *_test.cpp, `cli.case`, or the file of a test in shell or Python, and every
-# one of them is there. Exit 1 if not.
+# named-tests.sh ROOT PAGE: checks that the last cell of every row in PAGE's tables names tests, `suite.test` or
+# `suite.test/row` of a *_test.cpp, `cli.case`, or the file of a shell or Python test, and that all of them exist. Exit
+# 1 if not.
 root=${1:?usage: named-tests.sh ROOT PAGE} page=${2:?usage: named-tests.sh ROOT PAGE}
 status=0
 complain() {
@@ -23,7 +23,7 @@ there() {
   esac
 }
 
-# A row is "line,names": the names in the last cell of a table's row, below its head.
+# Output "line,names": the names in the last cell of a table's row, below its head.
 rows=$(awk -F'|' '/^\|/ { if (++row > 2) { n = split($(NF - 1), part, "`"); names = ""
                             for (i = 2; i <= n; i += 2) names = names " " part[i]
                             gsub(/ +/, ",", names); print NR names } next }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# named-tests.sh accepts what is there and finds each planted fault.
+# named-tests_test.sh: named-tests.sh accepts existing names and detects each planted fault.
 here=$(cd "$(dirname "$0")" && pwd)
 folder=$(mktemp -d) || exit 1
 trap 'rm -r "$folder"' EXIT

@@ -1,8 +1,8 @@
 #!/bin/sh
-# package.sh DEB FOLDER SUITE: whether the package installs and works where nothing else is: by the steps of the
-# Containerfile on a bare Debian in FOLDER, made by debootstrap if it is empty. As root. Every program says its version, a
-# user takes a scene through all of them by tdpt.mk and by tdpt, and nothing is left after the package is removed, with
-# all that it needed: the system is bare again for the next time.
+# package.sh DEB FOLDER SUITE: checks that the package installs and works on a bare system: by the steps of the
+# Containerfile, on a bare Debian in FOLDER, made by debootstrap if it is empty. As root. Every program prints its
+# version, a user takes a scene through all of them with tdpt.mk and with tdpt, and nothing remains after the package
+# and its dependencies are removed: the system is bare again for the next run.
 set -eu
 usage='usage: package.sh DEB FOLDER SUITE'
 deb=${1:?$usage} folder=${2:?$usage} suite=${3:?$usage}
@@ -24,7 +24,7 @@ done
 make='make -f /usr/share/tdpt/tdpt.mk QUALITY=draft PREVIEWS=1 TDPT_RENDER_FLAGS="--spp 1 --width 64" room.exr'
 as_user "$user" "$make; $make | grep 'up to date'; exrdiff room.exr room.exr; tdpt room.glb --quality draft --spp 1 -o again.exr; ls -l"
 for picture in max cut vdb portal.glb exr; do [ -s "$bare/work/room.$picture.png" ]; done
-# Documents may be left out of a bare system, so what was installed is asked of dpkg.
+# A bare system may omit documentation, so dpkg is asked what was installed.
 inside 'dpkg -L tdpt >/work/list
   apt-get -q -y --auto-remove purge tdpt fonts-dejavu-core make python3
   while IFS= read -r path; do

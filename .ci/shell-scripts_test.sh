@@ -1,5 +1,5 @@
 #!/bin/sh
-# shell-scripts_test.sh: shell-scripts.sh finds a planted fault, also in .ci/run, and lets good scripts pass.
+# shell-scripts_test.sh: shell-scripts.sh detects a planted fault, also in .ci/run, and accepts good scripts.
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/bin/sh
-# tarball.sh TARBALL FOLDER SUITE: whether the programs of the tarball run where nothing is installed: on a bare Debian in
-# FOLDER, made by debootstrap if it is empty. As root. A user unpacks it, finds a portal and renders through it, with
-# pictures of every stage; says how long that took; and a library that is missing is named in one line.
+# tarball.sh TARBALL FOLDER SUITE: checks that the tarball's programs run where nothing is installed: on a bare Debian
+# in FOLDER, made by debootstrap if it is empty. As root. A user unpacks it, finds a portal and renders through it, with
+# a preview of every stage. Prints how long that took; a missing library must be named in one line.
 set -eu
 usage='usage: tarball.sh TARBALL FOLDER SUITE'
 tarball=${1:?$usage} folder=${2:?$usage} suite=${3:?$usage}

@@ -1,4 +1,4 @@
-# Debian's own find module asks for boost-iostreams, which libopenvdb-dev does not bring.
+# Debian's own find module requires boost-iostreams, which libopenvdb-dev does not install.
 find_path(OpenVDB_INCLUDE_DIR openvdb/openvdb.h)
 find_library(OpenVDB_LIBRARY openvdb)
 if(OpenVDB_INCLUDE_DIR)

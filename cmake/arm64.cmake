@@ -1,5 +1,5 @@
-# Cross-compiling for 64-bit ARM with Debian's compiler; completions are written by the programs under qemu-user. What is
-# to be installed: doc/systems.md.
+# Cross-compiles for 64-bit ARM with Debian's compiler; the programs write completions under qemu-user. Packages to
+# install: doc/systems.md.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

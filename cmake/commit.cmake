@@ -1,5 +1,5 @@
-# tdpt_commit(folder out): the commit of the git checkout that a folder is, abbreviated; "" where it is none, as in a
-# tarball, even one that was unpacked within another checkout. Once there is another commit, the build configures anew.
+# tdpt_commit(folder out): the abbreviated commit of the git checkout in `folder`; "" if it is none, as in a tarball,
+# even one unpacked within another checkout. A new commit reconfigures the build.
 function(tdpt_commit folder out)
   set(${out} "" PARENT_SCOPE)
   find_program(TDPT_GIT git)

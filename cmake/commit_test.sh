@@ -1,6 +1,6 @@
 #!/bin/sh
-# commit_test.sh: tdpt_commit() tells the commit of a checkout or a worktree, anew once there is another, and none of a
-# folder that is no checkout itself. Exit 77 without git, CMake or Ninja.
+# commit_test.sh: tdpt_commit() finds the commit of a checkout or a worktree, again after a new commit, and none for a
+# folder that is not a checkout itself. Exit 77 without git, CMake or Ninja.
 here=$(cd "$(dirname "$0")" && pwd)
 for tool in git cmake ninja; do
   command -v $tool >/dev/null || { echo "skipped: $tool is missing"; exit 77; }
@@ -12,7 +12,7 @@ unset GIT_DIR GIT_WORK_TREE GIT_INDEX_FILE
 failed=0
 git_in() { folder=$1; shift; git -C "$folder" -c user.name=a -c user.email=a@example.org "$@" >"$work/log" 2>&1 || { cat "$work/log"; exit 2; }; }
 commit() { git_in "$1" commit --allow-empty -m "$2"; }
-# tells WHY FOLDER EXPECTED: what is built in the folder now.
+# tells WHY FOLDER EXPECTED: checks what is built in the folder now.
 tells() {
   { [ -d "$2.build" ] || cmake -G Ninja -S "$2" -B "$2.build"; } >"$work/log" 2>&1 && ninja -C "$2.build" >>"$work/log" 2>&1 || { cat "$work/log"; exit 2; }
   if [ "$(cat "$2.build/told")" != "$3" ]; then

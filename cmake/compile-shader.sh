@@ -1,8 +1,8 @@
 #!/bin/sh
-# compile-shader.sh OUT OPTION... FILE.comp: a kernel as OUT.spv, as the numbers of a C array, OUT.inc, and what it was
-# made from, OUT.d. Its sums and products of floats give the same bits on every device: each gets NoContraction before
-# anything is optimised, as GLSL's `precise` would ask for variable by variable, so that none is fused with another.
-# INEXACT=1 leaves that out. Options are glslc's.
+# compile-shader.sh OUT OPTION... FILE.comp: compiles a kernel to OUT.spv, to the numbers of a C array, OUT.inc, and to
+# its dependencies, OUT.d. Its floating-point sums and products give the same bits on every device: each gets
+# NoContraction before optimisation, as GLSL's `precise` would for single variables, so that none is fused with another.
+# INEXACT=1 omits that. Options are glslc's.
 set -e
 out=${1:?usage: compile-shader.sh OUT OPTION... FILE.comp}
 shift
@@ -10,7 +10,7 @@ trap 'rm -f "$out.text" "$out.plain"' EXIT
 glslc --target-env=vulkan1.2 -O0 -Werror -MD -MF "$out.d" -MT "$out.inc" -o "$out.plain" "$@"
 if [ "${INEXACT:-0}" = 0 ]; then
   spirv-dis --raw-id --no-color "$out.plain" -o "$out.text"
-  # Twice: what is decorated is told before it is there.
+  # Two passes: decorations precede what they decorate.
   awk '
     NR == FNR { if ($3 ~ /^Op(FAdd|FSub|FMul|VectorTimesScalar)$/) exact[n++] = $1; next }
     !told && $3 ~ /^OpType/ {

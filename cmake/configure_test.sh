@@ -1,12 +1,12 @@
 #!/bin/sh
-# configure_test.sh SOURCES: what is missing is said in one sentence when the sources are configured, and a big-endian
-# processor is refused.
+# configure_test.sh SOURCES: configuring reports everything that is missing in one sentence, and refuses a big-endian
+# processor.
 sources=${1:?usage: configure_test.sh SOURCES}
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# refused SENTENCE ARGUMENT...: cmake with these arguments fails, and says that.
+# refused SENTENCE ARGUMENT...: cmake with these arguments fails and prints the sentence.
 refused() {
   sentence=$1
   shift

@@ -1,7 +1,6 @@
 #!/bin/sh
-# install-packages.sh [LIST]: installs those packages of LIST, cmake/packages.txt if none is given,
-# that are missing, by apt-get, as root or by sudo.
-# Says nothing when there is nothing to do.
+# install-packages.sh [LIST]: installs the missing packages of LIST, by default cmake/packages.txt, with apt-get, as
+# root or with sudo. Prints nothing if there is nothing to do.
 set -u
 list=${1:-$(dirname "$0")/packages.txt}
 say() { printf '%s\n' "install-packages: $*" >&2; }

@@ -1,12 +1,12 @@
 #!/bin/sh
-# install-packages_test.sh: what install-packages.sh does as root, with sudo and without, on a
-# machine of make-believe: nothing is installed.
+# install-packages_test.sh: install-packages.sh as root, with sudo and without, on a simulated machine: nothing is
+# installed.
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# A folder of commands that is the whole PATH: the real helpers and make-believe for the rest.
+# A folder of commands that is the whole PATH: some real utilities, and mocks for the rest.
 fresh() {
   rm -rf "${work:?}/bin"
   mkdir "$work/bin"
@@ -22,7 +22,7 @@ run() {
   status=$?
   cat "$work/done" >>"$work/said"
 }
-# expect STATUS NAME PATTERN: exit code, and a line of what was said or done.
+# expect STATUS NAME PATTERN: exit code, and a line of the output or the log.
 expect() {
   run
   if [ "$status" != "$1" ] || ! grep -qE "$3" "$work/said"; then

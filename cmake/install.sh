@@ -1,7 +1,7 @@
 #!/bin/sh
-# install.sh BUILD PREFIX: installs what was built in BUILD under PREFIX, inside of $DESTDIR if that is set, with a list of
-# it for uninstall.sh: PREFIX/share/tdpt/installed, the paths without DESTDIR. Folders that had to be made stand there
-# with a slash at their end. What an earlier list has is kept: that is still to be removed some day.
+# install.sh BUILD PREFIX: installs the build in BUILD under PREFIX, inside $DESTDIR if that is set, and writes a list
+# for uninstall.sh: PREFIX/share/tdpt/installed, with paths without DESTDIR. Created folders are listed with a trailing
+# slash. The entries of an earlier list are kept, so that those files can still be removed.
 set -eu
 build=${1:?usage: install.sh BUILD PREFIX} prefix=${2:?usage: install.sh BUILD PREFIX}
 case $prefix in /*) ;; *) prefix=$PWD/$prefix ;; esac
@@ -10,7 +10,7 @@ list=$prefix/share/tdpt/installed
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# A trial, to learn the names.
+# Dry run, to learn the names.
 DESTDIR=$work/trial cmake --install "$build" --prefix "$prefix" >"$work/log" || { cat "$work/log"; exit 1; }
 mkdir -p "$work/trial${list%/*}"
 (cd "$work/trial" && find . ! -type d) | sed 's/^\.//' >"$work/list"

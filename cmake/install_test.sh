@@ -1,6 +1,6 @@
 #!/bin/sh
-# install_test.sh BUILD: what `make install` puts into a folder works there, and `make uninstall` takes away that and no
-# more, without CMake.
+# install_test.sh BUILD: the result of `make install` works in any folder, and `make uninstall` removes exactly that,
+# without CMake.
 build=$(cd "${1:?usage: install_test.sh BUILD}" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
@@ -12,13 +12,13 @@ complain() {
 }
 all() { (cd "$1" && find . | LC_ALL=C sort); }
 
-# What uninstall.sh may use.
+# All that uninstall.sh may use.
 mkdir "$work/bin"
 for tool in sh sort rm rmdir; do ln -s "$(command -v $tool)" "$work/bin/$tool"; done
 install() { DESTDIR=$1 sh "$here/install.sh" "$build" "$2" >"$work/log" 2>&1 || complain "install to $1$2: $(cat "$work/log")"; }
 uninstall() { DESTDIR=$1 PATH=$work/bin sh "$here/uninstall.sh" "$2" >"$work/log" 2>&1; }
 
-# Into an empty folder, whose name has a blank.
+# Into an empty folder whose name contains a blank.
 empty=$work/an\ empty\ one
 mkdir "$empty"
 install "$empty" /opt/tdpt
@@ -31,7 +31,7 @@ done
 for file in share/man/man7/tdpt.7 share/tdpt/tdpt.mk share/doc/tdpt/LICENSE share/doc/tdpt/CHANGELOG.md; do
   [ -s "$empty/opt/tdpt/$file" ] || complain "$file is not installed"
 done
-# dead FOLDER: the links of its README that lead to no file; sources' own, as a twin, lead to some.
+# dead FOLDER: the links of its README that lead to no file. Twin: the README of the sources does have such links there.
 dead() {
   sed 's/`[^`]*`//g' "$1/README.md" | grep -oE '\]\([^) ]*|(href|src)="[^"]*' | sed 's/^[^("]*[("]//' | grep -v '^[a-z]*:' | while IFS= read -r link; do
     [ -e "$1/${link%%#*}" ] || echo "$link"
@@ -49,7 +49,7 @@ uninstall "$empty" /opt/tdpt || complain "uninstall fails: $(cat "$work/log")"
 if uninstall "$empty" /opt/tdpt; then complain "uninstall of nothing: all is well"; fi
 grep -q "there is no $empty/opt/tdpt/share/tdpt/installed" "$work/log" || complain "uninstall of nothing: says not why"
 
-# Beside the files of others, also in the folder of ours, and over an older version that had a file more.
+# Beside other files, also in our folder, and over an older version that had one more file.
 full=$work/full
 mkdir -p "$full/usr/local/bin" "$full/usr/local/share/man/man1"
 echo mine >"$full/usr/local/bin/mine"

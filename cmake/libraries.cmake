@@ -1,9 +1,9 @@
-# What `<tool> --version` says that a tool is built from and with: the commit, and the libraries that its targets link,
-# through whichever room.
+# Origin shown by `<tool> --version`: the commit, and the libraries that the tool's targets link, directly or through a
+# room.
 include(commit)
 tdpt_commit(${CMAKE_SOURCE_DIR} TDPT_COMMIT)
 
-# Versions that no package tells stand in a header.
+# Versions that no package provides are in a header.
 find_path(TDPT_STB_FOLDER stb/stb_image_write.h)
 function(tdpt_version_of_stb out)
   set(line "")
@@ -29,7 +29,7 @@ function(tdpt_version_of_openmesh out)
   endif()
 endfunction()
 
-# tdpt_library_name(link out): name and version of what a target links; "" for parts of the C library.
+# tdpt_library_name(link out): name and version of a linked library; "" for parts of the C library.
 function(tdpt_library_name link out)
   tdpt_version_of_stb(stb_VERSION)
   tdpt_version_of_openmesh(OpenMesh_VERSION)
@@ -67,7 +67,7 @@ function(tdpt_library_name link out)
   set(${out} "${name}" PARENT_SCOPE)
 endfunction()
 
-# tdpt_linked_by(target out): what a target links that is not ours, through what is ours.
+# tdpt_linked_by(target out): foreign libraries that a target links, directly or through ours.
 function(tdpt_linked_by target out)
   set(linked "")
   set(seen ${target})
@@ -99,8 +99,8 @@ function(tdpt_linked_by target out)
   set(${out} "${linked}" PARENT_SCOPE)
 endfunction()
 
-# tdpt_tell_origin(tool): writes generated/<tool>/built_with.cpp, which defines libcommon/cli/built_with.h. Called when all
-# that the tool links is declared.
+# tdpt_tell_origin(tool): writes generated/<tool>/built_with.cpp, which defines libcommon/cli/built_with.h. Call it
+# after all libraries of the tool are declared.
 function(tdpt_tell_origin tool)
   tdpt_linked_by(${tool} linked)
   set(names "")

@@ -1,4 +1,4 @@
-# All that the programs are built from. What is missing is said in one sentence, not one package at a time.
+# All dependencies of the programs. Missing ones are reported together in one sentence.
 set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # CGAL asks for Boost by its own files, as below
 set(TDPT_MISSING "")
 
@@ -31,7 +31,7 @@ if(BUILD_TESTING)
   tdpt_need(GTest CONFIG)
 endif()
 
-# Users of the target `embree` know which one it is as TDPT_EMBREE (libcommon/trace/embree.h).
+# Target `embree`; its users see the version as TDPT_EMBREE (libcommon/trace/embree.h).
 find_package(embree 4 CONFIG QUIET)
 if(NOT embree_FOUND)
   find_package(embree 3.13 CONFIG QUIET)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# package.sh OUT: builds the Debian package of the sources as they lie here, OUT/tdpt_VERSION+debRELEASE_ARCH.deb, and
-# OUT/tdpt-dbgsym_... with its debug symbols, and has lintian judge them. The same sources give the same bytes: the time in it is that of the last commit, or of debian/changelog
-# where there is no git.
+# package.sh OUT: builds the Debian package of the sources here, OUT/tdpt_VERSION+debRELEASE_ARCH.deb, and
+# OUT/tdpt-dbgsym_... with its debug symbols, and checks them with lintian. The same sources give the same bytes: its
+# time is that of the last commit, or without git of debian/changelog.
 set -eu
 out=${1:?usage: package.sh OUT}
 cd "$(dirname "$0")/.."
@@ -28,11 +28,11 @@ if [ -e .git ]; then
 else
   find . \( -path './build*' -o -path ./demo \) -prune -o ! -type d -print0
 fi | tar -c --null --no-recursion --mtime="@$SOURCE_DATE_EPOCH" -T - | tar -x -C "$work/tdpt-$version"
-# Packages of two releases are told apart by their names.
+# Packages for two releases have different names.
 # shellcheck source=/dev/null
 release=$(. /etc/os-release; printf '%s%s' "$(printf %.3s "$ID")" "${VERSION_ID:-}")
 sed -i "1s/($version)/($version+$release)/" "$work/tdpt-$version/debian/changelog"
-# What ccache has was compiled in another folder, which shows in the build IDs.
+# ccache's objects were compiled in another folder, which shows in the build IDs.
 export CCACHE_DISABLE=1
 export DEB_BUILD_OPTIONS="parallel=${JOBS:-$(nproc)}"
 (cd "$work/tdpt-$version" && dpkg-buildpackage -b -us -uc) >"$work/log" 2>&1 || {

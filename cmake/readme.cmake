@@ -1,6 +1,6 @@
-# tdpt_installed_readme(out FILE ...): README.md as it is installed, without the sources around it: links to the files that
-# are installed beside it stay, other relative ones and pictures become words. Pages are read by man(1); doc/ with its
-# pictures would be several megabytes.
+# tdpt_installed_readme(out FILE ...): README.md for an installation without the sources: links to the files installed
+# beside it remain, other relative links and pictures become text. Pages are read with man(1); doc/ with its pictures
+# would be several megabytes.
 function(tdpt_installed_readme out)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/README.md)
   file(READ ${CMAKE_SOURCE_DIR}/README.md text)

@@ -1,8 +1,7 @@
 #!/bin/sh
-# spirv-exact.sh FILE.spv: whether its floating-point arithmetic gives the same bits on every device.
-# Prints every sum, difference and product that a device may fuse with another (it lacks NoContraction,
-# GLSL's `precise`), and every operation whose rounding or order Vulkan leaves open (shaders/shared/real.h
-# has others instead); exit 1 if there are any.
+# spirv-exact.sh FILE.spv: checks that its floating-point arithmetic gives the same bits on every device. Prints every
+# sum, difference and product that a device may fuse with another (it lacks NoContraction, GLSL's `precise`), and every
+# operation whose rounding or order Vulkan leaves open (shaders/shared/real.h has substitutes); exit 1 if there are any.
 text=$(spirv-dis --raw-id --no-color "${1:?usage: spirv-exact.sh FILE.spv}") || exit 2
 printf '%s\n' "$text" | awk '
 $1 == "OpDecorate" && $3 == "NoContraction" { exact[$2] = 1 }

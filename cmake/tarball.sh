@@ -1,9 +1,9 @@
 #!/bin/sh
-# tarball.sh BUILD OUT: packs what is built in BUILD as OUT/tdpt-VERSION-linux-MACHINE.tar.gz, which runs where nothing is
-# installed: programs, man pages, completions, tdpt.mk, the scripts for farms, and beside them the libraries that they
-# need, but for those that belong to the system (libc, libstdc++) or that a driver brings (Vulkan's loader is opened when
-# it is asked for), and a font. share/doc/tdpt/libraries/ has the licence of each. The same build gives the same bytes: the
-# time in it is that of the last commit, or of debian/changelog where there is no git.
+# tarball.sh BUILD OUT: packs the build in BUILD as OUT/tdpt-VERSION-linux-MACHINE.tar.gz, which runs where nothing is
+# installed: programs, man pages, completions, tdpt.mk, the scripts for farms, a font, and the libraries that they need
+# except those of the system (libc, libstdc++) or of a driver (Vulkan's loader is opened at run time).
+# share/doc/tdpt/libraries/ has the licence of each. The same build gives the same bytes: its time is that of the last
+# commit, or without git of debian/changelog.
 set -eu
 build=${1:?usage: tarball.sh BUILD OUT} out=${2:?usage: tarball.sh BUILD OUT}
 sources=$(cd "$(dirname "$0")/.." && pwd)
@@ -21,7 +21,7 @@ done
 cmake --install "$build" --prefix "$stage" --strip >"$work/log" || { cat "$work/log" >&2; exit 1; }
 mkdir -p "$libraries" "$stage/share/tdpt/fonts" "$stage/share/doc/tdpt/libraries"
 
-# Theirs to bring: the system's own, on every machine that can run the programs.
+# Libraries of the system, on every machine that can run the programs.
 of_the_system='^(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|gcc_s|stdc[+][+]))[.]so'
 programs=$(for file in "$stage"/bin/*; do head -c 4 "$file" | grep -q ELF && printf '%s\n' "$file"; done)
 # shellcheck disable=SC2086  # programs: one word each, the folder is of mktemp
@@ -38,13 +38,12 @@ done <"$work/bundled"
 patchelf --set-rpath '$ORIGIN/../lib/tdpt' $programs
 chmod 644 "$libraries"/*
 
-# The words of previews, where the system has no fonts at all.
+# Fonts for the previews on a system without any.
 fonts=$(dpkg -L fonts-dejavu-core | grep -E '/DejaVuSans(-Bold)?[.]ttf$')
 # shellcheck disable=SC2086
 cp $fonts "$sources/cmake/fonts.conf" "$stage/share/tdpt/fonts"
 
-# Which package each is from, with its licence.
-# Of what is in /usr/lib, dpkg may know it as /lib.
+# The package and licence of each library. dpkg may list files of /usr/lib as in /lib.
 package_of() {
   file=$(readlink -f "$1")
   { dpkg -S "$file" || dpkg -S "${file#/usr}"; } 2>/dev/null | sed 's/:.*//; q'

@@ -1,7 +1,7 @@
 #!/bin/sh
-# tarball_test.sh BUILD: the archive of what is built in BUILD is whole: its programs run from another folder, with no
-# library from outside but the system's own, each with its licence; and a library taken away is noticed. Exit 77, with a
-# word, where tools are missing.
+# tarball_test.sh BUILD: the archive of the build in BUILD is complete: its programs run from another folder, using no
+# external libraries but the system's, each with its licence; and a removed library is noticed. Exit 77, with a word, if
+# tools are missing.
 build=${1:?usage: tarball_test.sh BUILD}
 here=$(cd "$(dirname "$0")" && pwd)
 for tool in patchelf strip dpkg; do
@@ -17,7 +17,7 @@ tar -x -C "$work" -f "$archive" || exit 1
 rm "$archive"
 top=$(echo "$work"/tdpt-*)
 
-# What is loaded from outside of the archive.
+# Libraries loaded from outside of the archive.
 outside() {
   find "$top/bin" "$top/lib" -type f -exec sh -c 'for f; do head -c 4 "$f" | grep -q ELF && ldd "$f"; done' sh {} + |
     grep -vE "$work|linux-vdso|/ld-linux|/lib(c|m|dl|rt|pthread|resolv|util|gcc_s|stdc[+][+])[.]so|^[^	]"

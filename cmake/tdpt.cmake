@@ -1,4 +1,4 @@
-# How this project declares its libraries, tools and tests.
+# Declares this project's libraries, tools and tests.
 include(libraries)
 
 # tdpt_library(room SOURCES ... LINK ...): one room of libcommon.
@@ -9,7 +9,7 @@ function(tdpt_library name)
   target_link_libraries(${name} PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
 endfunction()
 
-# tdpt_tool(name SOURCES ... LINK ...): <name>_lib holds everything but main.cpp, so that tests reach it.
+# tdpt_tool(name SOURCES ... LINK ...): <name>_lib holds everything but main.cpp, so that tests can link it.
 function(tdpt_tool name)
   cmake_parse_arguments(A "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(${name}_lib STATIC ${A_SOURCES})
@@ -22,9 +22,9 @@ function(tdpt_tool name)
   tdpt_completions(${name})
 endfunction()
 
-# tdpt_completions(tool): what bash, zsh and fish read to complete its options, written by the tool whenever it was
-# built, and installed where each looks. zsh looks in one folder below /usr, where packages put things, and in another
-# below /usr/local: which it is, the prefix of the installation says.
+# tdpt_completions(tool): completion scripts for bash, zsh and fish, written by the tool whenever it is built, and
+# installed where each shell looks. zsh looks in one folder below /usr, for packages, and in another below /usr/local:
+# the installation prefix decides.
 function(tdpt_completions tool)
   set(folder ${CMAKE_BINARY_DIR}/completions)
   set(bash ${folder}/bash/${tool})
@@ -55,7 +55,7 @@ function(tdpt_sources out)
 endfunction()
 
 # tdpt_test(name FOLDER f LINK ...): all *_test.cpp of a folder (or SOURCES ...) as one GoogleTest program; each test is
-# a ctest test. Those of suites long_* are for `make test-long`. Compiled six files at a time, which takes half as long:
+# a ctest test. Suites named long_* are for `make test-long`. Compiled six files at a time, which takes half as long, so
 # each has a namespace of its own.
 function(tdpt_test name)
   cmake_parse_arguments(A "" "TIMEOUT;FOLDER" "SOURCES;LINK" ${ARGN})
@@ -83,8 +83,8 @@ function(tdpt_test name)
 endfunction()
 include(GoogleTest)
 
-# tdpt_power(program name FILTER): a test of `make test-long`: these tests of the program with 200 fresh seeds, which may
-# not fail by chance nor miss a fault (libcommon/testing/statistics/power.sh).
+# tdpt_power(program name FILTER): a test of `make test-long`: runs these tests of the program with 200 fresh seeds;
+# they must neither raise false alarms nor miss a fault (libcommon/testing/statistics/power.sh).
 function(tdpt_power program name filter)
   if(BUILD_TESTING)
     add_test(NAME power.${name} COMMAND sh ${CMAKE_SOURCE_DIR}/libcommon/testing/statistics/power.sh
@@ -93,7 +93,7 @@ function(tdpt_power program name filter)
   endif()
 endfunction()
 
-# tdpt_bench(name SOURCES ... LINK ...): a program that prints ratios; built, never run as a test.
+# tdpt_bench(name SOURCES ... LINK ...): a program that prints measurements; built, never run as a test.
 function(tdpt_bench name)
   cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
   if(BUILD_TESTING)
@@ -102,9 +102,9 @@ function(tdpt_bench name)
   endif()
 endfunction()
 
-# tdpt_fuzz(name SOURCES ... LINK ...): a target of libFuzzer, LLVMFuzzerTestOneInput of bytes that a reader must
-# read or refuse. With TDPT_FUZZ it is the program <name>_fuzz, one of `fuzzers`; else <name>_replay, which runs
-# it on stored inputs, those of testdata/fuzz/<name>.tar.gz as the test fuzz.<name>. "planted" has none.
+# tdpt_fuzz(name SOURCES ... LINK ...): a libFuzzer target, LLVMFuzzerTestOneInput, whose bytes a reader must read or
+# refuse. With TDPT_FUZZ it is the program <name>_fuzz, one of `fuzzers`; else <name>_replay, which the test fuzz.<name>
+# runs on the stored inputs of testdata/fuzz/<name>.tar.gz. "planted" has none.
 function(tdpt_fuzz name)
   cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
   if(TDPT_FUZZ)
@@ -128,9 +128,9 @@ function(tdpt_fuzz name)
   endif()
 endfunction()
 
-# tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++
-# includes "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. It is a test that its
-# arithmetic is exact (cmake/spirv-exact.sh); with INEXACT the test is that this finds it is not.
+# tdpt_shaders(target a/NAME.comp ...): kernels, compiled into the target; paths from the source root. C++ includes
+# "shaders/NAME.h" for the span NAME_spv. Each kernel belongs to one target. A test checks that its arithmetic is exact
+# (cmake/spirv-exact.sh); with INEXACT, that it is found to be inexact.
 function(tdpt_shaders target)
   cmake_parse_arguments(A "INEXACT" "SUFFIX;DEFINE" "" ${ARGN})
   set(folder ${CMAKE_BINARY_DIR}/generated/shaders)
@@ -170,10 +170,10 @@ inline constexpr std::span<const uint32_t> @name@_spv{@name@_words};
   target_include_directories(${target} PUBLIC ${CMAKE_BINARY_DIR}/generated)
 endfunction()
 
-# tdpt_software_vulkan(test ...): these tests run on Mesa's lavapipe, whatever else the machine has, and under
-# Vulkan's validation. A test is a name given to add_test or a program given to tdpt_test. Mesa's LLVM compiles without
-# its optimisations, which takes half as long; cli.tdpt-render-gpu has them on. Newer layers look at what kernels write
-# only when they are told to.
+# tdpt_software_vulkan(test ...): runs these tests on Mesa's lavapipe, whatever devices the machine has, with Vulkan's
+# validation. A test is a name given to add_test or a program given to tdpt_test. Mesa's LLVM compiles without
+# optimisations, which takes half as long; cli.tdpt-render-gpu enables them. Newer validation layers check what kernels
+# write only if asked to.
 file(GLOB TDPT_LAVAPIPE /usr/share/vulkan/icd.d/lvp_icd*.json /usr/local/share/vulkan/icd.d/lvp_icd*.json
      /etc/vulkan/icd.d/lvp_icd*.json)
 function(tdpt_software_vulkan)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# uninstall.sh PREFIX: removes what install.sh put there, inside of $DESTDIR if that is set, by its list and nothing else:
-# the files, and those folders that it made and that are empty by then.
+# uninstall.sh PREFIX: removes what install.sh installed there, inside $DESTDIR if that is set, and nothing else: the
+# listed files, and the listed folders that are then empty.
 set -eu
 prefix=${1:?usage: uninstall.sh PREFIX}
 case $prefix in /*) ;; *) prefix=$PWD/$prefix ;; esac
@@ -11,7 +11,7 @@ if [ ! -r "$list" ]; then
   exit 1
 fi
 
-# The list is one of the files, so it goes last but for the folders, which are listed from the innermost.
+# The list itself is removed last but for the folders, which are listed from the innermost.
 LC_ALL=C sort -r "$list" | {
   folders='' failed=0
   while IFS= read -r path; do

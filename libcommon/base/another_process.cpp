@@ -1,4 +1,5 @@
-// A fork, whose copy writes into a pipe; what it returned counts only if it ended as it should.
+// Forks; the copy writes its result into a pipe, and the result counts only if the copy exits
+// normally.
 #include "libcommon/base/another_process.h"
 
 #include <algorithm>
@@ -25,8 +26,8 @@ namespace {
               std::string("no other process can be started: ") + std::strerror(error));
 }
 
-// From now on operator new fails where more is held than now by so many bytes, and some for the
-// libraries. Where the system does not tell what is held, nothing is limited.
+// From now on operator new fails once the process holds this many bytes more than now, plus some
+// room for the libraries. Unlimited if the system does not report the memory held.
 void limit_what_is_held(uint64_t bytes) {
   constexpr rlim_t for_libraries = rlim_t{16} << 20;
   std::FILE* const file = std::fopen("/proc/self/statm", "r");
@@ -39,7 +40,7 @@ void limit_what_is_held(uint64_t bytes) {
   if (told) ::setrlimit(RLIMIT_DATA, &most);
 }
 
-// Never returns. What the program had to write stays with it: _exit() flushes nothing.
+// Never returns. _exit() flushes nothing, so the parent's buffered output is not written twice.
 [[noreturn]] void run(const std::function<void(std::FILE*)>& work, int end, pid_t parent) {
   die_with_parent(parent);
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, 2);
@@ -51,7 +52,7 @@ void limit_what_is_held(uint64_t bytes) {
   try {
     std::FILE* const out = ::fdopen(end, "wb");
     if (out) work(out), done = std::fflush(out) == 0;
-  } catch (...) {  // told by the exit code
+  } catch (...) {  // reported by the exit code
   }
   ::_exit(done ? 0 : 1);
 }
@@ -76,7 +77,7 @@ bool in_another_process(const std::function<void(std::FILE*)>& work,
   }
   std::FILE* const in = ::fdopen(ends[0], "rb");
   bool taken = false;
-  std::exception_ptr error;  // for when the copy has been waited for
+  std::exception_ptr error;  // rethrown after the copy has been waited for
   try {
     taken = in && take(in);
   } catch (...) {

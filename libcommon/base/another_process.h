@@ -1,4 +1,4 @@
-// Work that a library might end the program in, done by another process.
+// Runs work in a child process, for libraries that may abort the program on bad input.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -6,16 +6,16 @@
 
 namespace tdpt {
 
-/// Runs `work` in a copy of this process, which is silent on stderr, leaves no core and takes about
-/// memory_limit() more than this one at most, while `take` reads here what it writes. Whether the
-/// copy came to its end, by no exception, signal or exit of its own, and `take` returned true. A
-/// copy has one thread: `work` may wait for no other. Throws Error(Exit::internal) where the system
-/// gives no process.
+/// Runs `work` in a forked copy of this process, while `take` reads here what it writes. The copy
+/// prints nothing on stderr, dumps no core and may allocate about memory_limit() more than this
+/// process. Returns true if the copy ended normally (no exception, signal or exit of its own) and
+/// `take` returned true. The copy has a single thread, so `work` must not wait for another. Throws
+/// Error(Exit::internal) if no process can be created.
 bool in_another_process(const std::function<void(std::FILE* out)>& work,
                         const std::function<bool(std::FILE* in)>& take);
 
-/// Limits this process, such a copy, from now on: to about `bytes` of memory more than it has,
-/// where std::bad_alloc is thrown, and to `seconds` of computing, where it ends.
+/// Limits this process (normally such a copy) from now on: beyond about `bytes` of additional
+/// memory std::bad_alloc is thrown, and after `seconds` of CPU time the process is killed.
 void limit_this_process(uint64_t bytes, unsigned seconds);
 
 }  // namespace tdpt

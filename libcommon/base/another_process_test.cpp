@@ -36,7 +36,7 @@ TEST(another_process, gives_back_what_it_writes) {
   EXPECT_TRUE(gives([](std::FILE*) {}));
 }
 
-// Whatever it ends by, after all was written.
+// However it ends, even after everything was written.
 TEST(another_process, that_ends_before_its_work_gave_nothing) {
   EXPECT_FALSE(gives([](std::FILE*) { std::abort(); }));
   EXPECT_FALSE(gives([](std::FILE*) { ::kill(::getpid(), SIGSEGV); }));

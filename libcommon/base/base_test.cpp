@@ -157,7 +157,7 @@ TEST(output_files, are_all_there) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 2);
 }
 
-// Whichever cannot be written, and whether that shows when it is created or when it is full.
+// Whichever file cannot be written, and whether creation or a later write fails.
 TEST(output_files, leave_everything_as_it_was_when_one_cannot_be_written) {
   Folder folder;
   const std::string kept = folder.path / "kept", fresh = folder.path / "fresh";
@@ -171,14 +171,14 @@ TEST(output_files, leave_everything_as_it_was_when_one_cannot_be_written) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), {}), 1);
 }
 
-// A folder that takes the place of a file after it was checked shows only at the renaming.
+// If a folder replaces a file after the check, only the rename fails.
 TEST(output_files, get_their_names_the_first_one_last) {
   Folder folder;
   const std::string first = folder.path / "first", second = folder.path / "second";
   const std::string pipe = folder.path / "pipe", other_pipe = folder.path / "other_pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   ASSERT_EQ(::mkfifo(other_pipe.c_str(), 0600), 0);
-  std::thread meddler([&] {  // between the pipes all is on disk and nothing has its name
+  std::thread meddler([&] {  // between the pipes all is on disk, without its final name
     EXPECT_EQ(read_file(pipe), "x");
     fs::create_directory(second);
     EXPECT_EQ(read_file(other_pipe), "y");

@@ -20,7 +20,7 @@ namespace {
   throw Error(Exit::internal, program + ": cannot be started: " + std::strerror(error));
 }
 
-// In the child: from here on only what is safe after fork().
+// Runs in the child: from here on only functions that are safe after fork().
 [[noreturn]] void become(char** argv, const ChildProcess::How& how, pid_t parent, int errors) {
   die_with_parent(parent);
   const int nothing = ::open("/dev/null", O_RDWR);
@@ -32,7 +32,7 @@ namespace {
     ::dup2(nothing, 1);
   }
   ::dup2(errors, 2);
-  if (how.niceness != 0 && ::nice(how.niceness) < 0) errno = 0;  // it is quicker then
+  if (how.niceness != 0 && ::nice(how.niceness) < 0) errno = 0;  // then it only runs faster
   ::execvp(argv[0], argv);
   const char* const why = std::strerror(errno);
   for (const char* part : {static_cast<const char*>(argv[0]), ": cannot be started: ", why, "\n"})
@@ -102,7 +102,7 @@ std::optional<int> ChildProcess::exit_code() {
 
 void die_with_parent(pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(static_cast<int>(Exit::internal));  // it has ended already
+  if (::getppid() != parent) ::_exit(static_cast<int>(Exit::internal));  // already ended
 }
 
 std::string program_folder() {

@@ -21,7 +21,7 @@ int wait_for(ChildProcess& child, std::string& text) {
   return *child.exit_code();
 }
 
-// A number that a script writes into a file, once it is there.
+// The number that a script writes into a file, once it is there.
 pid_t number_in(const std::string& path) {
   for (int i = 0; i < 1000; ++i) {
     pid_t pid = 0;
@@ -76,8 +76,8 @@ TEST(child_process, is_killed_with_its_object) {
   ::unlink(file.c_str());
 }
 
-// A copy of this process starts a child and is killed. `tied`: by ChildProcess; else by fork()
-// alone.
+// A copy of this process starts a child and is killed. `tied`: the child is started by
+// ChildProcess; else by fork() alone.
 bool child_ends_with_its_parent(bool tied) {
   const std::string file = temporary(tied ? "tied" : "free");
   ::unlink(file.c_str());

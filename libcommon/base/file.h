@@ -4,11 +4,11 @@
 
 namespace tdpt {
 
-/// Contents of the file `path`, or of standard input for "-". Throws InputError when it cannot be
-/// read, or is larger than memory_limit().
+/// Contents of the file `path`, or of standard input for "-". Throws InputError if it cannot be
+/// read or is larger than memory_limit().
 std::string read_file(const std::string& path);
 
-/// What to call `path` in messages: the path itself, or "(standard input)" for "-".
+/// How messages name `path`: the path itself, or "(standard input)" for "-".
 std::string display_name(const std::string& path);
 
 }  // namespace tdpt

@@ -5,12 +5,11 @@
 
 namespace tdpt {
 
-/// 128-bit content hash (XXH3) of `bytes` as 32 lower-case hexadecimal digits. Detects mix-ups, is
-/// no protection against malice.
+/// 128-bit content hash (XXH3) of `bytes` as 32 lower-case hexadecimal digits. It detects mix-ups;
+/// it is not cryptographic.
 std::string content_hash(std::string_view bytes);
 
-/// The same of the file `path`, which is not held in memory. Throws InputError when it cannot be
-/// read.
+/// The same for the file `path`, read in pieces. Throws InputError if it cannot be read.
 std::string content_hash_of_file(const std::string& path);
 
 }  // namespace tdpt

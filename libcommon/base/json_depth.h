@@ -1,11 +1,11 @@
-// JSON from foreign files: how deep it is nested is asked before it is parsed, for what handles the
-// values calls itself.
+// Nesting depth of JSON from foreign files, checked before parsing: the code that handles the
+// values is recursive.
 #pragma once
 #include <string_view>
 
 namespace tdpt {
 
-/// Whether objects and lists lie in each other more than 32 deep.
+/// Whether objects and arrays are nested more than 32 deep.
 inline bool nested_too_deep(std::string_view json) {
   int depth = 0;
   bool in_text = false;

@@ -11,7 +11,8 @@ std::string number_words(double value, int digits) {
   const std::string short_form = fmt::format("{:.{}g}", value, digits);
   const double rounded = std::strtod(short_form.c_str(), nullptr);
   const double size = std::abs(rounded);
-  // The shortest digits of what is rounded are those of the rounding, and zeros.
+  // Printing the rounded value with its shortest digits gives the significant digits, padded with
+  // zeros.
   return size >= 1e-4 && size < 1e7 ? fmt::format("{}", rounded) : short_form;
 }
 

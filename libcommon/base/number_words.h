@@ -1,4 +1,4 @@
-// Numbers as people read them. Files, JSON and provenance have numbers of their own.
+// Numbers formatted for people. Files, JSON and provenance use their own formats.
 #pragma once
 #include <string>
 

@@ -30,7 +30,8 @@ bool write_all(int fd, std::string_view bytes) {
   return true;
 }
 
-// Creates a temporary file in the folder of `path`; its name does not grow with that of `path`.
+// Creates a temporary file in the folder of `path`; the length of its name does not depend on
+// `path`.
 int make_temporary(const std::string& path, std::string& name) {
   name = path.substr(0, path.find_last_of('/') + 1) + ".tdpt-XXXXXX";
   return ::mkostemp(name.data(), O_CLOEXEC);
@@ -41,14 +42,14 @@ std::string folder_of(const std::string& path) {
   return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
 }
 
-// A file without a name in the folder of `path`, which goes with its process, however that ends;
-// below 0 where the file system has none, or there is no way to name it.
+// An unnamed file (O_TMPFILE) in the folder of `path`, which vanishes with its process however that
+// ends; negative if the file system does not support it or it could not be named later.
 int make_nameless(const std::string& path) {
   if (::access("/proc/self/fd", X_OK) != 0) return -1;
   return ::open(folder_of(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
 }
 
-// Gives it a name in that folder that no file has.
+// Gives it a unique temporary name in that folder.
 bool name_temporarily(int fd, const std::string& path, std::string& name) {
   const std::string from = "/proc/self/fd/" + std::to_string(fd);
   for (unsigned i = 0; i < 1000; ++i) {
@@ -62,7 +63,7 @@ bool name_temporarily(int fd, const std::string& path, std::string& name) {
   return false;
 }
 
-// After it, names that files were given there outlive a power cut. Not every file system can.
+// Makes renames in the folder survive a power failure. Not every file system supports it.
 void sync_folder(const std::string& folder) {
   const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;
@@ -70,7 +71,7 @@ void sync_folder(const std::string& folder) {
   ::close(fd);
 }
 
-// What a symbolic link points to is replaced, not the link.
+// A symbolic link is kept: the file that it points to is replaced.
 std::string follow_link(const std::string& path) {
   struct stat info {};
   if (::lstat(path.c_str(), &info) != 0 || !S_ISLNK(info.st_mode)) return path;
@@ -78,13 +79,13 @@ std::string follow_link(const std::string& path) {
   return target ? target.get() : path;
 }
 
-// A file that nobody may write is meant to stay, even where the super-user could replace it.
+// A read-only file is meant to stay, even where the super-user could replace it.
 void refuse_read_only(const std::string& path, const struct stat& info) {
   if ((info.st_mode & 0222) == 0)
     throw OutputError(path, "is a read-only file, which is not replaced");
 }
 
-// What is no regular file and cannot be replaced by one: standard output, a device, a pipe.
+// Not a regular file, so not replaceable by one: standard output, a device, a pipe.
 bool is_stream(const std::string& path) {
   struct stat info {};
   return path == "-" ||
@@ -105,7 +106,7 @@ void write_stream(const std::string& path, std::string_view bytes) {
   if (!ok) throw OutputError(path, why);
 }
 
-// A file on disk without its name, or under a temporary one; removed unless it gets its own.
+// A file on disk without a name, or under a temporary one; removed unless it gets its final name.
 class Staged {
  public:
   Staged(const std::string& given, std::string_view bytes) : path_(follow_link(given)) {
@@ -127,7 +128,7 @@ class Staged {
     if (why.empty() && ::fchmod(fd_, exists ? info.st_mode & 0777 : 0666 & ~mask) != 0)
       why = reason("cannot set permissions");
     if (why.empty()) return;
-    remove();  // the destructor of what was not made is not called
+    remove();  // a constructor that throws does not run the destructor
     throw OutputError(path_, why);
   }
   Staged(Staged&& other) noexcept
@@ -155,7 +156,7 @@ class Staged {
   int fd_ = -1;
 };
 
-// The files in order, the bytes held by the caller.
+// The files in order; the caller owns the bytes.
 using Bytes = std::pair<std::string, std::string_view>;
 void write_together(const std::vector<Bytes>& files) {
   std::vector<Staged> staged;
@@ -208,7 +209,7 @@ void check_output(const std::string& given) {
     if (!S_ISREG(info.st_mode)) return;
     refuse_read_only(path, info);
   }
-  // A name that is too long or otherwise impossible says so here and not after the work.
+  // Reports a name that is too long or otherwise impossible now instead of after the work.
   if (::access(path.c_str(), F_OK) != 0 && errno != ENOENT)
     throw OutputError(path, reason("cannot be created"));
   std::string temporary;

@@ -1,4 +1,4 @@
-// Where the time of a program goes.
+// Where a program spends its time.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,8 +6,7 @@
 
 namespace tdpt {
 
-/// Phases that follow each other from the start of the clock, by name; those of one name are
-/// summed.
+/// Consecutive phases by name, from the start of the clock; phases of the same name are summed.
 class Phases {
  public:
   struct Phase {
@@ -18,10 +17,10 @@ class Phases {
 
   Phases();
 
-  /// Ends the phase that began where the one before ended.
+  /// Ends the phase that began when the last one ended.
   void done(const std::string& name);
 
-  /// In the order in which their names first came.
+  /// In order of their first appearance.
   const std::vector<Phase>& all() const { return phases_; }
 
  private:
@@ -29,10 +28,10 @@ class Phases {
   std::vector<Phase> phases_;
 };
 
-/// Largest memory the process has held so far [bytes].
+/// Peak memory of the process so far [bytes].
 int64_t peak_memory();
 
-/// {"NAME": {"seconds": S, "cpu_seconds": C}, ...} for any of nlohmann's types.
+/// {"NAME": {"seconds": S, "cpu_seconds": C}, ...} for any of nlohmann's JSON types.
 template <class Json>
 void to_json(Json& j, const Phases& phases) {
   j = Json::object();

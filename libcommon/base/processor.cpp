@@ -16,7 +16,7 @@
 namespace tdpt {
 namespace {
 
-// How the GNU C library is told not to use newer instructions.
+// Environment variable that keeps the GNU C library from using newer instructions.
 constexpr const char* kTunables = "GLIBC_TUNABLES";
 constexpr const char* kPlain = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4";
 
@@ -37,7 +37,7 @@ bool has(const std::string& isa) {
   if (isa == "sse4.2") return __builtin_cpu_supports("sse4.2");
   return isa == "sse2";
 }
-// Those that Embree has code for, the newest first.
+// Instruction sets for which Embree has code, newest first.
 constexpr std::array kKnown{"avx512", "avx2", "avx", "sse4.2", "sse2"};
 #else
 void flush_denormals_now() {

@@ -1,27 +1,27 @@
-// Code that libraries choose by the processor they run on: Embree's rays and the mathematical
-// functions of the C library. Either may round the last bit otherwise, so the same bytes are
-// promised for the same code only.
+// Selects the instruction set of libraries that dispatch on the processor: Embree and the C
+// library's mathematical functions. Different code may round the last bit differently, so identical
+// bytes are promised for the same instruction set only.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace tdpt {
 
-/// From now on that of `name`: "native" (the default: the newest that the processor has), "avx2" or
-/// "sse2" (the same on every 64-bit PC). For the C library to obey, the program starts anew with
-/// the same arguments: call it before anything is read or written. Throws Error(Exit::no_device)
-/// where the processor lacks it.
+/// Uses the code of `name` from now on: "native" (default: the newest that the processor has),
+/// "avx2" or "sse2" (the same on every 64-bit PC). For the C library to obey, the program restarts
+/// itself with the same arguments: call this before anything is read or written. Throws
+/// Error(Exit::no_device) if the processor lacks it.
 void choose_processor_code(const std::string& name, std::vector<std::string> arguments);
 
-/// What runs now, of Embree and of the C library: "avx512+fma", "sse2"; "generic" where nothing is
-/// chosen.
+/// What is in use, Embree's and the C library's: "avx512+fma", "sse2"; "generic" where there is no
+/// choice.
 std::string processor_code();
 
-/// From now on numbers below the least normal one are 0 on this thread, as operand and as result:
-/// they slow Embree down. Costs nothing the second time.
+/// Flushes denormal operands and results to 0 on this thread from now on: they slow Embree down. A
+/// second call is free.
 void flush_denormals();
 
-/// Embree's configuration for it.
+/// Embree's configuration string for it.
 std::string embree_configuration();
 
 }  // namespace tdpt

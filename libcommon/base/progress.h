@@ -1,5 +1,5 @@
-// Progress of long work, with rate and time left, on stderr: a line that is written over and over
-// where stderr is a terminal, or JSON for a program that watches.
+// Progress of long work on stderr, with rate and time left: a line that is rewritten in place on a
+// terminal, or JSON lines for a program that watches.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -9,12 +9,11 @@
 
 namespace tdpt {
 
-/// automatic: the line, where stderr is a terminal and nobody asked for quiet; json: JSON, quiet or
-/// not.
+/// automatic: the line, if stderr is a terminal and --quiet is not given; json: JSON, quiet or not.
 enum class ProgressForm { automatic, json, none };
 
-/// For all that is made afterwards in the process. Call once, before any parallel work; automatic
-/// if never called.
+/// Applies to every Progress made afterwards. Call once, before any parallel work; automatic if
+/// never called.
 void show_progress_as(ProgressForm form);
 
 /// Thread-safe: any thread may call advance().
@@ -23,17 +22,17 @@ class Progress {
   /// `what` names the work ("rendering"), `unit` what is counted ("samples"), `total` how many
   /// are expected (0: unknown).
   Progress(std::string what, std::string unit, uint64_t total, bool quiet);
-  /// Takes the line away; as JSON tells how the work ended.
+  /// Erases the line; as JSON reports how the work ended.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Where `total` is unknown: the work is to end after so many seconds from the beginning. Before
-  /// the first advance().
+  /// For an unknown `total`: the work is to end this many seconds after it began. Call before the
+  /// first advance().
   void ends_after(double seconds) { lasts_ = seconds; }
-  /// Tells of it, 0.3 s after it last did.
+  /// Shows the progress if 0.3 s have passed since it was last shown.
   void advance(uint64_t n = 1);
-  /// What else is said, at the end; while no thread advances.
+  /// Text shown after the rest. Call while no thread advances.
   void tell(std::string more) { more_ = std::move(more); }
 
  private:
@@ -56,7 +55,7 @@ class Progress {
   ProgressForm form_;  ///< automatic: the line
   std::atomic<uint64_t> done_{0};
   std::atomic<int64_t> next_ms_{300};
-  std::mutex showing_;  ///< so that no line tells of less than the one before it
+  std::mutex showing_;  ///< so that no line shows less than the one before it
   Clock::time_point start_ = Clock::now();
 };
 

@@ -9,7 +9,7 @@
 
 namespace tdpt::progress_test {
 
-// What `work` writes to stderr, which is no terminal, line by line.
+// Lines that `work` writes to stderr, which is no terminal.
 template <class Work>
 std::vector<std::string> told(ProgressForm form, const Work& work) {
   show_progress_as(form);

@@ -8,7 +8,7 @@
 namespace tdpt {
 namespace {
 
-// A name or a value may hold anything; a line of text formats does not.
+// A name or a value may contain line breaks; a line of a text format must not.
 std::string in_one_line(const std::string& text) {
   return shown(text, text.size());
 }

@@ -1,5 +1,5 @@
-// Lines for people, on stderr. Nobody may be there to read them, on a full disk or a terminal that
-// is gone: that ends no work (fmt::print would throw).
+// Messages for people, on stderr. A failed write (full disk, terminal gone) is ignored, so that it
+// ends no work; fmt::print would throw.
 #pragma once
 #include <cstdio>
 #include <string>
@@ -13,7 +13,7 @@ inline void say(const std::string& line) {
   std::fputs((line + "\n").c_str(), stderr);
 }
 
-/// A program that is started without standard streams gets empty ones, so that no file it opens
+/// Opens the standard streams that are closed as empty ones, so that no file that the program opens
 /// takes their place.
 inline void open_standard_streams() {
   int fd = 0;

@@ -4,7 +4,7 @@
 
 namespace tdpt {
 
-/// As it is, or in single quotes where a shell would take it apart.
+/// `word` itself, or in single quotes if a shell would split or expand it.
 std::string shell_quoted(const std::string& word);
 
 }  // namespace tdpt

@@ -1,12 +1,12 @@
-// What of a foreign text may stand in a message.
+// Makes foreign text safe to print in a message.
 #pragma once
 #include <string>
 #include <string_view>
 
 namespace tdpt {
 
-/// The beginning of `text`, with "..." where it is longer than `most` bytes, on one line: control
-/// characters, which could also command a terminal, show as '?'.
+/// The beginning of `text` on one line, with "..." if it is longer than `most` bytes. Control
+/// characters, which could command a terminal, become '?'.
 inline std::string shown(std::string_view text, size_t most = 80) {
   std::string out;
   for (const char c : text.substr(0, most))

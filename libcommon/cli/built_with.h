@@ -1,10 +1,10 @@
-// What a program was built from and with, for --version. Each executable has its own, so that a new
-// commit compiles and links nothing else [cmake/libraries.cmake].
+// What a program was built from and with, for --version. Each executable defines its own, so that a
+// new commit recompiles and relinks nothing else [cmake/libraries.cmake].
 #pragma once
 
 namespace tdpt::cli {
 
-extern const char kLibraries[];  ///< a library and its version a line
-extern const char kCommit[];     ///< of the git checkout, abbreviated; empty where it was none
+extern const char kLibraries[];  ///< one library and its version per line
+extern const char kCommit[];     ///< of the git checkout, abbreviated; empty without one
 
 }  // namespace tdpt::cli

@@ -18,7 +18,7 @@
 namespace tdpt::cli {
 
 namespace {
-// Thrown out of the parser, which has not looked at what is required by then.
+// Thrown out of the parser before it checks for required arguments.
 struct Instead {
   std::function<std::string()> text;
 };
@@ -235,8 +235,8 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     say(fmt::format("{}: {}", common.tool, line));
     return static_cast<int>(code);
   };
-  // What was printed may still be in a buffer, or have failed when it was full: a full disk shows
-  // here.
+  // Output may still be in a buffer, or may have failed when the buffer was flushed: a full disk
+  // shows here.
   const auto flushed = [&](int code) {
     if ((std::fflush(stdout) == 0 && !std::ferror(stdout)) || code != 0) return code;
     return fail(Exit::output, "(standard output): cannot be written");

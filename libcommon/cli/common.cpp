@@ -1,4 +1,4 @@
-// What a program makes of the options that all have: where its output comes from, and what it says.
+// Implements Common: provenance, messages and the dependency file.
 #include <algorithm>
 #include <cstdlib>
 
@@ -58,7 +58,7 @@ void Common::summary(const std::string& json_text) const {
 
 void Common::also_read(const std::vector<std::string>& paths) const {
   check_outputs(outputs, paths);
-  // What is made under another name gets that of the target in the end.
+  // A file made under another name will be renamed to the target.
   if (!target_.empty()) check_outputs({{"-MQ", target_}}, paths);
   if (!dependencies.empty()) std::for_each(paths.begin(), paths.end(), check_make_name);
   read_.insert(read_.end(), paths.begin(), paths.end());

@@ -14,7 +14,7 @@ std::string in_quotes(const std::string& text) {
   return "'" + replaced(text, "'", R"('\'')") + "'";
 }
 
-// All that is known of arguments, as one: which of several is meant depends on the words before.
+// All positional arguments merged into one: which of them is meant depends on the words before.
 Completed all_arguments(const std::vector<Completed>& table) {
   Completed all;
   for (const Completed& c : table)
@@ -27,7 +27,7 @@ Completed all_arguments(const std::vector<Completed>& table) {
   return all;
 }
 
-// bash: the word to complete and the one before it decide. "--name=value" comes as three words.
+// bash: the word to complete and the one before it decide. "--name=value" arrives as three words.
 
 constexpr const char* kBashFiles = R"(  word=${word#[\"\']} word=${word//\\/}
   compopt -o filenames 2>/dev/null
@@ -37,7 +37,7 @@ constexpr const char* kBashFiles = R"(  word=${word#[\"\']} word=${word//\\/}
   COMPREPLY=("${folders[@]}" "${found[@]}")
 )";
 
-// Names of settings, behind which the value comes.
+// Names of settings, to be followed by a value.
 bool want_more(const std::vector<std::string>& words) {
   return !words.empty() && words.back().ends_with('=');
 }
@@ -90,7 +90,7 @@ std::string bash_script(const std::string& tool, const std::vector<Completed>& t
       function, values, names, bash_value(all_arguments(table)), kBashFiles, tool);
 }
 
-// zsh: a specification for each name, as _arguments reads them.
+// zsh: one specification for each name, in the syntax of _arguments.
 
 std::string zsh_value(const Completed& c) {
   std::string action = " ";
@@ -128,8 +128,8 @@ std::string zsh_script(const std::string& tool, const std::vector<Completed>& ta
   return script + "\n";
 }
 
-// fish: a command for each option. __fish_complete_suffix names the files with the suffix, then all
-// others.
+// fish: one command per option. __fish_complete_suffix lists the files with the suffix first, then
+// all others.
 
 std::string fish_quotes(const std::string& text) {
   return "'" + replaced(replaced(text, "\\", "\\\\"), "'", "\\'") + "'";
@@ -186,7 +186,7 @@ std::string completion_script(const std::string& shell, const std::string& tool,
       "# Completion of {0} for {1}, from its options: {0} --completion {1}\n", tool, shell);
   if (shell == "bash") return head + bash_script(tool, table);
   if (shell == "fish") return head + fish_script(tool, table);
-  const std::string script = zsh_script(tool, table);  // whose first line says what it is
+  const std::string script = zsh_script(tool, table);  // its first line (#compdef) identifies it
   return script.substr(0, script.find('\n') + 1) + head + script.substr(script.find('\n') + 1);
 }
 

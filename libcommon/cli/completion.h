@@ -1,26 +1,26 @@
-// Scripts that teach a shell to complete the options of a program.
+// Scripts for shell completion of a program's options.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace tdpt::cli {
 
-/// What a shell is told of an option, or of an argument.
+/// What a shell needs to know about an option or argument.
 struct Completed {
-  std::vector<std::string> names;     ///< with their dashes; of an argument what --help calls it
+  std::vector<std::string> names;     ///< with their dashes; of an argument its name in --help
   std::string help;                   ///< what it does
-  std::string value;                  ///< what --help calls its value; empty: it has none
-  std::vector<std::string> words;     ///< that the value can be
-  bool file = false;                  ///< the value is, or can be, a file
-  std::vector<std::string> suffixes;  ///< that such a file has, ".glb"; none: any
+  std::string value;                  ///< name of its value in --help; empty: none
+  std::vector<std::string> words;     ///< possible values
+  bool file = false;                  ///< whether the value can be a file
+  std::vector<std::string> suffixes;  ///< of such a file, ".glb"; empty: any
   bool repeated = false;
-  std::string setting{};  ///< what `--set` calls it; empty: it is an option
+  std::string setting{};  ///< its name for `--set`; empty: it is an option
 
   bool argument() const { return names.front().front() != '-'; }
 };
 
-/// The words of a value that --help calls "cpu|gpu[:WHICH]": cpu, gpu. Capitals stand for what is
-/// no word.
+/// The literal words of a value's name in --help: cpu, gpu of "cpu|gpu[:WHICH]". Capitals are
+/// placeholders.
 std::vector<std::string> words_of(const std::string& value);
 
 /// The suffixes that a help text names, as in "Scene (.glb, .gltf)".

@@ -1,7 +1,7 @@
 #!/bin/bash
-# completion_test.sh bash|zsh|fish|installation BUILD: what that shell is offered for every program of the build: each
-# option of --help and no other, the words of choices, files with the right names, nothing for a number; and that
-# scripts are installed where shells look. Exit 1 if not; 77, with a word, where the shell is missing.
+# completion_test.sh bash|zsh|fish|installation BUILD: checks what this shell completes for every program of the build:
+# all options of --help and no others, the words of choices, files with the right suffixes, nothing for a number; and
+# that the scripts are installed where shells look for them. Exit 1 if not; 77, with a word, if the shell is missing.
 what=${1:?usage: completion_test.sh bash|zsh|fish|installation BUILD}
 build=$(cd "${2:?usage: completion_test.sh bash|zsh|fish|installation BUILD}" && pwd) || exit 2
 tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge tdpt-info tdpt'
@@ -24,7 +24,7 @@ options_of() {
   "$build/bin/$1" --help | sed -nE 's/^  (-.,)?(--[a-z-]+) ?([^ ]*).*/\2 \3/p'
 }
 
-# check_options TOOL: holds what `offered TOOL WORD ...` says to --help.
+# check_options TOOL: compares what `offered TOOL WORD ...` prints with --help.
 check_options() {
   local tool=$1 name value count=0
   expect "$tool: options" "$(options_of "$tool" | cut -d ' ' -f 1 | tr '\n' ' ')" "$(offered "$tool" -- | tr '\n' ' ')"
@@ -58,7 +58,7 @@ check_files() {
 
 case $what in
 bash)
-  # offered TOOL WORD ...: what bash offers for the last word. It takes "--name=value" for three words.
+  # offered TOOL WORD ...: what bash completes for the last word. bash splits "--name=value" into three words.
   offered() {
     COMP_WORDS=("$@")
     COMP_CWORD=$(($# - 1))
@@ -85,7 +85,7 @@ bash)
   ;;
 zsh)
   command -v zsh >/dev/null || { echo "skipped: zsh is missing"; exit 77; }
-  # What _arguments would read.
+  # Stands in for _arguments and prints what it would read.
   offered() {
     zsh -f -c '_arguments() { print -rl -- "$@" }; . "$1"' zsh "$build/completions/zsh/_$1" |
       sed -nE 's/^(\([^)]*\)|\*)(--[a-z-]+).*/\2/p'
@@ -103,7 +103,7 @@ zsh)
 fish)
   command -v fish >/dev/null || { echo "skipped: fish is missing"; exit 77; }
   export HOME=$work
-  # What it offers, without what it says of it.
+  # The completions without their descriptions.
   offered() {
     local tool=$1 line
     line=$(printf '%s ' "$@")

@@ -11,10 +11,10 @@ namespace {
 
 enum class Stands { as_target, as_prerequisite };
 
-// GNU Make reads blanks, # and : after a backslash as they are, and the letters of patterns of file
-// names; before such a backslash others are doubled. A target with a % would be a pattern; a
-// prerequisite with a | an order. = and & begin an assignment and a group of targets, but not where
-// a function returns them. ~ is a home at the beginning only.
+// GNU Make takes blanks, # and :, and the wildcards of file names, literally after a backslash;
+// backslashes before such a one are doubled. A target with % would be a pattern, a prerequisite
+// with | an order-only one. = and & begin an assignment and a group of targets, unless a function
+// returns them. ~ is a home directory at the beginning only.
 std::string make_name(const std::string& name, Stands stands) {
   const std::string_view quoted = stands == Stands::as_target ? " #:*?[]%" : " #:*?[]|";
   std::string text = name.starts_with('~') ? "./" : "";

@@ -1,4 +1,4 @@
-// Dependency files as compilers write them with -MF: a rule that tells Make what a result was made
+// Dependency files as compilers write them with -MF: a Make rule that lists what a result was made
 // from.
 #pragma once
 #include <string>
@@ -6,17 +6,17 @@
 
 namespace tdpt::cli {
 
-/// The command line without the program, -MF FILE and -MQ TARGET (also in one word) as CLI11 knows
-/// the settings that they are short for: it takes one dash for one letter.
+/// The command line without the program, with -MF FILE and -MQ TARGET (also as one word) replaced
+/// by the settings that they stand for: CLI11 takes a single dash for a single letter.
 std::vector<std::string> without_short_forms(int argc, const char* const* argv);
 
-/// Throws UsageError where Make has no way to write this name: with ;, a tab or a line break, with
-/// a backslash at its end, or of the form archive(member).
+/// Throws UsageError for a name that Make cannot express: with ;, a tab or a line break, with a
+/// trailing backslash, or of the form archive(member).
 void check_make_name(const std::string& name);
 
-/// "target: what was read", without recipe, then of each file read an empty rule: when one of them
-/// is gone, the target is out of date, and Make asks for no rule that makes it. Names are quoted as
-/// GNU Make wants; "-" and names that came before are left out.
+/// "target: inputs" without a recipe, then an empty rule for each input: if one of them is gone,
+/// the target is out of date, and Make does not ask for a rule to make the input. Names are quoted
+/// for GNU Make; "-" and duplicates are left out.
 std::string make_rule(const std::string& target, const std::vector<std::string>& read);
 
 }  // namespace tdpt::cli

@@ -40,7 +40,7 @@ TEST(dependencies, refuse_names_that_make_cannot_write) {
   for (const char* name : {"a b", "(a) b", "a:b", "a\\b", "a=b"}) check_make_name(name);
 }
 
-// A folder in which make builds `out`, whose dependencies stand in `d`.
+// A folder in which make builds `out` with the dependency file `d`.
 class Folder {
  public:
   Folder() {

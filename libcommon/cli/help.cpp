@@ -6,9 +6,9 @@
 namespace tdpt::cli {
 namespace {
 
-constexpr size_t kWidth = 80, kRight = 30;  ///< columns; where the right half begins
+constexpr size_t kWidth = 80, kRight = 30;  ///< columns; start of the right column
 
-// Of each Part.
+// Titles, indexed by Part.
 constexpr const char* kTitles[]{"What goes in and what comes out",
                                 "How long and how good",
                                 "What the picture holds",
@@ -18,8 +18,8 @@ constexpr const char* kTitles[]{"What goes in and what comes out",
                                 "What is told of the work",
                                 "General"};
 
-// `text` in lines that end before kWidth, the first of which begins at column `at`, the others at
-// `indent`. A word that is longer than a line has one alone.
+// Breaks `text` into lines that end before kWidth; the first begins at column `at`, the others at
+// `indent`. A word longer than a line gets its own.
 std::string wrapped(const std::string& text, size_t at, size_t indent) {
   std::string lines, word;
   std::istringstream words(text);

@@ -9,16 +9,16 @@
 
 namespace tdpt::cli {
 
-/// CLI11's group of the options that --help lists in this part.
+/// Title of this section, used as CLI11's group.
 std::string title_of(Part part);
 
-/// A setting is an option of CLI11 of the name "--set.walks", in a group of its own.
+/// CLI11 knows a setting as an option named "--set.walks", in a group of its own.
 inline constexpr const char* kSetting = "--set.";
 extern const char* const kSettings;  ///< the title of that group
-/// Its name, "walks"; empty where the option is none.
+/// Its name, "walks"; empty for an ordinary option.
 std::string setting_name(const CLI::Option* option);
 
-/// Options on the left, what they do on the right, broken between words.
+/// Options on the left, descriptions on the right, wrapped between words.
 std::shared_ptr<CLI::FormatterBase> help_in_80_columns();
 
 }  // namespace tdpt::cli

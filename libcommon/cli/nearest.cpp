@@ -1,5 +1,5 @@
-// The distance is that of Damerau and Levenshtein where no letter is touched twice ("optimal string
-// alignment"): D(i, j) is the distance of the first i letters of one word to the first j of the
+// The distance is the optimal string alignment variant of Damerau-Levenshtein (no letter is edited
+// twice): D(i, j) is the distance between the first i letters of one word and the first j of the
 // other.
 #include "libcommon/cli/nearest.h"
 

@@ -1,4 +1,4 @@
-// What a misspelt word probably stands for.
+// Suggests what a misspelt word stands for.
 #pragma once
 #include <string>
 #include <string_view>
@@ -6,10 +6,10 @@
 
 namespace tdpt::cli {
 
-/// That of `words` which takes the fewest slips of the finger to `given` (a letter more, one less,
-/// another one, two that changed places; capitals are none): one, or one for every three letters;
-/// else the only one that begins with `given`, three letters at least; else "". Of several as near
-/// the first.
+/// The closest of `words` by edit distance to `given`: insertions, deletions, substitutions and
+/// transpositions count 1 each, letter case 0. At most one edit, or one for every three letters.
+/// Otherwise the only word that begins with `given`, if that has at least three letters; otherwise
+/// "". Ties go to the first.
 std::string nearest(std::string_view given, const std::vector<std::string>& words);
 
 }  // namespace tdpt::cli

@@ -8,19 +8,19 @@ const std::vector<std::string> kNames{"spp",   "time",   "max-depth", "max-porta
                                       "light", "height", "camera",    "environment"};
 
 TEST(nearest, is_the_word_with_the_fewest_slips) {
-  EXPECT_EQ(nearest("max-dept", kNames), "max-depth");      // one less
-  EXPECT_EQ(nearest("maxx-depth", kNames), "max-depth");    // one more
-  EXPECT_EQ(nearest("max_depth", kNames), "max-depth");     // another one
-  EXPECT_EQ(nearest("wdith", kNames), "width");             // two that changed places
+  EXPECT_EQ(nearest("max-dept", kNames), "max-depth");      // deletion
+  EXPECT_EQ(nearest("maxx-depth", kNames), "max-depth");    // insertion
+  EXPECT_EQ(nearest("max_depth", kNames), "max-depth");     // substitution
+  EXPECT_EQ(nearest("wdith", kNames), "width");             // transposition
   EXPECT_EQ(nearest("hieght", kNames), "height");           // nearer than "light"
-  EXPECT_EQ(nearest("Spp", kNames), "spp");                 // capitals are no slip
-  EXPECT_EQ(nearest("envrionmet", kNames), "environment");  // two slips
+  EXPECT_EQ(nearest("Spp", kNames), "spp");                 // case is ignored
+  EXPECT_EQ(nearest("envrionmet", kNames), "environment");  // two edits
   EXPECT_EQ(nearest("pt", {"pt"}), "pt");
 }
 
 TEST(nearest, is_none_where_all_are_far) {
   EXPECT_EQ(nearest("magic", kNames), "");
-  EXPECT_EQ(nearest("file", kNames), "");  // two slips from "time" are too many
+  EXPECT_EQ(nearest("file", kNames), "");  // two edits from "time" are too many
   EXPECT_EQ(nearest("", kNames), "");
   EXPECT_EQ(nearest("x", {"y"}), "");
   EXPECT_EQ(nearest("ab", {"cd"}), "");
@@ -31,8 +31,8 @@ TEST(nearest, is_none_where_all_are_far) {
 TEST(nearest, is_the_only_word_that_begins_so) {
   EXPECT_EQ(nearest("env", kNames), "environment");
   EXPECT_EQ(nearest("cam", kNames), "camera");
-  EXPECT_EQ(nearest("max", kNames), "");  // two do
-  EXPECT_EQ(nearest("en", kNames), "");   // too short to tell
+  EXPECT_EQ(nearest("max", kNames), "");  // two begin so
+  EXPECT_EQ(nearest("en", kNames), "");   // too short
 }
 
 }  // namespace tdpt::cli::nearest_test

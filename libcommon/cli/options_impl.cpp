@@ -15,7 +15,7 @@
 namespace tdpt::cli {
 namespace {
 
-// As people write them, "--set walks"; CLI11 knows them as "--set.walks".
+// "--set walks" for people; "--set.walks" for CLI11.
 std::string for_people(const std::string& text) {
   return replaced(text, kSetting, "--set ");
 }

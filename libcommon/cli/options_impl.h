@@ -1,4 +1,5 @@
-// The table of options behind Options, and what a command line says by it. Internal to this room.
+// The implementation of Options: the table, and what a command line says about it. Internal to this
+// room.
 #pragma once
 #include <functional>
 #include <string>
@@ -11,40 +12,40 @@
 
 namespace tdpt::cli {
 
-/// As CLI11 knows what people write as "--set walks".
+/// "--set walks" as CLI11 knows it.
 std::string for_cli11(const std::string& text);
 
 struct Options::Impl {
   explicit Impl(const std::string& summary, const std::string& tool) : app(summary, tool) {}
 
-  /// What the value of an option is to the run.
+  /// Role of an option's value in the run.
   enum class Is { setting, input, output, side_output };
   struct Entry {
     CLI::Option* option;
     Shapes shapes;
     Is is = Is::setting;
-    std::function<bool(const std::string&)> is_file{};  ///< of an input's value; none: always
-    std::function<Is()> use{};                          ///< what it is, where that depends
+    std::function<bool(const std::string&)> is_file{};  ///< is the value a file? none: yes
+    std::function<Is()> use{};  ///< its role, if that depends on other options
   };
   CLI::App app;
-  const CLI::Option* set = nullptr;  ///< --set, for --help and shells: what it says is a setting
+  const CLI::Option* set = nullptr;  ///< --set, for --help and shells: its values are settings
   std::vector<Entry> entries;
 
-  /// An output whose name follows from that of the result, by `path_of`, when the flag is given.
+  /// An output, requested by a flag, whose path `path_of` derives from that of the result.
   struct Beside {
     CLI::Option* flag;
     std::string* target;
     std::function<std::string(const std::string&)> path_of;
   };
   std::vector<Beside> besides;
-  std::function<void(const std::string&)> check_name;  ///< of the result, or none
+  std::function<void(const std::string&)> check_name;  ///< of the result; may be empty
   Result result = Result::text;
-  std::function<bool()> is_text;  ///< of a binary result: whether it is not; none: never
+  std::function<bool()> is_text;  ///< is a binary result text this time? none: no
 
-  std::string progress = "auto";                    ///< what shows it
-  std::string most_memory;                          ///< as given; empty: not
-  std::string quality;                              ///< as given; empty: not
-  std::vector<std::function<void(Quality)>> knobs;  ///< set what was not given
+  std::string progress = "auto";                    ///< how it is shown
+  std::string most_memory;                          ///< as given; empty: not given
+  std::string quality;                              ///< as given; empty: not given
+  std::vector<std::function<void(Quality)>> knobs;  ///< set the knobs that were not given
 
   template <class T>
   CLI::Option* add(const std::string& flags, T& target, const std::string& value_name,
@@ -54,33 +55,33 @@ struct Options::Impl {
   void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
             std::function<bool(const std::string&)> is_file = {});
 
-  /// The command line with each `--set NAME=VALUE` as the option that CLI11 knows it by.
+  /// The command line with each `--set NAME=VALUE` replaced by the option that CLI11 knows.
   std::vector<std::string> with_settings(const std::vector<std::string>& given) const;
-  /// What is wrong with the command line. An option that there is not is told before what lacks.
+  /// What is wrong with the command line. An unknown option is reported before a missing one.
   std::string fault(const CLI::ParseError& error) const;
 
-  // When it is parsed.
+  // After parsing.
   bool is_given(const std::string& name) const;
   std::vector<Given> given() const;
-  /// The tool and the options that shape the result, in the order of the table; paths of inputs are
-  /// named by their `from` lines and do not stand here.
+  /// The tool and the options that shape the result, in the order of the table. Paths of inputs are
+  /// left out: `from` lines name them.
   std::string canonical(const std::string& tool) const;
-  /// What the words of --quality mean, to the knobs and to `common`.
+  /// Applies the word of --quality to the knobs and to `common`.
   void set_quality(Common& common) const;
   void limit(int threads) const;
   void spare_terminal(const std::string& path) const;
   std::vector<std::string> inputs() const;
-  /// `path`: where -o goes; empty: nowhere.
+  /// `path`: value of -o; empty: no output.
   std::vector<NamedFile> outputs(const std::string& path) const;
 
-  /// The table as a shell is told of it, --help and --version with it.
+  /// The table for shell completion, with --help and --version.
   std::vector<Completed> completed() const;
 
  private:
   std::vector<std::string> settings() const;
   /// `given`: "--name", "-name" or "--name=value".
   std::string no_such_option(const std::string& given) const;
-  /// All files that the command line names as `is`, by option.
+  /// All files that the command line names in role `is`, by option.
   std::vector<NamedFile> files(Is is) const;
 };
 

@@ -15,18 +15,18 @@
 namespace tdpt::cli {
 namespace {
 
-/// What a path leads to: a file that is there, or the place where it will be.
+/// Identity of the file at a path, whether it exists or not.
 struct FileIdentity {
   std::optional<std::pair<dev_t, ino_t>> file;
-  std::filesystem::path full;  ///< without links and dots; empty for standard streams
+  std::filesystem::path full;  ///< with links and dots resolved; empty for standard streams
 
   bool operator==(const FileIdentity& other) const {
     return (file && file == other.file) || (!full.empty() && full == other.full);
   }
 };
 
-// `stream`: what "-" stands for. It counts as the file it was redirected to; a terminal, a pipe or
-// /dev/null is none.
+// `stream`: what "-" stands for. It counts as the file that it is redirected to; a terminal, a pipe
+// or /dev/null counts as no file.
 FileIdentity place_of(const std::string& path, int stream) {
   FileIdentity place;
   struct stat info {};

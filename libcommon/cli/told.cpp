@@ -10,7 +10,7 @@
 namespace tdpt::cli {
 namespace {
 
-/// Stages of several scenes may run at once: closed, it is free for the next.
+/// Locked while open: stages of several scenes may run at once.
 class LockedFile {
  public:
   explicit LockedFile(const char* path)
@@ -34,7 +34,7 @@ class LockedFile {
     }
   }
   void append(const std::string& text) const {
-    // What cannot be written is told again.
+    // If this fails, the message is printed again later.
     if (::write(fd_, text.data(), text.size()) < 0) return;
   }
 

@@ -1,12 +1,12 @@
-// What the programs of a chain have told of the files that all of them read, so that each thing is
-// told once: tdpt.mk names a file for that, a line for each.
+// Avoids repeated messages in a chain of programs that read the same files: tdpt.mk names a file
+// that records what was printed, one line each.
 #pragma once
 #include <string>
 
 namespace tdpt::cli {
 
-/// Whether no other program has told it yet; from now on it has been. Always true outside of a
-/// chain, where the environment has no TDPT_TOLD, and where the file that it names cannot be used.
+/// Whether no other program has printed this yet; records it. Always true outside of a chain (no
+/// TDPT_TOLD in the environment), and if the file that it names cannot be used.
 bool is_news(const std::string& file, const std::string& sentence);
 
 }  // namespace tdpt::cli

@@ -1,4 +1,4 @@
-// What the values of options may be, as CLI11 checks them. Internal to this room.
+// CLI11 validators for the values of options. Internal to this room.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,19 +8,19 @@
 
 namespace tdpt::cli {
 
-/// From 0 to 2^64 - 1. CLI11 alone reads -1 and numbers that are too large as 2^64 - 1.
+/// From 0 to 2^64 - 1. CLI11 alone reads -1 and too large numbers as 2^64 - 1.
 CLI::Validator whole_number();
 
 /// Bytes, as parse_size() reads them.
 CLI::Validator size();
 
-/// Not empty: a variable of the shell that is not set is not an option that is not given.
+/// Not empty: an unset shell variable must not count as an option that was not given.
 CLI::Validator some_text();
 
-/// One of `words`; the nearest is proposed otherwise.
+/// One of `words`; the error suggests the nearest.
 CLI::Validator one_of(const std::vector<std::string>& words);
 
-/// std::to_string and CLI11's own text would print 1e18 in full: people read these bounds.
+/// std::to_string and CLI11's own text would print 1e18 in full; people read these bounds.
 template <class T>
 CLI::Validator within(T lowest, T highest) {
   return CLI::Validator(

@@ -1,4 +1,4 @@
-// The drawing is a recording surface of cairo, which is played on the surface of each format.
+// The drawing is recorded on a cairo recording surface, which is replayed for each file format.
 #include "libcommon/draw/canvas.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ void check(cairo_status_t status) {
     throw std::runtime_error(std::string("drawing: ") + cairo_status_to_string(status));
 }
 
-// Cairo's coordinates are fixed-point numbers up to 2^23.
+// Cairo uses fixed-point coordinates up to 2^23.
 bool can_draw(std::initializer_list<double> coordinates) {
   return std::all_of(coordinates.begin(), coordinates.end(),
                      [](double v) { return std::abs(v) < 1e6; });
@@ -59,8 +59,7 @@ Surface surface_of(const Raster& texels) {
   return surface;
 }
 
-// A system without fonts has those that were packed with the program, if there are any
-// [cmake/tarball.sh].
+// On a system without fonts, uses those packaged with the program, if any [cmake/tarball.sh].
 void find_fonts() {
   namespace fs = std::filesystem;
   std::error_code unreadable;
@@ -71,16 +70,16 @@ void find_fonts() {
   if (fs::exists(packed, unreadable)) ::setenv("FONTCONFIG_FILE", packed.c_str(), 1);
 }
 
-// The words as one line, shaped, with glyphs out of other fonts where the first has none.
+// A shaped line of text, with glyphs from other fonts where the first has none.
 class Line {
  public:
   Line(const std::string& words, double size, bool bold, double room) {
-    // Of the height of DejaVu Sans' letters, capitals take this share.
+    // Height of capitals as a share of DejaVu Sans' font size.
     constexpr double kCapital = 0.729;
     PangoFontMap* fonts = pango_cairo_font_map_get_default();
     const std::unique_ptr<PangoContext, Release<g_object_unref>> context(
         pango_font_map_create_context(fonts));
-    // Nothing of what a desktop or a locale may ask for.
+    // Ignores the settings of desktop and locale.
     const std::unique_ptr<cairo_font_options_t, Release<cairo_font_options_destroy>> options(
         cairo_font_options_create());
     cairo_font_options_set_antialias(options.get(), CAIRO_ANTIALIAS_GRAY);
@@ -103,7 +102,7 @@ class Line {
       pango_layout_set_width(layout_.get(), static_cast<int>(room * PANGO_SCALE));
       pango_layout_set_ellipsize(layout_.get(), PANGO_ELLIPSIZE_END);
     }
-    // Names of files may be any bytes.
+    // File names may contain any bytes.
     const std::unique_ptr<char, Release<g_free>> valid(
         g_utf8_make_valid(words.data(), static_cast<gssize>(words.size())));
     pango_layout_set_text(layout_.get(), valid.get(), -1);
@@ -145,7 +144,7 @@ struct Canvas::Recording {
     const Context to(cairo_create(target));
     cairo_set_source_surface(to.get(), surface.get(), 0, 0);
     cairo_paint(to.get());
-    cairo_surface_flush(surface.get());  // lets go of the copy that an SVG surface takes
+    cairo_surface_flush(surface.get());  // releases the copy that an SVG surface takes
     check(cairo_status(cairo.get()));
     check(cairo_status(to.get()));
   }

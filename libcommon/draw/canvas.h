@@ -1,10 +1,10 @@
-// A drawing: lines, discs, polygons, rasters and words, laid over each other and kept as such, then
-// written as PNG, SVG or PDF. Cairo draws and Pango sets the words, both behind this header.
+// A vector drawing of lines, discs, polygons, rasters and text, written as PNG, SVG or PDF. Cairo
+// draws and Pango sets the text, both behind this header.
 //
-// Places are in pixels, x to the right and y down from the top left corner: pixel (i, j) spans [i,
-// i+1) x [j, j+1). A pixel is a CSS pixel in SVG and a point, 1/72 in, in PDF. Colours are coded as
-// on screens (sRGB), because that is how they are chosen. The same drawing gives the same bytes
-// wherever the same fonts are installed.
+// Coordinates are in pixels, x to the right and y down from the top left corner: pixel (i, j) spans
+// [i, i+1) x [j, j+1). A pixel is a CSS pixel in SVG and a point, 1/72 in, in PDF. Colours are
+// sRGB-coded, because that is how they are chosen. The same drawing gives the same bytes wherever
+// the same fonts are installed.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace tdpt::draw {
 
-/// sRGB-coded, each in [0,1].
+/// sRGB-coded, each component in [0,1].
 using Ink = Vec3f;
 /// 0xRRGGBB.
 constexpr Ink ink(uint32_t hex) {
@@ -40,7 +40,7 @@ struct Box {
   }
 };
 
-/// Texels of one ink each.
+/// A grid of texels, one ink each.
 class Raster {
  public:
   Raster(int width, int height, const Ink& all = {})
@@ -67,16 +67,15 @@ struct Lettering {
   Ink ink;
   Align align = Align::left;
   bool bold = false;
-  double room = 0;  ///< words wider than this end in an ellipsis [pixels]; 0: no limit
+  double room = 0;  ///< wider text ends in an ellipsis [pixels]; 0: no limit
 };
-/// Throws Error (output) where no font is installed at all, as text_width() and Canvas::text() do
-/// when the work is done.
+/// Throws Error (output) if no font is installed at all, as text_width() and Canvas::text() would
+/// do at the end of the work.
 void check_fonts();
-/// Width of words [pixels], in regular weight.
+/// Width of a text [pixels], in regular weight.
 double text_width(const std::string& words, double size);
 
-/// Shapes with a coordinate that is not finite, or further than 1e6 away, are not drawn. alpha in
-/// [0,1].
+/// Shapes with a coordinate that is not finite or beyond 1e6 are not drawn. alpha in [0,1].
 class Canvas {
  public:
   Canvas(int width, int height, const Ink& paper);
@@ -86,31 +85,31 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Nothing is drawn outside `box`, rounded to whole pixels, any more.
+  /// From now on nothing is drawn outside `box`, rounded to whole pixels.
   void clip(const Box& box);
   void unclip();
 
-  /// With round ends; a line of no length is a dot.
+  /// With round caps; a line of length 0 is a dot.
   void line(Point a, Point b, double line_width, const Ink& c, double alpha = 1);
   void disc(Point centre, double radius, const Ink& c, double alpha = 1);
-  /// The line of a circle.
+  /// Outline of a circle.
   void ring(Point centre, double radius, double line_width, const Ink& c, double alpha = 1);
   void polygon(const std::vector<Point>& corners, const Ink& c, double alpha = 1);
   void fill(const Box& box, const Ink& c, double alpha = 1);
-  /// The border of a box, drawn inside it.
+  /// Outline of a box, drawn inside it.
   void frame(const Box& box, double line_width, const Ink& c, double alpha = 1);
-  /// Each texel a square with side `texel`; never interpolated.
+  /// Each texel becomes a square with side `texel`, without interpolation.
   void raster(Point top_left, double texel, const Raster& texels);
-  /// UTF-8 in any script for which a font is installed, `base` on the base line; a letter that no
-  /// font has is a box with its code. DejaVu Sans where it is installed.
+  /// UTF-8 in any script for which a font is installed, with `base` on the baseline; a glyph that
+  /// no font has is a box with its code. Uses DejaVu Sans if installed.
   void text(Point base, const std::string& words, const Lettering& how);
 
   Raster pixels() const;
   std::string png() const;
   std::string svg() const;
-  /// Without a date; the words can be searched.
+  /// Without a date; the text is searchable.
   std::string pdf() const;
-  /// The file for a name: SVG or PDF where it ends in .svg or .pdf, PNG otherwise.
+  /// File format by the suffix of `path`: SVG or PDF for .svg or .pdf, PNG otherwise.
   std::string file_named(const std::string& path) const;
 
  private:

@@ -16,7 +16,7 @@ namespace tdpt::draw::canvas_test {
 
 const Ink kWhite{1, 1, 1}, kBlack{0, 0, 0};
 
-// How much of the canvas is inked [pixels].
+// Area of the canvas that is inked [pixels].
 double inked(const Canvas& c) {
   const Raster drawn = c.pixels();
   double sum = 0;
@@ -34,13 +34,13 @@ TEST(canvas, shapes_cover_their_area) {
   EXPECT_NEAR(inked(ring), std::numbers::pi * 40 * 3, 2);
   polygon.polygon({{10.2, 10}, {80, 20.5}, {60, 70}, {20, 50}}, kBlack);
   EXPECT_NEAR(inked(polygon), 2534.55, 3);
-  line.line({10, 10}, {90, 70}, 5, kBlack);  // and half a disc at each end
+  line.line({10, 10}, {90, 70}, 5, kBlack);  // plus half a disc at each end
   EXPECT_NEAR(inked(line), 100 * 5 + std::numbers::pi * 6.25, 2);
   box.fill({10.25, 20.5, 30.5, 10.25}, kBlack);
   EXPECT_NEAR(inked(box), 30.5 * 10.25, 0.5);
   frame.frame({10, 20, 30, 40}, 2, kBlack);
   EXPECT_NEAR(inked(frame), 30 * 40 - 26 * 36, 0.1);
-  // Twin: a disc of another radius is not taken for this one.
+  // Twin: a disc with another radius is distinguished.
   Canvas larger(100, 100, kWhite);
   larger.disc({50.3, 49.6}, 20.5, kBlack);
   EXPECT_GT(std::abs(inked(larger) - std::numbers::pi * 400), 4);
@@ -75,7 +75,7 @@ TEST(canvas, nothing_is_drawn_outside_the_clip_or_the_canvas) {
   c.line({20, 20}, {30, 1e9}, 2, kBlack);
   c.polygon({{NAN, 0}, {5, 5}, {0, 5}}, kBlack);
   EXPECT_EQ(inked(c), before);
-  // What follows a shape that was not drawn is whole.
+  // A shape after one that was not drawn is intact.
   c.polygon({{1, 1}, {5, 1}, {5, 5}, {1, 5}}, kBlack);
   EXPECT_NEAR(inked(c), before + 16, 1e-9);
 }
@@ -104,7 +104,7 @@ TEST(canvas, becomes_a_png_of_its_pixels) {
   EXPECT_EQ(p.at(2, 3), (std::array<uint8_t, 3>{0x31, 0x65, 0x99}));
 }
 
-// All that can be drawn; `tilt` moves a corner of the polygon.
+// Every kind of shape; `tilt` moves a corner of the polygon.
 Canvas all_shapes(double tilt) {
   Canvas c(160, 120, kPaper);
   Raster texels(40, 30);
@@ -122,7 +122,7 @@ Canvas all_shapes(double tilt) {
   return c;
 }
 
-// Mean difference of all channels, of 255; `convert` is another program's reading of a file.
+// Mean difference over all channels, of 255, from another program's conversion of a file.
 double off_our_png(const std::string& bytes, const std::string& convert, double tilt = 0) {
   const testing::TempFolder folder;
   folder.write("in", bytes);
@@ -188,7 +188,7 @@ Raster letter_on_paper(const std::string& letter, Extent& extent) {
   return drawn;
 }
 
-// Whether a letter is shown as the box of those that no font has: ink all round.
+// Whether a letter is shown as the box for missing glyphs: ink all around.
 bool is_boxed(const std::string& letter) {
   Extent e;
   const Raster drawn = letter_on_paper(letter, e);
@@ -225,7 +225,7 @@ TEST(text, every_letter_leaves_its_own_trace_within_its_width) {
   }
 }
 
-// Twin: what no font has is found to be a box.
+// Twin: a letter without a glyph is detected as a box.
 TEST(text, a_letter_that_no_font_has_is_a_box) {
   EXPECT_TRUE(is_boxed("\xee\x80\x81"));  // U+E001, for private use
 }

@@ -26,7 +26,7 @@ Ink reach(double light, double camera) {
 }
 
 Ink region(int k, int n) {
-  // Between the two ends: hues that neither end has.
+  // Hues for regions between the two ends, distinct from both.
   static constexpr std::array<Ink, 7> kBetween{ink(0x9cc48a), ink(0xc69bbd), ink(0x7fc4c0),
                                                ink(0xdf9d90), ink(0xb9a26a), ink(0x9a94cf),
                                                ink(0xd9d36f)};

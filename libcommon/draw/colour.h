@@ -1,4 +1,4 @@
-// The colours of all previews, in one place so that they say the same everywhere.
+// The colours of all previews, in one place so that they mean the same everywhere.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,18 +13,18 @@ inline constexpr Ink kPaper = ink(0xfbfbfb), kInk = ink(0x23262d), kMuted = ink(
                      kPivot = ink(0xb3243f), kPortal = ink(0x0f8b6d), kAlarm = ink(0xc4314b),
                      kLamp = ink(0xffe14d);
 
-/// As in vertex colours of a file, opaque.
+/// As vertex colours of a file, opaque by default.
 std::array<uint8_t, 4> bytes_of(const Ink& c, uint8_t alpha = 255);
 
-/// Colour of an amount in [0,1]: from nearly the paper over amber and red to a dark violet. The
-/// lightness falls evenly, so more is always darker.
+/// Colour map for amounts in [0,1]: from nearly the paper's colour over amber and red to dark
+/// violet. Lightness falls monotonically, so more is always darker.
 Ink heat(double amount);
 
-/// How strongly a surface is reached from the light and from the camera, each in [0,1]: clay where
-/// neither, amber and blue where one, violet where both.
+/// How strongly light walks and camera walks reach a surface, each in [0,1]: clay if neither, amber
+/// or blue if one, violet if both.
 Ink reach(double light, double camera);
 
-/// Colour of region k of n in a row from the light (0) to the camera (n - 1).
+/// Colour of region k of n, in order from the light (0) to the camera (n - 1).
 Ink region(int k, int n);
 
 }  // namespace tdpt::draw

@@ -29,7 +29,7 @@ PatchLookup::PatchLookup(const Frame& frame, const PatchGrid& grid,
 std::optional<uint32_t> PatchLookup::at(uint32_t face, const Vec3d& place) const {
   const Vec3d metres = frame_.to_metres(place);
   for (const int level : levels_) {
-    // In the same steps as ffgraph rounds, so that borders fall alike.
+    // Uses the same operations as ffgraph, so that rounding at borders agrees.
     const Vec3d q = (metres - grid_.origin) / grid_.base_cell;
     const double fine = std::ldexp(1.0, 2 * level);
     Key key{face, level, {}};

@@ -1,4 +1,4 @@
-// From a place on a surface to the patch it belongs to.
+// Finds the patch that a point on a surface belongs to.
 #pragma once
 #include <optional>
 #include <unordered_map>
@@ -12,8 +12,8 @@ class PatchLookup {
  public:
   PatchLookup(const Frame& frame, const PatchGrid& grid, const std::vector<Patch>& patches);
 
-  /// Index of the patch that holds canonical `place` on face 2 * triangle + side; nothing where
-  /// there is none (surface that no walk has reached).
+  /// Index of the patch that contains canonical `place` on face 2 * triangle + side; empty if there
+  /// is none (no walk has reached this surface).
   std::optional<uint32_t> at(uint32_t face, const Vec3d& place) const;
 
  private:
@@ -29,7 +29,7 @@ class PatchLookup {
 
   Frame frame_;
   PatchGrid grid_;
-  std::vector<int> levels_;  // that occur, finest first
+  std::vector<int> levels_;  // levels in use, finest first
   std::unordered_map<Key, uint32_t, Hash> patch_;
 };
 

@@ -10,7 +10,7 @@ namespace tdpt::draw {
 namespace {
 
 constexpr double kTallest = 820, kLowest = 300, kNarrowestPlan = 430;
-constexpr double kAir = 1.06;  // the plan's frame, against the scene
+constexpr double kAir = 1.06;  // size of the plan's frame relative to the scene
 constexpr size_t kMostLamps = 4096;
 
 struct Bounds {
@@ -44,7 +44,7 @@ SceneSheet::Layout SceneSheet::layout(const Scene& scene, const Camera& camera, 
   Layout l;
   l.cut = (cut - scene.frame.centre.y) * scene.frame.scale;
   if (!(l.cut > b.low.y && l.cut < b.high.y)) l.cut = 0.5 * (b.low.y + b.high.y);
-  // Both panels as tall as fits when they share the width by their aspects.
+  // Both panels as tall as possible while sharing the width according to their aspects.
   const double seen = std::clamp(camera.aspect > 0 ? camera.aspect : 16.0 / 9, 0.4, 3.0),
                plan = std::clamp(size.x / std::max(size.z, 1e-9), 0.4, 3.0);
   const double room = kSheetWidth - 3 * kMargin;
@@ -94,7 +94,7 @@ void SceneSheet::dot(const Vec3d& place, double radius, const Ink& c, double alp
     view->dot_at(scene_.frame.to_canonical(place), radius, c, alpha);
 }
 
-// Lamps hang at ceilings, which are cut away: their outlines are drawn all the same.
+// Ceiling lamps are cut away in the plan: their outlines are drawn anyway.
 void SceneSheet::mark_lamps() {
   const Projection& p = plan_.projection();
   canvas_.clip(p.panel);

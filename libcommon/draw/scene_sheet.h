@@ -1,4 +1,5 @@
-// A scene twice: as its camera sees it, and in plan with everything above a cut taken away.
+// A sheet with two views of a scene: from its camera, and a plan with everything above a cut
+// removed.
 #pragma once
 #include <string>
 
@@ -9,21 +10,21 @@ namespace tdpt::draw {
 
 class SceneSheet {
  public:
-  /// `cut`: height of the plan [metres]; where it lies outside the scene, the middle is taken.
-  /// `legend`: height kept free below the panels. Keeps a reference to `scene`.
+  /// `cut`: height of the plan [metres]; outside the scene, its middle height is used. `legend`:
+  /// height reserved below the panels. Keeps a reference to `scene`.
   SceneSheet(const Scene& scene, const Camera& camera, const std::string& title,
              const std::string& sentence, double cut, double legend);
 
   /// First the surfaces, with camera and lamps as marks in the plan...
   void paint(const Colouring& colour);
-  /// ...then what lies over them (metres)...
+  /// ...then lines over them (metres)...
   void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha);
   void dot(const Vec3d& place, double radius, const Ink& c, double alpha);
-  /// ...and the marks, captions and scale at last. Hands the drawing over: the sheet is spent.
+  /// ...finally marks, captions and scale. Moves the drawing out: the sheet is then unusable.
   Canvas finish();
 
   Canvas& canvas() { return canvas_; }
-  /// Where the legend goes.
+  /// Area of the legend.
   const Box& legend() const { return legend_; }
   const SceneView& camera_view() const { return camera_view_; }
   const SceneView& plan() const { return plan_; }

@@ -8,8 +8,8 @@
 
 namespace tdpt::draw {
 namespace {
-constexpr double kNear = 1e-4;  // before a pinhole; canonical
-constexpr int kSide = 2;        // rays of a pixel, per axis
+constexpr double kNear = 1e-4;  // near plane of the perspective; canonical
+constexpr int kSide = 2;        // rays per pixel, along each axis
 const Vec3d kSun = normalize(Vec3d{0.4, 0.8, 0.45});
 }  // namespace
 
@@ -52,7 +52,7 @@ SceneView::SceneView(Canvas& canvas, const Tracer& tracer, const Projection& pro
 void SceneView::paint(const Colouring& colour, const Ink& nothing) {
   samples_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), {});
   Raster seen(columns_, rows_);
-  // A pixel belongs to one thread, so the order does not matter.
+  // Each pixel belongs to one thread, so the order does not matter.
   tbb::parallel_for(0, rows_, [&](int row) {
     for (int column = 0; column < columns_; ++column) {
       Ink sum{};
@@ -68,7 +68,7 @@ void SceneView::paint(const Colouring& colour, const Ink& nothing) {
         }
         const double facing = dot(hit.normal, w);
         const uint32_t face = 2 * hit.triangle + (facing > 0 ? 1 : 0);
-        // Seen from above most surfaces lie flat: there a slanting light tells them apart.
+        // Seen from above, most surfaces are horizontal: slanting light distinguishes them.
         const double shade = projection_.pinhole
                                  ? 0.68 + 0.32 * std::abs(facing)
                                  : 0.70 + 0.30 * std::abs(dot(hit.normal, kSun)) / kSun.y;
@@ -85,7 +85,7 @@ void SceneView::paint(const Colouring& colour, const Ink& nothing) {
   canvas_.raster({static_cast<double>(left_), static_cast<double>(top_)}, 1, seen);
 }
 
-// Dark where two neighbouring pixels show surfaces that do not lie in one plane.
+// Darkens pixels whose neighbour shows a surface in another plane.
 void SceneView::darken_edges(Raster& seen) const {
   const auto at = [&](int column, int row) -> const Sample& {
     return samples_[static_cast<size_t>(row) * static_cast<size_t>(columns_) +
@@ -140,7 +140,8 @@ void SceneView::line(const Vec3d& from, const Vec3d& to, double width, const Ink
   if (!(pixels < 1e6)) return;
   canvas_.clip(projection_.panel);
   const int steps = static_cast<int>(std::clamp(pixels / 2, 1.0, 4096.0));
-  // Runs of one visibility are drawn in one go: the round ends of pieces would show as beads.
+  // A run of equal visibility is drawn as one line: round caps of single pieces would show as
+  // beads.
   Point start = pa;
   bool was_hidden = false;
   for (int k = 0; k <= steps; ++k) {

@@ -1,6 +1,6 @@
-// A scene seen by a pinhole or straight from one side, in a panel of a canvas: surfaces in colours
-// that the caller gives, with light shading and dark edges; lines and points over it, paler where
-// something hides them.
+// Renders a scene in a panel of a canvas, in perspective or orthographic projection: surfaces in
+// colours given by the caller, with light shading and dark edges; lines and points over them, paler
+// where hidden.
 #pragma once
 #include <functional>
 
@@ -10,26 +10,26 @@
 
 namespace tdpt::draw {
 
-/// From canonical places to pixels of `panel`. `forward`, `right`, `up` are unit and orthogonal.
+/// Maps canonical points to pixels of `panel`. `forward`, `right`, `up` are unit and orthogonal.
 struct Projection {
   Box panel;
   Vec3d eye, right, up, forward;
-  double half_width = 1;  ///< of what the panel shows: at distance 1 by the pinhole, else canonical
+  double half_width = 1;  ///< half the panel's width: in perspective at distance 1, else canonical
   bool pinhole = true;
 
   /// Shows the camera's whole vertical angle; the panel should have its aspect.
   static Projection of_camera(const Camera& camera, const Box& panel);
-  /// Looking along unit `forward`, `middle` in the middle of the panel; what lies behind the plane
-  /// through `middle` is not seen.
+  /// Orthographic along unit `forward`, with `middle` at the panel's centre; the plane through
+  /// `middle` clips what is behind it.
   static Projection flat(const Vec3d& middle, const Vec3d& right, const Vec3d& up,
                          double half_width, const Box& panel);
 
   double pixels_per_unit() const { return 0.5 * panel.width / half_width; }
-  /// Distance before the eye, along forward.
+  /// Distance from the eye along forward.
   double depth(const Vec3d& place) const { return dot(place - eye, forward); }
-  /// Undefined by a pinhole where depth() <= 0.
+  /// Undefined in perspective if depth() <= 0.
   Point project(const Vec3d& place) const;
-  /// Start and unit direction of the ray through a place of the canvas.
+  /// Origin and unit direction of the ray through a point of the canvas.
   void ray(const Point& at, Vec3d& from, Vec3d& w) const;
 };
 
@@ -43,20 +43,20 @@ class SceneView {
 
   const Projection& projection() const { return projection_; }
 
-  /// Four rays a pixel; `nothing` where there is no surface.
+  /// Four rays per pixel; `nothing` where there is no surface.
   void paint(const Colouring& colour, const Ink& nothing);
 
-  /// Canonical ends. `hidden`: share of alpha where a surface lies before the line.
+  /// Canonical end points. `hidden`: factor of alpha where a surface occludes the line.
   void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha = 1,
             double hidden = 0.3);
   void dot_at(const Vec3d& place, double radius, const Ink& c, double alpha = 1,
               double hidden = 0.3);
-  /// Whether nothing lies before a place; only after paint().
+  /// Whether a point is unoccluded; only after paint().
   bool in_sight(const Vec3d& place) const;
 
  private:
   struct Sample {
-    Vec3f place, normal;  ///< normal 0: nothing there
+    Vec3f place, normal;  ///< normal 0: no surface
   };
   void darken_edges(Raster& seen) const;
   bool hides(const Point& at, double depth) const;
@@ -68,7 +68,7 @@ class SceneView {
   std::vector<Sample> samples_;
 };
 
-/// The lines in which a scene's triangles meet the horizontal plane y = height (canonical).
+/// The intersection of a scene's triangles with the horizontal plane y = height (canonical).
 struct Segment {
   Vec3d a, b;
 };

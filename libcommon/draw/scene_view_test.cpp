@@ -37,7 +37,7 @@ TEST(section, is_as_long_as_the_walls_that_it_cuts) {
     return sum;
   };
   EXPECT_NEAR(metres_at(1.5), 16, 1e-5);
-  // Through the hole: its width is missing in two walls, its two jambs are there.
+  // Through the hole: two walls lack its width, its two jambs are added.
   EXPECT_NEAR(metres_at(1.0), 16 - 2 * 0.25 + 2 * 0.1, 1e-5);
 }
 
@@ -75,7 +75,7 @@ TEST_F(Sheet, plan_and_camera_show_the_surfaces_where_they_are) {
   sheet_.paint([](uint32_t, const Vec3d& place) {
     return two_rooms().frame.to_metres(place).x < 2.05 ? Ink{0, 0, 1} : Ink{1, 0, 0};
   });
-  // Floors lie flat under the plan's light: their colour is the one given.
+  // Floors face the plan's light, so they have exactly the given colour.
   EXPECT_EQ(at(sheet_.plan(), {0.4, 0, -0.8}), (Ink{0, 0, 1}));
   EXPECT_EQ(at(sheet_.plan(), {3.9, 0, 0.8}), (Ink{1, 0, 0}));
   EXPECT_EQ(at(sheet_.plan(), {2.05, 0, 0.6}), (Ink{1, 1, 1})) << "inside the wall is nothing";

@@ -1,4 +1,4 @@
-// The furniture of a picture that explains: headings, captions, scales and legends.
+// Headings, captions, scales and legends of previews.
 #pragma once
 #include <string>
 #include <utility>
@@ -7,25 +7,24 @@
 
 namespace tdpt::draw {
 
-/// Width of every preview [pixels] and the margins round its panels.
+/// Width of every preview [pixels] and the margins around its panels.
 inline constexpr int kSheetWidth = 1600;
 inline constexpr double kMargin = 36, kHeading = 92, kCaption = 40;
 inline constexpr double kTitleSize = 17, kTextSize = 10.5, kSmallSize = 9;
 
 /// Title and a plain sentence at the top left.
 void heading(Canvas& canvas, const std::string& title, const std::string& sentence);
-/// A line of words below a panel.
+/// A line of text below a panel.
 void caption(Canvas& canvas, const Box& panel, const std::string& words);
-/// A bar of a round length in metres that ends at `right`, its label above it.
+/// A bar of a round length in metres that ends at `right`, labelled above.
 void scale_bar(Canvas& canvas, Point right, double pixels_per_metre);
-/// heat() from left to right with a label at each end and a title above.
+/// Legend of heat(), from left to right, with a label at each end and a title above.
 void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,
               const std::string& high);
-/// Swatches with words in a row from `start`, and in further rows kKeyRow below where they do not
-/// fit.
+/// Swatches with labels in a row from `start`; when full, in further rows kKeyRow below.
 inline constexpr double kKeyRow = 26;
 void key(Canvas& canvas, Point start, const std::vector<std::pair<Ink, std::string>>& entries);
-/// The square of reach(): light to the right, camera upwards.
+/// Legend of reach(): light to the right, camera upwards.
 void reach_square(Canvas& canvas, const Box& square, const std::string& light,
                   const std::string& camera);
 

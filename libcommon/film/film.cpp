@@ -11,8 +11,8 @@
 namespace tdpt {
 namespace {
 
-// Squares of luminance count in units of 2^-60 of the power squared: luminance from 2^-30 of the
-// power to 2^24 times it. What is larger is held as the most: then the variance is not known.
+// The unit of squared luminance is 2^-60 of the power squared: it covers luminance from 2^-30 to
+// 2^24 times the power. Larger values saturate: then the variance is unknown.
 constexpr double kSquareUnit = 0x1p-60, kMostSquared = 0x1p109;
 
 double luminance_of(const Vec3d& c) {
@@ -225,7 +225,7 @@ std::vector<double> Film::variance() const {
 Picture scaled_picture(int width, int height, const std::vector<Vec3d>& sums, double factor) {
   Picture picture{width, height, {}};
   picture.pixels.reserve(sums.size());
-  // No picture holds an infinite number.
+  // Pictures must not contain infinities.
   constexpr double most = std::numeric_limits<float>::max();
   for (const Vec3d& sum : sums) {
     const Vec3d mean = sum * factor;

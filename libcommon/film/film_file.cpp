@@ -29,7 +29,7 @@ constexpr uint64_t kMostSamples = uint64_t{1} << 33;
 constexpr size_t kMostChannels = 64, kMostRanges = 1 << 20, kMostCounts = 1 << 16;
 constexpr std::array kColours{"R", "G", "B"};
 
-// ---- Numbers of the film as channels ----
+// ---- The film's numbers as channels ----
 
 // Channels of `numbers`: "sum.R.0" holds the lowest 32 bits; of a layer "<layer>.sum.R.0".
 void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words) {
@@ -45,7 +45,7 @@ void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words)
     }
 }
 
-// The numbers of 64 bits that a vector of doubles is.
+// A vector of doubles as 64-bit numbers.
 void append_words(std::vector<Vec3d>& values, std::vector<WordChannel>& words) {
   static_assert(sizeof(Vec3d) == 24 && std::endian::native == std::endian::little);
   for (size_t c = 0; c < 3 && !values.empty(); ++c)
@@ -65,8 +65,7 @@ std::string block_name(size_t i) {
   return fmt::format("block{}", i);
 }
 
-// Of all that a film file holds, told apart from what was damaged on the way.
-// `facts`: as JSON.
+// Hash of everything in a film file, to detect damage. `facts`: as JSON.
 std::string hash_of(const std::string& facts, const std::map<std::string, std::string>& attributes,
                     Film& film, const FilmBlocks& blocks, const Channels& channels) {
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
@@ -123,7 +122,7 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
   return j;
 }
 
-// Reads facts back; every value is checked.
+// Reads the facts; every value is checked.
 class Reader {
  public:
   Reader(const Json& from, const std::string& file) : from_(from), file_(file) {}
@@ -214,7 +213,7 @@ Film::Options options_of(const Reader& in) {
   return options;
 }
 
-// Before memory is taken for sums: whether the file has all of them, and what they take.
+// Before allocating sums: whether the file has all of them, and their memory.
 void check_sums(const Film::Options& options, bool has_before, const ExrFile& exr,
                 std::string_view bytes, const std::string& name) {
   Film pixel(1, 1, 1, options);
@@ -236,7 +235,7 @@ void check_sums(const Film::Options& options, bool has_before, const ExrFile& ex
       of_pixel * exr.picture.pixels.size());
 }
 
-// The film in a file whose attribute says `json`. `exr`: its float channels, `bytes`: the file.
+// The film of a file whose attribute is `json`. `exr`: its float channels, `bytes`: the file.
 FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
   const Reader in(json, name);
   check_version(name, "film.format", in.at("format", Json::value_t::number_integer).dump(),
@@ -437,7 +436,7 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
     std::vector<float>& values = exr.channels[name + ".Y"];
     values.assign(pixels, static_cast<float>(film.samples()));
     if (name != "variance") continue;
-    // What is too bright to tell is the largest number, since no picture holds an infinite one.
+    // A saturated variance becomes the largest float, since pictures must not contain infinities.
     const std::vector<double> variance = film.variance();
     for (size_t i = 0; i < pixels; ++i)
       values[i] = static_cast<float>(

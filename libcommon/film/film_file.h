@@ -1,6 +1,6 @@
-// A film on disk: an OpenEXR picture of the samples that there are, which any viewer shows, with
-// the exact sums beside it and all that must agree before they are added to another film's.
-// Checkpoints and shards are such files. film(5) tells the format.
+// A film on disk: an OpenEXR picture of the samples so far, which any viewer shows, with the exact
+// sums and everything that must match before they are added to another film. Checkpoints and shards
+// are such files. Format: film(5).
 #pragma once
 #include <array>
 #include <map>
@@ -13,75 +13,75 @@
 
 namespace tdpt {
 
-/// What shapes a picture beside its samples: names ("scene") with values ("1f3a..."). Films that
-/// differ in one are of different pictures.
+/// What determines a picture besides its samples: names ("scene") with values ("1f3a..."). Films
+/// with different shapes belong to different pictures.
 using Shape = std::vector<std::pair<std::string, std::string>>;
 
-/// "another scene (1f3a, expected 77ab)", of the first that differs; "" where none does.
+/// The first difference: "another scene (1f3a, expected 77ab)"; "" if there is none.
 std::string difference(const Shape& found, const Shape& expected);
 
 /// "samples 0 to 15 and 32 to 47", "no samples".
 std::string words_of(const std::vector<SampleRange>& ranges);
 
-/// The words of two lists "b, a", each once, by the alphabet: "a, b".
+/// The union of two lists of words "b, a", in alphabetical order: "a, b".
 std::string merged_words(const std::string& a, const std::string& b);
 
-/// Whole numbers that add up as samples do, by name.
+/// Integers that add up as samples do, by name.
 using Counts = std::map<std::string, std::vector<Units>>;
 
-/// In the place of a processor: a Vulkan device, whichever.
+/// Used in place of a processor's code for any Vulkan device.
 inline constexpr const char* kGpuCode = "gpu";
-/// Why films rendered by these [FilmFacts::processor] differ from those of one machine.
+/// Explains why films rendered by these [FilmFacts::processor] differ from those of one machine.
 std::string mixed_code_sentence(const std::string& processors);
 
-/// What a film file says beside its sums.
+/// Metadata of a film file.
 struct FilmFacts {
   Shape shape;
-  std::string plan;   ///< what was decided by measuring, as JSON: the same in all of its parts
-  std::string state;  ///< how far the rendering is, as JSON; "": it does not go on
-  /// Whose code was chosen [processor.h], or kGpuCode; of several "avx2, avx512".
+  std::string plan;   ///< decisions made by measuring, as JSON: the same in all parts
+  std::string state;  ///< progress of the rendering, as JSON; "": not resumable
+  /// Instruction set in use [processor.h], or kGpuCode; if mixed "avx2, avx512".
   std::string processor;
-  uint64_t spp = 0;  ///< samples of each pixel of the whole picture; 0: as many as time allows
+  uint64_t spp = 0;  ///< samples per pixel of the whole picture; 0: limited by time
   Counts counts;
-  /// Channels of the whole picture that its sums tell: of kDerived.
+  /// Channels of the finished picture that derive from its sums, out of kDerived.
   std::vector<std::string> derived;
-  std::map<std::string, std::string> attributes;  ///< of the whole picture, but for `spp`
+  std::map<std::string, std::string> attributes;  ///< of the finished picture, except `spp`
   friend bool operator==(const FilmFacts&, const FilmFacts&) = default;
 };
 
-/// Of a rendering to a given error, what its samples were when blocks of them ended.
+/// For a rendering to a target error: its sums at the ends of blocks of samples.
 struct FilmBlocks {
   std::vector<Picture> blocks;
-  std::vector<Vec3d> before;  ///< sums when the last one ended; empty: none has
+  std::vector<Vec3d> before;  ///< sums at the end of the last block; empty: none yet
 };
 
-/// "variance": of the mean luminance, of a film that keeps errors; "samples": of each pixel.
+/// "variance": of the mean luminance, in a film that keeps errors; "samples": number per pixel.
 inline constexpr std::array kDerived{"variance", "samples"};
 
 struct FilmFile {
   Film film;
   FilmFacts facts;
   FilmBlocks blocks;
-  Channels channels{};  ///< of the whole picture, that no sample changes
+  Channels channels{};  ///< of the finished picture, independent of samples
 
-  /// Ranges of [0, spp) that are not there.
+  /// Ranges of [0, spp) that are missing.
   std::vector<SampleRange> gaps() const;
-  /// Adds a part of the same picture; state and blocks are of neither then. The same, whatever the
-  /// order of parts. Throws InputError naming `name` for a part of another picture, of another
-  /// plan, or with samples that are there already.
+  /// Adds another part of the same picture; state and blocks are then dropped. The result does not
+  /// depend on the order of parts. Throws InputError naming `name` for a part of another picture or
+  /// plan, and for samples that are present already.
   void merge(const FilmFile& other, const std::string& name);
 };
 
-/// The file as bytes. No thread adds to the film meanwhile.
+/// The file as bytes. No thread may add to the film meanwhile.
 std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks = {},
                        const Channels& channels = {});
-/// Throws InputError for what is no film, or not as it was written.
+/// Throws InputError if it is no film or has been changed.
 FilmFile parse_film(std::string_view bytes, const std::string& name);
 FilmFile read_film(const std::string& path);
-/// Whether a picture has the attribute that makes a film of it.
+/// Whether a picture has the attribute that marks films.
 bool is_film(const ExrFile& file);
 
-/// The whole picture, as the rendering that is not in parts writes it.
+/// The finished picture, identical to that of a rendering that was not split.
 ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels = {});
 
 }  // namespace tdpt

@@ -1,5 +1,4 @@
-// Film files: what comes back is what was kept, what was damaged is refused, and parts of one
-// picture alone are added up.
+// Film files: they round-trip, damage is refused, and only parts of the same picture can be merged.
 #include "libcommon/film/film_file.h"
 
 #include <functional>
@@ -21,7 +20,7 @@ Film::Options all_options() {
   return options;
 }
 
-// Samples `range` of a picture: of each pixel something that only that sample brings.
+// Samples `range` of a picture; each contributes a unique value to each pixel.
 Film film_with(const SampleRange& range, const Film::Options& options = all_options()) {
   Film film(kWidth, kHeight, 3.0, options);
   for (uint64_t s = range.first; s < range.end(); ++s)
@@ -118,8 +117,8 @@ TEST(film_file, without_samples_is_black_and_comes_back) {
   EXPECT_EQ(back.film.picture().pixels, std::vector<Rgb>(6));
 }
 
-// Of every byte that is changed: the file is refused, or what it holds is as it was (the library
-// checks what it packs; some bytes of a header mean nothing here).
+// For every changed byte: the file is refused, or its contents are unchanged (the library checks
+// what it compresses; some header bytes are meaningless here).
 TEST(film_file, a_byte_that_changed_is_never_added_up) {
   const std::string good = bytes_of({0, 4});
   const Film film = film_with({0, 4});

@@ -1,4 +1,4 @@
-// Any bytes as a film; what is read comes back the same when it is written.
+// Parses arbitrary bytes as a film; a film that was read must round-trip.
 #include "libcommon/film/film_file.h"
 #include "libcommon/testing/files/fuzz.h"
 

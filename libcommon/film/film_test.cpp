@@ -1,4 +1,4 @@
-// Films are sums that any order gives alike, and that parts of a picture merge to.
+// Films are sums independent of order, and parts of a picture merge to the whole.
 #include "libcommon/film/film.h"
 
 #include <algorithm>
@@ -40,8 +40,7 @@ TEST(fixed_sum, says_when_it_wraps_round) {
   EXPECT_FALSE(other.add(~Units{0}));
 }
 
-// Mean of what values far below a unit become; `up`: probability of rounding up, in place of the
-// coin's.
+// Mean of rounded values far below a unit; `fair`: rounding uses random bits.
 double mean_of_dim(double value, bool fair) {
   constexpr int n = 100000;
   Units sum = 0;
@@ -140,7 +139,7 @@ TEST(film, counts_what_rays_meet_and_merges_it) {
   EXPECT_EQ(film.alpha(), (std::vector<float>{0, 0}));
 }
 
-// Variance of the means of many pictures, against what each says of itself.
+// Variance of the means of many pictures / the variance that each estimates for itself.
 double ratio_of_variances(double fault, double scale = 1) {
   constexpr int kPictures = 400, kBlocks = 8;
   double said = 0, sum = 0, square = 0;
@@ -164,10 +163,10 @@ double ratio_of_variances(double fault, double scale = 1) {
   return said / (square - sum * sum);
 }
 TEST(film, tells_its_variance) {
-  // Of power 1: blocks as dark as a shadow and as bright as a small lamp.
+  // At power 1: blocks as dark as a shadow and as bright as a small lamp.
   for (double scale : {1e-7, 1e-3, 1.0, 1e5})
     EXPECT_NEAR(ratio_of_variances(1, scale), 1, 0.2) << scale;
-  EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: of single samples
+  EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: variance of single samples
   EXPECT_EQ(ratio_of_variances(1, 1e9), std::numeric_limits<double>::infinity());
 }
 

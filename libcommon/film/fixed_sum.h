@@ -1,8 +1,8 @@
-// Sums in fixed point of 128 bits: the order of what is added cannot matter, whoever adds it.
+// 128-bit fixed-point sums, which do not depend on the order of additions.
 //
-// A value v becomes v / unit units, rounded up or down at random so that its mean stays v: values
-// far below a unit darken nothing. The coin is a hash of what the value is, so that it falls alike
-// in every run.
+// A value v becomes v / unit units, stochastically rounded so that its mean stays v: values far
+// below a unit are not lost on average. The random bits are a hash of what is added, so that they
+// are the same in every run.
 #pragma once
 #include <atomic>
 #include <cmath>
@@ -12,8 +12,8 @@ namespace tdpt {
 
 using Units = unsigned __int128;
 
-/// At most 2^110 units, so that 2^18 of the largest fit into a sum. False for what is negative, not
-/// finite or larger. `coin`: uniform in 0..2^64-1; `per_unit`: 1 / unit, a power of two.
+/// At most 2^110 units, so that 2^18 of the largest fit into a sum. False for negative, non-finite
+/// and larger values. `coin`: uniform in 0..2^64-1; `per_unit`: 1 / unit, a power of two.
 inline bool to_units(double value, double per_unit, uint64_t coin, Units& units) {
   const double scaled = value * per_unit;
   units = 0;
@@ -35,10 +35,10 @@ inline double from_units(Units units, double unit) {
          unit;
 }
 
-/// Any thread may add. Each wrap of the lower word carries once, whatever the order.
+/// Thread-safe. Each wrap of the lower word carries exactly once, whatever the order.
 class FixedSum {
  public:
-  /// False when the sum wraps round.
+  /// False if the sum wraps round.
   bool add(Units units) {
     const auto low = static_cast<uint64_t>(units);
     const auto high = static_cast<uint64_t>(units >> 64);
@@ -47,7 +47,7 @@ class FixedSum {
     const Units before = high_.fetch_add(high + carry, std::memory_order_relaxed);
     return (before + high + carry) >> 64 == 0;
   }
-  /// After all have added.
+  /// After all additions.
   Units units() const {
     return static_cast<Units>(high_.load(std::memory_order_relaxed)) << 64 |
            low_.load(std::memory_order_relaxed);
@@ -61,12 +61,12 @@ class FixedSum {
   std::atomic<uint64_t> low_{0}, high_{0};
 };
 
-/// The same for one thread, with its unit.
+/// A sum for one thread, with its unit.
 class UnitSum {
  public:
   UnitSum() = default;
   explicit UnitSum(double unit) : unit_(unit), per_unit_(1 / unit) {}
-  /// Rounds down: for what is reported and not seen. Leaves out what cannot be held.
+  /// Rounds down: for statistics, not for pictures. Ignores what cannot be represented.
   void add(double value) {
     Units units;
     if (to_units(value, per_unit_, ~uint64_t{0}, units)) units_ += units;

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kUsualFov = 45;      // [deg]
-constexpr double kFarthest = 1e6;     // canonical, as of the cameras of a scene
-constexpr double kLeastAngle = 1e-4;  // between up and the view [rad]
-constexpr double kMargin = 1.05;      // of --frame, around the scene
-const Vec3d kBefore{0.5, 0.4, 1};     // where --frame stands, from the middle: +Z is the front
+constexpr double kFarthest = 1e6;     // canonical, as for the scene's cameras
+constexpr double kLeastAngle = 1e-4;  // between up and the view direction [rad]
+constexpr double kMargin = 1.05;      // of --frame, on the scene's size
+const Vec3d kBefore{0.5, 0.4, 1};     // from the middle to the camera of --frame: +Z is in front
 
 Vec3d three_numbers(const char* option, const std::string& text) {
   Vec3d v;
@@ -46,14 +46,14 @@ void check(const CameraArguments& a) {
   if (a.fov != 0 && !placed && !a.frame) throw UsageError("--fov goes with --look-from or --frame");
 }
 
-// `up`: not along `forward`.
+// `up` must not be parallel to `forward`.
 void turn(Camera& camera, const Vec3d& forward, const Vec3d& up) {
   camera.forward = forward;
   camera.right = normalize(cross(forward, up));
   camera.up = cross(camera.right, forward);
 }
 
-// Where nothing is said of it. What looks straight down has -Z, the far side, at its top.
+// Default up direction. A camera that looks straight down has -Z, the far side, at its top.
 Vec3d usual_up(const Vec3d& forward) {
   const Vec3d up{0, 1, 0};
   if (length(cross(forward, up)) > kLeastAngle) return up;
@@ -129,9 +129,9 @@ Box box_of(const Scene& scene) {
   return box;
 }
 
-// The options that place it there, for one who would rather stand elsewhere.
+// Prints the position as options, for users who want to adjust it.
 std::string frame_sentence(const Scene& scene, const Camera& camera) {
-  // Six digits of the scene's size, however far it lies from the origin.
+  // Six digits relative to the scene's size, however far it is from the origin.
   const auto digits = [&](double metres) {
     const double sizes = std::abs(metres) * scene.frame.scale;
     const int before = sizes > 1 ? static_cast<int>(std::ceil(std::log10(sizes))) : 0;
@@ -153,8 +153,8 @@ Camera framing_camera(const Scene& scene, double yfov) {
   camera.name = "--frame";
   camera.yfov = yfov;
   turn(camera, -normalize(kBefore), {0, 1, 0});
-  // Seen from there at distance d, a corner at p from the middle is in view where |right.p| and
-  // |up.p| are less than tan(yfov / 2) (d + forward.p).
+  // Seen from distance d, a corner at p from the middle is in view if |right.p| and |up.p| are less
+  // than tan(yfov / 2) (d + forward.p).
   double distance = 0;
   for_each_corner(scene, [&](const Vec3d& corner) {
     const Vec3d p = corner - middle;

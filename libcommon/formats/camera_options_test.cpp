@@ -13,7 +13,7 @@ namespace tdpt::camera_options_test {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-// A box of 4 x 2 x 1 m around (10, 0, 0) without a camera, and one far larger than its triangles.
+// A box of 4 x 2 x 1 m around (10, 0, 0) without a camera, with an unused vertex far outside.
 Scene box(const Vec3d& half = {2, 1, 0.5}) {
   Scene scene;
   scene.path = "box.glb";
@@ -34,7 +34,7 @@ Camera chosen(const CameraArguments& a, const Scene& scene = box()) {
   common.quiet = true;
   return chosen_camera(scene, a, common);
 }
-// What is noted on stderr.
+// The notes on stderr.
 std::string said(const CameraArguments& a, const Scene& scene) {
   testing::internal::CaptureStderr();
   chosen_camera(scene, a, cli::Common());
@@ -79,7 +79,7 @@ TEST(CameraOptions, WhatLooksStraightDownHasTheFarSideAtItsTop) {
   expect_near(chosen(placed("10,5,0", "10,0,0", "1,0,0")).up, {1, 0, 0});
 }
 
-// How much of the film the scene takes, in half widths; more than 1: it is cut off.
+// Extent of the scene on the film, in half widths; more than 1: it is cut off.
 double share_of_film(const Scene& scene, const Camera& camera) {
   double most = 0;
   for (const Triangle& t : scene.triangles)

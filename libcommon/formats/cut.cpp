@@ -1,4 +1,5 @@
-// Grammar: man 5 cut. Nodes come before their faces and before the arcs that join them.
+// Reads and writes cut files. Grammar: man 5 cut. Nodes come before their faces and before the arcs
+// between them.
 #include "libcommon/formats/cut.h"
 
 #include <algorithm>

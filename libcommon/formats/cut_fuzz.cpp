@@ -1,4 +1,4 @@
-// Any bytes as a cut; what is read comes back the same when it is written.
+// Parses arbitrary bytes as a cut; a cut that was read must round-trip.
 #include "libcommon/formats/cut.h"
 
 #include "libcommon/testing/files/fuzz.h"

@@ -19,7 +19,7 @@ std::string temporary(const std::string& text) {
   return path;
 }
 
-/// What the reader says of `text`, without the path in front.
+/// The reader's error for `text`, without the path.
 std::string complaint(const std::string& text) {
   const std::string path = temporary(text);
   std::string what = "(accepted)";
@@ -181,7 +181,7 @@ TEST(cut, says_what_is_wrong_with_a_sky_and_where) {
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
 }
 
-// Whatever happens to a file, it is read or refused with a message; a sanitizer build looks on.
+// However a file is damaged, it is read or refused with a message; run under sanitizers, too.
 TEST(cut, damaged_files_are_read_or_refused) {
   const std::string whole = cut_text(example());
   Rng rng(5, 0, 0);

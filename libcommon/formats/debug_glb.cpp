@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 constexpr int kFloat = 5126, kByte = 5121, kArrayBuffer = 34962;
 
-constexpr double kStripWidth = 1.0 / 500;  // of the size of all
+constexpr double kStripWidth = 1.0 / 500;  // relative to the whole size
 
 // Vertex colours are linear in glTF.
 uint8_t linear(uint8_t srgb) {
@@ -33,8 +33,8 @@ class Writer {
   }
 
   void add(const DebugMesh& mesh) {
-    // Floats are relative to the middle, which the node carries: far from the origin nothing is
-    // lost.
+    // Floats are relative to the centre, which is in the node's transform, so nothing is lost far
+    // from the origin.
     Vec3d low(INFINITY), high(-INFINITY);
     for (const Vec3d& p : mesh.positions) low = min(low, p), high = max(high, p);
     const Vec3d middle = (low + high) * 0.5;
@@ -138,7 +138,7 @@ class Writer {
   size_t count_ = 0;
 };
 
-// Diagonal of the box that holds all.
+// Diagonal of the common bounding box.
 double size_of(const std::vector<DebugMesh>& meshes) {
   Vec3d low(INFINITY), high(-INFINITY);
   for (const DebugMesh& mesh : meshes)
@@ -146,7 +146,7 @@ double size_of(const std::vector<DebugMesh>& meshes) {
   return low.x <= high.x ? length(high - low) : 0;
 }
 
-// Two crossed strips for each line: seen from all around, one of them is there.
+// Two crossed strips per line, so that one of them is visible from any side.
 DebugMesh strips_of(const DebugMesh& lines, double width) {
   DebugMesh strips{.name = lines.name};
   for (size_t i = 0; i + 1 < lines.positions.size(); i += 2) {

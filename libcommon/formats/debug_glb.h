@@ -1,5 +1,5 @@
-// glTF files for looking at, in any viewer: points, lines and triangles in plain colours.
-// Written by the stages' --debug-glb; read by people.
+// glTF files for inspection in any viewer: points, lines and triangles in plain colours. Written by
+// --debug-glb of each stage.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,30 +11,29 @@
 
 namespace tdpt {
 
-/// One mesh of one kind of primitive; every `corners` vertices in a row make one (points 1, lines
-/// 2, triangles 3).
+/// One mesh of one primitive type; every `corners` consecutive vertices form a primitive (points 1,
+/// lines 2, triangles 3).
 struct DebugMesh {
   enum class Kind { points, lines, triangles };
   std::string name{};
   Kind kind = Kind::triangles;
-  std::vector<Vec3d> positions{};  ///< metres
-  std::vector<std::array<uint8_t, 4>>
-      colours{};  ///< of each position; sRGB, alpha as a share of 255
+  std::vector<Vec3d> positions{};                 ///< metres
+  std::vector<std::array<uint8_t, 4>> colours{};  ///< per position; sRGB, alpha as a share of 255
 
   using Colour = std::array<uint8_t, 4>;
   void point(const Vec3d& at, const Colour& c);
   void line(const Vec3d& a, const Vec3d& b, const Colour& at_a, const Colour& at_b);
   void triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Colour& colour);
-  /// Around `centre` across unit `normal`, counter-clockwise seen from its tip.
+  /// A square around `centre` with unit `normal`, counter-clockwise seen from the normal's side.
   void square(const Vec3d& centre, const Vec3d& normal, double side, const Colour& c);
   void cube(const Vec3d& centre, double side, const Colour& c);
 };
 
 enum class DebugLines { edges, strips };
 
-/// Empty meshes are left out; lines are edges, which renderers do not show, or thin strips of
-/// triangles. Materials are unlit and seen from both sides; triangles are
-/// translucent where some alpha is below 255.
+/// Empty meshes are left out. Lines are written as edges, which renderers do not show, or as thin
+/// strips of triangles. Materials are unlit and double-sided; triangles are translucent if some
+/// alpha is below 255.
 std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance,
                             DebugLines lines = DebugLines::edges);
 

@@ -30,7 +30,7 @@ std::vector<DebugMesh> three_meshes() {
   return {square, DebugMesh{.name = "empty"}, line, point};
 }
 
-// A ray from anywhere across the line meets one of its strips.
+// A ray across the line from any side hits one of its strips.
 TEST(debug_glb, lines_are_strips_on_demand) {
   const testing::TempFolder folder;
   const Scene edges = read_gltf(folder.write("edges.glb", debug_glb_bytes(three_meshes(), {})));

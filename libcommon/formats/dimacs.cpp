@@ -11,8 +11,8 @@ namespace tdpt {
 namespace {
 using namespace patch_lines;
 
-// Nodes that no line names are legal, and a solver pays for each; so many are given, and as many as
-// the file has bytes.
+// Nodes that no line mentions are legal, but cost a solver memory: this many are accepted, plus one
+// per byte of the file.
 constexpr int64_t kNodesForNothing = 1 << 20;
 
 class DimacsReader {
@@ -84,7 +84,7 @@ class DimacsReader {
     }
   }
 
-  // "max VERSION"; what begins otherwise may be anybody's comment.
+  // "max VERSION"; any other comment may come from another program.
   void version() {
     if (in_.word() != "max" || in_.rest().find_first_of("0123456789") != 0) return;
     in_.expect_version(format_version::max);
@@ -150,7 +150,7 @@ class DimacsReader {
     if (!out_.walks.empty()) out_.walks.resize(out_.patches.size());
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
-    // What is cut anew has capacities of at most the samples.
+    // Capacities to be cut again must not exceed the samples.
     double samples = 0;
     for (const Patch& p : out_.patches) samples += p.samples;
     if (!(samples * out_.scale < static_cast<double>(kLargestCapacitySum)))

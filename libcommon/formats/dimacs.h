@@ -10,30 +10,30 @@
 
 namespace tdpt {
 
-/// Walks of ffgraph that came to a patch.
+/// Statistics of ffgraph's walks for one patch.
 struct PatchWalks {
-  double begun = 0;   ///< the light's, that begin there
-  double light = 0;   ///< hits of the light's
-  double camera = 0;  ///< hits of the camera's
+  double begun = 0;   ///< light walks that begin there
+  double light = 0;   ///< hits of light walks
+  double camera = 0;  ///< hits of camera walks
 };
 
 /// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file.
 struct DimacsFile {
   FlowNetwork network;
   double scale = 1;          ///< capacity of one etendue sample
-  bool has_patches = false;  ///< false: a plain DIMACS file; then all below but `hash` is empty
+  bool has_patches = false;  ///< false: a plain DIMACS file; then all below except `hash` is empty
   std::string scene_hash;
   std::string camera;  ///< viewpoint.h; empty: unknown
   PatchGrid grid;
   std::vector<Patch> patches;
-  std::vector<PatchWalks> walks;  ///< of each patch; empty: unknown
+  std::vector<PatchWalks> walks;  ///< per patch; empty: unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 };
 
-/// Throws InputError with the line for everything that is no maximum-flow problem with whole
-/// capacities: fractions, negative ones, sums beyond kLargestCapacitySum, nodes out of range,
-/// missing or doubled terminals, a wrong number of arcs.
+/// Throws InputError with the line for anything but a maximum-flow problem with integer capacities:
+/// fractions, negative capacities, sums beyond kLargestCapacitySum, nodes out of range, missing or
+/// duplicate terminals, a wrong number of arcs.
 DimacsFile read_dimacs(const std::string& path);
 std::string dimacs_text(const DimacsFile& file);
 

@@ -1,4 +1,4 @@
-// Any bytes as a flow network; what is read comes back the same when it is written.
+// Parses arbitrary bytes as a flow network; a network that was read must round-trip.
 #include "libcommon/formats/dimacs.h"
 
 #include "libcommon/testing/files/fuzz.h"

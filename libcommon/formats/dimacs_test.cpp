@@ -32,7 +32,7 @@ DimacsFile read_text(const std::string& text) {
   return file;
 }
 
-/// What the reader says of `text`, without the path in front.
+/// The reader's error for `text`, without the path.
 std::string complaint(const std::string& text) {
   try {
     read_text(text);
@@ -109,7 +109,7 @@ TEST(dimacs, comments_of_others_are_no_version) {
         read_text(comment + std::string("p max 2 1\nn 1 s\nn 2 t\na 1 2 4\n")).has_patches);
 }
 
-// A problem, whose first line is the first, or the fourth behind `kOurs`.
+// A problem whose first line is line 1, or line 4 after `kOurs`.
 const std::string kProblem = "p max 4 2\nn 1 s\nn 4 t\n";
 const std::string kArcs = "a 1 2 4\na 2 4 4\n";
 const std::string kOurs = "c tdpt max 1\nc scene aa\nc grid 0 0 0 1\n";
@@ -170,7 +170,7 @@ TEST(dimacs, says_what_is_wrong_with_patches_and_where) {
       {ours + "c patch 2" + geometry + "c faces 2 0\nc patch 3" + geometry + "c faces 3 4 6\n" + p +
            arcs,
        "(accepted)"},
-      // Walks of one patch alone: the other has none.
+      // Walks for one patch only: the other has none.
       {ours + "c patch 2" + geometry + "c faces 2 0\nc walks 2 1 2 3\nc patch 3" + geometry +
            "c faces 3 4 6\n" + p + arcs,
        "(accepted)"},
@@ -214,7 +214,7 @@ TEST(dimacs, says_what_is_wrong_with_a_sky_and_where) {
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
 }
 
-// Whatever happens to a file, it is read or refused with a message; a sanitizer build looks on.
+// However a file is damaged, it is read or refused with a message; run under sanitizers, too.
 TEST(dimacs, damaged_files_are_read_or_refused) {
   const std::string whole = dimacs_text(example());
   Rng rng(5, 0, 0);

@@ -13,10 +13,11 @@ namespace tdpt {
 namespace {
 
 constexpr int kMostWidth = 8192, kMostHeight = 4096;
-// As of emissive surfaces; what is fainter is black, lest luminance should vanish before radiance.
+// Limits as for emissive surfaces. Fainter values become black, lest luminance underflow before
+// radiance does.
 constexpr float kBrightest = 1e30f, kFaintest = 1e-30f;
-// Cubes laid flat (4:3, 3:4) and mirrored balls (1:1) are no latitude-longitude maps, and would be
-// read as nonsense; some programs leave a row or a column out.
+// Excludes unfolded cubes (4:3, 3:4) and mirrored balls (1:1), which would be misread as
+// latitude-longitude maps; tolerates a missing row or column.
 constexpr double kLeastAspect = 1.9, kMostAspect = 2.1;
 
 Picture read(std::string_view bytes, const std::string& name) {

@@ -1,4 +1,4 @@
-// Any bytes as what surrounds a scene; what is read can be lit by.
+// Parses arbitrary bytes as an environment map; a map that was read must be usable as a light.
 #include "libcommon/formats/environment.h"
 
 #include <cmath>

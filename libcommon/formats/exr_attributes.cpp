@@ -1,6 +1,6 @@
-// "OpenEXR File Layout": magic number and version (8 bytes), then attributes: name, type (text that
-// ends with 0), size (4 bytes), value. A 0 ends a header; in a file of many parts an empty header
-// ends the headers.
+// Layout ("OpenEXR File Layout"): magic number and version (8 bytes), then attributes: name, type
+// (zero-terminated text), size (4 bytes), value. A 0 ends a header; in a multi-part file an empty
+// header ends the headers.
 #include "libcommon/formats/exr_attributes.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace tdpt {
 namespace {
 
-// Bytes of the types that have a fixed size. Others but those below hold what their size says.
+// Sizes of the types with a fixed size. Other types except those below may have any size.
 const std::map<std::string_view, uint32_t>& fixed_sizes() {
   static const std::map<std::string_view, uint32_t> sizes = {{"box2f", 16},
                                                              {"box2i", 16},
@@ -72,7 +72,7 @@ class Walk {
   size_t at_ = 0;
 };
 
-// Channels, each a name and 16 bytes, up to an empty name.
+// Channels, each a name and 16 bytes, terminated by an empty name.
 bool is_channel_list(std::string_view value) {
   Walk walk(value);
   while (walk.left() > 0) {
@@ -83,7 +83,7 @@ bool is_channel_list(std::string_view value) {
   return false;
 }
 
-// Strings behind their lengths.
+// Strings, each preceded by its length.
 bool is_list_of_strings(std::string_view value) {
   Walk walk(value);
   while (walk.left() > 0) {
@@ -114,7 +114,7 @@ Headers walk_through(std::string_view bytes) {
   const bool many_parts = (static_cast<unsigned char>(bytes[5]) & 0x10) != 0;
   Walk walk(bytes);
   walk.take(8);
-  bool in_header = false;  // behind its first attribute
+  bool in_header = false;  // after its first attribute
   while (walk.left() > 0) {
     const std::string_view name = walk.text();
     if (name.empty()) {

@@ -1,5 +1,5 @@
-// Versions of our file formats: a whole number in each file. It grows when the reader of before
-// would misunderstand the file, so a reader takes its own version and refuses every other one.
+// Versions of our file formats: an integer in each file. It grows when an older reader would
+// misinterpret the file, so a reader accepts exactly its own version.
 #pragma once
 #include <string>
 #include <string_view>
@@ -11,14 +11,13 @@
 
 namespace tdpt {
 
-/// What is written and read now. Where each file says it: the format's page in man/.
+/// Versions written and read now. Each format's page in man/ says where its file holds it.
 namespace format_version {
 inline constexpr int max = 1, cut = 2, light_grid = 1, light_table = 1, portal = 1, picture = 1,
                      film = 1, plan = 1;
 }
 
-/// What is wrong with a file that says `found` as its version where `read` is read; "" when they
-/// are the same.
+/// Error message if a file's version is `found` but `read` is expected; "" if they are equal.
 inline std::string fault_of_version(std::string_view found, int read) {
   if (found == std::to_string(read)) return "";
   if (found.empty())
@@ -28,7 +27,7 @@ inline std::string fault_of_version(std::string_view found, int read) {
                      shown(found, 20), read);
 }
 
-/// Throws InputError for another version than `read`.
+/// Throws InputError for any other version than `read`.
 inline void check_version(const std::string& file, const std::string& place, std::string_view found,
                           int read) {
   if (const std::string fault = fault_of_version(found, read); !fault.empty())

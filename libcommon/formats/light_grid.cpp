@@ -1,5 +1,5 @@
 // Light grids as OpenVDB files. Grid transforms place voxel centres in metres, so viewers show the
-// light where it is; the box of the dense arrays stands in the file's metadata.
+// light in the right place; the box of the dense arrays is in the file's metadata.
 #include "libcommon/formats/light_grid.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ vdb::CoordBBox box_of(const LightGrid& grid) {
   return {vdb::Coord(0), vdb::Coord(grid.dim[0] - 1, grid.dim[1] - 1, grid.dim[2] - 1)};
 }
 
-// OpenVDB takes no voxels whose volume is below 3e-15: its transforms show smaller ones enlarged by
+// OpenVDB refuses voxels with a volume below 3e-15: its transforms show smaller ones enlarged by
 // this power of two.
 double unit_of(const LightGrid& grid) {
   constexpr double kSmallest = 2e-5;
@@ -56,11 +56,11 @@ vdb::math::Transform::Ptr transform_of(const LightGrid& grid) {
   return t;
 }
 
-// From +Y as up to +Z, as rows times matrix: (x, y, z) -> (x, -z, y).
+// Rotates +Y up to +Z up, row vector times matrix: (x, y, z) -> (x, -z, y).
 const vdb::Mat4d kUpright(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1);
 const vdb::Mat4d kLying = kUpright.transpose();
 
-// The same light for viewers whose up is +Z: places by the transform, vectors by their values.
+// Rotates a grid for viewers whose up is +Z: positions by the transform, vectors by their values.
 template <class GridPtr>
 void place_upright(const GridPtr& grid) {
   const auto transform = grid->transform().copy();
@@ -72,7 +72,7 @@ Vec3f upright(const Vec3f& v) {
   return {v.x, -v.z, v.y};
 }
 
-// Dense x-fastest array -> sparse grid without the background's voxels.
+// Dense x-fastest array -> sparse grid without background voxels.
 template <class Grid, class Value>
 typename Grid::Ptr sparse(const LightGrid& light, const char* name,
                           const std::vector<Value>& values) {
@@ -116,7 +116,7 @@ void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char
   vdb::points::populateAttribute(grid.tree(), index.tree(), name, wrapper);
 }
 
-// `joins`: null, or for each line.
+// `joins`: per line, or null.
 PointGrid::Ptr points_of(const LightGrid& light, const char* name,
                          const std::vector<LightLine>& lines, const std::vector<int32_t>* joins,
                          bool z_up) {
@@ -141,9 +141,9 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   return grid;
 }
 
-// The file's identifier, random in OpenVDB's own files, is made of its other bytes: the same light
-// gives the same bytes, and damage shows. It follows magic number (8), versions (12) and one flag;
-// the digits that tell the kind of an identifier (RFC 9562) say that it is such a one.
+// The file's identifier, random in OpenVDB's own files, is a hash of its other bytes: the same
+// light gives the same bytes, and damage is detected. It follows the magic number (8), versions
+// (12) and one flag; the digits for an identifier's version (RFC 9562) mark it as such a hash.
 constexpr size_t kIdentifierAt = 21, kIdentifierLength = 36;
 
 std::string identifier_of(std::string bytes) {
@@ -154,8 +154,8 @@ std::string identifier_of(std::string bytes) {
   return id;
 }
 
-// Whose identifier should be its hash and is not. Files that other programs wrote have identifiers
-// of another kind.
+// Whether the identifier is marked as a hash but does not match. Files of other programs have other
+// kinds of identifiers.
 bool is_damaged(const std::string& bytes) {
   if (bytes.size() < kIdentifierAt + kIdentifierLength) return false;
   const std::string id = bytes.substr(kIdentifierAt, kIdentifierLength);
@@ -174,12 +174,12 @@ class Reader {
     light.hash = content_hash(bytes);
     most_lines_ = kLinesForNothing + bytes.size();
     std::istringstream in(bytes, std::ios::binary);
-    in.exceptions(std::ios::failbit | std::ios::badbit);  // OpenVDB does not look for the end
+    in.exceptions(std::ios::failbit | std::ios::badbit);  // OpenVDB does not check for the end
     vdb::io::Stream stream(in, /*delayLoad=*/false);
     read_metadata(*stream.getMetadata(), light);
     const vdb::GridPtrVecPtr grids = stream.getGrids();
     check_size(*grids);
-    // An empty grid has no voxels to read.
+    // A grid without voxels need not be read.
     const size_t n = voxels_;
     light.count.assign(n, 0);
     light.air.assign(n, 0);
@@ -208,7 +208,7 @@ class Reader {
     throw InputError(name_, place, what);
   }
 
-  // A vector of the file as the scene has it.
+  // A vector of the file in the scene's axes.
   Vec3f of_scene(const vdb::Vec3f& v) const {
     return z_up_ ? Vec3f(v.x(), v.z(), -v.y()) : Vec3f(v.x(), v.y(), v.z());
   }
@@ -217,7 +217,7 @@ class Reader {
   T value(const vdb::MetaMap& meta, const char* key) const {
     const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
     if (!typed) fail(key, "is missing, expected a light grid as lightgrid writes it");
-    if constexpr (std::is_same_v<T, bool>) {  // OpenVDB puts any byte of the file there
+    if constexpr (std::is_same_v<T, bool>) {  // OpenVDB stores any byte of the file in a bool
       uint8_t byte;
       std::memcpy(&byte, &typed->value(), sizeof byte);
       return byte != 0;
@@ -227,7 +227,7 @@ class Reader {
   }
 
   void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
-    if (meta[kVersion])  // without it the first
+    if (meta[kVersion])  // without it, version 1
       check_version(name_, kVersion, std::to_string(value<int32_t>(meta, kVersion)),
                     format_version::light_grid);
     const vdb::Vec3d origin = value<vdb::Vec3d>(meta, "tdpt_origin");
@@ -266,8 +266,7 @@ class Reader {
     }
   }
 
-  // Box and voxels are two words for one size: a few bytes of the one must not claim the memory of
-  // many of the other.
+  // Bounds the box by the number of stored voxels: a few bytes must not allocate much memory.
   void check_size(const vdb::GridPtrVec& grids) const {
     constexpr size_t kForNothing = size_t{1} << 20, kForEachActive = 1024;
     vdb::Index64 active = 0;
@@ -281,7 +280,7 @@ class Reader {
                   voxels_ * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
   }
 
-  // A file without them is a file of an unknown cut.
+  // A file without figures of cuts is valid; they are unknown.
   void read_cuts(const vdb::MetaMap& meta, LightGrid& light) {
     if (!meta["tdpt_cuts"]) return;
     const int32_t n = value<int32_t>(meta, "tdpt_cuts");
@@ -332,12 +331,13 @@ class Reader {
     }
   }
 
-  // Calls add(line, whether it joins) for each; lines of a grid without that attribute do.
+  // Calls add(line, joins) for each line; in a grid without that attribute all lines join.
   template <class Add>
   void lines(const PointGrid::Ptr& grid, const LightGrid& light, const std::string& name,
              const Add& add) const {
     const std::string at = "grid " + name;
-    // Equal values stand in the file once, for any number of points; those of lines differ.
+    // A value that all points share is stored once, for any number of points; lines differ, so they
+    // take space in the file.
     if (const vdb::Index64 n = vdb::points::pointCount(grid->tree()); n > most_lines_)
       fail(at, fmt::format("{} lines, expected at most {} in a file of this size", n, most_lines_));
     const auto transform = grid->transform().copy();

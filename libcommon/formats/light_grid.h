@@ -15,23 +15,24 @@
 
 namespace tdpt {
 
-/// One sampled line of light that joins the two sides of a cut, metres; it runs from `light`
-/// (on the source side's surface) to `camera` (on the sink side's).
+/// One sampled line of light between the two sides of a cut, metres, from `light` (on the source
+/// side's surface) to `camera` (on the sink side's).
 struct LightLine {
   Vec3d light, camera;
-  uint32_t cut = 0;  ///< which cut of the .cut file, from the light to the camera
+  uint32_t cut = 0;  ///< index of the cut in the .cut file, from the light to the camera
 };
 
-/// A line drawn in any direction through the light's fullest places, up to the surfaces it meets.
+/// A line in a random direction through one of the fullest voxels, up to the surfaces that it
+/// hits.
 struct Probe {
-  LightLine line;      ///< from the light to the camera when it joins; else either way
-  bool joins = false;  ///< whether it joins the two sides
+  LightLine line;      ///< from the light to the camera if `joins`; else in either direction
+  bool joins = false;  ///< whether it connects the two sides
 };
 
-/// How narrow the way through one cut is.
+/// How narrow the passage through one cut is.
 struct CutFigures {
   double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
-  double kept = 0;         ///< share of the visible segments that are no leaks: 0 to 1
+  double kept = 0;         ///< share of the visible segments that are not leaks: 0 to 1
   bool operator==(const CutFigures&) const = default;
 };
 
@@ -41,15 +42,15 @@ struct LightGrid {
   Vec3d origin{};    ///< metres
   double voxel = 1;  ///< side in metres
   std::array<int, 3> dim{};
-  std::vector<float> count;      ///< segments through each air voxel; 0 outside the air
+  std::vector<float> count;      ///< segments through each voxel of air; 0 elsewhere
   std::vector<uint8_t> air;      ///< 1: free of geometry
   std::vector<Vec3f> direction;  ///< sum of unit directions towards the camera / count
   std::vector<LightLine> lines;  ///< a sample of the segments themselves
   std::vector<Probe> probes;     ///< empty: unknown
   bool bottleneck = true;
   std::string reason;            ///< why not
-  double flux_share = 1;         ///< share of drawn segments that were kept, see lightgrid(1)
-  std::vector<CutFigures> cuts;  ///< of each cut, from the light to the camera; empty: unknown
+  double flux_share = 1;         ///< share of the drawn segments that were kept, see lightgrid(1)
+  std::vector<CutFigures> cuts;  ///< per cut, from the light to the camera; empty: unknown
   std::string scene_hash;
   std::string camera;  ///< viewpoint.h; empty: unknown
   Provenance provenance;
@@ -62,7 +63,7 @@ struct LightGrid {
   }
 };
 
-/// Calls visit(voxel index, length inside [metres]) for each voxel that the segment a-b passes, in
+/// Calls visit(voxel index, length inside [metres]) for each voxel that segment a-b passes, in
 /// order (grid_walk.h). Parts outside the grid are skipped.
 template <class Visit>
 void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& visit) {
@@ -90,11 +91,11 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
   } while (shader::next_voxel(walk));
 }
 
-/// Largest number of voxels in a grid, and along one side.
+/// Largest number of voxels in a grid.
 constexpr size_t kMostVoxels = size_t{1} << 27;
 constexpr int kMostVoxelsPerSide = 2048;
 
-/// Middle of the voxel with this index [metres].
+/// Centre of the voxel with this index [metres].
 inline Vec3d centre_of(const LightGrid& grid, size_t voxel) {
   const auto nx = static_cast<size_t>(grid.dim[0]), ny = static_cast<size_t>(grid.dim[1]);
   return grid.origin + Vec3d{static_cast<double>(voxel % nx) + 0.5,
@@ -103,17 +104,17 @@ inline Vec3d centre_of(const LightGrid& grid, size_t voxel) {
                            grid.voxel;
 }
 
-/// Reads a file made by light_grid_bytes(), in another process: no bytes end this one. "-":
-/// standard input. Throws InputError.
+/// Reads a file made by light_grid_bytes(), in a child process, so that no input can crash this
+/// one. "-": standard input. Throws InputError.
 LightGrid read_light_grid(const std::string& path);
-/// The same of the bytes of `name`.
+/// The same for bytes in memory, called `name`.
 LightGrid read_light_grid(const std::string& bytes, const std::string& name);
-/// The same again, in this process and on this thread alone. OpenVDB, given bytes
-/// that are not its own, may end the process or spoil its memory. Throws InputError.
+/// The same in this process and on this thread alone. Given bytes that it did not write, OpenVDB
+/// may abort the process or corrupt its memory. Throws InputError.
 LightGrid parse_light_grid(const std::string& bytes, const std::string& name);
-/// The file as .vdb bytes, with the scene's +Y as up or, for viewers whose up is +Z, turned
-/// upright; it is read as the same grid. Lines come back in another order and with positions
-/// rounded to floats relative to their voxel.
+/// The file as .vdb bytes, with the scene's +Y as up or rotated for viewers whose up is +Z; either
+/// way it is read as the same grid. Reading may reorder lines and rounds positions to floats
+/// relative to their voxel.
 std::string light_grid_bytes(const LightGrid& grid, bool z_up = false);
 
 }  // namespace tdpt

@@ -1,6 +1,6 @@
-// The file of a light grid, read by another process: OpenVDB believes lengths that a file declares,
-// writes beyond its own memory where they are wrong, and ends the program at others. What it made
-// of the file comes back through a pipe, field by field.
+// Reads the file of a light grid in a child process: OpenVDB trusts lengths declared in a file,
+// writes outside its memory if they are wrong, and aborts the program for others. The grid returns
+// through a pipe, field by field.
 #include <cstdio>
 #include <string>
 #include <type_traits>
@@ -14,7 +14,7 @@
 namespace tdpt {
 namespace {
 
-// Calls each(field); a field more does not compile.
+// Calls each(field). Adding a field to Grid breaks compilation here, so none is forgotten.
 template <class Grid, class Each>
 void each_field(Grid& grid, const Each& each) {
   auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
@@ -50,7 +50,7 @@ class Out {
   }
 
  private:
-  // What does not get through is missed at the other end.
+  // The reading end detects what could not be written.
   void put_bytes(const void* data, size_t size) const { std::fwrite(data, 1, size, file_); }
 
   std::FILE* file_;
@@ -58,8 +58,8 @@ class Out {
 
 struct TooShort {};
 
-// The other end. The process there may have gone wrong: no length is believed beyond what a grid
-// may have.
+// The reading end. The other process may have gone wrong, so lengths beyond what a grid may have
+// are refused.
 class In {
  public:
   explicit In(std::FILE* file) : file_(file) {}

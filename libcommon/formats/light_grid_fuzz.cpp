@@ -1,5 +1,5 @@
-// Any bytes as a light grid. What is read lies in its box, and can be written and read again. What
-// ends the process that read_light_grid() reads in is no fault, and not read here.
+// Parses arbitrary bytes as a light grid. A grid that was read must lie in its box and round-trip.
+// Inputs that would crash the child process of read_light_grid() are no faults and are skipped.
 #include "libcommon/formats/light_grid.h"
 
 #include <cstdlib>
@@ -9,8 +9,8 @@
 
 using namespace tdpt;
 
-// OpenVDB asks for whatever length a block of it declares, before it reads that. Here there is none
-// beyond 64 MiB, or most of the time would go into clearing it.
+// OpenVDB allocates whatever length a block declares before it reads the block. Limited to 64 MiB
+// here, or most of the time would go into clearing memory.
 void* operator new(size_t size) {
   void* const memory = size >> 26 ? nullptr : std::malloc(size);
   if (!memory) throw std::bad_alloc();
@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
           "both read the same");
   const size_t n = a.count.size();
   require(a.air.size() == n && a.direction.size() == n, "a voxel has all three values");
-  if (n > 4096) return 0;  // the rest takes long
+  if (n > 4096) return 0;  // larger grids take too long
   const LightGrid b = read_light_grid(testing::file_of(light_grid_bytes(a)));
   require(a.dim == b.dim && a.voxel == b.voxel && a.origin == b.origin && a.count == b.count &&
               a.air == b.air && a.direction == b.direction,

@@ -102,7 +102,7 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_TRUE(light_grid_bytes(g) == bytes) << "two writings differ";
 }
 
-// The same bits but for the order of lines; viewers are told another place.
+// The same bits except for the order of lines; only viewers see another orientation.
 TEST_F(LightGridFormat, StandsUprightOnDemandAndIsReadAsTheSame) {
   const LightGrid g = small();
   const std::string lying = light_grid_bytes(g), upright = light_grid_bytes(g, true);
@@ -116,7 +116,7 @@ TEST_F(LightGridFormat, StandsUprightOnDemandAndIsReadAsTheSame) {
   ASSERT_EQ(a.probes.size(), b.probes.size());
   for (size_t i = 0; i < a.probes.size(); ++i)
     EXPECT_EQ(a.probes[i].line.camera, b.probes[i].line.camera);
-  // A reader that takes the one for the other finds lines out of their box.
+  // A reader that confuses the two finds lines outside their box.
   std::string taken = upright;
   taken.replace(taken.find("tdpt_z_up"), 9, "tdpt_x_up").replace(21 + 14, 1, "4");
   EXPECT_EQ(error_of(taken), "grid lines: reaches out of its box");
@@ -177,12 +177,12 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
 }
 
-// A file of another program: its identifier says nothing of its bytes.
+// A file of another program: its identifier is not a hash of its bytes.
 std::string foreign(std::string bytes) {
   return bytes.replace(21 + 14, 1, "4");
 }
 
-// Its metadatum is a name, the length and name of its type, the size of the value, and the value.
+// A metadatum is its name, the length and name of its type, the size of the value, and the value.
 TEST_F(LightGridFormat, RefusesAnotherVersion) {
   std::string bytes = foreign(light_grid_bytes(small()));
   const std::string name = "tdpt_format";
@@ -241,8 +241,8 @@ TEST_F(LightGridFormat, TakesNoMoreThanTheLimitOfMemory) {
   EXPECT_EQ(error_of(bytes), "no error");
 }
 
-// A grid of 128 voxels a side that are not alike, made by another process: what this one has held
-// and given back, it may hold again.
+// A grid of 128 voxels a side with different values, made in a child process, so that its memory
+// does not count here.
 std::string bytes_of_many_leaves() {
   const auto make = [](std::FILE* out) {
     LightGrid g = small();
@@ -261,7 +261,7 @@ std::string bytes_of_many_leaves() {
   return bytes;
 }
 
-// OpenVDB's own trees are known when they are read.
+// OpenVDB's own trees are bounded when they are read.
 TEST_F(LightGridFormat, TreesTakeNoMoreEither) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "where memory is short, the sanitizer ends the process";
@@ -274,7 +274,7 @@ TEST_F(LightGridFormat, TreesTakeNoMoreEither) {
   EXPECT_EQ(error_of(bytes), "no error");
 }
 
-// Points whose values are equal take no room in the file.
+// Points with equal values take no space in the file.
 TEST_F(LightGridFormat, LinesTakeRoomInTheFile) {
   LightGrid g = small();
   g.lines.assign(150'000, g.lines[0]);
@@ -303,7 +303,7 @@ TEST_F(LightGridFormat, DamageShowsBeforeOpenVdbSeesIt) {
   }
 }
 
-// At an attribute of place 2^56 OpenVDB ends the program.
+// An attribute at index 2^56 crashes OpenVDB.
 TEST_F(LightGridFormat, DamageOfForeignFilesEndsNoProgram) {
   std::string bad = foreign(light_grid_bytes(small()));
   const std::string_view attribute = "along";
@@ -311,7 +311,7 @@ TEST_F(LightGridFormat, DamageOfForeignFilesEndsNoProgram) {
   EXPECT_EQ(error_of(bad), " is damaged or cut short");
 }
 
-// OpenVDB itself takes no voxels that small.
+// OpenVDB itself refuses voxels that small.
 TEST_F(LightGridFormat, VoxelsOfAThousandthOfAMillimetre) {
   LightGrid g = small();
   constexpr double kScale = 1e-6;
@@ -341,7 +341,8 @@ TEST_F(LightGridFormat, SurvivesBeingCutShort) {
   }
 }
 
-// The walk's lengths against the closed form: the voxel of the midpoint of each small step.
+// The lengths from the walk against a brute-force sum over small steps, each assigned to the voxel
+// of its midpoint.
 TEST(WalkGrid, PassesEveryVoxelOfTheSegment) {
   LightGrid g;
   g.origin = {-1, -2, -3};

@@ -1,5 +1,5 @@
-// Tables of a light grid: the names of the columns, '#' lines with what they have in common, rows.
-// Every header is read before the rows of any: one of them may name the box of all.
+// Tables of a light grid: names of columns, '#' lines with common values, rows. All headers are
+// read before any rows, since any of them may give the common box.
 #include "libcommon/formats/light_tables.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ constexpr std::array<std::string_view, 4> kColumns{
 #undef ENDS
 constexpr std::string_view kFormat = "light grid";
 constexpr double kFarthest = LineLimits::kFarthest;
-constexpr int kResolution = 128;  // of a box that no table names
+constexpr int kResolution = 128;  // of the box if no table gives one
 
 // ---- Writing ----
 
@@ -69,7 +69,7 @@ void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
 
 // ---- Reading ----
 
-// What the tables of one grid say of it, each of them the same.
+// Common values of the tables of one grid; tables must not contradict each other.
 struct Header {
   struct Box {
     Vec3d origin{};
@@ -94,7 +94,7 @@ std::string_view columns_of(std::string_view text) {
   return in.next() ? in.rest() : std::string_view();
 }
 
-// The next of `list`, which loses it, without blanks.
+// Removes and returns the next element of `list`, trimmed.
 std::string_view next_cell(std::string_view& list) {
   std::string_view cell = list.substr(0, list.find(','));
   list.remove_prefix(std::min(cell.size() + 1, list.size()));
@@ -104,7 +104,7 @@ std::string_view next_cell(std::string_view& list) {
 
 class TableReader {
  public:
-  // Reads the columns and the '#' lines; adds to `all` what they say. Keeps a view of the text.
+  // Reads the columns and the '#' lines; merges their values into `all`. Keeps a view of the text.
   TableReader(const TableText& file, Header& all)
       : name(file.name), text_(file.text), in_(file.text, file.name) {
     in_.expect_text("a table of a light grid");
@@ -123,7 +123,7 @@ class TableReader {
 
   [[noreturn]] void fail(const std::string& message) const { in_.fail_file(message); }
 
-  // Adds the rows to `grid`, whose voxels are there where the table has some.
+  // Adds the rows to `grid`, which must have voxels if the table has any.
   void read_rows(LightGrid& grid, const LineLimits& limits) {
     if (table == kLines || table == kProbes) {
       const auto rows = static_cast<uint64_t>(std::count(text_.begin(), text_.end(), '\n')) + 1;
@@ -213,7 +213,7 @@ class TableReader {
     return box;
   }
 
-  // Line `n` of the table's cuts.
+  // Line `n` of the table of cuts.
   void read_cut(size_t n, std::vector<CutFigures>& cuts) {
     in_.integer("cut", static_cast<int64_t>(n),
                 static_cast<int64_t>(std::min<size_t>(n, kMostCuts - 1)));
@@ -231,7 +231,7 @@ class TableReader {
 
   // -- Rows --
 
-  // The next cell, a number within [lowest, highest].
+  // The next cell: a number within [lowest, highest].
   template <class T>
   T number(double lowest, double highest) {
     const std::string_view column = next_cell(columns_), cell = next_cell(cells_);
@@ -244,7 +244,7 @@ class TableReader {
     return value;
   }
 
-  // A whole number below `end`; "3.0" is one.
+  // An integer below `end`; "3.0" is accepted.
   size_t whole(size_t end) {
     const std::string_view column = columns_.substr(0, columns_.find(','));
     const auto value = number<double>(0, static_cast<double>(end) - 1);
@@ -292,12 +292,12 @@ class TableReader {
 
   std::string_view text_;
   TextLines in_;
-  bool more_ = false;                 // in_ stands before a row
-  std::string_view cells_, columns_;  // of the row, what is left
+  bool more_ = false;                 // in_ is at a row
+  std::string_view cells_, columns_;  // the rest of the row
 };
 
-// The box around lines and probes, where no table names one, and half a voxel more: what lies in
-// its upper face is in no voxel.
+// Sets the box around lines and probes if no table gives one, enlarged by half a voxel: a point on
+// its upper face would be in no voxel.
 void place_around_lines(LightGrid& grid) {
   Extent box;
   for (const LightLine& l : grid.lines) box.add(l.light), box.add(l.camera);
@@ -312,7 +312,7 @@ void place_around_lines(LightGrid& grid) {
   }
 }
 
-// How many voxels to make room for: a few bytes must not claim the memory of many.
+// Number of voxels to allocate: a few bytes must not allocate much memory.
 size_t voxels_for(const LightGrid& grid, const std::vector<TableText>& texts) {
   constexpr size_t kForNothing = size_t{1} << 20, kForEachByte = 1024;
   size_t voxels = 1, most = kForNothing;
@@ -327,7 +327,7 @@ size_t voxels_for(const LightGrid& grid, const std::vector<TableText>& texts) {
   return voxels;
 }
 
-// Counts and directions of the lines, in the air.
+// Sums counts and directions of the lines over voxels of air.
 void count_lines(LightGrid& grid) {
   for (const LightLine& l : grid.lines) {
     const Vec3f d(normalize(l.camera - l.light));
@@ -350,7 +350,7 @@ LightGrid grid_of(const Header& all) {
   return grid;
 }
 
-// Both ends within the box or the voxels around it, as of a .vdb.
+// Both ends within the box or one voxel around it, as in a .vdb.
 LineLimits limits_of(const LightGrid& grid) {
   const Vec3d size = Vec3d(grid.dim[0], grid.dim[1], grid.dim[2]) * grid.voxel;
   return {grid.origin - Vec3d(grid.voxel), grid.origin + size + Vec3d(grid.voxel), kMostCuts};

@@ -1,5 +1,5 @@
-// Any bytes as a table of a light grid. What is read lies in its box, and comes back the same when
-// it is written.
+// Parses arbitrary bytes as a table of a light grid. A table that was read must lie in its box and
+// round-trip.
 #include "libcommon/formats/light_tables.h"
 
 #include "libcommon/testing/files/fuzz.h"
@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const int side : a.dim) voxels *= static_cast<size_t>(side);
   require(a.count.size() == voxels && a.air.size() == voxels && a.direction.size() == voxels,
           "a voxel has all three values");
-  if (voxels > 4096) return 0;  // the rest takes long
+  if (voxels > 4096) return 0;  // larger grids take too long
   for (size_t v = 0; v < voxels; ++v)
     require(a.count[v] >= 0 && is_finite(a.direction[v]), "counts and directions are finite");
   std::vector<TableText> texts;

@@ -87,7 +87,7 @@ TEST(light_tables, of_a_scene_without_a_bottleneck_say_why) {
   EXPECT_TRUE(back.lines.empty());
 }
 
-// As people write them, numpy and spreadsheets among them.
+// As written by people, numpy and spreadsheets.
 constexpr const char* kByHand =
     "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z\r\n"
     "# tdpt light grid 1\r\n# a remark\r\n"
@@ -122,14 +122,15 @@ std::string complaint(const std::vector<TableText>& tables) {
   return "(accepted)";
 }
 
-// Of the table `name` of small() with `was` replaced by `is`.
+// The error for table `name` of small() with `was` replaced by `is`.
 std::string complaint(const std::string& name, const std::string& was, const std::string& is) {
   const std::string text = light_table_text(small(), name), changed = replaced(text, was, is);
   EXPECT_NE(text, changed) << was << " is not there";
   return complaint({{name, changed}});
 }
 
-// Of rows of the table `name`, of a grid of 5 x 4 x 3 voxels of 0.3 m, with `was` replaced by `is`.
+// The error for rows of table `name`, in a grid of 5 x 4 x 3 voxels of 0.3 m, with `was` replaced
+// by `is`.
 std::string of_rows(const std::string& name, const std::string& rows, const std::string& was = "#",
                     const std::string& is = "#") {
   LightGrid g = small();

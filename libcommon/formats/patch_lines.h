@@ -1,4 +1,5 @@
-// The lines that networks (.max) and cuts (.cut) share: the grid, the patches and their faces.
+// Lines shared by the formats of networks (.max) and cuts (.cut): the grid, the patches and their
+// faces.
 #pragma once
 #include <array>
 #include <iterator>
@@ -25,14 +26,14 @@ inline Vec3d read_vec3(TextLines& in, const char* what) {
   return {x, y, z};
 }
 
-/// `camera ...` [viewpoint.h], behind its keyword.
+/// `camera ...` [viewpoint.h], after its keyword.
 inline std::string read_camera(TextLines& in) {
   const std::string_view text = in.rest();
   if (!parse_viewpoint(text)) in.fail(TextLines::found(text) + " as camera, " + kViewpointExpected);
   return std::string(text);
 }
 
-/// `grid X Y Z CELL`, behind its keyword.
+/// `grid X Y Z CELL`, after its keyword.
 inline PatchGrid read_grid(TextLines& in) {
   PatchGrid grid;
   grid.origin = read_vec3(in, "origin of the grid");
@@ -47,7 +48,7 @@ inline void write_grid(std::string& out, const char* head, const PatchGrid& g) {
                  g.origin.z, g.base_cell);
 }
 
-/// LEVEL I J K SAMPLES CX CY CZ NX NY NZ, behind the node.
+/// LEVEL I J K SAMPLES CX CY CZ NX NY NZ, after the node.
 inline void read_patch(TextLines& in, Patch& p) {
   p.level = static_cast<int>(in.integer("level of the patch", 0, kDeepestLevel));
   for (int32_t& c : p.cell)
@@ -68,7 +69,7 @@ inline void write_patch(std::string& out, const Patch& p) {
                  p.normal.x, p.normal.y, p.normal.z);
 }
 
-/// BIN SAMPLES, behind the node.
+/// BIN SAMPLES, after the node.
 inline void read_sky(TextLines& in, Patch& p) {
   p.sky = static_cast<int32_t>(in.integer("bin of the sky", 0, kSkyBins - 1));
   p.samples = in.real("samples of the bin");
@@ -80,7 +81,7 @@ inline void write_sky(std::string& out, const Patch& p) {
   fmt::format_to(std::back_inserter(out), "{} {}\n", p.sky, p.samples);
 }
 
-/// Each bin of the sky at most once.
+/// Checks that each bin of the sky occurs at most once.
 class SkyBinsSeen {
  public:
   void add(const TextLines& in, const Patch& p) {
@@ -93,7 +94,7 @@ class SkyBinsSeen {
   std::array<bool, kSkyBins> seen_{};
 };
 
-/// FACE ..., behind the node.
+/// FACE ..., after the node.
 inline void read_faces(TextLines& in, Patch& p) {
   if (p.is_sky()) in.fail(fmt::format("faces of node {}, expected none of the sky", p.node));
   if (!in.more()) in.fail("nothing as face, expected at least one");

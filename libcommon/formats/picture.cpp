@@ -29,7 +29,7 @@
 namespace tdpt {
 namespace {
 
-constexpr const char* kVersion = "tdptFormat";  // attribute; pictures of other programs lack it
+constexpr const char* kVersion = "tdptFormat";  // attribute; absent in pictures of other programs
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -70,7 +70,7 @@ class MemoryOutput : public Imf::OStream {
   uint64_t place_ = 0;
 };
 
-// Names X for which X + "R", X + "G" and X + "B" are channels: "" and "<layer>.".
+// Prefixes X for which X + "R", X + "G" and X + "B" are channels: "" and "<layer>.".
 std::vector<std::string> colour_prefixes(const Imf::ChannelList& channels) {
   std::vector<std::string> prefixes;
   for (auto c = channels.begin(); c != channels.end(); ++c) {
@@ -93,7 +93,7 @@ std::string channel_names(const Imf::ChannelList& channels) {
   return n ? names : "none";
 }
 
-// A sample of each pixel is asked for.
+// Refuses subsampled channels.
 void check_channels(const Imf::Header& header, const std::vector<std::string>& prefixes,
                     const std::string& name) {
   for (const std::string& prefix : prefixes)
@@ -105,10 +105,10 @@ void check_channels(const Imf::Header& header, const std::vector<std::string>& p
     }
 }
 
-// Where a file has pixels of what it shows.
+// Data window, display window and their intersection.
 struct Windows {
   Imath::Box2i data, shown, both;
-  size_t width, height;  // of what is shown
+  size_t width, height;  // of the display window
   size_t columns;        // of both
 
   Windows(const Imf::Header& header, const std::string& name)
@@ -124,8 +124,8 @@ struct Windows {
   }
 };
 
-// Appends the rows that both windows have, widened to what is shown, to the pixels of each picture.
-// pictures: of each prefix.
+// Appends the rows that are in both windows, padded to the display window's width, to each picture.
+// pictures: one per prefix.
 void read_rows(Imf::InputPart& part, const Windows& w, const std::vector<std::string>& prefixes,
                const std::vector<Picture*>& pictures) {
   const auto data_width = static_cast<size_t>(exr::extent(w.data).x);
@@ -193,7 +193,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
   return result;
 }
 
-// `read`: of a file and the first part that has R, G and B.
+// Opens a file and passes the first part that has R, G and B to `read`.
 template <class Read>
 auto parse(std::string_view bytes, const std::string& name, const Read& read) {
   const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
@@ -222,7 +222,7 @@ auto parse(std::string_view bytes, const std::string& name, const Read& read) {
     throw;
   } catch (const std::bad_alloc&) {
     throw InputError(name, "", "asks for more memory than there is");
-  } catch (const std::exception& e) {  // whatever the library finds wrong
+  } catch (const std::exception& e) {  // all errors of the library
     throw InputError(name, "", "is damaged: " + shown(e.what(), 300));
   }
 }
@@ -339,7 +339,7 @@ std::string exr_bytes(const ExrFile& file) {
     const float* const first[3] = {&p.pixels[0].x, &p.pixels[0].y, &p.pixels[0].z};
     for (int c = 0; c < 3; ++c) {
       header.channels().insert(prefix + channel[c], Imf::Channel(Imf::FLOAT));
-      // The library's interface has no const; it only reads from here.
+      // The library's interface lacks const; it only reads.
       buffer.insert(
           prefix + channel[c],
           Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(first[c])),

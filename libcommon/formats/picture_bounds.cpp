@@ -1,4 +1,4 @@
-// How far each compression can expand a byte:
+// Largest expansion of a byte by each compression:
 //   RLE   2 bytes stand for 128 equal ones                                              64
 //   ZIP   deflate: 258 bytes in 2 bits                                                1032
 //   PXR24 the same; floats have three bytes by then                                   1376
@@ -24,14 +24,14 @@
 namespace tdpt::exr {
 namespace {
 
-// Samples are 4 bytes; the library counts bytes of a chunk by int.
+// Samples are 4 bytes; the library stores the size of a chunk as int.
 constexpr int64_t most_samples_in_a_chunk = int64_t(1) << 27;
 constexpr int64_t most_samples_in_a_tile = int64_t(1) << 26;
-// Small pictures in large tiles, and pictures cropped to a little, are no lies.
+// Allowance for small pictures in large tiles, and for large pictures cropped to a small window.
 constexpr int64_t bytes_for_nothing = int64_t(1) << 22;
 constexpr int64_t pixels_around_nothing = int64_t(1) << 24, pixels_around_each = 4096;
 
-// Bytes that one byte of the file stands for at most.
+// Largest expansion of one byte of the file.
 int64_t expansion(Imf::Compression compression) {
   switch (compression) {
     case Imf::NO_COMPRESSION:
@@ -53,7 +53,7 @@ int64_t expansion(Imf::Compression compression) {
   }
 }
 
-// Scan lines that are compressed as one.
+// Scan lines per chunk.
 int64_t rows_in_chunk(Imf::Compression compression) {
   switch (compression) {
     case Imf::ZIP_COMPRESSION:
@@ -105,7 +105,7 @@ void check_windows(const Imf::Header& header, const std::string& name) {
   }
 }
 
-// Pixels of the data window, and of the tiles that cover it.
+// Pixels of the data window, rounded up to whole chunks or tiles.
 int64_t pixels_in_chunks(const Imf::Header& header, int64_t channels, const std::string& name) {
   const auto data = extent(header.dataWindow());
   if (!header.hasTileDescription()) {
@@ -123,7 +123,7 @@ int64_t pixels_in_chunks(const Imf::Header& header, int64_t channels, const std:
   return ((data.x + x - 1) / x * x) * ((data.y + y - 1) / y * y);
 }
 
-// Of the picture, and of what it is read with.
+// Memory for the picture and for reading it.
 void check_memory(const Imf::Header& header, size_t layers, int64_t bytes_of_pixel,
                   const std::string& name) {
   const auto data = extent(header.dataWindow()), shown = extent(header.displayWindow());
@@ -144,7 +144,7 @@ std::optional<T> number_at(std::string_view bytes, uint64_t at) {
   return value;
 }
 
-// Those that are read come first in the table.
+// These come first in the table.
 uint64_t chunks_of_largest_level(const Imf::Header& header) {
   const auto data = extent(header.dataWindow());
   const auto parts = [](int64_t side, int64_t part) {
@@ -198,7 +198,8 @@ void check_chunks(Imf::MultiPartInputFile& file, int part, std::string_view byte
   for (int p = 0; p < part; ++p)
     table += 8 * static_cast<uint64_t>(std::max(0, file.header(p).chunkCount()));
   const Imf::Header& header = file.header(part);
-  // Number of the part, in a file of several; row, or place and level of the tile; bytes.
+  // Prefix of a chunk: part number, in a multi-part file; row, or position and level of the tile;
+  // size.
   const uint64_t before =
       (Imf::isMultiPart(file.version()) ? 4u : 0u) + (header.hasTileDescription() ? 16u : 4u);
   const uint64_t chunks = chunks_of_largest_level(header);

@@ -1,4 +1,4 @@
-// Any bytes as an OpenEXR picture; what is read has all its pixels.
+// Parses arbitrary bytes as an OpenEXR picture; a picture that was read must have all its pixels.
 #include "libcommon/formats/picture.h"
 
 #include "libcommon/testing/files/fuzz.h"

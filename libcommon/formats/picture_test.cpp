@@ -40,7 +40,7 @@ Picture gradient(int width, int height) {
   return p;
 }
 
-// What InputError says of these bytes; "" when they are accepted.
+// The InputError for these bytes; "" if they are accepted.
 std::string complaint(std::string_view bytes) {
   try {
     parse_exr(bytes, "a.exr");
@@ -50,7 +50,7 @@ std::string complaint(std::string_view bytes) {
   }
 }
 
-// A file written by the library itself, without our writer.
+// A file written directly with the library, without our writer.
 class TemporaryFile {
  public:
   TemporaryFile()
@@ -146,7 +146,7 @@ TEST(Picture, Tiles) {
   EXPECT_EQ(read_exr(file.name()).picture.pixels, p.pixels);
 }
 
-// A file of one grey channel, to be changed by hand.
+// A file with one grey channel, to be modified.
 std::string with_header(const std::function<void(Imf::Header&)>& change) {
   const TemporaryFile file;
   Imf::Header header(8, 8);
@@ -201,7 +201,7 @@ TEST(Picture, RefusesWhatItCannotShow) {
             "most 17039360 in all");
 }
 
-// What parse_exr_picture says of a file at most 16 x 8 large.
+// The error of parse_exr_picture for a file of at most 16 x 8 pixels.
 std::string complaint_of_picture(std::string_view bytes) {
   try {
     parse_exr_picture(bytes, "a.exr", 16, 8);
@@ -217,7 +217,7 @@ TEST(Picture, AloneItHasNoLayersAndABound) {
   file.layers["a"] = gradient(16, 8);
   EXPECT_EQ(parse_exr_picture(exr_bytes(file), "a.exr", 16, 8).pixels, file.picture.pixels);
   EXPECT_EQ(complaint_of_picture("glTF"), "a.exr: is not an OpenEXR file");
-  // The header alone decides: of the pixels nothing is there.
+  // The header alone decides: the file has no pixels.
   ExrFile large;
   large.picture = gradient(17, 8);
   EXPECT_EQ(complaint_of_picture(exr_bytes(large).substr(0, 400)),
@@ -308,7 +308,7 @@ TEST(Picture, FilesCutShortAreRefusedInOneLine) {
   }
 }
 
-// The library would make room for whatever they say, and read on where its values end.
+// The library would allocate any declared size and read past the end of the values.
 TEST(Picture, AttributesAreAsLongAsTheySay) {
   ExrFile file;
   file.picture = gradient(4, 4);
@@ -354,7 +354,7 @@ TEST(Picture, RefusesAnotherVersion) {
   }
 }
 
-// A header of `layers` of R, G and B with no pixels behind it.
+// A header with `layers` of R, G and B and no pixels after it.
 std::string header_of(int width, int height, int layers, Imf::Compression compression) {
   const TemporaryFile file;
   Imf::Header header(width, height);
@@ -392,7 +392,7 @@ TEST(Picture, MorePixelsThanTheFileCanHoldAreRefusedBeforeTheyTakeMemory) {
   }
 }
 
-// Pictures that compress best are within those bounds.
+// The most compressible pictures are within those bounds.
 TEST(Picture, BlackPicturesOfAllCompressionsAreRead) {
   constexpr int side = 1024;
   const std::vector<float> black(size_t{side} * side);
@@ -414,12 +414,12 @@ TEST(Picture, BlackPicturesOfAllCompressionsAreRead) {
   }
 }
 
-// The library leaves the memory of an empty chunk's pixels as it found it.
+// The library leaves the pixels of an empty chunk uninitialised.
 TEST(Picture, ChunksHaveBytes) {
   ExrFile file;
   file.picture = gradient(8, 40);
   std::string bytes = exr_bytes(file);
-  const auto offset = [&](size_t chunk) {  // of the three of 16 rows behind the header
+  const auto offset = [&](size_t chunk) {  // of the three chunks of 16 rows after the header
     uint64_t at = 0;
     std::memcpy(&at, bytes.data() + end_of_exr_headers(bytes) + 8 * chunk, sizeof at);
     return at;
@@ -446,7 +446,7 @@ TEST(Picture, TakesNoMoreThanTheLimitOfMemory) {
   EXPECT_EQ(complaint(exr_bytes(file)), "");
 }
 
-// Whatever the bytes are, the outcome is a picture or an InputError: no crash, nothing else thrown.
+// Whatever the bytes, the outcome is a picture or an InputError: no crash, no other exception.
 TEST(Picture, DamagedBytesNeverDoWorseThanAnInputError) {
   ExrFile file;
   file.picture = gradient(40, 40);
@@ -483,14 +483,14 @@ TEST(Picture, PngIsSrgbAndClipped) {
   EXPECT_EQ(png[24], 8);  // bits
   EXPECT_EQ(png[25], 2);  // RGB
   EXPECT_EQ(png.substr(png.size() - 8, 4), "IEND");
-  // Twice as bright and one stop down is the same picture.
+  // Twice the radiance at one stop less is the same picture.
   Picture twice = p;
   for (Rgb& c : twice.pixels) c *= 2;
   EXPECT_EQ(png_bytes(twice, -1), png);
   EXPECT_NE(png_bytes(twice, 0), png);
 }
 
-// PNG holds colours that are not multiplied by alpha.
+// PNG stores colours without premultiplied alpha.
 TEST(Picture, PngWithAlpha) {
   Picture p{2, 1, {Rgb(0.25f), Rgb(0.0f)}, {0.5f, 0}};
   const std::string png = png_bytes(p, 0);

@@ -6,7 +6,8 @@
 
 #include <zlib.h>
 
-// The header's own compressor leaves files a third larger. It frees what it gets.
+// Replaces the header's own compressor, which makes files a third larger. Its result is freed by
+// the header.
 static unsigned char* png_deflate(unsigned char* data, int size, int* out_size, int) {
   uLongf length = compressBound(static_cast<uLong>(size));
   auto* out = static_cast<unsigned char*>(std::malloc(length));
@@ -34,7 +35,7 @@ std::string png_of(int width, int height, const std::vector<uint8_t>& values, in
           static_cast<size_t>(channels) * static_cast<size_t>(width) * static_cast<size_t>(height))
     throw std::invalid_argument(
         "a PNG needs a value for each channel of a pixel, and at least one pixel");
-  // -1: the best of PNG's filters for each row; 0: none.
+  // -1: the best PNG filter for each row; 0: none.
   stbi_write_force_png_filter = kind == PngKind::drawing ? 0 : -1;
   std::string bytes;
   const auto append = [](void* to, void* data, int n) {

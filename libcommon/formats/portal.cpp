@@ -1,5 +1,5 @@
-// Portal files are ordinary glTF 2.0, so they come from portalfit or from any modelling program.
-// They are read with the same suspicion, and the same code, as scenes.
+// Reads and writes portal files. They are ordinary glTF 2.0 from portalfit or any modelling
+// program, so they are read with the same code and the same checks as scenes.
 #include "libcommon/formats/portal.h"
 
 #include <algorithm>
@@ -25,10 +25,11 @@ using Json = nlohmann::json;
 using namespace gltf;
 
 constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-// Read of a whole file, flat triangles and what is read again too: a mesh may stand many times.
+// Limits per file; flat triangles and repeated reads count, too, since a mesh may be instanced many
+// times.
 constexpr size_t kMostTriangles = 1'000'000, kMostVertices = 3 * kMostTriangles;
 
-// How far the image of a place is off when each of its coordinates is rounded to single precision.
+// Error of a transformed point if each of its coordinates is rounded to single precision.
 double rounding(const Affine& map, const Vec3d& p) {
   return std::ldexp(
       length(map.x) * std::abs(p.x) + length(map.y) * std::abs(p.y) + length(map.z) * std::abs(p.z),
@@ -46,7 +47,7 @@ class Reader {
     read_asset(file);
     file.cameras = d_.model.cameras.size();
     file.lamps = lamps();
-    std::vector<std::string> warnings;  // which concern pictures
+    std::vector<std::string> warnings;  // ignored: they concern pictures
     for (const PlacedNode& n : place_nodes(d_, warnings))
       if (n.visible && d_.model.nodes[n.node].mesh >= 0) read_portal(n, file);
     return file;
@@ -57,14 +58,14 @@ class Reader {
     const Json& asset = d_.json.at("asset");
     const auto extras = asset.find("extras");
     if (extras == asset.end() || !extras->is_object()) return;
-    // Portals that are drawn by hand have none.
+    // Absent in portals modelled by hand.
     if (const auto version = extras->find(kPortalVersionKey); version != extras->end())
       if (const std::string fault = fault_of_version(version->dump(), format_version::portal);
           !fault.empty())
         d_.fail(fmt::format("asset.extras.{}", kPortalVersionKey), fault);
     if (const auto hash = extras->find("scene_hash"); hash != extras->end() && hash->is_string())
       file.scene_hash = hash->get<std::string>();
-    // Another program may call something else so.
+    // Another program may use this name for something else.
     if (const auto camera = extras->find("camera"); camera != extras->end() && camera->is_string())
       if (const auto text = camera->get<std::string>(); parse_viewpoint(text)) file.camera = text;
     if (const auto lines = extras->find("provenance"); lines != extras->end() && lines->is_array())
@@ -112,7 +113,7 @@ class Reader {
     const bool list = p.mode == TINYGLTF_MODE_TRIANGLES,
                strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP,
                fan = p.mode == TINYGLTF_MODE_TRIANGLE_FAN;
-    if (!list && !strip && !fan) return;  // points and lines bound no area
+    if (!list && !strip && !fan) return;  // points and lines enclose no area
     const auto position = p.attributes.find("POSITION");
     if (position == p.attributes.end()) d_.fail(where, "has no POSITION");
     if (p.material >= 0)
@@ -153,7 +154,8 @@ class Reader {
       if (map.mirrors()) std::swap(tri[1], tri[2]);
       const Vec3d &a = portal.vertices[tri[0]], &b = portal.vertices[tri[1]],
                   &c = portal.vertices[tri[2]];
-      // Twice the area against the longest edge squared: needles thinner than rounding are no area.
+      // Twice the area compared with the squared longest edge: needles thinner than rounding have
+      // no area.
       const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
       if (length(cross(b - a, c - a)) > 1e-7 * longest) portal.triangles.push_back(tri);
     }
@@ -181,7 +183,7 @@ PortalFile read_portals(const std::string& path) {
 
 namespace {
 
-// Portals as glTF: a node, a mesh and two accessors each, in one buffer.
+// Writes portals as glTF: a node, a mesh and two accessors each, in one buffer.
 class Writer {
  public:
   explicit Writer(const PortalFile& file) {
@@ -222,8 +224,8 @@ class Writer {
   }
 
   void add(size_t n, const Portal& portal) {
-    // Floats are relative to the first vertex, which the node carries in full precision: a portal
-    // far from the origin stays planar.
+    // Floats are relative to the first vertex, which is in the node's transform in full precision:
+    // a portal far from the origin stays planar.
     const Vec3d origin = portal.vertices.empty() ? Vec3d{} : portal.vertices[0];
     add_positions(portal, origin);
     add_indices(portal);
@@ -269,7 +271,7 @@ class Writer {
                                   {"type", "SCALAR"}});
   }
 
-  // One to pass along the normal; another, where it is used, to pass both ways.
+  // A material for one-way portals and, if needed, another for portals in both directions.
   void add_materials(bool both_ways) {
     Json material = {{"name", "portal"},
                      {"alphaMode", "BLEND"},
@@ -280,7 +282,7 @@ class Writer {
     if (both_ways) root_["materials"].push_back(material);
   }
 
-  // Of what the buffer has from `first` on.
+  // A bufferView over the buffer from `first` to its end.
   size_t view(size_t first, int target) {
     root_["bufferViews"].push_back({{"buffer", 0},
                                     {"byteOffset", first},

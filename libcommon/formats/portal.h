@@ -17,34 +17,32 @@ struct Portal {
   std::vector<Vec3d> vertices;                     ///< metres
   std::vector<std::array<uint32_t, 3>> triangles;  ///< into vertices
   std::map<std::string, double> figures;           ///< figures of merit (extras)
-  /// How far a vertex may lie from where it was meant, for the file holds it in single precision
-  /// [m].
+  /// Largest displacement of a vertex by rounding to the file's single precision [m].
   double rounding = 0;
-  /// Light passes it from its back to its front and the other way, too: some primitive of it has a
-  /// doubleSided material.
+  /// Light may pass in both directions: some primitive has a doubleSided material.
   bool both_ways = false;
 };
 
-/// Of all triangles [m2].
+/// Sum over all triangles [m2].
 double area_of(const Portal& portal);
 
 struct PortalFile {
   std::vector<Portal> portals;  ///< empty: no bottleneck was found
-  std::string scene_hash;       ///< of the scene it was made for; empty: drawn by hand
+  std::string scene_hash;       ///< of the scene it was made for; empty: modelled by hand
   Provenance provenance;
   std::string hash;                  ///< content hash of the file read
   std::vector<std::string> files{};  ///< paths of buffers read beside it
-  /// Of the file read; lamps are punctual lights, luminaires and materials that emit. Portals need
+  /// Of the file read; lamps are punctual lights, luminaires and emissive materials. Portals need
   /// neither.
   size_t cameras = 0, lamps = 0;
-  std::string camera = {};  ///< that it was made for [viewpoint.h]; empty: unknown
+  std::string camera = {};  ///< for which it was made [viewpoint.h]; empty: unknown
 };
 
-/// In asset.extras: the version of the format.
+/// Key in asset.extras of the format's version.
 inline constexpr const char* kPortalVersionKey = "tdpt_portal_format";
 
-/// Reads every mesh of the file, one portal a mesh node, node transforms applied (a mirroring
-/// transform keeps the front side). Throws InputError.
+/// Reads every mesh of the file, one portal per mesh node, with node transforms applied (a
+/// mirroring transform keeps the front side). Throws InputError.
 PortalFile read_portals(const std::string& path);
 /// The file as .glb bytes; portals are named portal.0, portal.1, ...
 std::string portal_bytes(const PortalFile& file);

@@ -1,4 +1,4 @@
-// Any bytes as a portal file; what is read comes back when it is written.
+// Parses arbitrary bytes as a portal file; portals that were read must round-trip.
 #include "libcommon/formats/portal.h"
 
 #include "libcommon/testing/files/fuzz.h"

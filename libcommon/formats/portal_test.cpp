@@ -41,7 +41,7 @@ class PortalFormat : public ::testing::Test {
     }
     return "no error";
   }
-  /// The messages are the scene reader's and tested there; here it is their place that counts.
+  /// The messages are tested with the scene reader; here only their place matters.
   static std::string place_of(const std::string& message) {
     return message.substr(0, message.find(": "));
   }
@@ -62,8 +62,8 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
-// A unit square in the plane z = 0, front towards +z, as somebody would draw it: four corners and
-// the indices of two triangles, six of 16 bits.
+// A unit square in the plane z = 0, front towards +z, as a modelling program writes it: four
+// corners and two triangles with six 16-bit indices.
 Json square(const std::vector<uint16_t>& indices = {0, 1, 2, 0, 2, 3}) {
   std::string data;
   for (const float f : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
@@ -157,7 +157,7 @@ TEST_F(PortalFormat, ADoubleSidedMaterialLetsLightPassBothWays) {
   EXPECT_FALSE(read(g).portals.at(0).both_ways);
   g["meshes"][0]["primitives"][0]["material"] = 0;
   EXPECT_TRUE(read(g).portals.at(0).both_ways);
-  // Of two primitives one is enough; lines have no sides.
+  // One double-sided primitive of two is enough; lines have no sides.
   g["meshes"][0]["primitives"].push_back(g["meshes"][0]["primitives"][0]);
   g["meshes"][0]["primitives"][0]["material"] = 1;
   EXPECT_TRUE(read(g).portals.at(0).both_ways);
@@ -182,7 +182,7 @@ TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
   EXPECT_TRUE(file.scene_hash.empty());
   EXPECT_TRUE(file.camera.empty());
   Json g = square();
-  g["asset"]["extras"]["camera"] = "a Leica";  // what another program calls so
+  g["asset"]["extras"]["camera"] = "a Leica";  // another program's use of the name
   EXPECT_TRUE(read_portals(write("p.gltf", g.dump())).camera.empty());
   expect_near(area_vector(file.portals[0]), {0, 0, 1});
 }
@@ -197,7 +197,8 @@ TEST_F(PortalFormat, ReadsWhatIsCompressed) {
 
 TEST_F(PortalFormat, AppliesNodeTransforms) {
   Json g = square();
-  // A quarter turn about x, then twice the size, then moved; inside a parent that moves again.
+  // Quarter turn about x, then scale by 2, then translation; inside a parent with another
+  // translation.
   g["nodes"] = Json::parse(R"([{"children":[1],"translation":[0,0,5]},
       {"mesh":0,"rotation":[0.7071067811865476,0,0,0.7071067811865476],"scale":[2,2,2],
        "translation":[1,0,0]}])");
@@ -209,8 +210,8 @@ TEST_F(PortalFormat, AppliesNodeTransforms) {
   expect_near(area_vector(read(g).portals.at(0)), {1, 0, 0});
 }
 
-// Places of the corners in single precision, off by half a digit at most; the node's translation is
-// exact and rounds nothing, its scale scales what the floats were rounded by.
+// Corners are in single precision, with an error of at most half a digit; the node's translation is
+// exact, and its scale multiplies the error.
 TEST_F(PortalFormat, TellsHowFarSinglePrecisionRounds) {
   EXPECT_NEAR(read(square()).portals[0].rounding, std::ldexp(2, -24), 1e-12);
   Json g = square();
@@ -292,7 +293,7 @@ TEST_F(PortalFormat, RefusesWhatReachesTooFar) {
   EXPECT_EQ(place_of(message(g)), "accessors[1]");
 }
 
-// A few bytes may put a mesh in many places, and name its numbers many times.
+// A few bytes may instance a mesh many times, and reference its numbers many times.
 TEST_F(PortalFormat, RefusesWhatStandsTooOften) {
   Json g = square();
   const Json primitive = g["meshes"][0]["primitives"][0], node = g["nodes"][0];
@@ -303,7 +304,7 @@ TEST_F(PortalFormat, RefusesWhatStandsTooOften) {
   }
   EXPECT_EQ(message(g),
             "meshes[0].primitives[501]: more than 1000000 triangles, too many for portals");
-  g["meshes"][0]["primitives"][0]["mode"] = 5;  // a strip of two more, so that one has an area
+  g["meshes"][0]["primitives"][0]["mode"] = 5;  // a strip with two more; one has an area
   for (int i = 1; i < 1001; ++i) g["meshes"][0]["primitives"][i]["indices"] = 2;
   g["accessors"].push_back(
       {{"bufferView", 1}, {"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
@@ -410,7 +411,7 @@ TEST_F(PortalFormat, RefusesWhatIsNoGltf) {
   EXPECT_EQ(place_of(error_of(write("p", glb))), "header");
 }
 
-// No prefix of a good file and no single changed byte may do anything but read or refuse.
+// Every prefix of a valid file and every single changed byte is either read or refused.
 TEST_F(PortalFormat, SurvivesDamage) {
   PortalFile file;
   Portal a;

@@ -16,7 +16,7 @@ TEST(Drawback, IsWhatTheFiguresSayAgainstAPortal) {
             "a wide way, 100 % of the smaller side's light finds it alone");
 }
 
-// Figures alone: nothing of what a picture would gain.
+// Only figures, no statement about a picture.
 TEST(WorthSentence, SaysWhatIsKnown) {
   EXPECT_EQ(worth_sentence({}, 0.25), "0.25 m2");
   EXPECT_EQ(worth_sentence({}, 23456), "23460 m2");

@@ -34,7 +34,7 @@ class Reader {
     header();
     Picture p;
     resolution(p, most_width, most_height);
-    // No row takes less; a file without them fails before its picture is allocated.
+    // No row takes less; so a truncated file fails before its picture is allocated.
     if (bytes_.size() - at_ >= size_t{4} * static_cast<size_t>(p.height))
       p.pixels.reserve(static_cast<size_t>(p.width) * static_cast<size_t>(p.height));
     std::vector<Rgbe> row(static_cast<size_t>(p.width));
@@ -66,7 +66,7 @@ class Reader {
     return text;
   }
 
-  // Lines up to the first empty one.
+  // Lines up to the first blank one.
   void header() {
     line("its first line");
     for (std::string_view text; !(text = line("an empty line")).empty();) {
@@ -134,7 +134,7 @@ class Reader {
     for (size_t c = 0; c < 4; ++c) plane(row, c);
   }
 
-  // One byte of every pixel: runs (128 + length, value) and literals (length, values).
+  // One component of all pixels in a row: runs (128 + length, value) and literals (length, values).
   void plane(std::vector<Rgbe>& row, size_t c) {
     for (size_t x = 0; x < row.size();) {
       const uint8_t code = byte();
@@ -145,7 +145,8 @@ class Reader {
     }
   }
 
-  // Whole pixels; (1, 1, 1, n) repeats the one before n times, several in a row by n << 8 i.
+  // Whole pixels; (1, 1, 1, n) repeats the previous one n times, the i-th in succession n << 8 i
+  // times.
   void pixels(std::vector<Rgbe>& row, Rgbe p) {
     int shift = 0;
     for (size_t x = 0;;) {

@@ -1,5 +1,5 @@
-// Pictures of the Radiance system (.hdr, .pic): scan lines of RGBE, flat or run-length coded, as
-// the system's filefmts document tells.
+// Pictures of the Radiance system (.hdr, .pic): scan lines of RGBE, flat or run-length encoded, as
+// in Radiance's filefmts document.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,13 +8,12 @@
 
 namespace tdpt {
 
-/// Whether the file begins as one does.
+/// Whether the bytes begin with the signature of one.
 bool is_radiance_hdr(std::string_view bytes);
 
-/// A file in memory; `name` stands in messages. Values are divided by its EXPOSURE and COLORCORR
-/// lines, which say what they were multiplied by. Rows from the top, columns from the left
-/// ("-Y H +X W"); that it is larger than `most_width` x `most_height` is seen before anything is
-/// allocated. Throws InputError.
+/// A file in memory; `name` is used in messages. Values are divided by its EXPOSURE and COLORCORR
+/// lines, the factors already applied to them. Orientation must be "-Y H +X W". A size above
+/// `most_width` x `most_height` is refused before allocation. Throws InputError.
 Picture parse_radiance_hdr(std::string_view bytes, const std::string& name, int most_width,
                            int most_height);
 

@@ -67,7 +67,7 @@ TEST(RadianceHdr, RunsOfEachByte) {
 }
 
 TEST(RadianceHdr, RunsOfPixelsAsOldFilesHaveThem) {
-  // One, 2 more of it, another, 256 * 1 + 3 more of it.
+  // One, 2 repetitions, another, 256 * 1 + 3 repetitions.
   const std::string other = bytes({128, 128, 128, 129});
   const Picture p =
       read(header(263, 1) + kTexel + bytes({1, 1, 1, 2}) + other + bytes({1, 1, 1, 3, 1, 1, 1, 1}));
@@ -130,7 +130,7 @@ TEST(RadianceHdr, TakesNoMoreThanTheLimitOfMemory) {
   limit_memory(machine);
 }
 
-// Read, or refused; under the sanitizers nothing else happens.
+// Damaged files are read or refused; sanitizers check for anything else.
 TEST(RadianceHdr, DamagedFilesAreReadOrRefused) {
   const std::string row =
       bytes({2, 2, 0, 10, 138, 128, 138, 9, 131, 7, 7, 1, 2, 3, 4, 5, 6, 0, 138, 129});

@@ -22,7 +22,7 @@ bool same_file(const std::string& a, const std::string& b) {
          std::filesystem::weakly_canonical(b, ignored);
 }
 
-// Devices and pipes have whatever names they have.
+// Devices and pipes may have any name.
 void check_name_of_png(const std::string& option, const std::string& path) {
   std::error_code ignored;
   if (!path.empty() && !path.ends_with(".png") && !std::filesystem::is_other(path, ignored))
@@ -39,7 +39,7 @@ void check_no_portal_twice(const std::vector<std::string>& portals) {
                          (portals[i] == portals[j] ? "" : ", before as " + portals[j]));
 }
 
-// How walks are directed at portals, how many samples have which part, and how they are weighted.
+// Guiding towards portals, shares of samples, and weighting.
 void declare_mixture_options(cli::Options& options, RenderArguments& a) {
   options.option(
       "--set guide-light", a.guide_light, "Q",
@@ -59,7 +59,7 @@ void declare_mixture_options(cli::Options& options, RenderArguments& a) {
   options.choice("--set mis", a.mis, {"balance", "power"}, "MIS heuristic; default balance");
 }
 
-// What makes a rendering last.
+// Checkpoints.
 void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
   using Use = cli::Options::Use;
   options.part(cli::Part::lasting);
@@ -80,7 +80,7 @@ void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
                  cli::Shapes::nothing);
 }
 
-// How much is rendered.
+// Amount of rendering.
 void declare_amount_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::effort);
   options.quality();
@@ -111,7 +111,7 @@ void declare_amount_options(cli::Options& options, RenderArguments& a) {
                  kMostEdges);
 }
 
-// What a picture holds beside its colours.
+// Contents of the picture besides its colours.
 void declare_picture_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::picture);
   options.flag("--alpha", a.alpha,

@@ -1,5 +1,5 @@
-// The options of a rendering: of tdpt-render, which obeys them, and of tdpt, which hands them on.
-// tdpt-render(1) tells what they mean.
+// The options of a rendering, shared by tdpt-render, which obeys them, and tdpt, which passes them
+// on. Their meaning: tdpt-render(1).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace tdpt {
 
-/// Values of --integrator beside "auto", in the order of tdpt-render's table.
+/// Values of --integrator besides "auto", in the order of tdpt-render's table.
 inline constexpr std::array kIntegratorNames{"pt",       "nee",  "bdpt",
                                              "tdpt-org", "tdpt", "tdpt-guided"};
-inline constexpr int kMostEdges = 1024;                   ///< of a path
-inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< of samples with a light walk
+inline constexpr int kMostEdges = 1024;                   ///< per path
+inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< share of samples with a light walk
 
 struct RenderArguments {
   std::string scene, device = "cpu";
@@ -26,15 +26,15 @@ struct RenderArguments {
 
   std::string integrator = "auto", mis = "balance";
   double guide_light = -1, guide_camera = -1, segments = -1,
-         light_walks = -1;  ///< below 0: not given
+         light_walks = -1;  ///< negative: not given
   int64_t spp = 0;
   int64_t max_depth = 0;    ///< edges; 0: no limit
   double seconds = 0;       ///< 0: no limit
   double target_error = 0;  ///< relMSE; 0: none
-  int64_t retry = 0;        ///< whether to render on where the target is missed
+  int64_t retry = 0;        ///< whether to continue if the target is missed
 
   std::string checkpoint, resume;  ///< paths; empty: not given
-  double checkpoint_every = -1;    ///< seconds; below 0: not given
+  double checkpoint_every = -1;    ///< seconds; negative: not given
   int64_t add_samples = 0;
   std::string isa = "native";
 
@@ -43,10 +43,10 @@ struct RenderArguments {
   std::string aov;  ///< names, separated by commas
 };
 
-/// All of them but the scene, --device, and what shares a picture out among machines.
+/// All of them except the scene, --device, and the options that split a picture among machines.
 void declare_render_options(cli::Options& options, RenderArguments& a);
 
-/// Throws UsageError for what one option alone does not show to be wrong.
+/// Throws UsageError for invalid combinations of options.
 void check_render_arguments(const RenderArguments& a);
 
 }  // namespace tdpt

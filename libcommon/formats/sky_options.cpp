@@ -18,10 +18,10 @@
 namespace tdpt {
 namespace {
 
-constexpr const char* kNone = "none";  // in the place of an environment
+constexpr const char* kNone = "none";  // value for no environment
 constexpr double kSmallestSun = 0.01;  // [deg]
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr double kOutshines = 100;  // in power, beyond which lamps and surfaces hardly go together
+constexpr double kOutshines = 100;  // power ratio that suggests different units
 
 bool is_file(const std::string& value) {
   if (value.empty())
@@ -29,7 +29,7 @@ bool is_file(const std::string& value) {
   return value != kNone && !means_colour(value);
 }
 
-// The colour that is given, or that the scene names, where it has been looked at already.
+// The colour of the command line, or of the scene, where it has been validated.
 Rgb colour_of(const std::string& text) {
   std::string expected;
   const auto colour = parse_colour(text, expected);
@@ -47,7 +47,7 @@ void check(const SkyArguments& a, const TakenSky& sky) {
         fmt::format("--sun-angle {}: expected 0, or {} to 90", a.sun_angle, kSmallestSun));
 }
 
-// A disc of radiance L and half angle h brings a plane across it the irradiance pi L sin^2 h.
+// A disc with radiance L and half angle h gives a perpendicular plane the irradiance pi L sin^2 h.
 std::vector<Sky::Sun> take_suns(Scene& scene, double half_angle) {
   const double s = std::sin(half_angle);
   std::vector<Sky::Sun> suns;
@@ -60,7 +60,8 @@ std::vector<Sky::Sun> take_suns(Scene& scene, double half_angle) {
   return suns;
 }
 
-// Of what decides where light comes from: portals do not move with its power.
+// Hash of what decides where light comes from; its power is left out, since portals do not depend
+// on it.
 std::string hash_of(const Sky::Map& map, double rotation, double sun_angle) {
   const std::string texels = content_hash(
       {reinterpret_cast<const char*>(map.texels.data()), map.texels.size() * sizeof(Rgb)});
@@ -69,7 +70,7 @@ std::string hash_of(const Sky::Map& map, double rotation, double sun_angle) {
                                   even ? 0.0 : std::remainder(rotation, 360), sun_angle));
 }
 
-// One of the scene's is no file of the command line, whose outputs it must not be either.
+// A file named by the scene is not on the command line, but an output must not overwrite it either.
 Sky::Map read_map(const Scene& scene, const TakenSky& sky, const cli::Common& common,
                   std::vector<cli::Common::Input>& files) {
   if (sky.environment.empty()) return {};
@@ -108,8 +109,8 @@ LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
                            : static_cast<LampUnits::Kind>(at - names.begin());
 }
 
-// Whether lamps in these units stand to each other, or to what else shines, as they do not in those
-// that are most likely: then light comes from elsewhere.
+// Whether the balance among lamps, or between lamps and other lights, differs in these units from
+// that in the inferred ones: then light comes from elsewhere.
 bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
   std::vector<double> changes;
   for (const PunctualLight& lamp : scene.lights) {
@@ -119,7 +120,7 @@ bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
   return std::adjacent_find(changes.begin(), changes.end(), std::not_equal_to<>()) != changes.end();
 }
 
-// Brings the lamps to W/sr and W/m2. Returns what the identity of the scene has of it.
+// Converts the lamps to W/sr and W/m2. Returns the contribution to the scene's identity.
 std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
                        const cli::Common& common) {
   if (scene.lights.empty()) {

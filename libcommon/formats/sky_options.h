@@ -1,5 +1,5 @@
-// The options that say what shines from infinity and in what units the scene's lamps are, the same
-// in every program that needs the light.
+// The options for light from infinity and for the units of the scene's lamps, the same in every
+// program that needs the light.
 #pragma once
 #include <optional>
 #include <string>
@@ -13,37 +13,37 @@ namespace tdpt {
 struct SkyArguments {
   std::string environment;           ///< path, "R,G,B" [W/m2/sr] or "none"; empty: not given
   std::optional<double> rotation{};  ///< [deg], counter-clockwise seen from above
-  std::optional<double> scale{};     ///< of the environment's radiance
-  double sun_angle = 0;  ///< full angle that directional lamps are seen under [deg]; 0: none
+  std::optional<double> scale{};     ///< factor on the environment's radiance
+  double sun_angle = 0;              ///< full angular size of directional lamps [deg]; 0: none
   std::string light_units = "auto";  ///< or a name of LampUnits::Kind
 };
 
 /// --environment, --environment-rotation, --environment-scale, --sun-angle, --set light-units.
 void declare_sky_options(cli::Options& options, SkyArguments& a);
 
-/// The environment that is taken.
+/// The environment in use.
 struct TakenSky {
   std::string environment;  ///< path, or "R,G,B" [W/m2/sr]; empty: none
   double rotation = 0, scale = 1;
-  bool of_scene = false;  ///< the command line says nothing of it
+  bool of_scene = false;  ///< it comes from the scene, not from the command line
 };
 
-/// That of the command line, else the scene's, which is turned and scaled as the command line says,
-/// else as the scene does.
+/// The command line's environment, else the scene's; rotation and scale from the command line, else
+/// from the scene.
 TakenSky sky_of(const Scene& scene, const SkyArguments& a);
 
-/// Brings the scene's lamps to W/sr and W/m2 and gives it its sky: the environment, and its
-/// directional lamps, which are lamps no more then, as suns of that angle. Without either there is
-/// no sky. An environment that is a file is appended to `files`. Throws UsageError for a colour
-/// that is none and for options without the one they belong to, InputError for a bad file.
+/// Converts the scene's lamps to W/sr and W/m2 and sets its sky: the environment, and the
+/// directional lamps as suns of the given angle, which then are lamps no more. Without either there
+/// is no sky. If the environment is a file, it is appended to `files`. Throws UsageError for a
+/// malformed colour and for options that lack the one they depend on, InputError for a bad file.
 TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
                  std::vector<cli::Common::Input>& files);
 
-/// Warns where points and spots outshine the emitting surfaces a hundredfold, as they do when the
-/// two are in different units.
+/// Warns if points and spots are a hundred times brighter than the emitting surfaces, which happens
+/// when the two are in different units.
 void warn_of_lamps(const Scene& scene, const cli::Common& common);
 
-/// A note for a scene without light that Blender's exporter wrote: what that leaves out.
+/// For a scene without light written by Blender's exporter, prints a note of what that leaves out.
 void note_lost_light(const Scene& scene, const cli::Common& common);
 
 }  // namespace tdpt

@@ -17,7 +17,7 @@ namespace tdpt::sky_options_test {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-// A scene without triangles, with a lamp of each kind.
+// A scene without triangles and with one lamp of each kind.
 Scene lamps() {
   Scene scene;
   scene.path = "room.glb";
@@ -55,7 +55,7 @@ SkyArguments environment(const std::string& value, std::optional<double> rotatio
   return {value, rotation, scale, sun_angle};
 }
 
-// A map in a file; its first texel is another one's.
+// A map in a file; its first texel differs from the others.
 struct File {
   testing::TempFolder folder;
   std::string bytes, path;
@@ -76,7 +76,7 @@ TEST(SkyOptions, WithoutThemNothingChanges) {
   EXPECT_TRUE(a.files.empty());
 }
 
-// What is said on stderr meanwhile.
+// The messages on stderr during the call.
 std::string said(const std::function<void(const cli::Common&)>& act) {
   cli::Common common;
   ::testing::internal::CaptureStderr();
@@ -122,7 +122,7 @@ TEST(SkyOptions, UnitsAreThoseOfTheFileUnlessGiven) {
       std::string::npos);
 }
 
-// One factor for all that shines moves no light elsewhere.
+// A common factor on all lights does not change where light comes from.
 TEST(SkyOptions, UnitsThatShiftTheLightMakeAnotherScene) {
   EXPECT_EQ(Taken(lamps_of_blender(), "photometric").scene.identity(), "1234");
   EXPECT_EQ(Taken(lamps_of_blender(), "radiometric").scene.identity(), "1234");
@@ -149,14 +149,14 @@ TEST(SkyOptions, LampsThatOutshineSurfacesAreTold) {
     return said([&](const cli::Common& common) { warn_of_lamps(scene, common); });
   };
   EXPECT_EQ(warning(1e6f), "");
-  scene.materials[0].emission = Rgb(1);  // pi/2 W beside 4 pi of the lamp; suns do not count
+  scene.materials[0].emission = Rgb(1);  // pi/2 W against 4 pi from the lamp; suns do not count
   EXPECT_EQ(warning(12), "");
   EXPECT_NE(
       warning(13).find("lamps have 104 times the power of the surfaces that emit: if that is "
                        "not meant, their units differ, and --set light-units=photometric divides "
                        "lamps by 683"),
       std::string::npos);
-  scene.lamp_units.kind = LampUnits::Kind::photometric;  // what they were taken for
+  scene.lamp_units.kind = LampUnits::Kind::photometric;  // the inferred units
   EXPECT_NE(
       warning(13).find("if that is not meant, --set light-units says in what their numbers are"),
       std::string::npos);
@@ -178,7 +178,7 @@ TEST(SkyOptions, AFileIsAnInput) {
   EXPECT_EQ(a.files[0].hash, content_hash(file.bytes));
   EXPECT_EQ(a.scene.sky->map().texels[0], Rgb(1));
   EXPECT_EQ(a.scene.sky->map().texels[1], Rgb(0.5f));
-  // The texel at the seam, left of it behind the camera, has come a quarter turn.
+  // The texel at the seam, behind the camera, moves by a quarter turn.
   const Vec3d w = a.scene.sky->towards(0.5, 0.5);
   EXPECT_EQ(a.scene.sky->radiance(w), Rgb(1));
 }
@@ -207,7 +207,7 @@ TEST(SkyOptions, OptionsWithoutWhatTheyBelongTo) {
             "2 --environment-scale 10000000: brings the environment beyond 1e+30");
 }
 
-// A scene that brings its own environment, a file if `file`.
+// A scene with its own environment, a file if `file`.
 Scene with_own(const std::string& environment, std::optional<double> rotation = {},
                std::optional<double> scale = {}, const std::string& file = "") {
   Scene scene = lamps();
@@ -360,7 +360,7 @@ TEST(SkyOptions, WhatTheSceneNeedsOfARenderer) {
   EXPECT_EQ(needs(sunny, environment("1,1,1")), (Words{"textures", "punctual lights", "a sky"}));
 }
 
-// Files are of another light where it comes from elsewhere, not where there is more of it.
+// Files belong to another scene if the light comes from elsewhere, not if it is brighter.
 TEST(SkyOptions, IdentityIsOfWhereTheLightComesFrom) {
   const File file, other(3);
   const auto identity = [](const SkyArguments& a) { return Added(a).scene.identity(); };

@@ -1,5 +1,5 @@
-// Text files of whitespace-separated words, read line by line with strict numbers: every complaint
-// says in which line it is, what was found and what was expected.
+// Reads text files of whitespace-separated words, line by line with strict numbers: every error
+// message names the line, what was found and what was expected.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -16,17 +16,17 @@ namespace tdpt {
 
 class TextLines {
  public:
-  /// `file` is the name for messages. Keeps a view of `text`.
+  /// `file` is the name in messages. Keeps a view of `text`.
   TextLines(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
-  /// Refuses binary files at once, which would otherwise be quoted at length; `expected` says what
-  /// the file should have been.
+  /// Refuses binary files at once, which would otherwise be quoted at length; `expected` describes
+  /// the right kind of file.
   void expect_text(const std::string& expected) const {
     if (text_.find('\0') != std::string_view::npos)
       fail_file("is a binary file, expected " + expected);
   }
 
-  /// Moves to the next line that holds a word; false at the end of the text.
+  /// Moves to the next line that is not blank; false at the end of the text.
   bool next() {
     while (at_ < text_.size()) {
       const size_t end = std::min(text_.find('\n', at_), text_.size());
@@ -45,7 +45,7 @@ class TextLines {
     throw InputError(file_, "", message);
   }
 
-  /// Next word of the line; empty at its end.
+  /// Next word of the line; empty at the end.
   std::string_view word() {
     line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
     const std::string_view w = line_.substr(0, line_.find_first_of(kBlank));
@@ -55,7 +55,7 @@ class TextLines {
 
   bool more() const { return line_.find_first_not_of(kBlank) != std::string_view::npos; }
 
-  /// The rest of the line without blanks around it.
+  /// The rest of the line, trimmed.
   std::string_view rest() {
     line_.remove_prefix(std::min(line_.find_first_not_of(kBlank), line_.size()));
     return line_.substr(0, line_.find_last_not_of(kBlank) + 1);
@@ -83,12 +83,12 @@ class TextLines {
     return value;
   }
 
-  /// The rest of the line is the version of the format that is read.
+  /// The rest of the line must be the supported version of the format.
   void expect_version(int read) {
     if (const std::string fault = fault_of_version(rest(), read); !fault.empty()) fail(fault);
   }
 
-  /// Nothing may follow.
+  /// The line must end here.
   void end() {
     const std::string_view w = word();
     if (!w.empty()) fail(found(w) + " found, expected the end of the line");

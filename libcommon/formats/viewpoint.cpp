@@ -16,13 +16,13 @@ namespace tdpt {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kUnit = 1e-6;  // how far rounding may bring unit vectors and right angles
+constexpr double kUnit = 1e-6;  // tolerance for unit vectors and right angles
 
-// Portals fit what a camera sees as well from a hair beside it.
-constexpr double kSamePlace = 1e-3;           // of the scene's size
-constexpr double kSameAngle = 0.5 * kDegree;  // of directions, and of the view
+// A portal fits also a camera that is this close to the original one.
+constexpr double kSamePlace = 1e-3;           // relative to the scene's size
+constexpr double kSameAngle = 0.5 * kDegree;  // of directions and of the field of view
 
-// Of one line.
+// On one line.
 std::string plain(std::string name) {
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; }, ' ');
@@ -37,7 +37,7 @@ bool is_camera(const Viewpoint& v) {
          v.yfov < std::numbers::pi && v.aspect >= 0;
 }
 
-// Of unit vectors [rad]; exact for small ones.
+// Between unit vectors [rad]; accurate for small angles.
 double angle(const Vec3d& a, const Vec3d& b) {
   return 2 * std::atan2(length(a - b), length(a + b));
 }
@@ -66,7 +66,7 @@ Camera camera_of(const Frame& frame, const Viewpoint& v) {
 }
 
 std::string viewpoint_text(const Viewpoint& v) {
-  // Nine digits: no more than the rounding of a frame leaves.
+  // Nine digits: more than that is rounding noise of the frame.
   std::string text;
   for (const Vec3d& a : {v.position, v.forward, v.up})
     for (int c = 0; c < 3; ++c) text += fmt::format("{:.9g} ", a[c] + 0.0);  // -0 is 0

@@ -16,7 +16,7 @@ constexpr const char* kNoDriver =
   throw Error(Exit::no_device, reason);
 }
 
-// Messages that nobody has taken at the end of the process make it fail.
+// The process fails if messages were left when it ends.
 struct Messages {
   std::vector<std::string> texts;
   ~Messages() {
@@ -43,7 +43,7 @@ VKAPI_ATTR VkBool32 VKAPI_CALL keep_message(VkDebugUtilsMessageSeverityFlagBitsE
   return VK_FALSE;
 }
 
-// As C has it: vulkan.hpp has had two types for the callback.
+// The C interface, since vulkan.hpp has changed the callback's type.
 vk::raii::DebugUtilsMessengerEXT make_messenger(const vk::raii::Instance& instance) {
   VkDebugUtilsMessengerCreateInfoEXT info{};
   info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
@@ -55,7 +55,7 @@ vk::raii::DebugUtilsMessengerEXT make_messenger(const vk::raii::Instance& instan
 }
 
 const vk::raii::Context& loader() try {
-  static const vk::raii::Context* const opened = new vk::raii::Context;  // once, and it stays
+  static const vk::raii::Context* const opened = new vk::raii::Context;  // never destroyed
   return *opened;
 } catch (const std::exception&) {
   no_device("there is no Vulkan loader (libvulkan), Debian's package libvulkan1");
@@ -79,7 +79,7 @@ vk::raii::Instance make_instance() {
   }
 }
 
-/// The first queue family that computes; none: UINT32_MAX.
+/// The first queue family with compute; UINT32_MAX: none.
 uint32_t compute_family(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
   for (uint32_t i = 0; i < families.size(); ++i)
@@ -100,7 +100,7 @@ Limits limits_of(const vk::raii::PhysicalDevice& device) {
   l.buffer = std::min<uint64_t>(limits.maxStorageBufferRange, allocation);
   l.image = std::min(uint64_t{1} << 31, allocation);  // no device allows less than 2^31
   l.image_side = limits.maxImageDimension3D;
-  // Kernels count texels in ints, and words of them in uints.
+  // Kernels index texels with int, and their words with uint.
   constexpr uint64_t kTexel = 16, kMostTexels = uint64_t{1} << 30;
   l.texels =
       std::min(kTexel * std::min<uint64_t>(limits.maxTexelBufferElements, kMostTexels), allocation);
@@ -127,7 +127,7 @@ DeviceInfo describe(const vk::raii::PhysicalDevice& device) {
 
 std::vector<DeviceInfo> describe_all(const vk::raii::PhysicalDevices& devices) {
 #ifdef __SANITIZE_ADDRESS__
-  // Keeps the drivers loaded, so that their leaks can be told from ours by their name (lsan.supp).
+  // Keeps the drivers loaded, so that leak reports name them and can be suppressed (lsan.supp).
   [[maybe_unused]] static const VkInstance kept = make_instance().release();
 #endif
   if (devices.empty()) no_device("there is no Vulkan device");
@@ -219,7 +219,7 @@ double Device::run(const std::function<void(Commands&)>& record) {
     Commands commands(recorded);
     buffers[0].begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
     record(commands);
-    recorded.barrier();  // what comes next, or the host, sees all of it
+    recorded.barrier();  // later commands and the host see all writes
     buffers[0].end();
     const auto start = std::chrono::steady_clock::now();
     impl_->queue.submit(vk::SubmitInfo({}, {}, *buffers[0]));

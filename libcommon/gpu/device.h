@@ -1,12 +1,12 @@
 // One Vulkan device with one compute queue; Vulkan itself stays in this folder.
 //
-// What a machine cannot do (no loader, driver, device or queue, too old a version, a limit too low,
-// too little memory, a device that is lost) throws Error with Exit::no_device and the reason; no
-// other device steps in. All of this is used by one thread at a time.
+// Anything that a machine cannot do (no loader, driver, device or queue, a version too old, a limit
+// too low, too little memory, a lost device) throws Error with Exit::no_device and the reason;
+// there is no fallback to another device. Everything here must be used by one thread at a time.
 //
-// TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer, its
-// synchronisation checks included. Its warnings and errors go to stderr as they come, and a process
-// in which nobody took them (below) ends with exit code 1.
+// TDPT_VULKAN_VALIDATION=1 in the environment turns on the Khronos validation layer with
+// synchronisation checks. Its messages go to stderr as they come; if they are not fetched with
+// take_validation_messages(), the process ends with exit code 1.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -16,46 +16,45 @@
 
 namespace tdpt::gpu {
 
-/// What a device allows.
+/// Limits of a device.
 struct Limits {
-  uint64_t memory = 0;      ///< bytes, the device's own
-  uint64_t buffer = 0;      ///< bytes of one buffer
-  uint64_t image = 0;       ///< bytes of one 3D image
+  uint64_t memory = 0;      ///< bytes of device-local memory
+  uint64_t buffer = 0;      ///< bytes per buffer
+  uint64_t image = 0;       ///< bytes per 3D image
   uint32_t image_side = 0;  ///< texels along each side of a 3D image
-  uint64_t texels = 0;      ///< bytes of a buffer that kernels read as texels of four words
-  uint32_t buffers = 0;     ///< that a kernel may bind
-  uint32_t groups = 0;      ///< work groups of a dispatch
+  uint64_t texels = 0;      ///< bytes of a buffer read as texels of four words
+  uint32_t buffers = 0;     ///< storage buffers per kernel
+  uint32_t groups = 0;      ///< work groups per dispatch
 };
 
 struct DeviceInfo {
-  std::string name;   ///< as its driver calls it
+  std::string name;   ///< as reported by the driver
   std::string kind;   ///< discrete, integrated, virtual, cpu, other
-  std::string unfit;  ///< why it cannot be used here; empty: it can
-  Limits limits;      ///< of devices that can be used
+  std::string unfit;  ///< why it cannot be used; empty: it can
+  Limits limits;      ///< only of usable devices
 };
 
-/// Every device there is, fit or not; throws when there is none.
+/// Every device, usable or not; throws if there is none.
 std::vector<DeviceInfo> list_devices();
 
-/// The best (discrete, integrated, virtual, cpu, other) of the fit ones that `which` means: "":
-/// any; digits: the one of that index; else those with it in their name, in whichever case. Throws
-/// when there is none.
+/// The best (discrete, integrated, virtual, cpu, other) usable device that matches `which`: "":
+/// any; digits: an index; else a case-insensitive part of the name. Throws if there is none.
 size_t pick_device(const std::vector<DeviceInfo>& devices, const std::string& which);
 
 class Commands;
 
 class Device {
  public:
-  /// `which` as in pick_device.
-  /// `told`: for statistics_of() (kernel.h); throws where the driver has none.
+  /// `which` as in pick_device. `told`: enables statistics_of() (kernel.h); throws if the driver
+  /// lacks it.
   static Device open(const std::string& which = "", bool told = false);
 
   const DeviceInfo& info() const;
   const Limits& limits() const { return info().limits; }
 
-  /// Submits what `record` records (kernel.h) and waits until it is done. Each command sees what
-  /// those before it wrote. Returns the seconds from the submission to its end. Keep them well
-  /// below one: drivers kill what takes longer.
+  /// Submits what `record` records (kernel.h) and waits for it. Each command sees the writes of
+  /// earlier ones. Returns the seconds from submission to completion. Keep them well below one:
+  /// drivers kill longer work.
   double run(const std::function<void(Commands&)>& record);
 
   struct Impl;
@@ -63,11 +62,11 @@ class Device {
 
  private:
   explicit Device(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
-  std::shared_ptr<Impl> impl_;  // everything made of the device holds it too
+  std::shared_ptr<Impl> impl_;  // shared by everything made from the device
 };
 
-/// What validation has said in this process since the last call; forgets it. Complaints about what
-/// is left over come when a device's last owner goes.
+/// Validation messages of this process since the last call. Leaks are reported when a device's last
+/// owner is destroyed.
 std::vector<std::string> take_validation_messages();
 
 }  // namespace tdpt::gpu

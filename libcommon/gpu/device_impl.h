@@ -1,4 +1,4 @@
-// What the plain headers of this folder hide. Internal to it.
+// Implementation behind the public headers of this folder. Internal to it.
 #pragma once
 #include <fmt/format.h>
 #include <vulkan/vulkan_raii.hpp>
@@ -8,7 +8,7 @@
 
 namespace tdpt::gpu {
 
-/// Calls f(); what Vulkan throws becomes "WHAT: vkFunction: ResultName".
+/// Calls f(); Vulkan errors become "WHAT: vkFunction: ResultName".
 template <class F>
 auto calling_vulkan(const std::string& what, F f) {
   try {
@@ -18,7 +18,7 @@ auto calling_vulkan(const std::string& what, F f) {
   }
 }
 
-/// A buffer that the host sees, too; copies go through it.
+/// A host-visible buffer through which copies go.
 struct Staging {
   vk::raii::Buffer buffer = nullptr;
   vk::raii::DeviceMemory memory = nullptr;
@@ -29,17 +29,17 @@ struct Staging {
 struct Device::Impl {
   DeviceInfo info;
   vk::PhysicalDeviceLimits limits;
-  uint64_t piece = 16u << 20;  ///< bytes that are copied to or from the host at a time
-  bool told = false;           ///< its driver tells of kernels
+  uint64_t piece = 16u << 20;  ///< largest copy to or from the host at a time, bytes
+  bool told = false;           ///< kernel statistics are enabled
   vk::raii::Instance instance = nullptr;
   vk::raii::DebugUtilsMessengerEXT messenger = nullptr;
   vk::raii::PhysicalDevice physical = nullptr;
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;
   vk::raii::CommandPool pool = nullptr;
-  Staging staging;  ///< as large as copies have asked for
+  Staging staging;  ///< grown to the largest copy so far
 
-  /// Throws "NAME allows LIMIT WHAT; ASKED are asked for" where that is so.
+  /// Throws "NAME allows LIMIT WHAT; ASKED are asked for" if the limit is exceeded.
   void require_within(uint64_t limit, const char* what, uint64_t asked) const;
 };
 
@@ -77,7 +77,7 @@ struct Commands::Impl {
   const vk::raii::CommandBuffer& vulkan;
 
   void bind(const Kernel::Impl& kernel, std::span<const std::byte> push) const;
-  /// What follows sees what was written before.
+  /// Later commands see earlier writes.
   void barrier() const;
 };
 

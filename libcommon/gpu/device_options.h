@@ -1,4 +1,4 @@
-// Which device a program computes on, as its command line says: --device and --list-devices.
+// The options that select a program's compute device: --device and --list-devices.
 #pragma once
 #include <optional>
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace tdpt {
 
-/// `device` is "cpu" where nothing is given. `what`: a clause, "What traces the lines".
+/// `device` defaults to "cpu". `what`: a clause for --help, "What traces the lines".
 void declare_device_options(cli::Options& options, std::string& device, const std::string& what);
 
-/// Opens a GPU at once: that there is none is told before work begins. None: the CPU. Throws
-/// UsageError for what is neither.
+/// Opens a GPU at once, so that a missing one is reported before work begins. Empty: the CPU.
+/// Throws UsageError for anything else.
 std::optional<gpu::Device> device_asked(const std::string& device);
 
-/// "NAME", and that it is no GPU where that is so: drivers of the CPU step in where no other is.
+/// "NAME", with a remark if it is not a GPU: software drivers step in if there is no other.
 std::string words_of(const gpu::DeviceInfo& device);
 
 }  // namespace tdpt

@@ -1,5 +1,5 @@
-// Runs on lavapipe and under validation (tdpt_software_vulkan in CMakeLists.txt). A test that says
-// nothing of messages demands that there are none.
+// Runs on lavapipe with validation (tdpt_software_vulkan in CMakeLists.txt). Every test fails on
+// unexpected validation messages.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -21,7 +21,7 @@ struct TestPush {
   float scale;
 };
 
-/// The message of the Error that `f` throws, which is one of Exit `code`.
+/// The message of the Error that `f` throws; its exit code must be `code`.
 template <class F>
 std::string error_of(F f, Exit code = Exit::no_device) {
   try {
@@ -34,7 +34,7 @@ std::string error_of(F f, Exit code = Exit::no_device) {
   return "";
 }
 
-/// An environment variable for as long as this lives.
+/// Sets an environment variable during its lifetime.
 class WithVariable {
  public:
   WithVariable(const char* name, const char* value) : name_(name) {
@@ -62,7 +62,7 @@ class Gpu : public ::testing::Test {
     device = std::make_unique<Device>(Device::open());
   }
   void TearDown() override {
-    device.reset();  // what is left over is told now
+    device.reset();  // leaks are reported now
     EXPECT_EQ(take_validation_messages(), std::vector<std::string>());
   }
   const Device::Impl& vulkan() const { return *device->impl(); }
@@ -151,7 +151,7 @@ TEST_F(Gpu, TablesLieOneBehindTheOther) {
   EXPECT_EQ(tables.bytes(), 5 * Part::kPartAlignment);
   EXPECT_EQ(tables.first_texels(), (std::vector<uint32_t>{0, 16, 48, 64}));
   tables.upload(*device);
-  const std::array<uint64_t, 4> bytes{20, 260, 16, 100};  // of none there is a texel
+  const std::array<uint64_t, 4> bytes{20, 260, 16, 100};  // an empty table still has a texel
   for (size_t i = 0; i < bytes.size(); ++i) {
     EXPECT_EQ(tables.part(i).impl().offset, 16 * tables.first_texels()[i]);
     EXPECT_EQ(tables.part(i).impl().bytes, bytes[i]);
@@ -261,7 +261,7 @@ TEST_F(Gpu, CommandsSeeWhatTheOnesBeforeThemWrote) {
   EXPECT_EQ(words.download<uint32_t>(3), (std::vector<uint32_t>{6, 0, 0}));
   EXPECT_EQ(image.download(), (std::vector<uint32_t>{4, 0, 0, 0}));
 
-  // A kernel writes the work groups that the next one is given: words[0] = 2, words[1..2] = 1.
+  // A kernel writes the work groups of the next dispatch: words[0] = 2, words[1..2] = 1.
   words.write(std::as_bytes(std::span<const uint32_t>({0, 1, 1})));
   device->run([&](Commands& c) {
     c.dispatch(kernel, push(TestPush{2, 1, 1}), 1);
@@ -315,7 +315,7 @@ TEST_F(Gpu, WhatIsAboveALimitIsRefusedWithBothNumbers) {
   device->impl()->limits.maxPerStageDescriptorStorageBuffers = kMany - 1;
   refused(kMany - 1, "buffers in a kernel", kMany,
           [&] { Kernel(*device, shader::gpu_test_many_spv, many); });
-  // What is not named is not bound.
+  // Unused bindings are not bound.
   kernel(many, 0);
   const Kernel k = kernel({buffer}, 0);
   const uint32_t groups = most.maxComputeWorkGroupCount[0];
@@ -352,7 +352,7 @@ TEST_F(Gpu, AKernelIsGivenThePushConstantsItDeclares) {
           device->run([&](Commands& c) { c.dispatch_indirect(kernel, push(p), buffer, offset); });
         },
         Exit::internal);
-  // After all this it still works.
+  // The device still works afterwards.
   device->run([&](Commands& c) { c.dispatch(kernel, push(p), 1); });
   EXPECT_EQ(image.download(), std::vector<uint32_t>{1});
 }
@@ -381,7 +381,7 @@ DeviceInfo named(const std::string& name, const std::string& kind, const std::st
   return {name, kind, unfit, {}};
 }
 
-// Mesa's software device is one that tells nothing.
+// Mesa's software device reports no statistics.
 TEST(Statistics, WhereTheDriverHasNoneIsSaid) {
   const std::string name = list_devices()[0].name;
   EXPECT_EQ(error_of([] { Device::open("", true); }),
@@ -400,7 +400,7 @@ TEST(PickDevice, TakesTheBestOrTheOneThatIsMeant) {
   EXPECT_EQ(pick_device(all, "0"), 0u);
   EXPECT_EQ(pick_device(all, "2"), 2u);
   EXPECT_EQ(pick_device(all, "rAdEoN N"), 3u);
-  EXPECT_EQ(pick_device(all, "r"), 3u);  // the best of all but pipe
+  EXPECT_EQ(pick_device(all, "r"), 3u);  // the best of all except pipe
   EXPECT_EQ(error_of([&] {
               pick_device({all[0], all[1]}, "1");
             }),
@@ -422,7 +422,7 @@ TEST(NoDevice, WithoutADriverThereIsNoDevice) {
 }
 
 TEST(NoDevice, WithoutALoaderThereIsNoDevice) {
-  if (getenv("TDPT_TEST_WITHOUT_LOADER")) {  // this is the process that finds none
+  if (getenv("TDPT_TEST_WITHOUT_LOADER")) {  // this process must find no loader
     const std::string expected =
         "there is no Vulkan loader (libvulkan), Debian's package libvulkan1";
     EXPECT_EQ(error_of([] { list_devices(); }), expected);
@@ -448,7 +448,7 @@ TEST(NoDevice, ValidationThatIsAskedForIsNeeded) {
   Device::open();
 }
 
-// Twins: what validation is there to find is found.
+// Twins: validation finds planted errors.
 
 class Misuse : public Gpu {
  protected:

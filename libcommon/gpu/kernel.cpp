@@ -22,7 +22,7 @@ vk::raii::Pipeline make_pipeline(const Device::Impl& d, std::span<const uint32_t
   return {d.device, nullptr, vk::ComputePipelineCreateInfo(flags, stage, *layout)};
 }
 
-// Calls see(words) for each instruction of SPIR-V: the first of its words tells which it is.
+// Calls see(words) for each SPIR-V instruction; its first word holds the opcode.
 template <class See>
 void for_instructions(std::span<const uint32_t> program, const See& see) {
   constexpr size_t kHeader = 5;
@@ -30,7 +30,7 @@ void for_instructions(std::span<const uint32_t> program, const See& see) {
     see(program.subspan(i, program[i] >> 16));
 }
 
-// The numbers that OpDecorate gives to a program's variables or constants.
+// The values that OpDecorate assigns to a program's variables or constants.
 std::set<uint32_t> decorated(std::span<const uint32_t> program, uint32_t decoration) {
   constexpr uint32_t kOpDecorate = 71;
   std::set<uint32_t> numbers;
@@ -45,7 +45,7 @@ std::set<uint32_t> bindings_of(std::span<const uint32_t> program) {
   return decorated(program, kBinding);
 }
 
-// The bindings of a program, by the storage classes of its variables.
+// The bindings of a program, typed by the storage classes of its variables.
 std::vector<vk::DescriptorSetLayoutBinding> layout_of(std::span<const uint32_t> program) {
   constexpr uint32_t kHeader = 5, kOpVariable = 59, kOpDecorate = 71, kBinding = 33;
   constexpr uint32_t kUniform = 2, kStorageBuffer = 12;
@@ -138,7 +138,7 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> program,
       const Memory::Impl& m = memory[i].impl();
       const vk::DescriptorBufferInfo buffer(m.whole(), m.offset, m.of ? m.bytes : VK_WHOLE_SIZE);
       const vk::DescriptorImageInfo image({}, *m.view, vk::ImageLayout::eGeneral);
-      // The type says which of them is read.
+      // The type selects which of them is read.
       d.device.updateDescriptorSets(
           vk::WriteDescriptorSet(*k.set, i, 0, 1, m.type, &image, &buffer, &*m.texels), {});
     }
@@ -197,7 +197,7 @@ void Commands::dispatch_indirect(const Kernel& kernel, std::span<const std::byte
 }
 
 void Commands::clear(const Image3D& image) {
-  // What it held before is lost; so it may be new and without a layout.
+  // Discards the old contents, so the image may be new and without a layout.
   const vk::ImageMemoryBarrier to_general({}, vk::AccessFlagBits::eTransferWrite,
                                           vk::ImageLayout::eUndefined, vk::ImageLayout::eGeneral, 0,
                                           0, *image.impl().image, kWholeImage);

@@ -1,4 +1,4 @@
-// Kernels, and how they are run.
+// Compute kernels, and how they are dispatched.
 #pragma once
 #include <set>
 
@@ -6,14 +6,14 @@
 
 namespace tdpt::gpu {
 
-/// A compute shader with the entry point main, and the memory it works on. Copies are the same one.
+/// A compute shader with the entry point main, and the memory bound to it. Copies share one kernel.
 class Kernel {
  public:
-  /// `program`: SPIR-V, as tdpt_shaders() of cmake/tdpt.cmake leaves it in shaders/NAME.h.
-  /// `memory`: what stands at layout(set = 0, binding = 0, 1, 2, ...); it lives as long as this.
-  /// What the program does not name is not bound, and counts for no limit.
-  /// `push_bytes`: size of the push constants, a multiple of 4. `constants`: of specialisation,
-  /// those with constant_id 0, 1, 2, ...; bools are 0 or 1.
+  /// `program`: SPIR-V, as tdpt_shaders() of cmake/tdpt.cmake writes it to shaders/NAME.h.
+  /// `memory`: bound to layout(set = 0, binding = 0, 1, 2, ...); kept alive by the kernel. Bindings
+  /// that the program does not use are not bound and count for no limit. `push_bytes`: size of the
+  /// push constants, a multiple of 4. `constants`: specialisation constants with constant_id 0, 1,
+  /// 2, ...; bools are 0 or 1.
   Kernel(const Device& device, std::span<const uint32_t> program, const std::vector<Memory>& memory,
          uint32_t push_bytes = 0, const std::vector<uint32_t>& constants = {});
 
@@ -24,19 +24,19 @@ class Kernel {
   std::shared_ptr<Impl> impl_;
 };
 
-/// How many storage buffers a program names, of all that is bound for several.
+/// How many storage buffers a program uses of the memory that several programs share.
 size_t storage_buffers_in(std::span<const uint32_t> program);
 
-/// The constant_ids that a program reads: others make no other kernel of it.
+/// The constant_ids that a program reads: other constants do not change its kernel.
 std::set<uint32_t> constants_of(std::span<const uint32_t> program);
 
-/// What a driver's compiler tells of a program: "VGPRs", "Scratch size", as the driver calls it.
+/// A statistic from a driver's compiler, "VGPRs", "Scratch size", as the driver calls it.
 struct Statistic {
   std::string name;
   double value;
 };
-/// Of a device that was opened for it, be it one without memory. `program`, `push_bytes` and
-/// `constants` as of Kernel; what it binds are storage buffers, texels and uniforms.
+/// Needs a device opened with `told`; it may lack memory. `program`, `push_bytes` and `constants`
+/// as for Kernel; bindings may be storage buffers, texels and uniforms.
 std::vector<Statistic> statistics_of(const Device& device, std::span<const uint32_t> program,
                                      uint32_t push_bytes,
                                      const std::vector<uint32_t>& constants = {});
@@ -48,19 +48,18 @@ std::span<const std::byte> push(const T& values) {
   return std::as_bytes(std::span(&values, 1));
 }
 
-/// Given by Device::run. Everything named here lives until run() returns.
+/// Passed by Device::run. All arguments must live until run() returns.
 class Commands {
  public:
-  /// `push`: as of push(), or {}. `groups`: work groups along x; above the device's limit it
-  /// throws.
+  /// `push`: from push(), or {}. `groups`: work groups along x; throws above the device's limit.
   void dispatch(const Kernel& kernel, std::span<const std::byte> push, uint32_t groups);
-  /// The device reads the work groups along x, y, z from three uint32 in `groups`, at byte `offset`
-  /// (a multiple of 4). Whoever writes them keeps each below 65536, which every device allows.
+  /// The device reads the work groups along x, y, z from three uint32 in `groups` at byte `offset`
+  /// (a multiple of 4). Their writer must keep each below 65536, which every device allows.
   void dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push,
                          const Buffer& groups, uint64_t offset = 0);
-  /// Makes every texel 0.
+  /// Sets every texel to 0.
   void clear(const Image3D& image);
-  /// Makes every byte 0.
+  /// Sets every byte to 0.
   void clear(const Buffer& buffer);
 
   struct Impl;

@@ -7,13 +7,13 @@ namespace tdpt::gpu {
 namespace {
 
 using Kind = vk::MemoryPropertyFlagBits;
-using Kinds = std::vector<vk::MemoryPropertyFlags>;  // what is wanted most comes first
+using Kinds = std::vector<vk::MemoryPropertyFlags>;  // in order of preference
 const vk::MemoryPropertyFlags kSeen = Kind::eHostVisible | Kind::eHostCoherent;
 const Kinds kHost{kSeen | Kind::eHostCached, kSeen}, kDevice{Kind::eDeviceLocal};
 constexpr auto kCopied =
     vk::BufferUsageFlagBits::eTransferSrc | vk::BufferUsageFlagBits::eTransferDst;
 
-/// Memory for a buffer or an image. Every device has some of the last kind that is asked for.
+/// Allocates memory for a buffer or an image. Every device has some of the last kind in the list.
 template <class Resource>
 vk::raii::DeviceMemory allocate(const Device::Impl& d, const Resource& resource,
                                 const Kinds& kinds) {
@@ -42,9 +42,9 @@ Staging make_staging(const Device::Impl& d, uint64_t size) {
   return s;
 }
 
-/// Copies between the host and the device, piece by piece; of `from` and `to` one is empty.
-/// record(commands, staging, at, n) records it for the bytes at .. at + n - 1. Their number, and
-/// that of each piece, is a multiple of `unit`.
+/// Copies between host and device in pieces; one of `from` and `to` is empty. record(commands,
+/// staging, at, n) records the copy of bytes at .. at + n - 1. The total and each piece are
+/// multiples of `unit`.
 template <class Record>
 void copy(Device device, std::span<const std::byte> from, std::span<std::byte> to, uint64_t unit,
           Record record) {

@@ -1,4 +1,4 @@
-// Memory of a device: buffers, and 3D images for atomics.
+// Device memory: buffers, and 3D images for atomics.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace tdpt::gpu {
 
-/// A buffer or an image. Copies of it are the same memory.
+/// A buffer or an image. Copies share the same memory.
 class Memory {
  public:
   struct Impl;
@@ -22,15 +22,15 @@ class Memory {
   std::shared_ptr<Impl> impl_;
 };
 
-/// A storage buffer (std430). Its contents are undefined until written.
+/// A storage buffer (std430). Undefined until written.
 class Buffer : public Memory {
  public:
-  /// Throws when `bytes` is above the limits.
+  /// Throws if `bytes` exceeds the limits.
   Buffer(const Device& device, uint64_t bytes);
-  /// One that kernels have as Texels, and in Parts: the limit of texels counts, not that of storage
-  /// buffers.
+  /// A buffer that kernels access as Texels and in Parts: the limit of texels applies, not that of
+  /// storage buffers.
   static Buffer of_parts(const Device& device, uint64_t bytes);
-  /// One that holds `values`.
+  /// Initialised with `values`.
   template <class T>
   Buffer(const Device& device, const std::vector<T>& values)
       : Buffer(device, values.size() * sizeof(T)) {
@@ -38,11 +38,11 @@ class Buffer : public Memory {
     write(std::as_bytes(std::span(values)));
   }
 
-  /// Its bytes from `at` on.
+  /// Writes bytes from offset `at` on.
   void write(std::span<const std::byte> from, uint64_t at = 0);
   void read(std::span<std::byte> to, uint64_t at = 0) const;
 
-  /// Its first `count` values from byte `at` on.
+  /// Reads `count` values from byte `at` on.
   template <class T>
   std::vector<T> download(size_t count, uint64_t at = 0) const {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -56,39 +56,39 @@ class Buffer : public Memory {
   void allocate(const Device& device, uint64_t bytes);
 };
 
-/// Part of a buffer, as a storage buffer of its own: a byte or more. `offset`: a multiple of
+/// A part of a buffer as a storage buffer of its own, at least one byte. `offset`: a multiple of
 /// kPartAlignment.
 class Part : public Memory {
  public:
-  static constexpr uint64_t kPartAlignment = 256;  // no device asks for more
-  /// Throws when it is larger than the device allows storage buffers to be.
+  static constexpr uint64_t kPartAlignment = 256;  // no device requires more
+  /// Throws if it exceeds the device's limit for storage buffers.
   Part(const Buffer& buffer, uint64_t offset, uint64_t bytes);
 };
 
-/// A buffer for kernels that only read it: `uniform usamplerBuffer`, texels of four words. Some
-/// devices read them faster than storage buffers.
+/// A read-only view of a buffer: `uniform usamplerBuffer`, texels of four words. Some devices read
+/// it faster than a storage buffer.
 class Texels : public Memory {
  public:
-  /// Throws when there are more texels than the device allows.
+  /// Throws if there are more texels than the device allows.
   explicit Texels(const Buffer& buffer);
 };
 
-/// A small buffer that all invocations read alike: `layout(std140) uniform`.
+/// A small buffer that all invocations read uniformly: `layout(std140) uniform`.
 class Uniforms : public Memory {
  public:
-  /// Throws when it is larger than the device allows.
+  /// Throws if it exceeds the device's limit.
   explicit Uniforms(const Buffer& buffer);
 };
 
 enum class Texel { r32ui, r32i };
 
-/// A 3D storage image with atomics; all zero at first.
+/// A 3D storage image with atomics, initially zero.
 class Image3D : public Memory {
  public:
-  /// `size`: texels along x, y, z. Throws when it is above the limits.
+  /// `size`: texels along x, y, z. Throws if it exceeds the limits.
   Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texel texel = Texel::r32ui);
 
-  /// Texels with x running fastest, then y; those of r32i as their 32 bits.
+  /// Texels, x fastest, then y; r32i as raw 32 bits.
   std::vector<uint32_t> download() const;
 };
 

@@ -1,5 +1,5 @@
-// Tables of records one behind the other in one buffer, as kernels read them by texels
-// [shaders/shared/records.h]; of those that kernels write each is a storage buffer, too.
+// Tables of records concatenated in one buffer, which kernels read as texels
+// [shaders/shared/records.h]; a table that kernels write is also bound as a storage buffer.
 #pragma once
 #include <optional>
 
@@ -9,7 +9,7 @@ namespace tdpt::gpu {
 
 class Tables {
  public:
-  /// Adds one that holds `values`, which stay where they are until upload().
+  /// Adds a table with `values`, which must stay valid until upload().
   template <class T>
   void add(std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -19,20 +19,20 @@ class Tables {
   void add(const std::vector<T>& values) {
     add(std::span<const T>(values));
   }
-  /// Adds room for a table of so many bytes, undefined.
+  /// Adds an uninitialised table of this size.
   void add_room(uint64_t bytes) { add({}, bytes); }
 
-  /// Of all of them.
+  /// Total size.
   uint64_t bytes() const { return end_; }
-  /// The texel that each begins at.
+  /// First texel of each table.
   std::vector<uint32_t> first_texels() const;
 
-  /// Makes the buffer, and fills it. Throws when it is above the limits.
+  /// Allocates and fills the buffer. Throws if it exceeds the limits.
   void upload(const Device& device);
   Texels texels() const { return Texels(*buffer_); }
-  /// Table i, with a texel at least.
+  /// Table i, at least one texel.
   Part part(size_t i) const { return {*buffer_, tables_[i].begin, tables_[i].bytes}; }
-  /// Its first bytes.
+  /// Writes to the beginning of table i.
   void write(size_t i, std::span<const std::byte> from) { buffer_->write(from, tables_[i].begin); }
 
  private:

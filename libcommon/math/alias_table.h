@@ -1,4 +1,4 @@
-// Draws from a list of entries with given weights.
+// Samples from a list of entries with given weights.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -6,8 +6,8 @@
 
 namespace tdpt {
 
-/// Discrete distribution in proportion to non-negative weights, one of which must be positive.
-/// Alias table (Vose): one draw costs the same for any number of entries.
+/// Discrete distribution in proportion to non-negative weights, at least one of them positive.
+/// Alias method (Vose): constant time per sample.
 class AliasTable {
  public:
   AliasTable() = default;
@@ -40,7 +40,7 @@ class AliasTable {
         small.push_back(l);
       }
     }
-    // What rounding left over must never be drawn when its weight is 0.
+    // Entries left over by rounding must never be drawn if their weight is 0.
     for (uint32_t s : small)
       if (pdf_1_[s] == 0) threshold_[s] = 0, alias_[s] = heaviest;
   }
@@ -49,7 +49,7 @@ class AliasTable {
   size_t size() const { return pdf_1_.size(); }
   /// Probability of entry i.
   double pdf_1(uint32_t i) const { return pdf_1_[i]; }
-  /// Of slot i: the share of draws that keep it, and the entry that the others take.
+  /// Slot i: the probability to keep it, and the entry taken otherwise.
   double threshold(uint32_t i) const { return threshold_[i]; }
   uint32_t alias(uint32_t i) const { return alias_[i]; }
   uint32_t sample(double u) const {

@@ -1,4 +1,4 @@
-// Draws from a list of entries with given weights, in their order.
+// Samples from a list of entries with given weights by inverting the cumulative distribution.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -7,13 +7,14 @@
 
 namespace tdpt {
 
-/// Discrete distribution in proportion to non-negative weights, one of which must be positive.
-/// Inverse of the cumulative distribution, found by a guide table (Chen and Asau 1974): one draw
-/// takes two steps in the mean for any number of entries.
+/// Discrete distribution in proportion to non-negative weights, at least one of them positive. The
+/// inverse is found by a guide table (Chen and Asau 1974): two steps per sample on average, for any
+/// number of entries.
 ///
-/// Numbers that are spread evenly give every run of entries its share evenly. An alias table draws
-/// by the low bits of its number, too, and those of a digitally shifted sequence are the same for
-/// all samples of a pixel: one sun among many dim texels would get all of them or hardly any.
+/// The inversion is monotonic, so stratified numbers stay stratified over the entries. An alias
+/// table is not: it also uses the low bits of its number, and with a digitally shifted sequence
+/// those are the same for all samples of a pixel, so one sun among many dim texels would get all of
+/// them or hardly any.
 class CumulativeTable {
  public:
   CumulativeTable() = default;
@@ -30,7 +31,7 @@ class CumulativeTable {
       end_[i] = sum / total;
       if (weights[i] > 0) last = i;
     }
-    // Whatever rounding did, every number in [0,1) finds an entry that is not 0.
+    // Despite rounding, every number in [0,1) finds an entry whose weight is not 0.
     for (size_t i = 0; i < n; ++i) end_[i] = i < last ? std::min(end_[i], 1.0) : 1;
     guide_.resize(n);
     uint32_t entry = 0;
@@ -54,8 +55,8 @@ class CumulativeTable {
   }
 
  private:
-  std::vector<double> pdf_1_, end_;  // end_[i]: sum of those up to i
-  std::vector<uint32_t> guide_;      // the entry that slot / size() falls in
+  std::vector<double> pdf_1_, end_;  // cumulative: entries 0 .. i
+  std::vector<uint32_t> guide_;      // first candidate for u in [slot, slot + 1) / size()
 };
 
 }  // namespace tdpt

@@ -9,25 +9,27 @@
 namespace tdpt {
 namespace {
 
-// A lamp stands in its own opening where at least this much of what crosses comes straight from
-// lamps, and of what lamps send crosses at once: then sampling the lamps finds the opening as well.
-// A niche needs less than a room with a lamp near the opening, whose walls send light through it.
+// Shares from which a lamp is said to be in its own opening: light that crosses straight from lamps
+// / all that crosses, and the same / all that the lamps emit. Then light sampling finds the opening
+// as well as a portal would. A window niche needs smaller shares than a room with a lamp near the
+// opening, whose walls scatter light through it.
 struct Own {
   double straight, seen;
 };
 constexpr Own kOfNiche{0.2, 0.1}, kOfRoom{0.24, 0.12};
-// Of the largest conductance.
+// Factor on the largest conductance.
 constexpr double kStillOpening = 1.5;
-// Of a room's opening: through a narrower one most light is scattered before, whatever the lamp.
+// Factor likewise, for the opening of a room: through a narrower one most light is scattered first,
+// wherever the lamp.
 constexpr double kHardlyNarrow = 0.4;
-constexpr double kNiche = 0.2;  // share of a light's side that is the niche of a window
-// From here on the lamps of a niche send nearly all to the other: there is no opening.
+constexpr double kNiche = 0.2;  // smaller share on the light's side: the niche of a window
+// From this share on, the lamps of a niche send nearly all their light across: there is no opening.
 constexpr double kOpen = 0.9;
-constexpr double kMostBack = 0.9;   // of the walks that cross
-constexpr double kFewestBack = 10;  // that cross: of fewer, how many come back is chance
+constexpr double kMostBack = 0.9;   // share of the walks that cross
+constexpr double kFewestBack = 10;  // crossing walks: of fewer, a random number comes back
 constexpr double kMostSkyBeyond = 0.1;
-constexpr double kOpenToSky = 0.2;      // of what crosses: from the sky itself
-constexpr double kLeastAcross = 0.005;  // of the light on the camera's side
+constexpr double kOpenToSky = 0.2;      // share of what crosses that comes from the sky itself
+constexpr double kLeastAcross = 0.005;  // share of the light on the camera's side
 
 std::string percent(double share) {
   return percent_words(share);
@@ -88,7 +90,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   if (crosses > 0) {
     f.across = crosses / (crosses + begun[1]);
     f.straight = straight / crosses;
-    // All that comes in from the open leaves again.
+    // All light that enters from the open leaves again.
     if (p.sky.empty() && crosses >= kFewestBack) f.back = back / crosses;
     if (camera[0] >= kFewestBack) f.camera_back = camera[1] / camera[0];
   }

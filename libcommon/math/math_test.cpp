@@ -35,7 +35,7 @@ TEST(onb, is_orthonormal_and_right_handed_in_every_direction) {
   EXPECT_NEAR(dot(Onb<double>(Vec3d{0, 0, -1}).x, Vec3d{0, 0, -1}), 0, 1e-12);
 }
 
-// Chi-square of draws against pdf_1 scaled by `fault`; true when the density holds.
+// Chi-square test of samples against pdf_1 scaled by `fault`; true if the density fits.
 template <typename Table>
 bool table_holds(double fault) {
   const std::vector<double> weights{1, 0, 3, 0.5, 10, 2.5};
@@ -51,7 +51,7 @@ bool table_holds(double fault) {
     const double expected = n * table.pdf_1(i) * (i == 2 ? fault : 1);
     chi2 += (hits[i] - expected) * (hits[i] - expected) / expected;
   }
-  return chi2 < 23.5;  // 5 degrees of freedom and a bit: p about 3e-4
+  return chi2 < 23.5;  // 5 degrees of freedom: p about 3e-4
 }
 TEST(alias_table, draws_follow_pdf_1) {
   EXPECT_TRUE(table_holds<AliasTable>(1));
@@ -81,8 +81,9 @@ TEST(cumulative_table, every_number_finds_an_entry_of_some_weight) {
   }
 }
 
-// How far off its share an entry of weight 7 among `entries` of 3 in all is, in samples of 64 whose
-// numbers are one in each 64th, at the same place of all: those of a digitally shifted sequence.
+// Deviation of an entry of weight 7 among `entries` of weight 3 from its share, in samples out of
+// 64, whose numbers are one in each 64th at the same offset: like those of a digitally shifted
+// sequence.
 template <typename Table>
 double unevenness(size_t entries) {
   std::vector<double> weights(entries, 3 / static_cast<double>(entries - 1));
@@ -105,7 +106,7 @@ TEST(cumulative_table, twin_an_alias_table_spreads_them_by_low_bits) {
   EXPECT_GT(unevenness<AliasTable>(2048), 15);
 }
 
-// Mean of cos over the hemisphere under pdf cos/pi is 2/3; under a uniform pdf it would be 1/2.
+// Mean of cos over the hemisphere is 2/3 under pdf cos/pi; under a uniform pdf it would be 1/2.
 TEST(warp, cosine_hemisphere_has_its_moments) {
   Rng rng(5, 0, 0);
   double sum = 0, square = 0;

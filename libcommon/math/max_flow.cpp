@@ -8,7 +8,7 @@
 namespace tdpt {
 namespace {
 
-// What Graph calls its edge_descriptor; its edges hold some.
+// The edge_descriptor of Graph, whose edge properties hold some.
 using Edge = boost::detail::csr_edge_descriptor<uint32_t, uint32_t>;
 struct EdgeState {
   int64_t capacity = 0, residual = 0;
@@ -37,8 +37,8 @@ std::vector<uint8_t> residual_reach(const Graph& g, uint32_t source) {
 }  // namespace
 
 MaxFlow max_flow(const FlowNetwork& network) {
-  // Each arc gives an edge and its reverse of capacity 0. The edges of a node stand side by side,
-  // in the order of the arcs; a loop carries nothing and gives none.
+  // Each arc gives an edge and its reverse of capacity 0. The edges of a node are contiguous, in
+  // the order of the arcs; loops carry nothing and are skipped.
   const auto is_edge = [](const FlowArc& a) { return a.from != a.to; };
   std::vector<uint32_t> next(size_t{network.nodes} + 1, 0);
   for (const FlowArc& a : network.arcs)

@@ -1,4 +1,4 @@
-// Maximum flow and minimum cut of a network with whole capacities (push-relabel, Boost).
+// Maximum flow and minimum cut of a network with integer capacities (push-relabel, Boost).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@ struct FlowArc {
   int64_t capacity;  ///< 0 or more
 };
 
-/// Nodes are 0 .. nodes-1; the sum of all capacities stays below kLargestCapacitySum.
+/// Nodes are 0 .. nodes-1; the sum of all capacities is below kLargestCapacitySum.
 struct FlowNetwork {
   uint32_t nodes = 0, source = 0, sink = 0;
   std::vector<FlowArc> arcs;
@@ -21,10 +21,10 @@ inline constexpr int64_t kLargestCapacitySum = INT64_MAX / 4;
 struct MaxFlow {
   int64_t value = 0;
   std::vector<int64_t> flow;         ///< on each arc of the network
-  std::vector<uint8_t> source_side;  ///< of each node: 1 when a residual path leads there
+  std::vector<uint8_t> source_side;  ///< per node: 1 if a residual path from the source reaches it
 };
 
-/// The cut is the one nearest to the source.
+/// The minimum cut nearest to the source.
 MaxFlow max_flow(const FlowNetwork& network);
 
 }  // namespace tdpt

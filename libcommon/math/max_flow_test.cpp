@@ -30,7 +30,7 @@ int64_t capacity_of(const FlowNetwork& net, uint32_t source_set) {
   return sum;
 }
 
-/// Smallest capacity over all 2^(n-2) partitions.
+/// Minimum capacity over all 2^(n-2) partitions.
 int64_t brute_force(const FlowNetwork& net) {
   int64_t best = INT64_MAX;
   for (uint32_t set = 0; set < 1u << net.nodes; ++set)

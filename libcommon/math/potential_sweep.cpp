@@ -1,15 +1,15 @@
-// The potential of a network of resistors, and the sweep cuts over it.
+// The potential of a resistor network, and the sweep cuts over it.
 //
 // Method: random-walker segmentation (Grady 2006), solved by conjugate gradients.
 //
 // u_i       potential of patch i, 0 where the light reaches it well, 1 where the camera does: the
-//           chance that a random walk from i along the arcs comes to the camera's patches first
-// c_ij      half the capacity of the arcs between i and j, either way
-// s_i, t_i  what holds u_i at 0 and at 1
+//           probability that a random walk from i along the arcs reaches the camera's patches first
+// c_ij      half the capacity of the arcs between i and j, both directions
+// s_i, t_i  conductances to potential 0 and 1
 //   sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0
-// E_i, W_i  hits of the light's and the camera's walks per sample, over their medians
+// E_i, W_i  hits of light walks and of camera walks per sample, divided by their medians
 //   t_i - s_i = n_i (W_i - E_i) / (W_i + E_i)  on patches that one of them reaches well
-// So rooms are told apart by who reaches them better, also where both reach all.
+// So rooms are distinguished by which end reaches them better, even if both reach all of them.
 #include "libcommon/math/potential_sweep.h"
 
 #include <algorithm>
@@ -19,11 +19,11 @@
 namespace tdpt {
 namespace {
 
-constexpr double kPinned = 0.5;  // grade from which a terminal holds a patch's potential
+constexpr double kPinned = 0.5;  // grade from which a terminal pins a patch's potential
 constexpr int kMostIterations = 2000;
-constexpr double kResidual = 1e-9;  // of the conjugate gradients, relative
+constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
 
-// The resistors: conductances c_ij of the patches' links in rows, and the terminals' arcs.
+// The resistors: conductances c_ij in compressed rows, and the arcs of the terminals.
 struct Links {
   struct Link {
     uint32_t to;
@@ -31,8 +31,8 @@ struct Links {
   };
   std::vector<size_t> first;  // links of node v: first[v] .. first[v + 1]
   std::vector<Link> links;
-  std::vector<double> total;                 // of each node's links
-  std::vector<double> from_source, to_sink;  // of each node
+  std::vector<double> total;                 // sum over each node's links
+  std::vector<double> from_source, to_sink;  // per node
 };
 
 Links links_of(const PatchNetwork& p) {
@@ -56,7 +56,7 @@ Links links_of(const PatchNetwork& p) {
   std::vector<size_t> next(l.first.begin(), l.first.end() - 1);
   for (const FlowArc& a : net.arcs) {
     if (!inner(a)) continue;
-    // Either direction carries half of what joins the two.
+    // The two directions of an arc are averaged.
     const double half = 0.5 * static_cast<double>(a.capacity);
     l.links[next[a.from]++] = {a.to, half};
     l.links[next[a.to]++] = {a.from, half};
@@ -66,10 +66,9 @@ Links links_of(const PatchNetwork& p) {
   return l;
 }
 
-// Half the hits lie on patches with fewer of them for their samples, half on those with more [hits
-// / sample]; 0 without hits.
+// Median of hits / sample, weighted by hits; 0 without hits.
 double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
-  std::vector<std::pair<double, double>> densities;  // and hits
+  std::vector<std::pair<double, double>> densities;  // with hits
   double total = 0, below = 0;
   for (size_t i = 0; i < hits.size(); ++i)
     if (samples[i] > 0 && hits[i] > 0)
@@ -80,8 +79,8 @@ double median_density(const std::vector<double>& hits, const std::vector<double>
   return 0;
 }
 
-// What holds the potential of each node [share of its samples]: below 0 the light, above 0 the
-// camera. Only what one of them reaches well is held.
+// Pull on each node's potential [share of its samples]: negative to the light, positive to the
+// camera. Only patches that one of them reaches well are pinned.
 std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
   std::vector<double> holds(p.network.nodes, 0);
   const bool walks = !p.begun.empty();
@@ -92,17 +91,17 @@ std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
     const double s = l.from_source[v], t = l.to_sink[v];
     if (!(whole > 0) || std::max(s, t) < kPinned * whole) continue;
     holds[v] = (t - s) / whole;
-    // What the sky lights it holds itself.
+    // The sky pins the patches that it lights by itself.
     if (!(lit > 0 && viewed > 0) || !p.sky.empty()) continue;
-    // Grades end at 1: where light and camera both reach a patch, which of them does so better.
+    // Grades saturate at 1: where light and camera both reach a patch, compare which does so
+    // better.
     const double e = p.lit[v] / lit, w = p.viewed[v] / viewed;
     if (e + w > 0) holds[v] = (w - e) / (w + e);
   }
   return holds;
 }
 
-// u of each node, by conjugate gradients with the diagonal as preconditioner; s and t hold the
-// patches that light and camera reach well.
+// Solves for u with diagonally preconditioned conjugate gradients.
 std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   const uint32_t n = p.network.nodes;
   const std::vector<double> holds = holds_of(p, l);
@@ -110,7 +109,7 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
     const double hold = std::abs(holds[v]) * whole;
-    // Patches that nothing holds and nothing joins stay at 1/2.
+    // Isolated patches that nothing pins stay at 1/2.
     const double loose = 1e-9 * whole + 1e-30;
     diagonal[v] = l.total[v] + hold + loose;
     right[v] = (holds[v] > 0 ? hold : 0) + 0.5 * loose;

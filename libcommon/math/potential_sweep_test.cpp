@@ -7,7 +7,7 @@
 namespace tdpt::potential_sweep_test {
 
 // Four patches in a row, the light at the first and the camera at the last; the arcs between the
-// two in the middle are a tenth of the others.
+// two in the middle have a tenth of the others' capacity.
 PatchNetwork row() {
   PatchNetwork p;
   p.scale = 1000;
@@ -23,7 +23,7 @@ PatchNetwork row() {
 TEST(potential_sweep, is_that_of_resistors_in_a_row) {
   const Sweep s = sweep_of(row());
   ASSERT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
-  // Resistances: 1/1000 at either end, 1/400, 1/40, 1/400 between; 0.032 in all.
+  // Resistances: 1/1000 at either end, 1/400, 1/40, 1/400 between; 0.032 in total.
   const double u[] = {0.001 / 0.032, 0.0035 / 0.032, 0.0285 / 0.032, 0.031 / 0.032};
   for (uint32_t i = 0; i < 4; ++i) EXPECT_NEAR(s.u[2 + i], u[i], 1e-6) << i;
 }

@@ -1,5 +1,5 @@
-// The region that matters of a scene whose floor or sky may extend a hundred times as far: where
-// most of some places lie, by robust quantiles of their coordinates.
+// The region where most of a set of points lies, by robust quantiles of their coordinates: the part
+// that matters of a scene whose floor or sky may extend a hundred times as far.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace tdpt {
 
-/// A box along the axes; empty while low > high.
+/// An axis-aligned box; empty while low > high.
 struct Extent {
   Vec3d low{1e300}, high{-1e300};
 
@@ -22,11 +22,11 @@ struct Extent {
   Extent within(const Extent& e) const { return {max(low, e.low), min(high, e.high)}; }
 };
 
-inline constexpr double kFarShare = 0.02;  ///< of the weight, at either end of each axis
-inline constexpr double kFarMargin = 0.1;  ///< of a side: how far a few reach beyond many
+inline constexpr double kFarShare = 0.02;  ///< of the weight, cut off at either end of each axis
+inline constexpr double kFarMargin = 0.1;  ///< of a side: how far a few points may lie outside
 
-/// The box, along each axis, from the quantile `far_share` of the weights to 1 - far_share, and
-/// kFarMargin of its sides more all around: places that fill a room give the whole room.
+/// The box from quantile `far_share` of the weights to 1 - far_share along each axis, widened by
+/// kFarMargin of its sides: points that fill a room give the whole room.
 struct WeightedPlace {
   Vec3d place;
   double weight = 1;

@@ -1,9 +1,9 @@
-// The random numbers of a pixel's samples, spread more evenly than independent ones, as an object.
+// Low-discrepancy random numbers for the samples of a pixel, as an object.
 //
-// Method: padded Sobol points in Owen-scrambled order with digital shifts; how and why, and with
-// which symbols, stands in shaders/shared/sequence.h, which C++ and kernels share. Here are
-// the table of points that it reads, made from the direction numbers at compile time, and the class
-// that the renderer draws from.
+// Method: padded Sobol points, Owen-scrambled, with digital shifts; shaders/shared/sequence.h,
+// which C++ and kernels share, explains it and lists the symbols. This file makes the table of
+// points that it reads, from the direction numbers at compile time, and the class that the renderer
+// uses.
 #pragma once
 #include <array>
 #include <bit>
@@ -19,9 +19,9 @@ constexpr uint32_t kBlock = 4;  ///< dimensions of a block
 /// One point of a block's Sobol sequence: bit 31 of a coordinate is a half.
 using Point = shader::uvec4;
 
-/// What bit k of the index adds to the point.
+/// What bit k of the index contributes to the point (XOR).
 constexpr std::array<Point, 32> directions() {
-  // Of coordinates 1, 2, 3: the polynomial's degree and its terms between the first and the last,
+  // For coordinates 1, 2, 3: degree of the polynomial, its terms between the first and the last,
   // and as many odd numbers m_k. Direction number v_k = m_k / 2^(k+1).
   struct Polynomial {
     uint32_t degree, middle;
@@ -55,7 +55,7 @@ constexpr Points make_points() {
   Points points{};
   for (uint32_t byte = 0; byte < 4; ++byte)
     for (uint32_t value = 1; value < 256; ++value) {
-      // All but the lowest set bit is an earlier entry.
+      // The index without its lowest set bit is an earlier entry.
       const auto bit = static_cast<uint32_t>(std::countr_zero(value));
       points[256 * byte + value] =
           points[256 * byte + (value & (value - 1))] ^ columns[8 * byte + 7 - bit];
@@ -78,7 +78,7 @@ namespace tdpt {
 
 static_assert(sequence::kBlock == shader::kSequenceBlock);
 
-/// See there.
+/// See shaders/shared/sequence.h.
 class Sequence {
  public:
   Sequence(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t sample)

@@ -24,7 +24,8 @@ double independent(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t samp
 
 using Numbers = double (*)(uint64_t, uint64_t, uint64_t, uint64_t, uint32_t);
 
-// Of 2^k samples from `first`, each cell of 2^-a by 2^-(k-a) in dimensions d and e holds one.
+// Whether each cell of 2^-a by 2^-(k-a) in dimensions d and e contains one of 2^k samples from
+// `first` on.
 bool one_in_each_cell(Numbers numbers, uint64_t pixel, uint64_t first, int k, int a, uint32_t d,
                       uint32_t e) {
   std::set<std::pair<int, int>> cells;
@@ -73,8 +74,8 @@ TEST(sequence, twin_independent_numbers_are_no_such_pair) {
   EXPECT_FALSE(every_rectangle_has_its_sample(independent, 1));
 }
 
-// Whether the mean over many seeds of what `samples` samples say of the volume x + y + z < 1,
-// namely 1/6, is right to four standard errors. `fixed`: the seed that is taken for all.
+// Whether the mean over many seeds of the estimates of the volume x + y + z < 1, which is 1/6, by
+// `samples` samples is right within four standard errors. `fixed`: a single seed for all.
 bool volume_is_right(uint32_t d, uint32_t e, uint32_t f, uint64_t samples, uint64_t fixed = 0) {
   constexpr int kSeeds = 20000;
   double sum = 0, squares = 0;
@@ -101,13 +102,13 @@ TEST(sequence, twin_one_scrambling_alone_is_not_unbiased) {
   EXPECT_FALSE(volume_is_right(0, 1, 2, 16, 1));
 }
 
-// Where one of two numbers is taken from.
+// Origin of one of two numbers.
 struct Place {
   uint64_t seed = 0, stream = 0, pixel = 0, sample = 0;
   uint32_t d = 0;
 };
-// p of the pairs (number at `varied` + a, number at `varied` + b) filling the square evenly;
-// `varied` runs over pixels or over seeds.
+// p-value for uniformity of the pairs (number at `varied` + a, number at `varied` + b) in the
+// square; `varied` is the pixel or the seed.
 double p_of_pairs(const Place& a, const Place& b, bool over_seeds) {
   constexpr size_t kSide = 16;
   const std::vector<double> even(kSide * kSide, 1.0 / (kSide * kSide));
@@ -153,8 +154,8 @@ TEST(sequence, twin_samples_of_one_pixel_are_correlated) {
   EXPECT_LT(least_p_of_pairs({{{}, {.sample = 1}}}), 1e-6);
 }
 
-// Variance of the mean over 64 samples of a product of two numbers about 0, times that of
-// independent ones; over 4000 pixels, so true to about 5 %.
+// Variance of the mean over 64 samples of a product of two centred numbers, relative to independent
+// ones; over 4000 pixels, so accurate to about 5 %.
 double variance_of_products(uint32_t d, uint32_t e) {
   constexpr int kPixels = 4000, kSamples = 64;
   double squares = 0;
@@ -166,8 +167,8 @@ double variance_of_products(uint32_t d, uint32_t e) {
   }
   return squares * 144 / (kPixels * kSamples);
 }
-// Neighbours lie in opposite halves of both dimensions, so their products have one sign: what the
-// halves contribute has twice the variance of independent numbers, all bits together 1.6 times.
+// Neighbours lie in opposite halves of both dimensions, so their products have the same sign: the
+// halves' part has twice the variance of independent numbers, all bits together 1.6 times.
 TEST(sequence, two_blocks_are_paired_at_random_but_for_neighbours) {
   EXPECT_LT(variance_of_products(0, 4), 1.8);
   EXPECT_LT(variance_of_products(2, 9), 1.8);
@@ -181,7 +182,7 @@ TEST(sequence, twin_a_dimension_paired_with_itself_is_worse) {
   EXPECT_GT(variance_of_products(1, 1), 1.8);
 }
 
-// p of bits `shift` ... `shift` + 7 of the numbers of 50000 samples being even.
+// p-value for uniformity of bits `shift` ... `shift` + 7 of the numbers of 50000 samples.
 double p_of_byte(int shift, uint64_t keep) {
   const std::vector<double> even(256, 1.0 / 256);
   double least = 1;

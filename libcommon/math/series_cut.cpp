@@ -1,15 +1,15 @@
-// The openings that the light passes one behind the other, and the cut through each.
+// Finds the openings in series that light passes, and a cut through each.
 //
-// Method: sweep cuts over the potential u of a network of resistors (potential_sweep.h) find the
-// drops; a minimum cut (max_flow.h) with the potential as data term draws the border of each.
+// Method: sweep cuts over the potential u of a resistor network (potential_sweep.h) find the drops;
+// a minimum cut (max_flow.h) with the potential as data term finds the border of each.
 //
 // Rooms are plateaus of u. A closet beside the light's way has the potential of the room it belongs
-// to: no current passes its door, however narrow, which a cut by conductance alone would take. In
-// the order of u a threshold behind each patch parts the others; a drop is a threshold of small
-// conductance in the graph's sense: capacity across over that of the smaller side.
+// to, because no current passes its door, however narrow; a cut by conductance alone would choose
+// that door. In the order of u, a threshold after each patch is a sweep cut; a drop is a threshold
+// of small conductance: capacity across / capacity of the smaller side.
 //
-// Each drop is cut and judged alone. Those that hold are cut once more, with the rooms between them
-// as plateaus, and made to lie one within the other.
+// Each drop is cut and judged on its own. Those accepted are cut again with the rooms between them
+// as plateaus, and made nested.
 #include "libcommon/math/series_cut.h"
 
 #include <algorithm>
@@ -23,24 +23,23 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastDrop = 0.01;  // of u between two rooms
-// The sweep cut at a drop is worse than the minimum cut there: it is looked for with a looser
-// limit.
-// There it must be a large part of the way from the light to the camera.
+constexpr double kLeastDrop = 0.01;  // smallest difference of u between two rooms
+// The sweep cut at a drop is worse than the minimum cut there, so it is searched with a looser
+// limit on conductance; such a drop must be a large part of the potential between light and camera.
 constexpr double kLoose = 2, kLeastLooseDrop = 0.1;
 constexpr size_t kMostCandidates = 12;
 
-// A place in the sweep that may part two rooms.
+// A place in the sweep that may separate two rooms.
 struct Drop {
-  size_t at;           // nodes before it
+  size_t at;           // number of nodes before it
   double conductance;  // of the sweep cut, within the part of the sweep where it is the best
 };
 
 struct Candidate {
-  std::vector<uint8_t> source_side;  // of each node
+  std::vector<uint8_t> source_side;  // per node
   int64_t flow;
   CutFacts facts;
-  std::string why;  // it is no bottleneck; empty when it is one
+  std::string why;  // why it is no bottleneck; empty if it is one
 };
 
 class SeriesCutter {
@@ -60,7 +59,8 @@ class SeriesCutter {
       return std::move(result_);
     }
     const std::vector<Drop> drops = drops_to_look_at();
-    // The minimum cut first, then each drop by itself: its rooms end at drops as narrow as itself.
+    // The minimum cut first, then each drop alone: its rooms end at other drops that are at least
+    // as narrow.
     std::vector<std::optional<Candidate>> alone(1 + drops.size());
     tbb::parallel_for(size_t{0}, alone.size(), [&](size_t i) {
       if (i == 0)
@@ -98,8 +98,8 @@ class SeriesCutter {
     return "";
   }
 
-  // Share of the surface, of the exchanged light or, with a sky, of what the camera's walks hit,
-  // whichever is most.
+  // Share of the surface, of the exchanged light or, with a sky, of the camera walks' hits,
+  // whichever is largest.
   double share(size_t low, size_t high) const {
     const auto of = [&](const std::vector<double>& sum) {
       const double all = Sweep::between(sum, 0, sweep_.size());
@@ -108,14 +108,15 @@ class SeriesCutter {
     return std::max({of(sweep_.area), of(sweep_.volume), of(sweep_.viewed)});
   }
 
-  // Places in the sweep between `low` and `high` (exclusive) where it may part two rooms, in order:
-  // the best one, and those within both parts.
+  // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
+  // those in both parts.
   void find_drops(size_t low, size_t high, std::vector<Drop>& found) const {
     Drop best{0, std::min(1.0, kLoose * limits_.largest_conductance)};
     for (size_t i = low + 1; i < high; ++i) {
       if (share(low, i) < limits_.least_area) continue;
       if (share(i, high) < limits_.least_area) break;
-      // Capacities are whole: less than half of one is rounding, and a closed door is no opening.
+      // Capacities are integers: less than half of one is rounding, and a closed door is no
+      // opening.
       const double conductance = sweep_.conductance(i, low, high);
       if (conductance < best.conductance && sweep_.crossing[i - 1] >= 0.5) best = {i, conductance};
     }
@@ -125,7 +126,7 @@ class SeriesCutter {
     find_drops(best.at, high, found);
   }
 
-  // Mean potential of the nodes low .. high of the sweep, by area.
+  // Mean potential of nodes low .. high of the sweep, weighted by area.
   double plateau(size_t low, size_t high) const {
     double sum = 0, area = 0;
     for (size_t i = low; i < high; ++i) {
@@ -135,10 +136,9 @@ class SeriesCutter {
     return area > 0 ? sum / area : 0;
   }
 
-  // The minimum cut at a drop between nodes low .. high of the sweep; nothing where both sides have
-  // one potential: the door of a closet, that no light passes on its way. Data term: patches are
-  // drawn to the sides by how far their potential lies from the drop, in units of the plateaus'
-  // distances.
+  // The minimum cut at a drop between nodes low .. high of the sweep. Empty if both sides have the
+  // same potential: the door of a closet, which no light passes on its way. Data term: the distance
+  // of a patch's potential from the drop, relative to that of the plateau, pulls it to its side.
   std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
     const std::vector<double>& u = sweep_.u;
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
@@ -160,7 +160,8 @@ class SeriesCutter {
     return judged(solve_(net));
   }
 
-  // The part of the sweep around drop c up to its neighbours among `drops` for which counts(k).
+  // The cut at drop c, within the part of the sweep up to its neighbours among the `drops` with
+  // counts(k).
   template <class Counts>
   std::optional<Candidate> cut_between(const std::vector<Drop>& drops, size_t c,
                                        const Counts& counts) const {
@@ -184,8 +185,8 @@ class SeriesCutter {
     return drops;
   }
 
-  // Those of the candidates, one for each drop, that are bottlenecks, at most `most_`, in the
-  // light's order; drawn once more, with the rooms between them.
+  // The bottlenecks among the candidates (one per drop), at most `most_`, from the light to the
+  // camera; cut again with the rooms between them.
   std::vector<Candidate> bottlenecks_among(const std::vector<Drop>& drops,
                                            const std::vector<std::optional<Candidate>>& alone) {
     std::vector<Drop> good;
@@ -224,8 +225,8 @@ class SeriesCutter {
     }
   }
 
-  // Adds a bottleneck to those kept, between the ones that it lies between; what they share becomes
-  // one border. Not one that hardly differs from a kept one, or is no bottleneck any more.
+  // Inserts a bottleneck between the kept ones that enclose it, made nested with them. Rejects it
+  // if it hardly differs from a kept one or is no longer a bottleneck.
   bool add(Candidate c, std::vector<Candidate>& kept) {
     size_t place = 0;
     for (const Candidate& k : kept) place += k.facts.area[0] < c.facts.area[0];
@@ -247,7 +248,7 @@ class SeriesCutter {
     return true;
   }
 
-  // Share of the surface or of the exchanged light that lies between two cuts.
+  // Share of the surface or of the exchanged light between two cuts.
   double difference(const Candidate& a, const Candidate& b) const {
     double area = 0, all = 0;
     for (uint32_t v = 0; v < net_.nodes; ++v) {
@@ -271,8 +272,8 @@ class SeriesCutter {
         {all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0, views > 0 ? viewed / views : 0});
   }
 
-  // The minimum cut of the network as it is, instead of the only other one where the two are the
-  // same opening.
+  // Adds the minimum cut of the whole network; if the only other one is the same opening, replaces
+  // that.
   void add_minimum_cut(const Candidate& whole, std::vector<Candidate>& kept) {
     if (!whole.why.empty()) {
       if (kept.empty()) return;
@@ -291,8 +292,8 @@ class SeriesCutter {
     result_.refused.push_back({c.facts, why});
   }
 
-  // Where no candidate holds: that of the minimum cut, but a lamp in its own opening tells more,
-  // and so does the narrowest place between two rooms where the minimum cut encloses next to
+  // If no candidate is accepted, the reason is that of the minimum cut. A lamp in its own opening
+  // says more, and so does the narrowest refused opening if the minimum cut encloses almost
   // nothing.
   std::string reason_for(const Candidate& whole) const {
     for (const SeriesCut::Refused& r : result_.refused)

@@ -6,12 +6,12 @@
 
 namespace tdpt::series_cut_test {
 
-constexpr int kPatches = 20;  // of a room
+constexpr int kPatches = 20;  // patches per room
 
-// Rooms in a row of kPatches patches of 50 samples each, all in sight of each other; `door[r]`
-// joins the patches of room r to those of room r + 1. The camera is in room 0, the lamp in the
-// last; terminals reach other rooms as strongly as the doors let them.
-// Patches of a room exchange `each`, of the 50000 that a patch has.
+// Rooms in a row with kPatches patches of 50 samples each, all mutually visible; `door[r]` connects
+// the patches of room r to those of room r + 1. The camera is in room 0, the lamp in the last; the
+// terminals reach other rooms as strongly as the doors allow. Patches of a room exchange `each` of
+// a patch's capacity of 50000.
 PatchNetwork rooms_in_row(const std::vector<int64_t>& door, int64_t each = 25000 / kPatches) {
   const auto rooms = static_cast<uint32_t>(door.size() + 1);
   PatchNetwork p;
@@ -36,7 +36,7 @@ PatchNetwork rooms_in_row(const std::vector<int64_t>& door, int64_t each = 25000
   return p;
 }
 
-// Region of each room when all its patches share one; 99 otherwise.
+// Region of each room if all its patches share one; 99 otherwise.
 std::vector<uint32_t> regions(const PatchNetwork& p, const SeriesCut& cut) {
   std::vector<uint32_t> of_room;
   for (uint32_t v = 2; v < p.network.nodes; ++v) {
@@ -46,7 +46,7 @@ std::vector<uint32_t> regions(const PatchNetwork& p, const SeriesCut& cut) {
   return of_room;
 }
 
-// Two rooms, of which the lamp's is the sky, wide open to the other or not.
+// Two rooms, of which the sky replaces the lamp's, wide open to the other or not.
 struct UnderASky {
   PatchNetwork network;
   std::vector<uint8_t> source_side;
@@ -66,7 +66,7 @@ struct UnderASky {
   }
 };
 
-// A lamp that shines straight through its window needs no portal; the sky is what portals are for.
+// A lamp that shines straight through its window needs no portal, but a sky does.
 TEST(cut_facts, light_straight_from_the_sky_refuses_no_window) {
   const UnderASky sky(60000), lamp(60000, false);
   const CutFacts of_sky = facts_of(sky.network, sky.source_side);
@@ -101,7 +101,7 @@ TEST(cut_facts, a_room_whose_wall_is_missing_stands_open_to_the_sky) {
                                         "the sky is found without a portal"),
             std::string::npos)
       << why_refused(facts, {});
-  // Twin: another room in the sky's place.
+  // Twin: another room instead of the sky.
   CutFacts behind = facts;
   behind.sky_across = 0;
   EXPECT_NE(why_refused(behind, {}).find("the opening is wide"), std::string::npos);
@@ -137,7 +137,7 @@ TEST(series_cut, takes_the_narrowest_when_it_may_take_one_only) {
 }
 
 TEST(series_cut, does_not_cut_what_is_one_room) {
-  // A door as wide as the room is none, whatever lies behind it.
+  // A door as wide as the room is no door, whatever lies behind it.
   const PatchNetwork p = rooms_in_row({400, 200000});
   const SeriesCut cut = series_cut(p, 8, {});
   EXPECT_EQ(cut.cuts.size(), 1u);
@@ -164,7 +164,7 @@ TEST(series_cut, leaves_a_closet_beside_the_lights_way_alone) {
 }
 
 TEST(series_cut, a_candidate_that_fails_hides_none_that_holds) {
-  // The second door is too wide, and it is looked at, since sweep cuts are worse than minimum cuts.
+  // The second door is too wide, but is examined, since sweep cuts are worse than minimum cuts.
   const PatchNetwork p = rooms_in_row({20000, 70000});
   const SeriesCut cut = series_cut(p, 8, {});
   EXPECT_TRUE(cut.bottleneck);
@@ -173,14 +173,14 @@ TEST(series_cut, a_candidate_that_fails_hides_none_that_holds) {
   ASSERT_EQ(cut.refused.size(), 1u);
   EXPECT_NE(cut.refused[0].why.find("the opening is wide"), std::string::npos);
   EXPECT_GT(cut.refused[0].facts.conductance, 0.12);
-  // Where it may be as wide it is found.
+  // With a larger limit it is found.
   CutLimits wide;
   wide.largest_conductance = 0.3;
   EXPECT_EQ(series_cut(p, 8, wide).cuts.size(), 2u);
 }
 
-// In either room three patches belong to the other by their terminals, as where the camera sees
-// some of the lamp's room through the door: in the order of the potential they lie in between.
+// In each room three patches belong to the other by their terminals, as where the camera sees part
+// of the lamp's room through the door: in the order of the potential they lie in between.
 PatchNetwork rooms_seen_from_each_other() {
   PatchNetwork p = rooms_in_row({400}, 50000 / kPatches);
   for (FlowArc& a : p.network.arcs) {
@@ -197,12 +197,12 @@ TEST(series_cut, finds_an_opening_whose_sweep_cuts_are_all_too_wide) {
   ASSERT_EQ(cut.cuts.size(), 1u);
   EXPECT_EQ(regions(p, cut), (std::vector<uint32_t>{1, 0}));
   EXPECT_NEAR(cut.cuts[0].facts.conductance, 400 / (20 * 19 * 2500 + 400.0), 1e-9);
-  // Twin: the minimum cut of the network as it is takes the terminals' word.
+  // Twin: the minimum cut of the unmodified network follows the terminals.
   const MaxFlow whole = max_flow(p.network);
   EXPECT_GT(facts_of(p, whole.source_side).conductance, 0.12);
 }
 
-// Walks of the lamp room's patches: `begun` and `lit` of each, and those of the camera's.
+// Walks of the lamp room's patches: `begun` and `lit` per patch, and those of the camera's room.
 PatchNetwork lamp_before_a_door(double begun, double lit, double begun_beyond, double lit_beyond) {
   PatchNetwork p = rooms_in_row({130000});
   p.begun.assign(p.network.nodes, 0);
@@ -223,7 +223,7 @@ std::string why(const PatchNetwork& p) {
 }
 
 TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
-  // Of each patch's rays 0.13 pass the door: 130000 / 20 / 50000.
+  // 0.13 of each patch's rays pass the door: 130000 / 20 / 50000.
   EXPECT_EQ(why(lamp_before_a_door(1, 10, 0, 1)), "");
   EXPECT_EQ(why(lamp_before_a_door(5, 10, 0, 1)), "the lamp stands in its own opening: 33");
   EXPECT_EQ(why(lamp_before_a_door(1, 10, 0, 10)), "as much light comes back across the cu");
@@ -239,7 +239,7 @@ TEST(series_cut, says_what_the_walks_tell_of_the_opening) {
   EXPECT_NEAR(*facts.across, 1, 1e-9);
 }
 
-// One camera walk that came through a keyhole and found its way back says nothing of the cut.
+// One camera walk that came through a keyhole and returned says nothing about the cut.
 TEST(series_cut, walks_too_few_to_tell_refuse_no_cut) {
   const auto of_walks = [](double each) {
     PatchNetwork p = lamp_before_a_door(each, 10 * each, 0, 10 * each);
@@ -250,7 +250,7 @@ TEST(series_cut, walks_too_few_to_tell_refuse_no_cut) {
   const PatchNetwork few = of_walks(0.01);
   EXPECT_FALSE(facts_of(few, max_flow(few.network).source_side).back.has_value());
   EXPECT_FALSE(facts_of(few, max_flow(few.network).source_side).camera_back.has_value());
-  EXPECT_NE(why(of_walks(10)), "");  // twin: of many walks the same shares do refuse it
+  EXPECT_NE(why(of_walks(10)), "");  // twin: with many walks the same shares do refuse it
 }
 
 TEST(cut_facts, a_niche_or_an_opening_may_be_the_lamps_own_but_no_open_room) {
@@ -263,16 +263,16 @@ TEST(cut_facts, a_niche_or_an_opening_may_be_the_lamps_own_but_no_open_room) {
     return lamp_in_its_opening(f, {});
   };
   EXPECT_TRUE(own(0.1, 0.5, 0.3, 0.2));
-  EXPECT_FALSE(own(0.1, 0.5, 0.3, 0.05));   // sampling the lamp rarely finds the opening
-  EXPECT_FALSE(own(0.1, 0.5, 0.1, 0.2));    // most light is scattered before it
-  EXPECT_FALSE(own(0.04, 0.5, 0.3, 0.2));   // a narrow door, the lamp near it
+  EXPECT_FALSE(own(0.1, 0.5, 0.3, 0.05));   // light sampling rarely finds the opening
+  EXPECT_FALSE(own(0.1, 0.5, 0.1, 0.2));    // most light is scattered first
+  EXPECT_FALSE(own(0.04, 0.5, 0.3, 0.2));   // a narrow door with the lamp near it
   EXPECT_FALSE(own(0.3, 0.5, 0.3, 0.2));    // half of an open room
   EXPECT_TRUE(own(0.3, 0.02, 0.3, 0.2));    // a window's niche
   EXPECT_FALSE(own(0.3, 0.02, 0.9, 0.95));  // a lamp in an open room
 }
 
 TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
-  // A wide arch: all terminals' arcs are full.
+  // A wide arch: the arcs of all terminals are saturated.
   PatchNetwork p = rooms_in_row({40000}, 50000 / kPatches);
   for (uint32_t v = 2; v < p.network.nodes; ++v) {
     const bool beyond = v < 2 + kPatches;
@@ -292,7 +292,7 @@ TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
 }
 
 TEST(series_cut, a_wide_dark_ground_leaves_a_room_its_share) {
-  // A patch with a hundred times the surface of both rooms that exchanges next to nothing.
+  // A patch with a hundred times the surface of both rooms that exchanges almost nothing.
   PatchNetwork p = rooms_in_row({400});
   const uint32_t ground = p.network.nodes++;
   p.samples.push_back(200000);

@@ -1,6 +1,6 @@
-// Who draws random numbers, and from which stream [rng.h, sequence.h]. All streams of a program
-// stand here, and an assertion holds that no two users of one seed share one. (The coins that round
-// a film's sums need none: they are a hash of seed, pixel and sample.)
+// Which random stream each part of a program uses [rng.h, sequence.h]. All streams are listed here,
+// and a static assertion checks that no two users of one seed share one. (Rounding of a film's sums
+// needs none: it uses a hash of seed, pixel and sample.)
 #pragma once
 #include <array>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace tdpt {
 
-/// `count` of them from `first` on, of any seed or of one.
+/// `count` streams from `first` on, for any seed or for one only.
 struct Streams {
   uint64_t first, count;
   std::optional<uint64_t> seed{};
@@ -19,7 +19,7 @@ constexpr bool disjoint(const Streams& a, const Streams& b) {
   if (a.seed && b.seed && *a.seed != *b.seed) return true;
   return a.first + a.count <= b.first || b.first + b.count <= a.first;
 }
-/// Each from each.
+/// Pairwise.
 template <size_t n>
 constexpr bool disjoint(const std::array<Streams, n>& all) {
   for (size_t i = 0; i < n; ++i)
@@ -28,11 +28,11 @@ constexpr bool disjoint(const std::array<Streams, n>& all) {
   return true;
 }
 
-// The renderer's samples have a stream for each purpose, of an integrator's sixteen; an integrator
-// has sixteen in each round. Others find room beside them.
+// Each integrator has sixteen streams in each round, one per purpose of a sample. Other users are
+// placed beside them.
 
 constexpr uint64_t kPurposes = 16;
-/// Of integrators, below kStreams: first the rows of the table, then what else `auto` tries.
+/// Integrators, below kStreams: first the rows of the table, then what else `auto` tries.
 namespace stream {
 enum Integrator : uint64_t {
   pt = 1,
@@ -52,13 +52,13 @@ enum Integrator : uint64_t {
 constexpr uint64_t kStreams = 256;
 constexpr uint64_t kStreamsOfRound = 1024;
 
-/// Rounds from `first` on of samples that have nothing in common.
+/// Rounds from `first` on, whose samples are independent.
 struct Rounds {
   uint64_t first, count = 1;
 };
 constexpr Rounds kPictureRound{0}, kPilotRound{1}, kErrorPilotRounds{3, 8}, kTimingRound{11};
 
-/// Of an integrator's samples, over kPurposes.
+/// Stream of an integrator's samples, before multiplication by kPurposes.
 constexpr uint64_t stream_in(uint64_t round, uint64_t integrator) {
   return integrator + kStreamsOfRound * round;
 }
@@ -68,7 +68,7 @@ constexpr Streams streams_of(const Rounds& rounds) {
           (stream_in(rounds.first + rounds.count - 1, kStreams) - first) * kPurposes};
 }
 
-/// In place of an integrator's.
+/// Takes the place of an integrator.
 constexpr uint64_t kExplorationStream = 1023;
 constexpr Streams kExploration{kExplorationStream * kPurposes, kPurposes},
     kFeaturePlaces{kStreamsOfRound * kPurposes + 15, 1},  // of places in pixels
@@ -87,13 +87,13 @@ constexpr Streams kWalksFromLight{101, 1}, kWalksFromCamera{102, 1}, kEtendue{10
 static_assert(disjoint(std::array{kWalksFromLight, kWalksFromCamera, kEtendue, kTriangleFlow}));
 
 // lightgrid: each of these has 256 streams, one for each cut c. A line has a stream of its own, two
-// for the votes of its ends and one for coins [shaders/shared/light_lines.h]. Chains of cut c have
-// the streams whose upper word is c.
+// for the votes at its ends and one for coverage [shaders/shared/light_lines.h]. Chains of cut c
+// use the streams whose upper word is c.
 constexpr Streams kPivotLines{1 << 16, 0x400}, kTriedLines{2 << 16, 0x400},
     kChains{0x6c67'0002, uint64_t{1} << 40};
 static_assert(disjoint(std::array{kPivotLines, kTriedLines, kChains}));
 
-// That disjoint() can fail: by one stream, by a round among others, by a seed.
+// disjoint() can fail: because of one stream, one of several rounds, a seed.
 static_assert(!disjoint(std::array{Streams{0, 4}, Streams{4, 1}, Streams{3, 1}}));
 static_assert(!disjoint(streams_of({3, 8}), streams_of({4})));
 static_assert(!disjoint(Streams{0, 1, 1}, Streams{0, 1}) &&

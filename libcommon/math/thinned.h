@@ -1,4 +1,4 @@
-// Some of many.
+// Thins out a list.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace tdpt {
 
-/// Every k-th of the items, from the first one on, with the least k that leaves `most` > 0 at most.
+/// Every k-th item, from the first one on, with the smallest k that leaves at most `most` > 0.
 template <class T>
 std::vector<T> thinned(const std::vector<T>& items, size_t most) {
   std::vector<T> some;

@@ -1,4 +1,4 @@
-// What C++ does with the vectors that it shares with kernels.
+// Vector operations that only C++ needs; the types are shared with kernels.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ bool is_finite(const Vec3<T>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// shader::Onb as an object: the orthonormal frame with z along a given unit normal.
+/// shader::Onb as an object: the orthonormal frame whose z is a given unit normal.
 template <class T>
 struct Onb : shader::Onb<T> {
   explicit Onb(const Vec3<T>& normal) : shader::Onb<T>(shader::onb_about(normal)) {}

@@ -14,7 +14,7 @@ uint32_t how_of(const TextureMap& map) {
          (map.wrap_v == Wrap::clamp ? TEXELS_CLAMP_V : 0u) | (map.srgb ? TEXELS_SRGB : 0u);
 }
 
-// Of corners along one axis, less whole images, of which floats would lose the rest.
+// Coordinates of the corners along one axis, minus whole images, which would cost floats precision.
 std::array<float, 3> reduced(const std::array<double, 3>& u, bool clamps) {
   const bool far = !(std::abs(u[0]) < 1e9);
   const double whole = clamps || far ? 0.0 : 2 * std::floor(0.5 * u[0]);

@@ -1,4 +1,4 @@
-// Alpha in floats against coverage_at() of libcommon/scene/texture.h.
+// Alpha evaluated in floats against coverage_at() of libcommon/scene/texture.h.
 #include "libcommon/scene/coverage_tables.h"
 
 #include <cmath>
@@ -28,8 +28,8 @@ struct Kernel {
 };
 }  // namespace kernel
 
-// Share of places on the sheet where coverage is another than coverage_at() says, by more than a
-// thousandth; `shift` moves the texture.
+// Share of points on the sheet whose coverage differs from coverage_at() by more than a thousandth;
+// `shift` moves the texture.
 double share_of_other_coverage(const Material& material, float shift) {
   Scene scene = with_sheet(material, small_image());
   const CoverageTables tables = make_coverages(scene);
@@ -57,7 +57,7 @@ TEST(Coverages, cover_what_textures_say) {
   }
 }
 
-// Share of places on the sheet that it does not cover.
+// Share of points on the sheet that it does not cover.
 double share_uncovered(const Material& material, const Image& image, bool with_uv = true) {
   Scene scene = with_sheet(material, image);
   for (auto& colour : scene.colours) colour[3] = 1;

@@ -1,4 +1,4 @@
-// Names of which no two are equal.
+// Makes names unique.
 #pragma once
 #include <map>
 #include <set>
@@ -10,15 +10,15 @@ namespace tdpt {
 
 class DistinctNames {
  public:
-  /// The first name, else the second, of those that are there and not taken; where both are taken,
-  /// the first that is there, or `otherwise`, with a number: "door.1".
+  /// The first of the two names that is not empty and not taken. If there is none, the first that
+  /// is not empty, or `otherwise`, with a number: "door.1".
   std::string take(const std::string& first, const std::string& second,
                    const std::string& otherwise) {
     for (const std::string& name : {first, second})
       if (!name.empty() && taken_.insert(name).second) return name;
     const std::string base = !first.empty() ? first : !second.empty() ? second : otherwise;
     if (taken_.insert(base).second) return base;
-    size_t& k = numbers_[base];  // all below are taken
+    size_t& k = numbers_[base];  // all numbers below are taken
     std::string name;
     do name = fmt::format("{}.{}", base, ++k);
     while (!taken_.insert(name).second);

@@ -1,7 +1,7 @@
 // The pinhole camera as a map between pixels and directions, with its importance.
 //
 // The film lies at distance 1 in front of the pinhole. A picture of width x height square pixels
-// shows the camera's full vertical angle; where its aspect differs from the camera's, yfov holds.
+// shows the camera's full vertical angle; if its aspect differs from the camera's, yfov is kept.
 // Raster coordinates: x to the right from 0 to width, y down from 0 to height.
 #pragma once
 #include <cmath>
@@ -37,8 +37,7 @@ class FilmPlane {
     return normalize(camera_.forward + camera_.right * u + camera_.up * v);
   }
 
-  /// Raster place that unit direction `w` (away from the camera) goes through; false when it misses
-  /// the film.
+  /// Raster place hit by unit direction `w` (away from the camera); false if it misses the film.
   bool raster(const Vec3d& w, double& x, double& y) const {
     const double c = dot(w, camera_.forward);
     if (!(c > 0)) return false;
@@ -47,8 +46,7 @@ class FilmPlane {
     return x >= 0 && x < width_ && y >= 0 && y < height_;
   }
 
-  /// Density of w when the raster place is uniform over the whole film [1/sr];
-  /// 1 / (film area * cos^3).
+  /// Density of w for raster places uniform over the whole film [1/sr]: 1 / (film area * cos^3).
   double pdf_w(const Vec3d& w) const {
     const double c = dot(w, camera_.forward);
     return 1 / (area_ * c * c * c);

@@ -1,4 +1,4 @@
-// The pinhole camera: pixels and directions are each other's inverse, and its density is the one of
+// The pinhole camera: pixels and directions are mutually inverse, and its density is that of
 // uniform pixels.
 #include "libcommon/scene/film_plane.h"
 
@@ -57,7 +57,7 @@ TEST(FilmPlane, DensityIntegratesToOneOverTheSphere) {
     if (!film.raster(w, x, y)) continue;
     const double f = 4 * std::numbers::pi * film.pdf_w(w);
     sum += f, squares += f * f;
-    faulty += f * dot(w, film.forward());  // a cosine too few below the fraction bar
+    faulty += f * dot(w, film.forward());  // one cosine too few in the denominator
   }
   const double mean = sum / n, error = std::sqrt((squares / n - mean * mean) / n);
   EXPECT_NEAR(mean, 1, 4 * error);

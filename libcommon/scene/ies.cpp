@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double kDegree = pi / 180;
-constexpr double kClosest = 1e-4;  // angles [degrees], which floats tell apart
+constexpr double kClosest = 1e-4;  // angles [degrees] that differ less are equal to floats
 constexpr double kLeast = 1e-30, kMost = 1e30;
 
 struct Reader {
@@ -63,7 +63,7 @@ struct Reader {
       fail(fmt::format("{}: {}, expected {} to {}", what, value, low, high));
     return value;
   }
-  // So many numbers are there: each takes a character and one between.
+  // A number of values, bounded by the text's length: each takes a character and a separator.
   size_t count(const char* what, size_t least) {
     const auto most = static_cast<double>(text.size());
     const double value = number(what, static_cast<double>(least), most);
@@ -82,14 +82,14 @@ struct Reader {
   }
 };
 
-/// Rows: vertical angles. Columns: horizontal ones [degrees].
+/// Rows: vertical angles. Columns: horizontal angles [degrees].
 struct Web {
   std::vector<double> rows, columns;
   std::vector<double> values;  // column by column
   double at(size_t row, size_t column) const { return values[column * rows.size() + row]; }
 };
 
-// What lies evenly to both sides of 0 may be told of one.
+// A file may list only one side of a distribution that is symmetric about 0.
 void mirror_rows(Web& web) {
   if (web.rows.front() < 0) return;
   const Web half = web;
@@ -110,8 +110,8 @@ Web transposed(const Web& web) {
   return out;
 }
 
-// A web of angles up and aside, -90 to 90, about the poles of what lies aside (B), or up (A): that
-// pole's angle is 90 more than the one aside, or 90 less the one up.
+// Converts angles of elevation and of azimuth, -90 to 90, to polar angles: about the sideways axis
+// (B: 90 + azimuth) or the upward axis (A: 90 - elevation).
 Web about_a_pole(Web web, bool aside) {
   mirror_rows(web);
   web = transposed(web);
@@ -128,7 +128,7 @@ Web about_a_pole(Web web, bool aside) {
   return web;
 }
 
-// All around from a quarter, a half, or all but the last column.
+// Completes the circle from a quarter, a half, or all but the last column.
 Web all_around(const Reader& in, const Web& web) {
   if (web.columns.size() == 1) return web;
   const double first = web.columns.front(), last = web.columns.back();
@@ -184,17 +184,18 @@ Web read_web(Reader& in, bool has_lamp_factor, LightProfile& profile) {
   return about_a_pole(web, type == 2);
 }
 
-// Over directions between two rows and two columns, whose horizontal angles differ by `across`.
+// Integral over directions between two rows and two columns, whose horizontal angles differ by
+// `across`.
 double part_of_ring(const Web& web, size_t r, double across,
                     const std::function<double(size_t)>& value) {
   const double a = web.rows[r] * kDegree, b = web.rows[r + 1] * kDegree;
-  // Of sin, and of sin times the share of the way from a to b.
+  // Integrals of sin, and of sin times the interpolation parameter from a to b.
   const double all = std::cos(a) - std::cos(b);
   const double upper = (std::sin(b) - std::sin(a)) / (b - a) - std::cos(b);
   return across * (value(r) * (all - upper) + value(r + 1) * upper);
 }
 
-// Over directions between a row and the next.
+// Integral over directions between a row and the next.
 double light_of_ring(const Web& web, size_t r) {
   if (web.columns.size() == 1)
     return part_of_ring(web, r, 2 * pi, [&](size_t i) { return web.at(i, 0); });
@@ -205,7 +206,7 @@ double light_of_ring(const Web& web, size_t r) {
   return sum;
 }
 
-// The last row but those that are dark, and one of these.
+// The angle of the first row after the last that is not dark.
 double reach_of(const Web& web) {
   size_t last = 0;
   for (size_t c = 0; c < web.columns.size(); ++c)
@@ -219,13 +220,13 @@ double versine(double degrees) {
   return 2 * s * s;
 }
 
-// What walks that leave are drawn by, in rings from one row to the next. The densities are those of
-// these very floats.
+// Importance sampling of light walks by rings between rows. The densities belong to exactly these
+// floats.
 struct Rings {
   std::vector<float> edges, before, densities;
 };
-// In proportion to light, but for a tenth, which leaves evenly within reach: where one column is
-// bright and the others are dark, light is not what a ring has on average.
+// In proportion to light, except for a tenth that is uniform within reach: if one column is bright
+// and the others are dark, a ring's mean says little about a direction.
 Rings rings_of(const Web& web, double reach) {
   constexpr double kEven = 0.1;
   const size_t n = web.rows.size() - 1;
@@ -240,7 +241,7 @@ Rings rings_of(const Web& web, double reach) {
     const double wide = versine(web.rows[r + 1]) - versine(web.rows[r]);
     shares[r] = (1 - kEven) * shares[r] / light + (within ? kEven * wide / all : 0);
   }
-  // Near the back pole two rows may be one to floats.
+  // Near the back pole two rows may have equal floats.
   for (size_t r = n; r-- > 0;)
     rings.edges[r] = std::min(rings.edges[r], std::nextafter(rings.edges[r + 1], 0.0f));
   double before = 0;
@@ -260,7 +261,7 @@ Rings rings_of(const Web& web, double reach) {
 LightProfile read_ies(std::string_view text, const std::string& file, const std::string& place) {
   Reader in{text, file, place};
   std::string_view line = in.next_line();
-  // Later files have something else there.
+  // In later files this field has another meaning.
   const bool has_lamp_factor =
       line.find("LM-63-1995") == line.npos && line.find("LM-63-20") == line.npos;
   const auto is_tilt = [&] {

@@ -1,4 +1,4 @@
-// How luminaires shine, measured by their makers: IES LM-63 files of 1986 to 2019.
+// Light profiles of luminaires, measured by their makers: IES LM-63 files of 1986 to 2019.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -9,27 +9,25 @@
 
 namespace tdpt {
 
-/// Intensity by direction: the row's angle is that against a pole, the column's counts about it
-/// from an axis across it towards cross(zero, pole). Between them intensity is linear in both;
-/// beyond the last of either it is 0.
+/// Intensity by direction. A row is a polar angle from `pole`; a column is an azimuth about it,
+/// from `zero` towards cross(zero, pole). Bilinear in both angles; 0 beyond the last row or column.
 struct LightProfile {
-  double peak = 0;   ///< the greatest intensity [cd]
-  double reach = 0;  ///< angle against the pole beyond which it is dark [rad], > 0
-  double mean = 0;   ///< over the directions within reach, of intensity / peak
-  /// In the frame of the luminaire, which aims along -z: the aim, of goniophotometers of type B and
-  /// A the axis that they turn about, and where the columns' angles are 0.
+  double peak = 0;   ///< largest intensity [cd]
+  double reach = 0;  ///< polar angle beyond which it is dark [rad], > 0
+  double mean = 0;   ///< mean of intensity / peak over the directions within reach
+  /// In the luminaire's frame, which aims along -z. `pole`: the aim, or for goniophotometers of
+  /// type B and A the axis that they turn about; `zero`: azimuth 0.
   Vec3d pole{0, 0, -1}, zero{1, 0, 0};
-  /// Intensity / peak as lamp.h reads it: how many rows and columns, the rows' angles and the
-  /// columns', ascending [turns], and values column by column, as floats. One column stands for all
-  /// around. Walks leave by rings, from one row to the next: behind the values follow of each row
-  /// 1 - cos of its angle, of each the probability of the rings before it, and of each ring the
+  /// Intensity / peak as lamp.h reads it: numbers of rows and columns, angles of rows and of
+  /// columns, ascending [turns], and the values column by column, as floats. A single column means
+  /// rotational symmetry. For importance sampling of rings between rows there follow, per row, 1 -
+  /// cos of its angle and the cumulative probability of the rings before it and, per ring, the
   /// density of its directions [1/sr].
   std::vector<uint32_t> words;
 };
 
-/// Reads the text of a file. Tilts, and what is known besides intensities, are passed over.
-/// Throws InputError, which names `file` and, in it, `place` and the line. `peak` is 0 where no
-/// light is measured.
+/// Parses the text of a file. Tilt, and anything but intensities, is ignored. Throws InputError,
+/// which names `file` and, in it, `place` and the line. `peak` is 0 if no light was measured.
 LightProfile read_ies(std::string_view text, const std::string& file, const std::string& place);
 
 }  // namespace tdpt

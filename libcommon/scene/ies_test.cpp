@@ -1,4 +1,4 @@
-// IES profiles: what a lamp of one sends into a direction, and what is wrong with files.
+// IES profiles: intensity by direction, and errors in files.
 #include "libcommon/scene/ies.h"
 
 #include <gtest/gtest.h>
@@ -88,8 +88,8 @@ TEST(ies, a_quarter_or_a_half_stands_for_all_around) {
     EXPECT_NEAR(all.at(45, a), value, 1e-3) << a;
 }
 
-// The vertical plane is that of x and the aim: what is measured above goes to x. To the right of
-// who looks along the aim, x up, lies -y.
+// The vertical plane contains x and the aim: what is measured upwards goes to x. Looking along the
+// aim with x up, -y is to the right.
 TEST(ies, goniophotometers_of_kinds_a_and_b_are_turned) {
   IesText text{
       .vertical = {-90, 0, 90}, .horizontal = {-90, 0, 90}, .candela = {1, 2, 3, 4, 5, 6, 7, 8, 9}};
@@ -104,7 +104,7 @@ TEST(ies, goniophotometers_of_kinds_a_and_b_are_turned) {
     EXPECT_NEAR(lamp.along({0, h, -h}), 3.5, 1e-3) << type;
     EXPECT_EQ(lamp.along({0, h, h}), 0) << type;
   }
-  // 45 degrees up of what lies 45 degrees to the right: B turns the plane, A what lies in it.
+  // 45 degrees upwards of what is 45 degrees to the right: B rotates the plane, A what lies in it.
   const double half = 0.5;
   text.type = 2;
   EXPECT_NEAR(Lamp(text.text()).along({half, -h, -half}), 7, 1e-2);
@@ -115,7 +115,7 @@ TEST(ies, goniophotometers_of_kinds_a_and_b_are_turned) {
   EXPECT_NEAR(Lamp(corner.text()).along({-half, h, -half}), 2.5, 1e-2);
 }
 
-// Walks of light begin by power: its mean is that of the directions in reach.
+// Light walks start in proportion to power, which is the mean over the directions within reach.
 TEST(ies, mean_and_reach_are_those_of_its_directions) {
   for (const IesText& text : {IesText{.vertical = {0, 20, 35, 60, 90}, .candela = {5, 4, 1, 0, 0}},
                               IesText{.vertical = {90, 120, 180}, .candela = {1, 7, 2}},
@@ -146,7 +146,7 @@ TEST(ies, mean_and_reach_are_those_of_its_directions) {
       60 * kDegree, 1e-12);
 }
 
-// Directions in which walks leave.
+// Visits directions sampled by leave().
 template <class Visit>
 void each_leaving(const Lamp& lamp, uint64_t seed, int draws, const Visit& visit) {
   const Scene scene;
@@ -161,7 +161,7 @@ void each_leaving(const Lamp& lamp, uint64_t seed, int draws, const Visit& visit
   }
 }
 
-// What leave() draws has the density that pdf_w() tells, and carries the power of the profile.
+// Samples of leave() have the density of pdf_w() and carry the power of the profile.
 TEST(ies, walks_leave_by_the_rings_of_a_profile) {
   const Lamp lamp(IesText{
       .vertical = {10, 12, 30, 60, 100, 180},
@@ -182,7 +182,7 @@ TEST(ies, walks_leave_by_the_rings_of_a_profile) {
   for (size_t b = 0; b < kBins; ++b)
     for (int k = 0; k < 1000; ++k) {
       const double z = 2 * (static_cast<double>(b) + (k + 0.5) / 1000) / kBins - 1;
-      // Nothing leaves within the first row's angle.
+      // No light inside the first row's angle.
       if (z > -std::cos(10 * kDegree))
         told[b] += lamp.source.pdf_w({}, {std::sqrt(1 - z * z), 0, z}) * 4 * std::numbers::pi /
                    kBins / 1000;
@@ -192,7 +192,7 @@ TEST(ies, walks_leave_by_the_rings_of_a_profile) {
   const LightProfile& p = *lamp.light.profile;
   const double power = p.peak * p.mean * 2 * std::numbers::pi * (1 - std::cos(p.reach));
   EXPECT_NEAR(carried, power, 0.02 * power);
-  // Had they left evenly within reach.
+  // With uniform sampling within reach.
   double evenly = 0;
   Rng rng(8, 0, 0);
   const double reach = 1 - std::cos(p.reach), extent = 2 * std::numbers::pi * reach;
@@ -206,7 +206,7 @@ TEST(ies, walks_leave_by_the_rings_of_a_profile) {
   EXPECT_LT(squares, 0.5 * evenly) << squares / power / power;
 }
 
-// What walks carry, over the power of a narrow beam aside, measured about another axis.
+// Mean throughput / power for a narrow beam to the side, measured about another axis.
 double carried_of_power(int type, double density_times) {
   Lamp lamp(IesText{.type = type,
                     .vertical = {0, 5, 10, 90},
@@ -236,7 +236,7 @@ TEST(ies, twin_densities_a_tenth_too_large_are_seen) {
   for (const int type : {2, 3}) EXPECT_LT(carried_of_power(type, 1.1), 0.95) << type;
 }
 
-// Two rows that are one to floats, and angles a ten thousandth of a degree apart.
+// Two rows that are equal as floats, and angles a ten thousandth of a degree apart.
 TEST(ies, extremes_keep_their_densities) {
   for (const IesText& text :
        {IesText{.vertical = {0, 179.99, 180}, .candela = {0, 0, 1}},
@@ -261,7 +261,7 @@ TEST(ies, extremes_keep_their_densities) {
       EXPECT_NEAR(all, solid, 0.05 * solid) << text.text();
     }
   }
-  // As dark as floats can hold, or darker.
+  // As dark as floats can represent, or darker.
   const IesText dark{.multiplier = 1e-30,
                      .ballast = 1e-30,
                      .vertical = {0, 45, 90},
@@ -363,8 +363,7 @@ TEST(ies, what_is_wrong_is_told_with_its_line) {
             "lamp.ies:2: number of vertical angles: 2.5, expected an integer");
 }
 
-// Whatever stands in a file: it is refused, or a table whose places exist and whose values are
-// shares.
+// Whatever a file contains: it is refused, or gives a table with valid indices and values in [0,1].
 TEST(ies, damaged_files_are_refused_or_sound) {
   const std::string sound = IesText{
       .vertical = {0, 30, 60, 90},

@@ -17,7 +17,7 @@ using Kind = LampUnits::Kind;
 constexpr double kSphere = 4 * std::numbers::pi;  // [sr]
 constexpr std::string_view kBlender = "Khronos glTF Blender I/O v";
 using Version = std::array<int, 3>;
-// From here on Blender's exporter has a lighting mode, Standard unless set otherwise.
+// From this version on Blender's exporter has a lighting mode, by default Standard.
 constexpr Version kWithModes{3, 4, 40};
 
 std::optional<Version> blender_version(std::string_view generator) {
@@ -33,21 +33,21 @@ std::optional<Version> blender_version(std::string_view generator) {
   return version;
 }
 
-// What a lamp of this number was set to, had it been written in these units: W, or W/m2 of a sun.
+// The value that the user had set if the number was written in these units: W, or W/m2 for a sun.
 double setting(const LampNumber& lamp, Kind units) {
   const double radiometric = lamp.value * to_radiometric(units, lamp.directional);
   return lamp.directional ? radiometric : radiometric * kSphere;
 }
 
 // Whether a person may have typed it: a decimal of at most four digits, in single precision. One of
-// a thousand other numbers is one by chance.
+// a thousand other numbers passes by chance.
 bool is_typed(double value) {
   if (!(value >= 1e-6 && value <= 1e12)) return false;
   const double typed = std::stod(fmt::format("{:.4g}", value));
   return std::abs(value - typed) <= 0x1.01p-24 * typed;
 }
 
-// Most of the lamps were set to such numbers; `first` before the others where they are as many.
+// The units for which most lamps have such values; `first` if there is a tie.
 std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps, Kind first) {
   std::optional<Kind> best;
   size_t most = lamps.size() / 2;

@@ -1,5 +1,5 @@
-// What the numbers of a file's lamps stand for. glTF has candela and lux, and nits for surfaces;
-// programs write what they have, and Blender candela beside surfaces in W/m2/sr.
+// Units of a file's lamps. glTF prescribes candela and lux, and nits for surfaces; exporters write
+// what they have, Blender for one candela beside surfaces in W/m2/sr.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,12 +13,12 @@ struct Scene;
 
 struct LampUnits {
   enum class Kind : uint8_t {
-    radiometric,  ///< W/sr and W/m2, or whatever the emitting surfaces are in, too
+    radiometric,  ///< W/sr and W/m2, or whatever units the emitting surfaces use
     photometric,  ///< lm/sr and lm/m2, beside surfaces in W/m2/sr
-    watts,        ///< points and spots: power in all directions, had they no cone [W]
+    watts,        ///< points and spots: total power, for a spot without its cone [W]
   };
   Kind kind = Kind::radiometric;
-  /// What the lamps are and who says so, to be told; empty where there is nothing to tell.
+  /// A sentence: the units and the evidence for them; empty if there is nothing to report.
   std::string reason{};
 
   static constexpr double kLumensPerWatt = 683;
@@ -27,25 +27,25 @@ struct LampUnits {
 /// "radiometric", "photometric", "watts", in the order of LampUnits::Kind.
 const std::vector<std::string>& names_of_lamp_units();
 
-/// An intensity as a file has it.
+/// An intensity as stored in the file.
 struct LampNumber {
   double value;
   bool directional;
 };
 
-/// By who wrote the file (asset.generator), his version and, as files do not tell his mode, the
-/// digits of the numbers: people set lamps to 60 W, not to 59.87.
+/// Infers the units from the exporter (asset.generator), its version and, since files do not record
+/// the exporter's mode, the digits of the numbers: people set lamps to 60 W, not to 59.87.
 LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps);
 
 /// Whether asset.generator is Blender's exporter.
 bool is_blender(std::string_view generator);
 
-/// What a number of these units is multiplied by to be W/sr or W/m2.
+/// Factor from these units to W/sr or W/m2.
 double to_radiometric(LampUnits::Kind units, bool directional);
-/// Of this lamp. A profile is in candela: never in watts.
+/// For this lamp. A profile is in candela, never in watts.
 double to_radiometric(LampUnits::Kind units, const PunctualLight& lamp);
 
-/// Takes the scene's lamps, which are as the file has them, as these. Once.
+/// Converts the scene's lamps, as read from the file, from these units. Call once.
 void take_lamps_as(Scene& scene, LampUnits::Kind units);
 
 }  // namespace tdpt

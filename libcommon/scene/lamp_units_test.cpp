@@ -1,5 +1,5 @@
-// What the numbers of a file's lamps are: by the exporter's version, and by their digits. The
-// factors were measured: Blender 3.4.1's exports in each of its modes against its own pictures,
+// Units of a file's lamps, inferred from the exporter's version and from the digits of the numbers.
+// The factors were measured: Blender 3.4.1's exports in each of its modes against its own pictures,
 // doc/scenes.md.
 #include "libcommon/scene/lamp_units.h"
 
@@ -16,8 +16,8 @@ constexpr const char* kOld = "Khronos glTF Blender I/O v3.3.35";
 constexpr const char* kNew = "Khronos glTF Blender I/O v3.4.50";
 constexpr double kPi = std::numbers::pi;
 
-// What Blender's exporter makes of a lamp of so many watts, or of a sun of so many W/m2; settings
-// are kept in single precision.
+// What Blender's exporter writes for a lamp of so many watts, or a sun of so many W/m2; settings
+// are in single precision.
 std::vector<LampNumber> points(Kind mode, const std::vector<float>& watts) {
   std::vector<LampNumber> lamps;
   for (const float w : watts)
@@ -93,7 +93,7 @@ TEST(LampUnits, DigitsThatTellNothingLeaveTheDefault) {
   EXPECT_EQ(lamp_units_of(kNew, points(Kind::watts, {37.123456f})).reason,
             "lamps are taken as candela and lux, divided by 683 lm/W: so Blender's exporter writes "
             "them unless told otherwise");
-  // 683 times a sun of 1 is a number that might have been typed, too.
+  // 683 times a sun of 1 is also a number that a person might type.
   EXPECT_EQ(kind(kNew, suns(true, {1})), Kind::photometric);
 }
 
@@ -109,7 +109,7 @@ TEST(LampUnits, RandomNumbersSeldomLookTyped) {
   for (int i = 1; i <= 20000; ++i)
     told +=
         kind(kNew, {{std::exp(std::fmod(i * 0.6180339887, 1.0) * 10), false}}) != Kind::photometric;
-  EXPECT_LT(told, 40);  // a thousandth of them for each of two modes
+  EXPECT_LT(told, 40);  // expected: a thousandth of them for each of two modes
 }
 
 TEST(LampUnits, ALampOfAWattIsTheSameInAllOfThem) {

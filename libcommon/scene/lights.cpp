@@ -10,11 +10,11 @@
 namespace tdpt::shader {
 namespace {
 
-// The text in doubles.
+// The shared source compiled for doubles.
 struct Lamps {
   using Real = double;
   using Lamp = tdpt::Lamp;
-  const uint32_t* light_words = nullptr;  // of the one profile
+  const uint32_t* light_words = nullptr;  // of the current profile
   const uint32_t& load_light_word(uint32_t i) const { return light_words[i]; }
 #include "shaders/shared/path/lamp.h"
 };
@@ -30,8 +30,8 @@ using Kind = PunctualLight::Kind;
 
 constexpr double kLeastShare = 0.01;  // of the mean power
 
-// Mean luminance over a triangle. Textures are looked up on a lattice; what falls between its
-// places keeps some weight, since an emitter that is never chosen would be missing from the light.
+// Mean luminance over a triangle. Textures are sampled on a lattice; an emitter that falls between
+// its points keeps some weight, since one that is never chosen would be missing from the picture.
 double mean_luminance(const Scene& scene, uint32_t triangle) {
   const Material& m = scene.material_of(triangle);
   const double factor = luminance(m.emission);
@@ -45,7 +45,7 @@ double mean_luminance(const Scene& scene, uint32_t triangle) {
   return 0.9 * sum / places + 0.1 * factor;
 }
 
-// Versine of the half angle that light leaves within.
+// Versine of the half angle of the emitted cone.
 double cone(const PunctualLight& light) {
   if (light.profile) return 1 - std::cos(light.profile->reach);
   return light.kind == Kind::spot ? 1 - light.cos_outer : 2;
@@ -79,14 +79,14 @@ LightSource LightSource::punctual(const PunctualLight& light, double extent) {
   lamp.extent = extent, lamp.pdf_w = 1 / extent;
   lamp.cone = cone(light);
   const bool spot = light.kind == Kind::spot;
-  // Rounding must not leave a lamp's way back outside.
+  // Rounding must not exclude the direction opposite to the lamp's.
   lamp.edge = spot ? lamp.cone : 4;
   lamp.per_edge = spot ? 1 / std::max(1e-15, light.cos_inner - light.cos_outer) : 1;
   lamp.profile = shader::kNoProfile;
   if (light.profile) {
     source.profile_ = light.profile;
     lamp.profile = 0, lamp.across = light.across;
-    // What leaves at the edge of its light, rounded, has a density.
+    // A rounded direction at the edge of the light must have a density.
     lamp.edge = 1.0001 * lamp.cone, lamp.per_edge = 1e6 / lamp.cone;
   }
   return source;
@@ -133,8 +133,9 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   }
   if (powers_.empty()) return;
   for (size_t i = 0; i < powers_.size(); ++i) emitted_.of(source_of(i)) += powers_[i];
-  // Defensive: one that is billions of times fainter than the others would never be chosen, and a
-  // room that it lights alone be black. All that are lifted are chosen one time in a hundred.
+  // Defensive sampling: a light billions of times fainter than the others would never be chosen,
+  // and a room lit by it alone would be black. All raised lights together are chosen once in a
+  // hundred times.
   const double least = kLeastShare * power_ / static_cast<double>(powers_.size());
   for (double& w : powers_) w = std::max(w, least);
   const double all = std::accumulate(powers_.begin(), powers_.end(), 0.0);

@@ -1,5 +1,5 @@
-// Cost of choosing a point on a light among 1, 100, ... lamps: the time of a draw against that of
-// one lamp, from interleaved runs.
+// Cost of sampling a point on a light among 1, 100, ... lamps: time relative to one lamp, from
+// interleaved runs.
 #include <chrono>
 #include <cstdio>
 

@@ -1,5 +1,5 @@
-// Lights: the density is that of the samples, and power is what adds up. Each statistical check
-// is shown to notice a planted fault.
+// Lights: the density is that of the samples, and powers are summed correctly. Each statistical
+// check has a twin with a planted fault.
 #include "libcommon/scene/lights.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ Material material(const Rgb& emission, bool double_sided) {
   return m;
 }
 
-// Three emitting triangles of unequal power, one of them on both sides, and a dark one.
+// Three emitting triangles of different power, one of them double-sided, and a dark one.
 Scene lamps() {
   Scene s;
   s.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25f, 0, 0}, {0, 0.5f, 0}};
@@ -24,7 +24,7 @@ Scene lamps() {
   return s;
 }
 
-/// Chi-square of the counts against expectations, over degrees of freedom + 5 sigma: > 1 is wrong.
+/// Chi-square of the counts / (degrees of freedom + 5 sigma): > 1 is wrong.
 double excess(const std::vector<double>& counts, const std::vector<double>& expected) {
   double chi2 = 0;
   for (size_t i = 0; i < counts.size(); ++i)
@@ -81,7 +81,7 @@ TEST(Lights, SamplesFollowTheDensity) {
   EXPECT_GT(excess(c, ex), 1);
 }
 
-// Two of equal area, one of which is billions of times fainter.
+// Two of equal area, one of them billions of times fainter.
 TEST(Lights, TheFaintAreChosenAHundredthAsOftenAsTheMean) {
   Scene s = lamps();
   s.materials[0].emission = Rgb(1e10f);
@@ -90,7 +90,7 @@ TEST(Lights, TheFaintAreChosenAHundredthAsOftenAsTheMean) {
   const Lights e(s);
   EXPECT_NEAR(e.pdf_A(1) / e.pdf_A(0), 0.01 / 2, 1e-6);
   EXPECT_NEAR(e.shares().surfaces, 1, 1e-12);
-  s.materials[1].emission = Rgb(1e9f);  // not faint: by power, which both sides have
+  s.materials[1].emission = Rgb(1e9f);  // not faint: selected by power, which both sides have
   const Lights both(s);
   EXPECT_NEAR(both.pdf_A(1) / both.pdf_A(0), 2 * 0.1, 1e-6);
 }
@@ -102,7 +102,7 @@ TEST(Lights, ADarkSceneHasNone) {
   EXPECT_EQ(Lights(s).power(), 0);
 }
 
-// Integral of the density over all directions: 1, for one side and for both.
+// The density integrates to 1 over all directions, for one side and for both.
 TEST(Lights, DirectionsOfEmissionAddUp) {
   for (bool both : {false, true}) {
     const LightSource source = LightSource::surface(both);

@@ -1,4 +1,4 @@
-// What a few bytes put in many places is counted before it is read.
+// Data that a few bytes repeat many times are counted before they are read.
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
@@ -8,7 +8,7 @@
 
 namespace tdpt::testing::memory_test {
 
-// What is said of a scene where reading may take this memory; "" where it is read.
+// The error of reading a scene under this memory limit; "" if it is read.
 std::string complaint(const std::vector<Json>& materials, const GlbBuilder& b, uint64_t limit) {
   const uint64_t machine = memory_limit();
   limit_memory(limit);
@@ -51,7 +51,7 @@ TEST(Memory, ElementsOfTheJsonAreCounted) {
   EXPECT_TRUE(text.ends_with(" of memory, expected at most the 97.7 KiB of --max-memory")) << text;
 }
 
-// The same may stand in many places.
+// The same file may be referenced many times.
 class FilesBeside : public ::testing::Test {
  protected:
   FilesBeside() {
@@ -59,7 +59,7 @@ class FilesBeside : public ::testing::Test {
     limit_memory(50'000);
   }
   ~FilesBeside() override { limit_memory(machine_); }
-  // Of a .gltf with these sections.
+  // The error for a .gltf with these sections.
   std::string complaint(const std::string& sections) const {
     try {
       read_gltf(folder_.write("a.gltf", R"({"asset": {"version": "2.0"}, )" + sections + "}"));

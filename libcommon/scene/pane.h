@@ -1,7 +1,6 @@
-// Window panes: thin, smooth, colourless sheets of one make all over. Light that is not reflected
-// goes straight on, so a ray may simply not find the pane there. Then every ray, and not only one
-// that happens to scatter at the glass, reaches what lies behind: connections, shadow rays and
-// portals work through a glazed window.
+// Window panes: thin, smooth, colourless and uniform sheets. Light that is not reflected continues
+// straight, so a ray may pass the pane with the probability of transmission. So not only rays that
+// scatter at the glass but also connections, shadow rays and portals work through a glazed window.
 #pragma once
 #include <cmath>
 
@@ -10,11 +9,11 @@
 namespace tdpt {
 
 struct Pane {
-  float share = 0;        ///< of what is not reflected, gets through; 0: not a pane
+  float share = 0;        ///< of the light that is not reflected, transmitted; 0: not a pane
   float f0 = 0, f90 = 0;  ///< reflectance at normal and at grazing incidence (Schlick)
 
   explicit operator bool() const { return share > 0; }
-  /// Probability that a ray finds the pane: 1 - share (1 - F), cos its cosine to the normal.
+  /// Probability that a ray hits the pane: 1 - share (1 - F); cos is its cosine to the normal.
   double opacity(double cos) const {
     const double m = 1 - std::abs(cos);
     const double f = f0 + (double{f90} - f0) * m * m * m * m * m;

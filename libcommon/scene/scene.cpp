@@ -11,7 +11,7 @@ namespace tdpt {
 
 namespace {
 
-// Farther away, single precision holds neither the camera's place nor what it sees.
+// Farther away, single precision can represent neither the camera's position nor what it sees.
 constexpr double kFarthest = 1e6;
 
 const Camera& checked(const std::string& file, const Camera& camera) {
@@ -98,7 +98,7 @@ void open_glass(Scene& scene) {
     if (m.alpha_mode == Material::Alpha::opaque) {
       m.alpha_mode = Material::Alpha::blend;
       m.alpha = 1;
-      m.maps[MAP_BASE] = {};  // whose alpha would count from now on
+      m.maps[MAP_BASE] = {};  // its alpha would now become coverage
     }
     m.alpha *= 1 - share;
   }

@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-// Versine of the half angle: solid angle over 2 pi, without loss for small ones.
+// Versine of the half angle: solid angle / (2 pi), accurate for small ones.
 double height_of(const Sky::Sun& sun) {
   const double s = std::sin(0.5 * sun.half_angle);
   return 2 * s * s;
@@ -23,7 +23,7 @@ bool holds(const Sky::Sun& sun, const Vec3d& towards) {
   return 0.5 * dot(d, d) <= height_of(sun);
 }
 
-// To 7e-5 rad, after Hastings (Abramowitz and Stegun 4.4.45): where to begin to look.
+// Error up to 7e-5 rad, after Hastings (Abramowitz and Stegun 4.4.45): start of a search.
 double rough_acos(double x) {
   const double a = std::min(std::abs(x), 1.0);
   const double p = ((-0.0187293 * a + 0.0742610) * a - 0.2121144) * a + 1.5707288;
@@ -31,7 +31,7 @@ double rough_acos(double x) {
   return x < 0 ? pi - angle : angle;
 }
 
-// To 1.2e-5 rad, after Hastings (Abramowitz and Stegun 4.4.47).
+// Error up to 1.2e-5 rad, after Hastings (Abramowitz and Stegun 4.4.47).
 double rough_atan2(double y, double x) {
   const double a = std::abs(x), b = std::abs(y), most = std::max(a, b);
   if (!(most > 0)) return 0;
@@ -47,7 +47,7 @@ double lerp(double t, double a, double b) {
   return (1 - t) * a + t * b;
 }
 
-// From a density on [0,1] that runs from a to b.
+// Samples a linear density on [0,1] with end values a and b.
 double sample_linear(double a, double b, double u) {
   if (a == b) return u;
   return std::min(1.0, u * (a + b) / (a + std::sqrt(lerp(u, a * a, b * b))));
@@ -57,7 +57,7 @@ double bilinear(const std::array<double, 4>& c, double across, double down) {
   return lerp(down, lerp(across, c[0], c[1]), lerp(across, c[2], c[3]));
 }
 
-// Which of n entries of given weights `u` falls on; `u` becomes its place within that entry.
+// Selects one of n weighted entries by `u`; rescales `u` to [0,1) within that entry.
 template <class Weight>
 int choose(int n, const Weight& weight, double total, double& u) {
   double left = u * total;
@@ -72,17 +72,18 @@ int choose(int n, const Weight& weight, double total, double& u) {
     left -= w;
     last = i;
   }
-  u = std::nextafter(1.0, 0.0);  // rounding has left nothing
+  u = std::nextafter(1.0, 0.0);  // rounding left no remainder
   return last;
 }
 
-// A table that stays in cache is worth the few cells of a block that are then summed for a draw:
-// measured 5 % of the time of nee for a map of 512 x 256. Larger blocks only bound the memory.
+// The table should fit the cache, which is worth summing the few cells of a block for a sample:
+// measured 5 % of the time of nee for a map of 512 x 256. The upper bound only limits memory.
 constexpr int64_t kFewBlocks = 10000, kMostBlocks = 2200000;
 constexpr int kCachedBlock = 4;
 constexpr int kLargestBlock = 16;
-constexpr int kColumns = 128, kRows = 64;  // of weights, at least
-// Samples keep this share of a fine cell away from its sides: they are found in it again.
+constexpr int kColumns = 128, kRows = 64;  // at least this many weights
+// Samples stay this share of a fine cell away from its borders, so that look-up finds the same
+// cell.
 constexpr double kMargin = 1e-11;
 
 }  // namespace
@@ -98,7 +99,7 @@ Sky::Sky(Map map, double rotation, std::vector<Sun> suns)
 }
 
 void Sky::raster(const Vec3d& w, double& x, double& y) const {
-  // Turned back about +y.
+  // Undoes the rotation about +y.
   const double wx = cos_ * w.x - sin_ * w.z, wz = sin_ * w.x + cos_ * w.z;
   const double u = 0.5 + std::atan2(wx, -wz) * (0.5 * std::numbers::inv_pi);
   const double v = std::acos(std::clamp(w.y, -1.0, 1.0)) * std::numbers::inv_pi;
@@ -121,7 +122,7 @@ Sky::Cell Sky::cell(const Vec3d& w, double azimuth) const {
   double x = (0.5 + azimuth * (0.5 * std::numbers::inv_pi)) * map_.width - 0.5;
   if (x < 0) x += map_.width;
   Cell c;
-  c.column = std::clamp(static_cast<int>(x), 0, map_.width - 1);  // of no number, too
+  c.column = std::clamp(static_cast<int>(x), 0, map_.width - 1);  // also for NaN
   c.across = x - c.column;
   c.row = static_cast<int>(rough_acos(w.y) * std::numbers::inv_pi * map_.height + 0.5);
   c.row = std::clamp(c.row, 0, map_.height);
@@ -252,7 +253,7 @@ double SkyDirections::integral(int fine_column, int fine_row) const {
 }
 
 Vec3d SkyDirections::middle(const Block& b) const {
-  const int column = b.column + b.end_column, row = b.row + b.end_row;  // twice the middle
+  const int column = b.column + b.end_column, row = b.row + b.end_row;  // twice the centre
   const int columns = 2 * split_, rows = 2 * split_down_;
   return sky_->towards(Sky::Cell{column / columns, row / rows,
                                  static_cast<double>(column % columns) / columns,
@@ -274,7 +275,8 @@ Sky::Place SkyDirections::draw(double pick, double u, double v) const {
                       : sky_->place(in_sun(sky_->suns()[static_cast<size_t>(i - blocks())], u, v));
 }
 
-// A cell of the block; u and v become the place in it. Blocks of several have no fine cells.
+// Selects a cell of the block; u and v become the position within it. Blocks of several cells have
+// no fine cells.
 void SkyDirections::choose_cell(const Block& b, int& column, int& row, double& u, double& v) const {
   const int columns = b.end_column - b.column, rows = b.end_row - b.row;
   column = b.column;
@@ -343,7 +345,7 @@ double SkyDirections::pdf_w(const Sky::Place& place) const {
   if (blocks() > 0 && !weights_.empty()) {
     Sky::Cell asked = cell;
     if (sky_->one_colour()) {
-      // The block is all that is to be known, and most are clear of its borders.
+      // Only the block matters, and most directions are not near its borders.
       constexpr double kRough = 1e-5;  // of the circle
       asked = sky_->rough_place(towards).cell;
       if (std::abs(asked.across - std::round(asked.across * split_) / split_) < kRough)

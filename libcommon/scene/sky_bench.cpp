@@ -1,5 +1,5 @@
-// What a sky costs: setting up its directions, a draw, a density, and what a ray that leaves sees;
-// of one colour and of maps up to the largest that are read.
+// Costs of a sky, from one colour to the largest maps that are read: setting up its distribution,
+// sampling, evaluating the density, and radiance for a ray that leaves.
 #include <chrono>
 #include <cstdio>
 #include <functional>
@@ -26,7 +26,7 @@ Sky::Map noise(int width, int height) {
   return map;
 }
 
-// Of one call of f(i) [ns], the best of five rounds.
+// Time of one call of f(i) [ns], the best of five rounds.
 template <class F>
 double cost(const F& f) {
   constexpr uint64_t kCalls = 1 << 19;

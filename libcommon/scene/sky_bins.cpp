@@ -10,15 +10,16 @@ namespace tdpt {
 namespace {
 
 constexpr int kFaces = 20, kSunSamples = 16;
-// Directions along a texel's sides, where a texel is wider than a bin is fine.
+// Directions along a texel's sides; more per texel in small maps, where texels are coarse compared
+// with bins.
 constexpr int kLeastColumns = 1024, kLeastRows = 512;
 
 struct Bins {
   std::array<std::array<Vec3d, 3>, kFaces> face;
-  std::array<std::array<Vec3d, 3>, kSkyBins> bin;  // four of each face, one after the other
+  std::array<std::array<Vec3d, 3>, kSkyBins> bin;  // four for each face, consecutively
 };
 
-// Whether w lies within the cone over the triangle; the least of three sines.
+// Positive if w lies within the cone over the triangle: the smallest of three sines.
 double depth_in(const std::array<Vec3d, 3>& t, const Vec3d& w) {
   return std::min(
       {dot(cross(t[1], t[0]), w), dot(cross(t[2], t[1]), w), dot(cross(t[0], t[2]), w)});
@@ -34,7 +35,7 @@ Bins make_bins() {
                             {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   Bins b;
   for (size_t i = 0; i < kFaces; ++i) {
-    // Turned round: seen from within.
+    // Reversed orientation: seen from inside.
     const Vec3d p = normalize(v[f[i][0]]), q = normalize(v[f[i][2]]), r = normalize(v[f[i][1]]);
     const Vec3d pq = normalize(p + q), qr = normalize(q + r), rp = normalize(r + p);
     b.face[i] = {p, q, r};
@@ -54,7 +55,7 @@ const Bins& bins() {
 void add_map(const Sky& sky, std::vector<double>& light) {
   const Sky::Map& map = sky.map();
   if (map.texels.empty()) return;
-  // Texels of small maps in parts.
+  // Subdivides the texels of small maps.
   const int across = std::max(1, kLeastColumns / map.width),
             down = std::max(1, kLeastRows / map.height);
   const double columns = double{1} * map.width * across;

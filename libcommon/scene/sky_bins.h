@@ -1,8 +1,8 @@
-// All directions in bins, as the tools that find portals see what shines from infinity: sky, suns
-// and parallel light.
+// Bins of directions in which the tools that find portals see light from infinity: sky, suns and
+// parallel light.
 //
-// Method: the faces of an icosahedron, each in four, seen from its middle: 80 spherical triangles
-// of 0.15 to 0.18 sr, about 26 degrees wide.
+// Method: the faces of an icosahedron, each split in four, projected onto the sphere: 80 spherical
+// triangles of 0.15 to 0.18 sr, about 26 degrees wide.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,12 +21,12 @@ const std::array<Vec3d, 3>& sky_bin_corners(uint32_t bin);
 Vec3d sky_bin_middle(uint32_t bin);
 /// [sr]
 double sky_bin_solid_angle(uint32_t bin);
-/// The bin that holds a direction (of any length but 0).
+/// The bin that contains a direction (of any length but 0).
 uint32_t sky_bin(const Vec3d& towards);
 
-/// Whether anything shines from infinity: a sky that is not black, or parallel light.
+/// Whether there is light from infinity: a sky that is not black, or parallel light.
 bool lit_from_infinity(const Scene& scene);
-/// Of each bin, the luminance of what shines there, integrated over its directions [W/m2].
+/// Luminance of each bin's light, integrated over its directions [W/m2].
 std::vector<double> sky_bin_light(const Scene& scene);
 
 }  // namespace tdpt

@@ -33,7 +33,8 @@ TEST(sky_bins, share_all_directions) {
   EXPECT_NEAR(sum, kAll, 1e-9);
 }
 
-// Largest deviation of the bins' counts, in standard deviations; `scale`: of what is expected.
+// Largest deviation of the bins' counts, in standard deviations; `scale`: factor on the
+// expectation.
 double deviation(double scale) {
   constexpr int kDirections = 400000;
   std::vector<double> count(kSkyBins, 0);
@@ -82,7 +83,7 @@ TEST(sky_bins, hold_suns_and_parallel_light) {
     }
 }
 
-// A texel of a map, wherever it is turned.
+// A texel of a map, under any rotation.
 TEST(sky_bins, hold_a_map_s_bright_texel_where_it_is) {
   Sky::Map map{64, 32, std::vector<Rgb>(64 * 32)};
   map.texels[5 * 64 + 11] = Rgb(1e6f);

@@ -1,4 +1,4 @@
-// What shines from all around as one colour, in words: "R,G,B" [W/m2/sr].
+// Parses a uniform sky, "R,G,B" [W/m2/sr].
 #pragma once
 #include <optional>
 #include <string>
@@ -9,11 +9,11 @@ namespace tdpt {
 
 constexpr double kBrightestSky = 1e30, kFaintestSky = 1e-30;  // [W/m2/sr]
 
-/// Whether three numbers are meant, however badly put, and not the name of a file: what has commas
-/// and is no path, or is a number.
+/// Whether the text is meant as a colour, even a malformed one, and not as a file name: it has
+/// commas and is no path, or it is a number.
 bool means_colour(const std::string& text);
 
-/// The colour that they are; for what is none, `expected` says what would be.
+/// The colour; if it is malformed, `expected` says what is expected.
 std::optional<Rgb> parse_colour(const std::string& text, std::string& expected);
 
 }  // namespace tdpt

@@ -1,5 +1,5 @@
-// The sky: where its map lies, what is seen between texels, and that directions are drawn as their
-// density says, each with a fault that must be found.
+// The sky: orientation of its map, interpolation, and samples with the claimed density, each with a
+// twin.
 #include "libcommon/scene/sky.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@ namespace tdpt::sky_test {
 
 using std::numbers::pi;
 
-constexpr double kRight = 1e-4;  // a right sampler is above this in all but 1 seed of 10 000
-constexpr double kWrong = 1e-9;  // a wrong one below that
+constexpr double kRight = 1e-4;  // a correct sampler is below this for 1 seed in 10 000
+constexpr double kWrong = 1e-9;  // a faulty one is below this
 constexpr uint64_t kSamples = 60000;
 
 Sky::Map one_colour(const Rgb& colour) {
@@ -29,7 +29,7 @@ Sky::Map map_of(int width, int height, Radiance radiance) {
     for (int x = 0; x < width; ++x) map.texels.push_back(radiance(x, y));
   return map;
 }
-// Something else in every texel, smooth.
+// Smoothly varying, different in every texel.
 Sky::Map gradient(int width = 24, int height = 12) {
   return map_of(width, height, [&](int x, int y) {
     const float u = static_cast<float>(x) / static_cast<float>(width);
@@ -54,7 +54,7 @@ void expect_near(const Rgb& a, const Rgb& b, float tolerance) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance);
 }
 
-// The convention of latitude-longitude maps, as issue and manual tell it.
+// The convention of latitude-longitude maps, as documented.
 TEST(Sky, CentreOfTheMapIsAheadAndThreeQuartersAreToTheRight) {
   const Sky sky(gradient(64, 32), 0);
   expect_near(sky.towards(32, 16), {0, 0, -1});
@@ -74,7 +74,7 @@ TEST(Sky, CentreOfTheMapIsAheadAndThreeQuartersAreToTheRight) {
 TEST(Sky, RotationTurnsItCounterClockwiseSeenFromAbove) {
   const Sky::Map map = gradient(64, 32);
   const Sky sky(map, 0), turned(map, 0.5 * pi);
-  // What was ahead (-z) is to the left (-x) then.
+  // What was ahead (-z) is then to the left (-x).
   expect_near(turned.radiance({-1, 0, 0}), sky.radiance({0, 0, -1}), 1e-6f);
   expect_near(turned.towards(32, 16), {-1, 0, 0});
   const Sky a_little(map, 0.3);
@@ -136,7 +136,7 @@ TEST(Sky, ColumnsBeyondRoundingAreColumns) {
     }
 }
 
-// Nobody should ask; who does reads no other memory.
+// Nobody should ask, but it must not read outside of memory.
 TEST(Sky, NoDirectionIsSeenAsNoNumber) {
   const Sky sky(gradient(), 0);
   const SkyDirections plain(sky), weighted(sky, [](const Vec3d&) { return 1.0; });
@@ -160,10 +160,10 @@ TEST(Sky, SunsAddToTheMap) {
 using Draw = std::function<Vec3d(double pick, double u, double v)>;
 using Density = std::function<double(const Vec3d&)>;
 
-// Bins of a part of the map, and all beyond it as none of them.
+// Bins of a part of the map; everything outside is one bin.
 struct Window {
   const Sky& sky;
-  double x0, x1, y0, y1;  ///< as raster(); x may run round the seam
+  double x0, x1, y0, y1;  ///< as raster(); x may wrap round the seam
   int n = 16;
 
   size_t bin(const Vec3d& w) const {
@@ -175,7 +175,7 @@ struct Window {
     return static_cast<size_t>(j) * static_cast<size_t>(n) + static_cast<size_t>(i);
   }
   std::vector<double> integrate(const std::function<double(const Vec3d&)>& density) const {
-    constexpr int k = 16;  // midpoints of a bin, both ways
+    constexpr int k = 16;  // midpoints per bin, both ways
     const double dx = (x1 - x0) / (n * k), dy = (y1 - y0) / (n * k);
     const double area = dx * 2 * pi / sky.map().width * dy * pi / sky.map().height;
     std::vector<double> bins(static_cast<size_t>(n * n));
@@ -193,7 +193,7 @@ Window whole(const Sky& sky) {
   return {sky, 0, static_cast<double>(sky.map().width), 0, static_cast<double>(sky.map().height)};
 }
 
-// Bins of equal solid angle of a sun's disc.
+// Bins of equal solid angle on a sun's disc.
 struct Disc {
   static constexpr int kRings = 12, kSectors = 8;
   Vec3d axis;
@@ -212,7 +212,7 @@ struct Disc {
            std::min(static_cast<size_t>(sector), size_t{kSectors - 1});
   }
   std::vector<double> integrate(const Density& density) const {
-    constexpr int k = 16;  // midpoints of a bin, both ways
+    constexpr int k = 16;  // midpoints per bin, both ways
     std::vector<double> bins(size_t{kRings} * kSectors);
     for (int i = 0; i < kRings * k; ++i)
       for (int j = 0; j < kSectors * k; ++j) {
@@ -246,7 +246,7 @@ double p_of(const Bins& bins, const Density& density, const Draw& draw) {
       .p;
 }
 
-// Integral over the sphere of f, by a fine lattice of azimuth and y.
+// Integral of f over the sphere by a fine lattice in azimuth and y.
 double over_the_sphere(const Density& f, int columns = 1024, int rows = 1024) {
   double sum = 0;
   for (int j = 0; j < rows; ++j)
@@ -255,7 +255,7 @@ double over_the_sphere(const Density& f, int columns = 1024, int rows = 1024) {
   return sum * 4 * pi / columns / rows;
 }
 
-// What is drawn is drawn by the density, which is in proportion to what shines.
+// Samples follow the density, which is proportional to luminance.
 void expect_proportional(const Sky& sky, const SkyDirections& d) {
   const double first = 1 / d.total();
   for (uint64_t i = 0; i < 5000; ++i) {
@@ -303,7 +303,7 @@ TEST(SkyDirections, TwinOfAGradientTurned) {
   const SkyDirections d(sky), turned(other);
   EXPECT_LT(p_of(whole(sky), density_of(d), draw_of(turned)), kWrong);
 }
-// The density of cells, without what is within them.
+// Twin: the density of cells, constant within each.
 TEST(SkyDirections, TwinOfAGradientInSteps) {
   const Sky sky(gradient(4, 2), 0);
   const SkyDirections d(sky);
@@ -320,10 +320,10 @@ struct Hot {
   SkyDirections d{sky};
   double x, y;
   Hot(int column, int row) : sky(hot(column, row), 0), x(column + 0.5), y(row + 0.5) {}
-  // Where it shines, row by row.
+  // The lit window, row by row.
   Window around() const { return {sky, x - 1, x + 1, std::max(y - 1, 0.0), std::min(y + 1, 16.0)}; }
 };
-// At the seam, on both sides of it, and at both poles.
+// On both sides of the seam and at both poles.
 const std::array<std::array<int, 2>, 5> kHot{{{0, 5}, {31, 5}, {7, 0}, {7, 1}, {20, 15}}};
 
 TEST(SkyDirections, OneHotTexel) {
@@ -342,7 +342,7 @@ TEST(SkyDirections, TwinOfAHotTexelHalfATexelOff) {
     EXPECT_LT(p_of(h.around(), density_of(h.d), draw_of(d)), kWrong) << column << ' ' << row;
   }
 }
-// Even in the angle from the pole instead of in its cosine.
+// Twin: uniform in the polar angle instead of its cosine.
 TEST(SkyDirections, TwinOfAHotTexelAtThePoleWithoutTheSine) {
   const Hot h(7, 0);
   const Draw by_angle = [&](double pick, double u, double v) {
@@ -397,7 +397,7 @@ TEST(SkyDirections, SunsOfManySizes) {
   }
 }
 
-// A window to the east, and little of all else.
+// A window to the east, and little of everything else.
 double eastwards(const Vec3d& w) {
   return w.x > 0.3 ? 1 : 0.1;
 }
@@ -408,7 +408,7 @@ TEST(SkyDirections, Weighted) {
     const SkyDirections d(sky, eastwards);
     EXPECT_GT(p_of(SphereBins(16, 16), density_of(d), draw_of(d)), kRight);
     EXPECT_GT(p_of(SphereBins({1, 0, 0}, 1.0, 16, 16), density_of(d), draw_of(d)), kRight);
-    // The suns' edges are what the lattice misses.
+    // The lattice does not resolve the suns' edges.
     EXPECT_NEAR(over_the_sphere(density_of(d), 2048, 2048), 1, 2e-3);
     const Density light = [&](const Vec3d& w) { return luminance(sky.radiance(w)) * eastwards(w); };
     EXPECT_NEAR(over_the_sphere(light, 2048, 2048) / d.total(), 1, 0.02);
@@ -420,8 +420,8 @@ TEST(SkyDirections, TwinOfWeightedByOtherWeights) {
   const SkyDirections other(sky, [](const Vec3d& w) { return w.x > 0.3 ? 0.7 : 0.1; });
   EXPECT_LT(p_of(SphereBins({1, 0, 0}, 1.0, 16, 16), density_of(d), draw_of(other)), kWrong);
 }
-// One colour is cut into 128 wedges, each with the weight of its middle. Which one a direction is
-// in is first told roughly: beside a border that must be made good.
+// A uniform sky is cut into 128 wedges, each with the weight of its middle. The wedge of a
+// direction is first found approximately, and corrected near a border.
 TEST(SkyDirections, WeightsOfOneColourChangeAtTheBordersOfTheirWedges) {
   constexpr int kWedges = 128;
   const auto weight = [](const Vec3d& w) { return 2 + std::sin(3 * std::atan2(w.x, -w.z)); };
@@ -473,7 +473,7 @@ TEST(SkyDirections, WhatHasNoWeightIsNeverDrawn) {
   EXPECT_TRUE(SkyDirections(sky, [](const Vec3d&) { return 0.0; }).empty());
 }
 
-// Maps whose table has blocks of cells, not dividing the map evenly, with one texel of 1e9.
+// Maps whose table has blocks of cells that do not divide the map evenly, with one texel of 1e9.
 TEST(SkyDirections, LargeMapsAreDrawnFromExactlyAsWell) {
   constexpr int kWidth = 2050, kHeight = 1107;
   Sky::Map map = gradient(kWidth, kHeight);

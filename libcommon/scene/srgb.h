@@ -1,4 +1,4 @@
-// What a byte of an image stands for.
+// Linear value of a byte of an image.
 #pragma once
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ inline const LinearTable& linear_of_srgb() {
   return table;
 }
 
-/// A byte as a share of 255.
+/// byte / 255.
 inline const LinearTable& linear_of_byte() {
   static const LinearTable table = [] {
     LinearTable t{};

@@ -8,7 +8,7 @@
 namespace tdpt {
 namespace {
 
-// Beyond what counts as a coordinate, but squares of differences are numbers.
+// Not a valid coordinate, but squared differences stay finite.
 constexpr float kNoCoordinate = 1e15f;
 
 float coordinate(float u) {

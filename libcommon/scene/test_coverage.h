@@ -10,7 +10,7 @@ inline Scene two_rooms_scene() {
   return read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
 }
 
-/// A sheet across the hole of two-rooms.glb that is there as its alpha says.
+/// two-rooms.glb with a sheet across the hole; its alpha is its coverage.
 inline Scene with_sheet(Material sheet, const Image& image) {
   Scene scene = two_rooms_scene();
   const auto first = static_cast<uint32_t>(scene.positions.size());
@@ -42,7 +42,7 @@ inline Image small_image() {
   return image;
 }
 
-/// Alpha alone, and with textures wrapped and looked up in every way.
+/// Alpha alone, and with textures in every wrapping and filter mode.
 inline std::vector<Material> sheet_materials() {
   using Wrap = TextureMap::Wrap;
   Material m;

@@ -25,7 +25,7 @@ inline Scene load(const GlbBuilder& b) {
   return read_gltf(folder.write("scene.glb", b.glb()));
 }
 
-/// One triangle for each material; both sets of texture coordinates are there.
+/// One triangle per material, with both sets of texture coordinates.
 inline Scene scene_with(const std::vector<Json>& materials, GlbBuilder b = {}) {
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
   const int uv = b.floats({0, 0, 1, 0, 0, 1}, 2);

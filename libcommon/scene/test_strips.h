@@ -1,5 +1,5 @@
-// A strip of two triangles with every attribute, and scenes compared. For tests of what places and
-// bends meshes.
+// For tests of transforms and deformations of meshes: a strip of two triangles with every
+// attribute, and a comparison of scenes.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ inline Json add_strip(GlbBuilder& b, const Strip& s) {
           {"material", 0}};
 }
 
-/// A still triangle far off, so that all scenes have the same frame.
+/// A fixed triangle far away, so that all scenes have the same frame.
 inline void add_frame(GlbBuilder& b) {
   const int p = b.floats({-8, -8, -8, 8, 8, 8, 8, -8, 8}, 3);
   const int plain = b.material(lambert(0.5, 0.5, 0.5));
@@ -70,7 +70,7 @@ void expect_near(const Values& a, const Values& b, size_t components, const char
     }
 }
 
-/// To float rounding.
+/// Up to float rounding.
 inline void expect_near(const Scene& a, const Scene& b) {
   expect_near(a.positions, b.positions, 3, "positions");
   expect_near(a.normals, b.normals, 3, "normals");

@@ -10,7 +10,7 @@
 namespace tdpt::shader {
 namespace {
 
-// The text in doubles.
+// The shared source compiled for doubles.
 struct Mapped {
   using Real = double;
 #include "shaders/shared/path/mapped.h"
@@ -30,13 +30,13 @@ shader::Mapped::Texel text(const Texel& t) {
   return {{t[0], t[1], t[2]}, t[3]};
 }
 
-/// The two texels along one axis that a coordinate lies between, and the share of the second.
+/// The two texels along one axis around a coordinate, and the weight of the second.
 struct Span {
   int first, second;
   float share;
 };
 
-/// Index of the texel `i` texels from the start of an image repeated endlessly, i in [-1, 2n].
+/// Index of texel `i` in an endlessly repeated image, i in [-1, 2n].
 int wrapped(int i, int n, TextureMap::Wrap wrap) {
   switch (wrap) {
     case TextureMap::Wrap::repeat:
@@ -49,14 +49,15 @@ int wrapped(int i, int n, TextureMap::Wrap wrap) {
   return std::clamp(i, 0, n - 1);
 }
 
-/// floor(u) for |u| below 2^62; std::floor is a call into the library on plain x86-64.
+/// floor(u) for |u| below 2^62; std::floor is a library call on plain x86-64.
 int64_t floor_of(double u) {
   const auto i = static_cast<int64_t>(u);
   return i - (static_cast<double>(i) > u ? 1 : 0);
 }
 
 Span span_of(double u, int n, TextureMap::Wrap wrap, bool nearest) {
-  // Beyond this, neighbouring doubles lie more than a millionth of an image apart. NaN too.
+  // Beyond this, neighbouring doubles are more than a millionth of an image apart. Catches NaN,
+  // too.
   if (!(std::abs(u) < 1e9)) u = 0;
   if (wrap == TextureMap::Wrap::repeat)
     u -= static_cast<double>(floor_of(u));
@@ -64,7 +65,7 @@ Span span_of(double u, int n, TextureMap::Wrap wrap, bool nearest) {
     u -= 2 * static_cast<double>(floor_of(0.5 * u));
   else
     u = std::clamp(u, 0.0, 1.0);
-  const double x = nearest ? u * n : u * n - 0.5;  // the middle of texel i lies at i + 1/2
+  const double x = nearest ? u * n : u * n - 0.5;  // the centre of texel i is at i + 1/2
   const int i = static_cast<int>(floor_of(x));
   const int first = wrapped(i, n, wrap);
   if (nearest) return {first, first, 0};
@@ -102,17 +103,17 @@ Vec3d interpolated(const std::vector<Vec3f>& values, const Triangle& t, const Su
          Vec3d(values[t.vertex[1]]) * place.b1 + Vec3d(values[t.vertex[2]]) * place.b2;
 }
 
-/// Interpolated vertex colour; white where the scene has none.
+/// Interpolated vertex colour; white if the scene has none.
 std::array<double, 4> colour_at(const Scene& scene, const SurfacePlace& place) {
   if (scene.colours.empty()) return {1, 1, 1, 1};
   return interpolated(scene.colours, scene.triangles[place.triangle], place);
 }
 
 struct Tangents {
-  Vec3d u, v;  ///< along +X (right) and +Y (up) of the normal map; not unit, 0: there is no frame
+  Vec3d u, v;  ///< along +X (right) and +Y (up) of the normal map; not unit. 0: no frame
 };
 
-/// From the corners' places and texture coordinates: u runs along dP/du, v against dP/dv, because
+/// From the corners' positions and texture coordinates: u along dP/du, v against dP/dv, because
 /// images run downwards.
 Tangents derived_tangents(const Scene& scene, const TextureMap& map, uint32_t triangle) {
   const auto& uv = scene.uv[map.uv_set];

@@ -1,6 +1,6 @@
-// What textures, vertex colours and vertex normals say at one place of a triangle. Only places
-// whose material is not `plain` need to ask; the shading normal matters where Scene::smooth says
-// so, too. Any texture coordinates will do: what is not a number or beyond 1e9 images counts as 0.
+// Evaluates textures, vertex colours and vertex normals at a point of a triangle. Only materials
+// that are not `plain` need it; the shading normal also matters where Scene::smooth says so. Any
+// texture coordinates are accepted: NaN, and anything beyond 1e9 images, counts as 0.
 #pragma once
 #include <array>
 
@@ -9,22 +9,22 @@
 
 namespace tdpt {
 
-/// A place on a triangle: barycentrics of vertices 1 and 2.
+/// A point on a triangle: barycentrics of vertices 1 and 2.
 struct SurfacePlace {
   uint32_t triangle;
   double b1, b2;
 };
 
-/// Texel at a place, linear RGBA in [0,1]; 1 when the map has no image.
+/// Texel at a point, linear RGBA in [0,1]; 1 if the map has no image.
 std::array<float, 4> lookup(const Scene& scene, const TextureMap& map, const SurfacePlace& place);
 
-/// The factors that map MAP_* of a material multiplies times what it says; not alpha.
+/// Multiplies the factors that map MAP_* of a material controls by `texel`; not alpha.
 void multiply(shader::SurfaceMaterial& material, uint32_t map, const std::array<float, 4>& texel);
 
 /// Base colour with alpha: factor x texture x vertex colour. Linear, each in [0,1].
 std::array<float, 4> base_color_at(const Scene& scene, const SurfacePlace& place);
 
-/// A place's material: all that textures and vertex colours say is in its factors.
+/// A point's material, with textures and vertex colours multiplied into its factors.
 shader::SurfaceMaterial material_at(const Scene& scene, const SurfacePlace& place);
 
 /// Radiance of the front side [W/m2/sr]: factor x texture.
@@ -33,11 +33,11 @@ Rgb emission_at(const Scene& scene, const SurfacePlace& place);
 /// Probability that the surface is there: 1 opaque; 0 or 1 for masks; alpha for blends.
 float coverage_at(const Scene& scene, const SurfacePlace& place);
 
-/// Unit shading normal on the front side: interpolated vertex normals (where `smooth`), bent by the
-/// normal map. `geometric`: unit normal of the front side. Their cosine is at least 1e-3: what
-/// points to the back is mirrored at the surface.
+/// Unit shading normal on the front side: interpolated vertex normals (where `smooth`), perturbed
+/// by the normal map. `geometric`: unit normal of the front side. Their cosine is at least 1e-3: a
+/// shading normal that points to the back is mirrored at the surface.
 Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
-/// The same of its clear coat, which a normal map of its own bends.
+/// The same for its clear coat, which has a normal map of its own.
 Vec3d coat_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
 
 }  // namespace tdpt

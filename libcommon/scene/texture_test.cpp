@@ -1,4 +1,4 @@
-// Look-ups against values worked out by hand.
+// Look-ups against values computed by hand.
 #include "libcommon/scene/texture.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace tdpt::texture_test {
 using Wrap = TextureMap::Wrap;
 using Bytes = std::vector<uint8_t>;
 
-/// One triangle whose barycentrics b1, b2 are its texture coordinates u, v, beyond it as well.
+/// One triangle whose barycentrics b1, b2 are its texture coordinates u, v, also outside of it.
 Scene triangle() {
   Scene s;
   s.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -173,7 +173,7 @@ TEST(BaseColour, IsFactorTimesTextureTimesVertexColour) {
   EXPECT_NEAR(c[3], 0.5 * 0.8 * 0.75, 1e-6);
   EXPECT_EQ(base_color_at(s, {0, 1, 0})[2], 0.8f);
   m.base_color.z = 1;
-  EXPECT_EQ(base_color_at(s, {0, 1, 0})[2], 1);  // never more than all light
+  EXPECT_EQ(base_color_at(s, {0, 1, 0})[2], 1);  // clamped to white
   m.plain = true;
   EXPECT_EQ(base_color_at(s, {0, 1, 0}), (std::array<float, 4>{0.5f, 1, 1, 0.5f}));
 }
@@ -204,7 +204,7 @@ TEST(Coverage, FollowsTheMode) {
   m.alpha = 1;
   m.alpha_mode = Material::Alpha::mask;
   EXPECT_EQ(coverage_at(s, quarter), 0);
-  EXPECT_EQ(coverage_at(s, half), 1);  // at the cutoff it is there
+  EXPECT_EQ(coverage_at(s, half), 1);  // at the cutoff the surface is present
   m.alpha_cutoff = 0.2f;
   EXPECT_EQ(coverage_at(s, quarter), 1);
 }
@@ -241,7 +241,7 @@ TEST(ShadingNormal, ThoseOfTheBackAreTurnedRound) {
 TEST(ShadingNormal, IsNeverBehindTheSurface) {
   Scene s = triangle();
   s.smooth = {1};
-  s.normals.assign(3, {0.6f, 0, -0.8f});  // at one place only: mirrored at the surface
+  s.normals.assign(3, {0.6f, 0, -0.8f});  // equal at all corners: mirrored at the surface
   expect_near(shading_normal_at(s, {0, 0.2, 0.2}, kUp), {0.6, 0, 0.8});
   s.normals.assign(3, {1, 0, 0});
   const Vec3d along = shading_normal_at(s, {0, 0.2, 0.2}, kUp);
@@ -257,7 +257,7 @@ TEST(ShadingNormal, IsNeverBehindTheSurface) {
 const Bytes kBentRight = {204, 128, 230, 255}, kBentUp = {128, 204, 230, 255};
 const double kZero = 2 * 128 / 255.0 - 1, kHigh = 2 * 204 / 255.0 - 1, kZ = 2 * 230 / 255.0 - 1;
 
-/// The triangle with a normal map of one texel, its corners' coordinates made of x, y by `u`, `v`.
+/// The triangle with a normal map of one texel; `u`, `v` map x, y to its corners' coordinates.
 Vec3d bent(const Bytes& texel, std::array<float, 3> u, std::array<float, 3> v,
            const std::vector<std::array<float, 4>>& tangents = {}, float scale = 1) {
   Scene s = triangle();
@@ -269,14 +269,14 @@ Vec3d bent(const Bytes& texel, std::array<float, 3> u, std::array<float, 3> v,
 }
 
 TEST(NormalMaps, AxesComeFromTheTextureCoordinates) {
-  // u to the right (x), v down (-y): as images lie.
+  // u to the right (x), v down (-y): the orientation of images.
   expect_near(bent(kBentRight, {0, 1, 0}, {1, 1, 0}), normalize(Vec3d(kHigh, kZero, kZ)));
   expect_near(bent(kBentUp, {0, 1, 0}, {1, 1, 0}), normalize(Vec3d(kZero, kHigh, kZ)));
-  // v up: the image stands on its head.
+  // v up: the image is upside down.
   expect_near(bent(kBentUp, {0, 1, 0}, {0, 0, 1}), normalize(Vec3d(kZero, -kHigh, kZ)));
-  // u to the left: seen in a mirror.
+  // u to the left: mirrored.
   expect_near(bent(kBentRight, {1, 0, 1}, {1, 1, 0}), normalize(Vec3d(-kHigh, kZero, kZ)));
-  // u up, v to the right: turned by a quarter.
+  // u up, v to the right: rotated by a quarter.
   expect_near(bent(kBentRight, {0, 0, 1}, {0, 1, 0}), normalize(Vec3d(-kZero, kHigh, kZ)));
 }
 
@@ -286,9 +286,9 @@ TEST(NormalMaps, TangentsOfTheMeshComeFirst) {
   expect_near(bent(kBentRight, u, v, all({0, 1, 0, 1})), normalize(Vec3d(-kZero, kHigh, kZ)));
   expect_near(bent(kBentUp, u, v, all({1, 0, 0, 1})), normalize(Vec3d(kZero, kHigh, kZ)));
   expect_near(bent(kBentUp, u, v, all({1, 0, 0, -1})), normalize(Vec3d(kZero, -kHigh, kZ)));
-  // Not at right angles to the normal: made so.
+  // Not perpendicular to the normal: orthogonalised.
   expect_near(bent(kBentUp, u, v, all({0.8f, 0, 0.6f, 1})), normalize(Vec3d(kZero, kHigh, kZ)));
-  // None there: from the coordinates.
+  // Absent here: derived from the coordinates.
   expect_near(bent(kBentUp, u, v, all({0, 0, 0, 1})), normalize(Vec3d(kZero, kHigh, kZ)));
 }
 

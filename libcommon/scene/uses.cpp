@@ -24,7 +24,7 @@ bool textured(const Material& m) {
   return std::any_of(m.maps.begin(), m.maps.end(), [](const TextureMap& map) { return bool(map); });
 }
 
-// A word of Scene::needs, how many ask for it, and what is saved where none does.
+// A word of Scene::needs, how many things require it, and what is saved if none does.
 struct Use {
   std::string_view word;
   std::string (*who)(const Scene&);

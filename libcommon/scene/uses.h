@@ -1,4 +1,4 @@
-// What a scene uses of all that a scene may hold, and what is therefore left out: for --explain.
+// For --explain: which features a scene uses, and what is therefore left out.
 #pragma once
 #include <string_view>
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace tdpt {
 
-/// The words of Scene::needs, in its order.
+/// The words of Scene::needs, in order.
 std::vector<std::string_view> all_needs();
 
-/// A decision for each of `words`: a tool names those that it would have work with.
+/// A decision for each of `words`: a tool lists those that would cause it work.
 cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& words);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-// For tests of z_failure.h: failures go to a folder that is gone afterwards.
+// For tests of z_failure.h: sends failures to a temporary folder.
 #pragma once
 #include <cstdlib>
 
@@ -21,7 +21,7 @@ class FailuresElsewhere {
   FailuresElsewhere(const FailuresElsewhere&) = delete;
   FailuresElsewhere& operator=(const FailuresElsewhere&) = delete;
 
-  /// Made by the first failure.
+  /// Created by the first failure.
   std::filesystem::path folder() const { return parent_.path / "failures"; }
 
  private:

@@ -1,15 +1,16 @@
 #!/bin/sh
-# lasting_test.sh WHAT BIN TESTDATA SPY: that a night's rendering outlives its process. WHAT:
-#   order         a checkpoint is written, flushed, named, and its folder flushed, in this order
-#   kills         50 kills at random moments: the checkpoint is always whole, and what goes on from it
-#                 ends with the bytes of the picture that nobody disturbed
-#   kills-twin    where checkpoints are copied into place, kills must be found to spoil them
-#   parts         shards, merged in any order or as a tree, stopped, resumed and on any number of threads, make the
-#                 bytes of the picture that was never in parts; so does what was added later
-#   more-parts    the same where lights of several kinds are chosen by what arrives, to a given error, and by time
-#   parts-twin    a shard of another seed, of another plan or with a byte changed is refused
-#   traps         what a reviewer's hands found: films of parts and plans where they do not belong, unusual names and sizes
-#   full-disk     a disk that is full costs no checkpoint that is there, and no rendering
+# lasting_test.sh WHAT BIN TESTDATA SPY: long renderings survive interruptions. WHAT:
+#   order         a checkpoint is written, flushed and renamed, and its folder flushed, in this order
+#   kills         50 kills at random moments: the checkpoint is always whole, and a resumed rendering ends with the
+#                 bytes of an uninterrupted one
+#   kills-twin    if checkpoints are copied into place instead, kills must be found to damage them
+#   parts         shards, merged in any order or as a tree, stopped, resumed and with any number of threads, give the
+#                 bytes of the undivided picture; so do samples added later
+#   more-parts    the same with lights of several kinds that are selected by their measured contribution, with a target
+#                 error, and with a time limit
+#   parts-twin    a shard with another seed, another plan or a changed byte is refused
+#   traps         films of parts and plans in the wrong place, unusual names and sizes
+#   full-disk     a full disk damages no existing checkpoint and ends no rendering
 set -u
 what=$1 bin=$2 testdata=$3 spy=$4
 PATH=$bin:$PATH
@@ -19,7 +20,7 @@ trap 'exit 99' HUP INT TERM
 cd "$work" || exit 99
 scene=$testdata/scenes/two-rooms.glb
 fail() { echo "$*"; exit 1; }
-# In the background with run=exec: so that a signal meets the program.
+# Runs in the background with run=exec, so that a signal reaches the program.
 run=
 render() { $run tdpt-render "$scene" --quiet --width 48 --height 36 --spp "$spp" "$@"; }
 is_whole() { exrmerge --quiet --gaps "$1" -o /dev/null; }
@@ -27,17 +28,17 @@ is_whole() { exrmerge --quiet --gaps "$1" -o /dev/null; }
 order() {
   spp=64
   SPY_ON_WRITES=$work/log LD_PRELOAD=$spy render --checkpoint c.exr --set checkpoint-every=0 -o p.exr || fail "no picture"
-  # What happens to the first checkpoint, runs of one thing told once.
+  # The operations on the first checkpoint, repeated ones once.
   got=$(uniq log | sed -n '1,/fsync folder/p' | tr '\n' ';')
   [ "$got" = "write file;fsync file;rename c.exr;fsync folder;" ] || fail "the order is: $got"
-  # Last of all: the checkpoint with all samples, then the picture.
+  # At the end: the checkpoint with all samples, then the picture.
   got=$(uniq log | tail -n 8 | tr '\n' ';')
   one="write file;fsync file;rename"
   [ "$got" = "$one c.exr;fsync folder;$one p.exr;fsync folder;" ] || fail "the end is: $got"
 }
 
-# kills ENOUGH: kills renderings until 50 have been killed, or ENOUGH of them, $spoilt, have left a checkpoint that is not whole. They live
-# about as long, $ms at the most, as it takes to come to the next checkpoint: half of them come that far.
+# kills ENOUGH: kills renderings until 50 have been killed, or until ENOUGH of them, $spoilt, have left a damaged
+# checkpoint. They run for up to $ms, about the time to the next checkpoint: half of them reach it.
 kills() {
   spp=65536 killed=0 spoilt=0 seed=$$ changed=0 ms=100 before=none
   while [ $killed -lt 50 ] && [ $spoilt -lt "$1" ]; do
@@ -46,7 +47,7 @@ kills() {
     seed=$(((seed * 1103515245 + 12345) % 2147483648))
     now=$((seed / 65536 % ms))
     sleep "$((now / 1000)).$(printf %03d $((now % 1000)))"
-    kill -KILL $pid 2>/dev/null || break # it was done
+    kill -KILL $pid 2>/dev/null || break # it had finished
     wait $pid 2>/dev/null
     killed=$((killed + 1))
     now=none
@@ -65,7 +66,7 @@ kills() {
   [ $changed -gt 10 ] || fail "only $changed checkpoints were written"
 }
 
-# A room with a portal, in parts: films s.I-of-N.exr by T threads; every third is stopped and resumed.
+# A room with a portal, in parts: films s.I-of-N.exr with T threads; every third is stopped and resumed.
 portal() {
   ffgraph --quiet --set walks=2000 --samples 10000 --set rounds=0 "$scene" | mincut --quiet |
     lightgrid --quiet --resolution 16 --set lines=500 "$scene" - |
@@ -109,27 +110,27 @@ parts() {
   room --spp 32 --threads 1 --plan again.json -o w1.exr || fail "no plan and picture"
   cmp plan.json again.json || fail "the plan depends on threads"
   cmp whole.exr w1.exr || fail "the picture depends on threads or on its plan being written"
-  # Each number of threads and each of shards, and most of each together with least and most of the other.
+  # Every number of threads and of shards occurs, the largest of one also with the smallest and largest of the other.
   for how in '1 1' '2 4' '8 1' '1 16' '8 16'; do
     n=${how#* } t=${how% *}
     shards "$n" "$t"
     merge_backwards "s.*-of-$n.exr" || fail "$n shards do not merge"
     cmp m.exr whole.exr || fail "$n shards of $t threads have other bytes"
   done
-  # As a tree, of films of different splits, out of order.
+  # As a tree, from films of different splits, out of order.
   exrmerge --quiet --film s.3-of-4.exr s.0-of-16.exr s.2-of-16.exr -o a.exr || fail "no film"
   exrmerge --quiet --film s.1-of-16.exr s.1-of-4.exr -o b.exr || fail "no film"
   exrmerge --quiet --film b.exr s.3-of-16.exr s.2-of-4.exr -o c.exr || fail "no film"
   exrmerge --quiet c.exr a.exr -o m.exr || fail "the tree does not merge"
   cmp m.exr whole.exr || fail "a tree has other bytes"
-  # Samples added to the merged film, and shards of a longer picture by the same plan.
+  # Samples added to the merged film, and shards of a longer picture with the same plan.
   exrmerge --quiet --film c.exr a.exr -o all.exr || fail "no film"
   room --resume all.exr --add-samples 32 --no-provenance -o more.exr || fail "no samples are added"
   sed 's/"spp": 32/"spp": 64/' plan.json >longer.json
   room --plan longer.json --shard 0/1 -o long.exr || fail "no longer film"
   exrmerge --quiet --no-provenance long.exr -o long-picture.exr || fail "no longer picture"
   exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "added samples are others"
-  # The command of the beginning still holds; what was added is added once where it is killed on the way.
+  # The original command still works; samples are added once even if it is killed on the way.
   room --spp 32 -o began.exr --checkpoint grown.exr || fail "no picture"
   cmp began.exr whole.exr || fail "a checkpoint changes the picture"
   run="exec" room --resume grown.exr --add-samples 32 --set checkpoint-every=0 --threads 1 -o more.exr &
@@ -142,19 +143,19 @@ parts() {
   exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "samples that were added twice, or not"
 }
 
-# With lamps and a sky, whose shares are measured; to a given error, whose estimate needs blocks of
-# samples; with a limit of depth, of time.
+# With lamps and a sky, whose shares are measured; with a target error, whose estimate needs blocks of samples; with a
+# limit of depth, of time.
 more_parts() {
   window=$testdata/scenes/window.glb
   lit() { $run tdpt-render "$window" --quiet --environment 0.2,0.3,0.4 --width 40 --height 30 "$@"; }
   lit --spp 16 --max-depth 6 -o whole.exr --plan plan.json || fail "no picture"
   grep '"sky"' plan.json
   for i in 0 1 2; do
-    # Two decide by themselves, which is the same.
+    # Two of them decide on their own, with the same result.
     if [ $i -eq 1 ]; then set -- --plan plan.json; else set -- --spp 16; fi
     lit --max-depth 6 "$@" --shard $i/3 -o s$i.exr || fail "no shard"
   done
-  # Provenance tells the two ways apart by nothing.
+  # The provenance is the same for both ways.
   exrmerge --quiet s1.exr s2.exr s0.exr -o m.exr || fail "no merge"
   cmp m.exr whole.exr || fail "shards under a sky have other bytes"
 
@@ -167,7 +168,7 @@ more_parts() {
   kill -TERM $pid
   wait $pid
   [ $? -eq 6 ] || fail "it was not stopped"
-  # Before all is decided a signal leaves nothing to go on from.
+  # Until everything is decided, a signal leaves no checkpoint.
   run="exec" aim --checkpoint d.exr -o p.exr &
   pid=$!
   sleep 0.2
@@ -184,7 +185,7 @@ more_parts() {
   kill -KILL $pid
   wait $pid 2>/dev/null
   timed --resume t.exr --json -o p.exr >summary || fail "it does not go on"
-  # What was spent before counts.
+  # Time spent before counts.
   grep -q '"seconds":[12]\.' summary || { cat summary; fail "the time begins anew"; }
 }
 
@@ -215,7 +216,7 @@ parts_twin() {
   [ ! -e x.exr ] || fail "something was written"
 }
 
-# refused CODE WORDS COMMAND...: it ends with that code, and says so.
+# refused CODE WORDS COMMAND...: the command ends with that code and prints these words.
 refused() {
   code=$1 words=$2
   shift 2
@@ -230,7 +231,8 @@ traps() {
   few() { $run tdpt-render "$room" --quiet --width 40 --height 30 --integrator bdpt "$@"; }
   few --spp 16 -o whole.exr || fail "no picture"
 
-  # With errors kept, a checkpoint goes on; merged, it is the picture, channels that no sample changes included.
+  # With errors kept, a checkpoint can be resumed; when merged it becomes the picture, including channels that do not
+  # depend on samples.
   few --spp 16 --aov all --checkpoint v.exr -o v1.exr && few --spp 16 --aov all --resume v.exr -o v2.exr || fail "variance"
   same v1.exr v2.exr "what kept errors goes on otherwise"
   exrmerge --quiet v.exr -o v3.exr
@@ -238,7 +240,7 @@ traps() {
   few --target-error 0.3 --checkpoint t.exr -o t1.exr && exrmerge --quiet t.exr -o t2.exr
   same t1.exr t2.exr "a checkpoint of a given error is no picture"
 
-  # Before all is decided nothing is kept, however often checkpoints are written.
+  # Until everything is decided no checkpoint is written, however short the interval.
   run="exec" few --target-error 0.02 --checkpoint early.exr --set checkpoint-every=0 -o p.exr &
   pid=$!
   sleep 0.15
@@ -246,19 +248,19 @@ traps() {
   wait $pid
   [ ! -e early.exr ] || { few --target-error 0.02 --resume early.exr -o p.exr && few --target-error 0.02 -o q.exr && same p.exr q.exr "what was not decided goes on"; }
 
-  # No file is written over that is not gone on from.
+  # A file that is not resumed is not overwritten.
   few --spp 16 --shard 0/2 -o s0.exr && few --spp 16 --shard 1/2 -o s1.exr || fail "no shards"
   echo precious >precious.exr
   refused 2 'is there already' few --spp 16 --resume v.exr --checkpoint precious.exr -o p.exr
   refused 2 'give --shard as it was begun' few --spp 16 --resume s1.exr -o p.exr
   [ "$(cat precious.exr)" = precious ] || fail "a file is written over"
 
-  # The beginning of a picture is gone on with to its end.
+  # The beginning of a picture can be continued to its end.
   exrmerge --quiet --film s0.exr -o half.exr
   few --spp 16 --resume half.exr --no-provenance -o p.exr && few --spp 16 --no-provenance -o q.exr || fail "half"
   same p.exr q.exr "a merged beginning goes on otherwise"
 
-  # A checkpoint by another plan than that given; a plan that is there is obeyed, and never replaced by a picture.
+  # A checkpoint with another plan than the given one; an existing plan is obeyed, and never replaced by a picture.
   few --spp 16 --plan p16.json && few --spp 8 --plan p8.json || fail "no plans"
   few --plan p8.json --shard 0/2 --checkpoint k.exr -o k0.exr || fail "no shard"
   refused 3 'another plan than p16.json' few --plan p16.json --shard 0/2 --checkpoint k.exr --resume k.exr -o k0.exr
@@ -267,11 +269,11 @@ traps() {
   refused 2 'p8.json is of 8 samples' few --spp 16 --plan p8.json -o p.exr
   refused 3 'is of another depth' few --max-depth 3 --plan p8.json -o p.exr
 
-  # What has ended by the clock has ended.
+  # A rendering that ended by its time limit is finished.
   few --time 0.5 --checkpoint c.exr -o c1.exr && few --time 0.5 --resume c.exr -o c2.exr || fail "time"
   same c1.exr c2.exr "a picture that ended by the clock goes on"
 
-  # Widest pictures, names that are no UTF-8, and a film without a name yet.
+  # Very wide pictures, names that are not UTF-8, and a film without a name yet.
   tdpt-render "$room" --quiet --width 65536 --height 1 --spp 1 --layers --alpha --integrator pt --checkpoint wide.exr -o w1.exr &&
     exrmerge --quiet wide.exr -o w2.exr || fail "the widest"
   same w1.exr w2.exr "the widest picture is another"
@@ -283,7 +285,7 @@ traps() {
   few --spp 16 --checkpoint empty.exr --resume empty.exr -o p.exr || fail "an empty file is no beginning"
   same p.exr whole.exr "from an empty file the picture is another"
 
-  # A preview is there, and refreshed, while its picture is not.
+  # The preview is written and refreshed before the picture exists.
   run="exec" few --spp 1000000 --preview -o seen.exr &
   pid=$!
   tries=0
@@ -293,7 +295,7 @@ traps() {
   [ -s seen.png ] || fail "no preview while rendering"
   [ ! -e seen.exr ] || fail "the picture is there before its end"
 
-  # What is nested without end ends no program.
+  # Excessive nesting crashes no program.
   deep=$(head -c 300000 /dev/zero | tr '\0' '[')
   printf '{"plan": {"x": %s' "$deep" >deep.json
   refused 3 'deep.json: is no plan' few --plan deep.json --shard 0/2 -o p.exr
@@ -321,7 +323,7 @@ kills)
   spp=$had
   render --integrator bdpt -o undisturbed.exr || fail "no picture"
   exrdiff --json killed.exr undisturbed.exr | grep -q '"mse":0.0,' || fail "kills have changed the picture"
-  # To the end, with `auto`: killed, stopped, on other numbers of threads.
+  # To the end with `auto`: killed, stopped, with other numbers of threads.
   spp=256
   rm c.exr
   render -o undisturbed.exr || fail "no picture"

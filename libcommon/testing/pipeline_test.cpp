@@ -1,5 +1,6 @@
-// The four stages that find portals, run as programs on rooms whose openings are known. The scenes
-// of the paper are too large for the repository: where they are absent their tests say so and skip.
+// The four stages that find portals, run as programs on rooms with known openings. The scenes of
+// the paper are too large for the repository: where they are absent their tests say so and are
+// skipped.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -33,8 +34,8 @@ std::vector<Portal> find_portals(const std::string& scene, int seed = 1) {
   return run.portals;
 }
 
-// A room of this depth, 4 x 2.6 m, whose wall at the end x = depth is missing; behind that a frame
-// of the hole `wide` m wide, if that is more than 4. On a ground, under a sky.
+// A room of this depth, 4 x 2.6 m, whose end wall at x = depth is missing; if `wide` is more than
+// 4, a frame with a hole `wide` m wide stands behind it. On a ground, under a sky.
 RoomPlan room_open_to_the_sky(double depth, double wide) {
   constexpr double kHigh = 2.6, kHalf = 2, t = 0.15;
   RoomPlan plan;
@@ -97,7 +98,7 @@ TEST(pipeline, two_rooms_have_their_portal_in_the_hole) {
   EXPECT_GE(coverage(hole, portals), 0.95);
   EXPECT_LE(degrees_between(mean_normal(portals[0]), hole.normal), 3);
   EXPECT_TRUE(inside({{2, 0.865, -0.135}, {2.1, 1.135, 0.135}}, portals[0]));
-  // Twins: the score notices a portal that is beside the hole, or the wrong way round.
+  // Twins: the score detects a portal that is beside the hole or reversed.
   std::vector<Portal> beside = portals;
   shift(beside, {0, 0.1, 0});
   EXPECT_LT(coverage(hole, beside), 0.7);
@@ -105,7 +106,7 @@ TEST(pipeline, two_rooms_have_their_portal_in_the_hole) {
   EXPECT_EQ(coverage(hole, portals), 0);
 }
 
-// A pane of 1 cm in the hole: glass lets the light's flow through, a board does not.
+// A pane of 1 cm in the hole: glass lets light through, a board does not.
 TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
   const auto rooms_with_pane = [](double transmission) {
     RoomScene s;
@@ -126,7 +127,7 @@ TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
   const KnownAperture hole =
       rectangle({2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1);
   EXPECT_GE(coverage(hole, rooms_with_pane(1)), 0.9);
-  EXPECT_TRUE(rooms_with_pane(0).empty());  // twin
+  EXPECT_TRUE(rooms_with_pane(0).empty());  // twin: a board
 }
 
 TEST(pipeline, rooms_in_a_row_have_a_portal_in_each_of_their_doors) {
@@ -158,15 +159,15 @@ TEST(pipeline, a_room_without_a_wall_says_that_it_stands_open_to_the_sky) {
   }
 }
 
-// Its lamps stand in their own opening; that nearly a third of the light comes straight from them,
-// few walks tell as a quarter.
+// Its lamps are in their own opening; nearly a third of the light comes straight from them, which
+// few walks may measure as a quarter.
 TEST(pipeline, a_furnished_room_whose_lamps_are_seen_has_no_portal) {
   const std::string scene = kPaper + "interiors/living-room-lamps.glb";
   NEEDS(scene);
   EXPECT_TRUE(find_portals(scene).empty());
 }
 
-// As wide as the room, but a bottleneck of it, since it is deep: the portal lies in the mouth.
+// As wide as the room, but a bottleneck because the room is deep: the portal lies in the mouth.
 TEST(long_pipeline, a_deep_room_has_its_portal_where_its_wall_is_missing) {
   const KnownAperture mouth = rectangle({9, 0, -2}, {0, 2.6, 0}, {0, 0, 4}, {-1, 0, 0}, 0);
   for (const double wide : {4.0, 6.0}) {
@@ -180,8 +181,7 @@ TEST(long_pipeline, a_deep_room_has_its_portal_where_its_wall_is_missing) {
   }
 }
 
-// Slats outside the wall, windows that all but meet in a corner, windows with a narrow pier
-// between.
+// Slats outside the wall, windows that almost meet in a corner, windows with a narrow pier between.
 void expect_a_portal_in_each_window(const std::vector<std::pair<RoomKind, uint64_t>>& rooms) {
   for (const auto& [kind, seed] : rooms) {
     const KnownRoom room = known_room(kind, seed);
@@ -214,9 +214,9 @@ TEST(pipeline, cornell_box_has_its_portal_in_the_hole) {
   EXPECT_LT(coverage(hole, portals), 0.9);
 }
 
-// The leaf hangs at z = -4.67 and stands open into the room, x > -2.82: light passes between its
-// free edge and the frame at z = -6.28, and over its top. The slit measured at half height: from
-// the frame (-2.82, -6.29) to the leaf's edge (-2.38, -6.13).
+// The leaf is hinged at z = -4.67 and open into the room, x > -2.82: light passes between its free
+// edge and the frame at z = -6.28, and over its top. The slit was measured at half height: from the
+// frame (-2.82, -6.29) to the leaf's edge (-2.38, -6.13).
 void expect_portal_in_the_door(const std::string& scene, int seeds) {
   NEEDS(scene);
   const Vec3d across = Vec3d{-2.38, 0, -6.13} - Vec3d{-2.82, 0, -6.29};
@@ -231,14 +231,14 @@ void expect_portal_in_the_door(const std::string& scene, int seeds) {
     for (const Portal& portal : portals)
       EXPECT_TRUE(inside(opening, portal)) << portal.name << ", seed " << seed;
     covered.push_back(coverage(slit, portals));
-    shift(portals, across);  // twin: one width of the slit beside it
+    shift(portals, across);  // twin: one slit width beside it
     beside.push_back(coverage(slit, portals));
   }
   const auto median = [](std::vector<double> values) {
     std::sort(values.begin(), values.end());
     return values[values.size() / 2];
   };
-  // The slit itself is measured by eye: single seeds cover 0.77 to 0.91 of it.
+  // The slit was measured by eye: single seeds cover 0.77 to 0.91 of it.
   EXPECT_GE(median(covered), 0.8);
   EXPECT_LT(*std::max_element(beside.begin(), beside.end()), 0.8);
 }

@@ -1,5 +1,5 @@
-// --quality draft|normal|high: in each program that has numbers to set, every step is nearer to
-// the truth and takes more work. Work is counted, not timed: doc/tradeoff.md has the seconds.
+// --quality draft|normal|high: in each program with such knobs, every step is more accurate and
+// takes more work. Work is counted, not timed: doc/tradeoff.md has the seconds.
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -26,7 +26,7 @@ struct Point {
 };
 using Curve = std::array<Point, 3>;
 
-// By more than chance: each step at least a fifth better, and a fifth dearer.
+// Beyond noise: each step at least a fifth more accurate and a fifth more expensive.
 bool ordered(const Curve& curve) {
   for (size_t k = 1; k < curve.size(); ++k)
     if (!(1.2 * curve[k].error < curve[k - 1].error && curve[k].work > 1.2 * curve[k - 1].work))
@@ -48,7 +48,7 @@ std::string text_of(const fs::path& path) {
 
 class Quality : public ::testing::Test {
  protected:
-  // Runs a program, without progress, and returns its summary.
+  // Runs a program without progress and returns its summary.
   json run(const std::string& program, const std::string& words) {
     const std::string to = (folder_.path / (program + ".json")).string();
     const std::string command = TDPT_BIN "/" + program + " --json --no-provenance " + words +
@@ -63,7 +63,7 @@ class Quality : public ::testing::Test {
   virtual Point point(const std::string& quality, int first_seed) = 0;
 
   void expect_ordered() {
-    Curve curve, twin;  // the twin: draft under three names
+    Curve curve, twin;  // twin: draft under three names
     for (size_t k = 0; k < curve.size(); ++k) {
       curve[k] = twin[k] = point(kQualities[k], 1);
       twin[k].error = k == 0 ? curve[0].error : point("draft", 101 * static_cast<int>(k)).error;
@@ -79,8 +79,7 @@ std::string words_of(const std::string& quality, int seed) {
   return "--quality " + quality + " --seed " + std::to_string(seed) + " ";
 }
 
-// How far figures of the same thing are apart from seed to seed: the geometric mean of their
-// standard deviations.
+// Variation of several figures from seed to seed: the geometric mean of their standard deviations.
 class Spread {
  public:
   void add(const std::vector<double>& figures) {
@@ -128,7 +127,7 @@ TEST_F(long_QualityOfGraphs, each_step_tells_more_of_the_cut) {
 // ---- lightgrid: where and which way its lines cross the wall ----
 class long_QualityOfLines : public Quality {
  protected:
-  // Means and mean squares of their places and directions in the middle of the wall, x = 2.05.
+  // Means and mean squares of positions and directions in the middle of the wall, x = 2.05.
   std::vector<double> moments() const {
     std::vector<double> sums(8, 0.0);
     double lines = 0;

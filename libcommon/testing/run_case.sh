@@ -1,7 +1,6 @@
 #!/bin/sh
-# run_case.sh BIN TESTDATA CASE: runs one end-to-end case; testdata/cli/README.md tells the format.
-# Exit 0: everything was as expected. 77: this machine lacks what the case needs. Otherwise every
-# difference is told, with both outputs.
+# run_case.sh BIN TESTDATA CASE: runs one end-to-end case; its format: testdata/cli/README.md. Exit 0: as expected. 77:
+# this machine lacks what the case needs. Otherwise prints every difference and both outputs.
 set -u
 absolute() { case $1 in /*) printf '%s\n' "$1" ;; *) printf '%s/%s\n' "$PWD" "$1" ;; esac; }
 bin=$(absolute "$1") TESTDATA=$(absolute "$2") case=$3
@@ -14,7 +13,7 @@ work=$(mktemp -d) || exit 99
 trap 'rm -rf "$work"' EXIT
 trap 'exit 99' HUP INT TERM
 mkdir "$work/run"
-# Kernels that a software device compiled before are kept for all cases: it takes seconds to make them.
+# All cases share the cache of kernels compiled for a software device, which takes seconds.
 export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}}" XDG_CACHE_HOME="$work/cache"
 script=$work/script stdout=$work/stdout stderr=$work/stderr wrong=$work/wrong
 : >"$script"

@@ -1,11 +1,12 @@
 #!/bin/sh
-# slurm_test.sh BIN TESTDATA RECIPE [WHAT]: the files of RECIPE (doc/farm) under Slurm: a controller and two nodes on this
-# machine, with a configuration and folders of their own, gone afterwards. As root, without systemd and cgroups. WHAT:
-#   kills       a node dies in the middle of a shard, which goes on from its checkpoint on the other one; a shard whose
-#               time is up goes on, too; the picture has the bytes of the undivided one. The default
-#   seed        a shard of another seed must be refused, and there is no picture
-#   processor   a shard by code for other processors must be found in the bytes
-# Exit 77 where Slurm is missing (cmake/packages-slurm.txt).
+# slurm_test.sh BIN TESTDATA RECIPE [WHAT]: runs the files of RECIPE (doc/farm) under Slurm: a controller and two nodes
+# on this machine, with a configuration and folders of their own, removed afterwards. As root, without systemd and
+# cgroups. WHAT:
+#   kills       a node dies in the middle of a shard, which resumes from its checkpoint on the other node; so does a
+#               shard that runs out of time; the picture has the bytes of the undivided one. The default
+#   seed        a shard with another seed must be refused, and there is no picture
+#   processor   a shard rendered with code for other processors must show in the bytes
+# Exit 77 if Slurm is missing (cmake/packages-slurm.txt).
 set -u
 bin=$(cd "${1:?usage: slurm_test.sh BIN TESTDATA RECIPE [WHAT]}" && pwd) || exit 2
 testdata=$(cd "${2:?usage: slurm_test.sh BIN TESTDATA RECIPE [WHAT]}" && pwd) || exit 2
@@ -28,13 +29,13 @@ began=$(date +%s)
 work=$(mktemp -d) || exit 2
 daemons=''
 
-# family PID: the process and all below it.
+# family PID: the process and its descendants.
 family() {
   ps -e -o pid= -o ppid= | awk -v root="$1" '
     { parent[$1] = $2 }
     END { for (p in parent) { for (q = p; q in parent && q != root;) q = parent[q]; if (q == root) print p } }'
 }
-# steps FOLDER: the processes of the jobs whose scripts are there, with those of Slurm that watch over them.
+# steps FOLDER: the processes of the jobs with scripts there, including those of Slurm that supervise them.
 steps() {
   for script in $(pgrep -f "^/bin/sh $1/.*slurm_script"); do
     family "$(ps -o ppid= -p "$script" | tr -d ' ')"
@@ -62,7 +63,7 @@ fail() {
 }
 
 port=$((20000 + $$ % 20000))
-# cred_expire: how long a job that begins again waits, 120 s if it is not given or below 5.
+# cred_expire: how long a requeued job waits; 120 s if not given or below 5.
 cat >slurm.conf <<CONF
 ClusterName=loopback
 SlurmctldHost=localhost(127.0.0.1)
@@ -98,7 +99,7 @@ node1=$!
 slurmd -D -N node2 >node2.log 2>&1 &
 daemons="$daemons $node1 $!"
 
-# until_so SECONDS WHY COMMAND...: waits until the command succeeds; fails where it does not come to that.
+# until_so SECONDS WHY COMMAND...: waits until the command succeeds; fails after that time.
 until_so() {
   seconds=$1 why=$2
   shift 2
@@ -123,7 +124,8 @@ said=$(sh recipe/submit.sh two-rooms.glb picture.exr $n "$@" --set checkpoint-ev
 echo "$said"
 shards=$(echo "$said" | sed 's/.*plan), \([0-9]*\) .*/\1/')
 
-# has_checkpoint WORD...: that a shard runs, of those that squeue tells of by these words, and has a checkpoint: $task.
+# has_checkpoint WORD...: whether a shard, among those that squeue lists with these words, runs and has a checkpoint;
+# sets $task.
 has_checkpoint() {
   task=$(squeue -h -t RUNNING -o %K "$@" 2>/dev/null | head -n 1)
   [ -n "$task" ] && [ -s "picture.farm/checkpoint.$task.exr" ]
@@ -137,10 +139,11 @@ if [ "$what" = kills ]; then
   had=$(samples "picture.farm/checkpoint.$killed.exr")
   echo "node1 is dead; its shard $killed had $had of $((256 / n)) samples"
   [ "$had" -lt $((256 / n)) ] || fail "it was done: nothing was in the middle"
-  # The last, whose job has the number of the array: it must not begin the others again.
+  # The last one, whose job has the number of the array: requeueing it must not restart the others.
   until_so 120 "the last shard has no checkpoint" has_checkpoint -j "${shards}_$((n - 1))" -w node2
   stopped=$task
-  # What Slurm does a minute before the end. It is sent again, in vain, while the shard already waits for its next turn.
+  # What Slurm does a minute before the time limit. The signal is sent again, without effect, while the shard already
+  # waits for its next turn.
   scancel --batch --signal=USR1 "${shards}_$stopped" 2>scancel.log &
   scancel=$!
   until_so 60 "shard $stopped does not stop" grep -q 'it will go on' "picture.farm/shard.$stopped.log"

@@ -1,6 +1,6 @@
-// Preloaded (LD_PRELOAD) into a program under test: writes down, one a line into the file
-// SPY_ON_WRITES names, in which order files are written, flushed and named. With SPOIL_RENAME a
-// rename is what careless programs do in its place, a copy, slowly: a planted fault.
+// LD_PRELOAD library that logs, one per line into the file SPY_ON_WRITES, the order in which a
+// program writes, flushes and renames files. With SPOIL_RENAME a rename becomes a slow copy, as
+// careless programs do it: a planted fault.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

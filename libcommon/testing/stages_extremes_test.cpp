@@ -1,5 +1,6 @@
-// The extremes of the four programs that find portals: two rooms with a known opening, each taken
-// to one extreme, must have their portal in it; scenes without one must be told so in a line.
+// Extreme scenes for the four programs that find portals. Two rooms with a known opening, each
+// taken to one extreme, must get their portal in it; for scenes without an opening a one-line
+// message must say so.
 //
 // Rooms as in room_scene.h: the camera in the first, the lamp in the second, so light goes along
 // -x.
@@ -28,7 +29,7 @@ struct Extreme {
   RoomScene scene{};
   Opening hole = kHole;
   double thickness = kWall;
-  /// Of all of the scene, by columns.
+  /// Transform of the whole scene, by columns.
   std::array<Vec3d, 4> to_world{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{}};
   bool few_walks = true;
 
@@ -91,7 +92,7 @@ void add(RoomScene& s, const Triangles& triangles, int material) {
   s.b.node({{"mesh", s.b.mesh(primitive)}});
 }
 
-// In both rooms, away from the walls and the way of the light.
+// In both rooms, away from the walls and from the light's way.
 Vec3d place_in_rooms(size_t i) {
   const auto turn = [i](double step) {
     return std::fmod(0.5 + step * static_cast<double>(i), 1.0);
@@ -115,7 +116,7 @@ RoomScene degenerate_triangles() {
   return s;
 }
 
-// All surfaces twice, and once more a tenth of a micrometre beside.
+// All surfaces twice, and once more displaced by a tenth of a micrometre.
 RoomScene doubled_surfaces() {
   RoomScene s = two_rooms();
   const Json nodes = s.b.json["nodes"];
@@ -174,7 +175,7 @@ RoomScene sheet_with_a_hole() {
   return s;
 }
 
-// Strips just over the floors: neighbours' corners lie inside their edges.
+// Strips just above the floors: corners of neighbours lie inside their edges.
 RoomScene t_junctions() {
   RoomScene s = two_rooms();
   constexpr size_t kStrips = 6;
@@ -246,7 +247,7 @@ TEST_P(ExtremePortal, lies_in_the_opening) {
   EXPECT_TRUE(s.right_number()) << s.portals << " portals; " << run.said;
   EXPECT_GE(s.coverage, 0.95) << run.said;
   EXPECT_GE(s.tightness, 0.85) << run.said;
-  // Twin: an opening half a width beside this one is not what was found.
+  // Twin: an opening half a width beside this one is not found.
   Extreme beside = e;
   const double step = 0.5 * (e.hole.z1 - e.hole.z0);
   beside.hole.z0 += step, beside.hole.z1 += step;
@@ -269,7 +270,7 @@ TEST(extremes, units_and_radiance_do_not_move_a_portal_by_a_voxel) {
     std::vector<Portal> expected = plain.portals;
     for (Vec3d& v : expected[0].vertices) v *= scale;
     EXPECT_LT(distance_to_nearest(other.portals[0], expected), other.voxel) << scale;
-    for (Vec3d& v : expected[0].vertices) v.y += 2 * other.voxel;  // the twin
+    for (Vec3d& v : expected[0].vertices) v.y += 2 * other.voxel;  // twin
     EXPECT_GT(distance_to_nearest(other.portals[0], expected), other.voxel) << scale;
   }
 }

@@ -1,4 +1,4 @@
-// For tests: rays that step off surfaces farther than they do, or less far.
+// For tests: changes how far ray origins are offset from surfaces.
 #pragma once
 #include "libcommon/trace/tracer.h"
 

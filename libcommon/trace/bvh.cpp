@@ -1,7 +1,7 @@
-// Top-down: each range of triangles is sorted into bins by the middle of its boxes, on three axes,
-// and cut between two bins where (area of the left box) (triangles left) + (the same on the right)
-// is least. Minima, maxima and counts do not depend on the order they are taken in, large ranges
-// are parted stably and small ones by one thread: so threads leave no trace in the result.
+// Builds a BVH top-down by binned SAH: each range of triangles is binned by the centres of its
+// boxes on three axes, and split between two bins where (area of the left box) (triangles left) +
+// (the same on the right) is minimal. The result does not depend on threads: minima, maxima and
+// counts commute, large ranges are partitioned stably and small ones by one thread.
 #include "libcommon/trace/bvh.h"
 
 #include <tbb/blocked_range.h>
@@ -25,14 +25,14 @@ using shader::BvhTriangle;
 
 constexpr uint32_t kLeafSize = 4;
 constexpr uint32_t kMaxTriangles = 1u << 28;
-constexpr uint32_t kParallelPass = 1u << 16;  // triangles of a range that threads share
-constexpr uint32_t kChunk = 1u << 14;         // of such a range, by one thread
-constexpr uint32_t kParallelTask = 1u << 11;  // triangles of a range that is a task of its own
+constexpr uint32_t kParallelPass = 1u << 16;  // triangles of a range that several threads share
+constexpr uint32_t kChunk = 1u << 14;         // triangles of such a range per thread
+constexpr uint32_t kParallelTask = 1u << 11;  // triangles of a range that becomes a task of its own
 constexpr uint32_t kMaxBins = 16;
-constexpr float kNodeCost = 2.0f;  // of visiting a node, in tests of a triangle
+constexpr float kNodeCost = 2.0f;  // cost of visiting a node, in triangle tests
 constexpr float kPad = 0x1p-18f;   // see traversal.h
 
-// Four numbers at once, on whatever processor: a type of GCC's and clang's.
+// SIMD vectors of GCC and clang, independent of the processor.
 using Four = float __attribute__((vector_size(16)));
 using FourInts = int32_t __attribute__((vector_size(16)));
 
@@ -62,15 +62,15 @@ struct Box {
     low = least(low, point);
     high = most(high, point);
   }
-  /// Half the surface; of an empty box 0.
+  /// Half the surface area; 0 for an empty box.
   float area() const {
     const Four d = most(high - low, Four{});
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
 };
 
-// The box of a triangle. The fourth lane of `low` holds its index in a form that is a normal
-// float, so that no instruction stumbles over it.
+// The box of a triangle. The fourth lane of `low` holds its index encoded as a normal float, which
+// no instruction can trap on or flush.
 struct Reference {
   Four low, high;
 
@@ -80,14 +80,14 @@ struct Reference {
 
 struct Range {
   uint32_t begin, end;
-  Box box, middles;  // of its triangles, of twice the middles of their boxes
+  Box box, middles;  // of its triangles; of twice the centres of their boxes
   uint32_t size() const { return end - begin; }
 };
 
-// A node before its place is known.
+// A node whose final position is not yet known.
 struct Split {
   std::array<Box, 2> box;
-  std::array<uint32_t, 2> child;  // leaf as in BvhNode, or index in Builder::splits_
+  std::array<uint32_t, 2> child;  // leaf as in BvhNode, or index into Builder::splits_
   uint32_t nodes;                 // in the subtree
 };
 
@@ -95,12 +95,12 @@ uint32_t leaf(uint32_t first, uint32_t count) {
   return shader::kBvhLeaf | count << shader::kBvhCountShift | first;
 }
 
-// Levels of nodes that `count` triangles need when they are halved until they fit into leaves.
+// Levels of nodes needed to halve `count` triangles until they fit into leaves.
 uint32_t levels(uint32_t count) {
   return static_cast<uint32_t>(std::bit_width((count + kLeafSize - 1) / kLeafSize - (count > 0)));
 }
 
-// Maps twice the middle of a box to a bin on each axis.
+// Maps twice the centre of a box to a bin on each axis.
 struct BinMap {
   Four low, scale;
   int bins;
@@ -109,7 +109,7 @@ struct BinMap {
       : low(middles.low), bins(static_cast<int>(std::min(kMaxBins, 4 + count / 16))) {
     const Four size = middles.high - middles.low;
     const Four s = all_of(static_cast<float>(bins) * 0.9999f) / size;
-    // An axis without extent has all in bin 0.
+    // On an axis without extent all are in bin 0.
     const FourInts wide = (size > all_of(1e-30f)) & (size < all_of(1e37f));
     scale = wide ? s : Four{};
   }
@@ -150,9 +150,9 @@ struct Bins {
 };
 
 struct Cut {
-  float cost = std::numeric_limits<float>::infinity();  // areas times counts
-  int axis = -1;                                        // -1: there is none
-  int bin = 0;                                          // the first one on the right
+  float cost = std::numeric_limits<float>::infinity();  // area times count, summed over both sides
+  int axis = -1;                                        // -1: no split
+  int bin = 0;                                          // first bin on the right
   uint32_t left = 0;
 };
 
@@ -184,11 +184,11 @@ Cut best_cut(const Bins& bins, int count) {
   return best;
 }
 
-// Whether a triangle goes to the right of a cut.
+// Which side of a split a triangle belongs to.
 struct Side {
   const BinMap& map;
   int axis;
-  int last;  // bin on the left
+  int last;  // last bin on the left
 
   Side(const BinMap& m, const Cut& cut) : map(m), axis(cut.axis), last(cut.bin - 1) {}
   bool right(Four middle) const { return map(middle)[axis] > last; }
@@ -213,7 +213,7 @@ class Builder {
     Bvh bvh;
     uint32_t root = 0, nodes = 0;
     const auto top = [&] { root = build(references_.get(), spare_.get(), all, 0, nodes); };
-    // Clearing as many triangles takes a while: it is done meanwhile.
+    // Value-initialising so many triangles takes time, so it runs in parallel.
     tbb::parallel_invoke(top, [&] { bvh.triangles.resize(n); });
     bvh.nodes.resize(std::max(nodes, 1u));
     if (nodes > 0) {
@@ -230,7 +230,7 @@ class Builder {
   }
 
  private:
-  // Boxes of all triangles.
+  // Makes the references of all triangles, and their range.
   Range refer() const {
     const auto n = static_cast<uint32_t>(scene_.triangles.size());
     Range all = tbb::parallel_reduce(
@@ -257,13 +257,13 @@ class Builder {
     return all;
   }
 
-  // Child code of the subtree over `range`; its references lie in `from`, `to` is free. `nodes`:
-  // how many it has.
+  // Returns the child code of the subtree over `range`; its references are in `from`, `to` is
+  // scratch. `nodes`: its number of nodes.
   uint32_t build(Reference* from, Reference* to, const Range& range, uint32_t depth,
                  uint32_t& nodes) {
     nodes = 0;
     const uint32_t n = range.size();
-    // Two triangles are not worth a node.
+    // A node costs more than testing two triangles.
     if (n <= 2 || (n <= kLeafSize && depth == shader::kBvhStack)) return make_leaf(from, range);
     const BinMap map(range.middles, n);
     const Cut cut = find_cut(from, range, map);
@@ -282,7 +282,7 @@ class Builder {
       part = part_in_place(from, range, map, cut);
     }
     std::array<uint32_t, 2> count;
-    Split& split = splits_[part[1].begin - 1];  // each place between two triangles is cut once
+    Split& split = splits_[part[1].begin - 1];  // each position between two triangles is split once
     const auto child = [&](size_t i) {
       split.child[i] = build(from, to, part[i], depth + 1, count[i]);
       split.box[i] = part[i].box;
@@ -330,7 +330,7 @@ class Builder {
     return r;
   }
 
-  // Where no cut tells the triangles apart, or the stack of a traversal would not do.
+  // If no split separates the triangles, or the traversal stack would overflow.
   static std::array<Range, 2> halve(Reference* from, const Range& range) {
     const uint32_t middle = range.begin + range.size() / 2;
     const Four size = range.middles.high - range.middles.low;
@@ -385,7 +385,7 @@ class Builder {
         n += !side.right(from[i].twice_middle());
       left[c] = n;
     });
-    std::vector<uint32_t> place(chunks);  // of the chunk's first one on the left
+    std::vector<uint32_t> place(chunks);  // where the chunk's first left triangle goes
     uint32_t sum = range.begin;
     for (uint32_t c = 0; c < chunks; ++c) {
       place[c] = sum;
@@ -427,7 +427,7 @@ class Builder {
     node.pad = 0;
   }
 
-  // Writes a subtree to `at` and the places behind it, depth first.
+  // Writes a subtree from index `at` on, depth first.
   void place(std::vector<BvhNode>& out, uint32_t split_index, uint32_t at) const {
     const Split& split = splits_[split_index];
     const auto is_leaf = [&](size_t i) { return (split.child[i] & shader::kBvhLeaf) != 0; };

@@ -1,5 +1,5 @@
-// Builds the hierarchy that shaders/shared/traversal.h walks, on the CPU and on the GPU: two
-// children a node, split where the surface area heuristic over bins of all three axes says.
+// Builds the bounding volume hierarchy that shaders/shared/traversal.h traverses on CPU and GPU:
+// binary, split by the surface area heuristic over bins of all three axes.
 #pragma once
 #include <vector>
 
@@ -9,16 +9,16 @@
 namespace tdpt {
 
 struct Bvh {
-  std::vector<shader::BvhNode> nodes;  ///< depth first; node 0 is the root, even of an empty scene
+  std::vector<shader::BvhNode> nodes;  ///< depth first; node 0 is the root, also of an empty scene
   std::vector<shader::BvhTriangle> triangles;  ///< every triangle of the scene once
 };
 
-/// The same bytes for any number of threads. Coordinates are to be finite; any of them work, those
-/// within [-1,1] (the canonical frame) with full accuracy. Throws Error when the scene has more
-/// than 2^28 triangles.
+/// The result does not depend on the number of threads. Coordinates must be finite; full accuracy
+/// is reached within [-1,1] (the canonical frame). Throws Error if the scene has more than 2^28
+/// triangles.
 Bvh build_bvh(const Scene& scene);
 
-/// Whether triangles of this material stop every ray, or only some: alpha, panes (pane.h).
+/// Whether triangles of this material stop every ray, not only some: no alpha, no pane (pane.h).
 bool stops_every_ray(const Material& material);
 
 }  // namespace tdpt

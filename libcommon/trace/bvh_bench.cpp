@@ -1,7 +1,7 @@
-// Our hierarchy against Embree's: the time to build, and rays per second on one thread from places
-// on the surfaces in random directions (closest hit; whether the way to another place is free). On
-// the scenes given as arguments and on a generated one of a million triangles. Interleaved, the
-// best of a few rounds; of each kind the answers that differ are counted.
+// Our BVH against Embree's: build time, and rays per second on one thread from surface points in
+// random directions (closest hit, and visibility of another point). On the scenes given as
+// arguments and on a generated one with a million triangles. Interleaved, best of a few rounds;
+// counts answers that differ.
 #include <chrono>
 #include <cstdio>
 

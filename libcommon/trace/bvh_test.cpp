@@ -1,4 +1,4 @@
-// The builder; traversal_test.cpp has the rays.
+// The BVH builder; rays are tested in traversal_test.cpp.
 #include "libcommon/trace/bvh.h"
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ using shader::ScalarTracer;
 using shader::SurfaceHit;
 
 struct Structure {
-  uint32_t depth = 0;            ///< nodes on the longest way down
-  uint32_t wrong_nodes = 0;      ///< whose box does not hold what is in it
-  uint32_t wrong_triangles = 0;  ///< of the scene, that lie not in exactly one leaf
+  uint32_t depth = 0;            ///< depth of the deepest leaf in nodes
+  uint32_t wrong_nodes = 0;      ///< whose box does not contain their contents
+  uint32_t wrong_triangles = 0;  ///< of the scene, that are not in exactly one leaf
 };
 Structure structure_of(const Bvh& bvh, const Scene& scene) {
   Structure s;
@@ -101,7 +101,7 @@ TEST(bvh, no_input_goes_deeper_than_the_stack) {
     expect_sound(scene);
     deepest = std::max(deepest, structure_of(build_bvh(scene), scene).depth);
   }
-  EXPECT_GT(deepest, 40u);  // else these inputs ask nothing of the bound
+  EXPECT_GT(deepest, 40u);  // else these inputs do not test the bound
 }
 
 TEST(bvh, odd_coordinates_build) {

@@ -12,7 +12,7 @@ void set(Arguments& arguments, Query& query) {
       static_cast<RTCFeatureFlags>(RTC_FEATURE_FLAG_TRIANGLE | RTC_FEATURE_FLAG_FILTER_FUNCTION);
   if (!query.filter) return;
   arguments.filter = query.filter;
-  arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;  // and incoherent, which is 0
+  arguments.flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;  // incoherent is the default, 0
 }
 
 }  // namespace

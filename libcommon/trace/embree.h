@@ -1,7 +1,7 @@
-// Embree 3 and 4 in the same words: the only place that knows which one there is.
+// One interface to Embree 3 and 4; nothing else knows which one is used.
 //
-// What differs: a query's filter and flags stand in its context (3) or in arguments beside it (4);
-// a geometry's mask is all ones (3) or 1 (4) unless it is set.
+// Differences: a query's filter and flags are in its context (3) or in separate arguments (4); a
+// geometry's mask defaults to all ones (3) or 1 (4).
 #pragma once
 #if TDPT_EMBREE >= 4
 #include <embree4/rtcore.h>
@@ -22,9 +22,9 @@ constexpr RTCSceneFlags kFiltersOfQueries = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTI
 /// Every ray meets every geometry.
 constexpr unsigned kMask = ~0u;
 
-/// What goes with an incoherent ray. Filters find it as the `context` of their arguments.
+/// Query data of an incoherent ray. Filters receive it as `context` of their arguments.
 struct Query : Context {
-  /// `filter` sees hits after the geometries' own filters; scenes of such queries need the flag
+  /// `filter` sees hits after the geometries' own filters; scenes for such queries need the flag
   /// kFiltersOfQueries.
   explicit Query(RTCFilterFunctionN filter = nullptr);
 #if TDPT_EMBREE >= 4
@@ -39,9 +39,9 @@ inline RTCRay ray(float ox, float oy, float oz, float dx, float dy, float dz, fl
 
 }  // namespace tdpt::embree
 
-// Plain names, so that a program can be linked to see rays pass [ray_record.h].
+// C linkage, so that the linker can wrap them to record rays [ray_record.h].
 extern "C" {
-/// Puts the first hit into `ray`.
+/// Stores the first hit in `ray`.
 void tdpt_first_hit(RTCScene scene, tdpt::embree::Query& query, RTCRayHit& ray);
 /// Whether anything is hit.
 bool tdpt_any_hit(RTCScene scene, tdpt::embree::Query& query, RTCRay& ray);

@@ -26,15 +26,15 @@ constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 struct Ray {
   float org_x, org_y, org_z, dir_x, dir_y, dir_z;
-  float tfar;  // infinite: a first hit was asked for, else whether anything is nearer
+  float tfar;  // infinite: first-hit query; else occlusion query up to this distance
   bool met;
 };
 using Rays = std::vector<Ray>;
 
 struct Record {
-  std::mutex lock;  // of what follows
+  std::mutex lock;  // protects the following
   std::vector<std::unique_ptr<Rays>> of_threads;
-  uint64_t number = 0;  // of the record: a thread that knows another has no place in this one
+  uint64_t number = 0;  // of the record: a thread whose number differs has no entry in this one
   bool open = false;
   RTCScene scene = nullptr;
 };

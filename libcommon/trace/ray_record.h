@@ -1,23 +1,22 @@
-// For benchmarks: keeps the rays that the program gives to Embree, and gives them to it again.
+// For benchmarks: records the rays that a program traces with Embree, and replays them.
 //
-// Rays are seen on their way: programs that link this are linked with --wrap=tdpt_first_hit and
-// --wrap=tdpt_any_hit, so that the Tracer's calls go by here, and the Tracer is that of every day.
-// Queries are kept as they were made, first hits and occlusion by turns, those of each thread in
-// their order. Coverage is no property of a ray: scenes are to be opaque.
+// Programs that link this are linked with --wrap=tdpt_first_hit and --wrap=tdpt_any_hit, which
+// intercepts the calls of the unchanged Tracer. First-hit and occlusion queries are kept in their
+// order per thread. Coverage is not a property of a ray, so scenes must be opaque.
 #pragma once
 #include <cstdint>
 
 namespace tdpt::ray_record {
 
-/// Forgets what was kept, and keeps the rays of all threads from now on. One scene at a time.
+/// Discards the record and starts recording the rays of all threads. One scene at a time.
 void begin();
-/// Keeps no more. No thread may be tracing rays.
+/// Stops recording. No thread may be tracing rays.
 void end();
-/// How many are kept, of how many threads.
+/// Number of recorded rays, over all threads.
 uint64_t rays();
 uint64_t threads();
-/// Casts them again, on as many threads as made them, each its own. Returns how many met something
-/// and had not before, or the other way round: 0.
+/// Traces them again, on as many threads as recorded them, each its own. Returns how many differ in
+/// whether they hit something: 0.
 uint64_t cast_again();
 
 }  // namespace tdpt::ray_record

@@ -9,7 +9,7 @@
 
 namespace tdpt::testing::ray_record_test {
 
-// Casts first-hit rays and asks for visibility by turns; how many of either.
+// Traces first-hit and visibility rays alternately; so many of each.
 constexpr uint64_t kOfEach = 500;
 void cast_some(const Tracer& tracer, uint64_t stream) {
   Rng rng(3, stream, 0);
@@ -48,10 +48,10 @@ TEST(ray_record, rays_cast_again_meet_what_they_met) {
   EXPECT_EQ(ray_record::rays(), 4 * kOfEach);
   EXPECT_EQ(ray_record::threads(), 2u);
   EXPECT_EQ(ray_record::cast_again(), 0u);
-  EXPECT_EQ(ray_record::rays(), 4 * kOfEach);  // they are not kept once more
+  EXPECT_EQ(ray_record::rays(), 4 * kOfEach);  // replayed rays are not recorded
 }
 
-// What begins beyond the record is of another scene, whose rays end otherwise.
+// Rays of another scene after the record end differently.
 TEST(ray_record, twin_rays_of_two_scenes_are_told) {
   const Scene first = soup(200, 0.3), second = soup(10, 0.3);
   const Tracer tracer(first), another(second);

@@ -6,7 +6,7 @@
 
 namespace tdpt::shader {
 
-/// Refers to a Bvh. All surfaces are there, whatever their coverage.
+/// Refers to a Bvh. Treats every surface as opaque, whatever its coverage.
 struct ScalarTracer {
   TABLES_OF_BVH(REFERS_TO)
 

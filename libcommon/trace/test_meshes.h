@@ -1,4 +1,4 @@
-// Test only: triangles without meaning, and a closed mesh.
+// Test only: random triangles, and a closed mesh.
 #pragma once
 #include <cmath>
 #include <string>
@@ -31,7 +31,7 @@ inline Scene no_triangles() {
   scene.materials.resize(1);
   return scene;
 }
-/// Triangles anywhere in the frame, with corners up to `size` about their middle.
+/// Random triangles in the frame, with corners up to `size` from their middle.
 inline Scene soup(uint32_t count, double size) {
   Scene scene = no_triangles();
   Rng rng(11, 0, 0);
@@ -44,7 +44,7 @@ inline Scene soup(uint32_t count, double size) {
   }
   return scene;
 }
-/// A closed sphere; neighbours share their corners. It looks outwards.
+/// A closed sphere facing outwards; neighbours share their corners.
 inline Scene sphere(uint32_t rows, double radius) {
   Scene scene = no_triangles();
   const uint32_t columns = 2 * rows;

@@ -18,10 +18,10 @@ struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<TriangleShape> shapes;
-  /// Scene triangles of Embree's geometries 0 (opaque) and 1 (with alpha, panes), where there are
-  /// both kinds; empty: geometry 0 holds all of them in their order.
+  /// Scene triangles of Embree's geometries 0 (opaque) and 1 (with alpha, panes), if there are both
+  /// kinds; empty: geometry 0 holds all of them in order.
   std::array<std::vector<uint32_t>, 2> triangles;
-  std::vector<Pane> panes;  ///< by material; empty: there is none
+  std::vector<Pane> panes;  ///< by material; empty: no panes
   const Scene* traced = nullptr;
 
   uint32_t triangle(unsigned geometry, unsigned primitive) const {
@@ -46,7 +46,7 @@ namespace {
 constexpr double kStep = 4 * 1.1920929e-7;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-// A device of an Embree that can do what is asked of it; else throws.
+// An Embree device that supports what is needed; otherwise throws.
 RTCDevice new_device() {
   RTCDevice device = rtcNewDevice(embree_configuration().c_str());
   if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_UNSUPPORTED_CPU)
@@ -62,14 +62,14 @@ RTCDevice new_device() {
   throw Error(Exit::internal, fmt::format("this Embree was built {}; another is needed", wrong));
 }
 
-// What Embree hands on to the filter.
+// Data that Embree passes to the filter.
 struct Query : embree::Query {
   explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
       : embree::Query(filter_), coin(coin_) {}
   const uint32_t* coin;  ///< of a float ray
 };
 
-// Of a camera's ray, which backs do not stop.
+// A camera ray, which passes backs.
 struct CameraQuery : Query {
   CameraQuery(const Tracer& tracer_, const std::array<std::vector<uint32_t>, 2>& triangles_,
               const Vec3d& w_)
@@ -93,7 +93,7 @@ RTCRayHit ray_hit(const RTCRay& ray) {
   return query;
 }
 
-// Where they are, if Embree may read the 16 bytes at the last one, of which 12 are its own.
+// Shares the positions with Embree if it may read 16 bytes at the last one, of which 12 are valid.
 void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
   const size_t n = positions.size();
   if (positions.capacity() > n) {
@@ -109,7 +109,7 @@ void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
 
 }  // namespace
 
-// Whether the surface is there, see the header.
+// Whether the surface stops the ray: stochastic transparency, see the header.
 bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
                            const uint32_t* coin) const {
   const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
@@ -187,7 +187,7 @@ Tracer::Tracer(const Scene& scene, bool culls)
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
     throw Error(Exit::internal, "Embree cannot build its hierarchy");
-  // Last: building needs as much memory as they do, and gives it back.
+  // Allocated last: the BVH build temporarily needs as much memory.
   impl_->shapes.reserve(n);
   for (uint32_t t = 0; t < n; ++t) impl_->shapes.push_back(shape_of(scene, t));
 }
@@ -198,7 +198,7 @@ const TriangleShape& Tracer::shape(uint32_t triangle) const {
   return impl_->shapes[triangle];
 }
 
-// Twice for every ray between two places: in line.
+// Called twice for every ray between two points: inlined.
 [[gnu::always_inline]] inline Vec3f Tracer::step_off(const Origin& from, const Vec3d& w) const {
   if (from.normal == Vec3d{}) return Vec3f(from.position + w * (kStep * offset_scale_ / length(w)));
   const double step = dot(from.normal, w) < 0 ? -kStep : kStep;

@@ -1,21 +1,19 @@
-// Where rays meet a scene: the closest hit, and whether two places see each other, in the canonical
-// frame.
+// Ray queries: the closest hit, and mutual visibility of two points, in the canonical frame.
 //
-// Method: ray casting by a bounding volume hierarchy (Embree, which stays behind this header), in
-// floats; hit points are computed anew from barycentrics in double precision and never moved.
+// Method: ray casting with a bounding volume hierarchy (Embree, which stays behind this header), in
+// floats; hit points are recomputed from barycentrics in double precision and never moved.
 //
-// Self-intersection: rays start exactly on surfaces, so their origins are moved off the surface by
-// a few units in the last place of its coordinates, along the geometric normal to the side the ray
-// leaves on; from a place in the air (a lamp or camera may stand in a surface all the same) along
-// the ray.
+// Self-intersection: rays start exactly on surfaces, so their origins are offset by a few units in
+// the last place of the coordinates: along the geometric normal to the side that the ray leaves on,
+// or along the ray if the origin is in the air (even there a lamp or camera may lie in a surface).
 //
-// Stochastic transparency: surfaces that are not opaque (alpha) and window panes (pane.h) cover a
-// share of each of their points, `coverage`, and stop that share of the rays: those that a hash of
-// the exact point picks. So a blend of 0.3 is met by three rays of ten, and no ray needs random
-// numbers of its own. A pane covers as much as it reflects; its transmittance is the rest.
+// Stochastic transparency: surfaces that are not opaque (alpha) and window panes (pane.h) have a
+// `coverage` at each point and stop that share of the rays, selected by a hash of the exact point.
+// So three of ten rays hit a blend of 0.3, and no ray needs random numbers of its own. A pane's
+// coverage is its reflectance; the rest is transmitted.
 //
-// Culling: rays from a camera and to it may pass the backs of single-sided surfaces; which side is
-// met depends on the ray alone, so that is a coverage of 0 or 1.
+// Culling: camera rays and rays to the camera may pass the backs of single-sided surfaces. The side
+// that is hit depends on the ray alone, so that is a coverage of 0 or 1.
 #pragma once
 #include <memory>
 
@@ -26,11 +24,11 @@ namespace tdpt {
 struct Hit {
   uint32_t triangle = ~0u;
   double b1, b2;    ///< barycentrics of vertices 1 and 2
-  double distance;  ///< from the true origin to the true hit point
+  double distance;  ///< from the exact origin to the exact hit point
   Vec3d position;   ///< p0 + b1 e1 + b2 e2
   Vec3d normal;     ///< unit geometric normal of the front side (counter-clockwise)
-  /// Coverage of a pane: probability that a ray at this angle is stopped by it; what it scatters is
-  /// to be divided by it. 1 for all else: a blend scatters its alpha's share, so the two cancel.
+  /// Coverage of a pane: probability that it stops a ray at this angle; divide its scattering by
+  /// it. 1 for everything else: a blend scatters its alpha's share, so the two cancel.
   double opacity = 1;
 };
 
@@ -41,45 +39,46 @@ class Tracer {
   ~Tracer();
   bool culls() const { return culls_; }
 
-  /// A place rays start from. `normal` (unit, either side) says how to step off the surface; zero
-  /// for places in the air (camera, lamp, portal).
+  /// Origin of rays. `normal` (unit, either side) is the direction of the offset from the surface;
+  /// zero in the air (camera, lamp, portal).
   struct Origin {
     Vec3d position;
     Vec3d normal{};
   };
 
-  /// First surface along unit direction `w`; false when there is none. Also false where it is at
-  /// `from` itself, but then `hit` has its triangle: nothing was left.
+  /// First surface along unit direction `w`; false if there is none. Also false if it is at `from`
+  /// itself, but then `hit` has its triangle: nothing was left.
   bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
 
-  /// The same from exactly that place: rays both ways along a line from one place meet each surface
-  /// once, and miss none.
+  /// The same without an offset: rays both ways along a line from one point hit each surface once
+  /// and miss none.
   bool closest_from(const Vec3f& from, const Vec3d& w, Hit& hit) const;
 
-  /// Whether nothing lies between two places, both ends stepped off their own surfaces.
+  /// Whether nothing lies between two points, both offset from their own surfaces.
   bool visible(const Origin& a, const Origin& b) const;
 
-  /// The same for a camera at that place.
+  /// The same for a camera at that point.
   bool first_seen(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
     return culls_ ? first_drawn(camera, w, hit) : closest({camera}, w, hit);
   }
   bool sees(const Vec3d& camera, const Origin& place) const {
     return culls_ ? no_front_between(camera, place) : visible(place, {camera});
   }
-  /// Whether a camera that looks along `w`, of any length, sees the side of a triangle that it
-  /// looks at.
+  /// Whether a camera looking along `w`, of any length, sees the side of the triangle that faces
+  /// it.
   bool draws(uint32_t triangle, const Vec3d& w) const {
     return !culls_ || dot(shape(triangle).normal, w) <= 0 || !scene_.single_sided(triangle);
   }
 
-  /// For kernels that count in floats and step off themselves: first surface beyond `from` along
-  /// `w`, of any length. `coin`, a number of the ray's own, decides with the triangle's whether a
-  /// surface that is not opaque is there (surface_stops() of shaders/shared/coverage.h).
+  /// For kernels that compute in floats and offset origins themselves: first surface beyond `from`
+  /// along `w`, of any length. `coin`, random bits of the ray, decides together with those of the
+  /// triangle whether a surface that is not opaque stops the ray (surface_stops() of
+  /// shaders/shared/coverage.h).
   struct FloatHit {
     float t;  ///< in units of w
     uint32_t triangle;
     float b1, b2;
-    bool back;  ///< the side that is met
+    bool back;  ///< the back was hit
   };
   bool first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const;
   /// Whether something lies between `a` and `b`; in floats, as above.
@@ -102,7 +101,7 @@ class Tracer {
 
   const Scene& scene_;
   const bool culls_;
-  double offset_scale_ = 1;  // another in tests that compare two
+  double offset_scale_ = 1;  // different in tests that compare two offsets
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -15,7 +15,7 @@ Vec3d random_direction(Rng& rng) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-// The furnace: a closed convex box, so every ray hits, and any two places on it see each other.
+// The furnace: a closed convex box, so every ray hits, and any two points on it see each other.
 struct Box {
   Scene scene = read_gltf(TDPT_TESTDATA "/scenes/furnace.glb");
   Tracer tracer{scene};
@@ -52,7 +52,7 @@ TEST(tracer, hit_points_lie_on_their_ray_and_triangle) {
   }
 }
 
-// Pairs of places on the box, how many do not see each other; `normal` scales the step off.
+// Number of pairs of points on the box that do not see each other; the offset is scaled.
 int hidden_pairs(double offset_scale) {
   Box box;
   TracerFaults::scale_step(box.tracer, offset_scale);
@@ -116,7 +116,7 @@ TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   EXPECT_TRUE(Tracer(nothing).visible(inside, outside));
 }
 
-// Embree can be built to pass by backs: then light would come in from behind.
+// Embree can be built with backface culling: then light would enter from behind.
 TEST(tracer, a_wall_is_met_from_either_side) {
   Box box;
   Rng rng(6, 0, 0);
@@ -132,7 +132,7 @@ TEST(tracer, a_wall_is_met_from_either_side) {
 
 // ---- Culling ----
 
-// From outside the furnace, whose walls face inwards: what is met by stepping through every back.
+// From outside the furnace, whose walls face inwards: compared with stepping through every back.
 TEST(tracer, a_camera_that_culls_meets_the_first_front) {
   Box box;
   const Tracer culling(box.scene, true);
@@ -172,7 +172,7 @@ TEST(tracer, a_camera_that_culls_draws_fronts_and_what_is_double_sided) {
   EXPECT_TRUE(box.tracer.draws(hit.triangle, w));
 }
 
-// A square of 1 x 1 at z = 0 that is not always there, and a floor at z = -1.
+// A square of 1 x 1 at z = 0 with partial coverage, and a floor at z = -1.
 Scene veil(const Material& material) {
   Scene scene;
   scene.positions = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0},
@@ -185,7 +185,7 @@ Scene veil(const Material& material) {
 struct Share {
   double closest, visible;  ///< of rays that pass
 };
-/// Of parallel rays at cosine 0.5 through random places of the veil.
+/// For parallel rays at cosine 0.5 through random points of the veil.
 Share share_that_passes(const Scene& scene) {
   const Tracer tracer(scene);
   const Vec3d w(std::sqrt(0.75), 0, -0.5);
@@ -219,7 +219,7 @@ TEST(tracer, a_blend_is_there_as_often_as_its_alpha_says) {
   expect_share(veil(m), 0.72, false);  // twin
 }
 
-// How many rays of a camera that culls meet a blend of 0.3, and as many are hidden by it.
+// Shares of rays of a culling camera that hit a blend of 0.3, and that are blocked by it.
 TEST(tracer, culling_goes_with_coverage) {
   Material m;
   m.plain = false;
@@ -278,7 +278,7 @@ TEST(tracer, a_pane_lets_pass_what_it_does_not_reflect) {
     if (hit.triangle == 2) continue;
     EXPECT_NEAR(hit.opacity, 1 - 0.9 * 0.96, 1e-6);
   }
-  // Anything that colours, bends or blurs the light is no pane: rays stop there.
+  // Anything that colours, refracts or blurs the light is no pane: rays stop there.
   for (int k = 0; k < 5; ++k) {
     Material other = m;
     if (k == 4) other.coloured = true;

@@ -1,4 +1,4 @@
-// shaders/shared/traversal.h and triangle.h as C++, on hierarchies of bvh.h.
+// shaders/shared/traversal.h and triangle.h compiled as C++, on hierarchies from bvh.h.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -8,14 +8,14 @@
 #include "libcommon/trace/test_meshes.h"
 #include "libcommon/trace/tracer.h"
 
-// Controls of ScalarTracer.
+// Twins of ScalarTracer.
 namespace tdpt::shader::traversal_test {
 
-/// With plain edge functions that do not count what is exactly on an edge.
+/// With plain edge functions that miss hits exactly on an edge.
 struct StrictTracer : ScalarTracer {
   using ScalarTracer::ScalarTracer;
 
-  // Found before the one of triangle.h by what is included below.
+  // Found before that of triangle.h by the code included below.
   static bool line_meets(const AxisRay& ray, Vec3f p0, Vec3f p1, Vec3f p2, float& depth, float& b1,
                          float& b2, uint32_t& back) {
     const Vec3f slope = axis_last(ray.slope, ray.axis);
@@ -36,7 +36,7 @@ struct StrictTracer : ScalarTracer {
 #include "shaders/shared/traversal.h"
 };
 
-/// Surfaces that are not always there are there for every second coin.
+/// Surfaces with partial coverage are present for every second coin.
 struct ScreenTracer : ScalarTracer {
   using ScalarTracer::ScalarTracer;
   bool surface_stops(uint triangle, float, float, uint coin, const vec3&) const {
@@ -60,8 +60,7 @@ using shader::SurfaceHit;
 /// Where a line meets a triangle's plane, in double precision.
 struct Meeting {
   double t;
-  double
-      inside;  ///< how far the line may be moved sideways without leaving; below 0: it is outside
+  double inside;  ///< sideways distance to the nearest edge; negative: outside
   double per_cosine;
 };
 bool meets_plane(const TriangleShape& s, const Vec3d& o, const Vec3d& d, Meeting& m) {
@@ -79,7 +78,7 @@ bool meets_plane(const TriangleShape& s, const Vec3d& o, const Vec3d& d, Meeting
   return true;
 }
 
-constexpr double kBlur = 4e-6;  // of a ray, sideways and along: what floats may cost
+constexpr double kBlur = 4e-6;  // tolerance of floats for a ray, sideways and along
 
 struct Faults {
   int missed = 0;    ///< something was clearly in the way
@@ -88,7 +87,8 @@ struct Faults {
   int all() const { return missed + invented; }
 };
 
-/// Compares the first hits of rays, and segments, with all triangles of the scene. `ray(i, o, d)`.
+/// Compares the first hits of rays, and of segments, with a brute-force search over all triangles.
+/// `ray(i, o, d)`.
 template <class Tracer, class MakeRay>
 Faults faults(const Scene& scene, const Tracer& tracer, int rays, MakeRay make_ray) {
   std::vector<TriangleShape> shapes;
@@ -103,7 +103,7 @@ Faults faults(const Scene& scene, const Tracer& tracer, int rays, MakeRay make_r
     const bool found = tracer.first_hit(origin, direction, 0, hit);
     const bool blocked = tracer.segment_blocked(origin, origin + direction, 0);
     bool blocked_clearly = false, blocked_perhaps = false, wrong = false;
-    const Vec3d tip(origin + direction);  // as the segment has it: rounded
+    const Vec3d tip(origin + direction);  // rounded as in the segment
     for (uint32_t t = 0; t < shapes.size(); ++t) {
       Meeting m;
       if (meets_plane(shapes[t], o, d, m)) {
@@ -115,7 +115,7 @@ Faults faults(const Scene& scene, const Tracer& tracer, int rays, MakeRay make_r
         blocked_clearly |= m.inside > kBlur && m.t > about && m.t < 1 - about;
         blocked_perhaps |= m.inside > -kBlur && m.t > -about && m.t < 1 + about;
       } else {
-        blocked_perhaps = true;  // in the triangle's plane: anything is right
+        blocked_perhaps = true;  // in the triangle's plane: either answer is right
       }
     }
     ++f.rays;
@@ -204,7 +204,7 @@ TEST(traversal, slivers_and_tiny_triangles_and_corners_of_the_frame) {
 }
 
 TEST(traversal, tiny_triangles_are_met_to_the_blur_of_a_float) {
-  // 1e-6 across, met from a place as near: near 0 coordinates are fine enough to tell.
+  // 1e-6 across, hit from an equally near point: near 0, coordinates are precise enough.
   Scene scene = no_triangles();
   Rng rng(17, 0, 0);
   for (int i = 0; i < 200; ++i)
@@ -227,8 +227,8 @@ TEST(traversal, tiny_triangles_are_met_to_the_blur_of_a_float) {
 
 // --- Watertight --------------------------------------------------------------------------------
 
-/// Calls from(o, d, i) `rays` times, with `o` inside a closed mesh and d towards its corners and
-/// the middles of its edges, from the origin and from elsewhere, and in random directions.
+/// Calls from(o, d, i) `rays` times, with `o` inside a closed mesh, at the origin and elsewhere,
+/// and d towards its corners, the middles of its edges, and in random directions.
 template <class From>
 void for_rays_within(const Scene& scene, int rays, From&& from) {
   Rng rng(18, 0, 0);
@@ -243,12 +243,12 @@ void for_rays_within(const Scene& scene, int rays, From&& from) {
   }
 }
 
-/// What takes a ray along `d` as far as such a mesh reaches in any direction.
+/// Factor that makes a ray along `d` longer than the mesh in any direction.
 float reach_along(const Vec3f& d) {
   return 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
 }
 
-/// Rays from inside that leave the mesh, or from outside, near and far, that get in.
+/// Number of rays from inside that leave the mesh, or from outside, near and far, that enter.
 template <class Tracer>
 int leaks(const Scene& scene, const Tracer& tracer, int rays) {
   int leaked = 0;
@@ -305,7 +305,7 @@ TEST(traversal, edge_functions_have_the_exact_sign) {
     const float x = coordinate();
     const float y = coordinate();
     const float s = coordinate();
-    // Nearly along each other: the products agree but for a few units in the last place.
+    // Nearly parallel: the products agree except for a few units in the last place.
     const Vec3f a(x, y, 0), b(x * s, y * s, 0);
     if (std::abs(b.x) < 0x1p-38f || std::abs(b.y) < 0x1p-38f) continue;
     // Products of floats are exact in double, and so is the order of two of them.
@@ -323,7 +323,7 @@ TEST(traversal, edge_functions_have_the_exact_sign) {
 struct Compared {
   int pairs = 0, blocked = 0, differ = 0;
 };
-/// Pairs of places on the surfaces, both stepped off as Tracer does it.
+/// Pairs of points on the surfaces, both offset as Tracer does.
 Compared against_embree(const Scene& scene, const Bvh& bvh, int pairs) {
   const Tracer embree(scene);
   const ScalarTracer tracer(bvh);
@@ -352,9 +352,9 @@ Compared against_embree(const Scene& scene, const Bvh& bvh, int pairs) {
   return c;
 }
 
-// In its robust mode, from inside, through edges and in random directions. Of rays aimed at exactly
-// a corner of the sphere 1 in 70 slips through, and so do some from far outside. That these rays
-// find what leaks, the scalar build of our own hierarchy show.
+// In its robust mode, from inside, through edges and in random directions. Of rays aimed exactly at
+// a corner of the sphere 1 in 70 leaks, and so do some from far outside. The scalar build of our
+// own hierarchy shows that these rays do find leaks.
 TEST(traversal, no_ray_leaves_a_closed_mesh_by_embree) {
   for (const Scene& scene : {file("furnace.glb"), sphere(200, 0.95)}) {
     const Tracer tracer(scene);
@@ -389,7 +389,7 @@ TEST(traversal, twin_without_some_triangles_differs_from_embree) {
 
 // --- Special places ----------------------------------------------------------------------------
 
-// A square of 1 x 1 at z = 0 that looks up, and a larger one at z = -0.5.
+// A square of 1 x 1 at z = 0 that faces up, and a larger one at z = -0.5.
 Scene two_squares() {
   Scene scene = no_triangles();
   for (const auto& [h, z] : {std::pair{0.5f, 0.0f}, std::pair{0.75f, -0.5f}}) {
@@ -405,7 +405,7 @@ TEST(traversal, segments_are_open_at_both_ends) {
   const ScalarTracer t(bvh);
   Rng rng(21, 0, 0);
   for (int i = 0; i < 1000; ++i) {
-    // Steep enough that z is the main axis: there is no rounding in it.
+    // Steep enough that z is the main axis, which has no rounding.
     const Vec3f p(Vec3d(0.9, 0.9, 0) * random_place(rng, 0.5));
     const Vec3f q(Vec3d(p) + Vec3d(1, 1, 0) * random_place(rng, 0.04));
     const Vec3f above(q.x, q.y, 0.25f), below(q.x, q.y, -0.25f);
@@ -427,9 +427,9 @@ TEST(traversal, segments_are_open_at_both_ends) {
     EXPECT_LT(hit.triangle, 2u);
     ASSERT_TRUE(t.first_hit(below, above - below, 0, hit));
     EXPECT_EQ(hit.back, 1u);
-    ASSERT_TRUE(t.first_hit(p, below - p, 0, hit));  // leaves the one, finds the other
+    ASSERT_TRUE(t.first_hit(p, below - p, 0, hit));  // leaves one, hits the other
     EXPECT_GE(hit.triangle, 2u);
-    // At any angle: stepped off as everybody does.
+    // At any angle, with the usual offset.
     const Vec3f far(Vec3d(0.9, 0.9, 0) * random_place(rng, 0.5) + Vec3d(0, 0, 0.01));
     const Vec3f off = p + Vec3f(0, 0, 0x1p-21f), under = p - Vec3f(0, 0, 0x1p-21f);
     EXPECT_FALSE(t.segment_blocked(off, far, 0));
@@ -455,7 +455,7 @@ TEST(traversal, of_coincident_triangles_the_first_one_is_met) {
   const auto n = static_cast<uint32_t>(scene.triangles.size());
   for (uint32_t t = 0; t < n; ++t) scene.triangles.push_back(scene.triangles[t]);
   Bvh bvh = build_bvh(scene);
-  Bvh turned = bvh;  // the same tree, met in another order
+  Bvh turned = bvh;  // the same tree, traversed in another order
   for (BvhNode& node : turned.nodes) {
     std::swap(node.low0, node.low1);
     std::swap(node.high0, node.high1);

@@ -1,4 +1,4 @@
-// Embree as it may be elsewhere: its answers are put in its mouth (--wrap in CMakeLists.txt).
+// Behaviour with other builds of Embree: its answers are replaced (--wrap in CMakeLists.txt).
 #include <optional>
 #include <utility>
 

@@ -1,7 +1,7 @@
-// Pieces of surface: connected components of triangles across shared edges.
+// Connected components of triangles across shared edges.
 //
-// Method: half-edge connectivity (OpenMesh) over vertices welded by place, in a hash table, and
-// union-find over the edges whose two triangles face about one way.
+// Method: half-edge connectivity (OpenMesh) over vertices welded by position in a hash table, and
+// union-find over the edges whose two triangles face roughly the same way.
 #include "tools/ffgraph/connectivity.h"
 
 #include <array>
@@ -17,10 +17,10 @@
 namespace tdpt {
 namespace {
 
-// Half-edges alone: nobody asks this mesh for a place.
+// Connectivity only: the mesh needs no positions.
 using Mesh = OpenMesh::TriConnectivity;
 
-// OpenMesh reports every face that it refuses; the handle tells us the same.
+// Silences OpenMesh, which prints each face that it refuses; the invalid handle says the same.
 class SilentOpenMesh {
  public:
   SilentOpenMesh() { omerr().disable(); }
@@ -28,12 +28,12 @@ class SilentOpenMesh {
 };
 
 std::array<uint32_t, 3> place(const Vec3f& p) {
-  // The two zeros are one place.
+  // +0 and -0 are the same position.
   const auto bits = [](float v) { return v == 0 ? 0 : std::bit_cast<uint32_t>(v); };
   return {bits(p.x), bits(p.y), bits(p.z)};
 }
 
-// For each position a number: equal for equal places, dense from 0 in the order of the positions.
+// An index for each position: equal for equal positions, dense from 0 in order of first appearance.
 struct Welded {
   std::vector<uint32_t> number;
   uint32_t count = 0;
@@ -43,7 +43,7 @@ Welded weld(const std::vector<Vec3f>& positions) {
   constexpr uint32_t kEmpty = UINT32_MAX;
   Welded out;
   out.number.resize(positions.size());
-  // Open addressing, at most half full; slots hold the first position of a place.
+  // Open addressing, at most half full; slots hold the first index of a position.
   std::vector<uint32_t> slots(std::bit_ceil(2 * positions.size() + 2), kEmpty);
   for (uint32_t v = 0; v < positions.size(); ++v) {
     const auto p = place(positions[v]);
@@ -60,7 +60,7 @@ Welded weld(const std::vector<Vec3f>& positions) {
   return out;
 }
 
-// 2n rounded, one number for the three.
+// 2n rounded, combined into one number.
 uint32_t normal_bin(const Vec3d& n) {
   const auto round = [](double v) { return static_cast<uint32_t>(std::lround(2 * v) + 2); };
   return round(n.x) | round(n.y) << 8 | round(n.z) << 16;

@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kDensestLevel = 2;
 
-// `level`: above that of the fine region.
+// `level`: relative to that of the fine region.
 double density(int level) {
   return std::ldexp(1.0, 2 * std::min(level, kDensestLevel));
 }
 
-using Ends = std::pair<uint32_t, uint32_t>;  // smaller first
+using Ends = std::pair<uint32_t, uint32_t>;  // smaller index first
 
-// Of walks that went to the sky, its patch stands in the place of a mark.
+// For walks that left to the sky, the sky's patch replaces the end mark.
 void add_steps(const PatchMap& patches, const PatchTrace& walks, std::vector<double>& starts,
                std::vector<Ends>& rays) {
   const auto on_patch = [](uint32_t entry) { return entry < kTraceStopped; };
@@ -36,7 +36,7 @@ void add_steps(const PatchMap& patches, const PatchTrace& walks, std::vector<dou
   }
 }
 
-// Counts equal ends. q: rays that start on a patch per sample.
+// Counts rays with equal ends. q: rays that start on a patch per sample.
 std::vector<Etendue::Pair> pairs_of(std::vector<Ends>& rays, const std::vector<double>& q) {
   const auto key = [](const Ends& e) { return uint64_t{e.first} << 32 | e.second; };
   tbb::parallel_sort(rays.begin(), rays.end(),
@@ -93,7 +93,7 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
   for (size_t i = 0; i < starts.size(); ++i)
     if (e.samples[i] > 0) starts[i] /= e.samples[i];
   e.pairs = pairs_of(ray, starts);
-  // No ray starts in the sky; the etendue of a bin is all that it exchanges.
+  // No ray starts in the sky; a bin's samples are half the sum of what it exchanges.
   for (const Etendue::Pair& p : e.pairs)
     for (const uint32_t end : {p.i, p.j})
       if (patches.is_sky(end)) e.samples[end] += 0.5 * p.count;

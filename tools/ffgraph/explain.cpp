@@ -12,19 +12,20 @@ using cli::Decision;
 using cli::Decisions;
 using cli::plural;
 
-// All surfaces count as diffuse: only what light passes, and lamps, matter.
+// All surfaces are treated as diffuse: only transmission and lamps matter.
 Decisions of_scene(const Scene& scene) {
   return uses_of(scene, {"transmission", "alpha", "punctual lights", "a sky"});
 }
 
-// `after`: conductance of the narrowest opening.
+// `after`: conductance of the narrowest opening after the round.
 std::string gain(const RoundReport& round, double after) {
   return fmt::format("the narrowest of {} let {} of the smaller side's light pass, now {}",
                      plural(round.openings, "opening"), number_words(round.conductance, 2),
                      number_words(after, 2));
 }
 
-// A round pays where it narrows the opening by more: leaks of a twentieth move no border.
+// A round is worthwhile if the conductance falls below this factor: leaks of a twentieth move no
+// border.
 constexpr double kPays = 0.95;
 
 Decision of_round(size_t i, const RoundReport& round, double after) {

@@ -1,5 +1,5 @@
-// What --explain says of a network: what of the scene matters to it, what each round of splitting
-// brought, and why there was no other.
+// What --explain says about a network: which features of the scene matter to it, what each round of
+// splitting changed, and why the rounds stopped.
 #pragma once
 #include "libcommon/cli/decision.h"
 #include "tools/ffgraph/rounds.h"

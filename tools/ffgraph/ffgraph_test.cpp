@@ -1,5 +1,5 @@
-// From small hand-made scenes and from testdata/scenes to networks: geometry of patches, etendue
-// against closed forms, and the place of the minimum cut.
+// Networks of small hand-made scenes and of testdata/scenes: geometry of patches, etendue against
+// closed forms, and the position of the minimum cut.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ Scene box() {
   return s;
 }
 
-// Every triangle of `s` in four.
+// Every triangle of `s` split in four.
 Scene subdivided(const Scene& s) {
   Scene fine = s;
   fine.triangles.clear();
@@ -146,7 +146,7 @@ TEST(fragments, points_lie_in_the_patch_they_were_drawn_for) {
     const Fragments::Point p = fragments.sample(f, rng);
     elsewhere += map.find(fragments.all()[f].face, p.position) != p.patch;
   }
-  EXPECT_LE(elsewhere, 2);  // on the very border of a cell
+  EXPECT_LE(elsewhere, 2);  // exactly on the border of a cell
 }
 
 // n_ij of floor and ceiling against A_i F_ij + A_j F_ji of parallel unit squares: 2 * 0.19982.
@@ -221,7 +221,7 @@ TEST(graph, of_a_camera_that_culls_begins_behind_the_wall) {
   EXPECT_EQ(first_met(false), std::pair(size_t{2000}, size_t{2000}));
 }
 
-// New rays between patches of the two sides, and how many of them pass through an axis-parallel box
+// Independent rays between patches of the two sides, and how many of them pass an axis-parallel box
 // [metres]: the hole with its jambs.
 struct Crossing {
   double rays = 0, through = 0;
@@ -272,7 +272,7 @@ TEST(cut, twin_another_place_on_the_wall_is_not_taken_for_the_hole) {
   EXPECT_LT(c.through, 0.05 * c.rays);
 }
 
-// Without refinement patches that straddle the slit leak around the leaf of the door.
+// Without refinement, patches that straddle the slit leak around the leaf of the door.
 TEST(cut, refinement_takes_leaks_away_and_keeps_the_light_through_the_slit) {
   double flow[2];
   for (int rounds : {0, 2}) {
@@ -280,7 +280,7 @@ TEST(cut, refinement_takes_leaks_away_and_keeps_the_light_through_the_slit) {
     flow[rounds / 2] = static_cast<double>(max_flow(g->flow.network).value);
     if (rounds > 0) {
       EXPECT_GT(g->report.split, 10u);
-      // What --explain tells: the first round narrows the slit, and all of them are told.
+      // --explain reports all rounds; the first one narrows the slit.
       const std::vector<RoundReport>& told = g->report.by_round;
       ASSERT_GE(told.size(), g->report.rounds);
       EXPECT_EQ(told[0].openings, 1u);
@@ -321,12 +321,12 @@ TEST(cut, stays_when_every_triangle_is_split_in_four_or_the_lamp_is_dimmed) {
   }
 }
 
-// The frame of a scene carries units and place; patches are made in metres.
+// The scene's frame carries units and position; patches are in metres.
 TEST(cut, moves_with_the_scene_and_its_units) {
   const auto flow_of = [](Scene scene) {
     const auto g = graph_of(std::move(scene), 0);
     for (size_t i = 0; i < g->flow.geometry.size(); ++i) {
-      // In the rooms' own metres whatever the frame says.
+      // In metres of the room, whatever the frame.
       const Frame& frame = g->scene.frame;
       const double x = frame.to_canonical(g->flow.geometry[i].centre).x;
       if (std::abs(x) > 0.1) {  // the middle of the box is the middle of the wall
@@ -345,7 +345,7 @@ TEST(cut, moves_with_the_scene_and_its_units) {
   EXPECT_NEAR(flow_of(std::move(millimetres)) / flow, 1, 0.02);
 }
 
-// Turned by 33 degrees about y the cells and the bins of normals lie differently; the cut does not.
+// Rotated by 33 degrees about y, cells and normal bins change, but the cut does not.
 TEST(cut, turns_with_the_scene) {
   Scene turned = room("two-rooms.glb");
   const double c = std::cos(0.576), s = std::sin(0.576);

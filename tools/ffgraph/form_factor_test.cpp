@@ -27,7 +27,7 @@ double between(const Square& from, const Square& to, uint64_t seed, int points =
   return sum / (from[0].area + from[1].area);
 }
 
-// Mean of independent estimates and whether `truth` lies within 4 standard errors and 1 % of it.
+// Whether the mean of independent estimates is within 4 standard errors and 1 % of `truth`.
 bool agrees(const Square& from, const Square& to, double truth) {
   double sum = 0, squares = 0;
   const int runs = 100;
@@ -101,7 +101,7 @@ TEST(form_factor, is_0_for_sides_that_face_away) {
   EXPECT_EQ(between(kCeiling, square({0, 2, 0}, {1, 0, 0}, {0, 0, 1}), 1), 0);
 }
 
-// A screen that covers the whole view.
+// A screen that blocks the whole view.
 TEST(form_factor, is_0_through_a_wall_and_whole_without) {
   Scene scene;
   scene.positions = {

@@ -1,8 +1,8 @@
-// Triangles cut into the pieces that lie within the cells of the patches.
+// Clips triangles to the cells of the patches.
 //
-// Method: polygon clipping (Sutherland-Hodgman) against the six faces of a cell, down a tree of 4 x
-// 4 x 4 cells where cells are split. It runs in units of the base cell, measured from the origin of
-// the grid: cell bounds are then exact.
+// Method: polygon clipping (Sutherland-Hodgman) against the six faces of a cell, recursively in a
+// tree of 4 x 4 x 4 cells where cells are split. Coordinates are in base cells from the origin of
+// the grid, so cell bounds are exact.
 #include "tools/ffgraph/fragments.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace tdpt {
 namespace {
 
-// A triangle cut by six planes has at most nine corners.
+// A triangle clipped by six planes has at most nine corners.
 struct Polygon {
   int n = 0;
   std::array<Vec3d, 10> p;
@@ -80,7 +80,7 @@ Polygon in_grid(const PatchMap& patches, uint32_t triangle) {
 
 }  // namespace
 
-// Fragments of some faces, and what they lack below split cells.
+// Fragments of some faces, and the patches missing below split cells.
 struct Fragments::Part {
   struct Missing {
     size_t fragment;
@@ -94,7 +94,7 @@ struct Fragments::Walker {
   const PatchMap& patches;
   Part& out;
   uint32_t face;
-  bool grow;  // whether to keep what is missing below split cells
+  bool grow;  // whether to collect missing patches below split cells
   const PatchMap::Extent& extent;
 
   void visit(const Polygon& poly, int level) {
@@ -108,7 +108,7 @@ struct Fragments::Walker {
     }
     PatchKey key{a, level, patches.piece(face)};
     if (a == b) return cell(poly, key);
-    if (level == 0)  // a large triangle may have countless cells beside the few that matter
+    if (level == 0)  // a large triangle may overlap countless cells besides the few that matter
       for (size_t k = 0; k < 3; ++k) {
         a[k] = std::max(a[k], extent.low[k]);
         b[k] = std::min(b[k], extent.high[k]);
@@ -148,7 +148,7 @@ Fragments Fragments::with_all_of_split(PatchMap& patches) {
 }
 
 Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches) {
-  constexpr uint32_t kFaces = 4096;  // of a part
+  constexpr uint32_t kFaces = 4096;  // per part
   const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
   std::vector<Part> parts(faces / kFaces + 1);
   const PatchMap::Extent extent = patches.extent();
@@ -162,7 +162,7 @@ Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches
   for (Part& part : parts)
     for (const Part::Missing& m : part.missing) part.fragments[m.fragment].patch = grow->add(m.key);
 
-  // In the order of their patches; within a patch they are in that of their faces already.
+  // Sorted by patch; within a patch they are already in the order of faces.
   std::vector<size_t> next(patches.size() + 1, 0);
   for (const Part& part : parts)
     for (const Fragment& f : part.fragments) ++next[f.patch + 1];
@@ -199,7 +199,7 @@ Fragments::Point Fragments::sample(uint32_t f, Rng& rng) const {
   const TriangleShape s = shape_of(patches_.scene(), fragment.face / 2);
   const Vec3d p =
       patches_.scene().frame.to_canonical(q * patches_.grid().base_cell + patches_.grid().origin);
-  // Back onto the triangle: the detour over the grid costs some last places.
+  // Projects back onto the triangle: the transform to the grid and back loses some last digits.
   return {fragment.patch, p - s.normal * dot(p - s.p0, s.normal),
           fragment.face & 1 ? -s.normal : s.normal};
 }

@@ -1,4 +1,4 @@
-// The pieces of triangles that make up the patches: each triangle clipped to the cells it crosses.
+// The surface of patches: each triangle clipped to the cells it crosses.
 #pragma once
 #include <vector>
 
@@ -16,21 +16,21 @@ class Fragments {
   };
 
   explicit Fragments(const PatchMap& patches);
-  /// First adds every cell of split patches that holds a piece of their surface: what a walk
-  /// touched stays whole when it is split.
+  /// First adds all cells of split patches that contain a piece of their surface: what a walk
+  /// touched remains complete when it is split.
   static Fragments with_all_of_split(PatchMap& patches);
 
-  /// Patch by patch, within a patch by face.
+  /// Ordered by patch, then by face.
   const std::vector<Fragment>& all() const { return fragments_; }
 
-  /// Patch numbers after PatchMap::keep.
+  /// Renumbers the patches as PatchMap::keep does.
   void keep(const std::vector<uint8_t>& kept);
 
   struct Point {
     uint32_t patch;
-    Vec3d position, normal;  ///< canonical; facing side
+    Vec3d position, normal;  ///< canonical; on the facing side
   };
-  /// Uniform by area on fragment `f`: 3 dimensions of `rng`.
+  /// Uniform by area on fragment `f`: uses 3 dimensions of `rng`.
   Point sample(uint32_t f, Rng& rng) const;
 
  private:

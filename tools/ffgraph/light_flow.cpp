@@ -82,7 +82,7 @@ PatchTrace trace_of(const PatchMap& patches, const Walks& walks) {
   return trace;
 }
 
-// Of surfaces.
+// Number of hits per patch of surface.
 std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
   std::vector<double> hits(patches.size(), 0);
   for (const uint32_t patch : trace)
@@ -90,7 +90,7 @@ std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
   return hits;
 }
 
-// Of each patch the walks of the light that begin there.
+// Number of light walks that begin on each patch.
 std::vector<double> begun_on(const PatchMap& patches, const BothWalks& walks) {
   std::vector<double> begun(patches.size(), 0);
   for (const WalkHit& h : walks.starts)

@@ -1,4 +1,4 @@
-// ffgraph: light transport of a scene as a flow network.
+// ffgraph: writes the light transport of a scene as a flow network.
 #include <optional>
 
 #include <fmt/format.h>

@@ -5,9 +5,9 @@
 namespace tdpt {
 namespace {
 
-constexpr double kAround = 0.5;        // of the diagonal: how far around it cells are as small
-constexpr int kMostLevels = 6;         // between the region's cells and those of the scene
-constexpr size_t kMostPlaces = 40000;  // of a set of walks, that tell where it goes
+constexpr double kAround = 0.5;  // of the diagonal: fine cells extend this far around the region
+constexpr int kMostLevels = 6;   // of cells between the region and the whole scene
+constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the region
 
 // Metres.
 Extent reach_of_walks(const Scene& scene, const Walks& walks) {
@@ -26,7 +26,7 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera
     for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
   if (whole.empty()) whole.add(Vec3d{});
   Extent region = reach_of_walks(scene, camera);
-  // Of the sky's light little matters but what comes to rooms, wherever else it falls.
+  // Sky light matters only where it reaches rooms, wherever else it falls.
   if (!lit_from_infinity(scene)) region.add(reach_of_walks(scene, light));
   region = region.empty() ? whole : region.within(whole);
 
@@ -42,7 +42,7 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera
   const Extent around = region.widened(Vec3d(kAround * diagonal));
   g.fine.low = around.low;
   g.fine.high = around.high;
-  // Walls often lie on the bounding box: keep them off the faces of cells.
+  // Walls often coincide with the bounding box: keep them off the cell faces.
   const double cell = diagonal / cells;
   g.grid.origin = region.low - Vec3d(0.3819, 0.3453, 0.4142) * cell;
   return g;

@@ -1,5 +1,5 @@
-// How large patches are: by the region that walks reach, not by the scene's bounding box, which a
-// ground or a sky may make a hundred times as large as the rooms.
+// The size of patches: chosen by the region that walks reach, not by the scene's bounding box,
+// which a ground or a sky may make a hundred times as large as the rooms.
 #pragma once
 #include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/walks.h"
@@ -11,10 +11,10 @@ struct GridOfWalks {
   FineRegion fine;
 };
 
-/// Cells of (diagonal of the region) / `cells` in the region and around it, four times as large, or
-/// 16 times and so on, beyond where the scene is that much larger than the region. The region:
-/// where most hits of the light's walks are, and where most of the camera's (reach.h); the camera's
-/// alone where light comes from infinity.
+/// Cells of (diagonal of the region) / `cells` in and around the region; outside 4 times as large,
+/// or 16 times and so on, if the scene is that much larger than the region. The region contains
+/// most hits of light walks and most of camera walks (reach.h); only those of camera walks if light
+/// comes from infinity.
 GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera, double cells);
 
 }  // namespace tdpt

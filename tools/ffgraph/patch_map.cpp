@@ -6,7 +6,7 @@ namespace tdpt {
 
 namespace {
 
-// Of a place in base cells.
+// `q`: in base cells.
 std::array<int32_t, 3> cell_at(const Vec3d& q, int level) {
   const auto fine = static_cast<double>(uint64_t{1} << 2 * level);
   const auto index = [fine](double v) {

@@ -1,8 +1,8 @@
-// From places on surfaces to patches: a patch is one side of one surface component within one cell
-// of a grid, whatever the triangles.
+// Maps points on surfaces to patches: a patch is one side of one surface component within one cell
+// of a grid, whatever the tessellation.
 //
-// Method: a sparse tree of cells, 4 per axis from level to level, in a hash table: cells that were
-// split are looked up one level deeper.
+// Method: a sparse tree of cells in a hash table, with 4 children per axis; the search descends a
+// level where a cell was split.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -33,7 +33,7 @@ struct PatchKey {
   PatchKey parent() const { return {{cell[0] >> 2, cell[1] >> 2, cell[2] >> 2}, level - 1, piece}; }
 };
 
-/// Values by key: open addressing in one block, keys are never taken out.
+/// Hash table with open addressing in one block; keys are never removed.
 class PatchTable {
  public:
   struct Slot {
@@ -41,15 +41,15 @@ class PatchTable {
     uint32_t value;
   };
 
-  /// kNoPatch where there is none.
+  /// kNoPatch if absent.
   uint32_t find(const PatchKey& key) const {
     return slots_.empty() ? kNoPatch : slots_[slot_of(key)].value;
   }
-  /// The value under `key`, to be set to another one than kNoPatch when it is.
+  /// The value of `key`; if it is kNoPatch, the caller must set another.
   uint32_t& operator[](const PatchKey& key);
   void clear() { slots_.clear(), size_ = 0; }
 
-  /// Calls visit(key, value) for all, in no particular order.
+  /// Calls visit(key, value) for all entries, in no particular order.
   template <class Visit>
   void each(const Visit& visit) const {
     for (const Slot& s : slots_)
@@ -57,7 +57,7 @@ class PatchTable {
   }
 
  private:
-  /// Of `key`, or the empty one where it would stand.
+  /// Slot of `key`, or the free one where it would be inserted.
   size_t slot_of(const PatchKey& k) const {
     const auto word = [](int32_t low, uint32_t high) {
       return static_cast<uint32_t>(low) | uint64_t{high} << 32;
@@ -71,10 +71,10 @@ class PatchTable {
   }
 
   std::vector<Slot> slots_;  // a power of two, at most half of them taken
-  size_t size_ = 0;          // slots that were given out
+  size_t size_ = 0;          // slots in use
 };
 
-/// Where cells are never larger than those of `level`, whatever they are elsewhere.
+/// A region where cells are at most as large as those of `level`.
 struct FineRegion {
   Vec3d low{}, high{};  ///< metres
   int level = 0;
@@ -85,34 +85,34 @@ class PatchMap {
   PatchMap() = default;
   static constexpr uint32_t kSplit = UINT32_MAX - 1;
 
-  /// `component` of each triangle. Keeps a pointer to `scene`.
+  /// `component`: per triangle. Keeps a pointer to `scene`.
   PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component,
            const FineRegion& fine = {});
 
   const PatchGrid& grid() const { return grid_; }
   const Scene& scene() const { return *scene_; }
-  /// Level of the cells of the fine region, while they are not split.
+  /// Level of the unsplit cells of the fine region.
   int fine_level() const { return fine_level_; }
   uint32_t piece(uint32_t face) const { return 2 * (*component_)[face / 2] + (face & 1); }
 
-  /// Cell of a place (canonical) at a level.
+  /// Cell of a point (canonical) at a level.
   std::array<int32_t, 3> cell(const Vec3d& canonical, int level) const;
 
-  /// Patch at a place on `face`; kNoPatch where none exists.
+  /// Patch at a point on `face`; kNoPatch if none exists.
   uint32_t find(uint32_t face, const Vec3d& canonical) const;
-  /// The same, made when it does not exist yet.
+  /// The same, but adds the patch if it does not exist yet.
   uint32_t find_or_add(uint32_t face, const Vec3d& canonical);
 
   struct SurfacePoint {
     uint32_t face;
     Vec3d canonical;
   };
-  /// As find_or_add() of place(0), ..., place(n - 1), one after the other, those left out that are
-  /// none; looks up many at once, with all threads. place(k): std::optional<SurfacePoint>.
+  /// Equivalent to find_or_add() of place(0), ..., place(n - 1) in this order, skipping empty ones,
+  /// but with parallel look-ups. place(k): std::optional<SurfacePoint>.
   template <class PlaceAt>
   void add_all(size_t n, const PlaceAt& place);
 
-  /// Adds a patch under `key`, and the splits that lead to it.
+  /// Adds a patch under `key`, and the splits above it.
   uint32_t add(const PatchKey& key);
 
   /// The patch of a bin of the sky (sky_bins.h); kNoPatch before it is added.
@@ -122,21 +122,21 @@ class PatchMap {
   bool is_sky(uint32_t patch) const { return keys_[patch].piece == kSkyPiece; }
   uint32_t bin_of(uint32_t patch) const { return static_cast<uint32_t>(keys_[patch].cell[0]); }
 
-  /// Patch under `key`, kSplit where its cell was split, kNoPatch where there is none.
+  /// Patch under `key`, kSplit if its cell was split, kNoPatch if there is none.
   uint32_t lookup(const PatchKey& key) const {
     return always_split(key) ? kSplit : entry_.find(key);
   }
-  /// Whether the cell around this one was split since a patch straddled an opening.
+  /// Whether the parent cell was split because a patch straddled an opening.
   bool below_split(const PatchKey& key) const {
     return key.level > 0 && !always_split(key.parent());
   }
-  /// Base cells, from `low` to `high`, beyond which no patch lies and none was split.
+  /// Range of base cells, `low` to `high`, outside of which no patch lies and nothing was split.
   struct Extent {
     std::array<int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX},
         high{INT32_MIN, INT32_MIN, INT32_MIN};
   };
   Extent extent() const;
-  /// Whether any patch lies on this piece.
+  /// Whether this piece has any patch.
   bool touched(uint32_t piece) const {
     return piece < piece_touched_.size() && piece_touched_[piece];
   }
@@ -144,11 +144,11 @@ class PatchMap {
   uint32_t size() const { return static_cast<uint32_t>(keys_.size()); }
   const std::vector<PatchKey>& keys() const { return keys_; }
 
-  /// Drops the patches that are not kept and numbers the others anew, in their order.
+  /// Removes all other patches and renumbers the kept ones in their order.
   void keep(const std::vector<uint8_t>& kept);
 
-  /// The map with the cells of the chosen patches split and no patches yet: they come back as
-  /// places are found in them.
+  /// The map with the cells of the chosen patches split and without patches: these are added again
+  /// as points are found in them.
   PatchMap split(const std::vector<uint8_t>& chosen) const;
 
  private:
@@ -159,9 +159,9 @@ class PatchMap {
   Vec3d in_grid(const Vec3d& canonical) const {
     return (scene_->frame.to_metres(canonical) - grid_.origin) / grid_.base_cell;
   }
-  /// Whether a cell is larger than those of the fine region that it meets.
+  /// Whether a cell is larger than those of the fine region that it overlaps.
   bool always_split(const PatchKey& key) const;
-  /// The key at which the search for a patch ends, with what stands there.
+  /// The key at which the search for a patch ends, and its value.
   std::pair<PatchKey, uint32_t> search(uint32_t face, const Vec3d& canonical) const;
 
   const Scene* scene_ = nullptr;
@@ -172,12 +172,12 @@ class PatchMap {
   PatchTable entry_;
   std::vector<PatchKey> keys_;
   std::vector<uint8_t> piece_touched_;
-  bool sky_ = false;  // whether it has patches
+  bool sky_ = false;  // whether the sky has patches
 };
 
 template <class PlaceAt>
 void PatchMap::add_all(size_t n, const PlaceAt& place) {
-  // Short blocks first, while most places make a patch.
+  // Short blocks first, while most points add a patch.
   std::vector<uint8_t> is_new;
   for (size_t first = 0, block = 1 << 10; first < n; first += is_new.size()) {
     is_new.assign(std::min(block, n - first), 0);

@@ -8,7 +8,7 @@
 
 namespace tdpt::patch_map_test {
 
-// A square of n x n quads at z = 0, corners of neighbours shared.
+// A square of n x n quads at z = 0; neighbours share corners.
 Scene sheet(uint32_t n) {
   Scene s;
   s.materials.emplace_back();
@@ -61,7 +61,7 @@ TEST(patch_map, many_places_at_once_make_the_patches_of_one_after_the_other) {
   });
   EXPECT_GT(one.size(), 1000u);
   EXPECT_EQ(one.keys(), many.keys());
-  // The places left out matter: with them the patches come in another order.
+  // Skipped points matter: with them the patches come in another order.
   PatchMap all(s, one.grid(), surface_components(s));
   all.add_all(kPlaces, [&](size_t k) { return std::optional(random_place(s, k)); });
   EXPECT_NE(one.keys(), all.keys());
@@ -125,12 +125,12 @@ TEST(patch_grid, a_wide_ground_does_not_enlarge_the_patches_of_a_room) {
   const GridOfWalks with_ground = grid_for(both, few_far, few_far, 24);
   EXPECT_GT(with_ground.fine.level, 0);
   EXPECT_NEAR(fine_cell(with_ground), fine_cell(room), 0.25 * fine_cell(room));
-  // Twin: where half of the light goes to the ground it is what matters.
+  // Twin: if half of the light goes to the ground, the ground matters.
   const Walks half_far = walks_on(both, 2);
   EXPECT_GT(fine_cell(grid_for(both, half_far, half_far, 24)), 20 * fine_cell(room));
   // Half as many cells are twice as large.
   EXPECT_DOUBLE_EQ(grid_for(alone, home, home, 12).grid.base_cell, 2 * room.grid.base_cell);
-  // One end of the transport is enough: what the camera alone sees counts, too.
+  // Either end of the transport suffices: what only the camera sees counts, too.
   EXPECT_GT(fine_cell(grid_for(both, home, half_far, 24)), 20 * fine_cell(room));
 }
 
@@ -150,7 +150,8 @@ TEST(patch_grid, cells_are_small_about_the_region_and_large_far_away) {
       EXPECT_LT(key.level, g.fine.level);
     }
   }
-  // The pieces in them cover what they lie on, once: the sheet whole, of the ground what was hit.
+  // The fragments cover their surface exactly once: the whole sheet, and the ground where it was
+  // hit.
   const Fragments fragments(map);
   double sheet = 0;
   for (const Fragments::Fragment& f : fragments.all())

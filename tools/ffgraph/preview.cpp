@@ -26,7 +26,7 @@ std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
     if (arc.to == file.network.sink && patch[arc.from] != UINT32_MAX)
       reach[patch[arc.from]].camera = share(patch[arc.from], arc);
   }
-  // Under a sky the source feeds no surface; its walks tell which they are.
+  // With a sky the source feeds no surface; the walks show which ones the light reaches.
   if (!file.walks.empty() && std::any_of(file.patches.begin(), file.patches.end(),
                                          [](const Patch& p) { return p.is_sky(); })) {
     std::vector<double> hits, samples;
@@ -97,7 +97,7 @@ std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool t
     const auto colour = draw::bytes_of(draw::reach(reached[i].light, reached[i].camera));
     const double cell = std::ldexp(file.grid.base_cell, -2 * p.level);
     if (!triangles) {
-      // A hair before the surface, so that scene and patches can be shown together.
+      // Just in front of the surface, so that scene and patches can be shown together.
       mesh.square(p.centre + p.normal * (0.01 * cell), p.normal, 0.94 * cell, colour);
       continue;
     }

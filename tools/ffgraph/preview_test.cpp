@@ -12,8 +12,8 @@ const Scene& two_rooms() {
   return scene;
 }
 
-// Every face a patch; what lies beyond x = 2.05 is reached from the light to `light`, the rest from
-// the camera to `camera`, each in shares of its 4 samples.
+// Every face is a patch; those beyond x = 2.05 are reached from the light to `light`, the others
+// from the camera to `camera`, as shares of their 4 samples.
 DimacsFile network(double light, double camera) {
   const Scene& scene = two_rooms();
   DimacsFile file;
@@ -49,11 +49,11 @@ TEST(reach_of_patches, is_the_terminals_share_of_the_samples) {
     EXPECT_DOUBLE_EQ(reach[i].light, far ? 0.25 : 0);
     EXPECT_DOUBLE_EQ(reach[i].camera, far ? 0 : 1) << "never above 1";
   }
-  // Triangles are in S_d or not.
+  // Triangles are either in S_d or not.
   EXPECT_EQ(reach_of_patches(file, true)[0].light + reach_of_patches(file, true)[0].camera, 1);
 }
 
-// Pixels of floors in the plan, where the light is full.
+// Pixels of floors in the plan, which have full light.
 bool floors_have_their_colours(const DimacsFile& file) {
   const Scene& scene = two_rooms();
   draw::SceneSheet sheet(scene, scene.camera(""), "", "", 1.2, 20);

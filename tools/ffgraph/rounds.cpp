@@ -11,25 +11,25 @@
 namespace tdpt {
 namespace {
 
-// Of a network that carries nothing.
+// For a network that carries no flow.
 constexpr uint32_t kFewRays = 1000, kFewWalks = 1000;
 
-// Rays that look where to split are not those that measure.
+// The rays that decide where to split are independent of those that measure.
 constexpr uint64_t kLookSeed = 0x5eed;
 
-// Most openings in series that rounds of ffgraph's own look at.
+// Maximum number of openings in series that ffgraph itself looks for.
 constexpr size_t kMostCuts = 8;
 
-// Of the camera's hits: walks that have passed several openings come to few places.
+// Of the camera's hits: walks that have passed several openings reach few places.
 constexpr double kSeldomShare = 0.001;
 
-// Patches that straddle an opening make it wider than it is.
+// Patches that straddle an opening make it look wider than it is.
 constexpr double kLeaks = 1.5;
 
 struct OwnCuts {
-  std::vector<uint32_t> region;  // of each patch
+  std::vector<uint32_t> region;  // per patch
   size_t cuts;
-  double conductance;  // of the narrowest
+  double conductance;  // of the narrowest cut
 };
 
 double narrowest(const auto& cuts) {
@@ -59,7 +59,7 @@ OwnCuts own_cuts(const LightFlow& f) {
   return {{series.region.begin() + 2, series.region.end()}, series.cuts.size(), narrowest(facts)};
 }
 
-// Patches that straddle one of the cuts.
+// Patches that straddle any of the cuts.
 std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, double share) {
   std::vector<uint8_t> chosen(own.region.size(), 0);
   for (size_t c = 0; c < own.cuts; ++c) {
@@ -71,7 +71,7 @@ std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, 
   return chosen;
 }
 
-// The patches of a cut in a map of this scene, in the order of the cut.
+// A map of this scene with the patches of a cut, in the cut's order.
 PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, const CutFile& cut,
                 const FineRegion& fine = {}) {
   PatchMap map(scene, cut.grid, component, fine);
@@ -83,7 +83,7 @@ PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, cons
   return map;
 }
 
-// Canonical; `share` of the hits lie beyond either end of each axis.
+// Canonical; `share` of the hits lie outside each end of each axis.
 Extent reach_of_hits(const Walks& walks, double share) {
   std::vector<WeightedPlace> places;
   for (const WalkHit& h : walks)
@@ -129,7 +129,7 @@ double narrowest_opening(const LightFlow& flow) {
 
 namespace {
 
-// Networks of one scene, coarse ones and finer ones.
+// Builds networks of one scene, coarse to fine.
 class Rounds {
  public:
   Rounds(const Scene& scene, const Camera& camera, const GraphSettings& settings,
@@ -145,7 +145,7 @@ class Rounds {
     report.light_walks = walks_.of_light;
     report.light_hits = hits_in(walks_.light);
     report.camera_hits = hits_in(walks_.camera);
-    // Then no network carries a flow, and patches are there to be looked at only.
+    // Then no network carries a flow, and patches are needed for inspection only.
     if (report.light_hits == 0 || report.camera_hits == 0) {
       settings_.rays = std::min(settings_.rays, kFewRays);
       settings_.rounds = 0;
@@ -153,10 +153,11 @@ class Rounds {
     grid_ = grid_for(scene, walks_.light, walks_.camera, settings_.cells);
   }
 
-  /// Split where its patches straddle the openings of a cut.
+  /// Splits where patches straddle the openings of the given cut.
   LightFlow by_cut(const CutFile& cut) {
     const double cpu = cpu_seconds();
-    // Walks of other settings may have had another grid; then coarse cells stay where no patch is.
+    // Walks with other settings may have had another grid; then coarse cells remain where there are
+    // no patches.
     const bool same = grid_.grid.base_cell == cut.grid.base_cell;
     const PatchMap map = map_of(scene_, component_, cut, same ? grid_.fine : FineRegion{});
     const Etendue etendue = measure_etendue(map, Fragments(map), tracer_,
@@ -171,7 +172,7 @@ class Rounds {
     return flow;
   }
 
-  /// Split by cuts of its own.
+  /// Splits by cuts of its own.
   LightFlow by_itself() {
     LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
     report_.why_stopped = report_.camera_hits == 0  ? "the camera sees no surface"
@@ -201,7 +202,7 @@ class Rounds {
     return found;
   }
 
-  // Begins the report of a round.
+  // Begins the report of a round and chooses the patches to split.
   std::vector<uint8_t> chosen_to_split(const PatchMap& map, const Etendue& etendue,
                                        const OwnCuts& cuts) {
     std::vector<uint8_t> chosen = straddling_any(etendue, cuts, settings_.straddle_share);
@@ -227,7 +228,7 @@ class Rounds {
   GraphSettings settings_;
   GraphReport& report_;
   const std::vector<uint32_t> component_;
-  const Tracer tracer_;  // after what takes memory for a while
+  const Tracer tracer_;  // constructed after steps with a high temporary memory use
   BothWalks walks_;
   GridOfWalks grid_;
   uint64_t estimates_ = 0;

@@ -9,9 +9,9 @@
 namespace tdpt {
 namespace {
 
-constexpr double kByLight = 0.5;               // of the lines
-constexpr double kAimed = 0.5, kWider = 0.25;  // likewise
-constexpr double kAround = 1.1;                // of a ball's radius: so that walls are met outside
+constexpr double kByLight = 0.5;               // share of the lines chosen in proportion to light
+constexpr double kAimed = 0.5, kWider = 0.25;  // shares aimed at the first and second ball
+constexpr double kAround = 1.1;  // factor on a ball's radius, so that outer walls are hit, too
 
 SkyLines::Ball ball_about(const Extent& box) {
   return {(box.low + box.high) * 0.5, kAround * 0.5 * length(box.size())};
@@ -78,7 +78,7 @@ SkyLines::Line SkyLines::draw(Rng& rng) const {
   const Vec3d w = -towards(rng);
   const double phi = 2 * std::numbers::pi * rng.uniform();
   const double r = ball.radius * std::sqrt(rng.uniform());
-  // From beyond all that may stand in the way.
+  // Starts outside everything that may occlude the line.
   const double far = length(ball.centre - balls_[2].centre) + balls_[2].radius + ball.radius;
   const Onb<double> onb(w);
   return {ball.centre + onb.to_world({r * std::cos(phi), r * std::sin(phi), -far}), w, sky_bin(-w)};

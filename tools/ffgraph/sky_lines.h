@@ -1,10 +1,11 @@
-// Lines of light that come from infinity, for the walks of the light: which part of the sky they
-// come from, and where they are aimed.
+// Light from infinity for the light walks: which part of the sky a line comes from, and where it is
+// aimed.
 //
-// A small window in a wide landscape is met by few lines that fall on all of it. So half of them
-// are aimed at a ball about what the camera's walks reach, a quarter at a wider one, the others at
-// the whole scene. And what the sun outshines has windows, too: half of the lines come from the sky
-// in proportion to light, half from all bins of it that shine, by solid angle and grade.
+// A small window in a wide landscape would be hit by few of the lines spread over all of it. So
+// half of the lines are aimed at a ball around what the camera walks reach, a quarter at a wider
+// one, the rest at the whole scene. Windows that face away from the sun count, too: half of the
+// lines come from the sky in proportion to light, half from all bins that shine, by solid angle and
+// grade.
 #pragma once
 #include <vector>
 
@@ -16,7 +17,7 @@
 
 namespace tdpt {
 
-/// Data terms of the bins of a sky: min(1, L_k / (0.5 L_med)), L_k = light_k / solid angle, L_med
+/// Unary terms of the bins of a sky: min(1, L_k / (0.5 L_med)), L_k = light_k / solid angle, L_med
 /// the median of L over the bins that shine, weighted by solid angle.
 std::vector<double> sky_grades(const std::vector<double>& light);
 
@@ -27,13 +28,13 @@ class SkyLines {
     double radius;
   };
 
-  /// `aims`: where the first half and the next quarter of the lines fall. `scene` is lit
-  /// from infinity.
+  /// `aim`, `wider`: targets of the first half and the next quarter of the lines. `scene` must be
+  /// lit from infinity.
   SkyLines(const Scene& scene, const Extent& aim, const Extent& wider);
 
   struct Line {
     Vec3d origin, direction;  ///< canonical; outside the scene, unit
-    uint32_t bin;             ///< that it comes from
+    uint32_t bin;             ///< where it comes from
   };
   Line draw(Rng& rng) const;
 
@@ -42,7 +43,7 @@ class SkyLines {
 
   std::vector<Ball> balls_;      // aim, wider, all
   SkyDirections directions_;     // of the sky
-  std::vector<Vec3d> parallel_;  // towards the lamps
+  std::vector<Vec3d> parallel_;  // directions towards the lamps
   AliasTable lights_;            // the lamps, then the sky
   AliasTable bins_;              // by grade and solid angle
 };

@@ -1,5 +1,5 @@
-// The sky as patches of the network: no light leaks into a closed box, a window joins it to the
-// sky, and a sun hides nothing.
+// The sky as patches of the network: no light leaks into a closed box, a window connects it to the
+// sky, and a sun outshines no window.
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +10,7 @@
 
 namespace tdpt::sky_test {
 
-// A box from -0.5 to 0.5, and in a wall of it a square hole of side `hole`; 0: none.
+// A box from -0.5 to 0.5 with a square hole of side `hole` in one wall; 0: none.
 Scene box(float hole) {
   Scene s;
   s.materials.resize(1);
@@ -48,11 +48,11 @@ LightFlow flow_of(const Scene& scene) {
 }
 
 bool inside(const Patch& p) {
-  // Walls face the middle from within.
+  // Walls face inwards.
   return !p.is_sky() && dot(p.normal, p.centre) < 0;
 }
 
-// Etendue between the sky and the inside of the box, over that of the whole wall.
+// Etendue between the sky and the inside of the box / that of the whole wall.
 double through_hole(const Scene& scene) {
   const LightFlow f = flow_of(scene);
   double across = 0, wall = 0;
@@ -69,7 +69,7 @@ TEST(sky_patches, see_nothing_of_a_closed_box) {
   EXPECT_EQ(through_hole(box(0)), 0);
 }
 
-// By reciprocity the etendue from a convex room through a hole is that of the hole: its area.
+// By reciprocity, the etendue between a convex room and the sky through a hole is the hole's area.
 TEST(sky_patches, see_a_room_by_the_area_of_its_window) {
   EXPECT_NEAR(through_hole(box(0.3f)), 0.09, 0.004);
   EXPECT_GT(std::abs(through_hole(box(0.33f)) - 0.09), 0.01);  // twin
@@ -127,7 +127,7 @@ TEST(sky_grades, end_at_one_so_that_a_sun_hides_nothing) {
   EXPECT_NEAR(grade[5], 0.2, 1e-9);
   EXPECT_EQ(grade[6], 0);
   for (double& l : light) l *= 1000;
-  EXPECT_NEAR(sky_grades(light)[5], 0.2, 1e-9);  // power moves nothing
+  EXPECT_NEAR(sky_grades(light)[5], 0.2, 1e-9);  // power has no effect
 }
 
 TEST(sky_lines, come_from_outside_and_half_of_them_to_the_aim) {
@@ -154,7 +154,7 @@ TEST(sky_lines, come_from_outside_and_half_of_them_to_the_aim) {
     of_sun += dot(line.direction, sun.direction) > 1 - 1e-9;
   }
   EXPECT_NEAR(aimed, 0.75 * kLines, 0.03 * kLines);
-  // Half by light, which is the sun's; the others leave it the share of one bin.
+  // Half by light, almost all from the sun; the other half gives it the share of one bin.
   EXPECT_NEAR(of_sun, 0.5 * kLines, 0.03 * kLines);
 }
 

@@ -14,14 +14,14 @@ namespace tdpt {
 namespace {
 
 constexpr double kScale = 1 << 30;
-constexpr double kSamples = 300000;  // of all patches, in proportion to area
+constexpr double kSamples = 300000;  // over all patches, in proportion to area
 
 struct Seen {
   uint32_t face;
   double share;  // of all rays
 };
 
-// Faces by hits, most first; at most `largest` of them.
+// Faces by number of hits, descending; at most `largest` of them.
 std::vector<Seen> most_hit(const Walks& walks, const TriangleSettings& s, size_t& found) {
   std::unordered_map<uint32_t, uint32_t> count;
   for (const WalkHit& h : walks)
@@ -36,7 +36,7 @@ std::vector<Seen> most_hit(const Walks& walks, const TriangleSettings& s, size_t
   return faces;
 }
 
-// One cell that holds the whole scene.
+// One cell that contains the whole scene.
 PatchGrid one_cell(const Scene& scene) {
   PatchGrid grid;
   grid.base_cell = 4 / scene.frame.scale;

@@ -17,20 +17,20 @@ namespace tdpt {
 
 struct TriangleSettings {
   uint64_t seed = 1;
-  uint32_t rays = 100000;    ///< from the light and from the camera
-  size_t largest_set = 512;  ///< of S_d and S_p the faces with most hits are kept
+  uint32_t rays = 100000;    ///< from the light and from the camera each
+  size_t largest_set = 512;  ///< faces of S_d and of S_p kept, those with most hits
   int points = 4;            ///< N = M of eq. 10
 };
 
 struct TriangleReport {
   size_t lit = 0, seen = 0;            ///< faces in S_d and S_p
-  size_t kept_lit = 0, kept_seen = 0;  ///< of these in the network
-  size_t shared = 0;                   ///< in both: light and camera are joined directly
+  size_t kept_lit = 0, kept_seen = 0;  ///< of these, in the network
+  size_t shared = 0;                   ///< in both: light and camera are connected directly
   Phases phases;                       ///< bvh, walks, patches
 };
 
-/// A face is a triangle from one side. Capacities: of light -> i the share of the light's rays that
-/// hit i, of j -> camera the share of the camera's rays, of i -> j F_ij, of the direct joint 1.
+/// A face is one side of a triangle. Capacities: light -> i is the share of the light's rays that
+/// hit i, j -> camera the share of the camera's rays, i -> j is F_ij, light -> camera 1.
 DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
                          TriangleReport& report);
 

@@ -19,7 +19,7 @@ Vec3d cosine_direction(Rng& rng, const Vec3d& normal) {
   return Onb<double>(normal).to_world(cosine_hemisphere(u, v));
 }
 
-// Follows one walk from its first ray; writes at most `bounces` hits and a mark.
+// Follows one walk from its first ray; writes at most `bounces` hits and an end mark.
 void follow(const Tracer& tracer, const Streams& streams, bool sky, Rng& rng, Tracer::Origin from,
             Vec3d w, WalkHit* hits, uint32_t bounces) {
   for (uint32_t k = 0; k < bounces; ++k) {
@@ -54,7 +54,7 @@ Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
   return hits;
 }
 
-// A ray of light from any lamp but, where `lines` are given, from infinity: then it is one of them.
+// The first ray of a light walk from any lamp; light from infinity uses `lines` if given.
 Vec3d leave_light(const Lights& lights, const SkyLines* lines, Rng& rng, Tracer::Origin& from,
                   uint32_t& bin) {
   const Lights::Point point = lights.sample(rng);

@@ -1,6 +1,6 @@
-// Which surfaces matter, and how strongly each end of the transport reaches them: random walks from
-// the lights and from the camera over the scene with all surfaces diffuse and nothing absorbed, in
-// the place of the paper's sets S_d and S_p, which know direct light alone.
+// Random walks from the lights and from the camera: which surfaces matter, and how strongly each
+// end reaches them. All surfaces are diffuse and nothing is absorbed. The walks replace the paper's
+// sets S_d and S_p, which contain direct light only.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -19,13 +19,13 @@ struct WalkSettings {
 };
 
 struct WalkHit {
-  uint32_t face;   ///< 2 * triangle + side, or one of the marks behind a walk's last hit
+  uint32_t face;   ///< 2 * triangle + side, or one of the end marks after a walk's last hit
   Vec3f position;  ///< canonical
 };
 inline constexpr uint32_t kWalkLeft = UINT32_MAX - 1;     ///< the walk left the scene
 inline constexpr uint32_t kWalkStopped = UINT32_MAX - 2;  ///< it had hit `bounces` surfaces
-/// The walk left the scene towards a bin of the sky, number h.face - kWalkToSky; only where light
-/// comes from there.
+/// The walk left the scene towards bin h.face - kWalkToSky of the sky; only if light comes from
+/// there.
 inline constexpr uint32_t kWalkToSky = kWalkStopped - kSkyBins;
 constexpr bool is_hit(const WalkHit& h) {
   return h.face < kWalkToSky;
@@ -34,20 +34,20 @@ constexpr bool to_sky(const WalkHit& h) {
   return h.face >= kWalkToSky && h.face < kWalkStopped;
 }
 
-/// All hits of all walks, walk by walk, each with its mark. No absorption: a walk ends when it
-/// leaves the scene or after `bounces` surfaces.
+/// The hits of all walks, walk by walk, each followed by its end mark. No absorption: a walk ends
+/// when it leaves the scene or after `bounces` surfaces.
 using Walks = std::vector<WalkHit>;
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
-/// The same; those from infinity begin on `lines`.
+/// The same; walks from infinity begin on `lines`.
 struct SkyStarts {
-  std::vector<double> begun;  ///< of each bin of the sky: how many came to a surface
-  std::vector<size_t> hits;   ///< which of all hits are of walks from there
+  std::vector<double> begun;  ///< per bin of the sky: walks from it that hit a surface
+  std::vector<size_t> hits;   ///< indices of the hits of walks from the sky
 };
 Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
                   const SkyLines& lines, SkyStarts& starts);
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
-/// Where the light's walks begin, those that begin on a surface.
+/// Starts of the light walks that begin on a surface.
 std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings);
 size_t hits_in(const Walks& walks);
 

@@ -28,15 +28,15 @@ bool triangle_touches_box(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 namespace {
 
 struct Box {
-  std::array<int, 3> low, high;  // voxel indices, high excluded
+  std::array<int, 3> low, high;  // range of voxel indices, high excluded
 };
 
 bool is_air(const LightGrid& grid, int i, int j, int k) {
   return __atomic_load_n(&grid.air[grid.index(i, j, k)], __ATOMIC_RELAXED) != 0;
 }
 
-// Whether a small box holds no air any more, so that nothing is left to take; large boxes are not
-// looked at.
+// Whether a small box contains no air any more, so that it can be skipped; large boxes are not
+// scanned.
 bool all_taken(const LightGrid& grid, const Box& box) {
   int voxels = 1;
   for (size_t c = 0; c < 3; ++c) voxels *= box.high[c] - box.low[c];
@@ -48,7 +48,7 @@ bool all_taken(const LightGrid& grid, const Box& box) {
   return true;
 }
 
-// Halves the box until single voxels remain: a large slanted triangle costs its surface, not its
+// Halves the box down to single voxels: a large slanted triangle then costs its surface, not its
 // box.
 void take(LightGrid& grid, const Vec3d (&p)[3], const Box& box) {
   if (all_taken(grid, box)) return;
@@ -57,7 +57,7 @@ void take(LightGrid& grid, const Vec3d (&p)[3], const Box& box) {
   for (int c = 0; c < 3; ++c) {
     const auto s = static_cast<size_t>(c);
     middle[c] = 0.5 * (box.low[s] + box.high[s]);
-    half[c] = 0.5 * (box.high[s] - box.low[s]) + 1e-6;  // touching counts, whatever the rounding
+    half[c] = 0.5 * (box.high[s] - box.low[s]) + 1e-6;  // contact counts, despite rounding
     if (box.high[s] - box.low[s] >
         box.high[static_cast<size_t>(widest)] - box.low[static_cast<size_t>(widest)])
       widest = c;

@@ -1,4 +1,4 @@
-// A line tracer that runs the kernel over all cores, whatever traces its rays.
+// A line tracer that runs the kernel on all cores with any ray tracer.
 #pragma once
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,4 +1,5 @@
-// What --explain says of a light grid: where it lies, when its counts settled, which lines it kept.
+// What --explain says about a light grid: where it lies, when its counts settled, which lines it
+// kept.
 #pragma once
 #include <string>
 

@@ -1,12 +1,12 @@
-// Lines of light on a Vulkan device: compute kernels for drawing or tracing, voting and marching,
-// joined by lists on the device (stream compaction).
+// Lines of light on a Vulkan device: compute kernels sample or trace, vote and march; stream
+// compaction on the device connects them.
 //
-// A submission draws or traces some lines and lists those that go on; the two kernels behind it run
-// on these lists only, so that work groups are full: the votes cost more than all the rest, and few
-// of the lines that are traced get there.
+// A submission samples or traces some lines and lists those that survive; the next two kernels run
+// on these lists only, which keeps work groups full: the votes cost more than everything else, and
+// few traced lines reach them.
 //
-// Where the grid's four images do not fit, they hold a slab of it: every submission then marches
-// its lines once for each slab, and the sums are kept by the host.
+// If the four images of the grid do not fit, they hold one slab of it: each submission then marches
+// its lines once per slab, and the host keeps the sums.
 #include "tools/lightgrid/gpu_lines.h"
 
 #include <algorithm>
@@ -33,12 +33,13 @@
 namespace tdpt {
 namespace {
 
-// Seconds of a submission: drivers reset devices that are busy for longer than about two.
+// Target duration of a submission [s]: drivers reset devices that are busy for longer than about
+// two.
 constexpr double kLeast = 0.05, kMost = 0.2;
 constexpr uint32_t kFirstLines = 1 << 13;
-constexpr uint64_t kVoxelBytes = 16;  // of the four images
+constexpr uint64_t kVoxelBytes = 16;  // for the four images
 
-// A kernel for scenes that need all of coverage.h, none of it, or all but textures.
+// Variants of a kernel for scenes that need all of coverage.h, none of it, or all but textures.
 struct Variants {
   std::span<const uint32_t> all, opaque, untextured;
   std::span<const uint32_t> of(const CoverageTables& coverage) const {
@@ -169,7 +170,7 @@ class GpuLines : public LineTracer {
     return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_;
   }
 
-  // A kernel of a submission, and where its time is told.
+  // A kernel of a submission, and where its time is added.
   struct Step {
     double GpuLineTimes::*time;
     std::function<void(gpu::Commands&)> record;
@@ -190,7 +191,7 @@ class GpuLines : public LineTracer {
             }};
   }
 
-  // Seconds of their submissions.
+  // Runs the steps one by one; returns the seconds of their submissions.
   double run(const std::vector<Step>& steps) {
     if (!times_)
       return device_.run([&](gpu::Commands& c) {
@@ -205,8 +206,8 @@ class GpuLines : public LineTracer {
     return all;
   }
 
-  // Calls trace(parameters) for as many lines at a time as keep a submission short, and fetches
-  // what came out; trace returns the seconds that the submission took.
+  // Calls trace(parameters) in portions that keep a submission short, and fetches the results;
+  // trace returns the seconds that the submission took.
   template <class Trace>
   void for_pieces(const shader::LightParameters& p, TracedLines& out, const Trace& trace) {
     static const std::vector<Lists> kEmpty{{{0, 1, 1, 0}, {0, 1, 1, 0}}};
@@ -242,7 +243,7 @@ class GpuLines : public LineTracer {
     }
   }
 
-  // Of the voxels in the images, the first of which is voxel `first`.
+  // Adds the directions in the images, whose first voxel is `first`.
   void add_directions(size_t first, std::vector<Vec3d>& sum) const {
     for (int c = 0; c < 3; ++c) {
       const std::vector<uint32_t> units = images_[static_cast<size_t>(c) + 1].download();
@@ -257,14 +258,14 @@ class GpuLines : public LineTracer {
 
   gpu::Device device_;
   const GpuLineBounds bounds_;
-  GpuLineTimes* const times_;  // or none
+  GpuLineTimes* const times_;  // may be null
   uint32_t lines_in_submission_;
   const uint32_t depth_;
   gpu::Buffer tries_, lines_, fates_, lists_;
   std::vector<gpu::Image3D> images_;  // counts, then directions along x, y, z
   const std::vector<gpu::Memory> bound_;
   const gpu::Kernel segments_, through_, votes_, march_;
-  // In slabs only.
+  // Used with slabs only.
   std::vector<uint32_t> count_;
   std::vector<Vec3d> direction_;
 };
@@ -280,7 +281,7 @@ uint32_t slab_depth(const std::string& device, const gpu::Limits& limits, const 
                               "most {}",
                               device, side, limits.image_side));
   const auto layer = static_cast<uint64_t>(grid.dim[0]) * static_cast<uint64_t>(grid.dim[1]);
-  // Half of the memory is left to the scene and to others.
+  // Half of the memory is left to the scene and to other programs.
   const uint64_t voxels =
       std::min({most_voxels, limits.image / sizeof(uint32_t), limits.memory / 2 / kVoxelBytes});
   return static_cast<uint32_t>(std::clamp<uint64_t>(

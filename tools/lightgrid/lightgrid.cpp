@@ -1,12 +1,12 @@
-// Where light passes through the air between the two sides of each cut: counts, directions and
-// lines [section 4.2].
+// Measures where light passes through the air between the two sides of each cut: counts, directions
+// and lines [section 4.2].
 //
-// Method: Monte Carlo, in two passes. Coarse, the paper's: segments between pivot patches, tested
-// for visibility and marched through the grid (3D DDA), in batches that double until the shape of
-// the counts settles. They show where the light passes, but patches and voxels blur it and uniform
-// points on patches distort it. Fine: the Markov chain on lines of line_walk.cpp, which starts from
-// these segments. One's own lines stand for the segments and are kept; of the fine pass only the
-// probes are.
+// Method: Monte Carlo, in two passes. Coarse, as in the paper: segments between pivot patches,
+// tested for visibility and marched through the grid (3D DDA), in batches that double until the
+// shape of the counts settles. This shows where the light passes, but patches and voxels blur it,
+// and uniform points on patches distort it. Fine: the Markov chain over lines of line_walk.cpp,
+// started from these segments. The user's own lines replace the segments and are kept; then only
+// the probes of the fine pass are used.
 #include "tools/lightgrid/lightgrid.h"
 
 #include <algorithm>
@@ -23,20 +23,21 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kFirstBatch = 1 << 15;
-constexpr double kAroundRooms = 0.1;   // of their longest side: walls as thick as that
-constexpr size_t kFewestKept = 2000;   // fewer never count as settled
+constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
+constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
-constexpr size_t kMostKept = 1 << 20;  // coarse lines the fine pass starts from
+constexpr size_t kMostKept = 1 << 20;  // coarse lines from which the fine pass starts
 
-// Lines that passed each voxel of air.
+// Number of lines through each voxel of air.
 void read_counts(const LightGrid& grid, LineTracer& tracer, std::vector<uint32_t>& count) {
   tracer.counts(count);
   for (size_t i = 0; i < count.size(); ++i)
     if (!grid.air[i]) count[i] = 0;
 }
 
-// Half the sum of differences between two normalised counts, over the hot voxels of the newer one.
+// Half the sum of absolute differences between two normalised counts, over the hot voxels of the
+// newer one.
 double change_between(const std::vector<uint32_t>& before, const std::vector<uint32_t>& now) {
   const uint32_t most = *std::max_element(now.begin(), now.end());
   double sum_before = 0, sum_now = 0;
@@ -54,9 +55,9 @@ struct CoarseReport : LightGridReport::OfCut {
   bool stopped = false;
 };
 
-// Draws segments between pivot patches of cut `c` until the counts settle; returns those that join
-// the two sides, the first kMostKept of them. `count`: of this cut; to `direction` its lines are
-// added, in and outside the air.
+// Samples segments between pivot patches of cut `c` until the counts settle; returns the first
+// kMostKept of those that connect the two sides. Sets `count` to this cut's counts; adds its lines
+// to `direction`, in air or not.
 std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
                                    const LightGrid& grid, const LightGridOptions& options,
                                    const LightGridWatch& watch, std::vector<uint32_t>& count,
@@ -93,7 +94,7 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
   return kept;
 }
 
-// The same of one's own lines: those of cut `c`, counted as they are.
+// The same for the user's lines: those of cut `c`, counted unchanged.
 std::vector<LightLine> own_pass(size_t c, const LightGrid& grid, const std::vector<LightLine>& own,
                                 std::vector<uint32_t>& count, std::vector<Vec3d>& direction,
                                 CoarseReport& report) {
@@ -123,7 +124,8 @@ Extent box_of(const Scene& scene) {
 }
 
 Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
-  // Below a sky, the rooms: their borders hold all openings, and the landscape is far larger.
+  // With a sky, only the rooms: their borders contain all openings, and the landscape is far
+  // larger.
   const bool sky = has_sky(cut);
   std::vector<WeightedPlace> places;
   for (size_t i = 0; i < cut.patches.size(); ++i) {
@@ -134,7 +136,7 @@ Extent reach_of_cut(const Scene& scene, const CutFile& cut) {
   const Extent box = box_of(scene);
   const Extent reach = reach_of(places);
   if (reach.empty()) return box;
-  // And a piece of the way on which light comes to the outermost of them.
+  // Plus a piece of the way by which light reaches the outermost rooms.
   if (sky) return reach.within(box).widened(Vec3d(kAroundRooms * max_component(reach.size())));
   return reach.within(box);
 }
@@ -169,7 +171,7 @@ LightGrid no_light_grid(const Scene& scene, const std::string& reason) {
   return none;
 }
 
-// Both passes for cut `c`; what they find is added to grid, direction and report.
+// Both passes for cut `c`; adds their results to grid, direction and report.
 void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOptions& options,
              const LightGridWatch& watch, LightGrid& grid, std::vector<Vec3d>& direction,
              LightGridReport& report) {

@@ -14,22 +14,22 @@ namespace tdpt {
 struct LightGridOptions {
   int resolution = 128;  ///< voxels along the longest side of the grid
   uint64_t seed = 1;
-  uint64_t samples = 1 << 20;  ///< most segments drawn between pivot patches
-  double tolerance = 0.04;     ///< change of the normalised counts that counts as settled
-  size_t lines = 8192;         ///< lines to keep in the file
-  /// One's own lines, in place of segments between pivot patches; all are kept. Empty: they are
-  /// drawn.
+  uint64_t samples = 1 << 20;  ///< maximum number of segments between pivot patches
+  double tolerance = 0.04;     ///< change of the normalised counts below which they have settled
+  size_t lines = 8192;         ///< maximum number of lines in the file
+  /// The user's own lines, used instead of segments between pivot patches; all are kept. Empty:
+  /// segments are sampled.
   std::vector<LightLine> own;
 };
 
-/// What a caller may want to know or say while segments are drawn.
+/// Callbacks while segments are sampled.
 struct LightGridWatch {
-  std::function<void(uint64_t)> progress;  ///< segments drawn since the last call
-  std::function<bool()> stop;              ///< whether to go on with what there is
+  std::function<void(uint64_t)> progress;  ///< receives the number of segments since the last call
+  std::function<bool()> stop;              ///< whether to stop with the segments so far
 };
 
 struct LightGridReport {
-  /// Both passes for one cut.
+  /// Statistics of both passes for one cut.
   struct OfCut {
     uint64_t drawn = 0, visible = 0, kept = 0;
     size_t batches = 0;
@@ -38,36 +38,36 @@ struct LightGridReport {
     uint64_t tried = 0, joined = 0;
     size_t lines = 0;  ///< kept in the file
   };
-  bool stopped = false;                       ///< the watch said stop
+  bool stopped = false;                       ///< stopped by the callback
   uint64_t drawn = 0, visible = 0, kept = 0;  ///< segments between pivot patches
-  bool settled = false;                       ///< false: the budget was spent first
+  bool settled = false;                       ///< false: the budget ran out first
   double change = 1;                          ///< of the normalised counts in the last batch
-  uint64_t tried = 0, joined = 0;             ///< lines through the fullest places
+  uint64_t tried = 0, joined = 0;             ///< lines through the fullest voxels
   float fullest = 0;                          ///< largest count of a voxel
   size_t air = 0;                             ///< voxels of air
-  std::vector<OfCut> cuts;                    ///< of each cut; without pivot pairs nothing is drawn
+  std::vector<OfCut> cuts;                    ///< per cut; without pivot pairs nothing is sampled
   Phases phases;                              ///< air, patches, bvh, coarse, fine
 };
 
-/// What makes the tracer of the lines.
+/// Makes the tracer of the lines.
 using MakeLineTracer = std::function<std::unique_ptr<LineTracer>(const Scene&, const LineTables&,
                                                                  const LightGrid&, uint64_t seed)>;
 
-/// The box of all triangles, canonical.
+/// Bounding box of all triangles, canonical.
 Extent box_of(const Scene& scene);
-/// Where the grid of a cut lies, canonical: the box that most of its patches reach (reach.h), which
-/// are small where walks came often, as far as that lies in the box of the scene. Of a cut with a
-/// sky those of the rooms alone, with some air around.
+/// Where the grid of a cut lies, canonical: the box that contains most of its patches (reach.h;
+/// patches are small where walks were frequent), within the scene's box. For a cut with a sky only
+/// the patches of the rooms count, with some air around.
 Extent reach_of_cut(const Scene& scene, const CutFile& cut);
-/// A box of a scene in cubic voxels, `resolution` along its longest side; no air, no counts.
+/// A box of a scene as cubic voxels, `resolution` along its longest side; without air and counts.
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution);
 inline LightGrid empty_grid(const Scene& scene, int resolution) {
   return empty_grid(scene, box_of(scene), resolution);
 }
 
-/// The grid of `scene` and `cut`; `cut_name` stands in error messages. Throws InputError when the
-/// two do not belong together. A cut without a bottleneck, or one without a line of light, gives a
-/// grid with bottleneck false.
+/// The grid of `scene` and `cut`; `cut_name` is used in error messages. Throws InputError if the
+/// two do not belong together. A cut without a bottleneck, or without any line of light, gives a
+/// grid whose `bottleneck` is false.
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
                           const LightGridWatch& watch = {},

@@ -1,7 +1,7 @@
-// How many segments between pivot patches each back end draws, tests and counts in a second, in one
+// Segments between pivot patches per second that each back end samples, tests and counts, in one
 // interleaved run:
 //   lightgrid_bench [gpu[:WHICH]] [RESOLUTION] SCENE CUT [SCENE CUT ...]
-// prints a table in Markdown, and on stderr which device it is and where it spends its time.
+// prints a table in Markdown, and on stderr the device and its time per kernel.
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +20,7 @@ namespace tdpt {
 namespace {
 
 constexpr int kRounds = 5;
-constexpr double kLeastSeconds = 0.3;  // of a round of one back end
+constexpr double kLeastSeconds = 0.3;  // per round of one back end
 
 struct Timed {
   std::string name;
@@ -34,7 +34,7 @@ double now() {
   return duration<double>(steady_clock::now().time_since_epoch()).count();
 }
 
-// Doubles the segments of a round until it is long enough.
+// Doubles the number of segments until a round is long enough.
 void one_round(Timed& t, bool keep) {
   TracedLines out;
   for (;;) {
@@ -87,7 +87,7 @@ void measure(const std::string& scene_path, const std::string& cut_path, int res
                scene.triangles.size(), grid.dim[0], grid.dim[1], grid.dim[2], t.name,
                median(t.per_second) / 1e6, median(t.per_cpu_second) / 1e6,
                median(t.per_second) / median(all[0].per_second));
-  // Where the device's time goes.
+  // Time per kernel of the device.
   GpuLineTimes times;
   TracedLines out;
   make_gpu_lines(device, scene, tables, grid, 1, {}, &times)->between_pivots(0, 0, all[2].n, out);

@@ -32,7 +32,7 @@ TEST(Air, TriangleAgainstBox) {
   EXPECT_TRUE(triangle_touches_box({-9, -9, 0.9}, {9, -9, 0.9}, {0, 9, 0.9}, half));
   EXPECT_FALSE(triangle_touches_box({-9, -9, 1.1}, {9, -9, 1.1}, {0, 9, 1.1}, half));
   EXPECT_TRUE(triangle_touches_box({2, 0, 0}, {0, 2, 0}, {0, 0, 2}, half));
-  // Its box and its plane meet the box, its edge passes beside the corner.
+  // Its box and its plane overlap the box, but its edge passes beside the corner.
   EXPECT_FALSE(triangle_touches_box({2.1, 0, 0}, {0, 2.1, 0}, {3, 3, 0}, half));
   EXPECT_TRUE(triangle_touches_box({1.9, 0, 0}, {0, 1.9, 0}, {3, 3, 0}, half));
 }
@@ -65,7 +65,7 @@ TEST(Air, ConservativeAndExact) {
       }
 }
 
-// Share of lines that pass the hole of two-rooms.glb, a millimetre let.
+// Share of lines through the hole of two-rooms.glb, with a tolerance of a millimetre.
 double share_through_hole(const LightGrid& grid) {
   double through = 0;
   for (const LightLine& l : grid.lines) {
@@ -111,7 +111,7 @@ TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
   const LightGrid grid = make_light_grid(scene, cut, "a.cut", quick(), report);
   EXPECT_LT(grid.voxel, 1.3 * empty_grid(two_rooms(), quick().resolution).voxel);
   EXPECT_GT(share_through_hole(grid), 0.6);
-  // Twin: by the box of the scene they would be much larger.
+  // Twin: with the scene's box they would be much larger.
   EXPECT_GT(empty_grid(scene, quick().resolution).voxel, 10 * grid.voxel);
 }
 
@@ -131,7 +131,7 @@ TEST(LightGrid, LinesThatLeaveTheGridEndThere) {
   ASSERT_TRUE(out);
   EXPECT_EQ(length(out->light), 0);
   EXPECT_NEAR(length(out->camera - Vec3d(1, 1, 0.5)), 0, 1e-12);
-  // Within it stays as it is, to the bit; outside nothing is left.
+  // Lines within stay bit-identical; nothing remains of those outside.
   const LightLine within{{0.1, 0.2, 0.3}, {0.3, -0.7, 0.9}};
   EXPECT_EQ(clipped(within)->camera.y, within.camera.y);
   EXPECT_FALSE(clipped({{2, 0, 0}, {2, 1, 0}}));
@@ -181,7 +181,7 @@ TEST(LightGrid, SettlesOrSaysThatItDidNot) {
   EXPECT_LT(loose.drawn, options.samples);
 }
 
-// Finds nothing; keeps to itself how it was asked.
+// Reports every line as blocked; records its calls.
 class BlockedTracer : public LineTracer {
  public:
   BlockedTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed,
@@ -279,7 +279,7 @@ TEST(LightGrid, NoBottleneckIsAResult) {
             "no pair of the cut has any surface");
 }
 
-// Lines through the middle of the hole, and one that does not come into the grid.
+// Lines through the middle of the hole, and one outside of the grid.
 std::vector<LightLine> own_lines() {
   std::vector<LightLine> own{{{9, 9, 9}, {8, 8, 8}, 0}};
   for (int i = 0; i < 40; ++i) own.push_back({{3.9, 0.9 + 0.005 * i, 0}, {0.2, 1, 0.1}, 0});

@@ -1,5 +1,5 @@
-// The kernels' functions on the CPU: light_lines.h over a tracer of C++, see there for what it
-// needs. `Tracer` has segment_blocked() and first_hit() as traversal.h declares them.
+// The kernels' functions on the CPU: light_lines.h, which states its requirements, over a C++
+// tracer. `Tracer` has segment_blocked() and first_hit() as declared in traversal.h.
 #pragma once
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/grid_walk.h"
@@ -22,8 +22,7 @@ class LineKernel {
             sums_(sums) {
   }
 
-  /// Segment number p.first + i: what light_segments.comp, light_votes.comp and light_march.comp do
-  /// one after the other.
+  /// Segment p.first + i: light_segments.comp, light_votes.comp and light_march.comp in sequence.
   LineFate segment(uint i, LineEnds& line) {
     const uint number = light.first + i;
     line = draw_line(number);
@@ -32,7 +31,7 @@ class LineKernel {
     march(line);
     return LineFate::joins;
   }
-  /// light_through.comp and light_votes.comp.
+  /// light_through.comp and light_votes.comp in sequence.
   LineFate try_through(uint i, const LineTry& through, LineEnds& line) {
     const uint number = light.first + i;
     const uint fate = line_through(through, number, line);

@@ -1,5 +1,4 @@
-// The kernel's functions one by one, over rays made up for them; what tracers ask of it; its
-// tables.
+// The kernel's functions one by one on artificial rays; what is asked of tracers; the tables.
 #include "tools/lightgrid/line_kernel.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +9,7 @@
 
 namespace tdpt::line_kernel_test {
 
-// Sums of both signs beside each other do not disturb one another, up to the largest there may be.
+// Packed neighbouring sums of both signs do not disturb each other, up to their maximum.
 TEST(VoxelSums, keep_what_they_pack_apart) {
   VoxelSums sums(2);
   constexpr int32_t kMost = 2048;
@@ -41,13 +40,13 @@ shader::LightParameters parameters_of(const LineTables& tables) {
   return p;
 }
 
-// Over a scene without rays.
+// A scene without rays.
 struct NoRays {
   bool segment_blocked(const Vec3f&, const Vec3f&, uint32_t) const { return false; }
   bool first_hit(const Vec3f&, const Vec3f&, uint32_t, shader::SurfaceHit&) const { return false; }
 };
 
-// Rays that meet triangle 0 after 1 in +x and triangle 1 after 1 in -x.
+// Rays that hit triangle 0 after 1 in +x and triangle 1 after 1 in -x.
 struct BetweenTwo {
   bool ahead = true, behind = true;
   mutable std::vector<uint32_t> coins;
@@ -109,7 +108,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   EXPECT_EQ(fate(0, 1, 0, right), FATE_NONE);
 }
 
-// What a tracer is asked for.
+// Records what a tracer is asked for.
 class AskedTracer : public LineTracer {
  public:
   AskedTracer(const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed)
@@ -161,8 +160,8 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   EXPECT_EQ(std::unique(streams.begin(), streams.end()), streams.end());
 }
 
-// Everything that tells lines apart tells their coins apart, so that other lines meet other
-// surfaces.
+// Everything that distinguishes lines distinguishes their coins, so that different lines hit
+// different surfaces.
 TEST(LineKernel, coins_are_of_one_line_only) {
   const LineTables tables;
   VoxelSums sums(1);
@@ -183,7 +182,7 @@ TEST(LineKernel, coins_are_of_one_line_only) {
   EXPECT_EQ(std::unique(coins.begin(), coins.end()), coins.end());
 }
 
-// p of the faces that lines of the second of two cuts end on, against capacities and areas;
+// p-value of the end faces of lines of the second of two cuts, against capacities and areas;
 // `wrong` is added to a capacity.
 double p_of_faces(double wrong) {
   Scene scene;
@@ -267,7 +266,7 @@ TEST(LineKernel, marches_through_voxels_of_the_slab_towards_the_camera) {
   p.slab_high = 3;
   VoxelSums sums(24);
   shader::LineKernel<NoRays> kernel(none, tables, p, sums);
-  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down voxel (0,1)
+  kernel.march({{-0.9f, 0.6f, 2.9f}, 0, {-0.9f, 0.6f, 1.1f}, 0});  // down column (0,1)
   kernel.march({{0.4f, 0.1f, 1.7f}, 0, {-0.9f, 0.1f, 1.7f}, 0});   // along row (y,z) = (0,1)
   std::vector<Vec3d> direction(24);
   sums.take_directions(direction);
@@ -296,12 +295,12 @@ TEST(LineKernel, directions_are_rounded_to_the_nearest_unit) {
     for (int c = 0; c < 3; ++c) EXPECT_LE(std::abs(d[c]), 0.501);
     off += d * 1e-4;
   }
-  EXPECT_LT(length(off), 0.02);  // no bias: 0.29 / 100 along each axis
+  EXPECT_LT(length(off), 0.02);  // unbiased: 0.29 / 100 along each axis
   EXPECT_EQ(kernel.direction_in_units(Vec3f(0)), shader::ivec3(0));
 }
 
-// Two triangles without place, whose fronts look along +z. Rays meet what the ballot says, one
-// after the other; behind its end, nothing.
+// Two triangles without position, whose fronts face +z. Rays hit what the ballot says, in order;
+// after its end, nothing.
 enum class Ballot { nothing, own, other };
 struct Ballots {
   std::vector<Ballot> of_rays;
@@ -316,7 +315,7 @@ struct Ballots {
   }
 };
 
-// Whether the ends of a line win their votes; the coins of the rays that were asked.
+// Whether the ends of a line win their votes; also returns the coins of the rays.
 bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint32_t number = 0,
          uint32_t round = 0, uint32_t stream = 0x10000) {
   Scene scene;
@@ -349,7 +348,7 @@ TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
     v.insert(v.end(), other, Ballot::other);
     return v;
   };
-  // Both ends, at once: four rays each.
+  // Both ends at once: four rays each.
   EXPECT_TRUE(win(votes(8, 0), coins));
   EXPECT_EQ(coins.size(), 8u);
   // One end, then none for the other.
@@ -357,10 +356,10 @@ TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
   EXPECT_EQ(coins.size(), 4u);
   EXPECT_FALSE(win(votes(4, 4), coins));
   EXPECT_EQ(coins.size(), 8u);
-  // Three votes are too few, and 16 rays are all.
+  // Three votes are too few, and 16 rays are the maximum.
   EXPECT_FALSE(win(votes(3, 0), coins));
   EXPECT_EQ(coins.size(), 16u);
-  // A tie is none; nine of sixteen win.
+  // A tie does not win; nine of sixteen do.
   std::vector<Ballot> tie;
   for (int i = 0; i < 8; ++i) tie.insert(tie.end(), {Ballot::own, Ballot::other});
   EXPECT_FALSE(win(tie, coins));
@@ -371,7 +370,7 @@ TEST(LineKernel, ends_win_by_a_lead_of_four_or_by_more_of_sixteen) {
   EXPECT_EQ(coins.size(), 20u);
 }
 
-// No random number is drawn twice: not by both ends, nor by the line itself, nor by another one.
+// No random number is used twice: not by both ends, nor by the line itself, nor by another line.
 TEST(LineKernel, votes_have_numbers_of_their_own) {
   std::vector<uint32_t> all, coins;
   const std::vector<Ballot> mine(8, Ballot::own);

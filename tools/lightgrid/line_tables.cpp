@@ -16,7 +16,8 @@
 namespace tdpt {
 namespace {
 
-// One cut of Sutherland and Hodgman: keeps the part of the polygon with sign*(p[axis] - at) >= 0.
+// One step of Sutherland-Hodgman clipping: keeps the part of the polygon with sign*(p[axis] - at)
+// >= 0.
 void clip(std::vector<Vec3d>& polygon, int axis, double at, double sign) {
   std::vector<Vec3d> kept;
   for (size_t i = 0; i < polygon.size(); ++i) {
@@ -39,7 +40,7 @@ void fill_alias(std::vector<Slot>& slots, size_t first, const std::vector<double
   }
 }
 
-// The part of a patch's faces within its cell, as triangles, and their areas.
+// The part of a patch's faces within its cell, as triangles with areas.
 struct Surface {
   std::vector<shader::Piece> pieces;
   std::vector<double> areas;
@@ -132,7 +133,7 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
   }
   std::partial_sum(tables.first_cell.begin(), tables.first_cell.end(), tables.first_cell.begin());
 
-  // Patches are handed out to their faces in order, so each face has its own in order.
+  // Patches are assigned to their faces in order, so the patches of each face are sorted.
   std::vector<uint32_t> order(cut.patches.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {

@@ -1,6 +1,6 @@
-// What lines of light are drawn from: the pivot pairs of a cut, the surface of their patches, and
-// which patch holds a place on a surface. Flat tables, in the layout of shaders/shared/: alias
-// tables (Vose) over pairs by capacity and over pieces of patches by area, sorted cells by face.
+// Tables for sampling lines of light: the pivot pairs of a cut, the surface of their patches, and
+// the patch at a given surface point. Flat, in the layout of shaders/shared/: alias tables (Vose)
+// over pairs by capacity and over pieces of patches by area, and cells sorted by face.
 #pragma once
 #include <string>
 #include <vector>
@@ -13,24 +13,24 @@ namespace tdpt {
 
 struct LineTables {
   struct PairsOfCut {
-    uint32_t first = 0, count = 0;  ///< of `pivot_arcs`
+    uint32_t first = 0, count = 0;  ///< range in `pivot_arcs`
   };
   std::vector<PairsOfCut> cuts;
   std::vector<shader::PivotArc> pivot_arcs;
-  std::vector<shader::PatchPieces> patches;  ///< as in the cut file; no pieces where no arc asks
+  std::vector<shader::PatchPieces> patches;  ///< as in the cut file; no pieces if no arc uses it
   std::vector<shader::Piece> pieces;
-  std::vector<uint32_t> first_cell;            ///< of each face, and one more; into `patch_cells`
-  std::vector<shader::PatchCell> patch_cells;  ///< of each face in order
+  std::vector<uint32_t> first_cell;            ///< per face, plus one; indices into `patch_cells`
+  std::vector<shader::PatchCell> patch_cells;  ///< grouped by face
   std::vector<shader::FaceNormal> face_normals;
 
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;
   uint32_t levels = 0;
-  uint32_t first_sky_face = UINT32_MAX;  ///< this and all behind are the sky's, see sky_dome.h
+  uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky, see sky_dome.h
 };
 
-/// `scene` has a dome where the cut has a sky. Throws InputError when the cut names triangles the
-/// scene does not have; `cut_name` names the cut file in the message.
+/// `scene` must have a dome if the cut has a sky. Throws InputError if the cut refers to triangles
+/// that the scene does not have; `cut_name` names the cut file in the message.
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name);
 
 }  // namespace tdpt

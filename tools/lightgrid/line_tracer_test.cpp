@@ -1,5 +1,5 @@
-// Embree, the Vulkan device and the device's scalar twin against each other: the same lines, the
-// same counts. Runs on lavapipe and under validation (tdpt_software_vulkan in CMakeLists.txt).
+// Embree, the Vulkan device and the scalar build of its kernels compared: the same lines, the same
+// counts. Runs on lavapipe with validation (tdpt_software_vulkan in CMakeLists.txt).
 #include "tools/lightgrid/line_tracer.h"
 
 #include <cstring>
@@ -70,7 +70,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_odd_scenes) {
   }
 }
 
-// Twin: what is compared can differ.
+// Twin: the compared results can differ.
 TEST_F(LineTracers, another_seed_gives_other_lines) {
   const Case c = two_rooms();
   const LightGrid grid = empty_grid(c.scene, 64);
@@ -87,7 +87,7 @@ TEST_F(LineTracers, slabs_and_short_submissions_change_nothing) {
   GpuLineBounds bounds;
   bounds.voxels = 7 * layer;
   expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
-  bounds.voxels = 1;  // never less than a layer
+  bounds.voxels = 1;  // at least one layer
   bounds.lines = 777;
   expect_same(whole, on_device(c, grid, 5000, kSeed, bounds));
 }
@@ -141,8 +141,8 @@ TEST_F(LineTracers, make_the_same_file) {
               }));
 }
 
-// Share of segments that Embree answers otherwise than the scalar build. `shift` [voxels of 1/256]
-// moves every triangle of the scalar build's scene.
+// Share of segments for which Embree's answer differs from the scalar build's. `shift` [voxels of
+// 1/256] moves every triangle of the scalar build's scene.
 double share_unlike_embree(const Case& c, uint32_t n, float shift = 0) {
   const LightGrid grid = empty_grid(c.scene, 64);
   Scene moved = c.scene;
@@ -190,14 +190,14 @@ TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
     const LightGrid grid = empty_grid(c.scene, 16);
     const Outcome device_outcome = on_device(c, grid, 20000);
     expect_same(device_outcome, on_twin(c, grid, 20000));
-    // The sheet takes some of the light.
+    // The sheet blocks some of the light.
     EXPECT_LT(joining(device_outcome.segments), 0.9 * static_cast<double>(open));
     EXPECT_LE(share_unlike_embree(c, 100000), 1e-4);
   }
 }
 
-// Segments that rounding likes least, in a closed room from -1 to 1: along axes and edges, in the
-// plane of walls, through corners of voxels and of triangles, of no length, out of the scene.
+// Segments most sensitive to rounding, in a closed room from -1 to 1: along axes and edges, in the
+// plane of walls, through corners of voxels and of triangles, of zero length, out of the scene.
 std::vector<shader::LineEnds> special_segments(const Scene& scene) {
   std::vector<shader::LineEnds> out;
   const auto add = [&](const Vec3f& a, const Vec3f& b) { out.push_back({a, 0, b, 0}); };
@@ -299,7 +299,7 @@ TEST_F(LineTracers, device_and_twin_agree_on_special_segments) {
   EXPECT_GT(hit, n / 20);
 }
 
-// What lies behind an image is not for the march: no device says when it is written.
+// The march must not touch texels outside an image: no device reports such writes.
 TEST(SlabOf, TheyFollowEachOtherAndNoneIsTooDeep) {
   for (const int32_t layers : {1, 7, 64})
     for (const uint32_t depth : {1u, 5u, 64u}) {

@@ -1,38 +1,38 @@
-// The fine pass of the light grid: lines that join the two sides of a cut, distributed as the light
-// itself is, whatever the coarse pass distorted.
+// The fine pass of the light grid: samples the lines that connect the two sides of a cut by
+// etendue, without the distortion of the coarse pass.
 //
-// Method: Metropolis-Hastings, many chains side by side, each a reversible Markov chain on lines.
+// Method: Metropolis-Hastings; many reversible Markov chains over lines, run in parallel.
 //
-// l       a line between two surfaces that lie on different sides of the cut
+// l       a line between two surfaces on different sides of the cut
 // dmu(l)  measure of lines, area times projected solid angle: etendue [m2 sr]
 // w(x)    weight of the voxel at x; W(l) its integral along l
 // f(a)    density of the angle a between a line and the next one [1/sr]
-// A(l)    chance that a line is accepted: that nothing stops it but its ends, where surfaces are
-//         there with a probability only (transmittance), times that the votes around both ends
-//         hold (ends_see_their_sides() of light_lines.h)
+// A(l)    probability that a line is accepted: that only its end surfaces stop it (a probability
+//         because of stochastic transparency), times that the votes around both ends hold
+//         (ends_see_their_sides() of light_lines.h)
 //
-// A step takes a place x on l with density w(x)/W(l), a direction with density f, and proposes the
-// line l' through both, up to the surfaces that it meets. It moves to l' if that joins the sides
-// and is accepted, by votes of its own, and stays otherwise.
+// A step samples a point x on l with density w(x)/W(l) and a direction with density f, and proposes
+// the line l' through both, extended to the surfaces that it hits. The chain moves to l' if that
+// connects the sides and is accepted by votes of its own; otherwise it stays.
 //
-// Places on lines are places and directions, dmu(l) ds = d3x dw, and l and l' see each other under
-// the same angle. So the flow from l to l',
+// A line with a point on it is a point with a direction, dmu(l) ds = d3x dw, and the angle between
+// l and l' is symmetric. So the flow from l to l',
 //   pi(l) w(x)/W(l) f(a) A(l') with pi(l) = W(l) A(l) dmu(l),
-// is that from l' to l: the chain is reversible with respect to pi, and settles there, where
-// without the votes it would settle at W(l) dmu(l). Dividing by W leaves A(l) dmu(l): lines by
-// etendue, thinned out once by the votes, like the coarse pass's segments, not once for each step.
+// equals that from l' to l: the chain is reversible with stationary distribution pi; without the
+// votes it would be W(l) dmu(l). Dividing by W leaves A(l) dmu(l): lines by etendue, thinned once
+// by the votes, like the segments of the coarse pass, not once per step.
 //
-// That is the limit. The chains make some moves only, and w is taken anew from their own lines, the
-// last time half-way. And since no line is taken twice, those whose W is below its lower quartile Q
-// are all taken: what comes out is A(l) min(1, W(l)/Q) dmu(l).
+// That is the limit. In practice the chains make only some moves, and w is re-estimated from their
+// own lines, the last time half-way. Since no line is used twice, those whose W is below its lower
+// quartile Q are all used: the result is A(l) min(1, W(l)/Q) dmu(l).
 //
-// f is cos/pi in half of the steps. In the others it is narrower: through long narrow openings few
-// wide steps lead. w = count^3, but for the fullest voxels, keeps x near the opening, where most
-// lines through x join the sides. The coarse counts are of no use where there is geometry, since
-// leaks pile up between the jambs of an opening, and a few bundles of light are as full along their
-// whole length as in a small opening. So in the first steps, which are not reversible, x is where
-// the line comes nearest to another: all meet in the opening. The last wide try of each chain is
-// kept as a probe: they tell the portals' support.
+// f is cos/pi in half of the steps. In the others it is narrower, because few wide steps pass a
+// long narrow opening. w = count^3, clamped at the fullest voxels, keeps x near the opening, where
+// most lines through x connect the sides. The coarse counts cannot be used where there is geometry:
+// leaks accumulate between the jambs of an opening, and a few bundles of light are as full along
+// their whole length as in a small opening. So in the first steps, which are not reversible, x is
+// the point of the line nearest to another line: all meet in the opening. The last wide try of each
+// chain is kept as a probe: probes measure the support of portals.
 #include "tools/lightgrid/line_walk.h"
 
 #include <algorithm>
@@ -49,15 +49,15 @@
 namespace tdpt {
 namespace {
 
-constexpr double kFull = 0.2;       // of the largest count: from there on w is the same
-constexpr double kNarrowest = 2e4;  // exponent of the cosine
-// The walk ends when each chain has moved so often on average, or after so many steps.
+constexpr double kFull = 0.2;       // of the largest count: w is constant above it
+constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
+// The walk ends after this many moves per chain on average, or after this many steps.
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
 constexpr double kOffEnds = 1e-3;
-constexpr uint64_t kMeetings = 4;  // first steps, at places where lines meet
+constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet
 
-// w of each voxel: its count to the third power; the fullest are all alike, so that the walk goes
-// to the faint end of an opening as well as to the bright one.
+// w of each voxel: its count cubed, clamped for the fullest so that the walk reaches the faint end
+// of an opening as well as the bright one.
 std::vector<double> weights_of(const std::vector<double>& count) {
   const double most = kFull * *std::max_element(count.begin(), count.end());
   std::vector<double> w(count.size());
@@ -65,7 +65,7 @@ std::vector<double> weights_of(const std::vector<double>& count) {
   return w;
 }
 
-// Weight of a line: w integrated along it [1/metres].
+// Weight W of a line: w integrated along it [count^3 metres].
 double weight_of(const LightGrid& grid, const std::vector<double>& w, const LightLine& line) {
   double sum = 0;
   walk_grid(grid, line.light, line.camera,
@@ -73,7 +73,7 @@ double weight_of(const LightGrid& grid, const std::vector<double>& w, const Ligh
   return sum;
 }
 
-// A place on `line` [metres], in proportion to w; nothing where the line has none.
+// Samples a point on `line` [metres] in proportion to w; empty if w is 0 along it.
 std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& w,
                               const LightLine& line, double u) {
   double left = u * weight_of(grid, w, line), walked = 0, at = -1;
@@ -87,8 +87,8 @@ std::optional<Vec3d> place_on(const LightGrid& grid, const std::vector<double>& 
   return line.light + normalize(line.camera - line.light) * at;
 }
 
-// W of chains and its lower quartile, 0 when no line has any weight. A line is taken with the
-// chance 1 / W in units of the quartile's, but never more than once.
+// W of all chains and its lower quartile, 0 if no line has any weight. A line is used with
+// probability 1 / W in units of the quartile, but at most once.
 struct ChainWeights {
   std::vector<double> of;
   double quartile = 0;
@@ -111,8 +111,9 @@ ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
   return weights;
 }
 
-// The place on `line` nearest to `other` [metres]: all lines meet in the opening. `off_ends`: how
-// far from its ends [share of it]: beyond the wall that one lies on may be the open sky.
+// The point on `line` nearest to `other` [metres]: all lines meet in the opening. `off_ends`:
+// minimum distance from its ends [share of its length]: beyond the wall at an end may be the open
+// sky.
 Vec3d nearest_to(const LightLine& line, const LightLine& other, double off_ends) {
   const Vec3d d = line.camera - line.light, e = other.camera - other.light;
   const Vec3d between = line.light - other.light;
@@ -123,7 +124,7 @@ Vec3d nearest_to(const LightLine& line, const LightLine& other, double off_ends)
   return line.light + d * std::clamp(t, off_ends, 1 - off_ends);
 }
 
-// Counts of the light's own distribution, from chains that have settled.
+// Counts of the target distribution, estimated from chains that have settled.
 std::vector<double> recount(const LightGrid& grid, const std::vector<double>& w,
                             const std::vector<LightLine>& chain) {
   std::vector<double> count(w.size(), 0);
@@ -134,14 +135,14 @@ std::vector<double> recount(const LightGrid& grid, const std::vector<double>& w,
   return count;
 }
 
-// A direction about +z with density proportional to cos^exponent per solid angle.
+// Samples a direction about +z with density proportional to cos^exponent per solid angle.
 Vec3d turned_from_axis(double u, double v, double exponent) {
   const double z = std::pow(v, 1 / (exponent + 1)), phi = 2 * std::numbers::pi * u;
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-// Every chain is a line.
+// The state of each chain is a line.
 class Chains {
  public:
   Chains(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
@@ -175,7 +176,8 @@ class Chains {
     for (uint32_t round = 0; round < kMostSteps && moves_ < kMoves * chains; ++round) {
       if (round == kMeetings) w_ = weights_of(recount(grid_, ones, line_));
       if (!recounted && (2 * moves_ >= kMoves * chains || 2 * round >= kMostSteps)) {
-        // What the coarse pass distorted would keep the chains from where it saw too little.
+        // Re-estimates w: the distorted coarse counts would keep the chains away from regions that
+        // they undersampled.
         w_ = weights_of(recount(grid_, w_, line_));
         recounted = true;
       }
@@ -192,10 +194,10 @@ class Chains {
     walk.tried = tried_, walk.joined = joined_;
     for (const std::optional<Probe>& p : probe_)
       if (p) walk.probes.push_back(*p);
-    // The chains settle at what is wanted times their weight: take that out again. Half of the
-    // lines go.
+    // The stationary distribution is the target times the chains' weight W: divide by it. Half of
+    // the lines are dropped.
     const ChainWeights weights = weights_of(grid_, w_, line_);
-    if (weights.empty()) {  // no line passes counted air, so none is better than another
+    if (weights.empty()) {  // no line passes counted air, so all are equal
       walk.lines.assign(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(most));
     } else {
       for (size_t i = 0; i < line_.size() && walk.lines.size() < most; ++i) {
@@ -209,7 +211,7 @@ class Chains {
   }
 
  private:
-  // A place on chain i and a direction; no direction where the line has no weight.
+  // A point on chain i and a direction; no direction if the line has no weight.
   void propose(size_t i, uint32_t round) {
     Rng rng(seed_, stream_, i, round);
     const double u = rng.uniform();
@@ -233,7 +235,7 @@ class Chains {
     tries_[i].direction = Vec3f(frame.to_world(turned_from_axis(v1, v2, exponent)));
   }
 
-  // Moves chain i to the line that it proposed, or not.
+  // Moves chain i to its proposed line, or not.
   void step(size_t i) {
     if (found_.fate[i] == LineFate::none) return;
     const bool joins = found_.fate[i] == LineFate::joins;
@@ -251,11 +253,11 @@ class Chains {
   const size_t cut_;
   const LightGrid& grid_;
   const uint64_t seed_, stream_;
-  std::vector<double> w_;         // of each voxel
-  std::vector<LightLine> start_;  // of the coarse pass
-  std::vector<LightLine> line_;   // of each chain, as what follows
+  std::vector<double> w_;         // per voxel
+  std::vector<LightLine> start_;  // from the coarse pass
+  std::vector<LightLine> line_;   // per chain, as are the following
   std::vector<shader::LineTry> tries_;
-  std::vector<uint8_t> wide_;  // whether the try tells about the portals' support
+  std::vector<uint8_t> wide_;  // whether the try is a probe of the portals' support
   std::vector<std::optional<Probe>> probe_;
   TracedLines found_;
   uint64_t moves_ = 0, tried_ = 0, joined_ = 0;

@@ -14,9 +14,9 @@ namespace tdpt::line_walk_test {
 constexpr double kHole = 0.2;  // half its side
 constexpr uint64_t kSeed = 5;
 
-// The box [-1,1]^3, halved by a wall without thickness at x = 0 with a square hole in its middle.
-// The light's side is x < 0. Nothing but the box and the wall stops a line; votes hold with the
-// chance that a function of the line says.
+// The box [-1,1]^3, divided by an infinitely thin wall at x = 0 with a square hole in its middle.
+// The light's side is x < 0. Only the box and the wall block lines; votes succeed with a
+// probability that is a function of the line.
 class TwoHalves : public LineTracer {
  public:
   using Votes = std::function<double(const LightLine&)>;
@@ -26,8 +26,8 @@ class TwoHalves : public LineTracer {
   void counts(std::vector<uint32_t>&) override {}
   void take_directions(std::vector<Vec3d>&) override {}
 
-  // The line through a place, whose direction is not 0, turned from the light; whether it passes
-  // the hole.
+  // The line through a point along a non-zero direction, oriented away from the light; returns
+  // whether it passes the hole.
   static bool line_through(const Vec3d& place, const Vec3d& w, LightLine& line) {
     const auto end = [&](const Vec3d& d) {
       double t = INFINITY;
@@ -64,14 +64,15 @@ class TwoHalves : public LineTracer {
   Votes votes_;
 };
 
-// Every other of many stripes of slope: half of the lines, and in every voxel about half, so that W
+// Every other of many stripes of slope: half of the lines, and about half in every voxel, so that W
 // is the same for them as for the rest.
 bool in_stripe(const LightLine& l) {
   const double slope = (l.camera.y - l.light.y) / (l.camera.x - l.light.x);
   return std::fmod(8 * (slope + 100), 2) < 1;
 }
 
-// Share of the lines in stripes among those that come out. `start`: the same of those that go in.
+// Share of the resulting lines that are in stripes. `start`: the same share among the initial
+// lines.
 double share_in_stripes(const TwoHalves::Votes& votes, double start) {
   const Scene scene;
   LineTables tables;
@@ -103,12 +104,12 @@ double share_in_stripes(const TwoHalves::Votes& votes, double start) {
          static_cast<double>(walk.lines.size());
 }
 
-// Every chain moves six times on average, so something of the start stays.
+// Every chain moves six times on average, so some of the start remains.
 constexpr double kStays = 0.1;
 
 void expect_settled(const TwoHalves::Votes& votes, double settled) {
   EXPECT_NEAR(share_in_stripes(votes, settled), settled, 0.015);
-  // Whatever the coarse pass distorted.
+  // However the coarse pass was distorted.
   for (const double start : {0.1, 0.9})
     EXPECT_NEAR(share_in_stripes(votes, start), settled, 0.015 + kStays * std::abs(start - settled))
         << start;
@@ -118,8 +119,8 @@ TEST(LineWalk, SettlesAtTheEtenduesOfLines) {
   expect_settled([](const LightLine&) { return 1.0; }, 0.5);
 }
 
-// Votes that hold in a share of the cases thin lines out once. Twins: not at all, as a chain that
-// is reversible for W alone would do, or twice.
+// Votes that succeed in a share of the cases thin lines out once. Twins: not at all, as for a chain
+// reversible for W alone, or twice.
 TEST(LineWalk, IsThinnedOutByTheVotesOnce) {
   constexpr double kShare = 0.3;
   const auto votes = [](const LightLine& l) { return in_stripe(l) ? kShare : 1.0; };

@@ -1,4 +1,4 @@
-// lightgrid: counts of the light between the two sides of a cut, in the voxels of air.
+// lightgrid: counts the light between the two sides of a cut in the voxels of air.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

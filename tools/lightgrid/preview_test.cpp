@@ -51,7 +51,7 @@ const LightGrid& two_rooms_grid() {
   return grid;
 }
 
-// Whether the fullest pixel of the view along x lies within the hole, give or take a voxel.
+// Whether the fullest pixel of the view along x lies within the hole, within one voxel.
 bool fullest_in_the_hole(const LightGrid& grid) {
   const FlatGrid flat = flattened(grid, 0);
   const auto at =

@@ -1,4 +1,4 @@
-// Lines from the sky, of Embree, the Vulkan device and the device's scalar twin.
+// Lines from the sky: Embree, the Vulkan device and the scalar build of its kernels compared.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 
 namespace tdpt::testing::sky_dome_test {
 
-// Two rooms without a ceiling under a sky, whose bins are joined to the faces that look up in one
-// of them.
+// Two rooms without a ceiling under a sky, whose bins are connected to the upward faces in one of
+// them.
 Case under_a_sky() {
   Scene scene = two_rooms_scene();
   std::erase_if(scene.triangles, [&](const Triangle& t) {
@@ -48,15 +48,16 @@ TEST_F(LineTracers, device_and_twin_count_the_same_under_a_sky) {
     from_sky += scalar.segments.fate[i] == LineFate::joins &&
                 scalar.segments.ends[i].light_face >= c.tables.first_sky_face;
   EXPECT_GT(from_sky, 100u);
-  // Where a grid ends no lines pile up that pass it by: every line in it has come through the top
-  // layer's air.
+  // Lines that pass the grid do not accumulate at its border: every line in it came through the air
+  // of the top layer.
   const size_t layer = static_cast<size_t>(grid.dim[0]) * static_cast<size_t>(grid.dim[1]);
   EXPECT_GT(
       std::count_if(scalar.count.begin(), scalar.count.end(), [](uint32_t n) { return n > 0; }),
       static_cast<std::ptrdiff_t>(layer / 4));
 }
 
-// The scalar build's triangles are as exact as before; its dome makes all else 32 times as large.
+// The scalar build's triangles are as exact as before; because of the dome everything else is 32
+// times as large.
 TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_3000_at_most_under_a_sky) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);
@@ -68,8 +69,7 @@ TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_3000_at_most_under_a_sky) {
   EXPECT_LE(differences(embree.segments, scalar.segments), kLines / 3000);
 }
 
-// What a line from the sky meets on its way is what a plain ray meets, and it is cut off at the
-// grid on the way that it goes.
+// A line from the sky hits what a plain ray hits, and is clipped to the grid on its own way.
 TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);

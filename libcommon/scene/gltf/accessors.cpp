@@ -31,7 +31,7 @@ struct Elements {
 template <class T>
 T load(const char* at) {
   T value;
-  std::memcpy(&value, at, sizeof value);  // accessors of foreign files need not be aligned
+  std::memcpy(&value, at, sizeof value);  // accessors of foreign files may be unaligned
   return value;
 }
 
@@ -60,7 +60,7 @@ double load_component(const char* at, int type, bool normalized) {
   }
 }
 
-/// Where `count` elements of `size` bytes lie; never multiplies, so nothing can overflow.
+/// Locates `count` elements of `size` bytes; avoids multiplication, so nothing can overflow.
 Elements elements(const Document& d, const std::string& where, size_t view, size_t offset,
                   size_t count, size_t size, bool may_stride) {
   const std::string_view bytes = view_bytes(d, view);
@@ -78,7 +78,8 @@ Elements elements(const Document& d, const std::string& where, size_t view, size
   return {bytes.data() + offset, stride, count};
 }
 
-/// The replaced elements of a sparse accessor: calls `set(element, bytes of its value)`.
+/// Iterates over a sparse accessor: calls `set(element, bytes of its value)` for each replaced
+/// element.
 template <class Set>
 void apply_sparse(const Document& d, const std::string& accessor, const tinygltf::Accessor& a,
                   size_t size, const Set& set) {
@@ -103,9 +104,9 @@ void apply_sparse(const Document& d, const std::string& accessor, const tinygltf
   }
 }
 
-/// Calls `set(element, its first component, distance of components)` for every element that the
-/// accessor's bufferView, from `first` on, `most` at most, or its sparse values hold. Without a
-/// bufferView the others are zero.
+/// Calls `set(element, its first component, distance of components)` for each element, `most` at
+/// most, that is stored in the accessor's bufferView, from `first` on, or among its sparse values.
+/// Without a bufferView the other elements are zero.
 template <class Set>
 void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
                   size_t components, const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
@@ -115,7 +116,8 @@ void for_elements(const Document& d, const std::string& where, const tinygltf::A
         elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
     for (size_t i = first; i < e.count && i - first < most; ++i) set(i, e.data + i * e.stride);
   } else if (a.count > d.bytes.size()) {
-    // All zero but for sparse values: any count is cheap to write, so it is bounded by the file.
+    // Elements without a bufferView are zero except for sparse values: a tiny file could declare
+    // any count, so it is bounded by the file's size.
     d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
                               "of the file",
                               a.count, d.bytes.size()));

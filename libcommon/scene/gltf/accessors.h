@@ -1,5 +1,5 @@
-// Numbers out of accessors, each checked against its bufferView and buffer first. Internal to this
-// room.
+// Reads numbers from accessors, each checked against its bufferView and buffer first. Internal to
+// this room.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -12,15 +12,15 @@ namespace tdpt::gltf {
 /// Vertex positions: VEC3 of floats, or of integers with KHR_mesh_quantization. All are finite.
 std::vector<Vec3d> read_positions(const Document& document, size_t accessor);
 
-/// What an attribute may be made of, besides floats.
+/// Component types allowed for an attribute, besides floats.
 struct Attribute {
   const char* name;  ///< in the file
   const char* noun;  ///< in messages
   size_t components;
-  bool may_be_vec3;       ///< VEC3 for VEC4: the fourth is 1
+  bool may_be_vec3;       ///< VEC3 is read as VEC4 with fourth 1
   bool may_be_unsigned;   ///< 8 or 16 bit, normalized
   bool quantizable;       ///< any 8 or 16 bit integers with KHR_mesh_quantization
-  bool is_delta = false;  ///< may also be signed, normalized; the fourth of VEC3 is 0
+  bool is_delta = false;  ///< may also be signed, normalized; a VEC3's fourth is 0
 };
 constexpr Attribute kNormal = {"NORMAL", "normals", 3, false, false, true};
 constexpr Attribute kTangent = {"TANGENT", "tangents", 4, false, false, true};
@@ -28,19 +28,19 @@ constexpr Attribute kTexCoord[2] = {{"TEXCOORD_0", "texture coordinates", 2, fal
                                     {"TEXCOORD_1", "texture coordinates", 2, false, true, true}};
 constexpr Attribute kColour = {"COLOR_0", "vertex colours", 4, true, true, false};
 
-/// What morph targets add to them: floats, or integers of 8 or 16 bits, normalized.
+/// Deltas of morph targets: floats, or normalized integers of 8 or 16 bits.
 constexpr Attribute kTexCoordDelta = {
     "TEXCOORD", "deltas of texture coordinates", 2, false, true, true, true};
 constexpr Attribute kTangentDelta = {"TANGENT", "deltas of tangents", 3, false, false, true};
 constexpr Attribute kColourDelta = {"COLOR", "deltas of vertex colours", 4, true, true, false,
                                     true};
 
-/// A vertex attribute, `components` floats for each vertex, as they stand in the file: not
-/// necessarily finite. Whatever has a normalized integer type lies in [0,1] or [-1,1].
+/// A vertex attribute, `components` floats per vertex, as stored: not necessarily finite.
+/// Normalized integers are mapped to [0,1] or [-1,1].
 std::vector<float> read_attribute(const Document& document, size_t accessor,
                                   const Attribute& attribute);
 
-/// What numbers that are no vertex attribute are made of.
+/// Type of numbers that are no vertex attribute.
 struct Numbers {
   const char* noun;                    ///< in messages
   size_t components;                   ///< 1: SCALAR, 3 and 4: VEC, 16: MAT4
@@ -48,8 +48,8 @@ struct Numbers {
   bool integers;                       ///< unsigned of 8 or 16 bits, not normalized
 };
 
-/// `count` elements from the element `first` on, `components` numbers each, as they stand in the
-/// file; all that there are, unless told. Throws InputError where they are not there.
+/// `count` elements (default: all) from element `first` on, `components` numbers each, as stored.
+/// Throws InputError if the accessor has fewer.
 std::vector<double> read_numbers(const Document& document, size_t accessor, const Numbers& numbers,
                                  size_t first = 0, size_t count = SIZE_MAX);
 

@@ -49,7 +49,7 @@ class Animator {
       return;
     }
     moved_ = true;
-    // A key of a cubic spline is three: tangent, value, tangent.
+    // Each key of a cubic spline has three values: tangent, value, tangent.
     const bool cubic = sampler.value("interpolation", "LINEAR") == "CUBICSPLINE";
     const auto key = [&](const Numbers& numbers, size_t count) {
       return read_numbers(d_, output, numbers, cubic ? count : 0, count);
@@ -60,7 +60,7 @@ class Animator {
     if (path == "weights" && n.mesh >= 0) n.weights = key(kWeights, targets_of(n));
   }
 
-  /// Morph targets of a node's mesh: all its primitives have as many.
+  /// Number of morph targets of a node's mesh, the same for all its primitives.
   size_t targets_of(const tinygltf::Node& n) const {
     size_t most = 0;
     for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(n.mesh)].primitives)

@@ -9,22 +9,22 @@
 namespace tdpt::gltf {
 namespace {
 
-// Normals this close to the geometric one make a flat triangle [rad].
+// A triangle is flat if its normals are this close to the geometric one [rad].
 constexpr double kFlat = 1e-3;
 
 double largest(const Vec3d& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// `v` as a unit vector, 0 where it has no direction.
+/// `v` normalised; 0 if it has no direction.
 Vec3d unit_or_zero(const Vec3d& v) {
   const double most = largest(v);
   if (!(most > 0) || !std::isfinite(most) || !is_finite(v)) return {};
   return normalize(v / most);
 }
 
-/// Inverse transpose of the linear part, which is how normals go along, up to a positive factor.
-/// Its columns may differ by any power of ten, so they are scaled first. All 0 for a flat map.
+/// Inverse transpose of the linear part, up to a positive factor: the map for normals. The columns
+/// may differ by any power of ten, so they are scaled first. All 0 for a flat map.
 Affine normal_map_of(const Affine& a) {
   const Vec3d size{largest(a.x), largest(a.y), largest(a.z)};
   const double least = std::min({size.x, size.y, size.z});
@@ -37,7 +37,7 @@ Affine normal_map_of(const Affine& a) {
           {}};
 }
 
-/// Appends to an array that may not have been in use before.
+/// Appends to an array that may have been unused so far.
 template <class T>
 void pad(std::vector<T>& array, size_t size, const T& value) {
   array.resize(size, value);
@@ -45,7 +45,7 @@ void pad(std::vector<T>& array, size_t size, const T& value) {
 
 constexpr std::array<float, 4> kWhite{1, 1, 1, 1};
 
-/// A vertex colour's component, finite and not negative.
+/// A component of a vertex colour, made finite and not negative.
 float within(float c) {
   return c > 0 ? std::min(c, 1e6f) : 0.0f;
 }
@@ -61,14 +61,13 @@ AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& 
   AttributeSet set;
   set.position = p.attributes.at("POSITION");
   set.normal = find(kNormal);
-  if (use.tangents && set.normal >= 0)
-    set.tangent = find(kTangent);  // else the file's mean nothing
+  if (use.tangents && set.normal >= 0) set.tangent = find(kTangent);  // meaningless without normals
   for (size_t k = 0; k < 2; ++k)
     if (use.uv[k]) set.uv[k] = find(kTexCoord[k]);
   if (use.colours) set.colour = find(kColour);
   if (shape.skinned) set.joints = joint_sets_of(p);
   set.targets = morph_targets_of(p, shape.weights);
-  for (MorphTarget& t : set.targets) {  // what the primitive lacks has nothing to be added to
+  for (MorphTarget& t : set.targets) {  // a delta of an absent attribute has no effect
     if (set.normal < 0) t.normal = -1;
     if (set.tangent < 0) t.tangent = -1;
     if (set.colour < 0) t.colour = -1;
@@ -132,7 +131,7 @@ std::vector<float> AttributeReader::colours(const AttributeSet& set) const {
   add_deltas(d_, set.targets, colour, kColourDelta, 4, v);
   if (std::any_of(set.targets.begin(), set.targets.end(),
                   [&](const MorphTarget& t) { return colour(t) >= 0; }))
-    for (float& c : v) c = c > 0 ? std::min(c, 1.0f) : 0.0f;  // as the format has it
+    for (float& c : v) c = c > 0 ? std::min(c, 1.0f) : 0.0f;  // clamped, as the format prescribes
   return v;
 }
 
@@ -210,7 +209,7 @@ void mark_smooth_triangles(Scene& scene) {
       sum += dot(n, g);
     }
     if (!known) continue;
-    const double side = sum < 0 ? -1 : 1;  // normals that point to the back are turned round
+    const double side = sum < 0 ? -1 : 1;  // normals on the back are flipped
     for (uint32_t v : scene.triangles[t].vertex)
       widest = std::max(widest, length(Vec3d(scene.normals[v]) * side - g));
     if (widest <= kFlat) continue;

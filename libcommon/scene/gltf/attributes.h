@@ -13,8 +13,8 @@
 
 namespace tdpt::gltf {
 
-/// Accessors of a primitive's attributes, -1 for those that are not there or not needed. Primitives
-/// of a mesh share their vertices where all of these agree.
+/// Accessors of a primitive's attributes, -1 for those that are absent or not needed. Primitives of
+/// a mesh share vertices if all of these agree.
 struct AttributeSet {
   int position = -1, normal = -1, tangent = -1, colour = -1;
   std::array<int, 2> uv{-1, -1};
@@ -23,40 +23,40 @@ struct AttributeSet {
   auto operator<=>(const AttributeSet&) const = default;
 };
 
-/// How a mesh stands in the scene, besides its place.
+/// How a mesh is deformed: morph targets and skin.
 struct Shape {
   const std::vector<double>& weights;  ///< of its morph targets
   bool skinned = false;
 };
 
-/// What of a primitive that has a POSITION is read for a material.
+/// Selects what a material needs of a primitive, which has a POSITION.
 AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use,
                                const Shape& shape);
 
-/// Where vertices go: all by one map, or those of a skin each by its own.
+/// Transforms of vertices: one for all, or with a skin one per vertex.
 struct Placing {
-  Affine to_world;  ///< of a skin: what its first joint does
+  Affine to_world;  ///< with a skin: that of its first joint
   bool mirrors = false;
-  std::vector<Affine> of_vertices{};  ///< empty: one for all
+  std::vector<Affine> of_vertices{};  ///< empty: to_world for all
   const Affine& of(size_t vertex) const {
     return of_vertices.empty() ? to_world : of_vertices[vertex];
   }
 };
 
-/// Throws InputError when an attribute has another count than POSITION. `place`: the primitive's.
+/// Throws InputError if an attribute has another count than POSITION. `place`: of the primitive.
 void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
 
 class AttributeReader {
  public:
   AttributeReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
 
-  /// Appends all but the positions of a set, for the vertices from `first` on.
+  /// Appends all attributes of a set but the positions, for the vertices from `first` on.
   void add(const AttributeSet& set, const Placing& placing, size_t first);
 
-  /// Tells a material what colours its primitive's vertices have.
+  /// Tells the material which vertex colours its primitive has.
   void note_colours(const AttributeSet& set, MaterialUse& use) const;
 
-  /// Fills up the arrays that are in use to all `vertices`.
+  /// Fills up the arrays in use to `vertices` elements.
   void finish(size_t vertices);
 
  private:
@@ -70,7 +70,7 @@ class AttributeReader {
   Scene& scene_;
 };
 
-/// Fills scene.smooth, and drops the normals if no triangle is smooth. After drop_flat_triangles.
+/// Fills scene.smooth; drops the normals if no triangle is smooth. Call after drop_flat_triangles.
 void mark_smooth_triangles(Scene& scene);
 
 }  // namespace tdpt::gltf

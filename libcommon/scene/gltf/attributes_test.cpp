@@ -1,4 +1,4 @@
-// Normals, tangents, texture coordinates and vertex colours, in every way of writing them.
+// Normals, tangents, texture coordinates and vertex colours in every encoding.
 #include <gtest/gtest.h>
 #include <cmath>
 #include <cstring>
@@ -23,8 +23,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// A triangle in the plane z = 0 with a material whose map looks up `map` ("baseColorTexture",
-/// ...).
+/// A triangle in the plane z = 0 with a material that uses `map` ("baseColorTexture", ...).
 struct Maker {
   GlbBuilder b;
   Json attributes, node = {{"mesh", 0}}, material;
@@ -97,7 +96,7 @@ TEST(Normals, AreKeptWhereSomeTriangleIsSmooth) {
 TEST(Normals, FlatOnesCostNothing) {
   for (const std::vector<float>& n :
        {std::vector<float>{0, 0, 1, 0, 0, 1, 0, 0, 1},
-        std::vector<float>{0, 0, -1, 0, 0, -1, 0, 0, -1},  // on the back: turned round
+        std::vector<float>{0, 0, -1, 0, 0, -1, 0, 0, -1},  // on the back: flipped
         std::vector<float>{9e-4f, 0, 1, 0, 9e-4f, 1, 0, 0, 5}}) {
     Maker m;
     m.floats("NORMAL", n, 3);
@@ -264,7 +263,7 @@ TEST(TextureCoordinates, ThatAreMissingAreToldAndZero) {
   const Scene s = m.load();
   EXPECT_EQ(s.warnings, Words{"1 primitive lacks the texture coordinates that its material asks "
                               "for: taken as 0"});
-  // Half of each texel: their border lies at 0.
+  // Half of each texel: they meet at 0.
   EXPECT_NEAR(lookup(s, s.materials[0].maps[MAP_BASE], {0, 0.2, 0.2})[3], 191.5 / 255, 1e-6);
 }
 
@@ -398,7 +397,7 @@ TEST(Attributes, PrimitivesShareVerticesWhereAllAgree) {
   };
   EXPECT_EQ(vertices(false, true), 3u);
   EXPECT_EQ(vertices(true, true), 6u);
-  EXPECT_EQ(vertices(true, false), 3u);  // what is not read need not agree
+  EXPECT_EQ(vertices(true, false), 3u);  // attributes that are not read need not agree
 }
 
 TEST(Attributes, MeshesWithoutThemFillTheGap) {

@@ -9,13 +9,13 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr double kOpen = 1e-4;  // of its area
-// Of a ball V / A^1.5 is 0.094, of a cube 0.068; of a square pane, a box a hundredth as thick as
-// wide, 0.0034: for that a thin sheet on each side is right.
+constexpr double kOpen = 1e-4;  // share of the area; above it the surface is open
+// V / A^1.5 is 0.094 for a ball and 0.068 for a cube, but 0.0034 for a square pane, a box a
+// hundredth as thick as wide: for that, a thin sheet on each side is right.
 constexpr double kFlat = 0.01;
 
-// The vectors of all areas of a closed surface cancel, wherever its seams are; then the volume is
-// the same from any origin.
+// The area vectors of a closed surface cancel, wherever its seams are; then the volume does not
+// depend on the origin.
 bool encloses(const std::vector<uint32_t>& corners, const std::vector<Vec3d>& world,
               uint32_t first) {
   Vec3d sum(0);

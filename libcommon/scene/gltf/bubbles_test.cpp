@@ -1,4 +1,4 @@
-// Closed surfaces of glass without a thickness are told, panes and solids are not.
+// Closed glass surfaces without volume cause a warning; panes and solids do not.
 #include <gtest/gtest.h>
 #include <cmath>
 #include <numbers>
@@ -12,7 +12,7 @@ struct Surface {
   std::vector<uint16_t> indices;
 };
 
-// Each face has corners of its own, as exporters write flat shading.
+// Each face has its own corners, as exporters write flat shading.
 Surface box(float x, float y, float z, size_t faces = 6) {
   Surface s;
   for (size_t face = 0; face < faces; ++face) {
@@ -29,7 +29,7 @@ Surface box(float x, float y, float z, size_t faces = 6) {
   return s;
 }
 
-// With a seam, where texture coordinates begin again.
+// With a seam, where the texture coordinates restart.
 Surface ball(int n) {
   Surface s;
   for (int i = 0; i <= n; ++i)

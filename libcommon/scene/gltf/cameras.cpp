@@ -7,7 +7,7 @@ namespace tdpt::gltf {
 
 namespace {
 
-/// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
+/// `v` normalised, even if very long or short; 0 if it has no direction.
 Vec3d direction_of(const Vec3d& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   const Vec3d scaled = v / largest;

@@ -9,9 +9,9 @@
 
 namespace tdpt::gltf {
 
-/// The camera that a node holds, in metres as yet, with a name of its own among `names`. Nothing
-/// when it holds none or one that is not perspective, or when the node's transform leaves it no
-/// direction: then `flat` counts it.
+/// The camera of a node, still in metres, with a unique name among `names`. Empty if the node has
+/// none, if it is not perspective, or if the node's transform leaves it no direction: then `flat`
+/// is incremented.
 std::optional<Camera> read_camera(const Document& document, const PlacedNode& node,
                                   DistinctNames& names, size_t& flat);
 

@@ -1,5 +1,5 @@
-// Types, ranges and references of the JSON, by tables: one line per field that this room reads.
-// Everything behind this file may take them for granted.
+// Checks types, ranges and references of the JSON by tables: one line per field that this room
+// reads. All later code may rely on them.
 #include <fmt/format.h>
 #include <algorithm>
 #include <numbers>
@@ -57,12 +57,12 @@ void check_meshes(Checker& c, Json& root) {
       c.check(p, here, {integer("mode", false, 0, 6)});
       if (p.value("mode", 4) >= 4) return check_primitive(c, root, p, here);
       c.tolerate([&] { check_primitive(c, root, p, here); });
-      p = {{"attributes", Json::object()}, {"mode", p["mode"]}};  // points and lines are not drawn
+      p = {{"attributes", Json::object()}, {"mode", p["mode"]}};  // points, lines: not rendered
     });
   });
 }
 
-/// What is not drawn keeps no accessors, which may be wrong.
+/// Removes accessors of meshes that are not rendered, since they may be wrong.
 void empty_unused_meshes(Checker& c, Json& root) {
   for (size_t i = 0; i < c.size_of("meshes"); ++i)
     if (!c.uses.has("meshes", i)) root["meshes"][i] = harmless("meshes");
@@ -73,7 +73,7 @@ void check_camera(Checker& c, Json& camera, const std::string& at) {
           {name_of("name"), text("type", true), object("perspective"), object("orthographic")});
   const auto type = camera["type"].get<std::string>();
   if (type == "orthographic") {
-    // Skipped with a warning; this keeps tinygltf from asking for its fields.
+    // Ignored with a warning; tinygltf requires these fields.
     camera["orthographic"] = {{"xmag", 1}, {"ymag", 1}, {"zfar", 1}, {"znear", 0}};
     return;
   }
@@ -86,11 +86,11 @@ void check_camera(Checker& c, Json& camera, const std::string& at) {
     c.fail(at + ".perspective.yfov", p["yfov"], "an angle between 0 and pi");
   if (p.contains("aspectRatio") && !(p["aspectRatio"].get<double>() > 0))
     c.fail(at + ".perspective.aspectRatio", p["aspectRatio"], "more than 0");
-  p["znear"] = 1;  // required of files, of no use here
+  p["znear"] = 1;  // required in files, not used here
   p.erase("zfar");
 }
 
-/// What is wrong with those that nodes of the scene hold. They keep their names.
+/// Errors of cameras that nodes of the scene hold. The cameras keep their names.
 CameraFaults check_cameras(Checker& c, Json& root) {
   CameraFaults faults;
   int i = -1;
@@ -117,9 +117,9 @@ void check_version(Checker& c, Json& root) {
     c.fail("asset.version", root["asset"]["version"], "\"2.0\"");
 }
 
-/// The file's own parts, which are there whatever the scene uses of them.
+/// The parts that exist in every file, whatever the scene uses.
 void check_frame(Checker& c, Json& root) {
-  check_version(c, root);  // of another all else may differ
+  check_version(c, root);  // another version may differ in everything else
   c.check(root, "",
           {objects("buffers"), objects("bufferViews"), objects("accessors"), objects("meshes"),
            objects("nodes"), objects("scenes"), objects("cameras"), objects("materials"),

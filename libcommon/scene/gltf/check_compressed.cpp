@@ -1,4 +1,4 @@
-// Meshes and bufferViews that are compressed: see gltf/checker.h.
+// Checks compressed meshes and bufferViews: see gltf/checker.h.
 #include <fmt/format.h>
 
 #include "libcommon/scene/gltf/checker.h"
@@ -8,7 +8,7 @@
 namespace tdpt::gltf {
 namespace {
 
-/// What meshoptimizer asks of the sizes of elements in its modes and filters.
+/// Element sizes that meshoptimizer requires in its modes and filters.
 void check_meshopt_stride(Checker& c, const Json& e, const std::string& at) {
   const auto stride = e["byteStride"].get<uint64_t>();
   const auto mode = e["mode"].get<std::string>(), filter = e.value("filter", "NONE");

@@ -1,4 +1,4 @@
-// Lights and the nodes that hold them: see gltf/checker.h.
+// Checks lights and the nodes that hold them: see gltf/checker.h.
 #include <fmt/format.h>
 #include <numbers>
 
@@ -24,7 +24,7 @@ void check_spot(Checker& c, Json& light, const std::string& at) {
                                inner, outer));
 }
 
-// Profiles that a shown node names; the others are not read.
+// Checks profiles used by visible nodes; others are not read.
 void check_profiles(Checker& c, Json& root) {
   if (!root.contains("extensions") || !root["extensions"].contains(kProfiles)) return;
   Json& profiles = root["extensions"][kProfiles]["lights"];

@@ -1,4 +1,4 @@
-// Materials and textures: see gltf/checker.h.
+// Checks materials and textures: see gltf/checker.h.
 #include <fmt/format.h>
 
 #include "libcommon/scene/gltf/checker.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Textures = std::vector<size_t>;
 
-/// `seen` gets the one it refers to.
+/// Adds the texture that it refers to to `seen`.
 void check_texture(Checker& c, Json& parent, const std::string& at, const char* name,
                    Textures& seen) {
   c.check(parent, at, {object(name)});
@@ -94,7 +94,7 @@ void check_alpha(Checker& c, Json& m, const std::string& at) {
   if (!c.tolerate(check_cutoff)) m.erase("alphaCutoff");
 }
 
-// A complex index of refraction in the extras: both parts, or none.
+// A complex index of refraction in the extras: both parts or neither.
 void check_conductor(Checker& c, Json& m, const std::string& at) {
   if (!m.contains("extras") || !m["extras"].is_object()) return;
   Json& extras = m["extras"];

@@ -1,4 +1,4 @@
-// Nodes, and what places, bends and moves their meshes: see gltf/checker.h.
+// Checks nodes, instances, skins, morph targets and animations: see gltf/checker.h.
 #include <fmt/format.h>
 #include <algorithm>
 #include <set>
@@ -11,7 +11,8 @@ namespace {
 
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 
-/// What it holds but for its camera, of which the picture knows nothing where it is not shown.
+/// Checks a node, except for its camera, on which the picture does not depend unless it is
+/// selected.
 void check_node(Checker& c, Json& n, const std::string& at, bool shown) {
   c.check(n, at,
           {name_of("name"), indices("children", "nodes"), index("camera", "cameras"),
@@ -38,7 +39,7 @@ void mark_accessors_of_instances(Uses& uses, const Json& extensions) {
       uses.mark("accessors", a[name].get<size_t>());
 }
 
-/// What a node in the scene holds; a hidden one holds its camera alone.
+/// Marks what a node in the scene holds; of a hidden one only its camera.
 void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
   if (n.contains("camera")) uses.mark("cameras", n["camera"].get<size_t>());
   if (!visible) return;
@@ -50,7 +51,7 @@ void mark_parts_of_node(Uses& uses, const Json& n, bool visible) {
   mark_accessors_of_instances(uses, extensions);
 }
 
-/// The roots of the scene, or all nodes where there is none.
+/// The roots of the scene, or all nodes if there is no scene.
 std::vector<size_t> first_nodes(Checker& c, Json& root) {
   std::vector<size_t> out;
   if (c.size_of("scenes") == 0) {
@@ -66,7 +67,7 @@ std::vector<size_t> first_nodes(Checker& c, Json& root) {
   return out;
 }
 
-/// Visits the nodes below, each once, or twice where it is seen only the second time.
+/// Visits all nodes below, each once, or again if only the second path makes it visible.
 void visit_nodes(Checker& c, Json& root, const std::vector<size_t>& first) {
   struct Step {
     size_t node;
@@ -122,7 +123,7 @@ void check_nodes(Checker& c, Json& root) {
 void check_nodes_outside(Checker& c, Json& root) {
   const std::vector<bool> checked = c.uses.of("nodes");
   if (!joints_are_in_scene(c, root))
-    // Others may stand above the joints; whatever they are, they count.
+    // Any node may be an ancestor of a joint, so all of them count.
     for (size_t i = 0; i < c.size_of("nodes"); ++i) c.uses.mark("nodes", i);
   size_t i = 0;
   c.each(root, "", "nodes", [&](Json& n, const std::string& at) {
@@ -164,7 +165,7 @@ void check_targets(Checker& c, Json& p, const std::string& at) {
 void check_animations(Checker& c, Json& root) {
   std::set<std::pair<size_t, std::string>> moved;
   size_t idle = 0, aimless = 0, empty = 0, unnamed = 0;
-  // Whether the channel moves something that is seen; checked as far as that takes.
+  // Whether the channel moves something visible; checked only as far as that requires.
   const auto counts = [&](Json& animation, const std::string& owner, Json& channel,
                           const std::string& at) {
     c.check(channel, at, {object("target")});

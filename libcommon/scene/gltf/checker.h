@@ -1,4 +1,5 @@
-// Tables of the JSON's fields and what checks them. Internal to this room, to the files that check.
+// Tables of JSON fields, and the class that checks JSON against them. Internal to this room and to
+// the files that check.
 #pragma once
 #include <fmt/format.h>
 #include <cmath>
@@ -18,9 +19,9 @@ struct Field {
   const char* name;
   Kind kind;
   bool required = false;
-  double low = 0, high = 9007199254740992.0;  ///< inclusive; of every number
-  size_t count = 0;                           ///< of numbers
-  const char* section = "";                   ///< that an index points into
+  double low = 0, high = 9007199254740992.0;  ///< inclusive; for every number
+  size_t count = 0;                           ///< number of elements
+  const char* section = "";                   ///< section that an index points into
 };
 
 constexpr double kAny = 1.7e308, kInt = 2147483647;
@@ -70,7 +71,7 @@ class Checker {
  public:
   Checker(Json& root, const std::string& file) : root_(root), file_(file) {}
 
-  Uses uses;  ///< filled in while the checks go on, from the scene's nodes to its buffers
+  Uses uses;  ///< filled in during the checks, from the scene's nodes to its buffers
 
   void check(Json& value, const std::string& where, std::initializer_list<Field> fields) {
     if (!value.is_object()) fail(where, value, "an object");
@@ -84,7 +85,7 @@ class Checker {
     }
   }
 
-  /// An extension of `owner`, an object of these fields; null where it has none.
+  /// An extension of `owner`, checked against these fields; null if absent.
   Json* check_extension(Json& owner, const std::string& where, const char* name,
                         std::initializer_list<Field> fields) {
     const auto all = owner.find("extensions");
@@ -102,8 +103,8 @@ class Checker {
     return it == root_.end() ? 0 : it->size();
   }
 
-  /// Calls `visit(element, place)` for each object of a section. One that nothing in the scene uses
-  /// may be wrong: something harmless takes its place, and a warning tells.
+  /// Calls `visit(element, place)` for each object of a section. An element that nothing in the
+  /// scene uses may be wrong: it is replaced by a harmless one, with a warning.
   template <class Visit>
   void each(Json& parent, const std::string& where, const char* name, const Visit& visit) {
     const auto it = parent.find(name);
@@ -120,8 +121,8 @@ class Checker {
     }
   }
 
-  /// Runs a check of what cannot change the picture. False where it fails: a warning tells, and
-  /// what was checked is to be left out.
+  /// Runs a check of something that cannot change the picture. If it fails, adds a warning and
+  /// returns false: the caller then leaves the thing out.
   template <class Check>
   bool tolerate(const Check& run) {
     try {
@@ -135,7 +136,7 @@ class Checker {
 
   void note(const std::string& warning) { notes_.push_back(warning); }
 
-  /// What was wrong and cannot change the picture.
+  /// Errors that cannot change the picture.
   std::vector<std::string> warnings() const {
     std::vector<std::string> out = notes_;
     if (misnamed_ > 0)
@@ -198,7 +199,7 @@ class Checker {
     }
   }
 
-  // JSON has one kind of number: 3.0 and 3e0 are integers, too.
+  // JSON has only one kind of number: 3.0 and 3e0 are integers, too.
   void check_integer(Json& v, const std::string& at, double low, double high) {
     if (!v.is_number()) fail(at, v, "an integer");
     const double x = v.get<double>();
@@ -233,7 +234,7 @@ class Checker {
   size_t unused_faults_ = 0, misnamed_ = 0;
 };
 
-/// What extensions say that a primitive, a buffer or a bufferView is compressed by.
+/// Extensions that compress a primitive, a buffer or a bufferView.
 void check_draco(Checker& checker, Json& primitive, const std::string& place);
 void check_meshopt_buffer(Checker& checker, Json& buffer, const std::string& place);
 void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
@@ -241,29 +242,30 @@ void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
 void check_materials(Checker& checker, Json& root);
 void check_textures(Checker& checker, Json& root);
 
-/// Lights: how many, each, and what extensions say of a node that holds one.
+/// Lights: their number, each of them, and the extensions of nodes that hold one.
 void count_lights(Checker& checker, Json& root);
 void check_lights(Checker& checker, Json& root);
 void check_light_of_node(Checker& checker, Json& node, const std::string& place);
 void mark_light_of_node(Uses& uses, const Json& node);
-/// Of a node with extensions.
+/// For a node with extensions.
 void leave_out_light(Json& node);
 
-/// Skins, and what extensions say of nodes.
+/// Skins, and extensions of nodes.
 void check_skins(Checker& checker, Json& root);
 void check_node_extensions(Checker& checker, Json& node, const std::string& place);
-/// Weights of morph targets: a node's or a mesh's.
+/// Weights of morph targets, of a node or a mesh.
 void check_weights(Checker& checker, Json& owner, const std::string& place);
-/// Leaves the first channel alone that moves a property of a node in the scene.
+/// Keeps only the first channel that moves a given property of a node in the scene.
 void check_animations(Checker& checker, Json& root);
-/// Accessors of the attributes that are read; the others are left out.
+/// Accessors of the attributes that are read; removes the others.
 void check_attributes(Checker& checker, Json& attributes, const std::string& place);
 /// Morph targets of a primitive.
 void check_targets(Checker& checker, Json& primitive, const std::string& place);
 
-/// Finds the nodes of the scene and checks them; what they hold is used, unless they are hidden.
+/// Finds and checks the nodes of the scene, and marks what they hold as used unless they are
+/// hidden.
 void check_nodes(Checker& checker, Json& root);
-/// The other nodes, which count where joints stand among them. After check_skins().
+/// The other nodes, which matter if joints are among them. Call after check_skins().
 void check_nodes_outside(Checker& checker, Json& root);
 
 }  // namespace tdpt::gltf

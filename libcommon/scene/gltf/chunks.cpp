@@ -1,4 +1,4 @@
-// The container: .glb header and chunks (glTF 2.0, section 4.4).
+// Splits the container: .glb header and chunks (glTF 2.0, section 4.4).
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
@@ -16,8 +16,8 @@ uint32_t u32_at(std::string_view bytes, size_t at) {
 constexpr uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
 constexpr size_t kHeader = 12, kChunkHeader = 8;
 
-/// Where the chunk behind one that ends at `end` begins: there, unless the end was to be filled up
-/// to a multiple of 4 and was not counted so.
+/// Offset of the chunk after one that ends at `end`. Some writers pad that to a multiple of 4
+/// without counting the padding in its length.
 size_t next_chunk(std::string_view bytes, size_t end) {
   const size_t aligned = (end + 3) / 4 * 4;
   const auto is_bin = [&](size_t at) {
@@ -55,7 +55,7 @@ Chunks split_chunks(std::string_view bytes, const std::string& file,
 
   Chunks chunks;
   size_t at = kHeader;
-  // Whatever comes behind the binary chunk means nothing.
+  // Anything after the binary chunk is ignored.
   for (size_t k = 0; k < 2 && at < bytes.size(); ++k) {
     const std::string where = place("chunk", k);
     const size_t left = bytes.size() - at;

@@ -16,10 +16,10 @@ namespace {
 using Json = nlohmann::json;
 using Primitive = tinygltf::Primitive;
 
-// No format bounds what a byte of Draco can stand for. A flat grid of a million vertices, the most
-// regular mesh that has an area, is 700 times as large as its compressed bytes.
+// Draco has no bound on its expansion. A flat grid of a million vertices, the most regular mesh
+// with an area, is 700 times as large as its compressed bytes.
 constexpr size_t kAlways = size_t{1} << 26, kMostOfAByte = 1024;
-constexpr size_t kMost = size_t{1} << 33;  // a scene of the most vertices and triangles is as large
+constexpr size_t kMost = size_t{1} << 33;  // bytes of the largest scene
 
 bool is_required(const Document& d) {
   const Json required = d.json.value("extensionsRequired", Json::array());
@@ -36,7 +36,7 @@ class Decoder {
 
   void run() {
     std::set<size_t> meshes;
-    std::vector<std::string> known;  // told where nodes are placed again
+    std::vector<std::string> known;  // already reported when the nodes were placed
     for (const PlacedNode& n : place_nodes(d_, known))
       if (const int mesh = d_.model.nodes[n.node].mesh; n.visible && mesh >= 0)
         meshes.insert(static_cast<size_t>(mesh));
@@ -59,7 +59,7 @@ class Decoder {
   struct Job {
     std::string where;
     DracoRequest request;
-    std::vector<std::string> attributes;  ///< names, parallel to those of the request
+    std::vector<std::string> attributes;  ///< names, parallel to the request's attributes
     std::vector<Primitive*> users;
   };
 
@@ -67,7 +67,7 @@ class Decoder {
     return d_.model.accessors[static_cast<size_t>(index)];
   }
 
-  /// Adds a primitive to what is to be decoded. Those that say the same share one mesh.
+  /// Adds a primitive to those to be decoded. Primitives with the same description share one mesh.
   void collect(size_t mesh, size_t k) {
     Primitive& p = d_.model.meshes[mesh].primitives[k];
     const Json& json = d_.json["meshes"][mesh]["primitives"][k];
@@ -104,7 +104,7 @@ class Decoder {
       r.attributes.push_back({id.get<uint32_t>(), a.componentType,
                               tinygltf::GetNumComponentsInType(static_cast<uint32_t>(a.type))});
     }
-    // The counts first: a product of theirs does not overflow then.
+    // Checks the counts first, so that their product cannot overflow.
     if (r.vertices > most_ || r.corners > most_ || (all_ += declared_bytes(r)) > most_)
       d_.fail(
           job.where,
@@ -130,7 +130,7 @@ class Decoder {
     }
   }
 
-  /// The accessor, or another in its place where it has a meaning already, stands for `bytes`.
+  /// Makes the accessor, or a copy if it is used already, refer to `bytes`.
   tinygltf::Accessor& put_in_place(int& index, size_t count, std::string& bytes) {
     if (accessor(index).bufferView >= 0) {
       d_.model.accessors.push_back(tinygltf::Accessor(accessor(index)));
@@ -151,10 +151,10 @@ class Decoder {
 
   Document& d_;
   bool required_;
-  size_t most_ = 0, all_ = 0;  // bytes of all meshes
-  size_t more_ = 0;            // meshes that hold more than accessors say
+  size_t most_ = 0, all_ = 0;  // bytes over all meshes
+  size_t more_ = 0;            // meshes that contain more than their accessors declare
   std::vector<Job> jobs_;
-  // By what the extension says, attributes, indices, mode.
+  // Key: bufferView and attributes of the extension, indices, mode.
   std::map<std::tuple<std::string, std::map<std::string, int>, int, int>, size_t> known_;
 };
 

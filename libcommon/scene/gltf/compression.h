@@ -1,4 +1,4 @@
-// Primitives compressed by KHR_draco_mesh_compression become plain ones. Internal to this room.
+// Decodes primitives compressed by KHR_draco_mesh_compression. Internal to this room.
 #pragma once
 #include "libcommon/scene/gltf/document.h"
 
@@ -8,8 +8,8 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
 bool is_draco(const nlohmann::json& primitive);
 
-/// Decodes the primitives of all placed meshes; from then on their accessors are as any others.
-/// One whose accessors all have a bufferView is taken as it stands, unless Draco is required.
+/// Decodes the primitives of all placed meshes, so that their accessors are like any others. A
+/// primitive whose accessors all have a bufferView is used uncompressed, unless Draco is required.
 /// Throws InputError.
 void decode_draco_primitives(Document& document);
 

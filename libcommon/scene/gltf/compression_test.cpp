@@ -1,4 +1,4 @@
-// What is taken of a compressed scene, and when.
+// When compressed data are used, and which of them.
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
@@ -117,7 +117,7 @@ TEST(Compression, AttributesThatAreNotReadAreNotAskedOfDraco) {
   EXPECT_NEAR(area_of(read(b)), 1, 1e-6);
 }
 
-// Encoders leave out vertices of no triangle and triangles without area, and not all count again.
+// Encoders drop unused vertices and degenerate triangles, and not all update the counts.
 TEST(Compression, DracoMayHoldLessThanAccessorsSay) {
   GlbBuilder b = square_by_draco();
   b.json["accessors"][0]["count"] = 9;
@@ -127,7 +127,7 @@ TEST(Compression, DracoMayHoldLessThanAccessorsSay) {
   EXPECT_EQ(s.positions.size(), 4u);
 }
 
-// Public samples are so, and every viewer takes them as Draco has them.
+// Public samples do, and every viewer uses what Draco contains.
 TEST(Compression, DracoMayHoldSomewhatMoreThanAccessorsSay) {
   for (const auto& [accessor, count] : {std::pair(0, 3), std::pair(1, 2)}) {
     GlbBuilder b = square_by_draco();

@@ -21,7 +21,7 @@ constexpr std::array kKeys{"tdpt_environment",
                            "tdpt_height",
                            "tdpt_camera"};
 
-/// Extras of the scene that is shown; `place` says where they stand. None: null.
+/// Extras of the default scene; `place` becomes their place in the file. Null: none.
 const Json* extras_of(const Json& gltf, std::string& place) {
   if (!gltf.is_object()) return nullptr;
   const auto scenes = gltf.find("scenes");
@@ -55,7 +55,7 @@ std::string environment_of(const gltf::Checker& c, const Json& value, const std:
   return text;
 }
 
-/// Where a file of that very name is there it is meant, also where the name looks like a URI.
+/// A file with exactly this name takes precedence, even if the name looks like a URI.
 std::string path_of(const gltf::Namer& namer, const std::string& name, const std::string& at) {
   try {
     return local_file(namer, name, at).path;

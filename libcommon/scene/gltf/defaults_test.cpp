@@ -1,4 +1,4 @@
-// What a scene's extras say, what of it is refused and with what message.
+// Rendering defaults in a scene's extras: how they are read, and the errors for malformed ones.
 #include "libcommon/scene/gltf/defaults.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ TEST(SceneDefaults, AreNothingWhereNothingIsSaid) {
   }
 }
 
-// Custom properties are whole numbers or not as they were made.
+// Custom properties are integers or floats, depending on how they were created.
 TEST(SceneDefaults, AreReadFromIntegersAndFloats) {
   const SceneDefaults d = said({{"tdpt_environment", "0.5,1,2"},
                                 {"tdpt_environment_rotation", -90},

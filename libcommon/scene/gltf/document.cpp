@@ -17,11 +17,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Deeper nesting has no use in glTF, and readers that recurse would run out of stack.
+// glTF needs no deeper nesting, and recursive readers would overflow the stack.
 constexpr int kDeepest = 64;
 
-/// Brackets that are open at once. Counted before parsing: nlohmann's parser callback, which could
-/// tell, takes quadratic time in the length of arrays.
+/// Maximum number of brackets open at once. Counted before parsing: nlohmann's parser callback
+/// could report it, but takes quadratic time in the length of arrays.
 int depth_of(std::string_view text) {
   int depth = 0, deepest = 0;
   bool in_text = false;
@@ -55,7 +55,7 @@ void check_extensions(Document& d) {
 }
 
 void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& used) {
-  std::string all;  // what the hash is of, when there is more than the file
+  std::string all;  // input of the hash, if it covers more than the file
   uint64_t beside = 0;
   const Json buffers = d.json.value("buffers", Json::array());
   for (size_t i = 0; i < buffers.size(); ++i) {
@@ -66,7 +66,7 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
     const std::string where = place("buffers", i);
     const auto length = buffers[i]["byteLength"].get<uint64_t>();
     std::string_view bytes;
-    if (is_meshopt_fallback(buffers[i])) {  // for readers that cannot decode
+    if (is_meshopt_fallback(buffers[i])) {  // fallback for readers that cannot decode
       d.buffers.emplace_back();
       continue;
     }
@@ -74,7 +74,7 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
       std::string file;
       d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
       bytes = d.owned.back();
-      beside += bytes.size();  // the same file may stand in many of them
+      beside += bytes.size();  // several buffers may refer to the same file
       expect_memory(d.file, where, tdpt::counted(beside, "byte") + " of buffers", 2 * beside);
       if (!file.empty()) {
         all += d.owned.back();
@@ -97,7 +97,7 @@ bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
   return true;
 }
 
-// Elements of few bytes become structures of many.
+// An element of few bytes becomes a large structure.
 void check_elements(const Document& d) {
   using namespace tinygltf;
   size_t elements = 0, bytes = 0;
@@ -114,9 +114,9 @@ void check_elements(const Document& d) {
                 bytes);
 }
 
-// tinygltf turns the checked JSON into its model. It gets neither buffers nor images: it would copy
-// the ones and read outside of a buffer for the others. Nor does it get indices: it refuses those
-// that Draco holds.
+// Builds tinygltf's model from the checked JSON. It gets no buffers, which it would copy, no
+// images, for which it would read outside of a buffer, and no indices, since it refuses those
+// stored by Draco.
 void load_model(Document& d) {
   check_elements(d);
   Json reduced = Json::object();

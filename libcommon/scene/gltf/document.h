@@ -1,5 +1,5 @@
-// A glTF file taken apart and checked so far that its parts can be walked without fear: JSON of the
-// right types, references inside their arrays, buffers in memory. Internal to this room.
+// A glTF file, parsed and checked so far that its parts can be accessed safely: JSON of the right
+// types, indices within their arrays, buffers in memory. Internal to this room.
 #pragma once
 #include <tiny_gltf.h>
 #include <deque>
@@ -15,24 +15,23 @@
 
 namespace tdpt::gltf {
 
-/// What is wrong with cameras that nodes of the scene hold, by their index: who takes one throws
-/// it.
+/// Errors of cameras that nodes of the scene hold, by camera index; thrown when the camera is used.
 using CameraFaults = std::map<int, std::shared_ptr<const InputError>>;
 
 struct Document {
-  std::string file;                       ///< what messages call it
-  std::string folder;                     ///< external files lie in it; empty: none may be read
+  std::string file;                       ///< name in messages
+  std::string folder;                     ///< for external files; empty: none may be read
   nlohmann::json json;                    ///< checked by check_json()
   tinygltf::Model model;                  ///< without buffers and images
-  std::vector<std::string_view> buffers;  ///< of the byteLength they declare; else empty: not used
-  std::string hash;                       ///< of the file and the external buffers
+  std::vector<std::string_view> buffers;  ///< of their declared byteLength; empty if not used
+  std::string hash;                       ///< over the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
   std::deque<std::string> owned;          ///< decoded and external buffers
   std::vector<std::string> files;         ///< paths of external buffers
   std::set<std::string> extensions;       ///< those that extensionsUsed names
-  mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews that were asked for
-  mutable size_t bytes_unpacked = 0;               ///< of all of them
-  std::vector<std::string> warnings;  ///< sentences: what is wrong and changes no picture
+  mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews decoded so far
+  mutable size_t bytes_unpacked = 0;               ///< sum over all of them
+  std::vector<std::string> warnings;               ///< sentences: errors that change no picture
   CameraFaults camera_faults;
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
@@ -40,25 +39,25 @@ struct Document {
   }
 };
 
-/// "accessors[3]", the place of an element in messages.
+/// "accessors[3]": place of an element in messages.
 std::string place(const char* section, size_t index);
 
 /// "1 material is", "3 materials are".
 std::string counted(size_t n, const std::string& noun, const std::string& one,
                     const std::string& many);
 
-/// The warning about `faults` errors, of which `first` is one, in what nothing needs.
+/// A warning about `faults` errors in things that nothing needs; `first` is one of them.
 std::string unused_sentence(const std::string& file, const std::string& first, size_t faults);
 
 /// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
 void open_document(const std::string& path, Document& document);
 
-/// The chunks of a .glb, or the whole text of a .gltf and no binary part. Throws InputError.
+/// The chunks of a .glb, or the text of a .gltf and no binary chunk. Throws InputError.
 struct Chunks {
   std::string_view json, bin;
   bool has_bin = false;
 };
-/// `warnings` get a sentence for what is wrong with the container and can be read nonetheless.
+/// Adds a sentence to `warnings` for container errors that do not prevent reading.
 Chunks split_chunks(std::string_view bytes, const std::string& file,
                     std::vector<std::string>& warnings);
 
@@ -69,47 +68,47 @@ struct Checked {
   CameraFaults cameras;
 };
 
-/// JSON of a glTF file. Throws InputError for what is none, or nested beyond any use.
+/// Parses the JSON of a glTF file. Throws InputError if it is malformed or nested too deeply.
 nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// Types, ranges and references of every field this room reads; integers written as 3.0 become 3.
-/// Throws InputError with the place of the first field that is wrong and may change the picture;
-/// what nothing in the scene uses is replaced where it is wrong, and so are cameras.
+/// Checks types, ranges and references of every field that this room reads; integers written as 3.0
+/// become 3. Throws InputError with the place of the first wrong field that may change the picture.
+/// Wrong elements that nothing in the scene uses are replaced, and so are wrong cameras.
 Checked check_json(nlohmann::json& json, const std::string& file);
 
-/// A URI that may be followed, but leads to nothing; `what_is`: "a file that is not there", for a
-/// sentence about it.
+/// A URI that may be followed but leads to nothing; `what_is`, for a sentence about it: "a file
+/// that is not there".
 struct NothingThere : InputError {
   NothingThere(const InputError& error, std::string what_) : InputError(error), what_is(what_) {}
   std::string what_is;
 };
 
-/// The bytes a URI stands for: a base64 data URI or a file in the scene's folder or below. Throws
-/// InputError when it points elsewhere, NothingThere when it is not there or cannot be decoded.
+/// The bytes behind a URI: a base64 data URI, or a file in the scene's folder or below. Throws
+/// InputError if it points elsewhere, NothingThere if it is missing or cannot be decoded.
 /// `file_read`: path of the file; empty for a data URI.
 std::string read_uri(const Document& document, const std::string& uri, const std::string& place,
                      std::string& file_read);
 
-/// Whether we read this extension, or approximate what it asks for with a warning.
+/// Whether this extension is read, or approximated with a warning.
 bool is_supported(const std::string& extension);
 
-/// Whether an extension that a file requires means nothing to a picture: metadata, what can be
-/// chosen or touched, physics, sound, hints for speed.
+/// Whether a required extension has no effect on pictures: metadata, interaction, physics, sound,
+/// performance hints.
 bool changes_no_picture(const std::string& extension);
 
 /// Whether extensionsUsed names it.
 bool uses_extension(const Document& document, const std::string& name);
 
-/// The bytes of a bufferView, decoded where EXT_meshopt_compression says that it is compressed.
-/// Throws InputError when it reaches beyond its buffer or cannot be decoded.
+/// The bytes of a bufferView, decoded if it is compressed by EXT_meshopt_compression. Throws
+/// InputError if it exceeds its buffer or cannot be decoded.
 std::string_view view_bytes(const Document& document, size_t view);
 
-/// `size` bytes of a buffer; throws InputError, naming `place`, where it has fewer.
+/// `size` bytes of a buffer; throws InputError, naming `place`, if it has fewer.
 std::string_view buffer_bytes(const Document& document, const std::string& place, size_t buffer,
                               size_t offset, size_t size);
 
-/// More bytes than accessors can read: those of the file, its buffers and what they hold
-/// compressed.
+/// Upper bound on the bytes that accessors can read: those of the file, its buffers and their
+/// decompressed contents.
 size_t most_bytes(const Document& document);
 
 }  // namespace tdpt::gltf

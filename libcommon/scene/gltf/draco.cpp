@@ -1,6 +1,6 @@
-// Draco, called here alone, and in another process: it makes room for whatever numbers of faces and
-// vertices a header declares, and may compute long before it finds that they are wrong. What it
-// made of all meshes comes back through a pipe, mesh by mesh.
+// The only caller of Draco, in a child process: it allocates whatever numbers of faces and vertices
+// a header declares, and may compute for long before it finds an error. The decoded meshes return
+// through a pipe, one by one.
 #include "libcommon/scene/gltf/draco.h"
 
 #include <draco/compression/decode.h>
@@ -16,17 +16,17 @@ namespace {
 
 using Attribute = DracoRequest::Attribute;
 
-/// What is wrong with a mesh; for `attribute` and those behind it a number follows.
+/// What is wrong with a mesh; from `attribute` on a number follows.
 enum class Fault : uint32_t { none, undecodable, vertices, corners, attribute, components };
 
-// What decoding needs besides its result, by trial: at most 8 times the result for large meshes.
+// Extra memory for decoding, measured: at most 8 times the result for large meshes.
 constexpr size_t kRoom = size_t{32} << 20, kRoomOfAByte = 16;
-// By trial 1e8 bytes of the result come in a second.
+// Measured: 1e8 bytes of result per second.
 constexpr unsigned kSeconds = 2;
 constexpr size_t kBytesInASecond = size_t{1} << 22;
 
-// Encoders part vertices where attributes meet, and some exporters do not count again; others count
-// triangles for corners. Viewers take what Draco holds.
+// Encoders split vertices where attributes meet, and some exporters do not update the counts;
+// others count triangles instead of corners. Viewers use what Draco contains.
 size_t most_corners(const DracoRequest& request) {
   return 3 * request.corners;
 }
@@ -122,7 +122,8 @@ void put(std::FILE* file, Fault fault, uint32_t number, const DracoMesh& mesh) {
   std::fflush(file);
 }
 
-/// The process at the other end may have gone wrong, so nothing is believed beyond the request.
+/// Reads a mesh from the pipe. The other process may have gone wrong, so nothing beyond the request
+/// is trusted.
 bool get(std::FILE* file, const DracoRequest& request, Fault& fault, uint32_t& number,
          DracoMesh& mesh) {
   uint32_t word = 0, vertices = 0, corners = 0;
@@ -198,7 +199,7 @@ std::vector<DracoMesh> decode_draco(const std::vector<DracoRequest>& requests, s
         }
         return true;
       });
-  if (!whole && meshes.size() == requests.size()) meshes.pop_back();  // its end was none
+  if (!whole && meshes.size() == requests.size()) meshes.pop_back();  // the last mesh is incomplete
   if (meshes.size() == requests.size()) return meshes;
   const bool limited = kRoom + kRoomOfAByte * declared > memory_limit();
   fault = limited && found == Fault::none

@@ -1,4 +1,4 @@
-// What is refused, and that nothing a file says makes the reader fall over.
+// Malformed files are refused, and none crashes the reader.
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 const std::string kTestdata = TDPT_TESTDATA;
 
-/// The message that reading `path`, or taking its first camera, ends with; "" when both are done.
+/// The error of reading `path` or of using its first camera; "" if there is none.
 std::string refusal(const std::string& path) {
   try {
     const Scene scene = read_gltf(path);
@@ -30,7 +30,7 @@ std::string refusal(const std::string& path) {
 
 TEST(Malformed, EveryFileIsRefusedWithItsPlaceAndMessage) {
   const TempFolder folder;
-  // What two of them reach for is there.
+  // The files that two of them refer to exist.
   folder.write("scenes/two-rooms.glb", std::string(60, ' '));
   folder.write("README.md", std::string(60, ' '));
   std::set<std::string> names;
@@ -42,7 +42,7 @@ TEST(Malformed, EveryFileIsRefusedWithItsPlaceAndMessage) {
   }
 }
 
-/// One triangle, its buffer behind `uri`.
+/// One triangle with its buffer at `uri`.
 std::string external_scene(const std::string& uri) {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
@@ -106,7 +106,7 @@ TEST(ExternalFiles, APipeIsNotWaitedFor) {
   EXPECT_EQ(refusal(scene), scene + ":buffers[0].uri: \"room.bin\" is no regular file");
 }
 
-/// A mesh of `vertices` zeros, `instances` nodes that use it.
+/// A mesh of `vertices` zeros and `instances` nodes that use it.
 std::string crowd(size_t vertices, size_t instances) {
   GlbBuilder b;
   const int p = b.floats(std::vector<float>(3 * vertices), 3);
@@ -129,7 +129,7 @@ TEST(Size, ImagesThatWouldFillTheMemoryAreRefusedBeforeTheyDo) {
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
   std::string image = png_of(1, 1, "\1\2\3\4");  // claims 8192 x 8192 texels
   image.replace(16, 8, std::string("\0\0\x20\0\0\0\x20\0", 8));
-  image += std::string(300000, '\0');  // which so many bytes could hold
+  image += std::string(300000, '\0');  // enough bytes to make that plausible
   for (int i = 0; i < 5; ++i) {
     const int material = b.material(
         {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", b.texture(image)}}}}}});

@@ -1,5 +1,5 @@
-// Extensions by name: those that are read, and those that a renderer of still pictures may pass
-// over, even where a file requires them.
+// Extensions by name: those that are read, and those that a renderer of still pictures may ignore
+// even if a file requires them.
 #include <algorithm>
 #include <array>
 
@@ -37,23 +37,23 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "EXT_mesh_gpu_instancing"};
 
 constexpr std::array kOfNoPicture = {
-    // Other materials to choose from, other levels of detail: what the nodes name is drawn.
+    // Alternative materials and levels of detail: what the nodes refer to is rendered.
     "KHR_materials_variants", "MSFT_lod",
-    // Motion of what is no node: only nodes move, and are told so.
+    // Animates properties outside of nodes; only animations of nodes are evaluated.
     "KHR_animation_pointer",
-    // What can be touched.
+    // Interaction.
     "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
     // Metadata.
     "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
     "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
     "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
-    // Bodies and sound.
+    // Physics and sound.
     "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
     "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
-    // How surfaces were made, and in which order a rasteriser draws them.
+    // Modelling history, and the drawing order of rasterisers.
     "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
     "GODOT_single_root",
-    // Where all of the scene lies, cameras and lamps included.
+    // An offset of the whole scene, cameras and lamps included.
     "CESIUM_RTC"};
 
 }  // namespace

@@ -1,6 +1,6 @@
-// stb_image, compiled here: for the two formats that glTF knows alone, and with memory that is
-// zero. Where a damaged JPEG ends early, or lacks the scan of a colour, the decoder goes on with
-// what it finds there, which from malloc would be another image in each run.
+// stb_image, compiled here: only for the two formats that glTF allows, and with zeroed memory. If a
+// damaged JPEG ends early or lacks the scan of a colour, the decoder continues with uninitialised
+// memory, which would give another image in each run.
 #include "libcommon/scene/gltf/images.h"
 
 #include <algorithm>
@@ -28,8 +28,8 @@ const stbi_uc* data_of(std::string_view bytes) {
   return reinterpret_cast<const stbi_uc*>(bytes.data());
 }
 
-// Bytes that the rows of a PNG have before they are deflated; its header comes first in the file.
-// An interlaced one has some more.
+// Bytes of a PNG's rows before compression; its header comes first in the file. An interlaced image
+// has slightly more.
 int64_t bytes_of_rows(std::string_view png, int64_t width, int64_t height) {
   constexpr size_t kDepth = 24, kColour = 25;
   const int bits = png[kDepth];
@@ -37,8 +37,8 @@ int64_t bytes_of_rows(std::string_view png, int64_t width, int64_t height) {
   return height * (1 + (width * bits * channels + 7) / 8);
 }
 
-// Whether so many texels can stand in so few bytes. Deflate expands a byte to 1032 at most, and a
-// JPEG spends a bit on each block of 8 x 8.
+// Whether so few bytes can encode so many texels. Deflate expands a byte to 1032 at most, and a
+// JPEG uses at least a bit per block of 8 x 8.
 bool can_hold(std::string_view bytes, int64_t width, int64_t height) {
   const auto size = static_cast<int64_t>(bytes.size());
   if (bytes.starts_with(kPng)) return bytes_of_rows(bytes, width, height) <= 1032 * size;
@@ -51,18 +51,18 @@ uint32_t big_endian(std::string_view four) {
   return value;
 }
 
-// Whether its chunks are as long as they say: stb_image makes room for one before it reads it.
+// Whether its chunks have their declared lengths: stb_image allocates a chunk before it reads it.
 bool chunks_lie_within(std::string_view png) {
   for (size_t at = kPng.size(); png.size() - at >= 8;) {
     const size_t length = big_endian(png.substr(at, 4)), left = png.size() - at - 8;
     if (length > left) return false;
     if (png.substr(at + 4, 4) == "IEND") return true;
-    at += 8 + std::min(length + 4, left);  // the checksum
+    at += 8 + std::min(length + 4, left);  // plus the checksum
   }
   return true;
 }
 
-// Each scan of a JPEG passes over all blocks, and a hundred bytes are one; encoders write ten or
+// Each scan of a JPEG visits all blocks, and a hundred bytes suffice for one; encoders write ten or
 // so.
 bool has_few_scans(std::string_view jpeg) {
   constexpr int kMostScans = 500;

@@ -1,4 +1,4 @@
-// Images that are damaged, or lie.
+// Damaged images, and images whose headers lie.
 #include "libcommon/scene/gltf/images.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 
 namespace tdpt::gltf::images_test {
 
-/// A grey JPEG of one bit for each block; `data` follows the header of its only scan.
+/// A grey JPEG with one bit per block; `data` follows the header of its only scan.
 std::string jpeg(int width, int height, bool scan, const std::string& data) {
   std::string out = "\xff\xd8";
   const auto put = [&](std::initializer_list<int> bytes) {
@@ -28,7 +28,7 @@ std::vector<uint8_t> texels_of(const std::string& image) {
   return out ? out->texels : std::vector<uint8_t>{};
 }
 
-/// Leaves `byte` in memory that is free again.
+/// Fills memory with `byte` and frees it.
 void spoil_memory(int byte) {
   std::vector<void*> all;
   for (size_t size = 64; size < (1 << 18); size += size / 4) {
@@ -68,7 +68,7 @@ TEST(Images, OfThousandsOfScansAreNone) {
   EXPECT_EQ(texels_declared(with_scans(501)), std::nullopt);
 }
 
-/// A grey PNG of one texel, whose data says to be of so many bytes.
+/// A grey PNG of one texel, whose data chunk declares this length.
 std::string png(uint32_t declared) {
   const std::string data("\x78\x01\x01\x02\x00\xfd\xff\x00\x80\x00\x82\x00\x81", 13);
   const auto word = [](uint32_t value) {

@@ -14,7 +14,7 @@ constexpr Numbers kTranslations = {"translations", 3, true, false, false, false}
 constexpr Numbers kRotations = {"rotations", 4, true, false, true, false};
 constexpr Numbers kScales = {"scales", 3, true, false, false, false};
 
-/// Accessors of the three attributes, -1 for those that are not there.
+/// Accessors of the three attributes, -1 if absent.
 struct Attributes {
   std::array<int, 3> accessor{-1, -1, -1};
   size_t count = 1;

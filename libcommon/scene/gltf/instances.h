@@ -1,4 +1,4 @@
-// EXT_mesh_gpu_instancing: a node's mesh, placed many times. Internal to this room.
+// EXT_mesh_gpu_instancing: a node's mesh, placed several times. Internal to this room.
 #pragma once
 #include <vector>
 
@@ -7,12 +7,12 @@
 
 namespace tdpt::gltf {
 
-/// How often the node's mesh is there: once without the extension. A count of the file, not yet
-/// compared with what its buffers hold. Throws InputError where the attributes' counts differ.
+/// Number of instances of the node's mesh: 1 without the extension. As declared, not yet compared
+/// with the size of the buffers. Throws InputError if the attributes' counts differ.
 size_t instances_declared(const Document& document, size_t node);
 
-/// Where: the node's map, after that of each instance. Throws InputError for numbers that are not
-/// there or no transform.
+/// Their transforms: the node's after that of the instance. Throws InputError for missing numbers
+/// and invalid transforms.
 std::vector<Affine> place_instances(const Document& document, const PlacedNode& node);
 
 }  // namespace tdpt::gltf

@@ -1,4 +1,4 @@
-// Instances against the same scene written out, and what is hidden.
+// Instances against the same scene without instancing; hidden nodes.
 #include <gtest/gtest.h>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace tdpt::testing::instances_test {
 // ---- instances
 // -----------------------------------------------------------------------------------
 
-/// Two instances: (1, 2, 3), turned a quarter about z, twice as long along x; and (4, 5, 6),
+/// Two instances: (1, 2, 3), rotated by a quarter about z, scaled by 2 along x; and (4, 5, 6),
 /// mirrored.
 Scene instanced(const Json& attributes, GlbBuilder b) {
   Json node = {{"mesh", b.mesh(add_strip(b, {}))}, {"translation", {0.5, 0, 0}}};

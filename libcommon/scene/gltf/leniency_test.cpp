@@ -1,5 +1,5 @@
-// What is wrong and cannot change the picture: the scene is that of the right file, and a warning
-// tells. The same fault where it can is an error.
+// Errors that cannot change the picture: the scene equals that of the correct file, and a warning
+// is given. Twins: the same error is fatal where it matters.
 #include <gtest/gtest.h>
 #include <functional>
 
@@ -24,7 +24,7 @@ Scene read(const std::string& bytes) {
   return read_gltf(folder.write("scene.glb", bytes));
 }
 
-/// That `bytes` are the square, and what is told of them.
+/// Expects `bytes` to be the square; returns the warnings.
 Sentences told_of_square(const std::string& bytes) {
   const Scene scene = read(bytes), right = read(square().glb());
   EXPECT_EQ(scene.positions, right.positions);
@@ -33,7 +33,7 @@ Sentences told_of_square(const std::string& bytes) {
   EXPECT_EQ(right.warnings, Sentences{});
   return scene.warnings;
 }
-/// With the buffer that glb() would write.
+/// Adds the buffer that glb() would write.
 GlbBuilder with_buffer(GlbBuilder b) {
   b.json["buffers"] = Json::array({{{"byteLength", b.bin.size()}}});
   return b;
@@ -87,7 +87,7 @@ TEST(Leniency, ChunksThatAreNotFilledUp) {
       set_u32(out, at + 4, type);
     };
     chunk(json, 0x4E4F534A);
-    out += padding;  // filled up, but not counted
+    out += padding;  // padded, but not counted
     chunk(b.bin, 0x004E4942);
     set_u32(out, 8, out.size());
     return out;
@@ -316,7 +316,7 @@ TEST(Leniency, ContentOfHiddenNodes) {
                       std::string(kUnused) + ", and 2 more of the kind"});
 }
 
-/// The square with a node that cannot be placed: `what` it is and holds.
+/// The square with a node that cannot be placed; `what`: what it is and holds.
 GlbBuilder with_zero_rotation(Json what) {
   GlbBuilder b = square();
   what["rotation"] = {0, 0, 0, 0};
@@ -360,7 +360,7 @@ TEST(Leniency, NodesWithoutAPlaceAreErrorsWhereSomethingIsSeen) {
   EXPECT_NE(refusal(with_zero_rotation({{"children", {2}}})).find(kZero), std::string::npos);
 }
 
-/// Why the scene's camera called `name` cannot be taken.
+/// Why the scene's camera called `name` cannot be used.
 std::string refusal_of_camera(const Scene& scene, const std::string& name) {
   try {
     scene.camera(name);
@@ -393,7 +393,7 @@ TEST(Leniency, CamerasThatAreWrongAreErrorsOnceTheyAreTaken) {
 
 TEST(Leniency, CamerasWithoutAPlaceAreErrorsOnceTheyAreTaken) {
   const Scene s = read(with_zero_rotation({{"name", "tilted"}, {"children", {3}}}).glb());
-  EXPECT_EQ(s.warnings, Sentences{});  // told by whoever takes another one
+  EXPECT_EQ(s.warnings, Sentences{});  // reported when another camera is used
   ASSERT_EQ(s.cameras.size(), 2u);
   const std::string name = s.cameras[1].name;
   EXPECT_EQ(refusal_of_camera(s, ""), "");
@@ -435,7 +435,7 @@ TEST(Leniency, ConesOfLampsThatHaveNone) {
   EXPECT_NE(refusal(b).find(fault), std::string::npos);
 }
 
-// Joints may stand outside of the scene, and are needed wherever they are.
+// Joints may be outside the scene, and are needed wherever they are.
 TEST(Leniency, JointsOutsideOfTheSceneCount) {
   GlbBuilder b = square();
   Json& attributes = first_primitive(b)["attributes"];

@@ -15,10 +15,11 @@ using Json = nlohmann::json;
 
 constexpr const char *kName = "KHR_lights_punctual", *kIes = "EXT_lights_ies";
 constexpr double kLeast = 1e-30, kMost = 1e30;
-// Of memory that a profile's text is brought to: a quarter of all around, a number in two bytes.
+// Memory per byte of a profile's text: a quarter is mirrored to a full circle, and a number takes
+// two bytes.
 constexpr uint64_t kMostPerByte = 40;
 
-/// Unit vector along `v`, which may be very long or short; 0 where it has no direction.
+/// `v` normalised, even if very long or short; 0 if it has no direction.
 Vec3d direction_of(const Vec3d& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   return largest > 0 ? normalize(v / largest) : Vec3d();
@@ -136,7 +137,7 @@ LampUnits lamp_units_of(const Document& d) {
     if (const double value = l.value("intensity", 1.0); value > 0)
       numbers.push_back({value, l["type"] == "directional"});
   const std::string generator = generator_of(d);
-  // Luminaires alone, in candela, beside surfaces in W/m2/sr.
+  // Only luminaires, in candela, beside surfaces in W/m2/sr.
   if (numbers.empty() && is_blender(generator)) return {LampUnits::Kind::photometric, ""};
   return tdpt::lamp_units_of(generator, numbers);
 }

@@ -9,15 +9,14 @@
 
 namespace tdpt::gltf {
 
-/// Adds the lights that nodes hold to the scene, in metres as yet: position [m], intensity of
-/// points and spots [W/sr]. Profiles in files beside the scene are named in scene.files and change
-/// its hash.
+/// Adds the lights of nodes to the scene, still in metres: position [m], intensity of points and
+/// spots [W/sr]. Profiles in files beside the scene are listed in scene.files and change its hash.
 class LightReader {
  public:
   LightReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
 
-  /// Nothing where it holds none, or one without intensity, or where its transform leaves a light
-  /// that has a direction none: such are counted.
+  /// Adds nothing if the node holds no light, a light without intensity, or one whose direction its
+  /// transform destroys; the last two are counted.
   void add(const PlacedNode& node);
   size_t flat() const { return flat_; }
 
@@ -30,17 +29,17 @@ class LightReader {
   Scene& scene_;
   size_t flat_ = 0;
   uint64_t bytes_of_profiles_ = 0;
-  std::map<std::string, std::shared_ptr<const LightProfile>> profiles_;  // by where it stands
+  std::map<std::string, std::shared_ptr<const LightProfile>> profiles_;  // by their source
 };
 
-/// asset.generator; empty: not told.
+/// asset.generator; empty: not given.
 std::string generator_of(const Document& document);
 
-/// What the numbers of the file's lamps stand for.
+/// Units of the file's lamps.
 LampUnits lamp_units_of(const Document& document);
 
-/// Brings a light to the canonical frame. Throws InputError when its intensity is too large or too
-/// small for single precision there.
+/// Transforms a light to the canonical frame. Throws InputError if its intensity there is outside
+/// the range of single precision.
 void to_canonical(const Document& document, const Frame& frame, PunctualLight& light);
 
 }  // namespace tdpt::gltf

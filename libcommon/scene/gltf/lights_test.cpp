@@ -1,4 +1,4 @@
-// KHR_lights_punctual: place, direction, intensity and cones in the canonical frame.
+// KHR_lights_punctual: position, direction, intensity and cones in the canonical frame.
 #include <gtest/gtest.h>
 #include <cmath>
 
@@ -15,7 +15,7 @@ namespace tdpt::testing::lights_test {
 using Json = nlohmann::ordered_json;
 using Kind = PunctualLight::Kind;
 
-/// A triangle 2 `size` m long, and a node for each light, placed by `placement`.
+/// A triangle 2 `size` m long and a node for each light, with transform `placement`.
 Scene scene_with(const std::vector<Json>& lights, Json placement = Json::object(), double size = 1,
                  const Json& generator = "") {
   GlbBuilder b;
@@ -229,7 +229,7 @@ TEST(Luminaires, AreInCandela) {
       Units::photometric);
 }
 
-// Each place of a text is read once.
+// The same text is read once.
 TEST(Luminaires, OneTextIsOneProfile) {
   const TempFolder folder;
   folder.write("lamp.ies", kProfile.text());

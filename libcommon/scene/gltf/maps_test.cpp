@@ -1,4 +1,4 @@
-// Which maps and images of materials survive, and the sentences and words about them.
+// Which maps and images of materials are kept, and the warnings and needs that they cause.
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/test_materials.h"
@@ -21,7 +21,7 @@ TEST(Maps, EveryOneFindsItsPlace) {
   m["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1},
                                                    {"transmissionTexture", info(6)}};
   GlbBuilder b;
-  for (char k = 0; k < 8; ++k)  // images tell each other apart by their first byte
+  for (char k = 0; k < 8; ++k)  // the first byte distinguishes the images
     b.texture(png_of(2, 1, std::string({char(100 + k), 1, 2, 3, 4, 5, 6, 7})));
   const Scene s = scene_with({m}, b);
   const Material& out = s.materials[0];
@@ -35,7 +35,7 @@ TEST(Maps, EveryOneFindsItsPlace) {
   EXPECT_EQ(image(out.maps[MAP_SPECULAR]), 104);
   EXPECT_EQ(image(out.maps[MAP_SPECULAR_COLOR]), 105);
   EXPECT_EQ(image(out.maps[MAP_TRANSMISSION]), 106);
-  EXPECT_EQ(s.images.size(), 7u);  // light that is occluded needs no texture here
+  EXPECT_EQ(s.images.size(), 7u);  // occlusion textures are not used
   EXPECT_TRUE(out.maps[MAP_BASE].srgb && out.maps[MAP_EMISSION].srgb &&
               out.maps[MAP_SPECULAR_COLOR].srgb);
   EXPECT_FALSE(out.maps[MAP_METALLIC_ROUGHNESS].srgb || out.maps[MAP_NORMAL].srgb ||
@@ -141,11 +141,11 @@ TEST(Maps, TransformsScaleThenTurnThenMove) {
     for (size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[k], b[k], 1e-6) << k;
   };
   expect(transform({{"offset", {0.25, -3}}, {"scale", {2, 5}}}), {2, 0, 0.25f, 0, 5, -3});
-  // The lower left quarter of the image, turned clockwise by a right angle: the specification's
+  // The lower left quarter of the image, rotated clockwise by a right angle: the specification's
   // own example. (0,0) -> (0,1), (1,0) -> (0,0.5), (0,1) -> (0.5,1).
   expect(transform({{"offset", {0, 1}}, {"rotation", pi / 2}, {"scale", {0.5, 0.5}}}),
          {0, 0.5f, 0, -0.5f, 0, 1});
-  // Uneven scales show the order: u is stretched before it turns into v.
+  // Non-uniform scale shows the order: u is scaled before it becomes v.
   expect(transform({{"rotation", pi / 2}, {"scale", {2, 5}}}), {0, 5, 0, -2, 0, 0});
   EXPECT_EQ(material(textured({{"index", 0},
                                {"extensions", {{"KHR_texture_transform", {{"texCoord", 1}}}}}}),
@@ -271,7 +271,7 @@ TEST(Images, FromDataUrisAndFilesOfTheFolder) {
     EXPECT_EQ(std::string(s.images[0].texels.begin(), s.images[0].texels.end()), kTwoTexels);
     EXPECT_EQ(s.warnings, Sentences{"1 primitive lacks the texture coordinates that its material "
                                     "asks for: taken as 0"});
-    folder.write("maps/two texels.png", kTwoOpaque);  // a file's content is part of the scene
+    folder.write("maps/two texels.png", kTwoOpaque);  // a texture file is part of the scene's hash
     EXPECT_EQ(read_gltf(path).hash != s.hash, uri.starts_with("maps"));
   }
 }
@@ -400,7 +400,7 @@ TEST(Alpha, IsANeedAndNotPlain) {
   EXPECT_FALSE(s.materials[0].plain);
   EXPECT_EQ(coverage_at(s, {0, 0.2, 0.2}), 0.25f);
   EXPECT_EQ(s.needs, Sentences{"alpha"});
-  Json black = textured({{"index", 0}});  // its colour matters no more, its holes do
+  Json black = textured({{"index", 0}});  // its colour no longer matters, its holes do
   black["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0, 1};
   black["alphaMode"] = "BLEND";
   EXPECT_TRUE(material(black, with(kTwo)).maps[MAP_BASE]);

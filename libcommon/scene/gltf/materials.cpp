@@ -32,13 +32,13 @@ constexpr std::array<Sentence, kinds> kSentences = {{
     {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
 }};
 
-// Textures that are named one by one; of more there is a count.
+// At most so many textures are named individually; the rest are counted.
 constexpr size_t kNamed = 5;
 
-// Less is lost in single precision before it reaches the camera; more is beyond it.
+// Below, emission vanishes in single precision before it reaches the camera; above, it overflows.
 constexpr double kFaintest = 1e-30, kBrightest = 1e30;
 
-// What is left out, where `factor` says that it is there: more than 0.
+// A feature that is ignored with a warning if its `factor` is above 0.
 struct LeftOut {
   const char *extension, *factor, *words;
 };
@@ -49,7 +49,7 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
-// An index of refraction of 0 stands for an infinite one: all light is reflected.
+// An index of refraction of 0 means an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
 
 const Json& child(const Json& parent, const char* name) {
@@ -161,7 +161,7 @@ class Reader {
           ": their factors alone are used");
   }
 
-  /// The texture called `name`, if there is one; one of a single colour goes into the factors.
+  /// The texture called `name`, if any; a uniform one is folded into the factors.
   template <class Fold>
   void texture(const Json& parent, const char* name, bool srgb, uint32_t map, const Fold& fold) {
     const auto info = parent.find(name);
@@ -178,8 +178,8 @@ class Reader {
     texture(parent, name, srgb, map, [&](const std::array<float, 4>& v) { multiply(m, map, v); });
   }
 
-  /// Its reflectance at normal incidence; by the complex index of refraction of red, green and
-  /// blue, in place of the factors of colour and metal.
+  /// Reflectance at normal incidence from the complex index of refraction for red, green and blue;
+  /// replaces the factors of colour and metal.
   static Vec3d conductor(const Json& extras, Material& m) {
     const Vec3d eta = triple(extras, "tdpt_eta", 1), k = triple(extras, "tdpt_k", 0);
     Vec3d f0;
@@ -214,7 +214,7 @@ class Reader {
     const Json& extensions = child(j, "extensions");
     m.metallic = conducts_ ? 1 : number(pbr, "metallicFactor", 1);
     m.roughness = number(pbr, "roughnessFactor", 1);
-    // A metal has neither a dielectric reflection nor transmission.
+    // A metal has no dielectric reflection and no transmission.
     const bool dielectric = m.metallic < 1 || pbr.contains("metallicRoughnessTexture");
     m.ior = number(child(extensions, "KHR_materials_ior"), "ior", 1.5f);
     if (m.ior == 0) m.ior = kInfiniteIor;
@@ -243,7 +243,7 @@ class Reader {
     if (m.transmission > 0) read_volume(child(extensions, "KHR_materials_volume"), m);
   }
 
-  /// Absorption per metre: after attenuationDistance, attenuationColor is left of white light.
+  /// Absorption per metre: attenuationColor is the transmittance over attenuationDistance.
   void read_volume(const Json& volume, Material& m) {
     m.solid = number(volume, "thicknessFactor", 0) > 0;
     if (!m.solid || !volume.contains("attenuationDistance")) return;
@@ -277,7 +277,7 @@ class Reader {
     maps_[MAP_NORMAL] = bends(j, "normalTexture", m.normal_scale);
   }
 
-  /// The normal map called `name`, if it bends anything.
+  /// The normal map called `name`, unless it is flat.
   std::optional<Texture> bends(const Json& parent, const char* name, float& scale) {
     const auto info = parent.find(name);
     if (info == parent.end()) return {};
@@ -286,7 +286,7 @@ class Reader {
     TextureReader::Fault fault{};
     const std::optional<Texture> t = textures_.read(*info, false, fault);
     note(name, fault);
-    // Bytes cannot say "straight up" exactly: both 127 and 128 mean it.
+    // Bytes cannot represent "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t v) { return v == 127 || v == 128; };
     if (t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128)
       return {};
@@ -308,7 +308,7 @@ class Reader {
     }
   }
 
-  /// A file may make up as many extensions as it likes.
+  /// Reports ignored features; the number of different extensions in a file is unbounded.
   void tell_left_out() {
     constexpr size_t kMost = 8;
     const auto tell = [&](const std::string& words, const std::vector<std::string>& names) {
@@ -353,7 +353,7 @@ class Reader {
 
   void keep_maps(Material& m, MaterialUse& use) {
     use.least_alpha = m.alpha * (base() ? base()->least_alpha : 1);
-    // A texture that is opaque all over does not cut holes; then black needs it no more.
+    // An opaque texture cuts no holes; if the colour is black, it is not needed.
     if (base() && is_black(m.base_color) && base()->least_alpha >= 1) base().reset();
     for (size_t k = 0; k < maps_.size(); ++k) {
       if (!maps_[k]) continue;
@@ -371,15 +371,15 @@ class Reader {
   const Document& d_;
   Scene& scene_;
   TextureReader textures_;
-  std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the material at hand
-  std::string called_;                                         // of the material at hand
-  std::vector<std::string> undecodable_;                       // textures, and what they are
+  std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the current material
+  std::string called_;                                         // name of the current material
+  std::vector<std::string> undecodable_;                       // textures, with descriptions
   std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
-  bool conducts_ = false;  // it has a complex index of refraction
-  bool glossy_ = false;    // it is of the specular-glossiness model
-  float glossiness_ = 1;   // alpha of a specular colour's texture of one colour
+  bool conducts_ = false;  // the current one has a complex index of refraction
+  bool glossy_ = false;    // the current one is specular-glossiness
+  float glossiness_ = 1;   // alpha of a uniform specular colour texture
   std::array<size_t, kinds> count_{};
-  std::array<bool, kinds> told_{};  // of the material at hand
+  std::array<bool, kinds> told_{};  // for the current material
 };
 
 }  // namespace
@@ -406,7 +406,7 @@ void finish_material(const MaterialUse& use, Material& m) {
   if (m.alpha_mode == Material::Alpha::opaque) m.alpha = 1;
   const bool lobes =
       m.metallic > 0 || m.specular > 0 || m.transmission > 0 || m.coat > 0 || m.sheened();
-  // Those of lobes come with them.
+  // Maps of other lobes occur only together with their lobes.
   const bool maps = m.maps[MAP_BASE] || m.maps[MAP_EMISSION] || m.maps[MAP_NORMAL];
   m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;

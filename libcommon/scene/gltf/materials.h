@@ -1,5 +1,4 @@
-// Materials: glTF 2.0 metallic-roughness and those of its extensions that are read. Internal to
-// this room.
+// Materials: glTF 2.0 metallic-roughness and the supported extensions. Internal to this room.
 #pragma once
 #include <array>
 #include <string>
@@ -10,27 +9,27 @@
 
 namespace tdpt::gltf {
 
-/// What a material asks of the meshes that use it, and what they answer.
+/// What a material needs of the meshes that use it, and what they report back.
 struct MaterialUse {
-  std::array<bool, 2> uv{};      ///< sets of texture coordinates that its maps look up
-  bool tangents = false;         ///< it has a normal map
-  bool colours = true;           ///< vertex colours would change it
-  bool alpha = false;            ///< is not opaque
-  bool unlit = false;            ///< its base colour became emission, which they do not change
-  float least_alpha = 1;         ///< factor times the least of its texture
+  std::array<bool, 2> uv{};  ///< sets of texture coordinates that its maps use
+  bool tangents = false;     ///< it has a normal map
+  bool colours = true;       ///< vertex colours would change it
+  bool alpha = false;        ///< it is not opaque
+  bool unlit = false;     ///< its base colour became emission, which vertex colours do not change
+  float least_alpha = 1;  ///< factor times the minimum of its texture
   float least_vertex_alpha = 1;  ///< set by the meshes
   bool coloured = false;         ///< set by the meshes: some vertex colour is not white
 };
 
-/// Appends a material for each of the file's that is `used` (others keep their defaults), with the
-/// images that they look up, and one sentence to scene.warnings for each kind of approximation,
-/// saying how many it concerns. Adds external image files to scene.hash. Absorption is per metre as
-/// yet. The result is parallel to the materials.
+/// Appends a material for each in the file that is `used` (others keep their defaults), with the
+/// images that they use. Adds one sentence to scene.warnings per kind of approximation, saying how
+/// many materials it affects, and adds external image files to scene.hash. Absorption is still per
+/// metre. The result is parallel to the materials.
 std::vector<MaterialUse> read_materials(const Document& document, const std::vector<bool>& used,
                                         Scene& scene);
 
-/// Once the vertex colours are known: an alpha that is 1 everywhere makes a material opaque, and
-/// `plain` is set where nothing beyond base colour and emission matters.
+/// Call when the vertex colours are known: makes a material opaque if alpha is 1 everywhere, and
+/// sets `plain` if nothing but base colour and emission matters.
 void finish_material(const MaterialUse& use, Material& material);
 
 /// Words for Scene::needs, always in the same order.

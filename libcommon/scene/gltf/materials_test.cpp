@@ -1,4 +1,4 @@
-// What materials of a file become, and the sentences and words about them.
+// How materials are converted, and the warnings and needs that they cause.
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/test_materials.h"
@@ -40,7 +40,7 @@ TEST(Materials, ARoughDielectricIsNotPlain) {
   m["extensions"]["KHR_materials_ior"]["ior"] = 1;  // no interface, no reflection
   EXPECT_TRUE(material(m).plain);
   EXPECT_EQ(material(m).specular, 0);
-  m["extensions"]["KHR_materials_ior"]["ior"] = 0;  // stands for infinity
+  m["extensions"]["KHR_materials_ior"]["ior"] = 0;  // means infinity
   EXPECT_EQ(material(m).ior, 1e6f);
 }
 
@@ -153,7 +153,7 @@ TEST(Materials, AnUnlitOneEmitsItsBaseColour) {
   EXPECT_FALSE(s.materials[0].double_sided);
   EXPECT_EQ(s.needs, (Sentences{"textures", "textured emission"}));
   EXPECT_EQ(s.warnings, Sentences{"1 material is unlit: taken as black, emitting the base colour"});
-  m["alphaMode"] = "BLEND";  // the same texture cuts its holes
+  m["alphaMode"] = "BLEND";  // the same texture cuts holes
   EXPECT_TRUE(material(m, with(kTwo)).maps[MAP_BASE]);
 }
 
@@ -327,7 +327,7 @@ TEST(SpecularGlossiness, ATextureIsKeptWithItsGlossiness) {
   m["alphaMode"] = "BLEND";
   const Material read = material(m, with(kTwo));
   EXPECT_TRUE(read.glossy_map);
-  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR]);  // its alpha counts where its colours do not
+  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR]);  // its alpha matters where its colours do not
   EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR].srgb);
   EXPECT_TRUE(read.maps[MAP_BASE]);
   EXPECT_EQ(read.roughness, 0.5f);

@@ -12,26 +12,26 @@
 namespace tdpt::gltf {
 namespace {
 
-// Instances multiply what a file holds; beyond this no ray tracer here would build its hierarchy.
-// A small file cannot ask for that much.
+// Instances multiply the contents of a file; beyond these numbers no ray tracer here could build
+// its hierarchy. A small file cannot reach them.
 constexpr size_t kMostVertices = size_t{1} << 27, kMostTriangles = size_t{1} << 28;
 constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
-// Targets and joints of vertices take time alone.
+// Morph targets and joints cost only time.
 constexpr size_t kMostBends = size_t{1} << 31;
 
 bool is_surface(const tinygltf::Primitive& p) {
   return p.mode >= TINYGLTF_MODE_TRIANGLES;
 }
 
-/// The mesh that a node shows, -1 for none.
+/// The mesh shown by a node, -1 for none.
 int mesh_of(const Document& d, const PlacedNode& n) {
   return n.visible ? d.model.nodes[n.node].mesh : -1;
 }
 
-// Of each vertex of a skinned primitive, while it is bent: its map, its joints and weights.
+// Temporary memory per vertex of a skinned primitive: its map, joints and weights.
 constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
 
-/// What Scene keeps of a vertex beside its place.
+/// Bytes per vertex in Scene, besides the position.
 size_t bytes_of(const AttributeSet& set) {
   return (set.normal >= 0 ? sizeof(Vec3f) : 0) + (set.tangent >= 0 ? 4 * sizeof(float) : 0) +
          (set.uv[0] >= 0 ? 2 * sizeof(float) : 0) + (set.uv[1] >= 0 ? 2 * sizeof(float) : 0) +
@@ -67,7 +67,7 @@ void MeshReader::make_room() {
   const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
   const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
                most_bends = most(kMostBends);
-  // A count beyond the bytes there are is wrong; it is refused with its place when it is read.
+  // A count beyond the file's bytes is wrong, and is refused with its place when it is read.
   const auto count = [&](int accessor) {
     return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
   };
@@ -76,7 +76,7 @@ void MeshReader::make_room() {
     const int mesh = mesh_of(d_, n);
     if (mesh < 0) continue;
     const Shape shape = shape_of(n.node);
-    // So that no product overflows.
+    // Clamped so that no product overflows.
     const size_t times =
         shape.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
     std::set<AttributeSet> seen;
@@ -131,13 +131,13 @@ size_t MeshReader::material_of(const tinygltf::Primitive& p) const {
 
 void MeshReader::add_node(const PlacedNode& n) {
   const Shape shape = shape_of(n.node);
-  if (shape.skinned) {  // nothing is said of where instances of it would be
+  if (shape.skinned) {  // the extension does not define instances of skinned meshes
     if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
     add_mesh(n, shape, {});
     return;
   }
   const auto& primitives = primitives_of(n);
-  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // wherever it is
+  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // needs no transform
     no_surfaces_ += primitives.size();
     return;
   }
@@ -151,7 +151,7 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
     uint32_t first;
     Placing placing;
   };
-  std::map<AttributeSet, Shared> known;  // primitives often share all their vertices
+  std::map<AttributeSet, Shared> known;  // primitives often share all vertices
   const auto& primitives = primitives_of(n);
   for (size_t k = 0; k < primitives.size(); ++k) {
     const tinygltf::Primitive& p = primitives[k];
@@ -223,7 +223,7 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
     list.resize(vertices);
     for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
   }
-  // What is too little for a triangle is none, as in every graphics interface.
+  // Incomplete triangles are ignored, as in every graphics interface.
   const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
   if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
   if (!strips || list.size() < 3) {
@@ -233,7 +233,7 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
   std::vector<uint32_t> out;
   out.reserve(3 * (list.size() - 2));
   for (size_t i = 0; i + 2 < list.size(); ++i) {
-    // glTF 2.0, 3.7.2.1: every second triangle of a strip runs the other way round.
+    // glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite orientation.
     if (p.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
       out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
     else
@@ -247,17 +247,18 @@ void MeshReader::add_triangles(const std::vector<uint32_t>& corner, uint32_t fir
   const auto m = static_cast<uint32_t>(material);
   for (size_t i = 0; i + 2 < corner.size(); i += 3) {
     Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
-    if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // the front stays the front
+    if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // keeps the front side
     scene_.triangles.push_back(t);
   }
 }
 
-/// What rounding has made of these vertices: of floats in the file, and of doubles in the world.
+/// Estimates the rounding error of these vertices: of floats in the file and of doubles in world
+/// space.
 void MeshReader::note_grain(const Affine& to_world, size_t accessor,
                             const std::vector<uint32_t>& corner, uint32_t first) {
   const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
   const Vec3d& moved = to_world.t;
-  double reach = 0;  // of the vertices before the node moves them
+  double reach = 0;  // largest coordinate of the untransformed vertices
   for (const uint32_t c : corner) reach = std::max(reach, length(world_[first + c] - moved));
   grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
 }

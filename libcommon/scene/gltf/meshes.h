@@ -1,4 +1,4 @@
-// Meshes of placed nodes, as triangles of the world. Internal to this room.
+// Converts meshes of placed nodes to world-space triangles. Internal to this room.
 #pragma once
 #include <map>
 #include <optional>
@@ -19,16 +19,16 @@ namespace tdpt::gltf {
 
 class MeshReader {
  public:
-  /// `uses`: of the file's materials, and of the surfaces without one behind them.
+  /// `uses`: per material of the file, followed by the default for surfaces without one.
   MeshReader(const Document& document, Scene& scene, std::vector<MaterialUse>& uses,
              const std::vector<PlacedNode>& nodes);
 
-  /// Adds the meshes of all nodes that are seen: triangles and attributes of the scene, vertices of
+  /// Adds the meshes of all visible nodes: triangles and attributes to the scene, vertices to
   /// `world()`. A scene whose instances would fill the memory is refused before any vertex is read.
   void run();
 
   std::vector<Vec3d>& world() { return world_; }  ///< [m]
-  double grain() const { return grain_; }         ///< largest rounding of a vertex [m]
+  double grain() const { return grain_; }         ///< largest rounding error of a vertex [m]
   bool unnamed_material() const { return unnamed_material_; }
   void warn() const;
 
@@ -37,7 +37,7 @@ class MeshReader {
 
   void make_room();
   void add_node(const PlacedNode& node);
-  // `to_world` of an instance; nothing: the node's own.
+  // `to_world` of an instance; empty: the node's own.
   void add_mesh(const PlacedNode& node, const Shape& shape, const std::optional<Affine>& to_world);
   Placing placing_of(const PlacedNode& node, const AttributeSet& set,
                      const std::optional<Affine>& to_world);
@@ -71,7 +71,7 @@ class MeshReader {
   std::set<size_t> skinned_instances_;  // nodes
 };
 
-/// Materials of the surfaces of all meshes that are seen.
+/// Which materials the surfaces of visible meshes use.
 std::vector<bool> used_materials(const Document& document, const std::vector<PlacedNode>& nodes);
 
 }  // namespace tdpt::gltf

@@ -1,6 +1,6 @@
-// meshoptimizer, called here alone. It checks what it decodes, and is told the size of what comes
-// out; so what is left to check is that size. A byte of its stream of vertices stands for 64 at
-// most (two bits for a byte of 16 vertices), one of its indices for a triangle.
+// The only caller of meshoptimizer. It checks what it decodes, given the size of the result, so
+// only that size is left to check. One byte of its vertex stream decodes to at most 64 (two bits
+// per byte of 16 vertices), one byte of its index stream to a triangle.
 #include "libcommon/scene/gltf/meshopt.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 constexpr size_t kMostOfAByte = 64;
 
-/// The extension of a buffer or bufferView; null where it has none.
+/// The extension of a buffer or bufferView; null if it has none.
 const Json* extension_of(const Json& owner, std::string* name = nullptr) {
   const auto extensions = owner.find("extensions");
   if (extensions == owner.end()) return nullptr;
@@ -73,7 +73,7 @@ std::string unpack_meshopt_view(const Document& d, size_t view) {
   const size_t all = d.bytes_unpacked + count * stride;
   size_t buffers = 0;
   for (const std::string_view b : d.buffers) buffers += b.size();
-  if (all > kMostOfAByte * buffers)  // bufferViews may share their compressed bytes
+  if (all > kMostOfAByte * buffers)  // bufferViews may share compressed bytes
     d.fail(where, fmt::format("brings the scene to {} bytes, expected at most {} from {}", all,
                               kMostOfAByte * buffers, buffers));
   expect_memory(d.file, where,

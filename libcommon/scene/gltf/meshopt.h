@@ -10,16 +10,16 @@ namespace tdpt::gltf {
 
 constexpr const char* kMeshopt[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
-/// Whether a buffer holds nothing but what others hold compressed. It may have no bytes.
+/// Whether a buffer is only a fallback for compressed bufferViews. It may have no bytes.
 bool is_meshopt_fallback(const nlohmann::json& buffer);
 
 bool is_meshopt_view(const Document& document, size_t view);
 
-/// What a compressed bufferView stands for. Throws InputError where that is no such data, shorter
-/// than the bufferView or, with all that was decoded before, more than its buffers can hold.
+/// Decodes a compressed bufferView. Throws InputError if the data are invalid, shorter than the
+/// bufferView or, together with everything decoded before, more than the buffers can hold.
 std::string unpack_meshopt_view(const Document& document, size_t view);
 
-/// More bytes than all compressed bufferViews stand for.
+/// Upper bound on the decoded bytes of all compressed bufferViews.
 size_t most_bytes_of_meshopt(const Document& document);
 
 }  // namespace tdpt::gltf

@@ -1,4 +1,4 @@
-// Morph targets: what is added to a primitive's attributes, by weights. Internal to this room.
+// Morph targets: weighted deltas added to a primitive's attributes. Internal to this room.
 #pragma once
 #include <array>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace tdpt::gltf {
 
-/// A morph target that counts: accessors of its deltas, -1 for those that are not there.
+/// A morph target with non-zero weight: accessors of its deltas, -1 if absent.
 struct MorphTarget {
   double weight = 0;
   int position = -1, normal = -1, tangent = -1, colour = -1;
@@ -17,11 +17,10 @@ struct MorphTarget {
   auto operator<=>(const MorphTarget&) const = default;
 };
 
-/// Weights of the targets of a node's mesh: the node's own, else the mesh's. Those that are missing
-/// are 0.
+/// Weights of the targets of a node's mesh: the node's own, else the mesh's; missing ones are 0.
 const std::vector<double>& morph_weights(const Document& document, size_t node);
 
-/// The targets whose weight is not 0, with all their deltas.
+/// The targets with non-zero weight, with all their deltas.
 std::vector<MorphTarget> morph_targets_of(const tinygltf::Primitive& primitive,
                                           const std::vector<double>& weights);
 
@@ -29,8 +28,8 @@ std::vector<MorphTarget> morph_targets_of(const tinygltf::Primitive& primitive,
 void add_position_deltas(const Document& document, const std::vector<MorphTarget>& targets,
                          std::vector<Vec3d>& positions);
 
-/// The same for another attribute: `accessor` tells which one of a target; `values` holds
-/// `components` for each vertex.
+/// The same for another attribute: `accessor` selects it in a target; `values` has `components` per
+/// vertex.
 template <class AccessorOf>
 void add_deltas(const Document& document, const std::vector<MorphTarget>& targets,
                 const AccessorOf& accessor, const Attribute& delta, size_t components,

@@ -1,4 +1,4 @@
-// Skins, morph targets and animations against the same scene written out.
+// Skins, morph targets and animations against the same scene with explicit geometry.
 #include <gtest/gtest.h>
 #include <cmath>
 #include <functional>
@@ -16,10 +16,10 @@ const std::vector<float> kWeights = {1,     0,     0, 0, 0, 1,     0, 0,
                                      0.25f, 0.75f, 0, 0, 0, 0.25f, 0, 0.75f};
 const std::vector<uint8_t> kJoints = {0, 1, 1, 1, 0, 1, 7, 7, 0, 1, 0, 0, 0, 0, 0, 1};
 
-/// What the joints of skinned() do to a vertex, worked out by matrices of the textbook.
+/// The effect of skinned()'s joints on a vertex, by textbook matrices.
 gltf::Affine joint(int k) {
-  // Joint 0 moves by (0, 0, 2); joint 1 turns a quarter about z, x to y, at (1, 0, 0), and stands
-  // below joint 0; the inverse bind matrix of joint 1 moves by (-1, 0, 0).
+  // Joint 0 translates by (0, 0, 2); joint 1 rotates by a quarter about z, x to y, at (1, 0, 0),
+  // and is a child of joint 0; the inverse bind matrix of joint 1 translates by (-1, 0, 0).
   const gltf::Affine move{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}};
   if (k == 0) return move;
   const gltf::Affine turn{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
@@ -27,13 +27,13 @@ gltf::Affine joint(int k) {
   return move * turn * unbind;
 }
 
-/// The strip of `s`, bent by two joints. `weights`: an accessor of b, or -1.
+/// The strip `s`, bent by two joints. `weights`: an accessor of b, or -1.
 Scene skinned(const Strip& s, GlbBuilder b = {}, int weights = -1) {
   Json p = add_strip(b, s);
   const std::string joints(kJoints.begin(), kJoints.end());
   p["attributes"]["JOINTS_0"] = b.accessor(b.view(joints), 5121, "VEC4", 4);
   p["attributes"]["WEIGHTS_0"] = weights < 0 ? b.floats(kWeights, 4) : weights;
-  // The mesh's own node means nothing; a joint's place in the hierarchy does.
+  // The mesh's own node is ignored; a joint's place in the hierarchy matters.
   b.node({{"mesh", b.mesh(p)}, {"skin", 0}, {"translation", {5, 5, 5}}, {"scale", {-3, 1, 1}}});
   const double half = std::sqrt(0.5);
   b.json["nodes"].push_back({{"rotation", {0, 0, half, half}}, {"translation", {1, 0, 0}}});
@@ -51,7 +51,7 @@ Scene skinned(const Strip& s, GlbBuilder b = {}, int weights = -1) {
   return load(b);
 }
 
-/// The same by hand: each vertex through the blend of its joints' matrices.
+/// The same explicitly: each vertex through the blend of its joints' matrices.
 Strip bent(Strip s, const std::vector<float>& weights) {
   for (size_t v = 0; v < 4; ++v) {
     gltf::Affine blend{{}, {}, {}, {}};
@@ -69,7 +69,7 @@ Strip bent(Strip s, const std::vector<float>& weights) {
     const auto put = [&](std::vector<float>& to, size_t n, const Vec3d& value) {
       for (size_t c = 0; c < 3; ++c) to[n * v + c] = static_cast<float>(value[static_cast<int>(c)]);
     };
-    // Cofactors, which are the inverse transpose up to the determinant.
+    // Cofactors: the inverse transpose up to the determinant.
     const gltf::Affine cofactors{
         cross(blend.y, blend.z), cross(blend.z, blend.x), cross(blend.x, blend.y), {}};
     put(s.positions, 3, blend.point(vec(s.positions, 3)));
@@ -178,7 +178,7 @@ TEST(Skins, MirroringJointsKeepTheFrontTheFront) {
   add_frame(c);
   expect_near(load(b), load(c));
   EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
-  // Joints that no vertex follows have no say.
+  // Joints that no vertex follows have no effect.
   b.node(Json::object());
   b.json["skins"][0]["joints"] = {1, b.json["nodes"].size() - 1, b.json["nodes"].size() - 1};
   EXPECT_EQ(load(b).triangles[0].vertex, load(c).triangles[0].vertex);
@@ -187,7 +187,7 @@ TEST(Skins, MirroringJointsKeepTheFrontTheFront) {
 // ---- morph targets
 // -------------------------------------------------------------------------------
 
-/// The strip with two targets that change every attribute; `set` gives the weights.
+/// The strip with two targets that change every attribute; `set` sets the weights.
 GlbBuilder morphing(const std::function<void(GlbBuilder&, Json& node, Json& mesh)>& set) {
   GlbBuilder b;
   Json p = add_strip(b, {});
@@ -209,7 +209,7 @@ GlbBuilder morphing(const std::function<void(GlbBuilder&, Json& node, Json& mesh
   return b;
 }
 
-/// The same with both weights at 1 written out: of the first target, and of the second.
+/// The same explicitly, with the weights of the first and of the second target.
 Strip morphed(float first, float second) {
   Strip s;
   const float lean[12] = {0.5f, 0, 0, 0, 0.5f, 0, 0, 0, 0.5f, 0.25f, 0, 0};
@@ -314,7 +314,7 @@ TEST(Morphs, ThatWouldTakeForeverAreRefused) {
 
 const Sentences kAtTime0{"the scene is taken at time 0 of its animations"};
 
-/// A channel of b that moves node 0; `output`: its accessor.
+/// A channel of b that animates node 0; `output`: its accessor.
 void animate(GlbBuilder& b, const std::string& path, int output,
              const std::string& interpolation = "LINEAR") {
   const int input = b.floats({0.5f, 1}, 1);
@@ -383,7 +383,7 @@ TEST(Animations, ThatMoveNothingAreToldOf) {
         b.json["accessors"].back().erase("bufferView");
         animate(b, "scale", empty);
         animate(b, "pointer", b.floats({4, 4, 4, 7, 7, 7}, 3));
-        // Such a channel is not checked any further.
+        // Such a channel is not checked further.
         b.json["animations"].back()["channels"][0].erase("sampler");
       });
   expect_same(s, moved({{"translation", {1, 2, 3}}}));

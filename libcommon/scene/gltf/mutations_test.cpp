@@ -1,5 +1,4 @@
-// That nothing a file says makes the reader or the look-ups fall over: changed bytes, extreme
-// numbers.
+// Corrupted bytes and extreme numbers crash neither the reader nor the look-ups.
 #include <gtest/gtest.h>
 #include <cmath>
 
@@ -36,7 +35,7 @@ TEST(Mutations, ALoadedOrARefusedScene) {
     Rng rng(20, 0, i);
     std::string bytes = whole;
     const uint64_t what = rng.below(10);
-    // Most changes go where they do most harm: into the header and the JSON.
+    // Most changes go where they do most harm: to the header and the JSON.
     const size_t reach = what < 7 ? json_end : bytes.size();
     for (uint32_t n = 1 + rng.below(3); n > 0; --n) {
       const size_t at = rng.below(static_cast<uint32_t>(reach));
@@ -63,7 +62,7 @@ TEST(Mutations, ALoadedOrARefusedScene) {
   EXPECT_GT(refused, 200);
 }
 
-/// Place and length of the numbers in a JSON text.
+/// Positions and lengths of the numbers in a JSON text.
 std::vector<std::pair<size_t, size_t>> numbers_in(const std::string& text) {
   std::vector<std::pair<size_t, size_t>> numbers;
   bool quoted = false;
@@ -168,7 +167,7 @@ GlbBuilder rich() {
   return b;
 }
 
-/// A scene whose meshes are bent, moved and multiplied in every way, glossy by the older model.
+/// A scene with skinned, morphed, animated and instanced meshes and specular-glossiness materials.
 GlbBuilder moving() {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.25f}, 3);
@@ -222,12 +221,12 @@ GlbBuilder moving() {
   return b;
 }
 
-/// Whatever was read can be looked up, and says nothing that is no number.
+/// Everything that was read can be looked up, and all values are finite.
 void expect_sound(const Scene& scene) {
   EXPECT_EQ(fault_of(scene), "");
 }
 
-/// Every number of the scene's JSON, by some extremes; what is read is sound.
+/// Replaces every number in the scene's JSON by extremes; what can be read must be valid.
 void spoil_every_number(const GlbBuilder& b, int least) {
   const TempFolder folder;
   const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));
@@ -283,7 +282,7 @@ void spoil_the_buffer(const GlbBuilder& b, size_t from, int least) {
   for (uint64_t i = 0; i < 1000; ++i) {
     Rng rng(22, 0, i);
     std::string bin = b.bin;
-    // Whole floats of all ones are no numbers; the positions, first, may not be such.
+    // A float with all bits set is NaN; the positions, which come first, must not contain it.
     for (uint32_t k = 1 + rng.below(4); k > 0; --k) {
       const size_t at = from + rng.below(static_cast<uint32_t>(bin.size() - from - 4));
       const char byte = rng.below(3) == 0 ? '\xff' : static_cast<char>(rng.below(256));
@@ -308,7 +307,7 @@ TEST(Mutations, AnyBytesInTheBuffersOfAMovingScene) {
   spoil_the_buffer(moving(), 48, 100);
 }
 
-/// Changed bytes in what a library decodes: read or refused, and what is read is sound.
+/// Corrupts data that a library decodes: they are refused, or what was read is valid.
 void expect_reads_of(const GlbBuilder& b, uint64_t seed, int least) {
   const TempFolder folder;
   const std::string whole = b.glb(), text = whole.substr(20, get_json_size(whole));

@@ -16,8 +16,7 @@ Affine from_matrix(const Document& d, size_t index, const std::vector<double>& m
   return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
 }
 
-/// The nodes that the scene names, each once; those that nobody has as a child, where there is no
-/// scene.
+/// The nodes listed by the scene, each once; without a scene, the nodes that have no parent.
 std::vector<size_t> named_roots(const Document& d) {
   const size_t nodes = d.model.nodes.size();
   std::vector<bool> seen(nodes);
@@ -37,7 +36,7 @@ std::vector<size_t> named_roots(const Document& d) {
   return out;
 }
 
-/// The roots and all below them.
+/// The given nodes and all below them.
 std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
   std::vector<bool> reached(d.model.nodes.size());
   while (!next.empty()) {
@@ -50,7 +49,7 @@ std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
   return reached;
 }
 
-/// Parents of the nodes in the scene, kNone for roots.
+/// Parents of the nodes in the scene; kNone for roots.
 std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reached) {
   std::vector<size_t> parent(reached.size(), kNone);
   for (size_t i = 0; i < reached.size(); ++i) {
@@ -66,7 +65,7 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
   return parent;
 }
 
-/// From the parent's map to the node's own.
+/// Multiplies the parent's map by the node's own.
 void move_by_its_own(const Document& d, PlacedNode& n) {
   if (n.fault) return;
   try {
@@ -89,7 +88,7 @@ bool is_hidden(const nlohmann::json& node) {
 }
 
 bool Affine::mirrors() const {
-  // The sign alone matters, so each column may be scaled: products stay in range.
+  // Only the sign matters, so each column may be scaled: products stay in range.
   const auto scaled = [](const Vec3d& v) {
     const double s = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     return s > 0 ? v / s : v;
@@ -130,7 +129,7 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
   const std::vector<bool> reached = reached_from(d, named);
   const std::vector<size_t> parent = parents_of(d, reached);
   std::vector<PlacedNode> out;
-  std::vector<PlacedNode> stack;  // with the parent's map; a stack of our own: depth is unbounded
+  std::vector<PlacedNode> stack;  // with the parent's map; explicit, since depth is unbounded
   size_t children = 0;
   for (size_t i = named.size(); i-- > 0;)
     if (parent[named[i]] == kNone)

@@ -1,4 +1,4 @@
-// The node hierarchy flattened: every node of the scene with its place in the world, double
+// Flattens the node hierarchy: every node of the scene with its world transform, in double
 // precision. Internal to this room.
 #pragma once
 #include <array>
@@ -20,28 +20,28 @@ struct Affine {
   Affine operator*(const Affine& b) const {
     return {vector(b.x), vector(b.y), vector(b.z), point(b.t)};
   }
-  /// Whether it turns left hands into right ones (negative determinant).
+  /// Whether it changes handedness (negative determinant).
   bool mirrors() const;
 };
 
-/// Translation * rotation (a quaternion x, y, z, w of any length) * scale; nothing for a rotation
-/// of zeros.
+/// Translation * rotation (a quaternion x, y, z, w of any length) * scale; empty for a rotation of
+/// zeros.
 std::optional<Affine> affine_of(const Vec3d& translation, const std::array<double, 4>& rotation,
                                 const Vec3d& scale);
 
-/// The map of a node into its parent. Throws InputError where it is none.
+/// The map of a node into its parent. Throws InputError if it is invalid.
 Affine local_map(const Document& document, size_t node);
 
 constexpr const char* kVisibility = "KHR_node_visibility";
-/// Whether it hides a node, of checked JSON, and all below but the cameras.
+/// Whether an extension hides this node (of checked JSON) and all below it but the cameras.
 bool is_hidden(const nlohmann::json& node);
 
 struct PlacedNode {
   size_t node;
-  Affine map;    ///< to_world() if nothing is wrong
-  bool visible;  ///< neither it nor one above is hidden
-  /// Why there is no such map: of this node, or of one above; null: there is. An error only for
-  /// those who need the map.
+  Affine map;    ///< to_world(), if there is no fault
+  bool visible;  ///< neither it nor an ancestor is hidden
+  /// Why there is no such map: an error of this node or an ancestor; null: none. Thrown only when
+  /// the map is needed.
   std::shared_ptr<const InputError> fault{};
   /// Throws the fault.
   const Affine& to_world() const {
@@ -50,9 +50,9 @@ struct PlacedNode {
   }
 };
 
-/// Nodes of the default scene (else of the first scene, else below every root), parents first, in
-/// file order. Throws InputError for cycles and nodes with two parents.
-/// `warnings` get a sentence about roots that are children, too.
+/// Nodes of the default scene (else of the first scene, else all roots and what is below), parents
+/// first, in file order. Throws InputError for cycles and nodes with two parents. Adds a sentence
+/// to `warnings` about roots that are also children.
 std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
 
 }  // namespace tdpt::gltf

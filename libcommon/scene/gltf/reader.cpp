@@ -1,6 +1,6 @@
-// From a checked glTF file to a Scene: triangles of all placed meshes, cameras, lights, materials,
-// and the canonical frame. Everything is double precision until canonical positions are rounded to
-// float.
+// Converts a checked glTF file to a Scene: triangles of all placed meshes, cameras, lights,
+// materials, and the canonical frame. Everything is in double precision until canonical positions
+// are rounded to float.
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,8 @@ namespace {
 
 using namespace gltf;
 
-constexpr double kShortest = 1e-30, kLongest = 1e30;  // of the scene [m]
-constexpr double kCoarsest = 1e-4;  // rounding of vertices that nobody sees, in sizes of the scene
+constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
+constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
 
 class SceneReader {
  public:
@@ -37,7 +37,7 @@ class SceneReader {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
     warn_of_faults(nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
-    uses.emplace_back();  // of surfaces without one
+    uses.emplace_back();  // default for surfaces without a material
     MeshReader meshes(d_, scene_, uses, nodes);
     meshes.run();
     for (const PlacedNode& n : nodes) {
@@ -60,7 +60,8 @@ class SceneReader {
   }
 
  private:
-  /// Of nodes without a place; what is to be seen there makes them errors, later.
+  /// Warns about nodes without a valid transform; the error is thrown later if something visible
+  /// needs it.
   void warn_of_faults(const std::vector<PlacedNode>& nodes) {
     std::set<const InputError*> of_cameras, others;
     for (const PlacedNode& n : nodes)
@@ -102,7 +103,7 @@ class SceneReader {
     const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
     scene_.frame.centre = low * 0.5 + high * 0.5;
-    scene_.positions.reserve(world.size() + 1);  // so that a Tracer needs no copy
+    scene_.positions.reserve(world.size() + 1);  // one more, so that a Tracer needs no copy
     for (const Vec3d& p : world) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
     world = {};
     for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
@@ -111,7 +112,7 @@ class SceneReader {
       m.absorption = Rgb(min(Vec3d(m.absorption) / scene_.frame.scale, Vec3d(1e30)));
   }
 
-  /// Vertices of no triangle may lie anywhere, also where float does not reach.
+  /// Vertices that no triangle uses may lie anywhere, even outside the range of float.
   static Vec3f rounded(const Vec3d& p) {
     const Vec3d limit(4.0);
     return Vec3f(max(min(p, limit), -limit));

@@ -1,4 +1,4 @@
-// Any bytes as a scene; wherever one looks at what is read, it is in range.
+// Parses arbitrary bytes as a scene; all values of a scene that was read must be in range.
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/fuzz.h"
 #include "libcommon/testing/files/sound_scene.h"
@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   testing::reads([&] {
     const Scene scene = read_gltf(testing::file_of(testing::text_of(data, size)));
     testing::require(scene.triangles.size() > 0, "a scene has triangles");
-    if (scene.triangles.size() > 4096) return;  // looking everywhere takes long
+    if (scene.triangles.size() > 4096) return;  // checking every place takes long
     const std::string fault = testing::fault_of(scene);
     testing::require(fault.empty(), fault);
   });

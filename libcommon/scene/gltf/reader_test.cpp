@@ -1,4 +1,4 @@
-// Every way of writing the same surfaces gives the same triangles, and each is where it belongs.
+// Every encoding of the same surfaces gives the same triangles in the right places.
 #include <gtest/gtest.h>
 #include <cmath>
 #include <cstring>
@@ -37,7 +37,7 @@ Corners corners_of(const Scene& scene) {
   return out;
 }
 
-// A strip of four vertices bent at the diagonal; a fan gives another pair of triangles.
+// A strip of four vertices, bent at the diagonal; a fan gives another pair of triangles.
 const std::vector<float> kVertices = {0, 0, 0, 1, 0, 0.25f, 0, 1, 0.5f, 1, 1, 0};
 
 std::string scene_of(GlbBuilder& b, Json primitive) {
@@ -94,7 +94,7 @@ TEST(Encodings, Interleaved) {
   GlbBuilder b;
   std::string bytes;
   for (size_t v = 0; v < 4; ++v) {
-    bytes += std::string(8, '\x7f');  // something else of each vertex
+    bytes += std::string(8, '\x7f');  // unrelated bytes after each vertex
     bytes.append(reinterpret_cast<const char*>(&kVertices[3 * v]), 12);
   }
   const int p = b.accessor(b.view(bytes, 20), 5126, "VEC3", 4, 8);
@@ -179,7 +179,7 @@ TEST(Encodings, PointsLinesAndFlatTrianglesAreLeftOutWithAWarning) {
                                                   "1 set of points or lines is left out"}));
 }
 
-/// One triangle (0,0,0) (2,0,0) (0,1,0), placed by the nodes a test adds.
+/// One triangle (0,0,0) (2,0,0) (0,1,0), placed by nodes that a test adds.
 GlbBuilder triangle() {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
@@ -196,7 +196,7 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
 TEST(Nodes, TransformsMultiplyFromTheRootDown) {
   GlbBuilder b = triangle();
   const double h = std::sqrt(0.5);
-  // Scale by 2, quarter turn about z, then 3 to the right; its parent moves 10 up.
+  // Scale by 2, quarter turn about z, then 3 to the right; its parent translates by 10 upwards.
   b.json["nodes"] = {
       {{"translation", {0, 10, 0}}, {"children", {1}}},
       {{"translation", {3, 0, 0}}, {"rotation", {0, 0, h, h}}, {"scale", {2, 2, 2}}, {"mesh", 0}}};
@@ -219,13 +219,13 @@ TEST(Nodes, MirroringKeepsTheFront) {
            {-1, 1, 1}, {1, -1, 1}, {-1e-8, 1e-8, 1e-8}, {-1, -1, 1}}) {
     GlbBuilder b = triangle();
     b.node({{"mesh", 0}, {"scale", scale}});
-    // Mirrored in x or y the triangle stays in its plane: its front still looks to +z.
+    // Mirrored in x or y the triangle stays in its plane, and its front still faces +z.
     EXPECT_GT(shape_of(load(b.glb()), 0).normal.z, 0.999);
   }
   GlbBuilder b = triangle();
   b.node({{"mesh", 0}, {"scale", {1, 1, -1}}});
   EXPECT_LT(shape_of(load(b.glb()), 0).normal.z, -0.999);
-  GlbBuilder twice = triangle();  // two mirrors make none
+  GlbBuilder twice = triangle();  // two mirrorings cancel
   twice.json["nodes"] = {{{"scale", {-1, 1, 1}}, {"children", {1}}},
                          {{"scale", {1, -1, 1}}, {"mesh", 0}}};
   twice.json["scenes"][0]["nodes"] = {0};
@@ -291,7 +291,7 @@ TEST(CanonicalFrame, ScalingByAPowerOfTwoChangesNoBit) {
       EXPECT_EQ(a.camera("").position, b.camera("").position) << room.file;
     }
   }
-  // Any other factor is noticed.
+  // Twin: any other factor is detected.
   const std::string bytes = make_scenes()[0].bytes;
   EXPECT_NE(load(bytes).positions, load(scaled(bytes, 1.1)).positions);
 }
@@ -318,7 +318,7 @@ TEST(Cameras, PlaceAxesAndNames) {
   b.camera("hall", {0, 5, 0}, {0, 5, 1}, 1, 1);
   b.json["cameras"].push_back({{"name", "plan"}, {"type", "orthographic"}});
   b.node({{"camera", 3}});
-  b.json["nodes"][1]["scale"] = {-2, 3, 5};  // scale means nothing to a camera
+  b.json["nodes"][1]["scale"] = {-2, 3, 5};  // a camera ignores scale
   const Scene s = load(b.glb());
   ASSERT_EQ(s.cameras.size(), 3u);
   EXPECT_EQ(&s.camera(""), &s.cameras[0]);

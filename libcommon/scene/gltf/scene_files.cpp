@@ -36,7 +36,7 @@ SceneFiles files_of_scene(const std::string& path) {
     add_uris(json, files.beside);
     const SceneDefaults defaults = defaults_of(json, path);
     files.has_environment = defaults.has_environment();
-    if (files.has_environment)  // as it stands there, or decoded; a colour is the name of no file
+    if (files.has_environment)  // the name as written, or decoded; a colour is no file
       for (const std::string& name :
            {defaults.environment, gltf::percent_decode(defaults.environment)})
         add(name, files.beside);

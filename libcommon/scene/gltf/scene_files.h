@@ -1,5 +1,5 @@
-// Which files a scene is made of, for programs that ask whether it has changed and read it no
-// further.
+// Lists the files of a scene without reading it further, for programs that check whether it has
+// changed.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,15 +7,15 @@
 namespace tdpt {
 
 struct SceneFiles {
-  /// Names of those that it reads beside itself, buffers, images, profiles of luminaires and the
-  /// environment of its extras, each once, as paths from its folder; whether they are there or not,
-  /// and may be read.
+  /// Files that the scene refers to (buffers, images, profiles of luminaires, the environment in
+  /// its extras), each once, as paths relative to its folder, whether or not they exist or may be
+  /// read.
   std::vector<std::string> beside;
-  bool has_environment = false;  ///< its extras say what shines from all around
+  bool has_environment = false;  ///< its extras name an environment
 };
 
-/// By a look at the JSON of a glTF scene alone: one that is wrong has none, and its readers say
-/// why. Throws InputError where the file itself cannot be read.
+/// Looks at the JSON of a glTF scene only. A malformed scene gives an empty list; readers report
+/// the error. Throws InputError if the file itself cannot be read.
 SceneFiles files_of_scene(const std::string& path);
 
 }  // namespace tdpt

@@ -22,7 +22,7 @@ TEST(scene_files, are_those_that_its_json_names) {
   EXPECT_EQ(all.beside,
             (Names{"a b.bin", "maps/wood.png", "spot.ies", "my%20sky.exr", "my sky.exr"}));
   EXPECT_TRUE(all.has_environment);
-  // One that is wrong names none.
+  // A malformed scene names no files.
   for (const char* wrong : {"", "{", "no scene", R"({"buffers":7})", R"({"buffers":[7,{"uri":3}]})",
                             R"({"extensions":{"EXT_lights_ies":7}})"}) {
     EXPECT_EQ(files(wrong).beside, Names{}) << wrong;

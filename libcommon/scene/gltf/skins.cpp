@@ -53,7 +53,7 @@ void NodeMaps::find_parents() {
 Affine NodeMaps::to_world(size_t node) {
   if (known_[node]) return to_world_[node];
   if (parent_.empty()) find_parents();
-  std::vector<size_t> chain;  // from the node upwards
+  std::vector<size_t> chain;  // the node and its ancestors
   size_t top = node;
   for (; top != kNone && !known_[top]; top = parent_[top]) {
     if (chain.size() == known_.size())

@@ -1,8 +1,7 @@
-// Skins: vertices that follow joints, by linear blending (glTF 2.0, section 3.7.3). Internal to
-// this room.
-//   world = sum_k w_k (to_world of joint k) (inverse bind matrix of joint k) vertex,   sum_k w_k =
-//   1
-// The transform of the node that holds the mesh means nothing.
+// Skins: vertices that follow joints, by linear blend skinning (glTF 2.0, section 3.7.3). Internal
+// to this room.
+//   world = sum_k w_k (to_world of joint k) (inverse bind matrix of joint k) vertex, sum_k w_k = 1
+// The transform of the node that holds the mesh is ignored.
 #pragma once
 #include <array>
 #include <vector>
@@ -21,13 +20,12 @@ struct JointSet {
 /// JOINTS_0 with WEIGHTS_0 and the sets that follow.
 std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& primitive);
 
-/// Maps of the nodes that joints may be: those in the scene, and those out of it by the nodes above
-/// them.
+/// World transforms of nodes that may be joints, inside the scene or outside of it.
 class NodeMaps {
  public:
   /// `nodes`: those of the scene, placed.
   NodeMaps(const Document& document, const std::vector<PlacedNode>& nodes);
-  /// Throws InputError for a node that is its own ancestor, and for one without a map.
+  /// Throws InputError for a node that is its own ancestor, or whose transform is invalid.
   Affine to_world(size_t node);
 
  private:
@@ -37,19 +35,19 @@ class NodeMaps {
   const Document& d_;
   std::vector<bool> known_;
   std::vector<Affine> to_world_;
-  std::vector<size_t> parent_;  // once it is asked for
+  std::vector<size_t> parent_;  // filled on first use
 };
 
 class Skin {
  public:
-  /// Throws InputError for a skin that is wrong.
+  /// Throws InputError for an invalid skin.
   Skin(const Document& document, size_t skin, NodeMaps& nodes);
 
-  /// The map of each vertex. What weighs nothing is not looked at; a vertex without any weight
-  /// follows its first joint. Throws InputError for joints that are not there.
+  /// The map of each vertex. Joints of weight 0 are ignored; a vertex without any weight follows
+  /// its first joint. Throws InputError for joints that do not exist.
   std::vector<Affine> blend(const std::vector<JointSet>& sets) const;
 
-  /// What its first joint does.
+  /// Map of its first joint.
   const Affine& first() const { return joints_.front(); }
 
  private:
@@ -58,7 +56,7 @@ class Skin {
   std::vector<Affine> joints_;
 };
 
-/// Whether most of them turn left hands into right ones.
+/// Whether the majority of them changes handedness.
 bool most_mirror(const std::vector<Affine>& maps);
 
 }  // namespace tdpt::gltf

@@ -22,7 +22,7 @@ Json without_specular_glossiness(const Json& material) {
   Json out = material;
   Json& extensions = out["extensions"];
   const Json model = extensions[kName];
-  // None of the others may stand beside it.
+  // The extension excludes these others.
   for (const char* name : {kName, "KHR_materials_specular", "KHR_materials_ior",
                            "KHR_materials_transmission", "KHR_materials_volume"})
     extensions.erase(name);

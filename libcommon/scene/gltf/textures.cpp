@@ -14,13 +14,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A few bytes of a compressed image can stand for many texels, so there are limits to them.
+// A few bytes of a compressed image can decode to many texels, so these are limited.
 constexpr int64_t kMostTexels = int64_t{1} << 26, kMostTexelsOfAll = int64_t{1} << 28;
 
 constexpr int kRepeat = 10497, kMirror = 33648, kNearest = 9728;
 
-/// KHR_texture_transform: scale, then rotate, then move. The rotation turns the coordinates
-/// counter-clockwise as seen on the image, whose v runs downwards.
+/// KHR_texture_transform: scale, then rotate, then translate. The rotation is counter-clockwise as
+/// seen on the image, whose v runs downwards.
 void set_transform(const Json& t, TextureMap& map) {
   const auto pair = [&](const char* name, double otherwise) {
     return t.contains(name) ? Vec3d(t[name][0].get<double>(), t[name][1].get<double>(), 0)
@@ -41,7 +41,7 @@ TextureMap::Wrap wrap_of(const Json& sampler, const char* name) {
                            : TextureMap::Wrap::clamp;
 }
 
-/// Images of a texture, the best one first: those of formats that are not read stand last.
+/// Images of a texture in order of preference; unsupported formats come last.
 std::vector<size_t> sources_of(const Json& texture) {
   std::vector<size_t> out;
   const auto add = [&](const Json& owner) {

@@ -1,4 +1,5 @@
-// Textures of materials: which image, decoded once, and how it is reached. Internal to this room.
+// Loads textures of materials: decodes each image once and finds the map to it. Internal to this
+// room.
 #pragma once
 #include <array>
 #include <map>
@@ -10,17 +11,17 @@
 
 namespace tdpt::gltf {
 
-/// A textureInfo that could be read.
+/// A textureInfo that was read.
 struct Texture {
   TextureMap map;  ///< without its image, which keep() gives it
   size_t image = 0;
-  bool uniform = false;              ///< all texels are the same
+  bool uniform = false;              ///< all texels are equal
   std::array<float, 4> value{};      ///< the first texel, linear RGBA
-  std::array<uint8_t, 4> encoded{};  ///< the same as it stands in the image
-  float least_alpha = 1;             ///< of all texels
+  std::array<uint8_t, 4> encoded{};  ///< the same, as stored in the image
+  float least_alpha = 1;             ///< minimum over all texels
 };
 
-/// Extensions of a texture that name another image for it, the ones that are read first.
+/// Extensions that name another image for a texture, in order of preference.
 constexpr const char* kTextureFormats[] = {"EXT_texture_webp", "KHR_texture_basisu",
                                            "EXT_texture_avif", "MSFT_texture_dds"};
 
@@ -31,15 +32,15 @@ class TextureReader {
   /// Why there is no texture.
   struct Fault {
     bool far_uv_set = false;  ///< it asks for a third set of texture coordinates
-    std::string image;        ///< what its image is: "KTX2, which is not read"; else empty
+    std::string image;        ///< describes its image: "KTX2, which is not read"; else empty
   };
 
-  /// The texture that `info` names, the first of its images decoded that can be. Nothing where
-  /// there is none, and `fault` says why. Throws InputError when an image lies outside the scene's
-  /// folder or its buffer, or when all images together have too many texels.
+  /// The texture that `info` names, from the first of its images that can be decoded. Empty if
+  /// there is none; then `fault` says why. Throws InputError if an image lies outside the scene's
+  /// folder or its buffer, or if all images together have too many texels.
   std::optional<Texture> read(const nlohmann::json& info, bool srgb, Fault& fault);
 
-  /// The texture's map; its image is one of scene.images from now on.
+  /// The texture's map, after adding its image to scene.images.
   TextureMap keep(const Texture& texture);
 
   /// Content of external image files, for the scene's hash.
@@ -48,11 +49,11 @@ class TextureReader {
  private:
   struct Decoded {
     std::optional<Image> image;
-    std::string fault;  ///< why there is none
+    std::string fault;  ///< why it could not be decoded
     bool uniform = false;
     uint8_t least_alpha = 255;
     std::array<uint8_t, 4> first{};
-    int32_t kept = -1;  ///< into scene.images
+    int32_t kept = -1;  ///< index into scene.images
   };
   Decoded& decoded(size_t image);
   void decode(size_t image, Decoded& out);
@@ -60,9 +61,9 @@ class TextureReader {
 
   const Document& document_;
   Scene& scene_;
-  std::map<size_t, Decoded> known_;  // by image of the file
+  std::map<size_t, Decoded> known_;  // by index of the image in the file
   std::string external_bytes_;
-  int64_t texels_ = 0;  // of all images decoded so far
+  int64_t texels_ = 0;  // sum over all images decoded so far
 };
 
 }  // namespace tdpt::gltf

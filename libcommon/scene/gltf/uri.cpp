@@ -1,5 +1,5 @@
-// URIs of buffers and images. A scene may come from anywhere, so it reaches nothing but itself and
-// what lies in its own folder or below.
+// URIs of buffers and images. A scene may be untrusted, so it has access only to itself and to
+// files in its own folder or below.
 #include "libcommon/scene/gltf/uri.h"
 
 #include <fmt/format.h>

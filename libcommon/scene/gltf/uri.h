@@ -1,4 +1,4 @@
-// Files that a scene names. Internal to this room.
+// Resolves names of files in a scene. Internal to this room.
 #pragma once
 #include <string>
 #include <string_view>
@@ -10,19 +10,20 @@ namespace tdpt::gltf {
 /// "%20" becomes a blank, and so on.
 std::string percent_decode(std::string_view text);
 
-/// Who names a file: what messages call the scene, and the folder it lies in; empty: it comes from
-/// standard input, and may name none.
+/// The scene that names a file: its name in messages, and its folder; empty: it comes from standard
+/// input and may name none.
 struct Namer {
   std::string file, folder;
 };
 
 struct LocalFile {
-  std::string path;  ///< from the folder, as it is named
-  std::string real;  ///< without links
+  std::string path;  ///< the folder joined with the name
+  std::string real;  ///< with symbolic links resolved
 };
 
-/// The file called `name`, a path from the scene's folder. Throws InputError where it lies outside
-/// of that, also by links, NothingThere where it is missing; what is there is a regular file.
+/// The file called `name`, a path relative to the scene's folder. Throws InputError if it lies
+/// outside that folder, also by links, and NothingThere if it is missing. An existing file must be
+/// a regular one.
 LocalFile local_file(const Namer& namer, const std::string& name, const std::string& place);
 
 /// The folder of the scene `path`; "" for standard input.

@@ -19,8 +19,8 @@ void each_used(const Uses& uses, const Json& root, const char* section, const Vi
     if (uses.has(section, i)) visit((*it)[i]);
 }
 
-/// Marks whatever is called `name` at any depth, extensions of every kind among it. What is no
-/// index is left for others to refuse.
+/// Marks the indices in every member called `name` at any depth, including all extensions. Other
+/// checks report values that are no index.
 void mark_all(Uses& uses, const Json& value, const char* name, const char* section) {
   std::vector<const Json*> next{&value};
   while (!next.empty()) {
@@ -73,7 +73,7 @@ Json harmless(const std::string& section) {
 void mark_parts_of_meshes(Uses& uses, const Json& root) {
   each_used(uses, root, "meshes", [&](const Json& mesh) {
     for (const Json& p : mesh["primitives"]) {
-      if (p.value("mode", 4) < 4) continue;  // points and lines, which are not drawn
+      if (p.value("mode", 4) < 4) continue;  // points and lines, which are not rendered
       if (p.contains("material")) uses.mark("materials", p["material"].get<size_t>());
       if (p.contains("indices")) uses.mark("accessors", p["indices"].get<size_t>());
       mark_attributes(uses, p["attributes"]);
@@ -99,7 +99,7 @@ void mark_views(Uses& uses, const Json& root) {
 void mark_buffers(Uses& uses, const Json& root) {
   each_used(uses, root, "bufferViews", [&](const Json& v) {
     const Json extensions = v.value("extensions", Json::object());
-    for (const char* name : kMeshopt)  // then the view's own buffer is for those who cannot decode
+    for (const char* name : kMeshopt)  // then the view's own buffer is a fallback
       if (extensions.contains(name))
         return uses.mark("buffers", extensions[name]["buffer"].get<size_t>()), void();
     uses.mark("buffers", v["buffer"].get<size_t>());

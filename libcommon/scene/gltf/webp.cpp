@@ -1,4 +1,4 @@
-// libwebp, called here alone.
+// The only caller of libwebp.
 #include "libcommon/scene/gltf/webp.h"
 
 #include <webp/decode.h>
@@ -7,8 +7,8 @@
 namespace tdpt::gltf {
 namespace {
 
-// An image of one colour takes no bits for its texels, so what a file can hold has no bound: one of
-// 4096 x 4096 is believed always, a larger one by its bytes.
+// A uniform image needs no bits for its texels, so the size of a file does not bound its texels: up
+// to 4096 x 4096 is always accepted, a larger image in proportion to its bytes.
 constexpr int64_t kAlways = int64_t{1} << 24, kMostOfAByte = 4096;
 
 const uint8_t* data_of(std::string_view bytes) {

@@ -1,4 +1,4 @@
-// WebP images in memory, from anywhere. Internal to this room.
+// Decodes WebP images in memory, from untrusted sources. Internal to this room.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -11,11 +11,11 @@ namespace tdpt::gltf {
 bool is_webp(std::string_view bytes);
 bool is_animated_webp(std::string_view bytes);
 
-/// Texels that a still WebP declares in its header; nothing where it is none, or where so many are
-/// not expected of so few bytes.
+/// Texels that a still WebP declares in its header; empty if it is none, or if so many are
+/// implausible for so few bytes.
 std::optional<int64_t> webp_texels_declared(std::string_view bytes);
 
-/// The image; nothing when it cannot be decoded.
+/// The image; empty if it cannot be decoded.
 std::optional<Image> decode_webp(std::string_view bytes);
 
 }  // namespace tdpt::gltf

@@ -34,7 +34,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// A scene that is changed; what is left without a use stays in its buffer.
+/// A scene being edited; unused data remain in its buffer.
 class Scene {
  public:
   explicit Scene(const std::string& glb) {
@@ -43,7 +43,7 @@ class Scene {
     b_.bin = glb.substr(28 + json_size, word(glb, 20 + json_size));
   }
 
-  /// `fallback`: bytes of a second buffer that is not there.
+  /// `fallback`: size of a second buffer without data.
   std::string glb(size_t fallback, const char* extension) const {
     Json j = b_.json;
     j["buffers"] = Json::array({{{"byteLength", b_.bin.size()}}});

@@ -1,5 +1,5 @@
-// What the targets of libFuzzer share: a reader gets bytes, and reads them or refuses them with one
-// line. Anything else ends the program, which libFuzzer and fuzz_replay notice.
+// Shared by the libFuzzer targets: a reader gets bytes and must either read them or refuse them
+// with a one-line error. Anything else ends the program, which libFuzzer and fuzz_replay detect.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -26,7 +26,7 @@ inline std::string_view text_of(const uint8_t* data, size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Path of a file of these bytes, each time the same. It lies in TMPDIR.
+/// Path of a file with these bytes, always the same, in TMPDIR.
 inline std::string file_of(std::string_view bytes) {
   static const TempFolder folder;
   static const std::string path = folder.write("input", "");
@@ -37,8 +37,9 @@ inline std::string file_of(std::string_view bytes) {
   return path;
 }
 
-/// Whether `read` reads; false when it refuses, with one line. What else it throws goes through.
-/// Files that are honest and large are refused, too: libFuzzer cannot tell them from others.
+/// Whether `read` accepts its input; false if it refuses with one line. Other exceptions propagate.
+/// Valid but large files are refused, too: libFuzzer cannot tell them from
+/// malicious ones.
 template <class Read>
 bool reads(const Read& read) {
   limit_memory(uint64_t{400} << 20);

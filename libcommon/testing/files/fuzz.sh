@@ -1,15 +1,15 @@
 #!/bin/sh
-# fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs libFuzzer's targets BIN/TARGET_fuzz, all of them if none is named, each
-# for FUZZ_SECONDS (60), and then again, ROUNDS (1) times at most, until a round brings no new edge. Inputs:
-# TESTDATA/fuzz/TARGET.tar.gz and the files of its format elsewhere in TESTDATA; what brings new edges stays in
-# WORK/corpus/TARGET, what breaks a target in WORK/findings, and then the exit code is 1.
-# A line for each: its edges, runs and inputs, and how many edges were new in the last round.
-# MERGE=1 makes that archive anew instead: the fewest inputs that have all edges, each of 4 KiB at most, and those
-# whose names have a suffix, which libFuzzer gives to none. The same inputs make the same bytes.
+# fuzz.sh BIN TESTDATA WORK [TARGET ...]: runs the libFuzzer targets BIN/TARGET_fuzz, by default all of them, each for
+# FUZZ_SECONDS (60), and repeats, up to ROUNDS (1) times, until a round finds no new edge. Inputs:
+# TESTDATA/fuzz/TARGET.tar.gz and the files of its format elsewhere in TESTDATA. Inputs that reach new edges are kept in
+# WORK/corpus/TARGET, those that break a target in WORK/findings; then the exit code is 1. Prints a line per target: its
+# edges, runs and inputs, and the new edges of the last round. MERGE=1 rebuilds that archive instead: the fewest inputs
+# of up to 4 KiB that reach all edges, and those whose names have a suffix, which libFuzzer never gives. The same inputs
+# give the same bytes.
 set -u
 bin=${1:?usage: fuzz.sh BIN TESTDATA WORK [TARGET ...]} testdata=${2:?} work=${3:?}
 shift 3
-# planted: its faults are meant.
+# planted: its faults are deliberate.
 [ $# -gt 0 ] || for program in "$bin"/*_fuzz; do
   target=$(basename "$program" _fuzz)
   [ "$target" = planted ] || set -- "$@" "$target"
@@ -17,12 +17,12 @@ done
 seconds=${FUZZ_SECONDS:-60} rounds=${ROUNDS:-1}
 testing=$(dirname "$0")
 mkdir -p "$work/findings" || exit 2
-# Files of a run lie in memory where there is room.
+# Keeps the files of a run in memory if there is room.
 files=$(mktemp -d /dev/shm/tdpt-fuzz.XXXXXX 2>/dev/null || mktemp -d) || exit 2
 trap 'rm -rf "$files"' EXIT
 trap 'exit 2' HUP INT TERM
 export TMPDIR="$files"
-# Memory from a target's own operator new goes back by free() within the libraries.
+# The libraries free memory from a target's own operator new with free().
 export ASAN_OPTIONS="${ASAN_OPTIONS:-detect_container_overflow=0:alloc_dealloc_mismatch=0}"
 export UBSAN_OPTIONS="${UBSAN_OPTIONS:-print_stacktrace=1}"
 export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$testing/lsan.supp:print_suppressions=0}"
@@ -35,7 +35,7 @@ seeds_of() {
   esac
 }
 
-# What a round's log says.
+# Figures from the log of a round.
 set_round() { edges=$1 brought=$2 runs=$((runs + $3)) inputs=$4; }
 
 failed=0
@@ -45,10 +45,10 @@ for target in "$@"; do
   [ -x "$bin/${target}_fuzz" ] || { echo "fuzz: $bin/${target}_fuzz is missing"; failed=1; continue; }
   rm -rf "$stored" && mkdir -p "$corpus" "$stored/merged" "$stored/in" || exit 2
   [ ! -e "$archive" ] || tar -xzf "$archive" -C "$stored/in" || { echo "fuzz: $archive cannot be read"; exit 2; }
-  # No header's word is worth more than this at once: 2^26 texels of a texture, 2^27 samples of a picture.
+  # No header may cause a larger allocation than this: 2^26 texels of a texture, 2^27 samples of a picture.
   limits="-rss_limit_mb=2048 -malloc_limit_mb=600 -timeout=20"
   asan=$ASAN_OPTIONS
-  # Each of its runs copies the process: the less memory that has, the quicker.
+  # Each run forks the process: the less memory it has, the faster.
   [ "$target" = light_grid ] && asan=$asan:quarantine_size_mb=8:detect_leaks=0
   [ -f "$testdata/fuzz/$target.dict" ] && limits="$limits -dict=$testdata/fuzz/$target.dict"
   if [ "${MERGE:-0}" = 1 ]; then
@@ -56,7 +56,7 @@ for target in "$@"; do
     # shellcheck disable=SC2086 # limits and seeds are words
     ASAN_OPTIONS=$asan "$bin/${target}_fuzz" -set_cover_merge=1 -max_len=4096 $limits "$stored/merged" "$stored/in" "$corpus" $seeds >"$log" 2>&1 &&
       [ -n "$(ls "$stored/merged")" ] || { echo "fuzz: $target: merging fails, see $log"; failed=1; continue; }
-    # Beside the old one first: whenever this ends, one of the two is there, and whole.
+    # Written beside the old one first: whenever this stops, one of the two is there, and whole.
     tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX -C "$stored/merged" -I 'gzip -9n' -cf "$archive.new" . &&
       mv "$archive.new" "$archive" || { echo "fuzz: $archive cannot be written"; exit 2; }
     echo "$target: $(find "$stored/merged" -type f | wc -l) inputs"

@@ -1,5 +1,5 @@
-// How libFuzzer changes glTF files: the JSON as a tree, its text or the buffer, and then wraps them
-// up with lengths that are right, or the file as bytes.
+// libFuzzer mutator for glTF files: changes the JSON as a tree, its text or the buffer and repacks
+// them with correct lengths, or changes the file as bytes.
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,7 +25,7 @@ uint32_t u32_at(const std::string& bytes, size_t at) {
   return value;
 }
 
-// Without trust in any length.
+// Trusts no length in the file.
 Parts parts_of(const std::string& bytes) {
   if (!bytes.starts_with("glTF") || bytes.size() < 20) return {bytes, "", false};
   const size_t length = std::min<size_t>(u32_at(bytes, 12), bytes.size() - 20);
@@ -102,7 +102,7 @@ void change(Json& root, tdpt::Rng& rng) {
     case 1:
       at = Json(any());
       break;
-    case 2: {  // of the same kind, most often
+    case 2: {  // usually of the same kind
       Json other = any();
       for (int k = 0; k < 8 && other.type() != at.type(); ++k) other = any();
       at = std::move(other);
@@ -141,7 +141,7 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
     if (root.is_discarded()) return LLVMFuzzerMutate(data, size, most);
     try {
       for (uint32_t n = 1 + rng.below(3); n > 0; --n) change(root, rng);
-    } catch (const Json::exception&) {  // such a change is none
+    } catch (const Json::exception&) {  // then nothing is changed
     }
     parts.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   }

@@ -1,5 +1,5 @@
-// NAME_replay FILE|FOLDER ...: runs a target of libFuzzer on stored inputs. A broken promise or an
-// exception that leaves it ends the program; no input at all is a failure, too.
+// NAME_replay FILE|FOLDER ...: runs a libFuzzer target on stored inputs. A failed check or an
+// escaping exception ends the program; having no input at all is also a failure.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     const std::string bytes = tdpt::read_file(file);
-    std::fprintf(stderr, "%s\n", file.c_str());  // the last one is the culprit
+    std::fprintf(stderr, "%s\n", file.c_str());  // the last name printed is the culprit
     LLVMFuzzerTestOneInput(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
   }
   std::printf("%zu inputs, each read or refused\n", files.size());

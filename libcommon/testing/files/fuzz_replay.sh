@@ -1,6 +1,7 @@
 #!/bin/sh
-# fuzz_replay.sh REPLAY ARCHIVE FOLDER: runs a target of libFuzzer on the inputs of an archive. They lie in FOLDER, which is made
-# anew, and stay there for who looks for the one that broke it. An archive that cannot be read or has no input is a failure.
+# fuzz_replay.sh REPLAY ARCHIVE FOLDER: runs a libFuzzer target on the inputs of an archive. They are unpacked into
+# FOLDER, which is recreated, and stay there for inspection. An archive that cannot be read or has no input is a
+# failure.
 set -eu
 rm -rf "$3"
 mkdir -p "$3"

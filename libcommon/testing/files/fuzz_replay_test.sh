@@ -1,13 +1,13 @@
 #!/bin/sh
-# fuzz_replay_test.sh PLANTED_REPLAY: what fuzz_replay.sh notices, on the target with planted faults.
+# fuzz_replay_test.sh PLANTED_REPLAY: fuzz_replay.sh detects failures, tested on the target with planted faults.
 planted=$1
 replay=$(dirname "$0")/fuzz_replay.sh
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0
-export LC_ALL=C # the words of tar
+export LC_ALL=C # for the messages of tar
 
-# expect STATUS SAYS: exit code 0 or not of a run on $work/in.tar.gz, and what a line of it ends with.
+# expect STATUS SAYS: whether a run on $work/in.tar.gz exits with 0, and how a line of its output ends.
 expect() {
   sh "$replay" "$planted" "$work/in.tar.gz" "$work/unpacked" >"$work/said" 2>&1
   status=$?
@@ -36,7 +36,7 @@ for fault in "throws" "two lines" "breaks"; do
 done
 rm "$work/in/3"
 pack
-expect 0 "2 inputs, each read or refused" # what a run before left is gone
+expect 0 "2 inputs, each read or refused" # the inputs of the previous run are gone
 head -c 100000 /dev/urandom >"$work/in/3"
 tar -czf "$work/whole" -C "$work/in" 1 2 3
 head -c 50000 "$work/whole" >"$work/in.tar.gz"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# fuzz_test.sh: what fuzz.sh does with inputs that are stored, by targets that play theirs.
+# fuzz_test.sh: tests how fuzz.sh handles stored inputs, with mock targets.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 2
@@ -9,7 +9,7 @@ target() { { echo '#!/bin/sh'; cat; } >"$work/bin/$1_fuzz" && chmod +x "$work/bi
 target fails <<'TARGET'
 exit 1
 TARGET
-# The folder that inputs are merged into is the first argument that is one.
+# The merge destination is the first argument that is a folder.
 target keeps <<'TARGET'
 for argument in "$@"; do [ -d "$argument" ] && { echo fewest >"$argument/fewest"; touch -d @$$ "$argument/fewest"; exit 0; }; done
 TARGET
@@ -51,7 +51,7 @@ expect 2 "an archive that is damaged" "" damaged
 [ "$before" = "$(cksum "$work"/testdata/fuzz/fails.tar.gz "$work"/testdata/fuzz/damaged.tar.gz)" ] ||
   { echo "archives of targets that failed have changed"; failed=1; }
 
-# Rounds end with the first that brings no new edge: the third of this target's.
+# Rounds end after the first that finds no new edge: this target's third.
 target learns <<'TARGET'
 rounds=$(cat "$0.rounds" 2>/dev/null || echo 0)
 echo $((rounds + 1)) >"$0.rounds"

@@ -70,7 +70,7 @@ std::array<double, 4> look_at(std::array<double, 3> from, std::array<double, 3> 
   const double yaw = std::atan2(-dx, -dz), pitch = std::atan2(dy, std::hypot(dx, dz));
   const double sy = std::sin(yaw / 2), cy = std::cos(yaw / 2);
   const double sp = std::sin(pitch / 2), cp = std::cos(pitch / 2);
-  // Six digits: the bytes must not depend on the last bit of a library's sine.
+  // Six digits, so that the bytes do not depend on the last bit of a library's sine.
   const auto round = [](double v) { return std::round(v * 1e6) / 1e6; };
   return {round(cy * sp), round(sy * cp), round(-sy * sp), round(cy * cp)};
 }
@@ -174,7 +174,7 @@ int GlbBuilder::camera(const std::string& name, std::array<double, 3> from,
 
 std::string GlbBuilder::glb() const {
   Json j = json;
-  if (!bin.empty()) {  // the first; whatever the JSON has comes behind it
+  if (!bin.empty()) {  // the binary chunk is buffer 0; buffers in the JSON follow it
     j["buffers"] = Json::array({{{"byteLength", bin.size()}}});
     if (json.contains("buffers"))
       j["buffers"].insert(j["buffers"].end(), json["buffers"].begin(), json["buffers"].end());

@@ -9,7 +9,7 @@
 
 namespace tdpt::testing {
 
-/// The JSON is free to edit: tests spoil it on purpose. Members keep their order, so the same calls
+/// The JSON is public, so that tests can corrupt it. Members keep their order, so the same calls
 /// give the same bytes.
 class GlbBuilder {
  public:
@@ -18,24 +18,24 @@ class GlbBuilder {
 
   GlbBuilder();
 
-  /// Appends `data` at the next multiple of 4; returns the bufferView.
+  /// Appends `data`, aligned to 4 bytes; returns the bufferView.
   int view(std::string_view data, int stride = 0);
-  /// Accessor over a whole new bufferView. `components`: 1 SCALAR, 2 to 4 VEC.
+  /// An accessor over a new bufferView. `components`: 1 SCALAR, 2 to 4 VEC.
   int floats(const std::vector<float>& values, int components);
   int indices_u8(const std::vector<uint8_t>& values);
   int indices_u16(const std::vector<uint16_t>& values);
   int indices_u32(const std::vector<uint32_t>& values);
-  /// Accessor over an existing bufferView.
+  /// An accessor over an existing bufferView.
   int accessor(int view, int component_type, const std::string& type, size_t count,
                size_t offset = 0);
 
-  /// A texture whose image, PNG or JPEG, lies in a new bufferView; {} is the default sampler.
+  /// A texture whose image, PNG or JPEG, is stored in a new bufferView; {} is the default sampler.
   int texture(std::string_view image, nlohmann::ordered_json sampler = {});
 
   int material(nlohmann::ordered_json m);
-  /// A mesh of one primitive.
+  /// A mesh with one primitive.
   int mesh(nlohmann::ordered_json primitive, const std::string& name = "");
-  /// A root node of scene 0.
+  /// Adds a root node to scene 0.
   int node(nlohmann::ordered_json n);
   /// A perspective camera and its root node, looking from `from` to `to` with +Y up.
   int camera(const std::string& name, std::array<double, 3> from, std::array<double, 3> to,
@@ -51,7 +51,7 @@ class GlbBuilder {
                      int components);
 };
 
-/// A .glb of this JSON text and binary chunk, whatever they hold.
+/// A .glb of this JSON text and binary chunk, valid or not.
 std::string glb_of(std::string json_text, std::string bin);
 std::string base64(std::string_view bytes);
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# loose_scene.sh GLB NAME: the scene in pieces, NAME.gltf that reads NAME.bin and, as the grey walls' colour, NAME.png.
+# loose_scene.sh GLB NAME: writes the scene in pieces: NAME.gltf with NAME.bin and, for the grey walls' colour,
+# NAME.png.
 set -eu
 glb=${1:?usage: loose_scene.sh GLB NAME} name=${2:?usage: loose_scene.sh GLB NAME}
 base=${name##*/}

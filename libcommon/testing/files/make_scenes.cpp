@@ -1,5 +1,5 @@
-// make_scenes FOLDER: writes our scenes into FOLDER/scenes, FOLDER/encodings and FOLDER/malformed,
-// those of them that are there.
+// make_scenes FOLDER: writes the generated scenes into those of FOLDER/scenes, FOLDER/encodings and
+// FOLDER/malformed that exist.
 #include <cstdio>
 #include <exception>
 #include <filesystem>

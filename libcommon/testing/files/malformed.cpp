@@ -292,7 +292,7 @@ void surfaces(MalformedList& l) {
       "materials[0]: emits a radiance of 1e+40, expected at most 1e30");
 }
 
-// What the extras of the scene say for those who render it.
+// Rendering defaults in the scene's extras.
 void defaults(MalformedList& l) {
   const std::string at = "scenes[0].extras.tdpt_";
   const std::string sky = "expected a file, or R,G,B: three numbers from 0 to 1e30";

@@ -1,4 +1,4 @@
-// Malformed scenes: each is wrong in one way, and is refused with one message.
+// Malformed scenes: each has one error and is refused with one message.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@ namespace tdpt::testing {
 struct MalformedScene {
   std::string file;  ///< file name
   std::string bytes;
-  std::string expected;  ///< "place: message" as read_gltf must put it, after "FILE:"
+  std::string expected;  ///< "place: message" as read_gltf must report it after "FILE:"
 };
 
 std::vector<MalformedScene> malformed_scenes();

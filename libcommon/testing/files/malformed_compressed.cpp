@@ -1,4 +1,4 @@
-// Scenes that are compressed, and wrong.
+// Malformed compressed scenes.
 #include <functional>
 
 #include "libcommon/testing/files/malformed_list.h"
@@ -57,7 +57,7 @@ void draco(MalformedList& l) {
   wrong(
       "magic", [](GlbBuilder& b) { b.bin[0] = 'd'; }, undecodable);
   wrong("cut-short", set("/bufferViews/0/byteLength", 60), undecodable);
-  // 2^32 - 1 vertices: Draco makes room for them before it reads them.
+  // 2^32 - 1 vertices: Draco allocates them before it reads them.
   wrong(
       "header-claims-memory", [](GlbBuilder& b) { b.bin.replace(12, 1, "\xff\xff\xff\xff\x0f"); },
       undecodable);

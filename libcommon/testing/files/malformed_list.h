@@ -1,5 +1,4 @@
-// Malformed scenes, collected: a scene that is right, and ways to spoil it.
-// Internal to malformed*.cpp.
+// Collects malformed scenes: a valid scene, and ways to corrupt it. Internal to malformed*.cpp.
 #pragma once
 #include <functional>
 #include <string>
@@ -12,8 +11,8 @@ namespace tdpt::testing {
 
 using Json = nlohmann::ordered_json;
 
-/// A scene that is right: one square, one material, one camera.
-/// accessors[0] positions, accessors[1] indices; nodes[0] the square, nodes[1] the camera.
+/// A valid scene: one square, one material, one camera. accessors[0] positions, accessors[1]
+/// indices; nodes[0] the square, nodes[1] the camera.
 inline GlbBuilder square() {
   GlbBuilder b;
   const int position = b.floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 3);
@@ -30,32 +29,32 @@ class MalformedList {
  public:
   std::vector<MalformedScene> scenes;
 
-  /// Any bytes.
+  /// Arbitrary bytes.
   void raw(const std::string& name, std::string bytes, const std::string& expected) {
     const bool glb = bytes.starts_with("glTF");
     scenes.push_back({name + (glb ? ".glb" : ".gltf"), std::move(bytes), expected});
   }
-  /// The right scene as .glb, its bytes spoilt.
+  /// The valid scene as .glb with corrupted bytes.
   void spoil_bytes(const std::string& name, const std::function<void(std::string&)>& spoil,
                    const std::string& expected) {
     std::string bytes = square().glb();
     spoil(bytes);
     scenes.push_back({name + ".glb", bytes, expected});
   }
-  /// The right scene, its parts spoilt.
+  /// The valid scene with corrupted parts.
   void spoil(const std::string& name, const std::function<void(GlbBuilder&)>& spoil,
              const std::string& expected) {
     GlbBuilder b = square();
     spoil(b);
     scenes.push_back({name + ".glb", b.glb(), expected});
   }
-  /// The right scene with one value of its JSON replaced; `at` is a JSON pointer.
+  /// The valid scene with one value of its JSON replaced; `at` is a JSON pointer.
   void replace(const std::string& name, const std::string& at, const Json& value,
                const std::string& expected) {
     spoil(
         name, [&](GlbBuilder& b) { b.json[Json::json_pointer(at)] = value; }, expected);
   }
-  /// The right scene, its buffer behind another URI.
+  /// The valid scene with its buffer at another URI.
   void uri(const std::string& name, const std::string& uri, const std::string& expected) {
     Json j = Json::parse(square().gltf());
     j["buffers"][0]["uri"] = uri;
@@ -63,13 +62,13 @@ class MalformedList {
   }
 };
 
-/// Vertex attributes, materials, textures and lights that are wrong.
+/// Invalid vertex attributes, materials, textures and lights.
 void add_malformed_surfaces(MalformedList& list);
 
-/// Meshes by Draco, bufferViews by meshoptimizer.
+/// Invalid Draco meshes and meshoptimizer bufferViews.
 void add_malformed_compressed(MalformedList& list);
 
-/// Instances, skins, morph targets and animations that are wrong.
+/// Invalid instances, skins, morph targets and animations.
 void add_malformed_motion(MalformedList& list);
 
 }  // namespace tdpt::testing

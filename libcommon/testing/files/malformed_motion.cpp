@@ -13,7 +13,7 @@ Json& primitive(GlbBuilder& b) {
 
 void instances(MalformedList& l) {
   const std::string at = "nodes[0].extensions.EXT_mesh_gpu_instancing";
-  /// The square, placed by some attributes.
+  /// The square, instanced by some attributes.
   const auto instanced = [&](const std::string& file,
                              const std::function<void(GlbBuilder&, Json&)>& set,
                              const std::string& expected) {
@@ -84,7 +84,7 @@ void add_skin(GlbBuilder& b) {
       b.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 4);
 }
 
-/// The square with a skin, spoilt.
+/// The square with a corrupted skin.
 void skinned(MalformedList& l, const std::string& file,
              const std::function<void(GlbBuilder&)>& spoil, const std::string& expected) {
   l.spoil(
@@ -156,7 +156,7 @@ void joints(MalformedList& l) {
       "accessors[4]: element 1 of weights is not finite");
 }
 
-/// The square has a target that moves it, by weight 1.
+/// Adds a morph target of weight 1 to the square.
 void add_target(GlbBuilder& b, int delta) {
   primitive(b)["targets"] = Json::array({{{"POSITION", delta}}});
   b.json["meshes"][0]["weights"] = {1};
@@ -188,7 +188,7 @@ void morphs(MalformedList& l) {
 }
 
 void animations(MalformedList& l) {
-  /// The square's node is moved by accessors[2], which holds one VEC3.
+  /// The square's node is animated by accessors[2], which holds one VEC3.
   const auto animated = [&](const std::string& file, const std::function<void(Json&)>& spoil,
                             const std::string& expected) {
     l.spoil(

@@ -3,12 +3,12 @@
 namespace tdpt::testing {
 namespace {
 
-/// Two texels that differ, so that a material keeps them.
+/// Two different texels, so that a material keeps the texture.
 std::string two_texels() {
   return png_of(2, 1, std::string("\xff\xff\xff\xff\0\0\0\0", 8));
 }
 
-/// The square's material looks up a texture.
+/// Gives the square's material a texture.
 void add_texture(GlbBuilder& b, const Json& sampler = {}) {
   b.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
       b.texture(two_texels(), sampler);

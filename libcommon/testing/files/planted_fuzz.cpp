@@ -1,5 +1,5 @@
-// The twin of the targets: a reader with faults, each of which fuzz_replay and libFuzzer must
-// notice.
+// Twin of the fuzz targets: a reader with planted faults, each of which fuzz_replay and libFuzzer
+// must detect.
 #include <stdexcept>
 
 #include "libcommon/testing/files/fuzz.h"

@@ -1,4 +1,4 @@
-// Pixels of a PNG in memory.
+// Decodes a PNG in memory.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -68,7 +68,7 @@ std::vector<T> as(const std::vector<uint32_t>& values) {
   return {values.begin(), values.end()};
 }
 
-/// Places with every third one wrong, and the sparse part that puts them right.
+/// Positions with every third one wrong, and the sparse values that correct them.
 int sparse_positions(GlbBuilder& b, const std::vector<Vec3f>& positions) {
   std::vector<Vec3f> wrong = positions;
   std::vector<uint16_t> which;
@@ -108,8 +108,8 @@ Json interleaved(GlbBuilder& b, const QuadPart& p) {
   return {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}};
 }
 
-/// Places as 16-bit, normals as 8-bit fractions of 1; uv as 16-bit without sign. The node brings
-/// places back: y lies between 0 and 2.
+/// Positions as 16-bit and normals as 8-bit normalized integers; uv as unsigned 16-bit. The node
+/// restores the positions: y lies between 0 and 2.
 Json quantized(GlbBuilder& b, const QuadPart& p) {
   std::vector<int16_t> places;
   std::vector<int8_t> normals;
@@ -135,14 +135,14 @@ Json quantized(GlbBuilder& b, const QuadPart& p) {
   return {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", coordinates}};
 }
 
-// world = R(180 degrees about +Y) S(2) local, which rounds nothing.
+// world = R(180 degrees about +Y) S(2) local; exact, without rounding.
 QuadPart turned(QuadPart p) {
   for (Vec3f& v : p.positions) v = Vec3f(-v.x, v.y, -v.z) * 0.5f;
   for (Vec3f& n : p.normals) n = {-n.x, n.y, -n.z};
   return p;
 }
 
-/// All vertices follow the first joint alone.
+/// All vertices follow the first joint only.
 Json skinned(GlbBuilder& b, Json attributes, size_t vertices) {
   std::vector<float> weights;
   for (size_t i = 0; i < vertices; ++i) weights.insert(weights.end(), {1, 0, 0, 0});
@@ -166,7 +166,7 @@ Json primitives_of(GlbBuilder& b, const QuadPart& p, Encoding e) {
   Json primitive = {{"attributes", attributes_of(b, p, e)}, {"material", p.material}};
   if (e == Encoding::skinned)
     primitive["attributes"] = skinned(b, primitive["attributes"], p.positions.size());
-  if (e == Encoding::morphed)  // of half the positions: the other half
+  if (e == Encoding::morphed)  // the target adds the other half of the positions
     primitive["targets"] = Json::array({{{"POSITION", primitive["attributes"]["POSITION"]}}});
   const std::vector<uint32_t> all = triangles(quads, e == Encoding::mirrored);
   Json out = Json::array();
@@ -225,8 +225,8 @@ QuadPart mirrored(QuadPart p) {
   return p;
 }
 
-// world = T(0.5, -0.25, 0.125) R(90 degrees about +Y) S(2, 0.5, 4) local;
-// R turns z into x and x into -z.
+// world = T(0.5, -0.25, 0.125) R(90 degrees about +Y) S(2, 0.5, 4) local; R maps z to x and x to
+// -z.
 QuadPart below_nodes(QuadPart p) {
   for (Vec3f& v : p.positions) {
     const Vec3f t = v - Vec3f(0.5f, -0.25f, 0.125f);

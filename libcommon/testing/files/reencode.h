@@ -1,4 +1,4 @@
-// One scene written in the many ways of glTF 2.0.
+// Writes one scene in the many equivalent encodings of glTF 2.0.
 #pragma once
 #include <array>
 #include <map>
@@ -22,7 +22,7 @@ struct QuadPart {
 };
 
 /// A closed room of 2 x 2 x 2 m, x and z -1..1, y 0..2, with a lamp, a textured wall and a block.
-/// What is at y = 0 stays; the block's last vertex can be moved.
+/// Vertices at y = 0 stay fixed; the block's last vertex can move.
 std::vector<QuadPart> simple_room();
 
 enum class Encoding {
@@ -32,21 +32,21 @@ enum class Encoding {
   no_indices,
   interleaved,  ///< one bufferView with byteStride
   sparse,       ///< every third position is substituted
-  data_uri,     ///< .gltf, all in it
+  data_uri,     ///< .gltf with everything inside
   external,     ///< .gltf with a .bin beside it
   many_primitives,
-  strip,  ///< joined by degenerate triangles
+  strip,  ///< connected by degenerate triangles
   fans,
-  mirrored,   ///< below a node of negative scale
-  nested,     ///< below three nodes of translation, rotation and scale
+  mirrored,   ///< below a node with negative scale
+  nested,     ///< below three nodes with translation, rotation and scale
   matrices,   ///< the same as matrices
   quantized,  ///< KHR_mesh_quantization
-  instanced,  ///< each mesh by EXT_mesh_gpu_instancing: half as large, turned round
+  instanced,  ///< each mesh by EXT_mesh_gpu_instancing: half as large, rotated
   skinned,    ///< the same by a joint
-  morphed,    ///< half of each position by a morph target
+  morphed,    ///< half of each position comes from a morph target
 };
-/// What is the same as with indices_u16: every bit of places and order; all but the rounding of
-/// places; all but the order of triangles and their vertices.
+/// What an encoding preserves of indices_u16: every bit of positions and the order; everything but
+/// the rounding of positions; everything but the order of triangles and their vertices.
 enum class Same { bits, but_rounding, but_order };
 struct NamedEncoding {
   Encoding encoding;
@@ -55,14 +55,14 @@ struct NamedEncoding {
 };
 extern const std::vector<NamedEncoding> kEncodings;
 
-/// Files by name; the first one's name is "scene.glb" or "scene.gltf".
+/// Files by name; the first is "scene.glb" or "scene.gltf".
 struct EncodedScene {
-  std::string file;  ///< the scene's
+  std::string file;  ///< the name of the scene file
   std::map<std::string, std::string> files;
 };
 EncodedScene encode(const std::vector<QuadPart>& parts, Encoding encoding);
 
-/// The files of testdata/encodings: simple_room() in one piece, by name.
+/// The files of testdata/encodings: simple_room() as a single file each, by name.
 std::vector<NamedScene> encoded_rooms();
 
 }  // namespace tdpt::testing

@@ -1,4 +1,4 @@
-// scene_info SCENE: what read_gltf() makes of a scene, for end-to-end cases that need no tool.
+// scene_info SCENE: prints what read_gltf() reads, for end-to-end tests without a tool.
 #include <fmt/format.h>
 
 #include "libcommon/cli/cli.h"

@@ -1,4 +1,4 @@
-// Whether all that is said of a scene's surfaces and lights is in range.
+// Checks that all values of a scene's surfaces and lights are in range.
 #pragma once
 #include <string>
 
@@ -6,8 +6,7 @@
 
 namespace tdpt::testing {
 
-/// The first promise of scene.h and texture.h that a scene breaks, wherever one looks; "" for a
-/// sound one.
+/// The first invariant of scene.h and texture.h that a scene violates anywhere; "" if none.
 std::string fault_of(const Scene& scene);
 
 }  // namespace tdpt::testing

@@ -27,7 +27,7 @@ uint32_t word(const std::string& bytes, size_t at) {
   return value;
 }
 
-/// Attributes that primitives share are split along with each of them.
+/// Attributes shared by primitives are split once for each of them.
 class Splitter {
  public:
   explicit Splitter(const std::string& glb) {
@@ -81,7 +81,7 @@ class Splitter {
   void split(Json& primitive) {
     expect(primitive.value("mode", kTriangles) == kTriangles, "a primitive that is no triangles");
     expect(!primitive.contains("targets"), "morph targets");
-    // By value: new accessors move the old ones.
+    // Copied, since adding accessors reallocates.
     const Json position =
         builder_.json["accessors"][primitive["attributes"]["POSITION"].get<int>()];
     const size_t vertices = position["count"];

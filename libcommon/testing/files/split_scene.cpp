@@ -1,4 +1,4 @@
-// split_scene IN.glb OUT.glb: writes a scene with each of its triangles split in four.
+// split_scene IN.glb OUT.glb: subdivides each triangle of a scene into four.
 #include <cstdio>
 #include <exception>
 

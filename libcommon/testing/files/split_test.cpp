@@ -55,7 +55,7 @@ TEST(split, knows_all_ways_of_writing_indices) {
 }
 
 TEST(split, neighbours_share_their_midpoint) {
-  // A quad: 4 corners, 4 edges around it and the diagonal.
+  // A quad has 4 corners, 4 edges around it and the diagonal.
   QuadPart quad;
   quad.add({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
   const EncodedScene scene = encode({quad}, Encoding::indices_u16);

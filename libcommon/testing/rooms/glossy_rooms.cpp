@@ -36,7 +36,7 @@ void add(RoomScene& s, const std::string& name, int material, const Mesh& m) {
   s.b.node({{"name", name}, {"mesh", s.b.mesh(primitive, name)}});
 }
 
-/// Watertight: poles and seam share their places exactly. 12 x 6 facets.
+/// Watertight: the poles and the seam share vertices exactly. 12 x 6 facets.
 Mesh sphere(const Vec3d& centre, double radius) {
   constexpr int kAround = 12, kDown = 6;
   Mesh m;
@@ -58,7 +58,7 @@ Mesh sphere(const Vec3d& centre, double radius) {
   return m;
 }
 
-/// One quad a, a+u, a+u+v, a+v, facing along cross(u, v); texture upright.
+/// One quad a, a+u, a+u+v, a+v, facing along cross(u, v); the texture upright.
 Mesh panel(const Vec3d& a, const Vec3d& u, const Vec3d& v) {
   Mesh m;
   const Vec3d n = normalize(cross(u, v));
@@ -88,7 +88,7 @@ Mesh box(const Vec3d& lo, const Vec3d& hi) {
   return m;
 }
 
-/// n x n texels, each by `texel(x, y, channel)`, as a texture.
+/// An n x n texture, each texel given by `texel(x, y, channel)`.
 template <class Texel>
 int picture(RoomScene& s, int n, Json sampler, Texel texel) {
   std::string texels;
@@ -178,7 +178,7 @@ void add_sheet(RoomScene& s, bool mask) {
   add(s, "sheet", s.b.material(m), panel({1.8, 0.4, -0.7}, {0, 0, 1.4}, {0, 1.2, 0}));
 }
 
-/// Frosted and without volume: light goes straight on but for its roughness.
+/// Frosted, without volume: light goes straight on, only scattered by the roughness.
 void add_pane(RoomScene& s) {
   s.b.json["extensionsUsed"].push_back("KHR_materials_transmission");
   add(s, "pane",
@@ -208,8 +208,8 @@ void add_punctual(RoomScene& s, GlossyRooms::Light kind) {
   }
   s.b.json["extensionsUsed"].push_back(extension);
   s.b.json["extensions"][extension]["lights"] = Json::array({light});
-  // Lights shine along -z of their node. The spot: turned by 20 degrees from straight down towards
-  // the window. The sun: into the second room's open end and down by 25 degrees.
+  // Lights shine along -z of their node. The spot points straight down, tilted by 20 degrees
+  // towards the window; the sun shines into the second room's open end, 25 degrees downwards.
   Json node = {{"name", "light"},
                {"translation", {3.3, 1.5, 0.2}},
                {"extensions", {{extension, {{"light", 0}}}}}};

@@ -1,6 +1,6 @@
-// invariance_bench BIN [ROOMS]: the same rooms written in other ways, and how far their portals lie
-// from those of the room as it was. Prints a table in markdown on stdout: distances are in voxels
-// of the light grid. First a row for another seed, which is what chance alone does.
+// invariance_bench BIN [ROOMS]: writes the same rooms in different ways and measures how far their
+// portals move. Prints a table in Markdown on stdout, with distances in voxels of the light grid.
+// The first row is for another seed, for comparison with chance.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -57,7 +57,7 @@ int main_of(const std::string& bin, uint64_t rooms) {
         PortalStages stages{bin, {}, static_cast<int>(std::thread::hardware_concurrency())};
         for (const char* name : {"ffgraph", "lightgrid"}) stages.options[name] = variant.seed;
         StagesRun run = run_stages(stages, stem);
-        if (first.size() == at) {  // the room as it is
+        if (first.size() == at) {  // the unmodified room
           first.push_back(run);
           continue;
         }

@@ -1,4 +1,4 @@
-// Builders of the kinds of room that are no plain row; for known_rooms.cpp. Each draws its spaces,
+// Builders of the rooms that are no plain row; for known_rooms.cpp. Each generates its spaces,
 // walls, openings, lamps, furniture and camera.
 #pragma once
 #include "libcommon/testing/rooms/plan_walls.h"
@@ -23,8 +23,8 @@ void curtains(Site& site);
 void bay(Site& site);
 void windows_in_row(Site& site);
 void lamp_outside(Site& site);
-/// Slats from edge to edge of the window in a wall across x, tilted about z, from below upwards,
-/// their middles at `x`, `beyond` its edges.
+/// Slats across the whole window in a wall across x, tilted about z, from the bottom upwards, with
+/// their middles at `x`, extending `beyond` its edges.
 std::vector<Quad> slats(const Wall& wall, const WallOpening& window, int n, double wide,
                         double tilt, double x, double beyond);
 

@@ -1,4 +1,4 @@
-// Rooms joined by what one walks through: arches, stairwells, doors.
+// Rooms connected by passages: arches, stairwells, doors.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// What stands in a row: the camera's space, a wall, the lamps' space.
+// A row of the camera's space, a wall, and the lamps' space.
 struct Pair {
   Space near, far;
   Wall wall;
@@ -22,7 +22,7 @@ Pair pair_of(const Space& near, const Space& far) {
   return {near, far, wall_between(near, far)};
 }
 
-// Two rooms of one height and depth.
+// Two rooms of equal height and depth.
 Pair rooms_for_a_door(Site& site, double low, double high) {
   const double h = site.between(2.4, 2.8), d = site.between(std::max(low, 2.4), high);
   const double t = site.log_between(0.01, 0.3);
@@ -42,14 +42,14 @@ void furnish_and_look(Site& site, const Pair& rooms) {
   site.camera(rooms.near);
 }
 
-// `aside`: distance from the walls that run along x.
+// `aside`: distance from the walls along x.
 WallOpening door(Site& site, const Wall& wall, double width, double height, double aside = 0.1) {
   const double s = site.between(aside, wall.near.s1 - aside - width);
   return {0, height, s, s + width};
 }
 
-// A leaf of a door on one face of the wall, hung at s, that reaches to s + width (which may be
-// negative) when closed; opened by `angle` away from the wall.
+// A door leaf on one face of the wall, hinged at s, that would reach to s + width (which may be
+// negative) if closed; opened by `angle` away from the wall.
 std::vector<Quad> open_leaf(const Wall& wall, bool to_near, double s, double width, double height,
                             double angle) {
   constexpr double kThick = 0.04, kClear = 0.005;
@@ -72,7 +72,7 @@ void steps(Site& site, const Space& s) {
   }
 }
 
-// Its shape: the drawn area and width that fit into the walls of both spaces.
+// The random area and width, limited to what fits into the walls of both spaces.
 RoundArch arch_into(Site& site, const Pair& rooms) {
   const double high = std::min(rooms.near.y1, rooms.far.y1);
   const double z0 = std::max(rooms.near.z0, rooms.far.z0),
@@ -105,14 +105,14 @@ std::vector<Quad> balustrade(Site& site, const Wall& wall, const WallOpening& o)
   return quads;
 }
 
-// A leaf shut in its half of the doorway, in the middle of the wall and a little into it.
+// A closed leaf in its half of the doorway, in the middle of the wall and slightly into it.
 std::vector<Quad> shut_leaf(const Wall& wall, const WallOpening& half, double thick) {
   constexpr double kInto = 0.005;
   return box(wall.at(half.z0 - kInto, -kInto, 0.5 * (wall.thickness - thick)),
              wall.at(half.z1, half.y1 + kInto, 0.5 * (wall.thickness + thick)));
 }
 
-// Door and window of one width with a bar between: one opening, or two.
+// Door and window of equal width with a bar between: one opening, or two.
 void barred_transom(Site& site, const Wall& wall, const WallOpening& door, double window) {
   const double bar = site.between(0.03, 0.08), deep = site.between(0.03, 0.06);
   const WallOpening over{door.y1 + bar, door.y1 + bar + window, door.z0, door.z1};
@@ -131,7 +131,7 @@ void barred_transom(Site& site, const Wall& wall, const WallOpening& door, doubl
   site.opening(o);
 }
 
-// A window wider than the door, down to the door's top: together no rectangle.
+// A window wider than the door, down to the door's top: together they are no rectangle.
 void wide_transom(Site& site, const Wall& wall, const WallOpening& door, double window) {
   const double left = site.between(0.3, 0.6), right = site.between(0.3, 0.6);
   const WallOpening over{door.y1, door.y1 + window, door.z0 - left, door.z1 + right};
@@ -141,14 +141,14 @@ void wide_transom(Site& site, const Wall& wall, const WallOpening& door, double 
   site.part("wall", pierced_as_one(wall, {door, over}, corners));
   for (const WallOpening& part : {door, over}) {
     KnownAperture o = aperture(wall, part);
-    // Through a thick wall light may enter by the one and leave by the other.
+    // In a thick wall, light may enter through one and leave through the other.
     o.thickness = 0;
     o.obstacles = lining(wall, corners);
     site.opening(o);
   }
 }
 
-// The mouth of a box, that of its open side, with the light's way out of it.
+// The mouth of a box is its open side, in the direction of the light out of it.
 KnownAperture mouth_of(const Space& s, Side open) {
   KnownAperture o;
   o.optional = true;
@@ -163,14 +163,14 @@ KnownAperture mouth_of(const Space& s, Side open) {
   return o;
 }
 
-// A lamp near one end of a box along the axis of its mouth, shining at the mouth or away from it.
+// A lamp near one end of a box along the axis of its mouth, facing the mouth or away from it.
 Quad lamp_in(Site& site, const Space& s, Side mouth) {
   const double size = std::min({s.x1 - s.x0, s.height(), s.depth()});
   const double r = size * site.between(0.15, 0.35), end = site.between(0.1, 0.3);
   const bool outwards = site.chance(0.6);
   const Vec3d middle{0.5 * (s.x0 + s.x1), 0.5 * (s.y0 + s.y1), s.middle_z()};
   const KnownAperture hole = mouth_of(s, mouth);
-  // From the mouth, at right angles to it, to the lamp.
+  // Distance of the lamp from the mouth, perpendicular to it.
   const double deep = mouth == kX0 ? s.x1 - s.x0 : s.height();
   const Vec3d n = hole.normal, at = middle + n * (deep * (0.5 - (outwards ? 1 - end : end)));
   const Vec3d u = mouth == kX0 ? Vec3d{0, r, 0} : Vec3d{r, 0, 0};
@@ -242,7 +242,7 @@ void double_door(Site& site) {
   KnownAperture o = aperture(rooms.wall, open);
   o.obstacles = leaves;
   if (one_shut) {
-    // It is as deep as the leaf; before and behind it the doorway is wider.
+    // As deep as the leaf; before and behind it the doorway is wider.
     o.thickness = 0.04;
     append(o.obstacles, lining(rooms.wall, whole));
   }
@@ -340,7 +340,7 @@ void lampshade(Site& site) {
                sz = site.between(0.2, 0.6);
   const double z = site.between(room.z0 + 0.1, room.z1 - 0.1 - sz);
   const double x = site.between(1, l - 0.1 - sx), y = site.between(1.4, h - 0.15 - sy);
-  constexpr double kOff = 0.01;  // from the wall and the floor that it stands at
+  constexpr double kOff = 0.01;  // distance from the adjacent wall and floor
   const char* const names[] = {"shade", "sconce", "cupboard"};
   const Side mouths[] = {kFloor, kCeiling, kX0};
   const int which = site.count_between(0, 2);

@@ -1,6 +1,6 @@
-// The fast edition of portals_bench: rooms of most kinds through the four programs, on a seed that
-// the method was not built with; only the second leaf ajar is one that it was mended on. Kinds that
-// are much like another are for make test-long.
+// Short version of portals_bench: rooms of most kinds through the four programs, with a seed that
+// the method was not developed on, except for the second leaf ajar. Similar kinds are left to make
+// test-long.
 #include <filesystem>
 #include <fstream>
 
@@ -46,7 +46,8 @@ TEST(known_portals, of_a_door_over_one_floor_are_right) {
 TEST(long_known_portals, of_a_leaf_ajar_are_right) {
   expect_right(RoomKind::ajar_full);
 }
-// A slanting prism holds this light, too, and with less etendue; its faces tell that it is none.
+// A slanting prism, too, would contain this light, with less etendue; its faces show that it is
+// none.
 TEST(known_portals, of_a_leaf_ajar_are_planes_not_prisms) {
   expect_right(RoomKind::ajar_full, 4001);
 }
@@ -99,7 +100,7 @@ TEST(known_portals, of_an_open_room_are_none_and_it_says_so) {
   EXPECT_NE(run.said.find("portalfit: no portal: "), std::string::npos) << run.said;
 }
 
-// However the room is written, its portal stays where it is, within a voxel.
+// However the room is written, its portal stays in place within a voxel.
 TEST(known_portals, do_not_move_with_triangles_units_place_and_power) {
   const KnownRoom room = known_room(RoomKind::hole, 2001);
   const StagesRun base = portals_of(room, {});
@@ -114,7 +115,7 @@ TEST(known_portals, do_not_move_with_triangles_units_place_and_power) {
   Portal moved = base.portals[0];
   for (Vec3d& v : moved.vertices) v = other.placement(v);
   EXPECT_LT(distance(moved, again.portals[0]), again.voxel);
-  // Twin: a portal one and a half voxels away is noticed.
+  // Twin: a portal one and a half voxels away is detected.
   for (Vec3d& v : moved.vertices) v += Vec3d{0, 1.5 * again.voxel, 0};
   EXPECT_GT(distance(moved, again.portals[0]), again.voxel);
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Rooms of one height and depth in a row along x. Draws everything in a fixed order.
+// Rooms of equal height and depth in a row along x. Draws all random numbers in a fixed order.
 class Row {
  public:
   Row(RoomKind kind, uint64_t seed) : kind_(kind), site_(kind, seed) {}
@@ -43,13 +43,13 @@ class Row {
         is(RoomKind::holes_in_row) || is(RoomKind::doors_in_row) || is(RoomKind::closet);
     const size_t rooms = is(RoomKind::open_room) ? 1 : row ? 3 : 2;
     lamp_room_ = rooms - 1;
-    // The closet lies behind the camera's room or behind the lamp's.
+    // The closet is behind the camera's room or behind the lamp's.
     if (is(RoomKind::closet)) site_.chance(0.5) ? ++camera_room_ : --lamp_room_;
     double x = 0;
     for (size_t r = 0; r < rooms; ++r) {
       lengths_.push_back(between(2, 4));
       starts_.push_back(x);
-      // Thin and thick walls alike.
+      // Log-uniform thickness.
       thickness_.push_back(site_.log_between(0.01, 0.3));
       x += lengths_.back() + thickness_.back();
     }
@@ -60,7 +60,7 @@ class Row {
     if (is(RoomKind::keyhole)) depth_ = 4;
   }
 
-  // `aside`: room for a leaf to open into, so that the light's way is not narrower beside it.
+  // `aside`: space for a leaf to open into, so that it does not narrow the light's way beside it.
   WallOpening somewhere(double height, double width, double sill, double aside = 0.1) {
     const double z = between(-0.5 * depth_ + 0.1, 0.5 * depth_ - aside - width);
     return {sill, sill + height, z, z + width};
@@ -88,7 +88,7 @@ class Row {
       case RoomKind::wide_window:
         return somewhere(between(1.5, 1.8), depth_ - 0.3, 0.3);
       case RoomKind::closet:
-        if (openings_.size() == camera_room_) break;  // the hole that the light passes
+        if (openings_.size() == camera_room_) break;  // the hole through which the light passes
         {
           const double width = between(0.3, 0.8);
           return somewhere(between(0.3, 1.8), width, 0);
@@ -98,7 +98,7 @@ class Row {
       default:
         break;
     }
-    // A hole: small ones as often as large ones.
+    // A hole with log-uniform size.
     const double side =
         (is(RoomKind::hole) ? 0.05 : 0.15) * std::pow(is(RoomKind::hole) ? 12 : 3, between(0, 1));
     return somewhere(side, side, between(0.3, height_ - side - 0.2));
@@ -160,7 +160,7 @@ class Row {
                                      !is(RoomKind::through_floor)));
   }
 
-  // A leaf hung on one side of the wall, a centimetre wider than the opening at both sides; its
+  // A leaf hinged on one side of the wall, a centimetre wider than the opening on both sides; its
   // inner face touches the wall along the hinge, so no light passes there.
   void leaf() {
     constexpr double kOverlap = 0.01, kThick = 0.03;
@@ -174,7 +174,7 @@ class Row {
         high{to_camera ? x : x + kThick, top, o.z1 + kOverlap};
     site_.part("leaf", box(low, high, out * angle, hinge));
 
-    // The slit lies between the jamb and the place of the leaf nearest to it.
+    // The slit is between the jamb and the nearest point of the leaf.
     const Vec3d along{out * std::sin(angle), 0, std::cos(angle)};
     const double reach = (o.z1 - hinge.z) * std::cos(angle);
     const Vec3d foot = hinge + along * reach, jamb{x, 0, o.z1};
@@ -185,7 +185,7 @@ class Row {
     const Vec3d over{0, kOverlap, 0};
     std::vector<Vec3d> gap{hinge + up, jamb + up, foot + up + over};
     const Vec3d n = normalize(cross(gap[1] - gap[0], gap[2] - gap[0]));
-    // The leaf's top is as wide as the leaf is thick: light passes over both its edges.
+    // The leaf's top is as wide as the leaf is thick: light passes over both edges.
     const Vec3d back = Vec3d{out * std::cos(angle), 0, -std::sin(angle)} * kThick;
     const std::vector<Vec3d> far{hinge + up, jamb + up, foot + up + over + back,
                                  hinge + up + over + back};
@@ -194,13 +194,13 @@ class Row {
 
   RoomKind kind_;
   Site site_;
-  std::vector<double> lengths_, starts_, thickness_;  // of rooms; of the wall behind each
+  std::vector<double> lengths_, starts_, thickness_;  // of rooms; of the wall behind each room
   size_t camera_room_ = 0, lamp_room_ = 0;
   double height_ = 0, depth_ = 0;
-  std::vector<std::vector<WallOpening>> openings_;  // of each wall
+  std::vector<std::vector<WallOpening>> openings_;  // per wall
 };
 
-// In the order of RoomKind. Kinds without a builder of their own are rows.
+// In the order of RoomKind. Kinds without a builder are rows.
 struct {
   const char* name;
   void (*build)(Site&);

@@ -1,4 +1,4 @@
-// What the generated rooms say of themselves is true, and the scores see what they should.
+// Generated rooms are as they claim, and the scores detect what they should.
 #include "libcommon/testing/rooms/known_rooms.h"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ struct Leaks {
   int rays = 0, through = 0, unexplained = 0, lost = 0;
 };
 
-// Rays from well behind a wall across x to well before it that pass no known opening, of rays drawn
-// near the openings; and rays that hit nothing.
+// Among random rays near the openings, from well behind a wall across x to well before it: those
+// that pass no known opening, and those that hit nothing.
 Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings) {
   const TempFolder folder;
   Writing writing = room.writing;
@@ -31,7 +31,7 @@ Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings
   Leaks leaks;
   for (uint64_t k = 0; k < 300000; ++k) {
     Rng rng(5, 0, k);
-    // Through random places around a random opening, so that many pass.
+    // Through random points around a random opening, so that many pass.
     const KnownAperture& o = openings[rng.below(static_cast<uint32_t>(openings.size()))];
     Vec3d middle{};
     double size = 0;
@@ -45,13 +45,13 @@ Leaks leaks_of(const KnownRoom& room, const std::vector<KnownAperture>& openings
     const Vec3d at = scene.frame.to_canonical(place);
     const bool hit = tracer.closest({at}, w, ahead) && tracer.closest({at}, -w, behind);
     if (!hit) {
-      ++leaks.lost;  // also places within walls or outside
+      ++leaks.lost;  // also points within walls or outside
       continue;
     }
     const Vec3d from = scene.frame.to_metres(behind.position);
     const Vec3d to = scene.frame.to_metres(ahead.position);
     ++leaks.rays;
-    // From well behind the wall to well before it, leaves and walls included.
+    // From well behind the wall to well before it, including leaves.
     const double wall = o.outline[0].x, reach = 0.35;
     if (!(from.x > wall + reach && to.x < wall - reach)) continue;
     if (row && std::abs(to.x - from.x) > 10) continue;
@@ -84,21 +84,21 @@ TEST(known_rooms, light_passes_their_walls_through_the_known_openings_alone) {
 
 TEST(known_rooms, twin_an_opening_that_is_kept_quiet_is_noticed) {
   const KnownRoom room = known_room(RoomKind::two_openings, 7);
-  // The ray test around one opening meets the other's light, too.
+  // The ray test around one opening also sees the other's light.
   KnownAperture shifted = room.apertures[0];
   for (Vec3d& p : shifted.outline) p += Vec3d{0, 0, 0.05};
   const Leaks leaks = leaks_of(room, {shifted});
   EXPECT_GT(leaks.unexplained, leaks.through / 20);
 }
 
-// The face of the wall on the room's side, which what leaves the room passes first.
+// The face of the wall on the room's side, which rays from the room cross first.
 KnownAperture inner_face(KnownAperture o) {
   for (Vec3d& p : o.outline) p += o.normal * (0.5 * o.thickness);
   o.thickness = 0;
   return o;
 }
 
-// Of diffuse walks from the camera, until they leave its room, be it for a jamb: those that see the
+// Diffuse walks from the camera, until they leave its room (even into a jamb): those that see the
 // sky, and those of them that do so through no known opening.
 Leaks sky_seen_from(const KnownRoom& room, const std::vector<KnownAperture>& openings) {
   const Scene scene = read_gltf(TempFolder().write("room.glb", room.plan.glb()));
@@ -289,7 +289,8 @@ TEST(portal_score, sees_every_planted_fault) {
   EXPECT_EQ(score({good}, {}).strays, 1u);
 }
 
-// Pieces of furniture whose box holds a place before an opening, `before` its wall [metres].
+// Number of pieces of furniture whose box contains a point in front of an opening, `before` its
+// wall [metres].
 int pieces_before_windows(double before) {
   int pieces = 0;
   for (const RoomKind kind : {RoomKind::sky_windows, RoomKind::corner_windows})
@@ -319,7 +320,7 @@ int pieces_before_windows(double before) {
 
 TEST(known_rooms, have_no_furniture_right_before_a_window) {
   for (const double before : {0.02, 0.15, 0.3, 0.55}) EXPECT_EQ(pieces_before_windows(before), 0);
-  EXPECT_GT(pieces_before_windows(1), 10);  // twin: farther off there is some
+  EXPECT_GT(pieces_before_windows(1), 10);  // twin: farther away there is some
 }
 
 TEST(portal_distance, is_that_of_shifted_squares) {

@@ -1,5 +1,5 @@
-// Walks of light through the generated rooms: the known openings join the camera's side and that of
-// the lamps or of the sky, and nothing else does.
+// Light walks through the generated rooms: the known openings, and nothing else, connect the
+// camera's side to that of the lamps or the sky.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 
 namespace tdpt::testing::known_sides_test {
 
-// Rays and diffuse walks in a plan, in its own frame.
+// Rays and diffuse walks in a plan, in its own coordinates.
 class TracedPlan {
  public:
-  /// `open`: light comes from the sky or the sun, which is where a ray meets nothing.
+  /// `open`: light comes from the sky or the sun, where a ray hits nothing.
   TracedPlan(const RoomPlan& plan, bool open)
       : scene_(read_gltf(TempFolder().write("room.glb", plan.glb()))),
         tracer_(scene_),
@@ -26,7 +26,7 @@ class TracedPlan {
     return tracer_.visible({scene_.frame.to_canonical(a)}, {scene_.frame.to_canonical(b)});
   }
 
-  /// Whether a walk that starts this way meets a lamp's front or leaves for the sky within 60
+  /// Whether a walk that starts this way hits a lamp's front or leaves to the sky within 60
   /// bounces.
   bool finds_light(const Line& start, Rng& rng) const {
     Tracer::Origin from{scene_.frame.to_canonical(start.point)};
@@ -56,7 +56,7 @@ bool under_a_sky(RoomKind kind) {
   return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-// A fan of quads over the outline, a little larger, so that its rim lies in the wall.
+// A fan of quads over the outline, slightly larger, so that its rim is inside the wall.
 RoomPlan::Part filling(const KnownAperture& o) {
   Vec3d middle{};
   for (const Vec3d& p : o.outline) middle += p / static_cast<double>(o.outline.size());
@@ -88,7 +88,7 @@ Vec3d any_direction(Rng& rng) {
   return {std::sqrt(1 - z * z) * std::cos(t), std::sqrt(1 - z * z) * std::sin(t), z};
 }
 
-// Of walks from the camera.
+// Number of walks from the camera that find light.
 int lights_found(const KnownRoom& room, const std::vector<KnownAperture>& filled, int walks) {
   const TracedPlan plan = traced(room, filled);
   int found = 0;
@@ -102,7 +102,7 @@ int lights_found(const KnownRoom& room, const std::vector<KnownAperture>& filled
 
 std::vector<RoomKind> kinds_with_openings() {
   std::vector<RoomKind> kinds = all_room_kinds();
-  // In one there is none, and through a keyhole hardly a walk finds its way.
+  // One kind has no opening, and hardly any walk passes a keyhole.
   std::erase(kinds, RoomKind::open_room);
   std::erase(kinds, RoomKind::keyhole);
   for (const RoomKind kind : sky_room_kinds())
@@ -117,7 +117,7 @@ TEST(known_sides, are_joined_by_the_known_openings_and_by_nothing_else) {
     for (const uint64_t seed : kSeeds) {
       const KnownRoom room = known_room(kind, seed);
       EXPECT_EQ(lights_found(room, room.apertures, 3000), 0) << room.file();
-      // Too few find a hole by chance.
+      // Too few walks find a hole.
       if (kind == RoomKind::hole || kind == RoomKind::holes_in_row) continue;
       EXPECT_GT(lights_found(room, {}, 3000), 0) << room.file();
     }
@@ -136,8 +136,8 @@ TEST(known_sides, twin_one_opening_left_open_is_noticed) {
   }
 }
 
-// The last opening is the door between the rooms: shut by itself it keeps the camera's room dark,
-// and so do the windows without it.
+// The last opening is the door between the rooms: closing it alone keeps the camera's room dark,
+// and so does closing only the windows.
 TEST(known_sides, of_a_room_behind_another_are_joined_through_both_walls) {
   for (const uint64_t seed : kSeeds) {
     const KnownRoom room = known_room(RoomKind::room_behind, seed);
@@ -153,7 +153,7 @@ TEST(known_sides, a_landscape_is_in_the_open) {
   EXPECT_GT(lights_found(place, {}, 3000), 2900);
 }
 
-// Walks off the filled opening, to the side that its light goes to (1) or comes from (-1).
+// Walks from the filled opening, to the side that its light goes to (1) or comes from (-1).
 int lights_found_from(const KnownAperture& o, const TracedPlan& plan, double side) {
   constexpr double kOff = 1e-3;
   int found = 0;
@@ -178,8 +178,8 @@ TEST(known_sides, have_the_light_behind_the_opening_and_none_before_it) {
   }
 }
 
-// Of the lines through the openings of a room, the share that the scene stops in the wall or near
-// it: within 6 cm where slats or curtains hang, which lets a few meet the floor.
+// Share of the lines through a room's openings that the scene blocks in or near the wall: within 6
+// cm where slats or curtains hang, which lets a few hit the floor.
 double share_stopped(const KnownRoom& room, const std::vector<KnownAperture>& openings,
                      double beyond) {
   const TracedPlan plan = traced(room);
@@ -187,7 +187,7 @@ double share_stopped(const KnownRoom& room, const std::vector<KnownAperture>& op
   for (const KnownAperture& o : openings)
     for (const Line& line : free_lines(o, 2000)) {
       const double reach = (0.5 * o.thickness + beyond) / dot(line.direction, o.normal);
-      if (reach > 1) continue;  // so slanting that it meets furniture and corners
+      if (reach > 1) continue;  // so oblique that it hits furniture and corners
       ++lines;
       stopped +=
           !plan.sees(line.point - line.direction * reach, line.point + line.direction * reach);
@@ -197,7 +197,7 @@ double share_stopped(const KnownRoom& room, const std::vector<KnownAperture>& op
 
 TEST(known_sides, see_each_other_along_the_free_lines) {
   for (const RoomKind kind : kinds_with_openings()) {
-    // Beside a leaf the lines go on along it.
+    // Beside a leaf the lines continue along it.
     if (kind == RoomKind::ajar || kind == RoomKind::ajar_full) continue;
     for (const uint64_t seed : kSeeds) {
       const KnownRoom room = known_room(kind, seed);

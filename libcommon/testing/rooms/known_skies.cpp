@@ -1,4 +1,4 @@
-// Rooms lit through their windows by a sky, the sun or both, and no lamp: houses on a ground.
+// Houses without lamps, lit through their windows by a sky, the sun or both.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace tdpt::testing {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kGround = -0.1;  // below the floor
+constexpr double kGround = -0.1;  // height of the ground, below the floor
 
 // Walls in the order of walls_of(): +x, +z, -x, -z, each with its windows.
 struct House {
@@ -28,7 +28,7 @@ std::vector<Wall> walls_of(const House& h) {
   std::vector<Wall> walls =
       walls_along(round, h.thickness, r.y0, r.y1, kGround, r.y1 + h.thickness);
   walls.erase(walls.begin());
-  // The last one ends in a mitre that walls_along does not see.
+  // The last wall ends in a mitre that walls_along does not know of.
   walls.back().far.b = walls.front().far.a;
   walls.back().far.s1 = walls.back().near.s1 + h.thickness;
   return walls;
@@ -38,7 +38,7 @@ struct Level {
   double x0, x1, z0, z1;
 };
 
-// A horizontal face with a rectangular hole; `up`: its front.
+// A horizontal face with rectangular holes; `up`: the front is above.
 std::vector<Quad> level(const Level& l, double y, const std::vector<Level>& holes, bool up) {
   const Face face{{l.x0, 0, 0}, {l.x1, 0, 0}, l.x0, l.x1, l.z0, l.z1};
   std::vector<WallOpening> cuts;
@@ -49,7 +49,7 @@ std::vector<Quad> level(const Level& l, double y, const std::vector<Level>& hole
   return quads;
 }
 
-// Walls, floor, ceiling and roof; the light comes in through the windows and `skylights`.
+// Walls, floor, ceiling and roof; the light enters through the windows and `skylights`.
 void build(Site& site, const House& h, const std::vector<Level>& skylights = {}) {
   const Space& r = h.room;
   const double t = h.thickness, top = r.y1 + t;
@@ -76,7 +76,7 @@ void build(Site& site, const House& h, const std::vector<Level>& skylights = {})
   }
 }
 
-// Ground, sometimes a house opposite, and what shines.
+// Ground, sometimes a house opposite, and the sky or sun.
 void outdoors(Site& site, const Space& room) {
   const char* const lights[] = {"sky", "sun", "both"};
   const std::string light = lights[site.count_between(0, 2)];
@@ -101,7 +101,7 @@ Space a_room(Site& site) {
   return {0, l, 0, h, -0.5 * d, 0.5 * d};
 }
 
-// Somewhere in a wall, `from` .. `to` along it, 0.2 m from the ends at least.
+// A random position in a wall, within `from` .. `to` along it, at least 0.2 m from the ends.
 WallOpening window(Site& site, const Space& room, double from, double to) {
   const double wide = std::min(site.between(0.5, 1.4), to - from - 0.4);
   const double sill = site.between(0.3, 1), high = site.between(0.6, room.y1 - sill - 0.25);
@@ -130,7 +130,7 @@ void sky_windows(Site& site) {
   House h{a_room(site), t, {}};
   const int n = site.count_between(2, 5);
   const double lengths[] = {h.room.depth(), h.room.x1, h.room.depth()};
-  // Each wall in halves, so that windows keep apart.
+  // Each half of a wall holds at most one window, so that they stay apart.
   for (int k = 0, place = site.count_between(0, 5); k < n; ++k, place = (place + 1) % 6) {
     const auto wall = static_cast<size_t>(place / 2);
     const double half = 0.5 * lengths[wall], from = place % 2 * half;
@@ -184,7 +184,7 @@ void sky_blinds(Site& site) {
   const bool inside = site.chance(0.5);
   const std::vector<Quad> all =
       slats(wall, o, n, wide, tilt, inside ? h.room.x1 - off : h.room.x1 + t + off, 0.02);
-  // Half shut: only the upper ones are let down.
+  // Half shut: only the upper slats are let down.
   const auto down = static_cast<std::ptrdiff_t>(site.count_between(n / 3, n / 2));
   const std::vector<Quad> shut{all.end() - down, all.end()};
   build(site, h);
@@ -241,7 +241,7 @@ void deep_facade(Site& site) {
   for (int k = 0; k < n; ++k)
     h.windows[0].push_back(window(site, h.room, k * half, (k + 1) * half));
   build(site, h);
-  // A balcony above, and posts that carry it.
+  // A balcony above, and posts that support it.
   const double x = h.room.x1 + t, deep = site.between(0.6, 1.6), top = h.room.y1 + 0.05;
   site.part("balcony", box({x, top, h.room.z0}, {x + deep, top + 0.15, h.room.z1}));
   for (const double z : {h.room.z0 + 0.05, h.room.z1 - 0.2})

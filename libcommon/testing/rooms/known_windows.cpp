@@ -18,7 +18,8 @@ struct Lit {
   WallOpening window;
 };
 
-// A room and a lit one behind, from a shallow pocket on, with a window of some area [m2].
+// A room, and a lit space behind it as shallow as a pocket or deeper, with a window of random area
+// [m2].
 Lit lit_room(Site& site, double least, double most) {
   const double h = site.between(2.4, 2.8), d = site.between(3, 4.5),
                t = site.log_between(0.01, 0.3);
@@ -40,18 +41,18 @@ void furnish_and_look(Site& site, const Space& room, const Space& outside) {
   site.camera(room);
 }
 
-// A bar over the rectangle, in the middle of the wall.
+// A bar across the rectangle, in the middle of the wall.
 void add_bar(const Wall& wall, const WallOpening& o, double deep, std::vector<Quad>& out) {
   append(out, box(wall.at(o.z0, o.y0, 0.5 * (wall.thickness - deep)),
                   wall.at(o.z1, o.y1, 0.5 * (wall.thickness + deep))));
 }
 
-// An upright sheet across x.
+// A vertical sheet across x.
 Quad sheet(double x, double y0, double y1, double z0, double z1) {
   return {{{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}}};
 }
 
-// Windows of one size, evenly along a wall.
+// Windows of equal size, evenly spaced along a wall.
 std::vector<WallOpening> evenly(const Wall& wall, int n, double sill, double high, double wide) {
   std::vector<WallOpening> windows;
   for (int k = 0; k < n; ++k) {
@@ -66,7 +67,7 @@ void pierce(Site& site, const Wall& wall, const std::vector<WallOpening>& window
   for (const WallOpening& o : windows) site.opening(aperture(wall, o));
 }
 
-// A lamp or several for every few metres along z.
+// One or more lamps for every few metres along z.
 void lamps_along_z(Site& site, const Space& s) {
   const int n = std::max(1, static_cast<int>(s.depth() / 2.5));
   for (int k = 0; k < n; ++k) {
@@ -156,8 +157,8 @@ void curtains(Site& site) {
   std::vector<Quad> sheets{sheet(x, y0, y1, z0 - beyond, left)};
   if (pair) sheets.push_back(sheet(x, y0, y1, left + gap, z1 + beyond));
   site.part("curtains", sheets);
-  // A portal in the wall or in the gap beside the sheets: light passes both. Beside a single sheet
-  // the gap reaches to the jamb.
+  // A portal may be in the wall or in the gap beside the sheets: the light passes both. Beside a
+  // single sheet the gap reaches to the jamb.
   KnownAperture a = aperture(lit.wall, o);
   const double end = pair ? left + gap : z1;
   const double face = x < lit.room.x1 ? lit.room.x1 : lit.outside.x0, end_x = pair ? x : face;
@@ -187,7 +188,7 @@ void bay(Site& site) {
   line.insert(line.end(), std::begin(corners), std::end(corners));
   line.push_back({l, 0, room.z1});
   const std::vector<Wall> walls = walls_along(line, t, 0, h, outside.y0, outside.y1);
-  // Clear of the mitres.
+  // Avoids the mitres.
   const double margin = t * std::tan(0.5 * angle) + site.between(0.06, 0.12);
   const double sill = site.between(0.5, 0.9), high = site.between(0.9, 1.3);
   for (size_t k = 0; k < walls.size(); ++k) {

@@ -39,7 +39,8 @@ KnownAperture aperture(const Wall& wall, const std::vector<Vec3d>& corners) {
   return o;
 }
 
-// Between the arc, which begins at the third corner, and the top of the rectangle around it.
+// Fills the area between the arc, which begins at the third corner, and the top of the rectangle
+// around it.
 void add_spandrels(const Face& face, const std::vector<Vec3d>& corners, double top, bool forwards,
                    std::vector<Quad>& out) {
   for (size_t i = 2; i + 1 < corners.size(); ++i) {

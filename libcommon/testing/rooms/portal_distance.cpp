@@ -20,7 +20,7 @@ double to_triangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& 
   return std::min({to_segment(p, a, b), to_segment(p, b, c), to_segment(p, c, a)});
 }
 
-// Of a convex portal the farthest place is a corner.
+// For a convex portal the maximum is at a corner.
 double one_way(const Portal& from, const Portal& to) {
   double farthest = 0;
   for (const Vec3d& v : from.vertices) {

@@ -1,4 +1,4 @@
-// How far apart two portals are.
+// Distance between portals.
 #pragma once
 #include <vector>
 
@@ -6,10 +6,10 @@
 
 namespace tdpt::testing {
 
-/// Hausdorff distance of two convex portals [metres]: no place of one is farther from the other.
+/// Hausdorff distance of two convex portals [metres]: no point of one is farther from the other.
 double distance(const Portal& a, const Portal& b);
 
-/// Distance to the portal of `others` that is nearest; infinite when there is none.
+/// Distance to the nearest of `others`; infinite if there is none.
 double distance_to_nearest(const Portal& portal, const std::vector<Portal>& others);
 
 }  // namespace tdpt::testing

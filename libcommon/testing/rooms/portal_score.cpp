@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLines = 20000;
 
-// Whether `p` in the plane of the outline lies within it.
+// Whether `p`, in the plane of the outline, lies within it.
 bool within(const std::vector<Vec3d>& outline, const Vec3d& normal, const Vec3d& p) {
   int left = 0, right = 0;
   for (size_t i = 0; i < outline.size(); ++i) {
@@ -53,7 +53,7 @@ bool is_free(const KnownAperture& o, const Line& line) {
                                          [&](const Quad& q) { return meets(q, line); });
 }
 
-// Meets the portal along its normal.
+// Whether the line crosses the portal in the direction of its normal.
 bool crosses(const Portal& portal, const Line& line) {
   for (const auto& t : portal.triangles) {
     const Vec3d p0 = portal.vertices[t[0]];
@@ -68,7 +68,7 @@ bool crosses(const Portal& portal, const Line& line) {
   return false;
 }
 
-// Triangles to draw lines from.
+// Triangles from which lines are sampled.
 class LineSource {
  public:
   void add(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& normal) {
@@ -192,7 +192,7 @@ namespace {
 constexpr double kStray = 0.3;
 
 struct Fit {
-  size_t opening;    ///< the one that most of the portal's lines pass
+  size_t opening;    ///< the opening that most of the portal's lines pass
   double tightness;  ///< there, over all openings
 };
 
@@ -206,7 +206,7 @@ Fit best_fit(const Portal& portal, const std::vector<KnownAperture>& openings) {
   return {best, tightness(portal, openings[best], openings)};
 }
 
-// What the portals are to be held against: an opening, its panes, or nothing where it is optional.
+// What the portals are scored against: an opening, its panes, or nothing if it is optional.
 std::vector<KnownAperture> as_found(const std::vector<Portal>& portals,
                                     const std::vector<KnownAperture>& openings) {
   std::vector<size_t> fitting(openings.size());

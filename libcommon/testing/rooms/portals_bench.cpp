@@ -1,10 +1,10 @@
 // portals_bench BIN [OPTION VALUE]...: runs the four stages on generated rooms with known openings
-// and scores the portals. Prints a row for each room on stderr and tables in markdown on stdout.
+// and scores the portals. Prints a row for each room on stderr and tables in Markdown on stdout.
 //   --rooms N      rooms of each kind (20)
 //   --seed N       of the first room of each kind (1)
 //   --kinds A,B    only these kinds
 //   --jobs N       rooms at a time, each on one thread (all cores)
-//   --keep FOLDER  keeps scenes and what the stages wrote
+//   --keep FOLDER  keeps scenes and the output of the stages
 //   --ffgraph, --mincut, --lightgrid, --portalfit "OPTIONS"   for a stage
 #include <algorithm>
 #include <cstdio>
@@ -30,7 +30,7 @@ struct Row {
   StagesRun run;
 };
 
-// A keyhole need not be found where it is said that light may pass unseen.
+// A keyhole need not be found if a note warns that light may pass undetected.
 bool said_so(const KnownRoom& room, const StagesRun& run) {
   return room.kind == RoomKind::keyhole && run.portals.empty() &&
          run.said.find("where no walk passed") != std::string::npos;
@@ -105,7 +105,7 @@ void print_line(const Tally& t) {
               t.seconds / static_cast<double>(t.rooms));
 }
 
-// What is aimed at: percent of the rooms whose four scores are all right.
+// Targets: percentage of rooms in which all four scores are right.
 constexpr double kTogether = 95, kEachKind = 80;
 
 void print_verdict(const std::vector<Tally>& kinds, const Tally& all) {

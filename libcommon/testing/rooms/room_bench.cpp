@@ -11,7 +11,7 @@ namespace tdpt::testing {
 
 namespace {
 
-// names: of some of the kinds, with commas between.
+// names: of some of the kinds, separated by commas.
 std::vector<RoomKind> those_of(const std::string& names, const std::vector<RoomKind>& kinds) {
   std::vector<RoomKind> found;
   std::istringstream words(names);

@@ -1,5 +1,5 @@
-// What benchmarks over generated rooms share: which rooms, how many at a time, and where what is
-// written in between stays.
+// Shared by benchmarks over generated rooms: which rooms, how many in parallel, and where
+// intermediate files are kept.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -13,12 +13,12 @@
 
 namespace tdpt::testing {
 
-/// The arguments BIN [OPTION VALUE]...: --rooms, --seed, --kinds A,B, --jobs, --keep FOLDER, and
-/// the options that a benchmark has of its own.
+/// Arguments BIN [OPTION VALUE]...: --rooms, --seed, --kinds A,B, --jobs, --keep FOLDER, and the
+/// benchmark's own options.
 class RoomBench {
  public:
-  /// `rooms` of each kind unless --rooms says otherwise. `own`: names of the benchmark's own
-  /// options with their values where none is given. Throws std::invalid_argument for any other.
+  /// `rooms` per kind unless --rooms says otherwise. `own`: the benchmark's own options with their
+  /// defaults. Throws std::invalid_argument for unknown options.
   RoomBench(int argc, char** argv, std::vector<RoomKind> kinds, uint64_t rooms,
             std::map<std::string, std::string> own);
 
@@ -27,8 +27,8 @@ class RoomBench {
   const std::string& own(const std::string& name) const { return own_.at(name); }
   const std::vector<KnownRoom>& rooms() const { return rooms_; }
 
-  /// run(room, folder) for every room, in parallel, and after each, one at a time, done(room, row).
-  /// The rows in the order of the rooms.
+  /// Calls run(room, folder) for every room, in parallel, and after each, one at a time, done(room,
+  /// row). Returns the rows in the order of the rooms.
   template <class Row>
   std::vector<Row> rows(
       const std::function<Row(const KnownRoom&, const std::filesystem::path&)>& run,

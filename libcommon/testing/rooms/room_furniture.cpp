@@ -10,7 +10,7 @@ namespace {
 constexpr double kHighest = 1.05;
 constexpr double kFree = 0.6;  // before walls across x, and before openings in the others
 
-// Boxes about the origin of its floor, not yet turned.
+// Boxes around the origin on the floor, not yet rotated.
 struct Piece {
   const char* name;
   double wide, deep;  ///< along x and z
@@ -53,7 +53,7 @@ Piece chair(Site& site) {
   return p;
 }
 
-// Open to one side, with boards between.
+// Open on one side, with boards between.
 Piece shelf(Site& site) {
   const double w = site.between(0.5, 1.4), d = site.between(0.2, 0.4);
   Piece p{"shelf", w, d, {}};
@@ -66,8 +66,8 @@ Piece shelf(Site& site) {
   return p;
 }
 
-// Not where it would stand right before an opening: what it leaves free of it is narrower elsewhere
-// than in the wall, so there would be no knowing how its portal lies.
+// Skips positions directly before an opening: they would narrow the light's way outside of the
+// wall, and the position of its portal would be unknown.
 void place(Site& site, const Piece& piece, const Space& s, const Vec3d& at, double turn) {
   std::vector<Quad> quads;
   const Vec3d foot{at.x, s.y0, at.z};

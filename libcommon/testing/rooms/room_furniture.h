@@ -4,8 +4,8 @@
 
 namespace tdpt::testing {
 
-/// Up to eight pieces on the floor, away from the walls across x and from the openings
-/// so far; none where there is no room.
+/// Up to eight pieces on the floor, away from the walls across x and from the openings so far; none
+/// if there is no space.
 void furnish(Site& site, const Space& space);
 
 }  // namespace tdpt::testing

@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Corners = std::array<Vec3d, 3>;
 
-// n x n small triangles of one.
+// Splits a triangle into n x n small ones.
 void split_evenly(const Corners& t, int n, std::vector<Corners>& out) {
   const auto at = [&](int i, int j) {
     return t[0] + (t[1] - t[0]) * (double(i) / n) + (t[2] - t[0]) * (double(j) / n);
@@ -23,7 +23,7 @@ void split_evenly(const Corners& t, int n, std::vector<Corners>& out) {
     }
 }
 
-// Strips of very different width between two opposite sides, each cut along its diagonal.
+// Strips of very different widths between two opposite sides, each split along its diagonal.
 void split_in_slivers(const RoomPlan::Quad& q, std::vector<Corners>& out) {
   const double cuts[] = {0, 0.001, 0.37, 0.372, 0.9, 0.9995, 1};
   for (size_t k = 0; k + 1 < std::size(cuts); ++k) {
@@ -126,7 +126,7 @@ std::string RoomPlan::glb(const Writing& writing) const {
   if (length(sun) > 0) write_sun(b, sun, writing);
   b.camera("camera", {camera.x, camera.y, camera.z}, {look_at.x, look_at.y, look_at.z}, 1.0,
            4.0 / 3);
-  // All under one node, so that far away nothing is rounded.
+  // All under one node, so that nothing is rounded far away.
   const Placement& p = writing.placement;
   const Vec3d k = normalize(p.axis) * std::sin(0.5 * p.angle);
   const Json children = b.json["scenes"][0]["nodes"];

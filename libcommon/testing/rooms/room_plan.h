@@ -1,7 +1,8 @@
-// Rooms in a row with any openings, lamps, doors and furniture, and how they are written: how
-// finely split, in which order, how placed in the world.
+// Rooms in a row with openings, lamps, doors and furniture, and how they are written: tessellation,
+// order, placement in the world.
 //
-// Plans are in metres, +Y up: rooms stand along +x, the camera in the first, lamps in the last.
+// Plans are in metres, +Y up: rooms are arranged along +x, the camera in the first, lamps in the
+// last.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,23 +16,23 @@ namespace tdpt::testing {
 /// Counter-clockwise seen from its front.
 using Quad = std::array<Vec3d, 4>;
 
-/// A convex opening and the way the light goes through it.
+/// A convex opening and the direction in which light passes it.
 struct KnownAperture {
-  std::vector<Vec3d> outline;  ///< corners in the middle of the wall, in order [metres]
+  std::vector<Vec3d> outline;  ///< corners in order, in the middle of the wall [metres]
   Vec3d normal;                ///< unit
   double thickness = 0;        ///< of the wall [metres]
-  /// Beside a leaf: where else all light passes. Its lines cross this outline, too.
+  /// Beside a door leaf: a second outline that all light passes. The opening's lines cross it, too.
   std::vector<Vec3d> mouth{};
-  /// What stands in it: bars, slats, furniture. Lines that meet them bring no light.
+  /// Obstacles in it: bars, slats, furniture. Lines that they block bring no light.
   std::vector<Quad> obstacles{};
-  /// Bars split it into these: a portal for each of them is as right as one over the whole.
+  /// The panes into which bars split it: one portal per pane is as right as one over the whole.
   std::vector<KnownAperture> panes{};
-  bool optional = false;  ///< may be found, but need not: hardly a bottleneck
+  bool optional = false;  ///< may or may not be found: hardly a bottleneck
 };
 
 enum class Splitting { none, in_4, in_144, slivers };
 
-/// Turn about `axis` by `angle`, then scale, then move.
+/// Rotation by `angle` about `axis`, then scale, then translation.
 struct Placement {
   Vec3d axis{0, 1, 0};
   double angle = 0;  ///< radians
@@ -43,11 +44,11 @@ struct Placement {
   KnownAperture operator()(const KnownAperture& aperture) const;
 };
 
-/// How a plan is written. Never what it is: the portals of all ways of writing are the same.
+/// How a plan is written, not what it contains: all ways of writing must give the same portals.
 struct Writing {
   Splitting splitting = Splitting::none;
-  uint64_t shuffle = 0;  ///< not 0: triangles in another order
-  double power = 1;      ///< of all lamps
+  uint64_t shuffle = 0;  ///< not 0: shuffles the triangles
+  double power = 1;      ///< factor on the power of all lamps
   Placement placement;
 };
 
@@ -55,7 +56,7 @@ struct RoomPlan {
   using Quad = testing::Quad;
   struct Part {
     std::string name;
-    double radiance = 0;  ///< above 0: a lamp that shines from its front [W/m2/sr]
+    double radiance = 0;  ///< above 0: a lamp that emits on its front [W/m2/sr]
     std::vector<Quad> quads;
   };
   std::vector<Part> parts;
@@ -65,18 +66,18 @@ struct RoomPlan {
   std::string glb(const Writing& writing = {}) const;
 };
 
-/// The box between two corners; its faces look outwards. `turn` [radians] about the vertical
-/// through `hinge`.
+/// The box between two corners, facing outwards, rotated by `turn` [radians] about the vertical
+/// axis through `hinge`.
 std::vector<RoomPlan::Quad> box(const Vec3d& low, const Vec3d& high, double turn = 0,
                                 const Vec3d& hinge = {});
 
-/// Rectangle in a wall across x.
+/// A rectangle in a wall across x.
 struct WallOpening {
   double y0, y1, z0, z1;
 };
 
 /// Both faces of the wall between xa < xb and the jambs of its openings, over the whole y and z
-/// extent. `threshold`: whether openings that start at y0 have a floor strip of their own.
+/// extent. `threshold`: whether openings that start at y0 have a separate floor strip.
 std::vector<RoomPlan::Quad> wall_across_x(double xa, double xb, const WallOpening& extent,
                                           const std::vector<WallOpening>& openings, bool threshold);
 

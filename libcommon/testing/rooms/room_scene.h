@@ -1,8 +1,8 @@
-// What the rooms of rooms.h and glossy_rooms.h are built of.
+// Building blocks of the rooms of rooms.h and glossy_rooms.h.
 //
-// Metres, +Y up. Rooms stand in a row along +x, each 2 m wide, 2 m high and 2 m deep
-// (z -1..1); walls between rooms are 0.1 m thick. Surfaces share corners exactly and no corner lies
-// inside another's edge, so the rooms are watertight for any ray tracer.
+// Metres, +Y up. Rooms are arranged along +x, each 2 m wide, 2 m high and 2 m deep (z -1..1); walls
+// between rooms are 0.1 m thick. Surfaces share corners exactly and no corner lies inside another's
+// edge, so the rooms are watertight for any ray tracer.
 #pragma once
 #include "libcommon/math/vec.h"
 #include "libcommon/testing/files/glb_builder.h"
@@ -22,7 +22,7 @@ struct Quads {
   }
 };
 
-/// Opening of a wall between rooms: y and z extents.
+/// Opening in a wall between rooms: y and z extents.
 struct Opening {
   double y0, y1, z0, z1;
 };

@@ -124,7 +124,7 @@ void Site::camera(const Space& s) {
   from = {s.x0 + x, s.y0 + y, z + between(-edge, edge)};
   const double high = between(0.6, 1.4);
   to = {s.x1, s.y0 + high, z + between(-0.5 * edge, 0.5 * edge)};
-  // Some look along the wall.
+  // Some cameras look along the wall.
   if (chance(0.2)) to = {s.x0, s.y0 + 1, z - 0.9 * (from.z - z)};
 }
 
@@ -144,7 +144,7 @@ void Site::choose_writing() {
   Placement& p = w.placement;
   const double x = between(-1, 1), y = between(0.1, 1), z = between(-1, 1);
   p.axis = {x, y, z};
-  if (room_.kind >= RoomKind::sky_window) p.axis = {0, 1, 0};  // the sky stays above
+  if (room_.kind >= RoomKind::sky_window) p.axis = {0, 1, 0};  // the sky must stay above
   p.angle = between(0, 2 * std::numbers::pi);
   const double units[] = {1, 100, 0.01, 39.37};
   p.scale = units[rng_.below(4)];

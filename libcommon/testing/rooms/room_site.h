@@ -1,4 +1,4 @@
-// What all generated rooms share: random draws in a fixed order, lamps, furniture, the camera, and
+// Shared by all generated rooms: random numbers in a fixed order, lamps, furniture, the camera, and
 // how the plan is written.
 #pragma once
 #include <cmath>
@@ -18,15 +18,15 @@ struct Space {
   double middle_z() const { return 0.5 * (z0 + z1); }
 };
 
-/// A room while it is built. Light goes towards -x, from the lamps' space to the camera's.
+/// A room under construction. Light travels towards -x, from the lamps' space to the camera's.
 class Site {
  public:
   Site(RoomKind kind, uint64_t seed);
 
   double between(double low, double high) { return low + (high - low) * rng_.uniform(); }
-  /// Small as often as large: the logarithm is uniform.
+  /// Log-uniform in [low, high].
   double log_between(double low, double high) { return low * std::pow(high / low, rng_.uniform()); }
-  /// low, low + 1, ... high.
+  /// Uniform in low, low + 1, ... high.
   int count_between(int low, int high) {
     return low + static_cast<int>(rng_.below(static_cast<uint32_t>(high - low + 1)));
   }
@@ -35,21 +35,21 @@ class Site {
   void part(const std::string& name, std::vector<Quad> quads, double radiance = 0);
   void opening(KnownAperture aperture);
 
-  /// One lamp or several. `beside_opening`: the wall at x0 is one that they may shine away from.
+  /// One lamp or several. `beside_opening`: they may be aimed away from the wall at x0.
   void lamps(const Space& space, bool beside_opening = true);
-  /// A lamp that its kind places itself; `how` it shines, a word.
+  /// A lamp placed by the builder; `how` it shines, one word.
   void lamp(const std::string& how, const Quad& quad, double radiance);
-  /// What shines from infinity. `sun`: unit, towards it, 0: none; `sky`: radiance from all around.
+  /// Light from infinity. `sun`: unit, towards it, 0: none; `sky`: uniform radiance.
   void daylight(const std::string& what, const Vec3d& sun, const Vec3d& sky);
-  /// Whether a box stands within `free` of the wall, right before one of the openings so far that
-  /// are to be found, on the side that the light goes to.
+  /// Whether a box stands within `free` of the wall in front of one of the non-optional openings so
+  /// far, on the side that the light goes to.
   bool before_opening(const Vec3d& low, const Vec3d& high, double free) const;
-  /// What stands in the opening added last.
+  /// Obstacles in the opening added last.
   void obstacles_of_last(const std::vector<Quad>& quads);
   /// Boxes on the floor, lower than cameras and lamps, away from the walls across x.
   void furniture(const Space& space);
   void camera(const Space& space);
-  /// The room, in half of the cases mirrored, with a way of writing it.
+  /// The finished room, mirrored in half of the cases, with a random way of writing it.
   KnownRoom finish();
 
  private:

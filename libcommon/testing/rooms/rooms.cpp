@@ -5,7 +5,7 @@
 namespace tdpt::testing {
 namespace {
 
-/// Closed box around the origin of the given half sides, faces outwards, bottom at y = 0.
+/// Closed box with the given half sides, standing on y = 0 at the origin, faces outwards.
 Quads block(double hx, double height, double hz) {
   const double y = height;
   Quads q;
@@ -18,7 +18,7 @@ Quads block(double hx, double height, double hz) {
   return q;
 }
 
-/// Something to look at in the camera's room.
+/// A visible object for the camera's room.
 void add_block(RoomScene& s) {
   const int white = s.diffuse("white", 0.7, 0.68, 0.62);
   // Turned by 0.35 rad about +Y: rotation (0, sin 0.175, 0, cos 0.175).
@@ -26,7 +26,7 @@ void add_block(RoomScene& s) {
          {{"translation", {1.25, 0.001, -0.45}}, {"rotation", {0, 0.174108, 0, 0.984727}}});
 }
 
-/// Two rooms with a square hole of that side in the middle of their wall.
+/// Two rooms with a square hole with this side in the middle of their wall.
 std::string two_rooms(double side) {
   RoomScene s;
   s.row(2, {1 - side / 2, 1 + side / 2, -side / 2, side / 2});
@@ -55,7 +55,7 @@ std::string three_rooms() {
 }
 
 // The leaf is hinged at z = -0.42 on the camera's side of the wall and overlaps the opening by 2 cm
-// on every side; its hinge edge stands 1 mm inside the wall, so no light passes behind it.
+// on every side; its hinge edge is 1 mm inside the wall, so no light passes behind it.
 std::string door_ajar() {
   RoomScene s;
   s.row(2, {0.02, 1.82, -0.4, 0.4});

@@ -1,4 +1,4 @@
-// The scenes of testdata/scenes: rooms with a known aperture, closed so that no ray escapes.
+// Makes the scenes of testdata/scenes: rooms with a known aperture, closed so that no ray escapes.
 #pragma once
 #include <string>
 #include <vector>

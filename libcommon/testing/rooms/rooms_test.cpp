@@ -1,4 +1,4 @@
-// The scenes of testdata are those that the program writes, and are what their README says.
+// The scenes in testdata are those that the program writes, and match their README.
 #include "libcommon/testing/rooms/rooms.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The square of the malformed scenes, compressed. Its bytes are written down, as encoders wrote
-// them once, so that files made of them are the same wherever they are made.
+// The square of the malformed scenes, compressed. Its bytes are hard-coded, as an encoder once
+// wrote them, so that files made from them are the same everywhere.
 #pragma once
 #include "libcommon/testing/files/glb_builder.h"
 
@@ -8,8 +8,8 @@ namespace tdpt::testing {
 /// KHR_draco_mesh_compression: accessors[0] positions, accessors[1] indices, bufferViews[0].
 GlbBuilder square_by_draco();
 
-/// EXT_meshopt_compression: the same accessors, of bufferViews[0] and [1]; what they hold
-/// compressed lies in the binary chunk, 67 bytes and from byte 68 on 11.
+/// EXT_meshopt_compression: the same accessors, of bufferViews[0] and [1]; their compressed data
+/// are 67 bytes at the start of the binary chunk and 11 bytes from byte 68 on.
 GlbBuilder square_by_meshopt();
 
 /// Two by two texels, lossless.

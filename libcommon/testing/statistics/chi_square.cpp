@@ -51,7 +51,7 @@ ChiSquare chi_square(const std::vector<uint64_t>& counts, const std::vector<doub
     if (pooled_expected >= least) close();
   }
   if (impossible > least) return {INFINITY, 0, 0};
-  // What remains when all is too little for one bin.
+  // If everything together is too little for one bin.
   if (pooled_expected > 0) close();
   result.p = chi_square_p(result.statistic, result.bins > 0 ? result.bins - 1 : 0);
   return result;
@@ -101,8 +101,9 @@ std::vector<double> SphereBins::integrate(
 
 double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
                  double y1, double tolerance) {
-  // At most so many bisections of an interval. Jumps are for the inner integrals, which follow one
-  // with little work; they are ten times as exact, so that their errors look smooth to the outer.
+  // Maximum number of bisections of an interval. Discontinuities are left to the inner integrals,
+  // which can resolve one cheaply; their tolerance is ten times smaller, so that their errors look
+  // smooth to the outer integral.
   constexpr unsigned kInner = 6, kOuter = 3;
   using Rule = boost::math::quadrature::gauss_kronrod<double, 15>;
   const auto row = [&](double y) {

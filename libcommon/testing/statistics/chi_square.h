@@ -1,5 +1,5 @@
-// Whether samples follow the density they claim: Pearson's chi-square over bins of the sphere or of
-// anything else that has bins.
+// Tests whether samples follow their claimed density: Pearson's chi-square test over bins of the
+// sphere or of anything else that can be binned.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,12 +10,11 @@
 
 namespace tdpt {
 
-/// Probability that chi-square with `dof` degrees of freedom is `statistic` or more.
+/// Probability that chi-square with `dof` degrees of freedom is at least `statistic`.
 double chi_square_p(double statistic, size_t dof);
-/// Probability that of `n` trials, each a success with probability `p`, the number of successes is
-/// as far out as `hits` or further, on either side.
+/// Two-sided p-value of `hits` successes in `n` trials with success probability `p`.
 double binomial_p(uint64_t hits, uint64_t n, double p);
-/// Level for each of `tests` tests, all of which a right program passes with probability
+/// Level for each of `tests` tests such that a correct program passes all of them with probability
 /// 1 - `level` (Sidak).
 double sidak(double level, size_t tests);
 
@@ -24,9 +23,9 @@ struct ChiSquare {
   size_t bins = 0;  ///< after pooling; one more than the degrees of freedom
   double p = 1;
 };
-/// Counts against expected counts with the same sum: the last bin of both is what the others leave
-/// out. Bins in which fewer than `least` are expected are pooled. p = 0 when more than `least` fell
-/// where nothing can: quadrature may miss the corner of a bin.
+/// Counts against expected counts with the same sum: the last bin of both collects the samples
+/// outside all other bins. Bins with fewer than `least` expected are pooled. p = 0 if more than
+/// `least` samples fell where nothing is expected: quadrature may miss the corner of a bin.
 ChiSquare chi_square(const std::vector<uint64_t>& counts, const std::vector<double>& expected,
                      double least = 5);
 
@@ -35,8 +34,8 @@ class SphereBins {
  public:
   /// `rings` of equal solid angle about z.
   SphereBins(size_t rings, size_t sectors);
-  /// Rings about a narrow lobe with unit axis `axis` and half width about `width` [rad]: fine near
-  /// the axis, then ever wider, to the opposite pole.
+  /// Rings about a narrow lobe with unit axis `axis` and half width of about `width` [rad]: fine
+  /// near the axis, then wider and wider, to the opposite pole.
   SphereBins(const Vec3d& axis, double width, size_t rings, size_t sectors);
 
   size_t size() const { return (cosines_.size() - 1) * sectors_; }
@@ -50,15 +49,15 @@ class SphereBins {
   std::vector<double> cosines_;  // descending, 1 ... -1
 };
 
-/// Integral over [x0,x1] x [y0,y1] by Boost's adaptive Gauss-Kronrod rule of 15 points, nested;
-/// `tolerance` is relative. Where the integrand jumps inside, a thousandth is what can be counted
-/// on. Peaks narrower than a twelfth of a side may be missed.
+/// Integral over [x0,x1] x [y0,y1] by nested 15-point adaptive Gauss-Kronrod quadrature (Boost);
+/// `tolerance` is relative. For a discontinuous integrand expect a relative error of 1e-3. Peaks
+/// narrower than a twelfth of a side may be missed.
 double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
                  double y1, double tolerance = 1e-3);
 
-/// Draws `n` samples, sorts them into bins and compares with the `probability` of each. `draw(i)`
-/// gives the bin of sample i, or probability.size() for a sample that is none. p = 0 when the
-/// probabilities add up to more than 1.
+/// Draws `n` samples, bins them and compares the counts with the `probability` of each bin.
+/// `draw(i)` returns the bin of sample i, or probability.size() for a sample outside all bins. p =
+/// 0 if the probabilities sum to more than 1.
 template <class Draw>
 ChiSquare chi_square_of_samples(uint64_t n, const std::vector<double>& probability, Draw draw) {
   std::vector<uint64_t> counts(probability.size() + 1);

@@ -1,4 +1,4 @@
-// The judge judged: known quantiles, fair and loaded dice, densities that integrate to one.
+// Tests of the test: known quantiles, fair and loaded dice, densities that integrate to one.
 #include "libcommon/testing/statistics/chi_square.h"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST(chi_square, probabilities_above_one_fail) {
   EXPECT_EQ(all_equal(0.51), 0);
 }
 
-// On a right program p is uniform: the share of small ones is what they say.
+// For a correct program p is uniform: small p-values occur with their nominal frequency.
 TEST(chi_square, p_values_are_uniform) {
   int below = 0;
   for (uint64_t k = 0; k < 400; ++k)

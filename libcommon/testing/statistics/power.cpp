@@ -15,7 +15,7 @@ namespace {
 
 using boost::math::cdf, boost::math::complement, boost::math::quantile;
 
-/// The least x with `seen(x)`, which is false up to some x and true from there.
+/// The smallest x with `seen(x)`, which is monotonic.
 template <class Seen>
 double least(const Seen& seen) {
   double low = 0, high = 1;

@@ -1,8 +1,8 @@
 #!/bin/sh
-# power.sh BIN SEEDS PROGRAM FILTER: runs these tests of a GoogleTest program with that many fresh seeds and tells how often
-# each failed, which for a test is a false alarm and for a twin a fault that was not seen, and how many samples it takes to see
-# each fault (power_told.cpp). Exit 1 if one failed more often than once in a hundred seeds, which happens by chance to one of
-# a thousand that miss a fault once in a thousand.
+# power.sh BIN SEEDS PROGRAM FILTER: runs these tests of a GoogleTest program with that many fresh seeds. Prints how
+# often each failed (for a test a false alarm, for a twin a missed fault) and how many samples detect each fault
+# (power_told.cpp). Exit 1 if one failed for more than one seed in a hundred; a test that misses a fault once in a
+# thousand does so with probability 1/1000.
 bin=${1:?usage: power.sh BIN SEEDS PROGRAM FILTER} seeds=${2:?} program=${3:?} filter=${4:?}
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT

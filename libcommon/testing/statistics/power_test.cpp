@@ -11,17 +11,17 @@
 namespace tdpt::testing::power_test {
 
 TEST(power, of_many_degrees_of_freedom_is_that_of_the_normal_distribution) {
-  // 4.417 leaves 1e-5 outside on both sides, 3.090 leaves 1e-3 on one.
+  // 4.417 leaves 1e-5 outside on both sides, 3.090 leaves 1e-3 on one side.
   EXPECT_NEAR(least_shift(1e6), 4.417 + 3.090, 1e-3);
   EXPECT_NEAR(samples_by_drift(100, 2 * (4.417 + 3.090), 1e6), 25, 0.01);
   EXPECT_GT(least_shift(15), 1.3 * least_shift(1e6));
   EXPECT_GT(least_shift(30, {1e-7, 0.999}), least_shift(30));
-  // One block is a z whose sign is not asked.
+  // One block is a z without its sign.
   EXPECT_NEAR(std::sqrt(least_noncentrality(1)), least_shift(1e6), 1e-3);
   EXPECT_NEAR(samples_by_rms(8, std::sqrt(1 + least_noncentrality(48) / 48), 48), 8, 1e-6);
 }
 
-/// 16 runs of 48 blocks, a mean of `samples` numbers each with a deviation of 10 %.
+/// 16 runs of 48 blocks, each value the mean of `samples` numbers with a deviation of 10 %.
 BlockRuns runs_of(uint64_t seed, double samples, double bias, double in_places) {
   BlockRuns out;
   for (uint64_t r = 0; r < 16; ++r) {
@@ -38,7 +38,7 @@ BlockRuns runs_of(uint64_t seed, double samples, double bias, double in_places) 
   return out;
 }
 
-/// Share of 1000 tests of so many samples that call a fault wrong, by `p`.
+/// Share of 1000 tests with so many samples that detect a fault by `p`.
 double seen(double samples, double bias, double in_places, double Agreement::*p, double least) {
   double n = 0;
   for (uint64_t seed = 1; seed <= 1000; ++seed) {
@@ -49,7 +49,7 @@ double seen(double samples, double bias, double in_places, double Agreement::*p,
   return n / 1000;
 }
 
-// A measurement of 50 samples tells how many are enough, and a third of those are not.
+// A measurement with 50 samples tells how many suffice; a third of those do not.
 TEST(power, of_a_size_is_what_was_asked_for) {
   constexpr int kSeeds = 50;
   constexpr double kAt = 50, kLeast = 1e-3;

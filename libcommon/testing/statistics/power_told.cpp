@@ -1,8 +1,9 @@
-// power_told: how large tests must be, of what they printed with many seeds (power.sh).
+// power_told: computes the required sample sizes of tests from their output with many seeds
+// (power.sh).
 //
-// stdin: the output of GoogleTest programs, run with TDPT_SEED. stdout: for each test, for each of
-// its verdicts that found something wrong, the answer that tells it by the fewest samples, and how
-// many those are.
+// stdin: the output of GoogleTest programs run with TDPT_SEED. stdout: for each test and each of
+// its verdicts that detected a fault, the question that detects it with the fewest samples, and
+// their number.
 #include <cmath>
 #include <iostream>
 #include <map>

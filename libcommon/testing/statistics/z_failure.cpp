@@ -13,7 +13,7 @@
 namespace tdpt::testing {
 namespace {
 
-/// As part of a file's name.
+/// Made suitable for a file name.
 std::string plain(std::string name) {
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-') c = '_';
@@ -36,7 +36,7 @@ std::array<uint8_t, 3> colour_of(double z) {
 }
 
 std::string z_map(const std::vector<double>& z, size_t across) {
-  constexpr size_t kSide = 24;  // of a block [pixels]
+  constexpr size_t kSide = 24;  // side of a block [pixels]
   const size_t width = across * kSide, height = z.size() / across * kSide;
   std::vector<uint8_t> rgb;
   for (size_t y = 0; y < height; ++y)

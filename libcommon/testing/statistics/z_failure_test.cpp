@@ -22,7 +22,7 @@ class z_failure : public ::testing::Test {
   const FailuresElsewhere elsewhere_;
 };
 
-/// 8 x 6 blocks of mean 1, 1 % of noise; block 10 has 1 + bias, block 45 1 - bias.
+/// 8 x 6 blocks with mean 1 and 1 % noise; block 10 has 1 + bias, block 45 1 - bias.
 BlockRuns runs_of(uint64_t seed, double bias) {
   BlockRuns runs;
   for (uint64_t r = 0; r < 16; ++r) {

@@ -39,8 +39,7 @@ bool scattered(const std::vector<double>& values) {
   return !(m.mean > 0) || variance > 0.09 * m.mean * m.mean;
 }
 
-/// The tail of Student's |t| as a tail of the normal distribution; beyond 37 there is none to be
-/// had.
+/// Converts a two-sided tail of Student's t to a normal z; saturates at 37.
 double z_of_t(double t, double freedom) {
   const double tail = boost::math::cdf(complement(boost::math::students_t(freedom), std::abs(t)));
   const double z =
@@ -76,7 +75,7 @@ Difference difference(const std::vector<double>& first, const std::vector<double
   if (first.size() < 2 || second.size() < 2) throw std::invalid_argument("two runs at least");
   const Moments a = moments(first), b = moments(second);
   const double variance = a.variance_of_mean + b.variance_of_mean;
-  if (!(variance > 0)) return {a.mean, b.mean};  // both are nothing but zeros
+  if (!(variance > 0)) return {a.mean, b.mean};  // all values are zero
   const double freedom =
       variance * variance /
       (a.variance_of_mean * a.variance_of_mean / (static_cast<double>(first.size()) - 1) +
@@ -96,8 +95,8 @@ std::string Agreement::text() const {
 
 namespace {
 
-/// Per run: the sum over the blocks of value over brightness. Blocks much darker than the picture's
-/// mean must not decide it by their noise.
+/// Per run: the sum over the blocks of value / brightness. The brightness has a floor, so that the
+/// noise of very dark blocks does not dominate.
 std::vector<double> sums(const BlockRuns& runs, const BlockRuns& first, const BlockRuns& second) {
   std::vector<double> values(runs.runs());
   const double brightness = 0.5 * (first.mean() + second.mean());
@@ -108,13 +107,13 @@ std::vector<double> sums(const BlockRuns& runs, const BlockRuns& first, const Bl
   return values;
 }
 
-/// Student's t of the differences pair by pair, as z.
+/// Student's t of the paired differences, as z.
 double z_of_pairs(std::vector<double> first, const std::vector<double>& second) {
   const double rounding = 1e-6 * moments(first).mean;
   for (size_t r = 0; r < first.size(); ++r) first[r] -= second[r];
   const Moments m = moments(first);
   const double variance = std::max(m.variance_of_mean, rounding * rounding);
-  if (!(variance > 0)) return 0;  // both are nothing but zeros
+  if (!(variance > 0)) return 0;  // all values are zero
   return z_of_t(m.mean / std::sqrt(variance), static_cast<double>(first.size()) - 1);
 }
 
@@ -149,7 +148,7 @@ Agreement compare(const BlockRuns& first, const BlockRuns& second) {
   out.rms_z = std::sqrt(square / n);
   out.beyond_3 = static_cast<double>(beyond) / n;
   out.p_rms = boost::math::cdf(complement(boost::math::chi_squared(n), square));
-  // 1 - (1 - p)^n without loss where p is tiny.
+  // 1 - (1 - p)^n, accurate for tiny p.
   out.p_largest = -std::expm1(n * std::log1p(-std::min(two_sided(out.largest_z), 1 - 1e-16)));
   return out;
 }

@@ -1,5 +1,5 @@
-// The checker itself: how often it cries wolf, and what it sees. Data as renderings make them: 48
-// blocks of different brightness, 16 runs; a value is the mean of many samples.
+// The z-test itself: its false alarms and its power. Data resemble renderings: 48 blocks of
+// different brightness, 16 runs; a value is the mean of many samples.
 #include "libcommon/testing/statistics/z_test.h"
 
 #include <gtest/gtest.h>
@@ -32,28 +32,30 @@ double gaussian_10_percent(Rng& rng) {
 double gaussian_3_percent(Rng& rng) {
   return 1 + 0.03 * normal(rng);
 }
-/// Mean of 300 samples: one in 30 counts, with 30 times a lognormal factor of mean 1 (sigma 1).
+/// Mean of 300 samples: one in 30 is not zero, and is 30 times a lognormal factor of mean 1 (sigma
+/// 1).
 double sparse(Rng& rng) {
   double sum = 0;
   for (int i = 0; i < 300; ++i)
     if (rng.uniform() < 1.0 / 30) sum += 30 * std::exp(normal(rng) - 0.5);
   return sum / 300;
 }
-/// The same with one sample in 6: a relative deviation of 0.23 a run.
+/// The same with one sample in 6: a relative deviation of 0.23 per run.
 double skewed(Rng& rng) {
   double sum = 0;
   for (int i = 0; i < 300; ++i)
     if (rng.uniform() < 1.0 / 6) sum += 6 * std::exp(normal(rng) - 0.5);
   return sum / 300;
 }
-/// Mean of 300 samples, Pareto of exponent 2.5: no third moment. Mean 5/3 before division.
+/// Mean of 300 samples, Pareto with exponent 2.5: no third moment. Mean 5/3 before division.
 double fireflies(Rng& rng) {
   double sum = 0;
   for (int i = 0; i < 300; ++i) sum += std::pow(1 - rng.uniform(), -1 / 2.5);
   return sum / 300 / (5.0 / 3);
 }
 
-/// `bias(block)` multiplies the mean; `common`: share of noise that all blocks of a run have alike.
+/// `bias(block)` multiplies the mean; `common`: share of the noise that all blocks of a run have in
+/// common.
 BlockRuns runs_of(uint64_t seed, Noise noise, double (*bias)(size_t) = nullptr, double common = 0) {
   BlockRuns out;
   for (size_t r = 0; r < kRuns; ++r) {
@@ -98,13 +100,13 @@ TEST(z_test, the_drift_keeps_its_probability_when_blocks_of_a_run_depend_on_each
 TEST(z_test, no_false_alarm_in_thousands_of_pictures) {
   for (Noise noise : {gaussian_10_percent, skewed, sparse, fireflies})
     for (Noise other : {gaussian_3_percent, noise}) {
-      // Of a thousand: two where all light comes from ten samples a block and run, none elsewhere.
+      // Of a thousand: two if all light comes from ten samples per block and run, none elsewhere.
       const Alarms a = false_alarms(noise, other, Agreement::kLeast, 300);
       EXPECT_LE(a.drift + a.rms + a.largest, noise == sparse ? 0.01 : 0);
     }
 }
 
-/// How many of 50 pictures, 3 % of noise in each block and run, are called wrong.
+/// How many of 50 pictures with 3 % noise per block and run are rejected.
 int caught(double (*bias)(size_t), bool (*by)(const Agreement&)) {
   int n = 0;
   for (uint64_t seed = 0; seed < 50; ++seed)
@@ -129,7 +131,7 @@ TEST(z_test, twin_one_wrong_block_is_found) {
             50);
 }
 
-/// Two pictures that share their noise but for what `own` adds to each.
+/// Two pictures that share their noise except for what `own` adds to each.
 Agreement paired(uint64_t seed, Noise own, double size, double bias) {
   const BlockRuns common = runs_of(seed, gaussian_10_percent);
   BlockRuns first, second;
@@ -172,8 +174,8 @@ TEST(z_test, twin_a_picture_that_stays_black_is_found) {
 }
 
 TEST(z_test, welch_z_is_that_of_a_table) {
-  // t = 1 / sqrt(0.5) with 2 and 2 values 1 apart: t = sqrt 2, 2 degrees of freedom, one-sided
-  // p = 0.1464; the normal distribution has it at 1.052.
+  // t = 1 / sqrt(0.5) with 2 and 2 values 1 apart: t = sqrt 2, 2 degrees of freedom, one-sided p =
+  // 0.1464, which is z = 1.052 of the normal distribution.
   const Difference d = difference({1, 2}, {0, 1});
   EXPECT_DOUBLE_EQ(d.first - d.second, 1);
   EXPECT_NEAR(d.z, 1.052, 5e-4);

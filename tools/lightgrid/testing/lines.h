@@ -1,4 +1,4 @@
-// For tests: scenes cut in two, and what each kind of line tracer makes of the same lines in them.
+// For tests: scenes cut in two, and the results of each kind of line tracer for the same lines.
 #pragma once
 #include <algorithm>
 #include <cstdlib>
@@ -53,7 +53,7 @@ inline Case two_rooms(const Scene& scene = two_rooms_scene()) {
   return {scene, [](const Vec3d& p) { return p.x > 2.05; }};
 }
 
-// What a tracer makes of segments and tries.
+// Results of a tracer for segments and tries.
 struct Outcome {
   TracedLines segments, tries;
   std::vector<uint32_t> count;
@@ -72,7 +72,8 @@ inline Outcome outcome_of(LineTracer& tracer, const LightGrid& grid, uint32_t se
   tracer.counts(out.count);
   out.direction.resize(grid.count.size());
   tracer.take_directions(out.direction);
-  // Lines through the middles of lines that join, in any direction, and some tries that are none.
+  // Lines in any direction through the middles of lines that connect the sides, and some tries
+  // without direction.
   std::vector<shader::LineTry> tries(4096);
   for (size_t i = 0; i < tries.size(); ++i) {
     const shader::LineEnds& line = out.segments.ends[i % out.segments.size()];
@@ -114,7 +115,7 @@ inline void expect_same(const Outcome& a, const Outcome& b) {
   EXPECT_EQ(differences(a.tries, b.tries), 0u);
   EXPECT_TRUE(a.count == b.count);
   EXPECT_TRUE(a.direction == b.direction);
-  // Of something.
+  // The test must have something to compare.
   EXPECT_GT(joining(a.segments), 20u);
   EXPECT_GE(joining(a.tries), 10u);
   EXPECT_GT(std::count(a.tries.fate.begin(), a.tries.fate.end(), LineFate::same_side), 10);
@@ -128,7 +129,7 @@ class LineTracers : public ::testing::Test {
     device = std::make_unique<gpu::Device>(gpu::Device::open());
   }
   void TearDown() override {
-    device.reset();  // what is left over is told now
+    device.reset();  // leaks are reported now
     EXPECT_EQ(gpu::take_validation_messages(), std::vector<std::string>());
   }
   Outcome on_device(const Case& c, const LightGrid& grid, uint32_t n, uint64_t seed = kSeed,

@@ -1,5 +1,5 @@
-// For tests: the cut that a perfect ffgraph and mincut would give for a scene whose two sides a
-// plane parts.
+// For tests: the ideal cut of a scene that a plane divides into two sides, as a perfect ffgraph and
+// mincut would find it.
 #pragma once
 #include <functional>
 #include <map>
@@ -13,9 +13,10 @@
 
 namespace tdpt::testing {
 
-/// Patches are grid cells (longest side / 24) and facing sides of triangles' main axes; arcs count
-/// the rays of `n` area-uniform points with cosine directions that lead from one side to the other.
-/// A patch belongs to the source side when its centre [metres] satisfies `is_source`.
+/// Patches are grid cells (longest side / 24) and facing sides by the main axis of their triangles;
+/// arcs count the rays from one side to the other, of `n` area-uniform points with
+/// cosine-distributed directions. A patch is on the source side if its centre [metres] satisfies
+/// `is_source`.
 inline CutFile perfect_cut(const Scene& scene, size_t n,
                            const std::function<bool(const Vec3d&)>& is_source) {
   CutFile cut;

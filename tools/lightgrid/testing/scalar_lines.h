@@ -1,5 +1,6 @@
-// The compute shader's twin: the same text compiled as C++, over the same BVH. What it counts, the
-// shader counts, to the last voxel; slow, and there to say so.
+// The scalar build of the compute shaders: the same source compiled as C++ over the same BVH. The
+// shaders must count exactly what it counts, in every voxel. It is slow and serves as the
+// reference.
 #pragma once
 #include <memory>
 
