@@ -25,8 +25,7 @@ struct Error : std::runtime_error {
 /// Something is wrong in an input file. `place` says where in it: "line 7", "accessors[3]"; empty:
 /// the file as a whole.
 struct InputError : Error {
-  explicit InputError(const std::string& line)
-      : Error(Exit::bad_input, line) {}  ///< the complete message
+  explicit InputError(const std::string& line) : Error(Exit::bad_input, line) {}  ///< all of it
   InputError(const std::string& file, const std::string& place, const std::string& message)
       : Error(Exit::bad_input, file + ":" + (place.empty() ? "" : place + ":") + " " + message) {}
 };

@@ -46,8 +46,8 @@ class Tracer {
     Vec3d normal{};
   };
 
-  /// First surface along unit direction `w`; false if there is none. Also false if it is at `from`
-  /// itself, but then `hit` has its triangle: nothing was left.
+  /// First surface along unit direction `w`; false if there is none. Also false if the hit is at
+  /// `from` itself, because the ray did not leave the surface; then `hit` has its triangle.
   bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
 
   /// The same without an offset: rays both ways along a line from one point hit each surface once
