@@ -23,7 +23,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_every_voxel_of_rooms) {
     SCOPED_TRACE(name);
     const Case c = room(name);
     const LightGrid grid = empty_grid(c.scene, 64);
-    expect_same(on_device(c, grid, 20000), on_twin(c, grid, 20000));
+    expect_same(on_device(c, grid, 20000), on_scalar_build(c, grid, 20000));
   }
 }
 
@@ -32,7 +32,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_at_128_and_256) {
   for (const int resolution : {128, 256}) {
     SCOPED_TRACE(resolution);
     const LightGrid grid = empty_grid(c.scene, resolution);
-    expect_same(on_device(c, grid, 10000), on_twin(c, grid, 10000));
+    expect_same(on_device(c, grid, 10000), on_scalar_build(c, grid, 10000));
   }
 }
 
@@ -43,7 +43,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_veach_ajar) {
   for (const int resolution : {64, 128, 256}) {
     SCOPED_TRACE(resolution);
     const LightGrid grid = empty_grid(c.scene, resolution);
-    expect_same(on_device(c, grid, 20000), on_twin(c, grid, 20000));
+    expect_same(on_device(c, grid, 20000), on_scalar_build(c, grid, 20000));
   }
 }
 
@@ -66,7 +66,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_in_odd_scenes) {
     const Case c = halved(scene);
     const LightGrid grid = empty_grid(c.scene, 37);
     EXPECT_EQ(grid.dim[1] == 1, i == 1);
-    expect_same(on_device(c, grid, 10000), on_twin(c, grid, 10000));
+    expect_same(on_device(c, grid, 10000), on_scalar_build(c, grid, 10000));
   }
 }
 
@@ -161,7 +161,7 @@ double share_unlike_embree(const Case& c, uint32_t n, float shift = 0) {
   return static_cast<double>(different) / n;
 }
 
-TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most) {
+TEST(LinesOfEmbree, differ_from_the_scalar_build_in_one_of_10000_at_most) {
   for (const char* name : {"two-rooms", "three-rooms", "door-ajar", "window", "half-metre-hole"}) {
     const double share = share_unlike_embree(room(name), 100000);
     RecordProperty(name, std::to_string(share * 1e6) + "e-6");
@@ -170,7 +170,7 @@ TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most) {
   EXPECT_GT(share_unlike_embree(two_rooms(), 20000, 1), 1e-3);  // twin
 }
 
-TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_10000_at_most_in_veach_ajar) {
+TEST(LinesOfEmbree, differ_from_the_scalar_build_in_one_of_10000_at_most_in_veach_ajar) {
   const std::string path = TDPT_SHARED "/scenes/veach-ajar.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const double share = share_unlike_embree(halved(read_gltf(path)), 100000);
@@ -189,7 +189,7 @@ TEST_F(LineTracers, agree_on_what_is_there_with_a_probability) {
     const Case c = two_rooms(with_sheet(all[i], small_image()));
     const LightGrid grid = empty_grid(c.scene, 16);
     const Outcome device_outcome = on_device(c, grid, 20000);
-    expect_same(device_outcome, on_twin(c, grid, 20000));
+    expect_same(device_outcome, on_scalar_build(c, grid, 20000));
     // The sheet blocks some of the light.
     EXPECT_LT(joining(device_outcome.segments), 0.9 * static_cast<double>(open));
     EXPECT_LE(share_unlike_embree(c, 100000), 1e-4);

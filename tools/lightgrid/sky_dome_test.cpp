@@ -41,7 +41,7 @@ Case under_a_sky() {
 TEST_F(LineTracers, device_and_twin_count_the_same_under_a_sky) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);
-  const Outcome scalar = on_twin(c, grid, 20000);
+  const Outcome scalar = on_scalar_build(c, grid, 20000);
   expect_same(on_device(c, grid, 20000), scalar);
   size_t from_sky = 0;
   for (size_t i = 0; i < scalar.segments.size(); ++i)
@@ -58,7 +58,7 @@ TEST_F(LineTracers, device_and_twin_count_the_same_under_a_sky) {
 
 // The scalar build's triangles are as exact as before; because of the dome everything else is 32
 // times as large.
-TEST(LinesOfEmbree, differ_from_the_twin_in_one_of_3000_at_most_under_a_sky) {
+TEST(LinesOfEmbree, differ_from_the_scalar_build_in_one_of_3000_at_most_under_a_sky) {
   const Case c = under_a_sky();
   const LightGrid grid = empty_grid(c.scene, 64);
   constexpr uint32_t kLines = 40000;

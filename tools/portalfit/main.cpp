@@ -1,4 +1,4 @@
-// portalfit: planar light portals fitted to a light grid.
+// portalfit: fits planar light portals to a light grid.
 #include <algorithm>
 #include <set>
 

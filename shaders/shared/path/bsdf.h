@@ -286,7 +286,7 @@ struct Facet {
            ///< grazing
   REAL dh_dto;      ///< solid angle of h per solid angle of `to`
   REAL f_jacobian;  ///< f = Fresnel part * D * G2/(cos cos) * this
-  bool connections;
+  bool connects;
 };
 SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   Facet facet;
@@ -295,7 +295,7 @@ SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   facet.q = 0.0f;
   facet.dh_dto = 0.0f;
   facet.f_jacobian = 0.0f;
-  facet.connections = false;
+  facet.connects = false;
   bool reflects = to.z > 0.0f;
   if (!(view.from.z > kRoughGrazing) || !(abs(to.z) > kRoughGrazing)) return facet;
   if (!reflects && !view.passes) return facet;
@@ -309,8 +309,8 @@ SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
   facet.h = h * (!mirrored && h.z < 0.0f ? -over_l : over_l);
   facet.cosine = dot(view.from, facet.h);
   REAL cos_to = mirrored ? facet.cosine : -dot(to, facet.h);
-  facet.connections = facet.cosine > 0.0f && cos_to > 0.0f;
-  if (!facet.connections) return facet;
+  facet.connects = facet.cosine > 0.0f && cos_to > 0.0f;
+  if (!facet.connects) return facet;
   if (mirrored) {
     if (view.passes) facet.q = refracted_q(facet.cosine, view.ratio, view.rise);
     facet.dh_dto = 0.25f * reciprocal(facet.cosine);
@@ -349,7 +349,7 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities sha
     if (view.sheen) lobes.pdf_w += shares.sheen * (0.5f * INVERSE_PI);
   }
   Facet m = facet_between(view, w);
-  if (view.interfaced && dirac == is_smooth(view) && (dirac || m.connections)) {
+  if (view.interfaced && dirac == is_smooth(view) && (dirac || m.connects)) {
     REAL c = dirac ? view.from.z : m.cosine;
     REAL q = m.q;
     if (dirac && view.passes) q = refracted_q(c, view.ratio, view.rise);

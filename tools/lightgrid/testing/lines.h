@@ -137,7 +137,7 @@ class LineTracers : public ::testing::Test {
     const auto tracer = make_gpu_lines(*device, c.scene, c.tables, grid, seed, bounds);
     return outcome_of(*tracer, grid, n);
   }
-  Outcome on_twin(const Case& c, const LightGrid& grid, uint32_t n) {
+  Outcome on_scalar_build(const Case& c, const LightGrid& grid, uint32_t n) {
     return outcome_of(*make_scalar_lines(c.scene, c.tables, grid, kSeed), grid, n);
   }
   std::unique_ptr<gpu::Device> device;
