@@ -76,21 +76,21 @@ std::vector<double> solved(std::vector<double> A, std::vector<double> B, size_t 
 CostPosterior::CostPosterior(const std::vector<Evidence>& all) : logs_(all.size()) {
   const size_t n = all.size();
   if (n == 0) return;
-  const Measured told = measured(all);
+  const Measured measurement = measured(all);
   std::vector<double> prior(n * n), sum(n * n);
   for (size_t i = 0; i < n; ++i)
     for (size_t j = 0; j < n; ++j) {
       const size_t at = i * n + j;
       prior[at] = kUnknown + shared(all[i], all[j], kEffects, kOwn);
-      sum[at] =
-          prior[at] + kTails * told.covariance[at] + shared(all[i], all[j], kErrors, kOwnError);
+      sum[at] = prior[at] + kTails * measurement.covariance[at] +
+                shared(all[i], all[j], kErrors, kOwnError);
     }
   const std::vector<double> gain = solved(sum, prior, n);  // transposed
   covariance_ = prior;
   for (size_t i = 0; i < n; ++i) {
     logs_[i] = expected(all[i]);
     for (size_t k = 0; k < n; ++k) {
-      logs_[i] += gain[k * n + i] * (told.logs[k] - expected(all[k]));
+      logs_[i] += gain[k * n + i] * (measurement.logs[k] - expected(all[k]));
       for (size_t j = 0; j < n; ++j) covariance_[i * n + j] -= gain[k * n + i] * prior[k * n + j];
     }
   }

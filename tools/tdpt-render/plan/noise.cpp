@@ -58,15 +58,15 @@ NoiseWatch::NoiseWatch(const Film& film, uint64_t samples)
 
 std::optional<Noise> NoiseWatch::noise(const Film& film) const {
   if (blocks_.blocks().size() < 4) return {};
-  const ErrorEstimate told = estimate_error(blocks_.blocks());
-  if (!told.lit) return {};
+  const ErrorEstimate estimate = estimate_error(blocks_.blocks());
+  if (!estimate.lit) return {};
   Noise noise;
   noise.relmse =
-      told.relmse * static_cast<double>(blocks_.size()) / static_cast<double>(film.samples());
-  noise.low = noise.relmse / interval_factor(told);
-  noise.high = noise.relmse * interval_factor(told);
+      estimate.relmse * static_cast<double>(blocks_.size()) / static_cast<double>(film.samples());
+  noise.low = noise.relmse / interval_factor(estimate);
+  noise.high = noise.relmse * interval_factor(estimate);
   // With four blocks, of which two tell how bright a pixel is, it is then up to a fifth too large.
-  noise.tells = told.relmse <= 0.2;
+  noise.tells = estimate.relmse <= 0.2;
   return noise;
 }
 

@@ -228,8 +228,8 @@ bool can_spare(double spp, uint64_t pixels, const Pilot& pilot) {
 }
 
 uint64_t groups_for(double spp, uint64_t pixels, const Pilot& pilot) {
-  const Forecast told = pilot.forecast();
-  const double work = told.estimates[told.best].work * spp * static_cast<double>(pixels);
+  const Forecast forecast = pilot.forecast();
+  const double work = forecast.estimates[forecast.best].work * spp * static_cast<double>(pixels);
   const double groups = std::min(kPilotShare * work / pilot.work_of_group(), 0. + kMostGroups);
   return static_cast<uint64_t>(groups) / PilotSums::kBatches * PilotSums::kBatches;
 }

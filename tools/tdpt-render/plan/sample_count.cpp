@@ -79,7 +79,7 @@ void aim_at_error(Session& session, const Integrator& integrator, const Film& fi
 // Blocks of that many samples are trusted more than a pilot in any case.
 constexpr uint64_t kTelling = 8;
 
-ErrorEstimate told_by(const PictureBlocks& blocks) {
+ErrorEstimate estimate_of(const PictureBlocks& blocks) {
   return blocks.blocks().size() > 2 ? estimate_error(blocks.blocks()) : ErrorEstimate{};
 }
 
@@ -124,28 +124,28 @@ SampleCount count_samples(Session& session, const Integrator& integrator, const 
 // fewer than three.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target) {
   target.stop = stop_of(settings, at, target);
-  ErrorEstimate told = told_by(at.blocks);
+  ErrorEstimate estimate = estimate_of(at.blocks);
   uint64_t of = at.blocks.size();
-  if (!tells(told) && of < kTelling && !at.pilot.rounds.empty()) {
+  if (!tells(estimate) && of < kTelling && !at.pilot.rounds.empty()) {
     const ErrorPilot::Round& round = at.pilot.about(at.samples);
-    if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !told.lit))
-      told = round.estimate, of = round.samples;
+    if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !estimate.lit))
+      estimate = round.estimate, of = round.samples;
   }
   target.relmse.reset();
-  if (!told.lit) return;
-  target.relmse = told.relmse * static_cast<double>(of) / static_cast<double>(at.samples);
-  target.low = *target.relmse / interval_factor(told);
-  target.high = *target.relmse * interval_factor(told);
+  if (!estimate.lit) return;
+  target.relmse = estimate.relmse * static_cast<double>(of) / static_cast<double>(at.samples);
+  target.low = *target.relmse / interval_factor(estimate);
+  target.high = *target.relmse * interval_factor(estimate);
 }
 
 std::optional<uint64_t> goal_of_retry(const RenderSettings& settings, const TargetProgress& at,
                                       TargetOutcome& target) {
   if (!settings.retry || target.retried) return {};
-  const ErrorEstimate told = told_by(at.blocks);
-  const bool known = tells(told) || (told.lit && at.blocks.size() >= kTelling);
+  const ErrorEstimate estimate = estimate_of(at.blocks);
+  const bool known = tells(estimate) || (estimate.lit && at.blocks.size() >= kTelling);
   if (target.stop != TargetOutcome::Stop::fixed || target.reached() || !known) return {};
   const uint64_t needed =
-      samples_needed(told, at.blocks.blocks().size(), at.blocks.size(), target.error);
+      samples_needed(estimate, at.blocks.blocks().size(), at.blocks.size(), target.error);
   const uint64_t goal = settings.spp > 0 ? std::min(needed, settings.spp) : needed;
   if (goal <= at.samples) {
     if (needed > goal) target.stop = TargetOutcome::Stop::spp;

@@ -79,7 +79,7 @@ Decision kinds_of_light(const Rendered& r) {
   if (r.choice.by_arrival)
     return {"kinds of light", r.choice.planned ? "chosen as planned" : "chosen by what arrives",
             "by power a sky would outrank every lamp indoors: " + shares,
-            r.choice.planned ? "nothing is measured" : "told by the exploration"};
+            r.choice.planned ? "nothing is measured" : "measured by the exploration"};
   return {"kinds of light", "chosen by power", "no sky stands beside other lights: " + shares,
           "nothing is measured"};
 }
@@ -117,7 +117,7 @@ Decisions portals(const Rendered& r) {
         {"portals", "looked at",
          fmt::format("a small picture tells which of the {} the light passes, and which way",
                      r.portals.size()),
-         "told by the exploration"});
+         "measured by the exploration"});
   for (const PortalWay& w : r.choice.ways) {
     const Portal& portal = r.portals[w.portal];
     const auto light = portal.figures.find(kLight);
@@ -146,7 +146,7 @@ Decisions worth_of_portals(const Rendered& r) {
                      estimates[gain->with].integrator, number_words(gain->times, 2),
                      number_words(gain->low, 2), number_words(gain->high, 2),
                      estimates[gain->without].integrator),
-         "told by the pilot"});
+         "measured by the pilot"});
   }
   for (size_t i = 0; i < r.portals.size(); ++i)
     if (const std::string why = useless_portal(r.portals, i, r.result); !why.empty())
@@ -226,7 +226,7 @@ Decisions outputs(const Rendered& r) {
                     done ? price : "no memory, no sums"};
   };
   return {asked("layers", s.layers, "--layers", "a sum more for each contribution"),
-          asked("frames", s.frames, "--stats", "measured aside, not in the times told"),
+          asked("frames", s.frames, "--stats", "measured aside, not in the times given"),
           asked("alpha", s.alpha, "--alpha", "a count for each sample")};
 }
 
