@@ -1,7 +1,4 @@
 // portalfit: fits planar light portals to a light grid.
-#include <algorithm>
-#include <set>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +19,7 @@
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
 #include "tools/portalfit/renderers.h"
+#include "tools/portalfit/report.h"
 
 namespace tdpt {
 namespace {
@@ -110,45 +108,13 @@ Written choose(const cli::Common& common, const std::vector<cli::Common::Input>&
   return out;
 }
 
-constexpr size_t kMostNamed = 4;
-
-// "3 portals: portal.0 0.69 m2 with 74 % of the light, ..."; the largest shares come first.
-std::string portals_sentence(const nlohmann::json& written) {
-  std::vector<std::string> named;
-  const size_t n = written.size();
-  for (size_t i = 0; i < n && (n <= kMostNamed || i + 1 < kMostNamed); ++i) {
-    const auto& f = written[i];
-    std::string text = fmt::format("{} {} m2", f["name"].get<std::string>(),
-                                   number_words(f["area"].get<double>(), 2));
-    if (f.contains("flux_share"))
-      text += fmt::format(" with {}{}", percent_words(f["flux_share"].get<double>()),
-                          i == 0 ? " of the light" : "");
-    if (const std::string drawback = f["drawback"]; !drawback.empty())
-      text += " (" + drawback + ")";
-    named.push_back(text);
-  }
-  if (named.size() < n) named.push_back(fmt::format("and {} more", n - named.size()));
-  return fmt::format("{}: {}", counted(n, "portal"), fmt::join(named, ", "));
-}
-
-// Of portals that are not written, each reason once.
-std::string left_out_sentence(const std::vector<std::string>& useless) {
-  const std::set<std::string> why(useless.begin(), useless.end());
-  const auto n = static_cast<size_t>(
-      std::count_if(useless.begin(), useless.end(), [](const auto& w) { return !w.empty(); }));
-  std::vector<std::string> reasons;
-  std::copy_if(why.begin(), why.end(), std::back_inserter(reasons),
-               [](const std::string& w) { return !w.empty(); });
-  return fmt::format("left out {}: {}; --all writes {}", counted(n, "portal"),
-                     fmt::join(reasons, "; "), n == 1 ? "it" : "them");
-}
-
 constexpr double kNearlyAll = 0.95;  // of the light, explained by the portals
 
 // Notes, and what the summary says of the portals that are written.
 nlohmann::json tell(const cli::Common& common, const FitResult& found,
                     const std::vector<std::string>& useless) {
   nlohmann::json written = nlohmann::json::array();
+  std::vector<Portal> portals;
   for (size_t i = 0; i < found.portals.size(); ++i) {
     const auto& f = found.portals[i].figures;
     if (!useless[i].empty()) continue;
@@ -156,8 +122,9 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     entry["name"] = fmt::format("portal.{}", written.size());
     entry["drawback"] = drawback_of(f);
     written.push_back(entry);
+    portals.push_back(found.portals[i]);
   }
-  if (!written.empty()) common.note(portals_sentence(written));
+  if (!portals.empty()) common.note(portals_sentence(portals));
   if (written.size() < found.portals.size()) common.note(left_out_sentence(useless));
   if (!written.empty() && !found.refused.empty() && found.explained < kNearlyAll)
     common.note("no further opening: the rest of the light does not pass one narrow place");

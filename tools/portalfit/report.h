@@ -1,0 +1,18 @@
+// What a plain run says of the portals that it found, a line each.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/formats/portal.h"
+
+namespace tdpt {
+
+/// "3 portals: portal.0 0.69 m2 with 74 % of the light, ..."; of many only the first are named.
+/// There is at least one; each has its figures.
+std::string portals_sentence(const std::vector<Portal>& portals);
+
+/// How many portals are not written, and each reason once. `why`: of every portal found why it is
+/// useless, empty where it is not [choice.h].
+std::string left_out_sentence(const std::vector<std::string>& why);
+
+}  // namespace tdpt

@@ -1,0 +1,33 @@
+#include "tools/portalfit/report.h"
+
+#include <gtest/gtest.h>
+
+namespace tdpt::report_test {
+
+Portal portal(double area, double share) {
+  Portal p;
+  p.figures = {{"area", area}, {"flux_share", share}, {"tightness", 0.9}, {"conductance", 0.01}};
+  return p;
+}
+
+TEST(portalfit_report, portals_are_one_line_however_many_there_are) {
+  EXPECT_EQ(portals_sentence({portal(0.694, 0.742)}),
+            "1 portal: portal.0 0.69 m2 with 74 % of the light");
+  EXPECT_EQ(portals_sentence({portal(0.69, 0.74), portal(2, 0.1)}),
+            "2 portals: portal.0 0.69 m2 with 74 % of the light, portal.1 2 m2 with 10 %");
+  EXPECT_EQ(
+      portals_sentence(std::vector<Portal>(9, portal(1, 0.1))),
+      "9 portals: portal.0 1 m2 with 10 % of the light, portal.1 1 m2 with 10 %, portal.2 1 m2 "
+      "with 10 %, and 6 more");
+  Portal wide = portal(1, 0.5);
+  wide.figures["conductance"] = 0.2;
+  EXPECT_NE(portals_sentence({wide}).find("of the light (a wide way, "), std::string::npos);
+}
+
+TEST(portalfit_report, what_is_left_out_is_one_line_with_each_reason_once) {
+  EXPECT_EQ(left_out_sentence({"", "dim"}), "left out 1 portal: dim; --all writes it");
+  EXPECT_EQ(left_out_sentence({"wide", "", "dim", "dim"}),
+            "left out 3 portals: dim; wide; --all writes them");
+}
+
+}  // namespace tdpt::report_test
