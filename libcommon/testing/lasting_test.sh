@@ -200,7 +200,7 @@ parts_twin() {
   refused 3 'is of another portal (none, expected' exrmerge a.exr other.exr -o x.exr
   room --spp 8 --shard 1/2 --integrator bdpt -o other.exr
   refused 3 'is of another integrator (bdpt, expected auto)' exrmerge a.exr other.exr -o x.exr
-  sed 's/"joined": [0-9.]*/"joined": 3.5/' plan.json >other.json
+  sed 's/"connected": [0-9.]*/"connected": 3.5/' plan.json >other.json
   cmp -s plan.json other.json && fail "the other plan is the same"
   room --plan other.json --shard 1/2 -o other.exr
   refused 3 'was rendered by another plan' exrmerge a.exr other.exr -o x.exr

@@ -42,10 +42,9 @@ TEST_F(films, that_are_not_all_there_are_told) {
     check_whole(all, "a.exr");
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_STREQ(
-        e.what(),
-        "a.exr:film: samples 0 to 3 and 6 to 7 of 8 are missing; --gaps makes a picture of "
-        "the others");
+    EXPECT_STREQ(e.what(),
+                 "a.exr: samples 0 to 3 and 6 to 7 of 8 are missing; --gaps makes a picture of "
+                 "the others");
   }
   EXPECT_THROW(check_whole(merged({film({0, 0})}), "a.exr"), InputError);
 }

@@ -42,10 +42,10 @@ std::string picture_bytes(const Arguments& a, FilmFile& film) {
 
 int run(const Arguments& a, const cli::Common& common) {
   FilmFile film = merged(a.films);
-  const std::string names =
-      a.films.size() == 1
-          ? a.films.front()
-          : fmt::format("{} and {} more", a.films.front(), cli::plural(a.films.size() - 1, "film"));
+  const std::string names = a.films.size() == 1
+                                ? a.films.front()
+                                : fmt::format("{} and {}", a.films.front(),
+                                              cli::plural(a.films.size() - 1, "other film"));
   if (!a.film && !a.gaps) check_whole(film, names);
   if (common.no_provenance) film.facts.attributes.erase(provenance_attribute);
   if (film.facts.processor.find(", ") != std::string::npos)

@@ -29,9 +29,9 @@ FilmFile merged(const std::vector<std::string>& paths) {
 
 void check_whole(const FilmFile& film, const std::string& file) {
   const std::vector<SampleRange> gaps = film.gaps();
-  if (film.film.samples() == 0) throw InputError(file, "film", "has no samples");
+  if (film.film.samples() == 0) throw InputError(file, "", "has no samples");
   if (gaps.empty()) return;
-  throw InputError(file, "film",
+  throw InputError(file, "",
                    fmt::format("{} of {} are missing; --gaps makes a picture of the others",
                                words_of(gaps), film.facts.spp));
 }

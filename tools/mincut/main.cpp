@@ -127,9 +127,10 @@ std::string bottlenecks_sentence(const std::vector<CutFacts>& cuts) {
   const auto narrowest = std::min_element(
       cuts.begin(), cuts.end(),
       [](const CutFacts& a, const CutFacts& b) { return a.conductance < b.conductance; });
-  return fmt::format("{} between light and camera; {} of the light on {} smaller side crosses it",
-                     counted(cuts.size(), "bottleneck"), percent_words(narrowest->conductance),
-                     cuts.size() > 1 ? "the narrowest one's" : "its");
+  return fmt::format("{} between light and camera{} lets {} of the light through",
+                     counted(cuts.size(), "bottleneck"),
+                     cuts.size() > 1 ? "; the narrowest" : ", which",
+                     percent_words(narrowest->conductance));
 }
 
 // A note, and what the summary says of the bottlenecks and of the cuts that are none.

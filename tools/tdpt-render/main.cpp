@@ -125,7 +125,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (result.cut_short && !(job.checkpoint() + job.a.plan).empty())
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
-  if (result.noise) common.note(noise_sentence(*result.noise));
+  if (result.noise) common.note(noise_sentence(*result.noise, result.seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
 }

@@ -187,21 +187,23 @@ TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   r.forecast.portals = {{3, 2, 4.5}, 1, 0};
   EXPECT_EQ(choice_sentence(r),
             "rendering with tdpt-org: for the same noise bdpt would take 3 times as long");
-  EXPECT_EQ(verdict_sentence(r), "portals pay in this view (3 times, 2 to 4.5)");
+  EXPECT_EQ(verdict_sentence(r), "portals pay in this view (3 times as fast, 2 to 4.5)");
   r.forecast.estimates[1].cost = 18000;
   r.forecast.portals = {{0.5, 0.4, 0.62}, 1, 0};
   r.chosen = 0;
   r.chosen_label = "bdpt";
   EXPECT_EQ(choice_sentence(r),
             "rendering with bdpt: for the same noise tdpt-org would take 2 times as long");
-  EXPECT_EQ(verdict_sentence(r),
-            "portals do not pay in this view (0.5 times, 0.4 to 0.62): rendering without them");
+  EXPECT_EQ(
+      verdict_sentence(r),
+      "portals do not pay in this view (0.5 times as fast, 0.4 to 0.62): rendering without them");
   r.forecast.estimates[1].cost = 9100;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt: tdpt-org would do as well");
   r.forecast.portals = {{0.8, 0.5, 1.1}, 1, 0};
-  EXPECT_EQ(verdict_sentence(r),
-            "portals probably do not pay in this view (0.8 times, 0.5 to 1.1): rendering without "
-            "them");
+  EXPECT_EQ(
+      verdict_sentence(r),
+      "portals probably do not pay in this view (0.8 times as fast, 0.5 to 1.1): rendering without "
+      "them");
   r.forecast.estimates[1].cost = INFINITY;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt: all others miss light");
   for (CandidateEstimate& p : r.forecast.estimates) p.cost = 0;

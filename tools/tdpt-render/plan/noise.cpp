@@ -11,7 +11,13 @@
 namespace tdpt {
 namespace {
 
-constexpr double kClean = 0.01;  // relMSE that most people call clean
+constexpr double kClean = 0.01, kVery = 0.2;  // relMSE that most people call clean, and very noisy
+
+std::string duration_words(double seconds) {
+  if (seconds < 100) return fmt::format("{} s here", number_words(seconds, 2));
+  if (seconds < 6000) return fmt::format("{} minutes here", number_words(seconds / 60, 2));
+  return fmt::format("{} hours here", number_words(seconds / 3600, 2));
+}
 
 // Pixels that far apart, row by row, come to every column in turn.
 size_t step_of(const Film& film) {
@@ -31,16 +37,18 @@ std::string words_of(const Noise& noise) {
                      number_words(noise.low, 2), number_words(noise.high, 2));
 }
 
-std::string noise_sentence(const Noise& noise) {
+std::string noise_sentence(const Noise& noise, double seconds) {
   // As relMSE falls with 1 / samples; powers of two are the best numbers of them.
-  const auto times = [](double relmse) {
-    return fmt::format("{:.0f} times as many samples, or --target-error {}",
-                       std::exp2(std::ceil(std::log2(relmse / kClean))), number_words(kClean));
+  const auto times = [&](double relmse) {
+    const double more = std::exp2(std::ceil(std::log2(relmse / kClean)));
+    return fmt::format("{:.0f} times as many samples ({}), or --target-error {}", more,
+                       duration_words(more * seconds), number_words(kClean));
   };
   if (!noise.tells) {
     const double least = std::min(noise.low, 0.5);
-    return fmt::format("very noisy (relMSE above {}); for a clean picture: at least {}",
-                       number_words(least, 2), times(least));
+    if (least <= kClean) return "noise not known yet (relMSE above " + number_words(least, 2) + ")";
+    return fmt::format("{} noisy (relMSE above {}); for a clean picture: at least {}",
+                       least > kVery ? "very" : "still", number_words(least, 2), times(least));
   }
   const std::string relmse = fmt::format("relMSE {}, {} to {}", number_words(noise.relmse, 2),
                                          number_words(noise.low, 2), number_words(noise.high, 2));

@@ -19,7 +19,8 @@ struct Noise {
 /// While it renders: "relMSE about 0.012 [0.011, 0.014]", or that more samples are needed to tell.
 std::string words_of(const Noise& noise);
 /// At the end: how noisy the picture is, and what a clean one takes.
-std::string noise_sentence(const Noise& noise);
+/// `seconds`: that it took on this machine.
+std::string noise_sentence(const Noise& noise, double seconds);
 
 class NoiseWatch {
  public:

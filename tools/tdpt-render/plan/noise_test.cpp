@@ -57,13 +57,18 @@ double told_over_truth(uint64_t samples, uint64_t before = 0, bool again = false
 }
 
 TEST(noise, is_said_with_what_a_clean_picture_takes) {
-  EXPECT_EQ(noise_sentence({0.004, 0.003, 0.005, true}), "clean (relMSE 0.004, 0.003 to 0.005)");
-  EXPECT_EQ(noise_sentence({0.45, 0.3, 0.6, true}),
+  EXPECT_EQ(noise_sentence({0.004, 0.003, 0.005, true}, 2), "clean (relMSE 0.004, 0.003 to 0.005)");
+  EXPECT_EQ(noise_sentence({0.45, 0.3, 0.6, true}, 2),
             "still noisy (relMSE 0.45, 0.3 to 0.6); for a clean picture: about 64 times as many "
-            "samples, or --target-error 0.01");
-  EXPECT_EQ(noise_sentence({3, 1, 9, false}),
+            "samples (2.1 minutes here), or --target-error 0.01");
+  EXPECT_EQ(noise_sentence({0.05, 0.025, 0.1, false}, 2),
+            "still noisy (relMSE above 0.025); for a clean picture: at least 4 times as many "
+            "samples (8 s here), or --target-error 0.01");
+  EXPECT_EQ(noise_sentence({0.02, 0.008, 0.1, false}, 2),
+            "noise not known yet (relMSE above 0.008)");
+  EXPECT_EQ(noise_sentence({3, 1, 9, false}, 200),
             "very noisy (relMSE above 0.5); for a clean picture: at least 64 times as many "
-            "samples, or --target-error 0.01");
+            "samples (3.6 hours here), or --target-error 0.01");
 }
 
 TEST(noise, is_that_of_the_picture) {

@@ -127,8 +127,8 @@ std::string useless_portals(const std::vector<Portal>& portals, const RenderResu
   for (size_t i = 0; i < portals.size(); ++i)
     if (portal_statistics_of(i, result).useless()) names.push_back(portals[i].name);
   if (names.empty()) return "";
-  return "next to no light came through " + names_of(names) + ": leave " +
-         (names.size() == 1 ? "it" : "them") + " out to save time";
+  return "next to no light came through " + names_of(names) + ": " +
+         (names.size() == 1 ? "it was" : "they were") + " of no use";
 }
 
 std::string useless_portal(const std::vector<Portal>& portals, size_t portal,

@@ -26,7 +26,7 @@ TEST(portals_report, a_portal_off_the_lights_way_is_called_useless_and_one_in_th
   portals[1].name = "corner";
   const RenderResult result = render_with(portals);
   EXPECT_EQ(useless_portals(portals, result),
-            "next to no light came through corner: leave it out to save time");
+            "next to no light came through corner: it was of no use");
   EXPECT_EQ(useless_portal(portals, 0, result), "");
   EXPECT_NE(useless_portal(portals, 1, result)
                 .find("samples connected a lamp with the camera, they brought"),

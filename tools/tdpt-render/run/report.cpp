@@ -156,8 +156,9 @@ std::string choice_sentence(const RenderResult& result) {
 std::string verdict_sentence(const RenderResult& result) {
   const std::optional<PortalsGain>& gain = result.forecast.portals;
   if (!gain) return "";
-  const std::string times = fmt::format("({} times, {} to {})", number_words(gain->times, 2),
-                                        number_words(gain->low, 2), number_words(gain->high, 2));
+  const std::string times =
+      fmt::format("({} times as fast, {} to {})", number_words(gain->times, 2),
+                  number_words(gain->low, 2), number_words(gain->high, 2));
   // Where the interval holds 1 the pilot cannot be sure.
   const bool sure = gain->low > 1 || gain->high < 1;
   if (!result.forecast.estimates[result.chosen].with_portals)
