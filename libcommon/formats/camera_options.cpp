@@ -181,7 +181,8 @@ Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Co
   if (const std::string faults = scene.faults_of_cameras_but(camera.name); !faults.empty())
     common.warn_of(scene.path, faults);
   if (a.frame) common.note_of(scene.path, frame_sentence(scene, camera));
-  if (!placed && !a.frame && a.name.empty() && scene.cameras.size() > 1)
+  if (!placed && !a.frame && a.name.empty() && scene.defaults.camera.empty() &&
+      scene.cameras.size() > 1)
     common.note_of(scene.path, fmt::format("camera \"{}\", one of {}; --camera NAME takes another",
                                            camera.name, scene.cameras.size()));
   return camera;
