@@ -1,5 +1,6 @@
 # A thin front for CMake's presets: the words people try first. `make help` prints the lines below that are indented.
 #   make                builds everything into build/bin
+#   make programs       builds the programs alone, without tests and benchmarks
 #   make help           prints this list
 #   make demo           installs what is missing, builds the programs, and shows what a portal is good for, in demo/
 #
@@ -23,7 +24,8 @@
 #   make bench-NAME     builds and runs one, which writes its tables in doc/ (bench/run.py NAME --help: its settings,
 #                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
 #   make stale          lists the pages of doc/ whose numbers are older than the sources they measure
-#   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, SCENES=FOLDER)
+#   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
+#                       DOC=FOLDER: elsewhere)
 #   make stages         draws what each stage did, for doc/figures.md (SCENE=room.glb DOC=FOLDER: of your scene)
 #   make clean          removes what was built
 PREFIX ?= /usr/local
