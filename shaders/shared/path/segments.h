@@ -74,7 +74,7 @@ SHARED void end_segment(uint i) MEMBER {
   keep_point(slot, p, v);
   v.back = -ray.w;
   v.facing = guide_facing(p, v.back);
-  // For now only the coverage of a pane; later the segment's throughput for both ends.
+  // Only the coverage of a pane: put_segment_together() moves it into the segment.
   if (met && scene_has_panes)
     v.throughput = v.throughput * reciprocal(opacity_at(ray.triangle, ray.w));
   if (scene_has_portals && guide_active)
