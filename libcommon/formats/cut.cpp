@@ -64,6 +64,8 @@ class CutReader {
       if (has_grid_) in_.fail("a second grid, expected one");
       has_grid_ = true;
       out_.grid = read_grid(in_);
+    } else if (word == "light") {
+      read_light(in_, index_, out_.light);
     } else if (word == "bottleneck") {
       const std::string_view answer = in_.word();
       if (answer != "yes" && answer != "no")
@@ -111,6 +113,7 @@ class CutReader {
     for (const Patch& p : out_.patches)
       if (p.faces.empty() && !p.is_sky())
         in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
+    if (!out_.light.empty()) out_.light.resize(out_.patches.size());
     if (!out_.bottleneck) return;
     for (size_t c = 0; c < out_.cuts.size(); ++c)
       if (std::none_of(out_.arcs.begin(), out_.arcs.end(),
@@ -155,6 +158,7 @@ std::string cut_text(const CutFile& file) {
     write_patch(out, file.patches[i]);
     write_faces(out, "f", file.patches[i]);
   }
+  write_light(out, file.patches, file.light);
   for (const CutArc& a : file.arcs)
     fmt::format_to(to, "a {} {} {}\n", file.patches[a.from].node, file.patches[a.to].node,
                    a.capacity);

@@ -34,6 +34,13 @@ struct Patch {
   bool is_sky() const { return sky >= 0; }
 };
 
+/// What a patch means for the light of the picture: of all of it n_ij/2 b_i v_j goes from patch i to
+/// patch j without a surface in between, n_ij their etendue [samples].
+struct PatchLight {
+  double brightness = 0;  ///< b: light that leaves it, per sample
+  double importance = 0;  ///< v: share of what reaches it that the camera sees in the end
+};
+
 enum class Side : uint8_t { source = 0, sink = 1 };
 
 struct CutArc {
@@ -54,6 +61,7 @@ struct CutFile {
   std::string camera;  ///< viewpoint.h; empty: unknown
   PatchGrid grid;
   std::vector<Patch> patches;
+  std::vector<PatchLight> light;  ///< per patch; empty: unknown
   /// Per patch: 0 contains the light, cuts.size() the camera. Cut c separates regions 0..c from
   /// those above c.
   std::vector<uint32_t> region;

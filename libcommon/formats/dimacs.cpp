@@ -79,6 +79,8 @@ class DimacsReader {
         if (!(*n >= 0)) in_.fail("a negative number of walks, expected 0 or more");
       }
       in_.end();
+    } else if (word == "light") {
+      read_light(in_, index_, out_.light);
     } else if (word == "faces") {
       read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     }
@@ -148,6 +150,7 @@ class DimacsReader {
                                 announced_arcs_));
     if (!out_.has_patches) return;
     if (!out_.walks.empty()) out_.walks.resize(out_.patches.size());
+    if (!out_.light.empty()) out_.light.resize(out_.patches.size());
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
     // Capacities to be cut again must not exceed the samples.
@@ -211,6 +214,7 @@ std::string dimacs_text(const DimacsFile& file) {
       const PatchWalks& w = file.walks[i];
       fmt::format_to(to, "c walks {} {} {} {}\n", file.patches[i].node, w.begun, w.light, w.camera);
     }
+    write_light(out, file.patches, file.light);
   }
   const FlowNetwork& net = file.network;
   fmt::format_to(to, "p max {} {}\nn {} s\nn {} t\n", net.nodes, net.arcs.size(), net.source + 1,

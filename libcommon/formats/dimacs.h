@@ -27,6 +27,7 @@ struct DimacsFile {
   PatchGrid grid;
   std::vector<Patch> patches;
   std::vector<PatchWalks> walks;  ///< per patch; empty: unknown
+  std::vector<PatchLight> light;  ///< per patch; empty: unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 };

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <set>
+#include <optional>
 #include <sstream>
 #include <type_traits>
 
@@ -137,6 +138,11 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   }
   append(*grid, *index, "along", along);
   append(*grid, *index, "cut", cut);
+  if (!joins) {
+    std::vector<float> share;
+    for (const LightLine& l : lines) share.push_back(static_cast<float>(l.share));
+    append(*grid, *index, "share", share);
+  }
   if (joins) append(*grid, *index, "joins", *joins);
   return grid;
 }
@@ -351,11 +357,15 @@ class Reader {
       vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
       vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
       vdb::points::AttributeHandle<int32_t> cut(leaf->constAttributeArray("cut"));
+      const bool has_share = attributes.find("share") != vdb::points::AttributeSet::INVALID_POS;
+      std::optional<vdb::points::AttributeHandle<float>> share;
+      if (has_share) share.emplace(leaf->constAttributeArray("share"));
       const bool has_joins = attributes.find("joins") != vdb::points::AttributeSet::INVALID_POS;
       vdb::points::AttributeHandle<int32_t> joins(
           leaf->constAttributeArray(has_joins ? "joins" : "cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
-        if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size())
+        if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size() ||
+            (share && *it >= share->size()))
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
             transform->indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
@@ -366,6 +376,10 @@ class Reader {
           fail(at, fmt::format("holds a line of cut {}, expected one of 0 to {}", cut.get(*it),
                                kMostCuts - 1));
         line.cut = static_cast<uint32_t>(cut.get(*it));
+        if (share) line.share = double{share->get(*it)};
+        if (!(line.share >= 0 && line.share <= kMostShare))
+          fail(at, fmt::format("holds a line with the share {}, expected 0 to {}", line.share,
+                               kMostShare));
         add(line, !has_joins || joins.get(*it) != 0);
       }
     }

@@ -20,6 +20,9 @@ namespace tdpt {
 struct LightLine {
   Vec3d light, camera;
   uint32_t cut = 0;  ///< index of the cut in the .cut file, from the light to the camera
+  /// Share of the camera's light that the line stands for; 0: unknown. All lines of a cut together
+  /// have the share that crosses it.
+  double share = 0;
 };
 
 /// A line in a random direction through one of the fullest voxels, up to the surfaces that it
@@ -90,6 +93,9 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
     t = to;
   } while (shader::next_voxel(walk));
 }
+
+/// Of a line; light that crosses a cut several times counts each time.
+constexpr double kMostShare = 1e6;
 
 /// Largest number of voxels in a grid.
 constexpr size_t kMostVoxels = size_t{1} << 27;

@@ -27,7 +27,9 @@ namespace {
 enum Table : size_t { kLines, kProbes, kAir, kCount };
 constexpr std::array<const char*, 4> kNames{"lines", "probes", "air", "count"};
 constexpr std::array<std::string_view, 4> kColumns{
-    ENDS, ENDS ",joins", "i,j,k", "i,j,k,count,direction_x,direction_y,direction_z"};
+    ENDS ",share", ENDS ",joins", "i,j,k", "i,j,k,count,direction_x,direction_y,direction_z"};
+// Lines of unknown share, as another program may draw them.
+constexpr std::string_view kOwnLines = ENDS;
 #undef ENDS
 constexpr std::string_view kFormat = "light grid";
 constexpr double kFarthest = LineLimits::kFarthest;
@@ -111,10 +113,11 @@ class TableReader {
     in_.next();
     const std::string_view columns = in_.rest();
     const auto known = std::find(kColumns.begin(), kColumns.end(), columns);
-    if (known == kColumns.end())
+    own_ = columns == kOwnLines;
+    if (known == kColumns.end() && !own_)
       in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(columns),
                            fmt::join(kNames, ", ")));
-    table = static_cast<Table>(known - kColumns.begin());
+    table = own_ ? kLines : static_cast<Table>(known - kColumns.begin());
     read_header(all);
   }
 
@@ -130,7 +133,7 @@ class TableReader {
       expect_memory(name, "", fmt::format("{} lines", rows), rows * sizeof(Probe));
     }
     for (; more_; more_ = in_.next()) {
-      cells_ = in_.rest(), columns_ = kColumns[table];
+      cells_ = in_.rest(), columns_ = own_ ? kOwnLines : kColumns[table];
       if (cells_.front() == '#') in_.fail("a '#' line behind a row, expected it before");
       const auto cells = std::count(cells_.begin(), cells_.end(), ',') + 1;
       const auto expected = std::count(columns_.begin(), columns_.end(), ',') + 1;
@@ -278,6 +281,7 @@ class TableReader {
   void read_row(LightGrid& grid, const LineLimits& limits) {
     if (table == kLines) {
       grid.lines.push_back(line(limits));
+      if (!own_) grid.lines.back().share = number<double>(0, kMostShare);
     } else if (table == kProbes) {
       const LightLine l = line(limits);
       grid.probes.push_back({l, whole(2) == 1});
@@ -292,6 +296,7 @@ class TableReader {
 
   std::string_view text_;
   TextLines in_;
+  bool own_ = false;                  // lines without shares
   bool more_ = false;                 // in_ is at a row
   std::string_view cells_, columns_;  // the rest of the row
 };
@@ -368,7 +373,8 @@ std::string light_table_text(const LightGrid& grid, const std::string& table) {
   out += '\n';
   write_header(out, grid);
   if (which == kLines)
-    for (const LightLine& l : grid.lines) write_ends(out, l), out += '\n';
+    for (const LightLine& l : grid.lines)
+      write_ends(out, l), out += fmt::format(",{:.4g}\n", l.share);
   else if (which == kProbes)
     for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
   else
@@ -415,7 +421,8 @@ LightGrid read_light(const std::vector<std::string>& paths,
   bool lines = false;
   for (const std::string& path : paths) {
     texts.push_back({display_name(path), read_file(path)});
-    lines = lines || columns_of(texts.back().text) == kColumns[kLines];
+    const std::string_view columns = columns_of(texts.back().text);
+    lines = lines || columns == kColumns[kLines] || columns == kOwnLines;
   }
   const bool tables =
       texts.size() > 1 || (columns_of(texts[0].text).find(',') != std::string_view::npos &&

@@ -121,4 +121,23 @@ inline uint32_t patch_of(TextLines& in, const NodeIndex& index, const char* what
   return found->second;
 }
 
+/// NODE BRIGHTNESS IMPORTANCE, after its keyword; `light` grows as needed.
+inline void read_light(TextLines& in, const NodeIndex& index, std::vector<PatchLight>& light) {
+  const uint32_t i = patch_of(in, index, "node of light");
+  light.resize(std::max<size_t>(light.size(), i + 1));
+  for (double* n : {&light[i].brightness, &light[i].importance}) {
+    *n = in.real("light of a patch");
+    if (!(*n >= 0)) in.fail("negative light, expected 0 or more");
+  }
+  in.end();
+}
+
+inline void write_light(std::string& out, const std::vector<Patch>& patches,
+                        const std::vector<PatchLight>& light) {
+  for (size_t i = 0; i < light.size(); ++i)
+    if (light[i].brightness > 0 || light[i].importance > 0)
+      fmt::format_to(std::back_inserter(out), "c light {} {:.4g} {:.4g}\n", patches[i].node,
+                     light[i].brightness, light[i].importance);
+}
+
 }  // namespace tdpt::patch_lines

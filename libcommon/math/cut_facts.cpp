@@ -42,6 +42,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   const FlowNetwork& net = p.network;
   const auto side = [&](uint32_t v) { return source_side[v] ? size_t{0} : size_t{1}; };
   const bool walks = !p.begun.empty();
+  double carried[2] = {0, 0};
   double straight = 0, sky = 0, scattered = 0, back = 0, total_area = 0;
   double camera[2] = {0, 0};  // from T, from S
   for (uint32_t v = 0; v < net.nodes; ++v)
@@ -57,6 +58,8 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     const bool forward = side(a.from) == 0;
     if (forward) f.crossing += capacity;
     if (forward && p.is_sky(a.from)) f.sky_across += capacity;
+    if (!p.brightness.empty())
+      carried[side(a.from)] += capacity / p.scale * p.brightness[a.from] * p.importance[a.to];
     if (!walks || p.samples[a.from] <= 0) continue;
     const double chance = capacity / (p.scale * p.samples[a.from]);
     camera[forward] += chance * p.viewed[a.from];
@@ -67,6 +70,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
     (p.is_sky(a.from) ? sky : straight) += chance * p.begun[a.from];
     scattered += chance * p.lit[a.from];
   }
+  if (!p.brightness.empty()) f.carried = carried[0], f.carried_back = carried[1];
   if (f.crossing > 0) f.sky_across /= f.crossing;
   if (sky_fed[1] > 0) f.sky_beyond = sky_fed[1] / (sky_fed[0] + sky_fed[1]);
   const double smaller = std::min(f.volume[0], f.volume[1]);

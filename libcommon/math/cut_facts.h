@@ -32,6 +32,10 @@ struct PatchNetwork {
   /// Per node: whether it is a part of the sky; empty: there is no sky.
   std::vector<uint8_t> sky{};
 
+  /// Per node: light that leaves it and light that matters to the camera, so that c_ij b_i v_j /
+  /// scale is the share of the camera's light that goes from i to j [PatchLight]; empty: unknown.
+  std::vector<double> brightness{}, importance{};
+
   bool is_sky(uint32_t v) const { return !sky.empty() && sky[v]; }
   bool terminal(uint32_t v) const { return v == network.source || v == network.sink; }
 };
@@ -57,6 +61,9 @@ struct CutFacts {
   std::optional<double> straight;  ///< share of what crosses that comes straight from a lamp,
                                    ///< without a surface in between
   std::optional<double> seen;      ///< share of what lamps on S emit that crosses directly
+  /// Share of the camera's light that crosses from S to T, and from T to S; unknown without b_i and
+  /// v_j. Light that crosses several times counts each time.
+  std::optional<double> carried, carried_back;
   /// Share of the source's capacity to the sky that goes to parts of it on T. The sky is one light.
   double sky_beyond = 0;
   /// Share of the crossing that leaves parts of the sky, which T sees through the opening.

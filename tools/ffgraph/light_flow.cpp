@@ -6,6 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/potential_sweep.h"
+#include "tools/ffgraph/camera_light.h"
 
 namespace tdpt {
 namespace {
@@ -90,22 +91,52 @@ std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
   return hits;
 }
 
-// Number of light walks that begin on each patch.
-std::vector<double> begun_on(const PatchMap& patches, const BothWalks& walks) {
-  std::vector<double> begun(patches.size(), 0);
-  for (const WalkHit& h : walks.starts)
-    if (const uint32_t p = patches.find(h.face, Vec3d(h.position)); p != kNoPatch) begun[p] += 1;
-  for (uint32_t k = 0; k < walks.from_sky.begun.size(); ++k)
-    begun[patches.find_sky(k)] += walks.from_sky.begun[k];
-  return begun;
+// Calls visit(k, walk, first) for each hit k; first: of its walk.
+template <class Visit>
+void each_hit(const Walks& hits, const Visit& visit) {
+  size_t walk = 0;
+  for (size_t k = 0; k < hits.size(); ++k)
+    if (is_hit(hits[k]))
+      visit(k, walk, k == 0 || !is_hit(hits[k - 1]));
+    else
+      ++walk;
+}
+
+// Adds what begins on each patch and in the sky, what the sky lights, and the terms of the camera's
+// light.
+void count_walks(const Scene& scene, const BothWalks& both, const std::vector<PatchTrace>& traces,
+                 LightFlow& f, std::vector<PatchTerms>& terms) {
+  f.begun.assign(f.patches.size(), 0);
+  f.lit_by_sky.assign(f.patches.size(), 0);
+  const LightWalks& light = both.light;
+  for (const LightWalks::Start& start : light.starts)
+    if (const uint32_t p = f.patches.find(start.at.face, Vec3d(start.at.position)); p != kNoPatch)
+      f.begun[p] += 1, terms[p].emitted += light.power[start.walk];
+  each_hit(light.hits, [&](size_t k, size_t walk, bool first) {
+    const uint32_t p = traces[0][k];
+    const bool known = p < f.patches.size();
+    if (light.from_sky(walk)) {
+      if (known) f.lit_by_sky[p] += 1;
+      if (const uint32_t bin = f.patches.find_sky(light.bin[walk]); first && bin != kNoPatch)
+        f.begun[bin] += 1, terms[bin].emitted += light.power[walk];
+    }
+    if (first && known) terms[p].direct += light.power[walk];
+  });
+  each_hit(both.camera, [&](size_t k, size_t, bool first) {
+    if (const uint32_t p = traces[1][k]; first && p < f.patches.size()) terms[p].seen += 1;
+  });
+  const std::vector<double> albedo = albedos_of(scene);
+  for (uint32_t i = 0; i < f.patches.size(); ++i)
+    if (!f.patches.is_sky(i))
+      terms[i].albedo = albedo[scene.triangles[f.geometry[i].faces.front() / 2].material];
 }
 
 }  // namespace
 
 LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& tracer, uint64_t seed,
                      uint32_t rays) {
-  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}};
-  for (const Walks* walks : {&both.light, &both.camera})
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}, {}};
+  for (const Walks* walks : {&both.light.hits, &both.camera})
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
       return is_hit(h) ? std::optional(PatchMap::SurfacePoint{h.face, Vec3d(h.position)})
@@ -117,18 +148,18 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   for (const Fragments::Fragment& piece : fragments.all()) has_area[piece.patch] = 1;
   f.patches.keep(has_area);
   fragments.keep(has_area);
-  for (uint32_t k = 0; k < both.from_sky.begun.size(); ++k) f.patches.add_sky(k);
+  if (!both.light.bin.empty())
+    for (uint32_t k = 0; k < kSkyBins; ++k) f.patches.add_sky(k);
 
-  const std::vector<PatchTrace> traces{trace_of(f.patches, both.light),
+  const std::vector<PatchTrace> traces{trace_of(f.patches, both.light.hits),
                                        trace_of(f.patches, both.camera)};
   f.hits_light = hits_of(f.patches, traces[0]);
   f.hits_camera = hits_of(f.patches, traces[1]);
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
-  f.begun = begun_on(f.patches, both);
-  f.lit_by_sky.assign(f.patches.size(), 0);
-  for (const size_t k : both.from_sky.hits)
-    if (const uint32_t p = traces[0][k]; p < f.patches.size()) f.lit_by_sky[p] += 1;
+  std::vector<PatchTerms> terms(f.patches.size());
+  count_walks(f.patches.scene(), both, traces, f, terms);
+  f.light = camera_light(f.patches, f.etendue, terms);
   f.network = network_of(f, both.sky_grade);
   return f;
 }
@@ -154,6 +185,7 @@ DimacsFile dimacs_file(const LightFlow& f) {
   file.grid = f.patches.grid();
   file.network = f.network;
   file.patches = f.geometry;
+  file.light = f.light;
   for (size_t i = 0; i < f.begun.size(); ++i)
     file.walks.push_back({f.begun[i], f.hits_light[i], f.hits_camera[i]});
   return file;

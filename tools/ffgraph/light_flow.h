@@ -32,15 +32,15 @@ struct LightFlow {
   std::vector<double> hits_light, hits_camera;  ///< H_E, H_W per patch
   std::vector<double> begun;                    ///< light walks that begin on each patch
   std::vector<double> lit_by_sky;  ///< the part of H_E from walks that begin in the sky
+  std::vector<PatchLight> light;   ///< per patch; empty: none reaches the camera
   FlowNetwork network;             ///< node 0: source, 1: sink, k + 2: patch k
 };
 
 /// The walks from the light and from the camera.
 struct BothWalks {
-  Walks light, camera;
+  LightWalks light;
+  Walks camera;
   size_t of_light = 0;            ///< number of light walks
-  std::vector<WalkHit> starts;    ///< starts of the light walks that begin on a surface
-  SkyStarts from_sky;             ///< empty: there is no sky
   std::vector<double> sky_grade;  ///< data term of each bin: share of its etendue that is its
                                   ///< capacity from the source
 };

@@ -97,7 +97,6 @@ BothWalks both_walks(const Scene& scene, const Camera& camera, const Tracer& tra
   walks.camera = camera_walks(scene, camera, tracer, settings);
   if (hits_in(walks.camera) == 0) settings.walks = std::min(settings.walks, kFewWalks);
   walks.of_light = settings.walks;
-  walks.starts = light_starts(scene, settings);
   if (!lit_from_infinity(scene)) {
     walks.light = light_walks(scene, tracer, settings);
     return walks;
@@ -105,7 +104,7 @@ BothWalks both_walks(const Scene& scene, const Camera& camera, const Tracer& tra
   walks.sky_grade = sky_grades(sky_bin_light(scene));
   const SkyLines lines(scene, reach_of_hits(walks.camera, kFarShare),
                        reach_of_hits(walks.camera, kSeldomShare));
-  walks.light = light_walks(scene, tracer, settings, lines, walks.from_sky);
+  walks.light = light_walks(scene, tracer, settings, &lines);
   return walks;
 }
 
@@ -143,14 +142,14 @@ class Rounds {
     walks_ = both_walks(scene, camera, tracer_, settings.walks);
     report.phases.done("walks");
     report.light_walks = walks_.of_light;
-    report.light_hits = hits_in(walks_.light);
+    report.light_hits = hits_in(walks_.light.hits);
     report.camera_hits = hits_in(walks_.camera);
     // Then no network carries a flow, and patches are needed for inspection only.
     if (report.light_hits == 0 || report.camera_hits == 0) {
       settings_.rays = std::min(settings_.rays, kFewRays);
       settings_.rounds = 0;
     }
-    grid_ = grid_for(scene, walks_.light, walks_.camera, settings_.cells);
+    grid_ = grid_for(scene, walks_.light.hits, walks_.camera, settings_.cells);
   }
 
   /// Splits where patches straddle the openings of the given cut.

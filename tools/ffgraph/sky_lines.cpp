@@ -42,13 +42,13 @@ SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) {
   for (const Vec3f& p : scene.positions) whole.add(Vec3d(p));
   balls_ = {ball_about(aim.empty() ? whole : aim), ball_about(wider.empty() ? whole : wider),
             ball_about(whole)};
-  std::vector<double> weights;
   for (const PunctualLight& l : scene.lights) {
     if (l.kind != PunctualLight::Kind::directional) continue;
     parallel_.push_back(-l.direction);
-    weights.push_back(luminance(l.intensity));
+    irradiance_.push_back(luminance(l.intensity));
   }
-  if (scene.sky) directions_ = SkyDirections(*scene.sky);
+  std::vector<double> weights = irradiance_;
+  if (scene.sky) directions_ = SkyDirections(*scene.sky), sky_ = scene.sky.get();
   weights.push_back(directions_.total());
   lights_ = AliasTable(weights);
   weights = sky_grades(sky_bin_light(scene));
@@ -56,32 +56,55 @@ SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) {
   bins_ = AliasTable(weights);
 }
 
-Vec3d SkyLines::towards(Rng& rng) const {
+SkyLines::Towards SkyLines::towards(Rng& rng) const {
   const bool by_light = rng.uniform() < kByLight;
   const double pick = rng.uniform();
   const double part = rng.uniform();
   const double u = rng.uniform();
   const double v = rng.uniform();
+  Vec3d w;
   if (by_light) {
     const uint32_t i = lights_.sample(pick);
-    return i < parallel_.size() ? parallel_[i] : directions_.sample(part, u, v);
+    if (i < parallel_.size()) return {parallel_[i], irradiance_[i] / (kByLight * lights_.pdf_1(i))};
+    w = directions_.sample(part, u, v);
+  } else {
+    const std::array<Vec3d, 3>& c = sky_bin_corners(bins_.sample(pick));
+    double b1, b2;
+    uniform_triangle(u, v, b1, b2);
+    w = normalize(c[0] + (c[1] - c[0]) * b1 + (c[2] - c[0]) * b2);
   }
-  const std::array<Vec3d, 3>& c = sky_bin_corners(bins_.sample(pick));
-  double b1, b2;
-  uniform_triangle(u, v, b1, b2);
-  return normalize(c[0] + (c[1] - c[0]) * b1 + (c[2] - c[0]) * b2);
+  if (!sky_) return {w, 0};
+  const uint32_t bin = sky_bin(w);
+  const auto sky = static_cast<uint32_t>(parallel_.size());
+  const double pdf_w = kByLight * lights_.pdf_1(sky) * directions_.pdf_w(w) +
+                       (1 - kByLight) * bins_.pdf_1(bin) / sky_bin_solid_angle(bin);
+  return {w, luminance(sky_->radiance(w)) / pdf_w};
+}
+
+// Of lines along w through this place [1/canonical area].
+double SkyLines::density_across(const Vec3d& through, const Vec3d& w) const {
+  constexpr std::array<double, 3> kShares{kAimed, kWider, 1 - kAimed - kWider};
+  double density = 0;
+  for (size_t k = 0; k < balls_.size(); ++k) {
+    const double area = std::numbers::pi * balls_[k].radius * balls_[k].radius;
+    const Vec3d off = cross(through - balls_[k].centre, w);
+    if (std::numbers::pi * dot(off, off) <= area * (1 + 1e-9)) density += kShares[k] / area;
+  }
+  return density;
 }
 
 SkyLines::Line SkyLines::draw(Rng& rng) const {
   const double which = rng.uniform();
   const Ball& ball = balls_[which < kAimed ? 0 : which < kAimed + kWider ? 1 : 2];
-  const Vec3d w = -towards(rng);
+  const Towards from = towards(rng);
+  const Vec3d w = -from.w;
   const double phi = 2 * std::numbers::pi * rng.uniform();
   const double r = ball.radius * std::sqrt(rng.uniform());
   // Starts outside everything that may occlude the line.
   const double far = length(ball.centre - balls_[2].centre) + balls_[2].radius + ball.radius;
   const Onb<double> onb(w);
-  return {ball.centre + onb.to_world({r * std::cos(phi), r * std::sin(phi), -far}), w, sky_bin(-w)};
+  const Vec3d origin = ball.centre + onb.to_world({r * std::cos(phi), r * std::sin(phi), -far});
+  return {origin, w, sky_bin(-w), from.per_pdf / density_across(origin, w)};
 }
 
 }  // namespace tdpt

@@ -35,15 +35,24 @@ class SkyLines {
   struct Line {
     Vec3d origin, direction;  ///< canonical; outside the scene, unit
     uint32_t bin;             ///< where it comes from
+    double power;             ///< luminance / density of the line: the light it stands for
   };
   Line draw(Rng& rng) const;
 
  private:
-  Vec3d towards(Rng& rng) const;
+  struct Towards {
+    Vec3d w;
+    double per_pdf;  ///< luminance / density of the direction [1/sr]; of a lamp its irradiance over
+                     ///< its probability
+  };
+  Towards towards(Rng& rng) const;
+  double density_across(const Vec3d& through, const Vec3d& w) const;
 
   std::vector<Ball> balls_;      // aim, wider, all
   SkyDirections directions_;     // of the sky
-  std::vector<Vec3d> parallel_;  // directions towards the lamps
+  std::vector<Vec3d> parallel_;     // directions towards the lamps
+  std::vector<double> irradiance_;  // across them, luminance
+  const Sky* sky_ = nullptr;
   AliasTable lights_;            // the lamps, then the sky
   AliasTable bins_;              // by grade and solid angle
 };

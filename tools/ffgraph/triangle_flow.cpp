@@ -63,7 +63,7 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
   report.phases.done("bvh");
   const WalkSettings first_hit{settings.seed, settings.rays, 1};
   const std::vector<Seen> lit =
-      most_hit(light_walks(scene, tracer, first_hit), settings, report.lit);
+      most_hit(light_walks(scene, tracer, first_hit).hits, settings, report.lit);
   const std::vector<Seen> seen =
       most_hit(camera_walks(scene, camera, tracer, first_hit), settings, report.seen);
   report.phases.done("walks");

@@ -54,69 +54,64 @@ Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
   return hits;
 }
 
-// The first ray of a light walk from any lamp; light from infinity uses `lines` if given.
-Vec3d leave_light(const Lights& lights, const SkyLines* lines, Rng& rng, Tracer::Origin& from,
-                  uint32_t& bin) {
+// How a light walk begins.
+struct Start {
+  Tracer::Origin from;
+  Vec3d direction;
+  double power = 0;
+  uint32_t bin = kSkyBins;
+  WalkHit at{kNoFace, {}};
+};
+
+Start leave_light(const Scene& scene, const Lights& lights, const SkyLines* lines, Rng& rng) {
   const Lights::Point point = lights.sample(rng);
+  Start start;
   if (lines && point.source->at_infinity()) {
     const SkyLines::Line line = lines->draw(rng);
-    from = {line.origin, {}};
-    bin = line.bin;
-    return line.direction;
+    start.from = {line.origin, {}};
+    start.direction = line.direction;
+    start.bin = line.bin;
+    start.power = line.power / (lights.shares().parallel + lights.shares().sky);
+    return start;
   }
   const double u = rng.uniform();
   const double v = rng.uniform();
   const Lights::Ray ray = lights.leave(point, u, v);
-  from = {ray.origin, point.normal};
-  return ray.direction;
+  start.from = {ray.origin, point.normal};
+  start.direction = ray.direction;
+  Rgb radiance{};
+  Vec3d front{};
+  if (point.source->is_surface()) {
+    front = shape_of(scene, point.triangle).normal;
+    radiance = scene.materials[scene.triangles[point.triangle].material].emission;
+    const bool back = dot(point.normal, front) < 0;
+    start.at = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
+  }
+  start.power = luminance(point.source->emitted(front, radiance, ray.direction)) *
+                point.source->cos_per_pdf_w(ray.direction) / point.pdf;
+  return start;
 }
 
 }  // namespace
 
-Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings) {
+LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
+                       const SkyLines* lines) {
+  LightWalks walks;
   const Lights lights(scene);
-  if (lights.empty()) return {};
-  return run_walks(scene, tracer, settings, kWalksFromLight,
-                   [&](uint32_t, Rng& rng, Tracer::Origin& from) {
-                     uint32_t none;
-                     return leave_light(lights, nullptr, rng, from, none);
-                   });
-}
-
-Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
-                  const SkyLines& lines, SkyStarts& starts) {
-  const Lights lights(scene);
-  starts.begun.assign(kSkyBins, 0);
-  if (lights.empty()) return {};
-  std::vector<uint32_t> bin(settings.walks, kSkyBins);
-  const Walks walks = run_walks(scene, tracer, settings, kWalksFromLight,
-                                [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
-                                  return leave_light(lights, &lines, rng, from, bin[i]);
-                                });
-  size_t walk = 0;
-  for (size_t k = 0; k < walks.size(); ++k) {
-    const bool first = k == 0 || !is_hit(walks[k - 1]);
-    if (first && k > 0) ++walk;
-    if (!is_hit(walks[k]) || bin[walk] == kSkyBins) continue;
-    if (first) starts.begun[bin[walk]] += 1;
-    starts.hits.push_back(k);
+  if (lights.empty()) return walks;
+  std::vector<Start> starts(settings.walks);
+  walks.hits = run_walks(scene, tracer, settings, kWalksFromLight,
+                         [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
+                           starts[i] = leave_light(scene, lights, lines, rng);
+                           from = starts[i].from;
+                           return starts[i].direction;
+                         });
+  for (uint32_t i = 0; i < starts.size(); ++i) {
+    walks.power.push_back(starts[i].power);
+    if (starts[i].at.face != kNoFace) walks.starts.push_back({i, starts[i].at});
+    if (lines) walks.bin.push_back(starts[i].bin);
   }
   return walks;
-}
-
-std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings) {
-  const Lights lights(scene);
-  if (lights.empty()) return {};
-  std::vector<WalkHit> starts(settings.walks, WalkHit{kNoFace, {}});
-  tbb::parallel_for(uint32_t{0}, settings.walks, [&](uint32_t i) {
-    Rng rng(settings.seed, kWalksFromLight.first, i);
-    const Lights::Point point = lights.sample(rng);
-    if (!point.source->is_surface()) return;
-    const bool back = dot(point.normal, shape_of(scene, point.triangle).normal) < 0;
-    starts[i] = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
-  });
-  std::erase_if(starts, [](const WalkHit& h) { return h.face == kNoFace; });
-  return starts;
 }
 
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,

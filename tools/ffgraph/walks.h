@@ -37,18 +37,25 @@ constexpr bool to_sky(const WalkHit& h) {
 /// The hits of all walks, walk by walk, each followed by its end mark. No absorption: a walk ends
 /// when it leaves the scene or after `bounces` surfaces.
 using Walks = std::vector<WalkHit>;
-Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings);
-/// The same; walks from infinity begin on `lines`.
-struct SkyStarts {
-  std::vector<double> begun;  ///< per bin of the sky: walks from it that hit a surface
-  std::vector<size_t> hits;   ///< indices of the hits of walks from the sky
+
+struct LightWalks {
+  Walks hits;
+  std::vector<double> power;  ///< per walk: the light that it stands for [any unit]
+
+  /// Where walks begin: on a face, or in a bin of the sky.
+  struct Start {
+    uint32_t walk;
+    WalkHit at;  ///< face kNoFace: not on a surface
+  };
+  std::vector<Start> starts;         ///< of the walks that begin on a surface
+  std::vector<uint32_t> bin;         ///< per walk from infinity its bin, else kSkyBins; empty: none
+  bool from_sky(size_t walk) const { return !bin.empty() && bin[walk] < kSkyBins; }
 };
-Walks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
-                  const SkyLines& lines, SkyStarts& starts);
+/// `lines`: where walks from infinity begin; null: outside the scene, spread over all of it.
+LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& settings,
+                       const SkyLines* lines = nullptr);
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
-/// Starts of the light walks that begin on a surface.
-std::vector<WalkHit> light_starts(const Scene& scene, const WalkSettings& settings);
 size_t hits_in(const Walks& walks);
 
 }  // namespace tdpt

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
@@ -22,6 +23,7 @@
 namespace tdpt {
 namespace {
 
+constexpr double kDark = 0.003;  // of the mean light of a cut's lines
 constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
 constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
@@ -78,7 +80,7 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
         report.visible += line.fate[i] != LineFate::none;
         if (line.fate[i] != LineFate::joins) continue;
         ++report.kept;
-        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, grid, line.ends[i]));
+        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, grid, tracer.tables(), line.ends[i]));
       }
       report.drawn += n;
       if (watch.progress) watch.progress(n);
@@ -171,10 +173,38 @@ LightGrid no_light_grid(const Scene& scene, const std::string& reason) {
   return none;
 }
 
+// Share of the camera's light that crosses cut `c`; 1 if unknown.
+double carried_by(const CutFile& cut, size_t c) {
+  if (cut.light.empty()) return 1;
+  double sum = 0;
+  for (const CutArc& a : cut.arcs)
+    if (cut.crosses(a, c))
+      sum += a.capacity * cut.light[a.from].brightness * cut.light[a.to].importance;
+  return sum;
+}
+
+// Without those from dark patches, or to patches that matter to nothing the camera sees: behind
+// them lie windows at night and rooms aside.
+std::vector<LightLine> lit(std::vector<LightLine> lines) {
+  double sum = 0;
+  for (const LightLine& line : lines) sum += line.share;
+  const double least = kDark * sum / static_cast<double>(std::max<size_t>(lines.size(), 1));
+  std::erase_if(lines, [&](const LightLine& line) { return line.share < least; });
+  return lines;
+}
+
+// Scales the shares of the lines of a cut.
+void share_out(double carried, std::span<LightLine> lines) {
+  double sum = 0;
+  for (const LightLine& line : lines) sum += line.share;
+  if (!(sum > 0)) return;
+  for (LightLine& line : lines) line.share *= carried / sum;
+}
+
 // Both passes for cut `c`; adds their results to grid, direction and report.
 void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOptions& options,
-             const LightGridWatch& watch, LightGrid& grid, std::vector<Vec3d>& direction,
-             LightGridReport& report) {
+             const LightGridWatch& watch, double carried, LightGrid& grid,
+             std::vector<Vec3d>& direction, LightGridReport& report) {
   std::vector<uint32_t> count(grid.count.size(), 0);
   CoarseReport coarse;
   const std::vector<LightLine> kept =
@@ -196,8 +226,9 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
   const size_t before = grid.lines.size();
-  for (LightLine line : options.own.empty() ? walk.lines : kept)
+  for (LightLine line : options.own.empty() ? lit(walk.lines) : kept)
     if (clip_to(grid, line)) grid.lines.push_back(line);
+  share_out(carried, std::span(grid.lines).subspan(before));
   for (Probe probe : walk.probes)
     if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
   of_cut.lines = grid.lines.size() - before;
@@ -232,7 +263,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c)
     if (tables.cuts[c].count > 0 || !options.own.empty())
-      add_cut(scene, *tracer, c, options, watch, grid, direction, report);
+      add_cut(scene, *tracer, c, options, watch, carried_by(cut, c), grid, direction, report);
   if (report.drawn == 0)
     return no_light_grid(scene, options.own.empty() ? "no pair of the cut has any surface"
                                                     : "no line given lies in the grid");

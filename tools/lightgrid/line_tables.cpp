@@ -141,23 +141,59 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
     return std::tie(p.level, p.cell) < std::tie(q.level, q.cell);
   });
   tables.patch_cells.resize(tables.first_cell.back());
+  tables.patch_of_cell.resize(tables.first_cell.back());
   std::vector<uint32_t> next(tables.first_cell.begin(), tables.first_cell.end() - 1);
   for (const uint32_t i : order) {
     const Patch& patch = cut.patches[i];
     const shader::PatchCell cell{{patch.cell[0], patch.cell[1], patch.cell[2]},
                                  static_cast<uint32_t>(patch.level) << 24 | cut.region[i]};
-    for (const uint32_t face : patch.faces) tables.patch_cells[next[face]++] = cell;
-    if (patch.is_sky()) tables.patch_cells[next[dome_face(scene, patch.sky)]++] = cell;
+    const auto add = [&](uint32_t face) {
+      tables.patch_of_cell[next[face]] = i;
+      tables.patch_cells[next[face]++] = cell;
+    };
+    for (const uint32_t face : patch.faces) add(face);
+    if (patch.is_sky()) add(dome_face(scene, patch.sky));
   }
 }
 
 }  // namespace
+
+uint32_t patch_at(const LineTables& tables, uint32_t face, const shader::vec3& place) {
+  const uint32_t begin = tables.first_cell[face], end = tables.first_cell[face + 1];
+  if (begin == end) return UINT32_MAX;
+  if (face >= tables.first_sky_face) return tables.patch_of_cell[begin];
+  const shader::vec3 from_corner = place - tables.cell_corner;
+  for (int level = 15; level >= 0; --level) {
+    if (!(tables.levels & (1u << level))) continue;
+    const shader::vec3 q = from_corner * (tables.cells_per_unit * std::ldexp(1.0f, 2 * level));
+    if (!(max_component(max(q, -q)) < 2e9f)) continue;
+    const std::array<int32_t, 3> cell{static_cast<int32_t>(std::floor(q.x)),
+                                      static_cast<int32_t>(std::floor(q.y)),
+                                      static_cast<int32_t>(std::floor(q.z))};
+    const auto key = [&](uint32_t at) {
+      const shader::PatchCell& c = tables.patch_cells[at];
+      return std::tuple(static_cast<int>(c.level_region >> 24),
+                        std::array<int32_t, 3>{c.cell.x, c.cell.y, c.cell.z});
+    };
+    uint32_t low = begin, high = end;
+    while (low < high) {
+      const uint32_t middle = (low + high) / 2;
+      if (key(middle) < std::tuple(level, cell))
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    if (low < end && key(low) == std::tuple(level, cell)) return tables.patch_of_cell[low];
+  }
+  return UINT32_MAX;
+}
 
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name) {
   LineTables tables;
   add_cells(scene, cut, cut_name, tables);
   add_surfaces(scene, cut, tables);
   add_pairs(cut, tables);
+  tables.light = cut.light;
   if (scene.dome < scene.triangles.size()) tables.first_sky_face = 2 * scene.dome;
   tables.face_normals.resize(scene.triangles.size());
   tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(scene.triangles.size()), [&](uint32_t t) {

@@ -22,12 +22,18 @@ struct LineTables {
   std::vector<uint32_t> first_cell;            ///< per face, plus one; indices into `patch_cells`
   std::vector<shader::PatchCell> patch_cells;  ///< grouped by face
   std::vector<shader::FaceNormal> face_normals;
+  std::vector<uint32_t> patch_of_cell;  ///< per entry of patch_cells
+  std::vector<PatchLight> light;        ///< per patch; empty: unknown
 
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;
   uint32_t levels = 0;
   uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky, see sky_dome.h
 };
+
+/// The finest patch that contains `place` [canonical] on `face`; UINT32_MAX: none. The host's
+/// region_at() of light_lines.h.
+uint32_t patch_at(const LineTables& tables, uint32_t face, const shader::vec3& place);
 
 /// `scene` must have a dome if the cut has a sky. Throws InputError if the cut refers to triangles
 /// that the scene does not have; `cut_name` names the cut file in the message.

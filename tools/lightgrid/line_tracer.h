@@ -30,8 +30,11 @@ struct TracedLines {
 
 /// Clips a line to the grid; false if no part of it lies within.
 bool clip_to(const LightGrid& grid, LightLine& line);
-/// Canonical line -> metres. A line from or to the sky is clipped to the grid.
-LightLine in_metres(const Scene& scene, const LightGrid& grid, const shader::LineEnds& line);
+/// Canonical line -> metres. A line from or to the sky is clipped to the grid. `share`: brightness
+/// of the patch at its one end times importance of that at the other, in the direction of the light;
+/// 1 where no patch has light.
+LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables,
+                    const shader::LineEnds& line);
 
 class LineTracer {
  public:
@@ -43,6 +46,7 @@ class LineTracer {
   void between_pivots(size_t c, uint32_t first, uint32_t n, TracedLines& out);
   /// Traces the line through each point both ways to the first surface; a try without direction is
   /// skipped. `round` separates the random numbers of several calls.
+  const LineTables& tables() const { return tables_; }
   void through(size_t c, uint32_t round, std::span<const shader::LineTry> tries, TracedLines& out);
 
   /// Resets counts and directions to 0.

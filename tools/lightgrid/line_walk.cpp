@@ -239,7 +239,7 @@ class Chains {
   void step(size_t i) {
     if (found_.fate[i] == LineFate::none) return;
     const bool joins = found_.fate[i] == LineFate::joins;
-    const LightLine line = in_metres(scene_, grid_, found_.ends[i]);
+    const LightLine line = in_metres(scene_, grid_, tracer_.tables(), found_.ends[i]);
     moves_ += joins;
     if (joins) line_[i] = line;
     if (!wide_[i]) return;

@@ -17,6 +17,7 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.camera = problem.camera;
   cut.grid = problem.grid;
   cut.patches = problem.patches;
+  cut.light = problem.light;
   PatchNetwork patches{problem.network, std::vector<double>(problem.network.nodes, 0),
                        problem.scale};
   const bool walks = !problem.walks.empty();
@@ -29,6 +30,12 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     patches.samples[node] = cut.patches[i].samples;
     if (cut.patches[i].is_sky())
       patches.sky.resize(problem.network.nodes, 0), patches.sky[node] = 1;
+    if (!problem.light.empty()) {
+      patches.brightness.resize(problem.network.nodes, 0);
+      patches.importance.resize(problem.network.nodes, 0);
+      patches.brightness[node] = problem.light[i].brightness;
+      patches.importance[node] = problem.light[i].importance;
+    }
     if (!walks) continue;
     patches.begun[node] = problem.walks[i].begun;
     patches.lit[node] = problem.walks[i].light;

@@ -139,7 +139,7 @@ std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double v
   return a;
 }
 
-std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
+std::optional<Tube> find_waist(const LightGrid& grid, const Bundle& lines) {
   Tube tube;
   Plane& plane = tube.middle;
   plane.o = fullest_place(grid, lines);
@@ -153,7 +153,24 @@ std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines
     plane = waist(bundle, plane);
     if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
   }
-  return outlined(lines, tube, grid.voxel);
+  return tube;
+}
+
+double density_near(const Bundle& lines, const Tube& tube, double voxel) {
+  const Bundle bundle = members(lines, tube, voxel);
+  if (bundle.size() < kFewestLines) return 0;
+  std::vector<Vec2d> places;
+  for (const uint32_t l : bundle.which)
+    if (const auto at = crossing(tube.middle, bundle.line(l))) places.push_back(*at);
+  const double det = trimmed_moments(places).determinant();
+  if (!(det > 0)) return 0;
+  // The rectangle with these moments has 12 sqrt(det).
+  return static_cast<double>(places.size()) / (12 * std::sqrt(det));
+}
+
+std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
+  const auto tube = find_waist(grid, lines);
+  return tube ? outlined(lines, *tube, grid.voxel) : std::nullopt;
 }
 
 }  // namespace tdpt

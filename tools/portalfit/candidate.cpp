@@ -21,6 +21,7 @@ constexpr double kFewestProbes = 30;   // to estimate the support
 constexpr double kSure = 0.8;          // support below which it may be several openings
 constexpr double kDenser = 1.3;        // lines per area, of a part over the whole
 constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
+constexpr size_t kMostFitted = 2;      // of the places that promise a denser part
 constexpr double kTowards = 0.6;       // cosine between lines of windows in one wall
 
 // Share of the lines through the middle of the tube that pass both its faces.
@@ -73,6 +74,23 @@ double fullness_of(const Aperture& a) {
   return std::min(1.0, tightness_of(*a.lines.of, shape, crossings).value_or(0) / through_share(a));
 }
 
+std::optional<double> widening_of(const Aperture& a) {
+  const auto spread_at = [&](double offset) -> std::optional<double> {
+    const Plane there{a.tube.middle.o + a.tube.middle.n * offset, a.tube.middle.n};
+    std::vector<Vec2d> places;
+    for (const uint32_t l : a.lines.which)
+      if (const auto at = crossing(there, a.lines.line(l))) places.push_back(*at);
+    if (places.size() < kFewestLines) return {};
+    return std::sqrt(std::max(0.0, trimmed_moments(places).determinant()));
+  };
+  const auto here = spread_at(0);
+  if (!here || !(*here > 0)) return {};
+  const double far = a.tube.half + 0.5 * std::sqrt(area(a.polygon));
+  const auto before = spread_at(-far), behind = spread_at(far);
+  if (!before && !behind) return {};
+  return std::max(before.value_or(0), behind.value_or(0)) / *here;
+}
+
 double density_of(const Aperture& a) {
   return static_cast<double>(a.lines.size()) / (area(a.polygon) * through_share(a));
 }
@@ -106,28 +124,49 @@ Tube at_waist(const Bundle& bundle, const Vec3d& along, double voxel) {
   return tube;
 }
 
-// The densest opening, among all `lines`, of those of `some` that run along one of the `axes`, if
-// it is denser than `most` and has at least `fewest` lines.
+// A place for an opening of a bundle, with the density that it promises.
+struct Promise {
+  Bundle bundle;
+  Tube tube;
+  double density = 0;
+};
+
+// The densest opening, among all `lines`, where one of the `promises` has it, if it is denser than
+// `most` and has at least `fewest` lines. Only the few that promise most are fitted.
+std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
+                                   std::vector<Promise> promises, double most, double fewest) {
+  std::stable_sort(promises.begin(), promises.end(),
+                   [](const Promise& a, const Promise& b) { return a.density > b.density; });
+  if (promises.size() > kMostFitted) promises.resize(kMostFitted);
+  std::optional<Aperture> best;
+  for (const Promise& p : promises) {
+    if (!(p.density > 0)) continue;
+    auto part = outlined(p.bundle, p.tube, grid.voxel);
+    if (part) part = outlined(lines, part->tube, grid.voxel, true);
+    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest) continue;
+    most = density(*part);
+    best = std::move(part);
+  }
+  return best;
+}
+
+// The same for those of `some` that run along one of the `axes`.
 std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines,
                                       const Bundle& some, const std::vector<Vec3d>& axes,
                                       double least_cos, double most, double fewest) {
-  std::optional<Aperture> best;
+  std::vector<Promise> promises;
   for (const Vec3d& axis : axes) {
     const Bundle along = some.where([&](const LightLine& line) {
       return dot(normalize(line.camera - line.light), axis) > least_cos;
     });
     for (const Bundle& bundle : apart(along)) {
       if (bundle.size() < kFewestLines) continue;
-      auto part = find_aperture(grid, bundle);
-      if (!part) part = outlined(bundle, at_waist(bundle, axis, grid.voxel), grid.voxel);
-      if (part) part = outlined(lines, part->tube, grid.voxel, true);
-      if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
-        continue;
-      most = density(*part);
-      best = std::move(part);
+      const Tube tube =
+          find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
+      promises.push_back({bundle, tube, density_near(bundle, tube, grid.voxel)});
     }
   }
-  return best;
+  return densest_of(grid, lines, std::move(promises), most, fewest);
 }
 
 }  // namespace
@@ -159,25 +198,21 @@ std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
   const auto support = support_of(grid.probes, whole);
   if (!support || *support >= kSure) return {};
   const Extents e = extents_of(whole.polygon);
-  std::optional<Aperture> best;
-  double most = kDenser * density(whole);
   const double third = e.longer / 3, far = 2 * e.longer;
+  std::vector<Promise> promises;
   for (const auto& [from, to] : {std::pair{-far, 0.0},
                                  {0.0, far},
                                  {-far, -0.5 * third},
                                  {-0.5 * third, 0.5 * third},
                                  {0.5 * third, far}}) {
-    auto part = find_aperture(grid, strip_of(whole, e.mean, e.axis, from, to));
-    if (part) part = outlined(lines, part->tube, grid.voxel, true);
-    if (!part || density(*part) < most ||
-        static_cast<double>(part->lines.size()) <
-            kLeastOfWhole * static_cast<double>(whole.lines.size()))
-      continue;
-    if (support_of(grid.probes, *part).value_or(0) < *support) continue;
-    most = density(*part);
-    best = std::move(part);
+    const Bundle strip = strip_of(whole, e.mean, e.axis, from, to);
+    if (const auto tube = find_waist(grid, strip))
+      promises.push_back({strip, *tube, density_near(strip, *tube, grid.voxel)});
   }
-  return best;
+  auto part = densest_of(grid, lines, std::move(promises), kDenser * density(whole),
+                         kLeastOfWhole * static_cast<double>(whole.lines.size()));
+  if (part && support_of(grid.probes, *part).value_or(0) < *support) return {};
+  return part;
 }
 
 }  // namespace tdpt

@@ -40,8 +40,6 @@ constexpr double kOneOpening = 0.9;
 constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-using Refusals = std::vector<FitResult::Refusal>;
-
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
 Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
@@ -67,164 +65,6 @@ std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
                               : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
-// `of`: number of lines of the cut.
-Portal portal_of(const LightGrid& grid, const Aperture& a, size_t of,
-                 std::optional<double> support) {
-  Portal portal;
-  for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
-  portal.triangles = triangulate(a.polygon);
-  Vec3d sum{};
-  for (const LightLine& line : a.lines.lines()) sum += normalize(line.camera - line.light);
-  const Vec3d mean = normalize(sum);
-  auto& f = portal.figures;
-  f["area"] = area(a.polygon);
-  f["flux_share"] = static_cast<double>(a.lines.size()) / static_cast<double>(of);
-  if (support) f["support"] = *support;
-  f["direction_x"] = mean.x;
-  f["direction_y"] = mean.y;
-  f["direction_z"] = mean.z;
-  f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
-  f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
-  const auto [main, minor] = pca_angles(grid, a.tube.middle.n);
-  f["pca_main_angle"] = main;
-  f["pca_minor_angle"] = minor;
-  return portal;
-}
-
-std::string at_least(double share) {
-  return fmt::format("at least {}", percent_words(share));
-}
-
-double share_of(const Aperture& a, size_t lines) {
-  return static_cast<double>(a.lines.size()) / static_cast<double>(lines);
-}
-
-// Openings that the lines `all` of one cut pass, one by one, however little each carries.
-std::vector<Aperture> parts_of(const LightGrid& grid, const Bundle& all,
-                               const PortalFitOptions& options, FitResult& result) {
-  Refusals& refused = result.refused;
-  const double fewest = std::max(static_cast<double>(kFewestLines),
-                                 kLeastPart * options.threshold * static_cast<double>(all.size()));
-  Bundle rest = all;
-  std::vector<Aperture> parts;
-  // Ends, since each candidate removes its lines.
-  for (size_t tried = 0; tried < kMostTried && static_cast<double>(rest.size()) >= fewest;
-       ++tried) {
-    auto aperture = find_aperture(grid, rest);
-    if ((!aperture || aperture->lines.empty()) &&
-        static_cast<double>(rest.size()) > kStrays * static_cast<double>(all.size()))
-      aperture = aperture_of_directions(grid, rest);
-    if (!aperture || aperture->lines.empty()) {
-      refused.push_back({"the lines left have no common waist", ""});
-      break;
-    }
-    ++result.candidates;
-    if (auto part = denser_part(grid, rest, *aperture)) aperture = std::move(part);
-    auto support = support_of(grid.probes, *aperture);
-    double passing = support.value_or(1) * fullness_of(*aperture);
-    // Lines that end before an opening found earlier may belong to this one, and a plane before two
-    // windows at a corner has a denser part.
-    const auto instead = [&](std::optional<Aperture> other) {
-      if (!other || other->lines.empty()) return;
-      aperture = std::move(other);
-      support = support_of(grid.probes, *aperture);
-      passing = support.value_or(1) * fullness_of(*aperture);
-    };
-    if (passing < kLeastPassing && !parts.empty())
-      instead(find_aperture(grid, lines_beside(all, parts)));
-    if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
-      instead(part_of_directions(grid, rest, *aperture));
-    if (support && *support < options.support)
-      refused.push_back(
-          {fmt::format(
-               "a candidate lies within one side: only {:.0f} % of the lines through it join the "
-               "two",
-               100 * *support),
-           at_least(options.support)});
-    else if (passing < kLeastPassing)
-      refused.push_back({fmt::format("a candidate of {} m2 lies in the open: only {:.0f} % of "
-                                     "the lines through it pass from one side to the other",
-                                     number_words(area(aperture->polygon), 2), 100 * passing),
-                         at_least(kLeastPassing)});
-    else if (static_cast<double>(aperture->lines.size()) >= fewest)
-      parts.push_back(*aperture);
-    Bundle left = lines_not_at(rest, *aperture);
-    if (left.size() == rest.size()) break;
-    rest = std::move(left);
-  }
-  return parts;
-}
-
-// Removes openings with far fewer lines per etendue than others of about as many lines: they are
-// leaks, spread over a large plane.
-void leave_out_sparse(std::vector<Aperture>& found, Refusals& refused) {
-  std::vector<Aperture> left;
-  for (const Aperture& a : found) {
-    // The depth of small openings is uncertain: that of the other is taken as 0.
-    const double least = density_of(a) / kSparse;
-    if (std::none_of(found.begin(), found.end(), [&](const Aperture& b) {
-          return 2 * b.lines.size() >= a.lines.size() &&
-                 static_cast<double>(b.lines.size()) > least * area(b.polygon);
-        }))
-      left.push_back(a);
-    else
-      refused.push_back(
-          {fmt::format("a candidate of {} m2 lies in the open: others pass as many lines in a "
-                       "fifth of its area",
-                       number_words(area(a.polygon), 2)),
-           ""});
-  }
-  found = std::move(left);
-}
-
-// Keeps the openings that carry enough light, the fullest first. Once nearly all is explained the
-// rest may be leaks, and the threshold is higher.
-std::vector<Aperture> enough_light(std::vector<Aperture> found, size_t lines,
-                                   const PortalFitOptions& options, Refusals& refused) {
-  std::stable_sort(found.begin(), found.end(), [](const Aperture& a, const Aperture& b) {
-    return a.lines.size() > b.lines.size();
-  });
-  std::vector<Aperture> enough;
-  double carried = 0, too_little = 0;
-  size_t few = 0;
-  for (Aperture& a : found) {
-    const double share = share_of(a, lines);
-    if (share < options.threshold * (carried > 1 - kStrays ? kAfterAll : 1))
-      ++few, too_little += share;
-    else
-      carried += share, enough.push_back(std::move(a));
-  }
-  if (few > 0)
-    refused.push_back({fmt::format("{} {} {:.1f} % of the lines only", few,
-                                   few == 1 ? "candidate carries" : "candidates together carry",
-                                   100 * too_little),
-                       at_least(options.threshold * (carried > 1 - kStrays ? kAfterAll : 1))});
-  return enough;
-}
-
-// The openings of one cut with the lines `all`, the fullest first.
-std::vector<Aperture> fit_cut(const LightGrid& grid, const Bundle& all,
-                              const PortalFitOptions& options, FitResult& result) {
-  Refusals& refused = result.refused;
-  std::vector<Aperture> found = joined_in_planes(all, parts_of(grid, all, options, result),
-                                                 std::numeric_limits<size_t>::max(), grid.voxel);
-  leave_out_sparse(found, refused);
-  found = enough_light(std::move(found), all.size(), options, refused);
-  if (found.size() > options.max_portals) {
-    found = joined_in_planes(all, std::move(found), options.max_portals, grid.voxel);
-    found = enough_light(std::move(found), all.size(), options, refused);
-  }
-  if (found.size() > options.max_portals) {
-    refused.push_back({fmt::format("{} openings more than {}", found.size() - options.max_portals,
-                                   options.max_portals),
-                       "--max-portals"});
-    found.resize(options.max_portals);
-  }
-  part_from_each_other(all, found, grid.voxel);
-  part_at_shared_edges(all, found);
-  return found;
-}
-
 // Whether both are the same opening, found by the light of two cuts.
 bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
   const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
@@ -238,47 +78,256 @@ bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
          length(middle(a) - middle(b)) < std::max(0.3 * size, voxel);
 }
 
+// Share of the camera's light that each line stands for; without knowledge of it all lines of a cut
+// have the same.
+std::vector<double> shares_of(const std::vector<LightLine>& lines) {
+  std::vector<double> share, of_cut, count;
+  for (const LightLine& line : lines) {
+    if (line.cut >= of_cut.size()) of_cut.resize(line.cut + 1, 0), count.resize(line.cut + 1, 0);
+    of_cut[line.cut] += line.share, count[line.cut] += 1;
+  }
+  for (const LightLine& line : lines)
+    share.push_back(of_cut[line.cut] > 0 ? line.share : 1 / count[line.cut]);
+  return share;
+}
+
+std::string at_least(double share) {
+  return fmt::format("at least {}", percent_words(share));
+}
+
+// Fits the openings of a grid.
+class Fit {
+ public:
+  Fit(const LightGrid& grid, const PortalFitOptions& options)
+      : grid_(grid), options_(options), share_(shares_of(grid.lines)) {}
+
+  FitResult run() {
+    std::vector<Bundle> of_cut;
+    for (uint32_t l = 0; l < grid_.lines.size(); ++l) {
+      const uint32_t c = grid_.lines[l].cut;
+      if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines});
+      of_cut[c].which.push_back(l);
+    }
+    std::vector<Aperture> found;
+    size_t explained = 0;
+    for (const Bundle& lines : of_cut) {
+      if (lines.empty()) continue;
+      std::set<uint32_t> crossed;
+      for (Aperture& a : fit_cut(lines)) {
+        crossed.insert(a.lines.which.begin(), a.lines.which.end());
+        found.push_back(std::move(a));
+      }
+      explained += crossed.size();
+    }
+    for (const Aperture& a : chosen(std::move(found))) {
+      result_.portals.push_back(portal_of(a));
+      result_.lines.push_back(a.lines.which);
+    }
+    result_.explained = static_cast<double>(explained) / static_cast<double>(grid_.lines.size());
+    return std::move(result_);
+  }
+
+ private:
+  double light_of(const Bundle& bundle) const {
+    double sum = 0;
+    for (const uint32_t l : bundle.which) sum += share_[l];
+    return sum;
+  }
+
+  Portal portal_of(const Aperture& a) const {
+    Portal portal;
+    for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
+    portal.triangles = triangulate(a.polygon);
+    Vec3d sum{};
+    for (const LightLine& line : a.lines.lines()) sum += normalize(line.camera - line.light);
+    const Vec3d mean = normalize(sum);
+    auto& f = portal.figures;
+    f["area"] = area(a.polygon);
+    f["flux_share"] = std::min(1.0, light_of(a.lines));
+    if (const auto support = support_of(grid_.probes, a)) f["support"] = *support;
+    f["direction_x"] = mean.x;
+    f["direction_y"] = mean.y;
+    f["direction_z"] = mean.z;
+    f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
+    if (const auto wider = widening_of(a)) f["widening"] = *wider;
+    f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
+    const auto [main, minor] = pca_angles(grid_, a.tube.middle.n);
+    f["pca_main_angle"] = main;
+    f["pca_minor_angle"] = minor;
+    return portal;
+  }
+
+  void refuse(const std::string& why, const std::string& limit = "") {
+    result_.refused.push_back({why, limit});
+  }
+
+  // Openings that the lines `all` of one cut pass, one by one, however little each carries.
+  std::vector<Aperture> parts_of(const Bundle& all) {
+    Bundle rest = all;
+    std::vector<Aperture> parts;
+    // Ends, since each candidate removes its lines.
+    for (size_t tried = 0;
+         tried < kMostTried && rest.size() >= kFewestLines && light_of(rest) >= options_.threshold;
+         ++tried) {
+      auto aperture = find_aperture(grid_, rest);
+      if ((!aperture || aperture->lines.empty()) &&
+          static_cast<double>(rest.size()) > kStrays * static_cast<double>(all.size()))
+        aperture = aperture_of_directions(grid_, rest);
+      if (!aperture || aperture->lines.empty()) {
+        refuse("the lines left have no common waist");
+        break;
+      }
+      ++result_.candidates;
+      add_part(all, rest, std::move(*aperture), parts, rest);
+      if (stuck_) break;
+    }
+    return parts;
+  }
+
+  // Judges a candidate among the lines `rest` of `all`, adds it or a better one to `parts`, and
+  // removes its lines from `left`.
+  void add_part(const Bundle& all, const Bundle& rest, Aperture aperture,
+                std::vector<Aperture>& parts, Bundle& left) {
+    if (auto part = denser_part(grid_, rest, aperture)) aperture = std::move(*part);
+    auto support = support_of(grid_.probes, aperture);
+    double passing = support.value_or(1) * fullness_of(aperture);
+    // Lines that end before an opening found earlier may belong to this one, and a plane before two
+    // windows at a corner has a denser part.
+    const auto instead = [&](std::optional<Aperture> other) {
+      if (!other || other->lines.empty()) return;
+      aperture = std::move(*other);
+      support = support_of(grid_.probes, aperture);
+      passing = support.value_or(1) * fullness_of(aperture);
+    };
+    if (passing < kLeastPassing && !parts.empty())
+      instead(find_aperture(grid_, lines_beside(all, parts)));
+    if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
+      instead(part_of_directions(grid_, rest, aperture));
+    if (support && *support < options_.support)
+      refuse(fmt::format(
+                 "a candidate lies within one side: only {:.0f} % of the lines through it join the "
+                 "two",
+                 100 * *support),
+             at_least(options_.support));
+    else if (passing < kLeastPassing)
+      refuse(fmt::format("a candidate of {} m2 lies in the open: only {:.0f} % of "
+                         "the lines through it pass from one side to the other",
+                         number_words(area(aperture.polygon), 2), 100 * passing),
+             at_least(kLeastPassing));
+    else if (aperture.lines.size() >= kFewestLines &&
+             light_of(aperture.lines) >= kLeastPart * options_.threshold)
+      parts.push_back(aperture);
+    Bundle without = lines_not_at(rest, aperture);
+    stuck_ = without.size() == rest.size();
+    left = std::move(without);
+  }
+
+  // Removes openings with far fewer lines per etendue than others of about as many lines: they are
+  // leaks, spread over a large plane.
+  void leave_out_sparse(std::vector<Aperture>& found) {
+    std::vector<Aperture> left;
+    for (const Aperture& a : found) {
+      // The depth of small openings is uncertain: that of the other is taken as 0.
+      const double least = density_of(a) / kSparse;
+      if (std::none_of(found.begin(), found.end(), [&](const Aperture& b) {
+            return 2 * b.lines.size() >= a.lines.size() &&
+                   static_cast<double>(b.lines.size()) > least * area(b.polygon);
+          }))
+        left.push_back(a);
+      else
+        refuse(fmt::format("a candidate of {} m2 lies in the open: others pass as many lines in a "
+                           "fifth of its area",
+                           number_words(area(a.polygon), 2)));
+    }
+    found = std::move(left);
+  }
+
+  // Keeps the openings that carry enough light, the most first. Once nearly all of the cut's light
+  // is explained the rest may be leaks, and the threshold is higher.
+  std::vector<Aperture> enough_light(std::vector<Aperture> found, double light) {
+    sort_by_light(found);
+    std::vector<Aperture> enough;
+    double carried = 0, too_little = 0;
+    size_t few = 0;
+    const auto least = [&] {
+      return options_.threshold * (carried > (1 - kStrays) * light ? kAfterAll : 1);
+    };
+    for (Aperture& a : found)
+      if (const double share = light_of(a.lines); share < least())
+        ++few, too_little += share;
+      else
+        carried += share, enough.push_back(std::move(a));
+    if (few > 0)
+      refuse(fmt::format("{} {} {:.1f} % of the camera's light only", few,
+                         few == 1 ? "candidate carries" : "candidates together carry",
+                         100 * too_little),
+             at_least(least()));
+    return enough;
+  }
+
+  void sort_by_light(std::vector<Aperture>& found) const {
+    std::stable_sort(found.begin(), found.end(), [&](const Aperture& a, const Aperture& b) {
+      return light_of(a.lines) > light_of(b.lines);
+    });
+  }
+
+  // The openings of one cut with the lines `all`, those with most light first.
+  std::vector<Aperture> fit_cut(const Bundle& all) {
+    const double light = light_of(all);
+    if (light < options_.threshold) {
+      refuse(fmt::format("{} of the camera's light crosses a cut: it is not fitted",
+                         percent_words(light)),
+             at_least(options_.threshold));
+      return {};
+    }
+    std::vector<Aperture> found =
+        joined_in_planes(all, parts_of(all), std::numeric_limits<size_t>::max(), grid_.voxel);
+    leave_out_sparse(found);
+    found = enough_light(std::move(found), light);
+    if (found.size() > options_.max_portals)
+      found = enough_light(
+          joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel), light);
+    part_from_each_other(all, found, grid_.voxel);
+    part_at_shared_edges(all, found);
+    return found;
+  }
+
+  // Of the openings of all cuts those with most light, each once.
+  std::vector<Aperture> chosen(std::vector<Aperture> found) {
+    sort_by_light(found);
+    std::vector<Aperture> kept;
+    for (Aperture& a : found) {
+      const bool again = std::any_of(kept.begin(), kept.end(), [&](const Aperture& b) {
+        return same_opening(a, b, grid_.voxel);
+      });
+      if (again || kept.size() == options_.max_portals)
+        ++result_.repeated;
+      else
+        kept.push_back(std::move(a));
+    }
+    return kept;
+  }
+
+  const LightGrid& grid_;
+  const PortalFitOptions& options_;
+  const std::vector<double> share_;  // per line
+  FitResult result_;
+  bool stuck_ = false;  // the last candidate removed no line
+};
+
 }  // namespace
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   FitResult result;
   if (!grid.bottleneck || grid.lines.empty()) return result;
-  if (options.by_paper) {
-    result.candidates = 1;
-    if (auto found = portal_by_paper(grid, kFull)) {
-      result.portals.push_back(std::move(found->portal));
-      result.explained =
-          static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());
-      result.lines.push_back(std::move(found->lines));
-    }
-    return result;
+  if (!options.by_paper) return Fit(grid, options).run();
+  result.candidates = 1;
+  if (auto found = portal_by_paper(grid, kFull)) {
+    result.portals.push_back(std::move(found->portal));
+    result.explained =
+        static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());
+    result.lines.push_back(std::move(found->lines));
   }
-  std::vector<Bundle> of_cut;
-  for (uint32_t l = 0; l < grid.lines.size(); ++l) {
-    const uint32_t c = grid.lines[l].cut;
-    if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid.lines});
-    of_cut[c].which.push_back(l);
-  }
-  std::vector<Aperture> found;
-  size_t explained = 0;
-  for (const Bundle& lines : of_cut) {
-    const std::vector<Aperture> of_this = fit_cut(grid, lines, options, result);
-    std::set<uint32_t> crossed;
-    for (const Aperture& a : of_this) crossed.insert(a.lines.which.begin(), a.lines.which.end());
-    explained += crossed.size();
-    for (const Aperture& a : of_this) {
-      if (found.size() >= options.max_portals ||
-          std::any_of(found.begin(), found.end(),
-                      [&](const Aperture& b) { return same_opening(a, b, grid.voxel); })) {
-        ++result.repeated;
-        continue;
-      }
-      found.push_back(a);
-      result.portals.push_back(portal_of(grid, a, lines.size(), support_of(grid.probes, a)));
-      result.lines.push_back(a.lines.which);
-    }
-  }
-  result.explained = static_cast<double>(explained) / static_cast<double>(grid.lines.size());
   return result;
 }
 

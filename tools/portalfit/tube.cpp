@@ -41,8 +41,8 @@ constexpr double kRounding = 1e-9;   // relative tolerance of products of length
 constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
 constexpr double kGrazing = 0.1;     // lower bound of cosines
 constexpr double kMostTilt = 0.3;    // per step: tangent
-constexpr size_t kMostRough = 2000;  // lines in the first searches
-constexpr size_t kMostFine = 8192;   // and in the others
+constexpr size_t kMostRough = 1000;  // lines in the first searches
+constexpr size_t kMostFine = 2500;   // and in the others
 constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step, in shorter sides
 constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and the last
 

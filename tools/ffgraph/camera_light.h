@@ -1,0 +1,37 @@
+// The light of the picture on its way from patch to patch: finite-element radiosity on the network.
+//
+// n_i, n_ij  samples and etendue of patches and pairs [etendue.h]: A_i F_ij ~ n_ij / 2
+// D_i        power that reaches patch i straight from lamps and sky (first hits of light walks)
+// W_i        share of the picture that shows patch i (first hits of camera walks)
+// r_i        albedo
+//   n_i e_i = D_i + sum_j n_ij/2 r_j e_j     irradiance e_i
+//   n_i m_i = W_i + sum_j n_ij/2 r_j m_j     importance m_i, the adjoint
+// With E_i the power that patch i itself emits, the share of the picture's light that goes from i
+// to j without a surface in between is
+//   n_ij/2 b_i v_j,  b_i = (E_i / n_i + r_i e_i) / sum_k W_k r_k e_k,  v_j = r_j m_j.
+// What the camera sees of the lamps themselves does not count.
+#pragma once
+#include <vector>
+
+#include "libcommon/formats/cut.h"
+#include "tools/ffgraph/etendue.h"
+
+namespace tdpt {
+
+/// What the solution needs to know of one patch; of a bin of the sky only `emitted` counts.
+struct PatchTerms {
+  double emitted = 0;  ///< E_i
+  double direct = 0;   ///< D_i, in the same unit
+  double seen = 0;     ///< W_i
+  double albedo = 0;   ///< r_i
+};
+
+/// b and v of each patch; empty where none of the light reaches the camera.
+std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
+                                     const std::vector<PatchTerms>& terms);
+
+/// Albedo of each material of a scene, luminance: that of its factors and of the mean of its
+/// texture; what it transmits is no part of it.
+std::vector<double> albedos_of(const Scene& scene);
+
+}  // namespace tdpt
