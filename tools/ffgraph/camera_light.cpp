@@ -10,6 +10,7 @@ namespace {
 constexpr int kMostBounces = 64, kFewestBounces = 12;
 constexpr double kSettled = 2e-3;     // relative change of the picture's light
 constexpr double kMostAlbedo = 0.95;  // closed rooms of white walls keep light for ever
+constexpr double kDarkest = 1e-3;      // of the mean pixel: darker ones count as if they had it
 constexpr size_t kTexels = 4096;      // of a texture, for its mean
 
 double unit_of_srgb(uint8_t byte) {
@@ -31,10 +32,26 @@ Rgb mean_of(const Image& image, bool srgb) {
   return Rgb(sum / n);
 }
 
-// Irradiance and importance of a patch.
-struct State {
-  double e = 0, m = 0;
-};
+// Solves x_i = begin_i + sum_j n_ij/2 handed_j x_j, x in power, until sum_i measure_i x_i settles.
+std::vector<double> transported(const Etendue& etendue, const std::vector<double>& handed,
+                                const std::vector<double>& begin,
+                                const std::vector<double>& measure) {
+  std::vector<double> x = begin, next;
+  double sum = 0;
+  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+    next = begin;
+    for (const Etendue::Pair& p : etendue.pairs) {
+      next[p.j] += 0.5 * p.count * handed[p.i] * x[p.i];
+      next[p.i] += 0.5 * p.count * handed[p.j] * x[p.j];
+    }
+    x.swap(next);
+    const double before = sum;
+    sum = 0;
+    for (size_t i = 0; i < x.size(); ++i) sum += measure[i] * x[i];
+    if (bounce >= kFewestBounces && std::abs(sum - before) <= kSettled * sum) break;
+  }
+  return x;
+}
 
 }  // namespace
 
@@ -54,39 +71,38 @@ std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& ete
                                      const std::vector<PatchTerms>& terms) {
   const size_t n = terms.size();
   // What leaves each patch and is handed on: albedo per sample.
-  std::vector<double> handed(n, 0);
-  for (uint32_t i = 0; i < n; ++i)
-    if (!patches.is_sky(i) && etendue.samples[i] > 0)
-      handed[i] = terms[i].albedo / etendue.samples[i];
-  // State times samples: power received.
-  std::vector<State> received(n), next(n);
-  for (size_t i = 0; i < n; ++i) received[i] = {terms[i].direct, terms[i].seen};
-  double picture = 0;
-  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
-    for (size_t i = 0; i < n; ++i) next[i] = {terms[i].direct, terms[i].seen};
-    for (const Etendue::Pair& p : etendue.pairs) {
-      const double to_j = 0.5 * p.count * handed[p.i], to_i = 0.5 * p.count * handed[p.j];
-      next[p.j].e += to_j * received[p.i].e, next[p.j].m += to_j * received[p.i].m;
-      next[p.i].e += to_i * received[p.j].e, next[p.i].m += to_i * received[p.j].m;
-    }
-    received.swap(next);
-    const double before = picture;
-    picture = 0;
-    for (size_t i = 0; i < n; ++i) picture += terms[i].seen * handed[i] * received[i].e;
-    if (bounce >= kFewestBounces && std::abs(picture - before) <= kSettled * picture) break;
-  }
-  if (!(picture > 0)) return {};
-  std::vector<double> exchanged(n, 0);  // of bins of the sky, n_i = sum of n_ij / 2
+  // Estimates of small patches are rough: none may hand on more than it has.
+  std::vector<double> handed(n, 0), exchanged(n, 0);
   for (const Etendue::Pair& p : etendue.pairs)
     for (const uint32_t end : {p.i, p.j}) exchanged[end] += 0.5 * p.count;
-  std::vector<PatchLight> light(n);
+  for (uint32_t i = 0; i < n; ++i)
+    if (!patches.is_sky(i) && etendue.samples[i] > 0)
+      handed[i] = terms[i].albedo / std::max(etendue.samples[i], exchanged[i]);
+  std::vector<double> direct(n), seen(n), measure(n);
+  for (size_t i = 0; i < n; ++i)
+    direct[i] = terms[i].direct, seen[i] = terms[i].seen, measure[i] = seen[i] * handed[i];
+  const std::vector<double> light = transported(etendue, handed, direct, measure);
+  double pixels = 0, picture = 0;
+  for (size_t i = 0; i < n; ++i) pixels += seen[i], picture += measure[i] * light[i];
+  if (!(picture > 0)) return {};
+  // Half of each pixel counts by its light, half as much as any other.
+  const double mean = picture / pixels;
+  double all = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const double radiosity = handed[i] * light[i];
+    seen[i] *= 0.5 / mean + 0.5 / std::max(radiosity, kDarkest * mean);
+    all += seen[i] * radiosity;
+  }
+  for (size_t i = 0; i < n; ++i) measure[i] = direct[i] * handed[i];
+  const std::vector<double> importance = transported(etendue, handed, seen, measure);
+  std::vector<PatchLight> of_patch(n);
   for (uint32_t i = 0; i < n; ++i) {
     const double samples = patches.is_sky(i) ? exchanged[i] : etendue.samples[i];
     if (!(samples > 0)) continue;
-    light[i].brightness = (terms[i].emitted / samples + handed[i] * received[i].e) / picture;
-    light[i].importance = handed[i] * received[i].m;
+    of_patch[i].brightness = (terms[i].emitted / samples + handed[i] * light[i]) / all;
+    of_patch[i].importance = handed[i] * importance[i];
   }
-  return light;
+  return of_patch;
 }
 
 }  // namespace tdpt

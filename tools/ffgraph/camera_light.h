@@ -2,7 +2,9 @@
 //
 // n_i, n_ij  samples and etendue of patches and pairs [etendue.h]: A_i F_ij ~ n_ij / 2
 // D_i        power that reaches patch i straight from lamps and sky (first hits of light walks)
-// W_i        share of the picture that shows patch i (first hits of camera walks)
+// W_i        what patch i means to the picture: the pixels that show it (first hits of camera
+//            walks), half as they are and half each divided by its light. So light that few bright
+//            pixels have counts, and light that many dark ones have
 // r_i        albedo
 //   n_i e_i = D_i + sum_j n_ij/2 r_j e_j     irradiance e_i
 //   n_i m_i = W_i + sum_j n_ij/2 r_j m_j     importance m_i, the adjoint

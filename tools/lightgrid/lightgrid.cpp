@@ -23,7 +23,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kDark = 0.003;  // of the mean light of a cut's lines
 constexpr uint64_t kFirstBatch = 1 << 15;
 constexpr double kAroundRooms = 0.1;   // of their longest side: allows for walls of this thickness
 constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts never count as settled
@@ -183,16 +182,6 @@ double carried_by(const CutFile& cut, size_t c) {
   return sum;
 }
 
-// Without those from dark patches, or to patches that matter to nothing the camera sees: behind
-// them lie windows at night and rooms aside.
-std::vector<LightLine> lit(std::vector<LightLine> lines) {
-  double sum = 0;
-  for (const LightLine& line : lines) sum += line.share;
-  const double least = kDark * sum / static_cast<double>(std::max<size_t>(lines.size(), 1));
-  std::erase_if(lines, [&](const LightLine& line) { return line.share < least; });
-  return lines;
-}
-
 // Scales the shares of the lines of a cut.
 void share_out(double carried, std::span<LightLine> lines) {
   double sum = 0;
@@ -226,7 +215,7 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
   const size_t before = grid.lines.size();
-  for (LightLine line : options.own.empty() ? lit(walk.lines) : kept)
+  for (LightLine line : options.own.empty() ? walk.lines : kept)
     if (clip_to(grid, line)) grid.lines.push_back(line);
   share_out(carried, std::span(grid.lines).subspan(before));
   for (Probe probe : walk.probes)

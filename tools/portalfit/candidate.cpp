@@ -21,6 +21,8 @@ constexpr double kFewestProbes = 30;   // to estimate the support
 constexpr double kSure = 0.8;          // support below which it may be several openings
 constexpr double kDenser = 1.3;        // lines per area, of a part over the whole
 constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
+constexpr double kOnBorder = 1e-3;     // voxels
+constexpr double kFarOutside = 100;    // lengths of a line
 constexpr size_t kMostFitted = 2;      // of the places that promise a denser part
 constexpr double kTowards = 0.6;       // cosine between lines of windows in one wall
 
@@ -74,12 +76,28 @@ double fullness_of(const Aperture& a) {
   return std::min(1.0, tightness_of(*a.lines.of, shape, crossings).value_or(0) / through_share(a));
 }
 
-std::optional<double> widening_of(const Aperture& a) {
+namespace {
+
+// The line as it goes on outside the grid, where it begins on its border.
+LightLine from_outside(const LightGrid& grid, LightLine line) {
+  for (int c = 0; c < 3; ++c) {
+    const double at = (line.light[c] - grid.origin[c]) / grid.voxel;
+    const int side = grid.dim[static_cast<size_t>(c)];
+    if (at > kOnBorder && at < side - kOnBorder) continue;
+    line.light += (line.light - line.camera) * kFarOutside;
+    break;
+  }
+  return line;
+}
+
+}  // namespace
+
+std::optional<double> widening_of(const LightGrid& grid, const Aperture& a) {
   const auto spread_at = [&](double offset) -> std::optional<double> {
     const Plane there{a.tube.middle.o + a.tube.middle.n * offset, a.tube.middle.n};
     std::vector<Vec2d> places;
     for (const uint32_t l : a.lines.which)
-      if (const auto at = crossing(there, a.lines.line(l))) places.push_back(*at);
+      if (const auto at = crossing(there, from_outside(grid, a.lines.line(l)))) places.push_back(*at);
     if (places.size() < kFewestLines) return {};
     return std::sqrt(std::max(0.0, trimmed_moments(places).determinant()));
   };

@@ -31,9 +31,11 @@ namespace {
 
 constexpr double kLeastPart = 0.25;     // of the threshold, before parts are joined
 constexpr double kStrays = 0.15;        // share of the lines that may be leaks
-constexpr double kAfterAll = 2.5;       // times the threshold, after nearly all light is explained
 constexpr double kSparse = 0.2;         // of the density of other openings of the cut
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
+constexpr double kFaint = 0.02;         // of the mean light of a cut's lines
+// A plane that the light is not wider before and behind, on one side at least, bounds nothing.
+constexpr double kLeastWidening = 1.5;
 constexpr size_t kMostTried = 48;       // candidates per cut
 // Least support of a single opening: a plane across a corner with windows on both sides has less.
 constexpr double kOneOpening = 0.9;
@@ -91,6 +93,20 @@ std::vector<double> shares_of(const std::vector<LightLine>& lines) {
   return share;
 }
 
+// Lines count where openings are sought in so far as they bring light: those of windows at night, or
+// of rooms aside, do not. Bright ones do not count more than others: a beam of sunlight is as bright
+// along all its way.
+std::vector<double> weights_of(const std::vector<LightLine>& lines,
+                               const std::vector<double>& share) {
+  std::vector<double> sum(kMostCuts, 0), count(kMostCuts, 0), weight;
+  for (size_t l = 0; l < lines.size(); ++l) sum[lines[l].cut] += share[l], ++count[lines[l].cut];
+  for (size_t l = 0; l < lines.size(); ++l) {
+    const double mean = sum[lines[l].cut] / count[lines[l].cut];
+    weight.push_back(mean > 0 ? std::min(1.0, share[l] / (kFaint * mean)) : 1);
+  }
+  return weight;
+}
+
 std::string at_least(double share) {
   return fmt::format("at least {}", percent_words(share));
 }
@@ -99,13 +115,16 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid), options_(options), share_(shares_of(grid.lines)) {}
+      : grid_(grid),
+        options_(options),
+        share_(shares_of(grid.lines)),
+        weight_(weights_of(grid.lines, share_)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
     for (uint32_t l = 0; l < grid_.lines.size(); ++l) {
       const uint32_t c = grid_.lines[l].cut;
-      if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines});
+      if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines, {}, &weight_});
       of_cut[c].which.push_back(l);
     }
     std::vector<Aperture> found;
@@ -149,7 +168,7 @@ class Fit {
     f["direction_y"] = mean.y;
     f["direction_z"] = mean.z;
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
-    if (const auto wider = widening_of(a)) f["widening"] = *wider;
+    if (const auto wider = widening_of(grid_, a)) f["widening"] = *wider;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
     const auto [main, minor] = pca_angles(grid_, a.tube.middle.n);
     f["pca_main_angle"] = main;
@@ -214,6 +233,12 @@ class Fit {
                          "the lines through it pass from one side to the other",
                          number_words(area(aperture.polygon), 2), 100 * passing),
              at_least(kLeastPassing));
+    else if (const double wider = widening_of(grid_, aperture).value_or(kLeastWidening);
+             wider < kLeastWidening)
+      refuse(fmt::format("a candidate of {} m2 lies across a room: the light is only {} times as "
+                         "wide before or behind it",
+                         number_words(area(aperture.polygon), 2), number_words(wider, 2)),
+             fmt::format("at least {}", kLeastWidening));
     else if (aperture.lines.size() >= kFewestLines &&
              light_of(aperture.lines) >= kLeastPart * options_.threshold)
       parts.push_back(aperture);
@@ -242,26 +267,22 @@ class Fit {
     found = std::move(left);
   }
 
-  // Keeps the openings that carry enough light, the most first. Once nearly all of the cut's light
-  // is explained the rest may be leaks, and the threshold is higher.
-  std::vector<Aperture> enough_light(std::vector<Aperture> found, double light) {
+  // Keeps the openings that carry enough light, the most first.
+  std::vector<Aperture> enough_light(std::vector<Aperture> found) {
     sort_by_light(found);
     std::vector<Aperture> enough;
-    double carried = 0, too_little = 0;
+    double too_little = 0;
     size_t few = 0;
-    const auto least = [&] {
-      return options_.threshold * (carried > (1 - kStrays) * light ? kAfterAll : 1);
-    };
     for (Aperture& a : found)
-      if (const double share = light_of(a.lines); share < least())
+      if (const double share = light_of(a.lines); share < options_.threshold)
         ++few, too_little += share;
       else
-        carried += share, enough.push_back(std::move(a));
+        enough.push_back(std::move(a));
     if (few > 0)
       refuse(fmt::format("{} {} {:.1f} % of the camera's light only", few,
                          few == 1 ? "candidate carries" : "candidates together carry",
                          100 * too_little),
-             at_least(least()));
+             at_least(options_.threshold));
     return enough;
   }
 
@@ -283,10 +304,10 @@ class Fit {
     std::vector<Aperture> found =
         joined_in_planes(all, parts_of(all), std::numeric_limits<size_t>::max(), grid_.voxel);
     leave_out_sparse(found);
-    found = enough_light(std::move(found), light);
+    found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
       found = enough_light(
-          joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel), light);
+          joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
     part_from_each_other(all, found, grid_.voxel);
     part_at_shared_edges(all, found);
     return found;
@@ -310,7 +331,7 @@ class Fit {
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
-  const std::vector<double> share_;  // per line
+  const std::vector<double> share_, weight_;  // per line
   FitResult result_;
   bool stuck_ = false;  // the last candidate removed no line
 };

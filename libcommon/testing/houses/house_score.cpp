@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +21,8 @@ constexpr uint64_t kStream = 0x686f'7573;
 constexpr int kLines = 4000;  // of a portal
 // Of a portal's lines: with fewer in openings it lies in none.
 constexpr double kInOpening = 0.3;
+// It lies in another pane of the same window, too, with this share of the lines of the first.
+constexpr double kAlso = 0.25;
 
 struct Segment {
   Vec3d from, to;
@@ -51,14 +52,20 @@ int crosses(const OpeningPart& part, const Segment& s) {
 }
 
 int crosses(const HouseOpening& o, const Segment& s) {
-  for (const OpeningPart& part : o.parts)
-    if (const int way = crosses(part, s)) return way;
-  return 0;
+  return crosses(o.part, s);
+}
+
+// The same for a segment that begins and ends outside the wall: others end on a jamb, and where in
+// the wall a portal lies decides whether it has them.
+bool beyond_wall(const HouseOpening& o, const Segment& s) {
+  const double from = dot(s.from - o.part.polygon[0], o.part.normal);
+  const double to = dot(s.to - o.part.polygon[0], o.part.normal);
+  return std::min(from, to) < -o.front && std::max(from, to) > o.rear;
 }
 
 // Through gap or doorway: in the wall beside a leaf a line passes one and not the other.
 int passes(const HouseOpening& o, const Segment& s) {
-  if (const int way = crosses(o, s)) return way;
+  if (const int way = crosses(o.part, s)) return way;
   for (const OpeningPart& part : o.doorway)
     if (const int way = crosses(part, s)) return way;
   return 0;
@@ -84,53 +91,102 @@ bool crosses(const std::vector<Face>& portal, const Segment& s) {
   });
 }
 
-PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tracer,
-                     const std::vector<HouseOpening>& openings) {
-  const std::vector<Face> faces = faces_of(portal);
+// Between the surfaces on either side; under the open sky as far as it goes.
+Segment free_segment(const Scene& scene, const Tracer& tracer, const Vec3d& at, const Vec3d& w) {
+  constexpr double kFar = 8;  // scene sizes
+  const Vec3d from = scene.frame.to_canonical(at);
+  Hit hit;
+  const double ahead = tracer.closest({from}, w, hit) ? hit.distance : kFar;
+  const double behind = tracer.closest({from}, -w, hit) ? hit.distance : kFar;
+  return {at - w * (behind / scene.frame.scale), at + w * (ahead / scene.frame.scale)};
+}
+
+// Of lines uniform by etendue on these faces the number that pass each opening, and at last any.
+std::vector<int> lines_through(const std::vector<Face>& faces, const Scene& scene,
+                               const Tracer& tracer, const std::vector<HouseOpening>& openings) {
   std::vector<double> areas;
   for (const Face& f : faces) areas.push_back(0.5 * length(cross(f.b - f.a, f.c - f.a)));
   const AliasTable table(areas);
   Rng rng(1, kStream, 0);
-  std::vector<int> lines(openings.size(), 0);
-  int in_some = 0, drawn = 0;
-  while (drawn < kLines) {
+  std::vector<int> lines(openings.size() + 1, 0);
+  for (int i = 0; i < kLines; ++i) {
     const Face& f = faces[table.sample(rng.uniform())];
     double b1, b2;
     const double u = rng.uniform(), v = rng.uniform();
     uniform_triangle(u, v, b1, b2);
-    const Vec3d at = f.a + (f.b - f.a) * b1 + (f.c - f.a) * b2;
     const double c = rng.uniform(), d = rng.uniform();
     const Vec3d w = Onb<double>(f.normal).to_world(cosine_hemisphere(c, d));
-    ++drawn;
-    // Between the surfaces on either side; under the open sky as far as it goes.
-    Segment s{at, at};
-    const Vec3d from = scene.frame.to_canonical(at);
-    Hit hit;
-    s.to = at + w * ((tracer.closest({from}, w, hit) ? hit.distance : 8) / scene.frame.scale);
-    s.from = at - w * ((tracer.closest({from}, -w, hit) ? hit.distance : 8) / scene.frame.scale);
+    const Segment s =
+        free_segment(scene, tracer, f.a + (f.b - f.a) * b1 + (f.c - f.a) * b2, w);
     bool any = false;
     for (size_t o = 0; o < openings.size(); ++o)
       if (passes(openings[o], s)) ++lines[o], any = true;
-    in_some += any;
+    lines.back() += any;
   }
+  return lines;
+}
+
+// The convex hull of several panes, in the plane of the first; small steps about their middle.
+std::vector<Face> hull_of(const std::vector<HouseOpening>& openings,
+                          const std::vector<size_t>& panes) {
+  const OpeningPart& first = openings[panes.front()].part;
+  const Onb<double> frame(first.normal);
+  std::vector<Vec3d> corners;
+  for (const size_t o : panes)
+    for (const Vec3d& p : openings[o].part.polygon)
+      corners.push_back(p - first.normal * dot(p - first.polygon[0], first.normal));
+  // Gift wrapping.
+  const auto flat = [&](const Vec3d& p) { return Vec3d{dot(p, frame.x), dot(p, frame.y), 0}; };
+  size_t start = 0;
+  for (size_t i = 1; i < corners.size(); ++i)
+    if (flat(corners[i]).x < flat(corners[start]).x) start = i;
+  std::vector<Vec3d> hull;
+  size_t at = start;
+  do {
+    hull.push_back(corners[at]);
+    size_t next = at == 0 ? 1 : 0;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const Vec3d a = flat(corners[next]) - flat(corners[at]),
+                  b = flat(corners[i]) - flat(corners[at]);
+      const double turn = a.x * b.y - a.y * b.x;
+      if (turn < 0 || (turn == 0 && dot(b, b) > dot(a, a))) next = i;
+    }
+    at = next;
+  } while (at != start && hull.size() <= corners.size());
+  std::vector<Face> faces;
+  for (size_t i = 2; i < hull.size(); ++i)
+    faces.push_back({hull[0], hull[i - 1], hull[i], first.normal});
+  return faces;
+}
+
+PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tracer,
+                     const std::vector<HouseOpening>& openings) {
+  const std::vector<int> lines = lines_through(faces_of(portal), scene, tracer, openings);
   PortalTruth truth;
-  const auto most = std::max_element(lines.begin(), lines.end());
-  if (!lines.empty() && *most >= kInOpening * kLines)
-    truth.opening = static_cast<int>(most - lines.begin());
-  truth.in_opening = static_cast<double>(in_some) / kLines;
+  truth.in_opening = static_cast<double>(lines.back()) / kLines;
+  if (openings.empty() || truth.in_opening < kInOpening) return truth;
+  const auto most = static_cast<size_t>(
+      std::max_element(lines.begin(), lines.end() - 1) - lines.begin());
+  truth.openings.push_back(most);
+  for (size_t o = 0; o < openings.size(); ++o)
+    if (o != most && openings[o].element == openings[most].element &&
+        lines[o] >= kAlso * lines[most])
+      truth.openings.push_back(o);
+  if (truth.openings.size() > 1 && openings[most].doorway.empty()) {
+    const std::vector<int> perfect =
+        lines_through(hull_of(openings, truth.openings), scene, tracer, openings);
+    truth.in_opening = std::min(1.0, truth.in_opening * kLines / std::max(1, perfect.back()));
+  }
   return truth;
 }
 
 double angle_of(const Vec3d& normal, const HouseOpening& o, bool forward) {
   const double way = forward ? 1 : -1;
-  double least = 180;
-  for (const OpeningPart& part : o.parts) {
-    least = std::min(least, degrees_between(normal, part.normal * way));
-    for (const OpeningPart& whole : o.doorway)
-      for (double t = 0; t <= 1; t += 1.0 / 64)
-        least = std::min(least, degrees_between(normal, normalize(part.normal * (1 - t) +
-                                                                  whole.normal * t) * way));
-  }
+  double least = degrees_between(normal, o.part.normal * way);
+  for (const OpeningPart& whole : o.doorway)
+    for (double t = 0; t <= 1; t += 1.0 / 64)
+      least = std::min(least, degrees_between(normal, normalize(o.part.normal * (1 - t) +
+                                                                whole.normal * t) * way));
   return least;
 }
 
@@ -155,31 +211,28 @@ OpeningPart part_of(const Json& corners, const Vec3d& normal) {
 }  // namespace
 
 std::vector<HouseOpening> read_openings(const std::string& file) {
-  std::vector<HouseOpening> openings;
-  std::map<std::string, size_t> of_name;
   const Json all = Json::parse(read_file(file), nullptr, false);
   if (!all.is_array()) throw InputError(file, "", "expected a list of openings");
-  const auto add = [&](const Json& one) {
-    const std::string name = one.at("name");
-    const OpeningPart part = part_of(one.at("polygon"), vector_of(one.at("normal")));
-    // The wedge above a leaf belongs to its gap; a slit around a closed leaf is an opening itself.
-    constexpr std::string_view kAbove = ".above";
-    if (name.ends_with(kAbove)) {
-      const auto gap = of_name.find(name.substr(0, name.size() - kAbove.size()));
-      if (gap != of_name.end()) return openings[gap->second].parts.push_back(part);
-    }
-    if (one.at("state") == "closed") return;
-    of_name[name] = openings.size();
+  std::vector<HouseOpening> openings;
+  for (const Json& one : all) {
+    if (one.at("state") == "closed") continue;
     HouseOpening& o = openings.emplace_back();
-    o.name = name, o.kind = one.at("kind"), o.state = one.at("state");
+    o.name = one.at("name"), o.kind = one.at("kind"), o.state = one.at("state");
+    o.element = o.name.substr(0, o.name.find('.'));
     o.rooms = one.at("rooms").get<std::vector<std::string>>();
-    o.parts.push_back(part);
+    o.part = part_of(one.at("polygon"), vector_of(one.at("normal")));
+    if (one.contains("wall")) {
+      const double half = 0.5 * one["wall"].value("thickness", 0.0);
+      const double offset = one["wall"].value("offset", 0.0);
+      o.front = std::max(0.0, half + offset), o.rear = std::max(0.0, half - offset);
+    }
+  }
+  // Gap and wedge share the doorway.
+  for (const Json& one : all)
     if (one.contains("leaf") && one["leaf"].contains("doorway"))
-      o.doorway.push_back(part_of(one["leaf"]["doorway"], part.normal));
-  };
-  for (const bool above : {false, true})
-    for (const Json& one : all)
-      if (one.at("name").get<std::string>().ends_with(".above") == above) add(one);
+      for (HouseOpening& o : openings)
+        if (o.element == one.at("name").get<std::string>())
+          o.doorway.push_back(part_of(one["leaf"]["doorway"], vector_of(one.at("normal"))));
   return openings;
 }
 
@@ -204,11 +257,12 @@ HouseScore score_house(const Scene& scene, const Tracer& tracer,
       for (size_t p = 0; p < portals.size(); ++p)
         if (crosses(faces[p], s)) {
           by_portal[p] = 1;
-          in_portal = in_portal || score.portals[p].opening >= 0;
+          in_portal = in_portal || !score.portals[p].openings.empty();
         }
       for (size_t o = 0; o < openings.size(); ++o)
         if (const int way = crosses(openings[o], s)) {
           by_opening[o] = 1;
+          if (!beyond_wall(openings[o], s)) continue;
           through[o][way > 0] += share;
           if (in_portal) covered[o][way > 0] += share;
         }
@@ -223,12 +277,12 @@ HouseScore score_house(const Scene& scene, const Tracer& tracer,
   }
   for (size_t p = 0; p < portals.size(); ++p) {
     const PortalTruth& truth = score.portals[p];
-    if (truth.opening < 0) continue;
-    const auto o = static_cast<size_t>(truth.opening);
-    OpeningScore& s = score.openings[o];
-    s.portals.push_back(p);
-    s.tightness = std::min(s.tightness, truth.in_opening);
-    s.angle = std::max(s.angle, angle_of(mean_normal(portals[p]), openings[o], s.forward));
+    for (const size_t o : truth.openings) {
+      OpeningScore& s = score.openings[o];
+      s.portals.push_back(p);
+      s.tightness = std::min(s.tightness, truth.in_opening);
+      s.angle = std::max(s.angle, angle_of(mean_normal(portals[p]), openings[o], s.forward));
+    }
   }
   return score;
 }

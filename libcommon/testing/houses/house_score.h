@@ -16,12 +16,15 @@ struct OpeningPart {
   Vec3d normal;
 };
 
-/// An opening with its parts: a door ajar has the gap beside its leaf and the wedge above it.
+/// A line of the list: of a door ajar the gap beside its leaf, or the wedge above it.
 struct HouseOpening {
   std::string name, kind, state;
+  std::string element;             ///< door or window that it belongs to, by name
   std::vector<std::string> rooms;  ///< two
-  std::vector<OpeningPart> parts;
-  /// Of a door ajar: the whole doorway, which parts the rooms as the parts together do.
+  OpeningPart part;
+  /// Faces of the wall, before and behind the polygon along its normal [m].
+  double front = 0, rear = 0;
+  /// Of a door ajar: the whole doorway, which parts the rooms as gap and wedge together do.
   std::vector<OpeningPart> doorway;
 };
 
@@ -31,8 +34,10 @@ std::vector<HouseOpening> read_openings(const std::string& file);
 struct OpeningScore {
   double light = 0;      ///< share of the paths that pass it
   bool forward = true;   ///< most of them along its normal
-  double coverage = 0;   ///< share of those that cross portals of openings on the same edge
-  double tightness = 1;  ///< least of the portals that lie in it
+  double coverage = 0;   ///< share of those that pass the whole wall that cross, on the same edge,
+                         ///< portals that lie in openings
+  double tightness = 1;  ///< least of the portals that lie in it; that of one over several panes of
+                         ///< a window relative to that of their hull
   double angle = 0;      ///< largest [degrees], to its normal or, of a door ajar, to one between
                          ///< those of gap and doorway
   std::vector<size_t> portals;  ///< that lie in it
@@ -45,7 +50,7 @@ struct PortalTruth {
   double light = 0;      ///< share of the paths that cross it along its normal
   double in_opening = 0;  ///< share of its lines, uniform by etendue between the surfaces on either
                          ///< side, that pass an opening
-  int opening = -1;      ///< that most of them pass; -1: it lies in none
+  std::vector<size_t> openings;  ///< that it lies in: they share most of its lines; empty: none
 };
 
 struct HouseScore {

@@ -49,14 +49,15 @@ nlohmann::json json_of(const HouseScore& score, const std::vector<HouseOpening>&
                                {"portals", s.portals},
                                {"right", s.right()}});
   }
-  for (size_t p = 0; p < portals.size(); ++p)
+  for (size_t p = 0; p < portals.size(); ++p) {
+    std::vector<std::string> names;
+    for (const size_t o : score.portals[p].openings) names.push_back(openings[o].name);
     out["portals"].push_back(
         {{"area", area_of(portals[p])},
          {"light", score.portals[p].light},
          {"in_opening", score.portals[p].in_opening},
-         {"opening", score.portals[p].opening < 0
-                         ? ""
-                         : openings[static_cast<size_t>(score.portals[p].opening)].name}});
+         {"openings", names}});
+  }
   return out;
 }
 
