@@ -11,6 +11,7 @@ constexpr int kMostBounces = 64, kFewestBounces = 12;
 constexpr double kSettled = 2e-3;     // relative change of the picture's light
 constexpr double kMostAlbedo = 0.95;  // closed rooms of white walls keep light for ever
 constexpr double kDarkest = 1e-3;      // of the mean pixel: darker ones count as if they had it
+constexpr double kSpread = 0.1;        // share of the sky's light
 constexpr size_t kTexels = 4096;      // of a texture, for its mean
 
 double unit_of_srgb(uint8_t byte) {
@@ -51,6 +52,19 @@ std::vector<double> transported(const Etendue& etendue, const std::vector<double
     if (bounce >= kFewestBounces && std::abs(sum - before) <= kSettled * sum) break;
   }
   return x;
+}
+
+// The sun lights a few bins of the sky. A little of its light is spread over all, so that a window
+// counts by all that it sees of the sky.
+void spread_sky(const PatchMap& patches, const std::vector<double>& exchanged,
+                std::vector<PatchLight>& light) {
+  double sum = 0, total = 0;
+  for (uint32_t i = 0; i < light.size(); ++i)
+    if (patches.is_sky(i)) sum += light[i].brightness * exchanged[i], total += exchanged[i];
+  if (!(total > 0)) return;
+  for (uint32_t i = 0; i < light.size(); ++i)
+    if (patches.is_sky(i))
+      light[i].brightness = (1 - kSpread) * light[i].brightness + kSpread * sum / total;
 }
 
 }  // namespace
@@ -102,6 +116,7 @@ std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& ete
     of_patch[i].brightness = (terms[i].emitted / samples + handed[i] * light[i]) / all;
     of_patch[i].importance = handed[i] * importance[i];
   }
+  spread_sky(patches, exchanged, of_patch);
   return of_patch;
 }
 

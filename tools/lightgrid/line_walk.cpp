@@ -22,6 +22,12 @@
 // votes it would be W(l) dmu(l). Dividing by W leaves A(l) dmu(l): lines by etendue, thinned once
 // by the votes, like the segments of the coarse pass, not once per step.
 //
+// Lines that bring the camera no light, such as those of windows at night, would take the place of
+// others. With b(l) the light of a line [LightLine::share before it is shared out], b' its mean over
+// the first lines, a move from l to l' is made with probability min(1, g(l')/g(l)),
+// g = min(1, b/(kFaint b')): so lines have the density g(l) dmu(l). Bright lines are no denser than
+// others, since an opening is found by all that passes it. A line stands for b/g.
+//
 // That is the limit. In practice the chains make only some moves, and w is re-estimated from their
 // own lines, the last time half-way. Since no line is used twice, those whose W is below its lower
 // quartile Q are all used: the result is A(l) min(1, W(l)/Q) dmu(l).
@@ -43,6 +49,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "libcommon/math/alias_table.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 
@@ -53,6 +60,7 @@ constexpr double kFull = 0.2;       // of the largest count: w is constant above
 constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
 // The walk ends after this many moves per chain on average, or after this many steps.
 constexpr uint64_t kMoves = 6, kMostSteps = 48;
+constexpr double kFaint = 0.02;  // of the mean light: lines with less are thinned
 constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet
 
@@ -163,9 +171,15 @@ class Chains {
     // Lines without weight, as between jambs, cannot move.
     std::erase_if(start_, [&](const LightLine& l) { return !(weight_of(grid_, w_, l) > 0); });
     if (start_.empty()) start_ = kept;
+    double sum = 0;
+    for (const LightLine& line : start_) sum += line.share;
+    faint_ = kFaint * sum / static_cast<double>(std::max<size_t>(start_.size(), 1));
+    std::vector<double> lit;
+    for (const LightLine& line : start_) lit.push_back(lit_share(line));
+    const AliasTable table(lit);
     for (size_t i = 0; i < chains; ++i) {
       Rng rng(seed, stream_, i, kMostSteps);
-      line_[i] = start_[rng.below(static_cast<uint32_t>(start_.size()))];
+      line_[i] = start_[table.sample(rng.uniform())];
     }
   }
 
@@ -185,7 +199,7 @@ class Chains {
         for (size_t i = range.begin(); i < range.end(); ++i) propose(i, round);
       });
       tracer_.through(cut_, round, tries_, found_);
-      for (size_t i = 0; i < chains; ++i) step(i);
+      for (size_t i = 0; i < chains; ++i) step(i, round);
     }
   }
 
@@ -206,11 +220,17 @@ class Chains {
       }
     }
     for (Probe& p : walk.probes) p.line.cut = static_cast<uint32_t>(cut_);
-    for (LightLine& line : walk.lines) line.cut = static_cast<uint32_t>(cut_);
+    for (LightLine& line : walk.lines)
+      line.cut = static_cast<uint32_t>(cut_), line.share /= lit_share(line);
     return walk;
   }
 
  private:
+  // g of a line; a little is left of the darkest, so that the walk moves where nothing is lit.
+  double lit_share(const LightLine& line) const {
+    return faint_ > 0 ? std::clamp(line.share / faint_, 1e-6, 1.0) : 1;
+  }
+
   // A point on chain i and a direction; no direction if the line has no weight.
   void propose(size_t i, uint32_t round) {
     Rng rng(seed_, stream_, i, round);
@@ -236,12 +256,17 @@ class Chains {
   }
 
   // Moves chain i to its proposed line, or not.
-  void step(size_t i) {
+  void step(size_t i, uint32_t round) {
     if (found_.fate[i] == LineFate::none) return;
     const bool joins = found_.fate[i] == LineFate::joins;
     const LightLine line = in_metres(scene_, grid_, tracer_.tables(), found_.ends[i]);
-    moves_ += joins;
-    if (joins) line_[i] = line;
+    if (joins) {
+      const double ratio = lit_share(line) / lit_share(line_[i]);
+      Rng rng(seed_, stream_, i, kMostSteps + 2 + round);
+      const bool moves = ratio >= 1 || rng.uniform() < ratio;
+      moves_ += moves;
+      if (moves) line_[i] = line;
+    }
     if (!wide_[i]) return;
     probe_[i] = Probe{line, joins};
     ++tried_;
@@ -255,6 +280,7 @@ class Chains {
   const uint64_t seed_, stream_;
   std::vector<double> w_;         // per voxel
   std::vector<LightLine> start_;  // from the coarse pass
+  double faint_ = 0;              // light of a line below which it is thinned
   std::vector<LightLine> line_;   // per chain, as are the following
   std::vector<shader::LineTry> tries_;
   std::vector<uint8_t> wide_;  // whether the try is a probe of the portals' support

@@ -83,7 +83,7 @@ Bundle clear_of(const Bundle& bundle, const Tube& tube) {
   std::vector<Vec2d> places;
   for (const uint32_t l : bundle.which)
     if (const auto p = slab.passage(bundle.line(l))) places.push_back(p->at(0));
-  if (places.empty()) return {bundle.of, {}, bundle.weights};
+  if (places.empty()) return {bundle.of};
   const double far = tube.half + kClear * extents_of(places).shorter;
   return bundle.where([&](const LightLine& line) {
     const auto p = slab.passage(line);

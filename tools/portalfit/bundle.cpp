@@ -40,11 +40,10 @@ std::vector<LightLine> Bundle::lines() const {
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle) {
   // Voxels beside a jamb are not air, so a narrow slit may have no air voxels: lines are counted in
   // all.
-  std::vector<float> count(grid.count.size(), 0);
+  std::vector<uint32_t> count(grid.count.size(), 0);
   for (const uint32_t l : bundle.which)
-    if (const auto weight = static_cast<float>(bundle.weight(l)); weight > 0)
-      walk_grid(grid, bundle.line(l).light, bundle.line(l).camera,
-                [&](size_t voxel, double) { count[voxel] += weight; });
+    walk_grid(grid, bundle.line(l).light, bundle.line(l).camera,
+              [&](size_t voxel, double) { ++count[voxel]; });
   const auto most = std::max_element(count.begin(), count.end());
   return centre_of(grid, static_cast<size_t>(most - count.begin()));
 }
@@ -56,7 +55,7 @@ Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radiu
     const Vec3d d = line.camera - line.light;
     const double t = std::clamp(dot(place - line.light, d) / dot(d, d), 0.0, 1.0);
     const Vec3d off = line.light + d * t - place;
-    if (dot(off, off) <= radius * radius) sum += normalize(d) * bundle.weight(l);
+    if (dot(off, off) <= radius * radius) sum += normalize(d);
   }
   const double norm = length(sum);
   return norm > 0 ? sum / norm : sum;
@@ -118,7 +117,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
       counts.push_back(crossing(tube.middle, bundle.line(l)).has_value());
       counting += counts.back();
     }
-  Bundle kept{bundle.of, {}, bundle.weights};
+  Bundle kept{bundle.of};
   if (found.empty()) return kept;
   constexpr size_t kFewest = 30;
   if (counting < kFewest) counts.assign(points.size(), true);

@@ -13,10 +13,7 @@ namespace tdpt {
 struct Bundle {
   const std::vector<LightLine>* of = nullptr;  ///< grid.lines
   std::vector<uint32_t> which{};               ///< indices into them, ascending
-  /// Per line of `of`: how much it matters where an opening is sought; null: all alike.
-  const std::vector<double>* weights = nullptr;
 
-  double weight(uint32_t l) const { return weights ? (*weights)[l] : 1; }
   bool empty() const { return which.empty(); }
   size_t size() const { return which.size(); }
   const LightLine& line(uint32_t l) const { return (*of)[l]; }
@@ -24,14 +21,14 @@ struct Bundle {
   /// The lines for which `keep` holds.
   template <class Keep>
   Bundle where(const Keep& keep) const {
-    Bundle kept{of, {}, weights};
+    Bundle kept{of};
     for (const uint32_t l : which)
       if (keep(line(l))) kept.which.push_back(l);
     return kept;
   }
 };
 
-/// Centre of the voxel that most lines of the bundle pass, by weight [metres].
+/// Centre of the voxel that most lines of the bundle pass [metres].
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle);
 
 /// Mean direction of the lines that pass within `radius` of `place`; zero if there are none.

@@ -125,7 +125,7 @@ void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, doubl
       }
       std::sort(others.begin(), others.end());
       const auto without = [&](const Bundle& lines) {
-        Bundle left{all.of, {}, all.weights};
+        Bundle left{all.of};
         std::set_difference(lines.which.begin(), lines.which.end(), others.begin(), others.end(),
                             std::back_inserter(left.which));
         return left;

@@ -33,7 +33,6 @@ constexpr double kLeastPart = 0.25;     // of the threshold, before parts are jo
 constexpr double kStrays = 0.15;        // share of the lines that may be leaks
 constexpr double kSparse = 0.2;         // of the density of other openings of the cut
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
-constexpr double kFaint = 0.02;         // of the mean light of a cut's lines
 // A plane that the light is not wider before and behind, on one side at least, bounds nothing.
 constexpr double kLeastWidening = 1.5;
 constexpr size_t kMostTried = 48;       // candidates per cut
@@ -93,20 +92,6 @@ std::vector<double> shares_of(const std::vector<LightLine>& lines) {
   return share;
 }
 
-// Lines count where openings are sought in so far as they bring light: those of windows at night, or
-// of rooms aside, do not. Bright ones do not count more than others: a beam of sunlight is as bright
-// along all its way.
-std::vector<double> weights_of(const std::vector<LightLine>& lines,
-                               const std::vector<double>& share) {
-  std::vector<double> sum(kMostCuts, 0), count(kMostCuts, 0), weight;
-  for (size_t l = 0; l < lines.size(); ++l) sum[lines[l].cut] += share[l], ++count[lines[l].cut];
-  for (size_t l = 0; l < lines.size(); ++l) {
-    const double mean = sum[lines[l].cut] / count[lines[l].cut];
-    weight.push_back(mean > 0 ? std::min(1.0, share[l] / (kFaint * mean)) : 1);
-  }
-  return weight;
-}
-
 std::string at_least(double share) {
   return fmt::format("at least {}", percent_words(share));
 }
@@ -117,14 +102,13 @@ class Fit {
   Fit(const LightGrid& grid, const PortalFitOptions& options)
       : grid_(grid),
         options_(options),
-        share_(shares_of(grid.lines)),
-        weight_(weights_of(grid.lines, share_)) {}
+        share_(shares_of(grid.lines)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
     for (uint32_t l = 0; l < grid_.lines.size(); ++l) {
       const uint32_t c = grid_.lines[l].cut;
-      if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines, {}, &weight_});
+      if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines});
       of_cut[c].which.push_back(l);
     }
     std::vector<Aperture> found;
@@ -331,7 +315,7 @@ class Fit {
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
-  const std::vector<double> share_, weight_;  // per line
+  const std::vector<double> share_;  // per line
   FitResult result_;
   bool stuck_ = false;  // the last candidate removed no line
 };
