@@ -42,69 +42,16 @@ struct Candidate {
   std::string why;  // why it is no bottleneck; empty if it is one
 };
 
-// The network without what the camera's light does not need: arcs count less the less light their
-// pair exchanges, down to nothing in rooms that are dark, or that the camera learns nothing of. So
-// a cut may pass the doors of such rooms for little, and the narrow places of the light's own way
-// stand out.
-//
-// L_ij  light of a pair per etendue, both directions: b_i v_j + b_j v_i
-// An arc keeps the share min(1, L_ij / (kFaint L_med)), L_med the median of L weighted by light; a
-// patch keeps the mean share of its arcs. The sky is one light: its arcs stay.
-constexpr double kFaint = 0.05;
-
-PatchNetwork where_light_goes(const PatchNetwork& p) {
-  PatchNetwork lit = p;
-  if (p.brightness.empty()) return lit;
-  const auto light = [&](const FlowArc& a) {
-    return p.brightness[a.from] * p.importance[a.to] + p.brightness[a.to] * p.importance[a.from];
-  };
-  const auto inner = [&](const FlowArc& a) { return !p.terminal(a.from) && !p.terminal(a.to); };
-  std::vector<std::pair<double, double>> density;  // with light
-  double total = 0, below = 0, median = 0;
-  for (const FlowArc& a : p.network.arcs)
-    if (inner(a) && light(a) > 0) {
-      density.emplace_back(light(a), light(a) * static_cast<double>(a.capacity));
-      total += density.back().second;
-    }
-  std::sort(density.begin(), density.end());
-  for (const auto& [of, with] : density) {
-    median = of;
-    if ((below += with) >= 0.5 * total) break;
-  }
-  if (!(median > 0)) return lit;
-  std::vector<double> all(p.network.nodes, 0), kept(p.network.nodes, 0);
-  for (FlowArc& a : lit.network.arcs) {
-    if (!inner(a)) continue;
-    const bool sky = p.is_sky(a.from) || p.is_sky(a.to);
-    const double share = sky ? 1 : std::min(1.0, light(a) / (kFaint * median));
-    all[a.from] += static_cast<double>(a.capacity);
-    a.capacity = std::llround(static_cast<double>(a.capacity) * share);
-    kept[a.from] += static_cast<double>(a.capacity);
-  }
-  for (uint32_t v = 0; v < p.network.nodes; ++v) {
-    if (!(all[v] > 0) || p.is_sky(v)) continue;
-    lit.samples[v] *= kept[v] / all[v];
-  }
-  for (FlowArc& a : lit.network.arcs)
-    if (!inner(a)) {
-      const uint32_t v = p.terminal(a.from) ? a.to : a.from;
-      if (!p.terminal(v) && !p.is_sky(v) && all[v] > 0)
-        a.capacity = std::llround(static_cast<double>(a.capacity) * kept[v] / all[v]);
-    }
-  return lit;
-}
-
 class SeriesCutter {
  public:
   SeriesCutter(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                const FlowSolver& solve)
-      : whole_(problem),
-        problem_(where_light_goes(problem)),
-        net_(problem_.network),
+      : problem_(problem),
+        net_(problem.network),
         most_(most),
         limits_(limits),
         solve_(solve),
-        sweep_(sweep_of(problem_)) {}
+        sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
@@ -135,18 +82,9 @@ class SeriesCutter {
 
  private:
   Candidate judged(const MaxFlow& flow) const {
-    Candidate c{flow.source_side, flow.value, facts(flow.source_side), ""};
+    Candidate c{flow.source_side, flow.value, facts_of(problem_, flow.source_side), ""};
     c.why = why_refused(c.facts, limits_);
     return c;
-  }
-
-  // Sides and conductance as the light weighs them, walks and light as they are.
-  CutFacts facts(const std::vector<uint8_t>& source_side) const {
-    CutFacts f = facts_of(whole_, source_side);
-    const CutFacts by_light = facts_of(problem_, source_side);
-    f.area = by_light.area, f.volume = by_light.volume, f.viewed = by_light.viewed, f.sky_beyond = by_light.sky_beyond;
-    f.crossing = by_light.crossing, f.conductance = by_light.conductance;
-    return f;
   }
 
   std::string terminal_without_arcs() const {
@@ -300,7 +238,7 @@ class SeriesCutter {
           c.source_side[v] &= kept[i].source_side[v];
     for (const Candidate& k : kept)
       if (difference(c, k) < limits_.least_area) return false;
-    c.facts = facts(c.source_side);
+    c.facts = facts_of(problem_, c.source_side);
     c.why = why_refused(c.facts, limits_);
     if (!c.why.empty()) {
       refuse(c, c.why);
@@ -379,8 +317,7 @@ class SeriesCutter {
     }
   }
 
-  const PatchNetwork& whole_;
-  const PatchNetwork problem_;  // where the camera's light goes
+  const PatchNetwork& problem_;
   const FlowNetwork& net_;
   size_t most_;
   const CutLimits& limits_;
