@@ -29,6 +29,7 @@ constexpr double kMostBack = 0.9;   // share of the walks that cross
 constexpr double kFewestBack = 10;  // crossing walks: of fewer, a random number comes back
 constexpr double kMostSkyBeyond = 0.1;
 constexpr double kOpenToSky = 0.2;      // share of what crosses that comes from the sky itself
+constexpr double kLeastCarried = 0.01;  // of the camera's light
 constexpr double kLeastAcross = 0.005;  // share of the light on the camera's side
 
 std::string percent(double share) {
@@ -148,6 +149,9 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
     return "the camera sees past the cut: its walks cross it as often away from the light as "
            "towards "
            "it";
+  if (f.carried && *f.carried < kLeastCarried)
+    return fmt::format("only {} of the light that the camera sees crosses the cut",
+                       percent(*f.carried));
   if (f.across && *f.across < kLeastAcross)
     return fmt::format(
         "of the light on the camera's side of the cut only {} comes across it: the rest is that of "

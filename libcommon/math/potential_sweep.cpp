@@ -20,6 +20,8 @@ namespace tdpt {
 namespace {
 
 constexpr double kPinned = 0.5;  // grade from which a terminal pins a patch's potential
+constexpr double kFaintest = 1e-5;  // of the mean brightness and importance
+constexpr double kHold = 0.3, kPinnedSky = 1000;
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
 
@@ -101,18 +103,51 @@ std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
   return holds;
 }
 
+// What holds the potential of a node: where, and how strongly [share of its samples].
+struct Hold {
+  double at = 0, strength = 0;
+};
+
+// log(v_i / b_i), a mean over the node's surroundings: from room to room light falls by a factor, and
+// the camera's part rises.
+std::vector<Hold> holds_by_light(const PatchNetwork& p) {
+  double samples = 0, brightness = 0, importance = 0;
+  for (uint32_t v = 0; v < p.network.nodes; ++v) {
+    samples += p.samples[v];
+    brightness += p.samples[v] * p.brightness[v], importance += p.samples[v] * p.importance[v];
+  }
+  std::vector<Hold> holds(p.network.nodes);
+  if (!(brightness > 0 && importance > 0)) return holds;
+  const double least_b = kFaintest * brightness / samples, least_v = kFaintest * importance / samples;
+  const double lowest = std::log(kFaintest) - std::log(brightness / importance / kFaintest);
+  for (uint32_t v = 0; v < p.network.nodes; ++v)
+    if (p.is_sky(v))  // one light, bright or not
+      holds[v] = {lowest, kPinnedSky};
+    else if (p.brightness[v] > 0 || p.importance[v] > 0)
+      holds[v] = {std::log(std::max(p.importance[v], least_v) / std::max(p.brightness[v], least_b)),
+                  kHold};
+  return holds;
+}
+
+std::vector<Hold> all_holds(const PatchNetwork& p, const Links& l) {
+  if (!p.brightness.empty()) return holds_by_light(p);
+  std::vector<Hold> holds;
+  for (const double hold : holds_of(p, l)) holds.push_back({hold > 0 ? 1.0 : 0.0, std::abs(hold)});
+  return holds;
+}
+
 // Solves for u with diagonally preconditioned conjugate gradients.
 std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
   const uint32_t n = p.network.nodes;
-  const std::vector<double> holds = holds_of(p, l);
+  const std::vector<Hold> holds = all_holds(p, l);
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
-    const double hold = std::abs(holds[v]) * whole;
+    const double hold = holds[v].strength * whole;
     // Isolated patches that nothing pins stay at 1/2.
     const double loose = 1e-9 * whole + 1e-30;
     diagonal[v] = l.total[v] + hold + loose;
-    right[v] = (holds[v] > 0 ? hold : 0) + 0.5 * loose;
+    right[v] = holds[v].at * hold + 0.5 * loose;
   }
   const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
     for (uint32_t v = 0; v < n; ++v) {

@@ -23,10 +23,10 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastDrop = 0.01;  // smallest difference of u between two rooms
+constexpr double kLeastDrop = 0.7;  // smallest difference of u between two rooms
 // The sweep cut at a drop is worse than the minimum cut there, so it is searched with a looser
 // limit on conductance; such a drop must be a large part of the potential between light and camera.
-constexpr double kLoose = 2, kLeastLooseDrop = 0.1;
+constexpr double kLoose = 2, kLeastLooseDrop = 1.5;
 constexpr size_t kMostCandidates = 12;
 
 // A place in the sweep that may separate two rooms.

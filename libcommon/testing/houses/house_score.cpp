@@ -21,8 +21,9 @@ constexpr uint64_t kStream = 0x686f'7573;
 constexpr int kLines = 4000;  // of a portal
 // Of a portal's lines: with fewer in openings it lies in none.
 constexpr double kInOpening = 0.3;
-// It lies in another pane of the same window, too, with this share of the lines of the first.
-constexpr double kAlso = 0.25;
+// It lies in another one, too, of the same plane or element, with this share of the first one's.
+constexpr double kAlso = 0.1;
+constexpr double kNear = 0.05;  // [m]
 
 struct Segment {
   Vec3d from, to;
@@ -126,15 +127,15 @@ std::vector<int> lines_through(const std::vector<Face>& faces, const Scene& scen
   return lines;
 }
 
-// The convex hull of several panes, in the plane of the first; small steps about their middle.
+// The convex hull of several openings, in the plane of the first moved by `offset` along its normal.
 std::vector<Face> hull_of(const std::vector<HouseOpening>& openings,
-                          const std::vector<size_t>& panes) {
+                          const std::vector<size_t>& panes, double offset) {
   const OpeningPart& first = openings[panes.front()].part;
   const Onb<double> frame(first.normal);
   std::vector<Vec3d> corners;
   for (const size_t o : panes)
     for (const Vec3d& p : openings[o].part.polygon)
-      corners.push_back(p - first.normal * dot(p - first.polygon[0], first.normal));
+      corners.push_back(p - first.normal * (dot(p - first.polygon[0], first.normal) - offset));
   // Gift wrapping.
   const auto flat = [&](const Vec3d& p) { return Vec3d{dot(p, frame.x), dot(p, frame.y), 0}; };
   size_t start = 0;
@@ -159,35 +160,52 @@ std::vector<Face> hull_of(const std::vector<HouseOpening>& openings,
   return faces;
 }
 
-PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tracer,
-                     const std::vector<HouseOpening>& openings) {
-  const std::vector<int> lines = lines_through(faces_of(portal), scene, tracer, openings);
-  PortalTruth truth;
-  truth.in_opening = static_cast<double>(lines.back()) / kLines;
-  if (openings.empty() || truth.in_opening < kInOpening) return truth;
-  const auto most = static_cast<size_t>(
-      std::max_element(lines.begin(), lines.end() - 1) - lines.begin());
-  truth.openings.push_back(most);
-  for (size_t o = 0; o < openings.size(); ++o)
-    if (o != most && openings[o].element == openings[most].element &&
-        lines[o] >= kAlso * lines[most])
-      truth.openings.push_back(o);
-  if (truth.openings.size() > 1 && openings[most].doorway.empty()) {
-    const std::vector<int> perfect =
-        lines_through(hull_of(openings, truth.openings), scene, tracer, openings);
-    truth.in_opening = std::min(1.0, truth.in_opening * kLines / std::max(1, perfect.back()));
+double angle_of(const Vec3d& normal, const HouseOpening& o) {
+  double least = 180;
+  for (const double way : {1.0, -1.0}) {
+    least = std::min(least, degrees_between(normal, o.part.normal * way));
+    for (const OpeningPart& whole : o.doorway)
+      for (double t = 0; t <= 1; t += 1.0 / 64)
+        least = std::min(least, degrees_between(normal, normalize(o.part.normal * (1 - t) +
+                                                                  whole.normal * t) * way));
   }
-  return truth;
+  return least;
 }
 
-double angle_of(const Vec3d& normal, const HouseOpening& o, bool forward) {
-  const double way = forward ? 1 : -1;
-  double least = degrees_between(normal, o.part.normal * way);
-  for (const OpeningPart& whole : o.doorway)
-    for (double t = 0; t <= 1; t += 1.0 / 64)
-      least = std::min(least, degrees_between(normal, normalize(o.part.normal * (1 - t) +
-                                                                whole.normal * t) * way));
-  return least;
+bool in_one_plane(const HouseOpening& a, const HouseOpening& b) {
+  constexpr double kSame = 0.99;
+  const double off = dot(b.part.polygon[0] - a.part.polygon[0], a.part.normal);
+  return std::abs(dot(a.part.normal, b.part.normal)) > kSame && off >= -a.front - kNear &&
+         off <= a.rear + kNear;
+}
+
+PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tracer,
+                     const std::vector<HouseOpening>& openings) {
+  const std::vector<Face> faces = faces_of(portal);
+  const std::vector<int> lines = lines_through(faces, scene, tracer, openings);
+  PortalTruth truth;
+  truth.tightness = static_cast<double>(lines.back()) / kLines;
+  if (openings.empty() || truth.tightness < kInOpening) return truth;
+  const auto most = static_cast<size_t>(
+      std::max_element(lines.begin(), lines.end() - 1) - lines.begin());
+  const HouseOpening& main = openings[most];
+  truth.openings.push_back(most);
+  for (size_t o = 0; o < openings.size(); ++o)
+    if (o != most && lines[o] >= kAlso * lines[most] &&
+        (openings[o].element == main.element || in_one_plane(main, openings[o])))
+      truth.openings.push_back(o);
+  for (const size_t o : truth.openings)
+    truth.angle = std::min(truth.angle, angle_of(mean_normal(portal), openings[o]));
+  // Beside a leaf the two narrow places differ, and the portal may lie in either.
+  if (!main.doorway.empty()) return truth;
+  Vec3d middle{};
+  for (const Face& f : faces) middle += (f.a + f.b + f.c) / (3.0 * static_cast<double>(faces.size()));
+  const double offset = std::clamp(dot(middle - main.part.polygon[0], main.part.normal),
+                                   -main.front, main.rear);
+  const std::vector<int> perfect = lines_through(hull_of(openings, truth.openings, offset), scene,
+                                                 tracer, openings);
+  truth.tightness = std::min(1.0, truth.tightness * kLines / std::max(1, perfect.back()));
+  return truth;
 }
 
 Vec3d vector_of(const Json& json) {
@@ -280,8 +298,8 @@ HouseScore score_house(const Scene& scene, const Tracer& tracer,
     for (const size_t o : truth.openings) {
       OpeningScore& s = score.openings[o];
       s.portals.push_back(p);
-      s.tightness = std::min(s.tightness, truth.in_opening);
-      s.angle = std::max(s.angle, angle_of(mean_normal(portals[p]), openings[o], s.forward));
+      s.tightness = std::min(s.tightness, truth.tightness);
+      s.angle = std::max(s.angle, truth.angle);
     }
   }
   return score;

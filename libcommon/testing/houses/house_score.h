@@ -36,21 +36,21 @@ struct OpeningScore {
   bool forward = true;   ///< most of them along its normal
   double coverage = 0;   ///< share of those that pass the whole wall that cross, on the same edge,
                          ///< portals that lie in openings
-  double tightness = 1;  ///< least of the portals that lie in it; that of one over several panes of
-                         ///< a window relative to that of their hull
-  double angle = 0;      ///< largest [degrees], to its normal or, of a door ajar, to one between
-                         ///< those of gap and doorway
+  double tightness = 1;  ///< least of the portals that lie in it
+  double angle = 0;      ///< largest of theirs
   std::vector<size_t> portals;  ///< that lie in it
-  bool right() const {
-    return coverage >= 0.98 && tightness >= 0.90 && angle <= 3 && !portals.empty();
-  }
+  /// Without a portal of its own it is right where straight on all of its light passes others.
+  bool right() const { return coverage >= 0.98 && tightness >= 0.90 && angle <= 3; }
 };
 
 struct PortalTruth {
   double light = 0;      ///< share of the paths that cross it along its normal
-  double in_opening = 0;  ///< share of its lines, uniform by etendue between the surfaces on either
-                         ///< side, that pass an opening
-  std::vector<size_t> openings;  ///< that it lies in: they share most of its lines; empty: none
+  /// Share of its lines, uniform by etendue between the surfaces on either side, that pass an
+  /// opening; relative to that of the openings' hull where the portal lies in the wall.
+  double tightness = 0;
+  double angle = 180;  ///< to the normal of one of them or, of a door ajar, to one between those of
+                       ///< gap and doorway [degrees]
+  std::vector<size_t> openings;  ///< that it lies in, in one plane; empty: none
 };
 
 struct HouseScore {

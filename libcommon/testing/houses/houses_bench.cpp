@@ -37,12 +37,13 @@ nlohmann::json json_of(const HouseScore& score, const std::vector<HouseOpening>&
   for (size_t o = 0; o < openings.size(); ++o) {
     const OpeningScore& s = score.openings[o];
     if (s.light < 0.001 && s.portals.empty()) continue;
+    const Vec3d way = openings[o].part.normal * (s.forward ? 1 : -1);
     out["openings"].push_back({{"name", openings[o].name},
                                {"kind", openings[o].kind},
                                {"state", openings[o].state},
                                {"rooms", openings[o].rooms},
                                {"light", s.light},
-                               {"forward", s.forward},
+                               {"towards", {way.x, way.y, way.z}},
                                {"coverage", s.coverage},
                                {"tightness", s.tightness},
                                {"angle", s.angle},
@@ -55,7 +56,8 @@ nlohmann::json json_of(const HouseScore& score, const std::vector<HouseOpening>&
     out["portals"].push_back(
         {{"area", area_of(portals[p])},
          {"light", score.portals[p].light},
-         {"in_opening", score.portals[p].in_opening},
+         {"tightness", score.portals[p].tightness},
+         {"angle", score.portals[p].angle},
          {"openings", names}});
   }
   return out;

@@ -1,0 +1,175 @@
+"""Real buildings with known openings: how right the portals are for each camera, what finding them costs, and what they
+are worth beside portals drawn into the openings: doc/houses.md."""
+import json
+import math
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+
+import pages
+import stats
+from common import EVERYTHING, STAGES, Halves, Setting, Stop, checked, settings, turns
+from formats import Builder, glb_parse
+
+HOUSES = ("renga-house", "institute-floor", "jasmin-night", "niedri-house", "sample-house-night", "five-zone-office")
+LEAST = 0.02  # of the camera's light: openings that count
+USELESS = 0.01
+COVERED = 0.9
+# name: of scene and camera; openings: a path; sky: words of options
+View = namedtuple("View", "name scene camera openings sky")
+
+
+def cameras_of(scene):
+    """Names, in the order of the file's nodes."""
+    document, _ = glb_parse(Path(scene).read_bytes())
+    return [document["cameras"][node["camera"]].get("name", node.get("name"))
+            for node in document["nodes"] if "camera" in node]
+
+
+def views_of(bench):
+    """Those of ONLY, or of all houses: a house or HOUSE.CAMERA."""
+    only, views = bench.settings.only, []
+    folder = Path(bench.settings.scenes) / "houses"
+    for house in HOUSES:
+        scene, sky = folder / f"{house}.glb", folder / f"{house}.env.exr"
+        if not scene.exists():
+            bench.say(f"{house}: there is no {scene}, left out")
+            continue
+        for camera in cameras_of(scene):
+            name = f"{house}.{camera}"
+            if not only or house in only or name in only:
+                views.append(View(name, scene, camera, folder / f"{house}.openings.json",
+                                  ("--environment", sky) if sky.exists() else ()))
+    if not views:
+        raise Stop(3, "none of the houses is there")
+    return views
+
+
+def found(bench, view, threads=1):
+    return bench.portals(view.scene, view.sky,
+                         lambda program: ("--camera", view.camera) if program == "ffgraph" else (), threads)
+
+
+class Truth:
+    """What light passes a view's openings, by light paths that are drawn once."""
+
+    def __init__(self, bench, view):
+        self.bench, self.view, self.program = bench, view, bench.store.program("houses_bench")
+        sky = view.sky[1] if view.sky else "-"
+        self.paths = bench.store.keep(
+            ["light paths 1", bench.store.sum_of(view.scene), view.camera, sky if sky == "-" else bench.store.sum_of(sky)],
+            lambda out: checked([self.program, "paths", view.scene, view.camera, sky, out]), ".paths")
+
+    def score(self, *portals):
+        """Of each portal file; of none where none is given."""
+        run = checked([self.program, "score", self.view.scene, self.view.camera, self.view.openings, self.paths, *portals])
+        return [json.loads(line) for line in run.said.splitlines()]
+
+    def draw(self, out):
+        """A portal in each opening that LEAST of the light passes, facing the way that most of it goes."""
+        polygons = {o["name"]: o["polygon"] for o in json.loads(self.view.openings.read_text(encoding="utf-8"))}
+        builder, drawn = Builder(), 0
+        for opening in self.score()[0]["openings"]:
+            if opening["light"] < LEAST:
+                continue
+            corners = np.array(polygons[opening["name"]], float)
+            normal = sum(np.cross(corners[i] - corners[0], corners[i + 1] - corners[0])
+                         for i in range(1, len(corners) - 1))
+            towards = np.array(opening["towards"])
+            if np.dot(normal, towards) < 0:
+                corners = corners[::-1]
+            fan = [corner for i in range(1, len(corners) - 1) for corner in (0, i, i + 1)]
+            builder.mesh(corners, fan, name=f"portal.{drawn}")
+            drawn += 1
+        Path(out).write_bytes(builder.content())
+
+
+# ---- Right ----
+def right_row(view, score):
+    big = [o for o in score["openings"] if o["light"] >= LEAST]
+    none = [p for p in score["portals"] if not p["openings"]]
+    little = [p for p in score["portals"] if p["light"] < USELESS]
+    return [view.name, len(big), sum(o["right"] for o in big), sum(o["coverage"] >= COVERED for o in big),
+            len(score["portals"]), len(none), len(little)]
+
+
+def right_table(bench, views, portals):
+    rows = []
+    for view, found_here in zip(views, portals):
+        score = Truth(bench, view).score(found_here.file)[0]
+        (bench.cache / f"{view.name}.score.json").write_text(json.dumps(score, indent=1), encoding="utf-8")
+        cpu = [found_here.runs[stage].cpu for stage in STAGES]
+        rows.append([*right_row(view, score), *("%.1f" % c for c in (*cpu, sum(cpu)))])
+    sums = [sum(row[k] for row in rows) for k in range(1, 7)]
+    cpu = ["%.1f" % (sum(float(row[k]) for row in rows) / len(rows)) for k in range(7, 12)]
+    heads = ("view", "openings that count", "right", "covered", "portals", "in no opening", "of next to no light",
+             *(f"{stage} s" for stage in STAGES), "CPU s")
+    return pages.sections(
+        pages.table(heads, [*rows, ["all; mean time", *sums, *cpu]]),
+        f"Right are {sums[1]} of {sums[0]} openings ({100 * sums[1] / max(1, sums[0]):.0f} %), covered {sums[2]} "
+        f"({100 * sums[2] / max(1, sums[0]):.0f} %); {sums[4]} of {sums[3]} portals lie in no opening, {sums[5]} bring "
+        f"less than {100 * USELESS:g} % of the light.")
+
+
+# ---- Worth ----
+WAYS = ("found", "drawn", "without")
+
+
+def worth_rows(bench, views, portals):
+    """Of each view {way: samples of relMSE x CPU seconds}."""
+    s, rows = bench.settings, []
+    for view, found_here in zip(views, portals):
+        truth = Truth(bench, view)
+        drawn = bench.cache / f"{view.name}.drawn.glb"
+        truth.draw(drawn)
+        common = ("--camera", view.camera, *view.sky, "--width", s.width, "--height", s.width * 9 // 16)
+        files = {"found": found_here.file, "drawn": drawn}
+        reference = Halves(bench, *(bench.render(
+            view.scene, *common, "--integrator", "auto", "--portal", drawn, "--time", f"{s.reference / 2:g}",
+            "--seed", 1000000 + half).out for half in (1, 2)))
+        costs = {way: [] for way in WAYS}
+        for seed, way in turns(range(1, s.seeds + 1), WAYS):
+            with_portals = ("--portal", files[way]) if way in files and (way != "found" or found_here.count) else ()
+            run = bench.render(view.scene, *common, "--integrator", "auto", *with_portals, "--time",
+                               f"{s.seconds_each:g}", "--seed", seed)
+            costs[way].append(reference.off(run.out)["relmse"] * run.said["cpu_seconds"])
+        bench.say(f"{view.name}: " + ", ".join(f"{way} {np.mean(c):.3g}" for way, c in costs.items()))
+        rows.append((view, costs, reference))
+    return rows
+
+
+def worth_table(rows):
+    table, over_drawn, over_none = [], [], []
+    for view, costs, reference in rows:
+        to_drawn = stats.ratio(costs["drawn"], costs["found"])
+        to_none = stats.ratio(costs["without"], costs["found"])
+        drawn_to_none = stats.ratio(costs["without"], costs["drawn"])
+        over_drawn.append(to_drawn.value), over_none.append(to_none.value)
+        table.append([view.name, *("%.3g" % np.mean(costs[way]) for way in WAYS), to_drawn.text(pages.hundredths),
+                      to_none.text(pages.hundredths), drawn_to_none.text(pages.hundredths),
+                      pages.three(reference.black["relmse"])])
+    mean = lambda values: pages.hundredths(math.exp(np.mean(np.log([v for v in values if v > 0]))))
+    return pages.sections(
+        pages.table(("view", *(f"{way}, relMSE x CPU s" for way in WAYS), "found over drawn", "found over without",
+                     "drawn over without", "black picture's relMSE"), table),
+        f"Geometric means: {mean(over_drawn)} over portals drawn into the openings, least "
+        f"{pages.hundredths(min(over_drawn))}; {mean(over_none)} over none.")
+
+
+@settings(WIDTH=Setting(160, "of the pictures that tell what portals are worth", 96),
+          SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 0.5), SEEDS=Setting(4, "pictures of each kind", 2),
+          REFERENCE=Setting(120.0, "CPU seconds of a reference, in two halves", 2.0),
+          WORTH=Setting(1, "0: only how right the portals are"))
+def houses(bench):
+    """Real buildings with known openings. Light paths drawn by plain path tracing say how much of a camera's light
+    passes each opening; portals are right that cover those of 2 % of it. Then pictures by auto through the portals
+    found, through such drawn into the openings, and without any. Two hours on two cores; WORTH=0: twenty minutes."""
+    views = views_of(bench)
+    portals = [found(bench, view) for view in views]
+    parts = {"right": right_table(bench, views, portals)}
+    print(parts["right"])
+    if bench.settings.worth:
+        parts["worth"] = worth_table(worth_rows(bench, views, portals))
+        print(parts["worth"])
+        bench.page("houses", parts, EVERYTHING, "portalfit")
