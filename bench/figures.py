@@ -190,7 +190,7 @@ def thumbnails(bench):
     """The small pictures of README.md, 240 pixels wide, cut from those that stages and figures draw."""
     bench.need("convert")
     folder = bench.doc / "figures"
-    for name, of, part in (("ffgraph", "stage-ffgraph", "802x396+760+88"), ("mincut", "stage-mincut", "802x396+760+88"),
+    for name, of, part in (("ffgraph", "stage-ffgraph", "790x393+774+92"), ("mincut", "stage-mincut", "790x393+774+92"),
                            ("lightgrid", "stage-lightgrid", "980x480+55+92"),
                            ("portalfit", "stage-portalfit", "748x380+34+92"),
                            ("tdpt-render", "fig7-veach-ajar-tdpt", "213x120+215+0")):

@@ -65,7 +65,10 @@ tdpt_again = $(if $(or $(call tdpt_differ,$(strip $(file <$(tdpt_known).command)
   $(if $(PREVIEWS),$(if $(wildcard $2),,missing))),tdpt-again)
 
 tdpt_partial = $(basename $@).partial$(suffix $@)
-tdpt_preview = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--preview $(if $(TDPT_TELL),$(tdpt_telling).png,$@.png))
+# The plan of the portals has words to read: a report takes it as SVG, unless it is asked for as PNG, too.
+tdpt_told_as = $(if $(PREVIEWS),png,$(if $(filter %.portal.glb,$@),svg,png))
+tdpt_preview = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--preview $(if $(TDPT_TELL),$(tdpt_telling).$(tdpt_told_as),$@.png))
+tdpt_shown = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene))
 # A stage that runs for a report keeps what it tells of itself and its picture beside .command; its notes come afterwards.
 tdpt_telling = $(tdpt_known).partial.told
 tdpt_notes = grep -v ', because '
@@ -73,7 +76,7 @@ tdpt_tell = $(if $(TDPT_TELL), --json --explain >$(tdpt_telling).json 2>$(tdpt_t
   { code=$$?; $(tdpt_notes) $(tdpt_telling).txt >&2; (exit $$code); })
 define tdpt_keep
 $(if $(TDPT_TELL),@$(tdpt_notes) $(tdpt_telling).txt $(if $(tdpt_quiet),| grep warning) >&2 || :
-@$(if $(PREVIEWS),cp $(tdpt_telling).png $@.png;) for end in png txt json; do \
+@$(if $(PREVIEWS),cp $(tdpt_telling).png $@.png;) rm -f $(tdpt_known).told.png $(tdpt_known).told.svg; for end in $(tdpt_told_as) txt json; do \
   mv -f $(tdpt_telling).$$end $(tdpt_known).told.$$end; done; touch $(tdpt_known).told.json)
 endef
 tdpt_to = -o $(tdpt_partial) -MF $(tdpt_known).d -MQ $@
@@ -102,7 +105,7 @@ export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 
 %.cut: %.max $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
 	$(tdpt_begin)
-	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene)) $< $(tdpt_to)$(tdpt_tell)
+	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(tdpt_shown) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_cut))
 	$(tdpt_keep)
 
@@ -112,9 +115,10 @@ export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 	$(call tdpt_end,$(tdpt_vdb))
 	$(tdpt_keep)
 
-%.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(call tdpt_again,$$(tdpt_glb),$$@.png))
+%.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) \
+  $$(call tdpt_again,$$(tdpt_glb),$$@.png))
 	$(tdpt_begin)
-	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)
+	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $(tdpt_shown) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_glb))
 	$(tdpt_keep)
 

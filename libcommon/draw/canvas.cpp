@@ -183,6 +183,16 @@ void Canvas::line(Point a, Point b, double line_width, const Ink& c, double alph
   recording_->stroke(line_width, c, alpha);
 }
 
+void Canvas::lines(const std::vector<std::array<Point, 2>>& ends, double line_width, const Ink& c,
+                   double alpha) {
+  for (const auto& [a, b] : ends) {
+    if (!can_draw({a.x, a.y, b.x, b.y})) continue;
+    cairo_move_to(recording_->cairo.get(), a.x, a.y);
+    cairo_line_to(recording_->cairo.get(), b.x, b.y);
+  }
+  recording_->stroke(line_width, c, alpha);
+}
+
 void Canvas::disc(Point centre, double radius, const Ink& c, double alpha) {
   line(centre, centre, 2 * radius, c, alpha);
 }

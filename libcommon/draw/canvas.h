@@ -6,6 +6,7 @@
 // sRGB-coded, because that is how they are chosen. The same drawing gives the same bytes wherever
 // the same fonts are installed.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -91,6 +92,10 @@ class Canvas {
 
   /// With round caps; a line of length 0 is a dot.
   void line(Point a, Point b, double line_width, const Ink& c, double alpha = 1);
+  /// The same for many of one kind, which takes a fraction of the bytes in SVG and PDF; where they
+  /// cross they are no darker.
+  void lines(const std::vector<std::array<Point, 2>>& ends, double line_width, const Ink& c,
+             double alpha = 1);
   void disc(Point centre, double radius, const Ink& c, double alpha = 1);
   /// Outline of a circle.
   void ring(Point centre, double radius, double line_width, const Ink& c, double alpha = 1);

@@ -1,23 +1,24 @@
-// A sheet with two views of a scene: from its camera, and a plan with everything above a cut
-// removed.
+// A sheet with the views of a scene: from its camera, and the plan of each storey.
 #pragma once
 #include <string>
+#include <vector>
 
-#include "libcommon/draw/scene_view.h"
+#include "libcommon/draw/plan.h"
 #include "libcommon/draw/sheet.h"
 
 namespace tdpt::draw {
 
 class SceneSheet {
  public:
-  /// `cut`: height of the plan [metres]; outside the scene, its middle height is used. `legend`:
-  /// height reserved below the panels. Keeps a reference to `scene`.
+  /// The plans are those of the storeys with the camera and with many of `places` [metres]; of a
+  /// scene without storeys there is one, at the mean height of the places, or the camera's.
+  /// `legend`: height reserved below the panels. Keeps references.
   SceneSheet(const Scene& scene, const Camera& camera, const std::string& title,
-             const std::string& sentence, double cut, double legend);
+             const std::string& sentence, const std::vector<Vec3d>& places, double legend);
 
-  /// First the surfaces, with camera and lamps as marks in the plan...
+  /// First the surfaces...
   void paint(const Colouring& colour);
-  /// ...then lines over them (metres)...
+  /// ...then lines over them (metres), in the plans as far as they are within the storey...
   void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha);
   void dot(const Vec3d& place, double radius, const Ink& c, double alpha);
   /// ...finally marks, captions and scale. Moves the drawing out: the sheet is then unusable.
@@ -27,26 +28,26 @@ class SceneSheet {
   /// Area of the legend.
   const Box& legend() const { return legend_; }
   const SceneView& camera_view() const { return camera_view_; }
-  const SceneView& plan() const { return plan_; }
+  /// The camera's storey first.
+  const std::vector<Plan>& plans() const { return plans_; }
 
  private:
   struct Layout {
-    Box camera, plan, legend;
-    double cut;  // canonical height
-    int height;
+    std::vector<Storey> storeys;
+    Extent extent;
+    Box camera, legend;
+    std::vector<Box> plans;
   };
-  static Layout layout(const Scene& scene, const Camera& camera, double cut, double legend);
-  SceneSheet(const Scene& scene, const Camera& camera, const std::string& title,
-             const std::string& sentence, const Layout& where);
-  void mark_lamps();
-  void mark_camera();
+  static Layout layout(const Scene& scene, const Camera& camera, const Tracer& tracer,
+                       const std::vector<Vec3d>& places, double legend);
 
   const Scene& scene_;
   const Camera& camera_;
-  double cut_;
   Tracer tracer_;
+  Layout layout_;
   Canvas canvas_;
-  SceneView camera_view_, plan_;
+  SceneView camera_view_;
+  std::vector<Plan> plans_;
   Box legend_;
 };
 

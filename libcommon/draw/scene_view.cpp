@@ -49,7 +49,8 @@ SceneView::SceneView(Canvas& canvas, const Tracer& tracer, const Projection& pro
       columns_(static_cast<int>(std::lround(projection.panel.right())) - left_),
       rows_(static_cast<int>(std::lround(projection.panel.bottom())) - top_) {}
 
-void SceneView::paint(const Colouring& colour, const Ink& nothing) {
+void SceneView::paint(const Colouring& colour, const Ink& nothing,
+                      const std::function<void(Raster&)>& over) {
   samples_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), {});
   Raster seen(columns_, rows_);
   // Each pixel belongs to one thread, so the order does not matter.
@@ -82,6 +83,7 @@ void SceneView::paint(const Colouring& colour, const Ink& nothing) {
     }
   });
   darken_edges(seen);
+  if (over) over(seen);
   canvas_.raster({static_cast<double>(left_), static_cast<double>(top_)}, 1, seen);
 }
 
@@ -167,20 +169,6 @@ void SceneView::dot_at(const Vec3d& place, double radius, const Ink& c, double a
   canvas_.clip(projection_.panel);
   canvas_.disc(at, radius, c, hides(at, depth) ? alpha * hidden : alpha);
   canvas_.unclip();
-}
-
-std::vector<Segment> section(const Scene& scene, double height) {
-  std::vector<Segment> found;
-  for (const Triangle& t : scene.triangles) {
-    Vec3d cut[3];
-    int n = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d a(scene.positions[t.vertex[k]]), b(scene.positions[t.vertex[(k + 1) % 3]]);
-      if ((a.y < height) != (b.y < height)) cut[n++] = a + (b - a) * ((height - a.y) / (b.y - a.y));
-    }
-    if (n == 2) found.push_back({cut[0], cut[1]});
-  }
-  return found;
 }
 
 }  // namespace tdpt::draw

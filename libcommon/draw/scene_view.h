@@ -43,8 +43,10 @@ class SceneView {
 
   const Projection& projection() const { return projection_; }
 
-  /// Four rays per pixel; `nothing` where there is no surface.
-  void paint(const Colouring& colour, const Ink& nothing);
+  /// Four rays per pixel; `nothing` where there is no surface. `over` may change the pixels of the
+  /// panel before they are drawn.
+  void paint(const Colouring& colour, const Ink& nothing,
+             const std::function<void(Raster&)>& over = {});
 
   /// Canonical end points. `hidden`: factor of alpha where a surface occludes the line.
   void line(const Vec3d& a, const Vec3d& b, double width, const Ink& c, double alpha = 1,
@@ -67,11 +69,5 @@ class SceneView {
   int left_, top_, columns_, rows_;
   std::vector<Sample> samples_;
 };
-
-/// The intersection of a scene's triangles with the horizontal plane y = height (canonical).
-struct Segment {
-  Vec3d a, b;
-};
-std::vector<Segment> section(const Scene& scene, double height);
 
 }  // namespace tdpt::draw

@@ -20,7 +20,7 @@ void caption(Canvas& canvas, const Box& panel, const std::string& words) {
               {.size = kTextSize, .ink = kInk, .room = panel.width});
 }
 
-void scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
+double scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
   double metres = std::pow(10, std::floor(std::log10(160 / pixels_per_metre)));
   for (const double step : {5.0, 2.0})
     if (metres * step * pixels_per_metre <= 160) {
@@ -32,6 +32,7 @@ void scale_bar(Canvas& canvas, Point right, double pixels_per_metre) {
   for (const double x : {left, right.x}) canvas.line({x, right.y - 4}, {x, right.y + 4}, 2, kInk);
   canvas.text({0.5 * (left + right.x), right.y - 9}, number_words(metres, 6) + " m",
               {kSmallSize, kInk, Align::middle});
+  return left;
 }
 
 void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,

@@ -16,8 +16,8 @@ inline constexpr double kTitleSize = 17, kTextSize = 10.5, kSmallSize = 9;
 void heading(Canvas& canvas, const std::string& title, const std::string& sentence);
 /// A line of text below a panel.
 void caption(Canvas& canvas, const Box& panel, const std::string& words);
-/// A bar of a round length in metres that ends at `right`, labelled above.
-void scale_bar(Canvas& canvas, Point right, double pixels_per_metre);
+/// A bar of a round length in metres that ends at `right`, labelled above; returns its left end.
+double scale_bar(Canvas& canvas, Point right, double pixels_per_metre);
 /// Legend of heat(), from left to right, with a label at each end and a title above.
 void heat_bar(Canvas& canvas, const Box& bar, const std::string& title, const std::string& low,
               const std::string& high);

@@ -51,6 +51,17 @@ void paint_network(draw::SceneSheet& sheet, const Scene& scene, const DimacsFile
   });
 }
 
+namespace {
+// Where walks from both ends came: what a plan should show.
+std::vector<Vec3d> places_of_both(const DimacsFile& file, const std::vector<Reach>& reached) {
+  std::vector<Vec3d> places;
+  for (size_t i = 0; i < reached.size(); ++i)
+    if (reached[i].light > 0 && reached[i].camera > 0 && !file.patches[i].is_sky())
+      places.push_back(file.patches[i].centre);
+  return places;
+}
+}  // namespace
+
 draw::Canvas network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
                              bool triangles) {
   using namespace draw;
@@ -63,7 +74,7 @@ draw::Canvas network_preview(const Scene& scene, const Camera& camera, const Dim
       triangles ? "both lit and seen" : "reached by walks from both ends of the light's way",
       number(static_cast<double>(file.network.arcs.size())));
   SceneSheet sheet(scene, camera, "ffgraph   " + base_name(scene.path), sentence,
-                   scene.frame.to_metres(camera.position).y, 62);
+                   places_of_both(file, reached), 62);
   paint_network(sheet, scene, file, triangles);
   const Box legend = sheet.legend();
   const Box square{legend.x, legend.y + 4, 56, 56};

@@ -56,10 +56,11 @@ TEST(reach_of_patches, is_the_terminals_share_of_the_samples) {
 // Pixels of floors in the plan, which have full light.
 bool floors_have_their_colours(const DimacsFile& file) {
   const Scene& scene = two_rooms();
-  draw::SceneSheet sheet(scene, scene.camera(""), "", "", 1.2, 20);
+  draw::SceneSheet sheet(scene, scene.camera(""), "", "", {}, 20);
   paint_network(sheet, scene, file, false);
   const auto at = [&](const Vec3d& metres) {
-    const draw::Point p = sheet.plan().projection().project(scene.frame.to_canonical(metres));
+    const draw::Point p =
+        sheet.plans().front().projection().project(scene.frame.to_canonical(metres));
     return sheet.canvas().pixels().at(static_cast<int>(p.x), static_cast<int>(p.y));
   };
   const auto near = [](const draw::Ink& a, const draw::Ink& b) { return length(a - b) < 0.01f; };

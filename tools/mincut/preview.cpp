@@ -75,15 +75,14 @@ double largest_capacity(const CutFile& cut) {
   return most;
 }
 
-// Height at which the light crosses: mean of the pivot pairs' midpoints [metres].
-double mean_height(const CutFile& cut, double otherwise) {
-  double sum = 0, weight = 0;
-  for (const CutArc& a : cut.arcs) {
-    const Ends ends = ends_of(cut, a, 0);
-    sum += a.capacity * 0.5 * (ends.from.y + ends.to.y);
-    weight += a.capacity;
+// Where the light crosses: midpoints of the pivot pairs that are drawn [metres].
+std::vector<Vec3d> crossings(const CutFile& cut) {
+  std::vector<Vec3d> places;
+  for (const size_t i : arcs_to_draw(cut, kMostLines)) {
+    const Ends ends = ends_of(cut, cut.arcs[i], 0);
+    places.push_back((ends.from + ends.to) * 0.5);
   }
-  return weight > 0 ? sum / weight : otherwise;
+  return places;
 }
 
 }  // namespace
@@ -131,8 +130,7 @@ draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile
   if (!scene.is_scene_of(cut.scene_hash))
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
   SceneSheet sheet(scene, camera, "mincut   " + base_name(scene.path),
-                   words_for(cut, arcs_to_draw(cut, kMostLines).size()),
-                   mean_height(cut, scene.frame.to_metres(camera.position).y),
+                   words_for(cut, arcs_to_draw(cut, kMostLines).size()), crossings(cut),
                    regions(cut) > 3 ? 30 + kKeyRow : 30);
   paint_cut(sheet, scene, cut);
   const int n = regions(cut);

@@ -13,9 +13,11 @@
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/merit.h"
+#include "tools/portalfit/plan_preview.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
 #include "tools/portalfit/renderers.h"
@@ -34,7 +36,7 @@ constexpr cli::Program kProgram{"portalfit",
 
 struct Arguments {
   std::vector<std::string> grid{"-"};
-  std::string method = "tube", renderer, preview, debug_glb, debug_lines = "edges";
+  std::string method = "tube", renderer, preview, scene, debug_glb, debug_lines = "edges";
   double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
   bool require_portal = false, all = false;
@@ -59,7 +61,10 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.flag("--all", a.all, "Write portals that are useless for certain, too");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
-                      "front and from above");
+                      "front and from above; with --scene the plans instead");
+  options.input("--scene", a.scene, "FILE",
+                "Scene of the grid (.glb, .gltf): --preview draws its plan, storey by storey, with "
+                "the portals");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
@@ -85,6 +90,20 @@ FitResult fit(const Arguments& a, const LightGrid& grid) {
 std::vector<std::string> left_out(const Arguments& a, const FitResult& found) {
   if (a.all) return std::vector<std::string>(found.portals.size());
   return why_useless(found.portals);
+}
+
+// The plans of the scene, for the camera that the grid was made for, where it says so.
+std::string plan_of(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+                    const FitResult& found, const std::vector<std::string>& useless,
+                    const std::string& why_none) {
+  Scene scene = read_gltf(a.scene);
+  common.also_read(scene.files);
+  if (!scene.is_scene_of(grid.scene_hash))
+    throw InputError(display_name(a.grid.front()), "",
+                     "was made from another scene than " + a.scene);
+  const auto made_for = parse_viewpoint(grid.camera);
+  const Camera camera = made_for ? camera_of(scene.frame, *made_for) : scene.camera("");
+  return plan_preview(scene, camera, found, useless, why_none).file_named(a.preview);
 }
 
 // The portals to write, and the lines that each counts.
@@ -149,6 +168,7 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
 }
 
 void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
+             const FitResult& found, const std::vector<std::string>& useless,
              const Written& written, Phases& phases) {
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
   cli::deliver({{common.output,
@@ -158,6 +178,7 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
                  }},
                 {a.preview,
                  [&] {
+                   if (!a.scene.empty()) return plan_of(a, common, grid, found, useless, why);
                    return portal_preview(grid, written.file.portals, written.lines, a.grid.front(),
                                          why)
                        .file_named(a.preview);
@@ -168,6 +189,7 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  if (a.preview.empty() && !a.scene.empty()) throw UsageError("--scene goes with --preview");
   if (!a.preview.empty()) draw::check_fonts();
   Phases phases;
   std::vector<cli::Common::Input> files;
@@ -180,7 +202,7 @@ int run(const Arguments& a, const cli::Common& common) {
   nlohmann::json summary = tell(common, found, useless);
   if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
   common.explain_by([&] { return decisions_of(grid, options_of(a), found, useless, phases); });
-  deliver(a, common, grid, written, phases);
+  deliver(a, common, grid, found, useless, written, phases);
   cli::report(common, summary, phases);
   return 0;
 }

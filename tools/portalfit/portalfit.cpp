@@ -35,7 +35,7 @@ constexpr double kSparse = 0.2;         // of the density of other openings of t
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
 // A plane that the light is not wider before and behind, on one side at least, bounds nothing.
 constexpr double kLeastWidening = 1.5;
-constexpr size_t kMostTried = 48;       // candidates per cut
+constexpr size_t kMostTried = 48;  // candidates per cut
 // Least support of a single opening: a plane across a corner with windows on both sides has less.
 constexpr double kOneOpening = 0.9;
 constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
@@ -64,6 +64,12 @@ std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
   };
   return axes.centres.empty() ? std::pair{0.0, 0.0}
                               : std::pair{angle(axes.main), angle(axes.minor)};
+}
+
+std::vector<Vec3d> corners_of(const Aperture& a) {
+  std::vector<Vec3d> corners;
+  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
+  return corners;
 }
 
 // Whether both are the same opening, found by the light of two cuts.
@@ -100,9 +106,7 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid),
-        options_(options),
-        share_(shares_of(grid.lines)) {}
+      : grid_(grid), options_(options), share_(shares_of(grid.lines)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
@@ -139,7 +143,7 @@ class Fit {
 
   Portal portal_of(const Aperture& a) const {
     Portal portal;
-    for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
+    portal.vertices = corners_of(a);
     portal.triangles = triangulate(a.polygon);
     Vec3d sum{};
     for (const LightLine& line : a.lines.lines()) sum += normalize(line.camera - line.light);
@@ -160,8 +164,10 @@ class Fit {
     return portal;
   }
 
-  void refuse(const std::string& why, const std::string& limit = "") {
-    result_.refused.push_back({why, limit});
+  void refuse(const std::string& why, const std::string& limit = "",
+              const std::vector<Aperture>& which = {}) {
+    result_.refused.push_back({why, limit, {}});
+    for (const Aperture& a : which) result_.refused.back().polygons.push_back(corners_of(a));
   }
 
   // Openings that the lines `all` of one cut pass, one by one, however little each carries.
@@ -211,18 +217,18 @@ class Fit {
                  "a candidate lies within one side: only {:.0f} % of the lines through it join the "
                  "two",
                  100 * *support),
-             at_least(options_.support));
+             at_least(options_.support), {aperture});
     else if (passing < kLeastPassing)
       refuse(fmt::format("a candidate of {} m2 lies in the open: only {:.0f} % of "
                          "the lines through it pass from one side to the other",
                          number_words(area(aperture.polygon), 2), 100 * passing),
-             at_least(kLeastPassing));
+             at_least(kLeastPassing), {aperture});
     else if (const double wider = widening_of(grid_, aperture).value_or(kLeastWidening);
              wider < kLeastWidening)
       refuse(fmt::format("a candidate of {} m2 lies across a room: the light is only {} times as "
                          "wide before or behind it",
                          number_words(area(aperture.polygon), 2), number_words(wider, 2)),
-             fmt::format("at least {}", kLeastWidening));
+             fmt::format("at least {}", kLeastWidening), {aperture});
     else if (aperture.lines.size() >= kFewestLines &&
              light_of(aperture.lines) >= kLeastPart * options_.threshold)
       parts.push_back(aperture);
@@ -246,7 +252,8 @@ class Fit {
       else
         refuse(fmt::format("a candidate of {} m2 lies in the open: others pass as many lines in a "
                            "fifth of its area",
-                           number_words(area(a.polygon), 2)));
+                           number_words(area(a.polygon), 2)),
+               "", {a});
     }
     found = std::move(left);
   }
@@ -254,19 +261,18 @@ class Fit {
   // Keeps the openings that carry enough light, the most first.
   std::vector<Aperture> enough_light(std::vector<Aperture> found) {
     sort_by_light(found);
-    std::vector<Aperture> enough;
+    std::vector<Aperture> enough, weak;
     double too_little = 0;
-    size_t few = 0;
     for (Aperture& a : found)
       if (const double share = light_of(a.lines); share < options_.threshold)
-        ++few, too_little += share;
+        too_little += share, weak.push_back(std::move(a));
       else
         enough.push_back(std::move(a));
-    if (few > 0)
-      refuse(fmt::format("{} {} {:.1f} % of the camera's light only", few,
-                         few == 1 ? "candidate carries" : "candidates together carry",
+    if (!weak.empty())
+      refuse(fmt::format("{} {} {:.1f} % of the camera's light only", weak.size(),
+                         weak.size() == 1 ? "candidate carries" : "candidates together carry",
                          100 * too_little),
-             at_least(options_.threshold));
+             at_least(options_.threshold), weak);
     return enough;
   }
 
@@ -290,8 +296,8 @@ class Fit {
     leave_out_sparse(found);
     found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
-      found = enough_light(
-          joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
+      found =
+          enough_light(joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
     part_from_each_other(all, found, grid_.voxel);
     part_at_shared_edges(all, found);
     return found;

@@ -24,8 +24,9 @@ struct PortalFitOptions {
 struct FitResult {
   /// A rejected candidate.
   struct Refusal {
-    std::string why;    ///< a plain sentence with its figure
-    std::string limit;  ///< the limit for that figure; empty: none
+    std::string why;                             ///< a plain sentence with its figure
+    std::string limit;                           ///< the limit for that figure; empty: none
+    std::vector<std::vector<Vec3d>> polygons{};  ///< its outline [metres], or those of several
   };
   std::vector<Portal> portals;
   /// By portal: the lines that its flux_share counts, as indices into grid.lines, ascending.

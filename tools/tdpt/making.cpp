@@ -240,7 +240,8 @@ Making::Ending Making::run_stages() {
   std::vector<std::string> whole{"lock"};
   for (const Step& step : pipeline_.stages) {
     whole.push_back(name_of(step.output));
-    for (const char* end : {".hash", ".command", ".told.json", ".told.txt", ".told.png"})
+    for (const char* end :
+         {".hash", ".command", ".told.json", ".told.txt", ".told.png", ".told.svg"})
       whole.push_back(name_of(step.output) + end);
   }
   clear(portals_.path(), whole);
@@ -259,8 +260,11 @@ Making::Ending Making::run_stages() {
     std::string told;
     if (!a_.report.empty()) {
       how.stdout_file = step.output + ".told.json";
-      words.insert(words.end(), {"--json", "--explain", "--preview", step.output + ".told.png"});
-      if (!reads_scene && step.output.ends_with(".cut"))
+      // The plan of the portals has words to read.
+      const bool is_plan = step.output.ends_with(".portal.glb");
+      words.insert(words.end(), {"--json", "--explain", "--preview",
+                                 step.output + (is_plan ? ".told.svg" : ".told.png")});
+      if (is_plan || (!reads_scene && step.output.ends_with(".cut")))
         words.insert(words.end(), {"--scene", request_.scene});
     }
     const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,

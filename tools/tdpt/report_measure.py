@@ -152,7 +152,7 @@ def told(stem, known, scene, folder, say):
             stage["missing"] = "its result is not there"
             continue
         stage["bytes"] = os.path.getsize(result)
-        picture = os.path.join(folder, f"{tool}.png")
+        kind = next((end for end in ("svg", "png") if os.path.exists(f"{beside}.told.{end}")), "png")
         try:
             fresh = os.path.getmtime(f"{beside}.told.json") >= os.path.getmtime(result)
         except OSError:
@@ -163,13 +163,15 @@ def told(stem, known, scene, folder, say):
                     stage["json"] = json.load(stream)
                 with open(f"{beside}.told.txt", encoding="utf-8", errors="replace") as stream:
                     stage["text"] = stream.read()
-                shutil.copyfile(f"{beside}.told.png", picture)
+                picture = os.path.join(folder, f"{tool}.{kind}")
+                shutil.copyfile(f"{beside}.told.{kind}", picture)
             else:
                 with open(f"{beside}.command", encoding="utf-8") as stream:
                     command = stream.read().strip()
                 say(f"{tool} again, aside: it made {os.path.basename(result)} before a report was asked for")
                 inputs = {"max": [scene], "cut": [f"{stem}.max", "--scene", scene], "vdb": [scene, f"{stem}.cut"],
-                          "portal.glb": [f"{stem}.vdb"]}[end]
+                          "portal.glb": [f"{stem}.vdb", "--scene", scene]}[end]
+                picture = os.path.join(folder, f"{tool}.{'svg' if tool == 'portalfit' else 'png'}")
                 aside = os.path.join(folder, "aside", f"{os.path.basename(stem)}.{end}")
                 os.makedirs(os.path.dirname(aside), exist_ok=True)
                 out, stage["text"], _ = run(["sh", "-c", command + ' "$@"', "sh", *inputs, "--json", "--explain", "--preview",

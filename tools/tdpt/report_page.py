@@ -105,10 +105,15 @@ def picture(folder, file, alt, **more):
     try:
         with open(os.path.join(folder, file), "rb") as stream:
             data = stream.read()
-        width, height = struct.unpack(">II", data[16:24])
-    except (OSError, TypeError, struct.error):
+        if file.endswith(".svg"):
+            kind = "svg+xml"
+            width, height = (round(float(v)) for v in re.search(rb'<svg [^>]*?width="([0-9.]+)(?:px)?" height="([0-9.]+)', data).groups())
+        else:
+            kind = "png"
+            width, height = struct.unpack(">II", data[16:24])
+    except (OSError, TypeError, AttributeError, ValueError, struct.error):
         return el("p", "This picture could not be made.", class_="none")
-    return el("img", src="data:image/png;base64," + base64.b64encode(data).decode(), alt=alt, width=width, height=height, **more)
+    return el("img", src=f"data:image/{kind};base64," + base64.b64encode(data).decode(), alt=alt, width=width, height=height, **more)
 
 
 def table(caption, head, rows, numeric=(), foot=None, class_=None):
@@ -395,7 +400,7 @@ nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.35rem 1.4rem;padding:0;m
 section{margin:clamp(2.75rem,6vw,4.5rem) 0 0}
 .stages{display:grid;gap:2.5rem;margin:1.5rem 0 2.5rem}
 .stages img{background:#fff;border:1px solid var(--rule)}
-@media (min-width:60rem){.stages{grid-template-columns:1fr 1fr;gap:3rem 2.5rem}.stages>*{min-width:0}}
+@media (min-width:60rem){.stages{grid-template-columns:1fr 1fr;gap:3rem 2.5rem}.stages>*{min-width:0}.stages>.wide{grid-column:1/-1}}
 .pair{display:grid;gap:1.5rem;margin:1.5rem 0}
 .pair>*{min-width:0}
 @media (min-width:36rem){.pair{grid-template-columns:1fr 1fr}}
@@ -471,8 +476,9 @@ STAGE_TEXT = {
                "The border between the colours is the cut; the lines are pairs of patches that exchange light across it."),
     "lightgrid": ("Where the light passes through the air", "Counts of lines of light in the air, from above, from the front and from the right",
                   "Each pixel is the fullest voxel behind it; the ring marks the fullest of all."),
-    "portalfit": ("The portals", "Each portal from the camera\u2019s side, with the crossings of the lines of light, and edge-on",
-                  "On the left the crossings in the plane of the portal, on the right the bundle from above.")}
+    "portalfit": ("The portals in plan", "The plan of each storey, with the portals, each with its share of the light, and the camera with what it sees",
+                  "Cut at eye height: walls are dark, panes blue. Green are the portals, each with the way of the light and its share of the "
+                  "light; grey is what was refused, with the reason below.")}
 
 
 def scene_part(folder, m, v):
@@ -506,7 +512,7 @@ def stages_part(folder, m, v):
                 "Both runs made the same bytes." if stage["same"] else "Its result differs from the one that was used.")
         out.append(el("figure", el("h3", el("code", stage["tool"]), " \u00b7 ", heading), body,
                       el("figcaption", how, [el("br"), el("span", notes[0], class_="said")] if notes else None,
-                         [el("br"), again] if again else None), class_="picture"))
+                         [el("br"), again] if again else None), class_="picture wide" if stage["tool"] == "portalfit" else "picture"))
     if not out:
         out = [el("p", "The stages did not run for this page: " + (
             "its portals were drawn by hand or come from elsewhere." if m["given"] else "pictures are made without portals."))]
