@@ -172,20 +172,22 @@ TEST(light_tables, say_what_is_wrong_and_where_in_the_header) {
 }
 
 TEST(light_tables, say_what_is_wrong_and_where_in_the_rows) {
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1\n"), "lines:line 5: a row of 6 cells, expected 7");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0.5\n0,0,1,0,0,1,0.5,\n"),
-            "lines:line 6: a row of 8 cells, expected 7");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,,1,0.5\n"),
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0.5\n"), "lines:line 5: a row of 7 cells, expected 8");
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0.5,0.1\n0,0,1,0,0,1,0.5,0.1,\n"),
+            "lines:line 6: a row of 9 cells, expected 8");
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0.5,-1\n"),
+            "lines:line 5: '-1' as share, expected a number from 0 to 1e+06");
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,,1,0.5,0.1\n"),
             "lines:line 5: nothing as camera_x, expected a number from -1.3 to 0.8");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,nan,1,0.5\n"),
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,nan,1,0.5,0.1\n"),
             "lines:line 5: 'nan' as camera_x, expected a number from -1.3 to 0.8");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1e999,0.5\n"),
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1e999,0.5,0.1\n"),
             "lines:line 5: '1e999' as camera_y, expected a number from -0.2 to 1.6");
-  EXPECT_EQ(of_rows("lines", "64,0,1,0,0,1,0.5\n"),
+  EXPECT_EQ(of_rows("lines", "64,0,1,0,0,1,0.5,0.1\n"),
             "lines:line 5: '64' as cut, expected a number from 0 to 63");
-  EXPECT_EQ(of_rows("lines", "0.5,0,1,0,0,1,0.5\n"),
+  EXPECT_EQ(of_rows("lines", "0.5,0,1,0,0,1,0.5,0.1\n"),
             "lines:line 5: 0.5 as cut, expected a whole number");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0\n"), "lines:line 5: a line whose ends are one place");
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0,0.1\n"), "lines:line 5: a line whose ends are one place");
   EXPECT_EQ(of_rows("probes", "0,0,1,0,0,1,0.5,2\n"),
             "probes:line 5: '2' as joins, expected a number from 0 to 1");
   EXPECT_EQ(of_rows("air", "5,0,0\n"), "air:line 5: '5' as i, expected a number from 0 to 4");

@@ -2,11 +2,13 @@
 //
 // Method: random-walker segmentation (Grady 2006), solved by conjugate gradients.
 //
-// u_i       potential of patch i, 0 where the light reaches it well, 1 where the camera does: the
-//           probability that a random walk from i along the arcs reaches the camera's patches first
+// u_i       potential of patch i
 // c_ij      half the capacity of the arcs between i and j, both directions
-// s_i, t_i  conductances to potential 0 and 1
-//   sum_j c_ij (u_i - u_j) + s_i u_i + t_i (u_i - 1) = 0
+// a_i, h_i  where the potential of patch i is held, and with which conductance
+//   sum_j c_ij (u_i - u_j) + h_i (u_i - a_i) = 0
+// Where the light is known, a_i = log(v_i / b_i), a little on every patch [PatchNetwork].
+// Else a_i = 0 with s_i, 1 with t_i, so that u_i is the probability that a random walk from i along
+// the arcs reaches the camera's patches first:
 // E_i, W_i  hits of light walks and of camera walks per sample, divided by their medians
 //   t_i - s_i = n_i (W_i - E_i) / (W_i + E_i)  on patches that one of them reaches well
 // So rooms are distinguished by which end reaches them better, even if both reach all of them.
@@ -21,7 +23,8 @@ namespace {
 
 constexpr double kPinned = 0.5;  // grade from which a terminal pins a patch's potential
 constexpr double kFaintest = 1e-5;  // of the mean brightness and importance
-constexpr double kHold = 0.3, kPinnedSky = 1000;
+constexpr double kHold = 0.3, kPinnedSky = 1000;  // conductance of holds, of a patch's samples
+constexpr double kLeastDrop = 0.7, kLeastWideDrop = 1;  // of log(v / b)
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
 
@@ -185,6 +188,8 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
 Sweep sweep_of(const PatchNetwork& p) {
   const Links links = links_of(p);
   Sweep s;
+  s.least_drop = p.brightness.empty() ? 0.01 : kLeastDrop;
+  s.least_wide_drop = p.brightness.empty() ? 0.1 : kLeastWideDrop;
   s.u = potential_of(p, links);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (!p.terminal(v)) s.order.push_back(v);

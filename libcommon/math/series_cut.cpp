@@ -23,10 +23,9 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastDrop = 0.7;  // smallest difference of u between two rooms
 // The sweep cut at a drop is worse than the minimum cut there, so it is searched with a looser
-// limit on conductance; such a drop must be a large part of the potential between light and camera.
-constexpr double kLoose = 2, kLeastLooseDrop = 1.5;
+// limit on conductance; there the potential must drop more [Sweep::least_drop].
+constexpr double kLoose = 2;
 constexpr double kSameOpening = 0.8;  // share of the light that crosses both of two cuts
 constexpr size_t kMostCandidates = 12;
 
@@ -143,7 +142,7 @@ class SeriesCutter {
   std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
     const std::vector<double>& u = sweep_.u;
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
-    if (high - low < (loose ? kLeastLooseDrop : kLeastDrop)) return {};
+    if (high - low < (loose ? sweep_.least_wide_drop : sweep_.least_drop)) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net{net_.nodes, net_.source, net_.sink, {}};
     for (uint32_t v = 0; v < net_.nodes; ++v) {

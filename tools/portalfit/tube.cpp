@@ -41,8 +41,8 @@ constexpr double kRounding = 1e-9;   // relative tolerance of products of length
 constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
 constexpr double kGrazing = 0.1;     // lower bound of cosines
 constexpr double kMostTilt = 0.3;    // per step: tangent
-constexpr size_t kMostRough = 1000;  // lines in the first searches
-constexpr size_t kMostFine = 2500;   // and in the others
+constexpr size_t kMostRough = 2000;  // lines in the first searches
+constexpr size_t kMostFine = 8192;   // and in the others
 constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step, in shorter sides
 constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and the last
 
@@ -290,10 +290,9 @@ struct Rough {
 using RoughTubes = std::array<Rough, 5>;
 
 // From several starts, since the objective has several valleys.
-RoughTubes rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
+RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start) {
   constexpr double kTurn = 0.25;
   constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
-  const std::vector<LightLine> some = thinned(lines, kMostRough);
   const Onb<double> frame(start.middle.n);
   RoughTubes rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
@@ -332,23 +331,30 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   const std::vector<LightLine> fine = thinned(lines, kMostFine);
   const Goal& flat = lines.size() < kMany ? kOfFew : kInsteadOfTube;
   if (near && start.half == 0) return least_plane(fine, start, flat).tube;
+  const std::vector<LightLine> some = thinned(lines, kMostRough);
   Search search(fine, kTube);
   Found narrowest, found;
   RoughTubes rough;
-  tbb::parallel_invoke([&] { narrowest = least_plane(fine, start, kNarrowest); },
-                       [&] {
-                         if (near)
-                           found = search.run(start, kFineStep, kFineLast);
-                         else
-                           rough = rough_tubes(lines, start);
-                       });
+  tbb::parallel_invoke(
+      [&] {
+        narrowest = Search(some, kNarrowest).run({start.middle, 0}, kRoughStep, kRoughLast);
+      },
+      [&] {
+        if (near)
+          found = search.run(start, kFineStep, kFineLast);
+        else
+          rough = rough_tubes(some, start);
+      });
   // If the whole tube passes light, its density of lines per etendue is that of its narrowest
   // plane.
-  const double enough = kDense * search.density(narrowest);
+  const double enough = kDense * Search(some, kTube).density(narrowest);
+  const auto narrow = [&] {
+    return Search(fine, kNarrowest).run(narrowest.tube, kFineStep, kFineLast).tube;
+  };
   if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
-  if (search.density(found) < enough || is_blind(fine, found.tube)) return narrowest.tube;
+  if (search.density(found) < enough || is_blind(fine, found.tube)) return narrow();
   const double waistedness = search.waistedness(found);
-  if (!(waistedness < kWidest)) return narrowest.tube;
+  if (!(waistedness < kWidest)) return narrow();
   if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
   const Found plane = least_plane(fine, found.tube, flat);
