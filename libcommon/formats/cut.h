@@ -34,8 +34,8 @@ struct Patch {
   bool is_sky() const { return sky >= 0; }
 };
 
-/// What a patch means for the light of the picture: of all of it n_ij/2 b_i v_j goes from patch i to
-/// patch j without a surface in between, n_ij their etendue [samples].
+/// What a patch means for the light of the picture: of all of it n_ij/2 b_i v_j goes from patch i
+/// to patch j without a surface in between, n_ij their etendue [samples].
 struct PatchLight {
   double brightness = 0;  ///< b: light that leaves it, per sample
   double importance = 0;  ///< v: share of what reaches it that the camera sees in the end

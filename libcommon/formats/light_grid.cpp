@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
-#include <set>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <type_traits>
 
@@ -364,8 +364,8 @@ class Reader {
       vdb::points::AttributeHandle<int32_t> joins(
           leaf->constAttributeArray(has_joins ? "joins" : "cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
-        if (*it >= place.size() || *it >= along.size() || *it >= cut.size() || *it >= joins.size() ||
-            (share && *it >= share->size()))
+        if (*it >= place.size() || *it >= along.size() || *it >= cut.size() ||
+            *it >= joins.size() || (share && *it >= share->size()))
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
             transform->indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;

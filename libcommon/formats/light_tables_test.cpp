@@ -187,7 +187,8 @@ TEST(light_tables, say_what_is_wrong_and_where_in_the_rows) {
             "lines:line 5: '64' as cut, expected a number from 0 to 63");
   EXPECT_EQ(of_rows("lines", "0.5,0,1,0,0,1,0.5,0.1\n"),
             "lines:line 5: 0.5 as cut, expected a whole number");
-  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0,0.1\n"), "lines:line 5: a line whose ends are one place");
+  EXPECT_EQ(of_rows("lines", "0,0,1,0,0,1,0,0.1\n"),
+            "lines:line 5: a line whose ends are one place");
   EXPECT_EQ(of_rows("probes", "0,0,1,0,0,1,0.5,2\n"),
             "probes:line 5: '2' as joins, expected a number from 0 to 1");
   EXPECT_EQ(of_rows("air", "5,0,0\n"), "air:line 5: '5' as i, expected a number from 0 to 4");

@@ -21,7 +21,7 @@
 namespace tdpt {
 namespace {
 
-constexpr double kPinned = 0.5;  // grade from which a terminal pins a patch's potential
+constexpr double kPinned = 0.5;     // grade from which a terminal pins a patch's potential
 constexpr double kFaintest = 1e-5;  // of the mean brightness and importance
 constexpr double kHold = 0.3, kPinnedSky = 1000;  // conductance of holds, of a patch's samples
 constexpr double kLeastDrop = 0.7, kLeastWideDrop = 1;  // of log(v / b)
@@ -111,8 +111,8 @@ struct Hold {
   double at = 0, strength = 0;
 };
 
-// log(v_i / b_i), a mean over the node's surroundings: from room to room light falls by a factor, and
-// the camera's part rises.
+// log(v_i / b_i), a mean over the node's surroundings: from room to room light falls by a factor,
+// and the camera's part rises.
 std::vector<Hold> holds_by_light(const PatchNetwork& p) {
   double samples = 0, brightness = 0, importance = 0;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
@@ -121,7 +121,8 @@ std::vector<Hold> holds_by_light(const PatchNetwork& p) {
   }
   std::vector<Hold> holds(p.network.nodes);
   if (!(brightness > 0 && importance > 0)) return holds;
-  const double least_b = kFaintest * brightness / samples, least_v = kFaintest * importance / samples;
+  const double least_b = kFaintest * brightness / samples,
+               least_v = kFaintest * importance / samples;
   const double lowest = std::log(kFaintest) - std::log(brightness / importance / kFaintest);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (p.is_sky(v))  // one light, bright or not

@@ -2,11 +2,11 @@
 // that order.
 //
 // Where the light of patches is known, the potential u of a patch is log(v / b), the ratio of what
-// it means to the camera and of how bright it is: both are even within a room, and from room to room
-// towards the camera b falls and v rises by a factor. A closet has the ratio of its room. Else u is
-// 0 where the light reaches a patch well and 1 where the camera does. Either way it is smoothed or
-// continued as the potential of a resistor network whose conductances are the arcs' capacities
-// (random-walker segmentation).
+// it means to the camera and of how bright it is: both are even within a room, and from room to
+// room towards the camera b falls and v rises by a factor. A closet has the ratio of its room. Else
+// u is 0 where the light reaches a patch well and 1 where the camera does. Either way it is
+// smoothed or continued as the potential of a resistor network whose conductances are the arcs'
+// capacities (random-walker segmentation).
 #pragma once
 #include <algorithm>
 #include <vector>

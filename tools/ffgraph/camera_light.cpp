@@ -10,8 +10,8 @@ namespace {
 constexpr int kMostBounces = 64, kFewestBounces = 12;
 constexpr double kSettled = 2e-3;     // relative change of the picture's light
 constexpr double kMostAlbedo = 0.95;  // closed rooms of white walls keep light for ever
-constexpr double kDarkest = 1e-3;      // of the mean pixel: darker ones count as if they had it
-constexpr double kSpread = 0.1;        // share of the sky's light
+constexpr double kDarkest = 1e-3;     // of the mean pixel: darker ones count as if they had it
+constexpr double kSpread = 0.1;       // share of the sky's light
 constexpr size_t kTexels = 4096;      // of a texture, for its mean
 
 double unit_of_srgb(uint8_t byte) {

@@ -48,13 +48,13 @@ class SkyLines {
   Towards towards(Rng& rng) const;
   double density_across(const Vec3d& through, const Vec3d& w) const;
 
-  std::vector<Ball> balls_;      // aim, wider, all
-  SkyDirections directions_;     // of the sky
+  std::vector<Ball> balls_;         // aim, wider, all
+  SkyDirections directions_;        // of the sky
   std::vector<Vec3d> parallel_;     // directions towards the lamps
   std::vector<double> irradiance_;  // across them, luminance
   const Sky* sky_ = nullptr;
-  AliasTable lights_;            // the lamps, then the sky
-  AliasTable bins_;              // by grade and solid angle
+  AliasTable lights_;  // the lamps, then the sky
+  AliasTable bins_;    // by grade and solid angle
 };
 
 }  // namespace tdpt

@@ -47,8 +47,8 @@ struct LightWalks {
     uint32_t walk;
     WalkHit at;  ///< face kNoFace: not on a surface
   };
-  std::vector<Start> starts;         ///< of the walks that begin on a surface
-  std::vector<uint32_t> bin;         ///< per walk from infinity its bin, else kSkyBins; empty: none
+  std::vector<Start> starts;  ///< of the walks that begin on a surface
+  std::vector<uint32_t> bin;  ///< per walk from infinity its bin, else kSkyBins; empty: none
   bool from_sky(size_t walk) const { return !bin.empty() && bin[walk] < kSkyBins; }
 };
 /// `lines`: where walks from infinity begin; null: outside the scene, spread over all of it.

@@ -79,7 +79,8 @@ std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
         report.visible += line.fate[i] != LineFate::none;
         if (line.fate[i] != LineFate::joins) continue;
         ++report.kept;
-        if (kept.size() < kMostKept) kept.push_back(in_metres(scene, grid, tracer.tables(), line.ends[i]));
+        if (kept.size() < kMostKept)
+          kept.push_back(in_metres(scene, grid, tracer.tables(), line.ends[i]));
       }
       report.drawn += n;
       if (watch.progress) watch.progress(n);

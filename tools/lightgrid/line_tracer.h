@@ -31,8 +31,8 @@ struct TracedLines {
 /// Clips a line to the grid; false if no part of it lies within.
 bool clip_to(const LightGrid& grid, LightLine& line);
 /// Canonical line -> metres. A line from or to the sky is clipped to the grid. `share`: brightness
-/// of the patch at its one end times importance of that at the other, in the direction of the light;
-/// 1 where no patch has light.
+/// of the patch at its one end times importance of that at the other, in the direction of the
+/// light; 1 where no patch has light.
 LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables,
                     const shader::LineEnds& line);
 

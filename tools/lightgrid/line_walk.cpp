@@ -23,10 +23,10 @@
 // by the votes, like the segments of the coarse pass, not once per step.
 //
 // Lines that bring the camera no light, such as those of windows at night, would take the place of
-// others. With b(l) the light of a line [LightLine::share before it is shared out], b' its mean over
-// the first lines, a move from l to l' is made with probability min(1, g(l')/g(l)),
-// g = min(1, b/(kFaint b')): so lines have the density g(l) dmu(l). Bright lines are no denser than
-// others, since an opening is found by all that passes it. A line stands for b/g.
+// others. With b(l) the light of a line [LightLine::share before it is shared out], b' its mean
+// over the first lines, a move from l to l' is made with probability min(1, g(l')/g(l)), g = min(1,
+// b/(kFaint b')): so lines have the density g(l) dmu(l). Bright lines are no denser than others,
+// since an opening is found by all that passes it. A line stands for b/g.
 //
 // That is the limit. In practice the chains make only some moves, and w is re-estimated from their
 // own lines, the last time half-way. Since no line is used twice, those whose W is below its lower
@@ -59,7 +59,7 @@ namespace {
 constexpr double kFull = 0.2;       // of the largest count: w is constant above it
 constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
 // The walk ends after this many moves per chain on average, or after this many steps.
-constexpr uint64_t kMoves = 4, kMostSteps = 32;
+constexpr uint64_t kMoves = 6, kMostSteps = 48;
 constexpr double kFaint = 0.02;  // of the mean light: lines with less are thinned
 constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet

@@ -39,8 +39,9 @@ std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double v
 /// The waist around the fullest voxel of `lines`, a voxel deep: where an aperture may be.
 std::optional<Tube> find_waist(const LightGrid& grid, const Bundle& lines);
 
-/// Number of the `lines` near `tube` over the area of their crossings with its middle plane, outliers
-/// left out [1/m2]: a cheap guess at the density of the aperture there; 0 if there is none.
+/// Number of the `lines` near `tube` over the area of their crossings with its middle plane,
+/// outliers left out [1/m2]: a cheap guess at the density of the aperture there; 0 if there is
+/// none.
 double density_near(const Bundle& lines, const Tube& tube, double voxel);
 
 /// The aperture around the fullest voxel of `lines`.

@@ -97,7 +97,8 @@ std::optional<double> widening_of(const LightGrid& grid, const Aperture& a) {
     const Plane there{a.tube.middle.o + a.tube.middle.n * offset, a.tube.middle.n};
     std::vector<Vec2d> places;
     for (const uint32_t l : a.lines.which)
-      if (const auto at = crossing(there, from_outside(grid, a.lines.line(l)))) places.push_back(*at);
+      if (const auto at = crossing(there, from_outside(grid, a.lines.line(l))))
+        places.push_back(*at);
     if (places.size() < kFewestLines) return {};
     return std::sqrt(std::max(0.0, trimmed_moments(places).determinant()));
   };
@@ -150,18 +151,21 @@ struct Promise {
 };
 
 // The densest opening, among all `lines`, where one of the `promises` has it, if it is denser than
-// `most` and has at least `fewest` lines. Only the few that promise most are fitted.
+// `most` and has at least `fewest` lines. Only the few that promise most, and more than `promised`,
+// are fitted.
 std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
-                                   std::vector<Promise> promises, double most, double fewest) {
+                                   std::vector<Promise> promises, double promised, double most,
+                                   double fewest) {
+  std::erase_if(promises, [&](const Promise& p) { return !(p.density > 0.8 * promised); });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.density > b.density; });
   if (promises.size() > kMostFitted) promises.resize(kMostFitted);
   std::optional<Aperture> best;
   for (const Promise& p : promises) {
-    if (!(p.density > 0)) continue;
     auto part = outlined(p.bundle, p.tube, grid.voxel);
     if (part) part = outlined(lines, part->tube, grid.voxel, true);
-    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest) continue;
+    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
+      continue;
     most = density(*part);
     best = std::move(part);
   }
@@ -171,7 +175,8 @@ std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
 // The same for those of `some` that run along one of the `axes`.
 std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines,
                                       const Bundle& some, const std::vector<Vec3d>& axes,
-                                      double least_cos, double most, double fewest) {
+                                      double least_cos, double promised, double most,
+                                      double fewest) {
   std::vector<Promise> promises;
   for (const Vec3d& axis : axes) {
     const Bundle along = some.where([&](const LightLine& line) {
@@ -179,12 +184,11 @@ std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines
     });
     for (const Bundle& bundle : apart(along)) {
       if (bundle.size() < kFewestLines) continue;
-      const Tube tube =
-          find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
+      const Tube tube = find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
       promises.push_back({bundle, tube, density_near(bundle, tube, grid.voxel)});
     }
   }
-  return densest_of(grid, lines, std::move(promises), most, fewest);
+  return densest_of(grid, lines, std::move(promises), promised, most, fewest);
 }
 
 }  // namespace
@@ -196,7 +200,7 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
   const Vec3d longer = frame.x * e.axis.x + frame.y * e.axis.y;
   const Vec3d shorter = cross(whole.tube.middle.n, longer);
   return densest_along(grid, lines, whole.lines, {longer, -longer, shorter, -shorter}, 0,
-                       kDenser * density(whole),
+                       density_near(whole.lines, whole.tube, grid.voxel), kDenser * density(whole),
                        kLeastOfWhole * static_cast<double>(whole.lines.size()));
 }
 
@@ -207,7 +211,7 @@ std::optional<Aperture> aperture_of_directions(const LightGrid& grid, const Bund
   std::vector<Vec3d> axes{normalize(sum)};
   for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
     axes.insert(axes.end(), {axis, -axis});
-  return densest_along(grid, lines, lines, axes, kTowards, 0,
+  return densest_along(grid, lines, lines, axes, kTowards, 0, 0,
                        kLeastOfWhole * static_cast<double>(lines.size()));
 }
 
@@ -227,8 +231,9 @@ std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
     if (const auto tube = find_waist(grid, strip))
       promises.push_back({strip, *tube, density_near(strip, *tube, grid.voxel)});
   }
-  auto part = densest_of(grid, lines, std::move(promises), kDenser * density(whole),
-                         kLeastOfWhole * static_cast<double>(whole.lines.size()));
+  auto part = densest_of(
+      grid, lines, std::move(promises), density_near(whole.lines, whole.tube, grid.voxel),
+      kDenser * density(whole), kLeastOfWhole * static_cast<double>(whole.lines.size()));
   if (part && support_of(grid.probes, *part).value_or(0) < *support) return {};
   return part;
 }

@@ -16,10 +16,10 @@ std::optional<double> support_of(const std::vector<Probe>& probes, const Apertur
 /// direction.
 double fullness_of(const Aperture& a);
 
-/// How much wider the light of the aperture is half its size before it and behind it, over its width
-/// there: the larger of the two ratios of areas. Where light passes a wall it widens on one side at
-/// least; across a long room, where a plane bounds nothing, it does not. Nothing if hardly a line
-/// goes so far. Lines from outside the grid come from far away.
+/// How much wider the light of the aperture is half its size before it and behind it, over its
+/// width there: the larger of the two ratios of areas. Where light passes a wall it widens on one
+/// side at least; across a long room, where a plane bounds nothing, it does not. Nothing if hardly
+/// a line goes so far. Lines from outside the grid come from far away.
 std::optional<double> widening_of(const LightGrid& grid, const Aperture& a);
 
 /// Lines per etendue of a perfect opening of this shape [1/(m2 pi)]. Lines are uniform by etendue,

@@ -15,12 +15,12 @@ struct PortalFitOptions {
   double support = 0.5;   ///< smallest support that makes a portal
 };
 
-/// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that crosses it, or of the
-/// lines of its cut if that is unknown),
-/// `support` (share of the lines through it that join the two sides; omitted if unknown),
-/// `direction_x/y/z` (mean direction of its lines), `direction_angle` [deg] (between it and the
-/// normal), `concentration` (length of the mean of the unit directions), `pca_main_angle` and
-/// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
+/// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that
+/// crosses it, or of the lines of its cut if that is unknown), `support` (share of the lines
+/// through it that join the two sides; omitted if unknown), `direction_x/y/z` (mean direction of
+/// its lines), `direction_angle` [deg] (between it and the normal), `concentration` (length of the
+/// mean of the unit directions), `pca_main_angle` and `pca_minor_angle` [deg] (between the normal
+/// and the axes of the paper's rule, for information).
 struct FitResult {
   /// A rejected candidate.
   struct Refusal {

@@ -117,8 +117,7 @@ std::vector<int> lines_through(const std::vector<Face>& faces, const Scene& scen
     uniform_triangle(u, v, b1, b2);
     const double c = rng.uniform(), d = rng.uniform();
     const Vec3d w = Onb<double>(f.normal).to_world(cosine_hemisphere(c, d));
-    const Segment s =
-        free_segment(scene, tracer, f.a + (f.b - f.a) * b1 + (f.c - f.a) * b2, w);
+    const Segment s = free_segment(scene, tracer, f.a + (f.b - f.a) * b1 + (f.c - f.a) * b2, w);
     bool any = false;
     for (size_t o = 0; o < openings.size(); ++o)
       if (passes(openings[o], s)) ++lines[o], any = true;
@@ -127,7 +126,8 @@ std::vector<int> lines_through(const std::vector<Face>& faces, const Scene& scen
   return lines;
 }
 
-// The convex hull of several openings, in the plane of the first moved by `offset` along its normal.
+// The convex hull of several openings, in the plane of the first moved by `offset` along its
+// normal.
 std::vector<Face> hull_of(const std::vector<HouseOpening>& openings,
                           const std::vector<size_t>& panes, double offset) {
   const OpeningPart& first = openings[panes.front()].part;
@@ -166,8 +166,9 @@ double angle_of(const Vec3d& normal, const HouseOpening& o) {
     least = std::min(least, degrees_between(normal, o.part.normal * way));
     for (const OpeningPart& whole : o.doorway)
       for (double t = 0; t <= 1; t += 1.0 / 64)
-        least = std::min(least, degrees_between(normal, normalize(o.part.normal * (1 - t) +
-                                                                  whole.normal * t) * way));
+        least = std::min(
+            least,
+            degrees_between(normal, normalize(o.part.normal * (1 - t) + whole.normal * t) * way));
   }
   return least;
 }
@@ -186,8 +187,8 @@ PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tra
   PortalTruth truth;
   truth.tightness = static_cast<double>(lines.back()) / kLines;
   if (openings.empty() || truth.tightness < kInOpening) return truth;
-  const auto most = static_cast<size_t>(
-      std::max_element(lines.begin(), lines.end() - 1) - lines.begin());
+  const auto most =
+      static_cast<size_t>(std::max_element(lines.begin(), lines.end() - 1) - lines.begin());
   const HouseOpening& main = openings[most];
   truth.openings.push_back(most);
   for (size_t o = 0; o < openings.size(); ++o)
@@ -199,11 +200,12 @@ PortalTruth truth_of(const Portal& portal, const Scene& scene, const Tracer& tra
   // Beside a leaf the two narrow places differ, and the portal may lie in either.
   if (!main.doorway.empty()) return truth;
   Vec3d middle{};
-  for (const Face& f : faces) middle += (f.a + f.b + f.c) / (3.0 * static_cast<double>(faces.size()));
-  const double offset = std::clamp(dot(middle - main.part.polygon[0], main.part.normal),
-                                   -main.front, main.rear);
-  const std::vector<int> perfect = lines_through(hull_of(openings, truth.openings, offset), scene,
-                                                 tracer, openings);
+  for (const Face& f : faces)
+    middle += (f.a + f.b + f.c) / (3.0 * static_cast<double>(faces.size()));
+  const double offset =
+      std::clamp(dot(middle - main.part.polygon[0], main.part.normal), -main.front, main.rear);
+  const std::vector<int> perfect =
+      lines_through(hull_of(openings, truth.openings, offset), scene, tracer, openings);
   truth.tightness = std::min(1.0, truth.tightness * kLines / std::max(1, perfect.back()));
   return truth;
 }

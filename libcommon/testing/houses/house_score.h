@@ -44,7 +44,7 @@ struct OpeningScore {
 };
 
 struct PortalTruth {
-  double light = 0;      ///< share of the paths that cross it along its normal
+  double light = 0;  ///< share of the paths that cross it along its normal
   /// Share of its lines, uniform by etendue between the surfaces on either side, that pass an
   /// opening; relative to that of the openings' hull where the portal lies in the wall.
   double tightness = 0;

@@ -23,8 +23,7 @@ void draw(const std::string& file, const std::string& camera, const std::string&
   Scene scene = read_gltf(file);
   open_glass(scene);
   take_lamps_as(scene, scene.lamp_units.kind);
-  if (sky != "-")
-    scene.sky = std::make_shared<Sky>(parse_environment(read_file(sky), sky), 0.0);
+  if (sky != "-") scene.sky = std::make_shared<Sky>(parse_environment(read_file(sky), sky), 0.0);
   const LightPaths paths = light_paths(scene, scene.camera(camera), kWalks, kDepth, kKept);
   std::ofstream(out, std::ios::binary) << text_of(paths);
   std::fprintf(stderr, "%s %s: %zu paths, %.0f effective\n", file.c_str(), camera.c_str(),
@@ -53,12 +52,11 @@ nlohmann::json json_of(const HouseScore& score, const std::vector<HouseOpening>&
   for (size_t p = 0; p < portals.size(); ++p) {
     std::vector<std::string> names;
     for (const size_t o : score.portals[p].openings) names.push_back(openings[o].name);
-    out["portals"].push_back(
-        {{"area", area_of(portals[p])},
-         {"light", score.portals[p].light},
-         {"tightness", score.portals[p].tightness},
-         {"angle", score.portals[p].angle},
-         {"openings", names}});
+    out["portals"].push_back({{"area", area_of(portals[p])},
+                              {"light", score.portals[p].light},
+                              {"tightness", score.portals[p].tightness},
+                              {"angle", score.portals[p].angle},
+                              {"openings", names}});
   }
   return out;
 }
@@ -66,7 +64,8 @@ nlohmann::json json_of(const HouseScore& score, const std::vector<HouseOpening>&
 void score(const std::vector<std::string>& words) {
   Scene scene = read_gltf(words[1]);
   for (Material& m : scene.materials)
-    if (m.transmission > 0) m.alpha_mode = Material::Alpha::blend, m.alpha = 0, m.maps[MAP_BASE] = {};
+    if (m.transmission > 0)
+      m.alpha_mode = Material::Alpha::blend, m.alpha = 0, m.maps[MAP_BASE] = {};
   const Tracer tracer(scene);
   const std::vector<HouseOpening> openings = read_openings(words[3]);
   const LightPaths paths = read_light_paths(words[4]);
@@ -90,7 +89,9 @@ int main(int argc, char** argv) {
     else if (words.size() >= 5 && words[0] == "score")
       tdpt::testing::score(words);
     else
-      throw std::invalid_argument("expected: paths SCENE CAMERA SKY|- PATHS, or score SCENE CAMERA OPENINGS PATHS [PORTALS]...");
+      throw std::invalid_argument(
+          "expected: paths SCENE CAMERA SKY|- PATHS, or score SCENE CAMERA OPENINGS PATHS "
+          "[PORTALS]...");
   } catch (const std::exception& e) {
     std::fprintf(stderr, "houses_bench: %s\n", e.what());
     return 1;

@@ -81,14 +81,13 @@ class Walker {
     }
     const double cos = dot(at.normal, towards);
     if (!(cos > 0)) return;
-    const Rgb radiance =
-        p.source->is_surface() ? scene_.material_of(p.triangle).emission : Rgb{};
+    const Rgb radiance = p.source->is_surface() ? scene_.material_of(p.triangle).emission : Rgb{};
     const Vec3d front = p.source->is_surface() ? tracer_.shape(p.triangle).normal : Vec3d{};
     const Rgb emitted = p.source->emitted(front, radiance, -towards);
     // A side of a surface that emits on both is drawn half the time [Lights::Point::normal].
     const double sides = p.source->is_surface() && p.source->both_sides() ? 2 : 1;
-    const double light = luminance(throughput * emitted) * cos * per_pdf * sides *
-                         std::numbers::inv_pi;
+    const double light =
+        luminance(throughput * emitted) * cos * per_pdf * sides * std::numbers::inv_pi;
     if (!(light > 0) || !std::isfinite(light)) return;
     if (!tracer_.visible(at, {end, p.source->at_infinity() ? Vec3d{} : p.normal})) return;
     keep(light, corners, end, rng, block);
@@ -142,7 +141,8 @@ LightPaths light_paths(const Scene& scene, const Camera& camera, uint64_t walks,
 std::string text_of(const LightPaths& paths) {
   std::string out = fmt::format("effective {}\n", paths.effective);
   for (const LightPath& path : paths.paths) {
-    for (const Vec3d& p : path) fmt::format_to(std::back_inserter(out), "{:.5g} {:.5g} {:.5g} ", p.x, p.y, p.z);
+    for (const Vec3d& p : path)
+      fmt::format_to(std::back_inserter(out), "{:.5g} {:.5g} {:.5g} ", p.x, p.y, p.z);
     out.back() = '\n';
   }
   return out;
