@@ -172,4 +172,4 @@ def houses(bench):
     if bench.settings.worth:
         parts["worth"] = worth_table(worth_rows(bench, views, portals))
         print(parts["worth"])
-        bench.page("houses", parts, EVERYTHING, "portalfit")
+    bench.page("portals", parts, EVERYTHING, "portalfit")

@@ -30,8 +30,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "thumbnails": ("figures", "thumbnails", "the small pictures of README.md, cut from those of figures and stages"),
     "portals": ("portals", "portals", "how right the portals are in rooms with known openings: doc/portals.md (an "
                 "hour)"),
-    "houses": ("houses", "houses", "how right portals are in real buildings, and what they are worth: doc/houses.md (two "
-               "hours; WORTH=0: twenty minutes)"),
+    "houses": ("houses", "houses", "how right portals are in real buildings, and what they are worth: in doc/portals.md "
+               "(two hours; WORTH=0: half an hour)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "

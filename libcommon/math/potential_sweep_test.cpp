@@ -1,5 +1,6 @@
 #include "libcommon/math/potential_sweep.h"
 
+#include <cmath>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -34,6 +35,22 @@ TEST(potential_sweep, has_its_narrowest_cut_where_the_potential_drops) {
   EXPECT_EQ(s.area, (std::vector<double>{1, 2, 3, 4}));
   EXPECT_DOUBLE_EQ(s.conductance(2, 0, 4), 40.0 / (400 + 440));
   EXPECT_DOUBLE_EQ(s.conductance(1, 0, 4), 1);  // all of the smaller side crosses it
+}
+
+// Where the light is known the potential is the ratio of importance to brightness: a lamp in a room
+// aside, whose light never reaches the camera, makes no room on the way a part of the light's.
+TEST(potential_sweep, follows_the_light_that_reaches_the_camera) {
+  PatchNetwork p = row();
+  p.brightness = {0, 0, 8, 4, 2, 1};
+  p.importance = {0, 0, 1, 2, 4, 8};
+  const Sweep s = sweep_of(p);
+  EXPECT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
+  EXPECT_NEAR(s.u[2], std::log(1.0 / 8), 0.8);
+  EXPECT_NEAR(s.u[5], std::log(8.0), 0.8);
+  EXPECT_GT(s.u[4] - s.u[3], s.least_drop);  // across the narrow arc, by a factor of four
+  // Twin: the camera where the light was.
+  std::swap(p.brightness, p.importance);
+  EXPECT_EQ(sweep_of(p).order, (std::vector<uint32_t>{5, 4, 3, 2}));
 }
 
 TEST(terminal_grades, are_relative_to_half_the_hit_weighted_median) {

@@ -76,4 +76,47 @@ TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   EXPECT_FALSE(denser_part(b.grid, b.all, *window));
 }
 
+// Lines of light along x: through a hole of 1 m they widen before and behind it; in a corridor of
+// that width, from wall to wall, they do not.
+Aperture across_x(bool corridor, LightGrid& grid) {
+  grid.voxel = 0.1;
+  grid.dim = {200, 200, 200};
+  grid.origin = Vec3d(-10);
+  for (uint64_t i = 0; i < 4000; ++i) {
+    Rng rng(12, 1, i);
+    const auto centred = [&] { return rng.uniform() - 0.5; };
+    const Vec3d begin{-3, centred(), centred()}, end{3, centred(), centred()};
+    const double u = rng.uniform(), v = rng.uniform();
+    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y}, p{0, centred(), centred()};
+    grid.lines.push_back(corridor ? LightLine{begin, end} : LightLine{p - w * 3, p + w * 3});
+  }
+  Aperture a;
+  a.tube.middle = {{0, 0, 0}, {1, 0, 0}};
+  a.polygon = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
+  a.lines = testing::all_of(grid);
+  return a;
+}
+
+TEST(Widening, TellsAHoleFromACorridor) {
+  LightGrid hole, corridor;
+  const Aperture through = across_x(false, hole), along = across_x(true, corridor);
+  EXPECT_GT(widening_of(hole, through).value_or(0), 2);
+  EXPECT_NEAR(widening_of(corridor, along).value_or(0), 1, 0.15);
+}
+
+// Under a sky lines begin on the border of the grid, close to the window, but come from far away.
+TEST(Widening, OfAWindowGoesOnOutsideTheGrid) {
+  LightGrid grid;
+  const Aperture window = across_x(false, grid);
+  const auto cut_off = [](LightLine& line) {
+    const Vec3d d = line.camera - line.light;
+    line.light += d * ((-0.2 - line.light.x) / d.x);
+    line.camera = line.light + d * (0.3 / d.x);  // and end close behind it
+  };
+  for (LightLine& line : grid.lines) cut_off(line);
+  EXPECT_FALSE(widening_of(grid, window));  // as by walls
+  grid.origin.x = -0.2;
+  EXPECT_GT(widening_of(grid, window).value_or(0), 2);
+}
+
 }  // namespace tdpt::candidate_test

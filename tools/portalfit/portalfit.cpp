@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/number_words.h"
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/candidate.h"
@@ -31,6 +32,7 @@ namespace {
 
 constexpr double kLeastPart = 0.25;     // of the threshold, before parts are joined
 constexpr double kStrays = 0.15;        // share of the lines that may be leaks
+constexpr double kLeastTogether = 0.1;  // of a cut's light, through all its openings
 constexpr double kSparse = 0.2;         // of the density of other openings of the cut
 constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
 // A plane that the light is not wider before and behind, on one side at least, bounds nothing.
@@ -300,6 +302,14 @@ class Fit {
           enough_light(joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
     part_from_each_other(all, found, grid_.voxel);
     part_at_shared_edges(all, found);
+    double together = 0;
+    for (const Aperture& a : found) together += light_of(a.lines);
+    if (!found.empty() && together < kLeastTogether * light) {
+      refuse(fmt::format("{} of a cut pass only {} of its light: it leaks elsewhere",
+                         counted(found.size(), "opening"), percent_words(together / light)),
+             at_least(kLeastTogether));
+      return {};
+    }
     return found;
   }
 
