@@ -205,6 +205,15 @@ void Plan::dot(const Vec3d& place, double radius, const Ink& c, double alpha) {
   if (holds(place)) view_.dot_at(scene_.frame.to_canonical(place), radius, c, alpha);
 }
 
+// An outline that only its sill lies below the floor of belongs to the storey above.
+bool Plan::holds(const std::vector<Vec3d>& outline) const {
+  constexpr double kLeast = 0.2;  // of its height
+  double low = INFINITY, high = -INFINITY;
+  for (const Vec3d& v : outline) low = std::min(low, v.y), high = std::max(high, v.y);
+  const double within = std::min(high, storey_.top) - std::max(low, storey_.bottom);
+  return within > 0 ? within >= kLeast * (high - low) : within == 0 && low == high;
+}
+
 void Plan::openings(const std::vector<Opening>& openings) {
   canvas_.clip(projection().panel);
   for (const bool refused : {true, false})
@@ -214,9 +223,8 @@ void Plan::openings(const std::vector<Opening>& openings) {
       // Upright ones are a line in plan, others an area.
       const bool upright = std::abs(o.way.y) < 0.35;
       Vec3d sum{};
-      bool here = false;
-      for (const Vec3d& v : o.outline) sum = sum + v, here = here || holds(v);
-      if (!here) continue;
+      for (const Vec3d& v : o.outline) sum = sum + v;
+      if (!holds(o.outline)) continue;
       const Point middle = project(sum / static_cast<double>(o.outline.size()));
       Point low = middle, high = middle;
       std::vector<Point> points;

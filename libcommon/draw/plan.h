@@ -50,6 +50,8 @@ class Plan {
   bool holds(const Vec3d& place) const {
     return place.y >= storey_.bottom && place.y < storey_.top;
   }
+  /// Whether a fifth of an outline's height is.
+  bool holds(const std::vector<Vec3d>& outline) const;
 
  private:
   struct Label {

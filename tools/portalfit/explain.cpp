@@ -25,7 +25,7 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
                         percent(f.at("support")), percent(options.support))
           : "";
   return fmt::format(
-      "it carries {} of the lines of its cut, at least {}{}; {}; {:.0f} degrees "
+      "it carries {} of the camera's light, at least {}{}; {}; {:.0f} degrees "
       "between its normal and the mean direction of the light",
       percent(f.at("flux_share")), percent(options.threshold), support,
       worth_sentence(f, f.at("area")), f.at("direction_angle"));

@@ -47,7 +47,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                     "The light grid (.vdb), or tables of it (.csv) with that of its lines among "
                     "them; default standard input");
   options.option("--threshold,--set threshold", a.threshold, "T",
-                 "Smallest share of the lines that makes a portal; default 0.02", 0.0001, 1);
+                 "Smallest share of the camera's light that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8",
                  1, 1000);
   options.choice("--set method", a.method, {"tube", "paper"},

@@ -3,7 +3,7 @@
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and edges (lines must fill it). Openings beside each other in
-// one plane are joined, as panes; then each needs a share of the lines; then those that stand
+// one plane are joined, as panes; then each needs a share of the camera's light; then those that stand
 // beside each other are separated.
 #include "tools/portalfit/portalfit.h"
 

@@ -23,7 +23,7 @@ std::string portals_sentence(const std::vector<Portal>& portals) {
     std::string text = fmt::format("portal.{} {} m2", i, number_words(f.at("area"), 2));
     if (const auto share = f.find("flux_share"); share != f.end())
       text += fmt::format(" with {}{}", percent_words(share->second),
-                          i == 0 ? " of the light at its bottleneck" : "");
+                          i == 0 ? " of the camera's light" : "");
     if (const std::string drawback = drawback_of(f); !drawback.empty())
       text += " (" + drawback + ")";
     named.push_back(text);

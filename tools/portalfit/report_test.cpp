@@ -12,12 +12,12 @@ Portal portal(double area, double share) {
 
 TEST(portalfit_report, portals_are_one_line_however_many_there_are) {
   EXPECT_EQ(portals_sentence({portal(0.694, 0.742)}),
-            "1 portal: portal.0 0.69 m2 with 74 % of the light at its bottleneck");
+            "1 portal: portal.0 0.69 m2 with 74 % of the camera's light");
   EXPECT_EQ(portals_sentence({portal(0.69, 0.74), portal(2, 0.1)}),
-            "2 portals: portal.0 0.69 m2 with 74 % of the light at its bottleneck, portal.1 2 m2 "
+            "2 portals: portal.0 0.69 m2 with 74 % of the camera's light, portal.1 2 m2 "
             "with 10 %");
   EXPECT_EQ(portals_sentence(std::vector<Portal>(9, portal(1, 0.1))),
-            "9 portals: portal.0 1 m2 with 10 % of the light at its bottleneck, portal.1 1 m2 with "
+            "9 portals: portal.0 1 m2 with 10 % of the camera's light, portal.1 1 m2 with "
             "10 %, portal.2 1 m2 "
             "with 10 %, and 6 more");
   Portal wide = portal(1, 0.5);

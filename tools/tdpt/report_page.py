@@ -533,7 +533,7 @@ def portals_part(m, v):
     body = []
     if rows:
         body.append(table("The portals. Light passing: share of a small picture\u2019s light, before rendering; by segments: share of the "
-                          "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]", "Share of the lines",
+                          "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]", "Share of the camera’s light",
                           "Conduct\u00adance", "Tight\u00adness", "Support", "Normal off by", "Light passing", "By segments"), rows,
                           numeric=range(1, 9), class_="stack"))
         drawbacks = [el("li", name(n), f": {f['drawback']}.") for n, f in v.fitted.items() if f.get("drawback")]

@@ -97,7 +97,7 @@ std::string idleness(const std::vector<Portal>& portals, double share) {
     return brought + fmt::format("; of a small trial picture's light {} passed {}",
                                  percent_words(p->figures.at(kLight)), p->name);
   if (const Portal* p = with_most(portals, "flux_share"))
-    return brought + fmt::format("; says its file, {} of the light at its bottleneck passes {}",
+    return brought + fmt::format("; says its file, {} of the camera's light passes {}",
                                  percent_words(p->figures.at("flux_share")), p->name);
   return "the portals brought less than 1 % of the light: do they lie on its way?";
 }
