@@ -3,8 +3,8 @@
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and edges (lines must fill it). Openings beside each other in
-// one plane are joined, as panes; then each needs a share of the camera's light; then those that stand
-// beside each other are separated.
+// one plane are joined, as panes; then each needs a share of the camera's light; then those that
+// stand beside each other are separated.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -74,17 +74,30 @@ std::vector<Vec3d> corners_of(const Aperture& a) {
   return corners;
 }
 
-// Whether both are the same opening, found by the light of two cuts.
+// Whether both are the same opening, found by the light of two cuts: seen along the other's normal
+// the smaller one lies in the larger, and close to its plane.
 bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
-  const double size = std::sqrt(std::min(area(a.polygon), area(b.polygon)));
-  const auto middle = [](const Aperture& x) {
-    Vec3d sum{};
-    for (const Vec2d& p : x.polygon) sum += to_space(x.tube.middle, p);
-    return sum / static_cast<double>(x.polygon.size());
-  };
-  constexpr double kNear = 0.9;  // cosine
-  return dot(a.tube.middle.n, b.tube.middle.n) > kNear &&
-         length(middle(a) - middle(b)) < std::max(0.3 * size, voxel);
+  constexpr double kSameWay = 0.8;  // cosine
+  constexpr double kOverlap = 0.5;  // of the smaller one's area
+  constexpr double kDeep = 0.3;     // of its size
+  if (dot(a.tube.middle.n, b.tube.middle.n) < kSameWay) return false;
+  Polygon seen;
+  Vec3d sum{};
+  for (const Vec2d& p : a.polygon) {
+    const Vec3d corner = to_space(a.tube.middle, p);
+    sum += corner;
+    seen.push_back(in_plane(b.tube.middle, corner));
+  }
+  const double smaller = std::min(area(seen), area(b.polygon));
+  const double off =
+      dot(sum / static_cast<double>(a.polygon.size()) - b.tube.middle.o, b.tube.middle.n);
+  if (std::abs(off) > std::max(kDeep * std::sqrt(smaller), voxel)) return false;
+  for (size_t i = 0; i < b.polygon.size() && seen.size() > 2; ++i) {
+    const Vec2d p = b.polygon[i], d = b.polygon[(i + 1) % b.polygon.size()] - p;
+    const Vec2d outside{d.y, -d.x};
+    seen = clipped(seen, outside, dot(p, outside));
+  }
+  return seen.size() > 2 && area(seen) > kOverlap * smaller;
 }
 
 // Share of the camera's light that each line stands for; without knowledge of it all lines of a cut
