@@ -281,7 +281,7 @@ class TableReader {
   void read_row(LightGrid& grid, const LineLimits& limits) {
     if (table == kLines) {
       grid.lines.push_back(line(limits));
-      if (!own_) grid.lines.back().share = number<double>(0, kMostShare);
+      if (!own_) grid.lines.back().share = double{number<float>(0, kMostShare)};
     } else if (table == kProbes) {
       const LightLine l = line(limits);
       grid.probes.push_back({l, whole(2) == 1});
@@ -374,7 +374,7 @@ std::string light_table_text(const LightGrid& grid, const std::string& table) {
   write_header(out, grid);
   if (which == kLines)
     for (const LightLine& l : grid.lines)
-      write_ends(out, l), out += fmt::format(",{:.4g}\n", l.share);
+      write_ends(out, l), out += fmt::format(",{}\n", static_cast<float>(l.share));
   else if (which == kProbes)
     for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
   else

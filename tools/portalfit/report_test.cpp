@@ -22,7 +22,7 @@ TEST(portalfit_report, portals_are_one_line_however_many_there_are) {
             "with 10 %, and 6 more");
   Portal wide = portal(1, 0.5);
   wide.figures["conductance"] = 0.2;
-  EXPECT_NE(portals_sentence({wide}).find("bottleneck (a wide way, "), std::string::npos);
+  EXPECT_NE(portals_sentence({wide}).find("light (a wide way, "), std::string::npos);
 }
 
 TEST(portalfit_report, what_is_left_out_is_one_line_with_each_reason_once) {

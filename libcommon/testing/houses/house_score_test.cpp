@@ -6,7 +6,7 @@
 
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::testing {
+namespace tdpt::testing::house_score_test {
 
 // A wall across x = 0, 4 m wide and high, with a hole of 1 m in its middle.
 Scene wall() {
@@ -99,4 +99,4 @@ TEST(LightPaths, AreReadAsTheyAreWritten) {
   EXPECT_NEAR(back.paths[3][1].y, all.paths[3][1].y, 1e-4);
 }
 
-}  // namespace tdpt::testing
+}  // namespace tdpt::testing::house_score_test
