@@ -236,7 +236,7 @@ SHARED void scatter_end(uint i, bool of_light) MEMBER {
   PathVertex at = load_path_vertex(slot);
   if (is_zero(at.back)) return;
   scatterings[2u * i + (of_light ? 0u : 1u)] =
-      scattering_at(kept_point(slot, at), of_light ? FROM_LIGHT : FROM_CAMERA, at.back,
+      scattering_of(kept_point(slot, at), at, of_light ? FROM_LIGHT : FROM_CAMERA,
                     of_light ? j.w : -j.w, false);
 }
 
@@ -267,8 +267,8 @@ SHARED AtJoint at_joint(uint from, PathVertex v, PathDensity d, Scattering s, ve
   j.onward_A =
       scattered_pdf_A(from, v, d.own_survival, odds_onward(s), s.onward_w, per_area, crossing);
   uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
-  j.behind_A = scattered_pdf_A(other_end, v, s.albedo, odds_behind(s), s.behind_w, v.per_prev,
-                               crossing_before(v));
+  j.behind_A = scattered_pdf_A(other_end, v, s.survival_behind, odds_behind(s), s.behind_w,
+                               v.per_prev, crossing_before(v));
   return j;
 }
 SHARED float survival_at(PathDensity d) MEMBER_CONST {
@@ -393,14 +393,14 @@ SHARED void connect(uint i) MEMBER {
     light.slot = j.light;
     light.first_A = is_met(joint.y) ? z_goes_on * of_z.onward_A : 0.0f;
     if (is_met_behind(joint.of_light))
-      light.second_A = (t <= 1u ? 1.0f : joint.at_y.albedo) * of_y.behind_A;
+      light.second_A = (t <= 1u ? 1.0f : joint.at_y.survival_behind) * of_y.behind_A;
   }
   OF_FLOAT(Half) camera = no_half();
   if (!to_camera) {
     camera.slot = j.camera;
     camera.first_A = y_goes_on * of_y.onward_A;
     if (joint.of_camera.prev != kNoVertex)
-      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.albedo) * of_z.behind_A;
+      camera.second_A = (s <= 1u ? 1.0f : joint.at_z.survival_behind) * of_z.behind_A;
   }
   float pair_A = crossing.density * cosine_to(joint.y, j.w) * per_z;
   float weight;

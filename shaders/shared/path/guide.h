@@ -6,9 +6,7 @@
 // its density is known in closed form, nothing is learnt.
 //
 // w     direction
-// q     probability that a vertex aims at a portal; after the first vertex at most 0.4 (1 -
-//       albedo): an unguided step multiplies the throughput by 1 / (1 - q) and survives with the
-//       albedo [roulette.h], so that q >= 1 - albedo would let it grow without bound
+// q     probability that a vertex aims at a portal
 // p(w)  density of the surface's own sampling, a(w) that of aiming [portals.h] [1/sr]
 // m     probability that no Dirac lobe was chosen: those lobes are left as they are
 // b     1; but for a surface without a Dirac lobe and with a narrow one (alpha < 0.3), the
@@ -17,8 +15,19 @@
 //
 //   pdf_w = (1-qb) p(w) + qb m a(w),
 //
-// and the walk ends where p = 0: nothing is scattered there. P> and P< of a path [eq. 7] become
-// these densities; nothing else changes. Every walk is guided: the advantage of plain walks where
+// and the walk ends where p = 0: nothing is scattered there.
+//
+// Where a walk scatters, a guided step takes the place of its end, not of a step by the BSDF. By
+// roulette a plain walk ends with probability 1 - albedo [roulette.h]; of these ends a share G is
+// guided instead:
+//   survival s = albedo + G (1 - albedo),    q = G (1 - albedo) / s = G / (1-G) * (1-s) / s.
+// A step by the BSDF then still has probability albedo and leaves the throughput as it is. If
+// survival stayed the albedo, each would multiply it by 1 / (1-q): throughput would exceed t with a
+// probability that falls only as a power of t, about t^-2.7 at q = 0.4 (1 - albedo), and long walks
+// that never aimed would leave single bright pixels. Measured at equal time against that: 1.07 and
+// 1.08 times the efficiency in three rooms and behind a door ajar, 1.1 to 2 times in houses.
+//
+// P> and P< of a path [eq. 7] become these densities; nothing else changes. Every walk is guided: the advantage of plain walks where
 // lamps are seen directly is matched by the MIS sample weights of next events, without loss
 // elsewhere [mixture.h].
 //
@@ -107,13 +116,23 @@ SHARED REAL guide_total_of(IN(GuideTotals) guide_totals, Arrival back, uint from
 SHARED REAL guide_first_chance(uint from) MEMBER_CONST {
   return from == FROM_LIGHT ? render.guide_light : render.guide_camera;
 }
-/// q where a walk scatters, for a given albedo.
-SHARED REAL guide_chance_at(uint from, REAL albedo) MEMBER_CONST {
-  return min(guide_first_chance(from), REAL(0.4) * (1.0f - albedo));
+/// G: more would make walks long.
+SHARED REAL guide_share_of_ends(uint from) MEMBER_CONST {
+  return min(guide_first_chance(from), REAL(0.3));
+}
+/// s where a walk scatters; W: guide total.
+SHARED REAL guided_survival(uint from, REAL W, REAL albedo) MEMBER_CONST {
+  if (!(W > 0.0f)) return albedo;
+  return albedo + guide_share_of_ends(from) * (1.0f - albedo);
+}
+/// q where a walk scatters that has something to aim at, from s.
+SHARED REAL guide_chance_at(uint from, REAL survival) MEMBER_CONST {
+  REAL G = guide_share_of_ends(from);
+  return G * (1.0f - survival) * reciprocal((1.0f - G) * survival);
 }
 SHARED REAL guide_chance(uint from, IN(Point) v, Arrival back) MEMBER_CONST {
   if (begins(back)) return guide_first_chance(from);
-  return guide_chance_at(from, albedo_at(v, back));
+  return guide_chance_at(from, guided_survival(from, 1.0f, albedo_at(v, back)));
 }
 
 /// b and 1 - m of a walk that came from `back`.

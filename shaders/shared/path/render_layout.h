@@ -148,9 +148,9 @@ const uint RAY_BY_FILM = 4u;
   /* onward_w: density of w in this walk */                               \
   VEC(f, float, onward_w)                                                 \
   /* behind_w: density of the way back in a walk that arrives along -w */ \
-  /* albedo: as seen along w */                                           \
+  /* survival_behind: of that walk */                                     \
   /* dirac: Odds of this walk */                                          \
-  WORDS(float, behind_w, float, albedo, float, dirac, float, broad)       \
+  WORDS(float, behind_w, float, survival_behind, float, dirac, float, broad) \
   /* dirac_behind: Odds of the other */                                   \
   WORDS(float, dirac_behind, float, broad_behind, float, pad0, float, pad1)
 RECORD(Scattering)
@@ -186,7 +186,7 @@ const uint CONNECTION_SEGMENT = 5u;  ///< x_c with z
   /* pair_A: p_AA of the edge from the vertex before: G D [eq. 4] */                             \
   /* nee_A: density of the light point at one end of this edge as a next event from the other */ \
   WORDS(float, own_A, float, other_A, float, pair_A, float, nee_A)                               \
-  /* own_survival: survival probability of this walk (albedo) */                                 \
+  /* own_survival: survival probability of this walk */                                          \
   /* other_survival: of a walk from the other end, known one vertex later */                     \
   /* prev: slot of the vertex before */                                                          \
   /* flags: its number in the walk, and VERTEX_* */                                              \

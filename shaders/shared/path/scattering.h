@@ -5,7 +5,8 @@
 #include "shaders/shared/language.h"
 
 /// Scattering at the end of a walk that arrived at `p` from unit `back`, for the direction w
-/// (unit). `dirac`: by a Dirac lobe; then f is meaningless.
+/// (unit). `dirac`: by a Dirac lobe; then f is meaningless. survival_behind is that of an unguided
+/// walk: the albedo.
 SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
   Scattering s;
   s.pad0 = 0.0f;
@@ -18,7 +19,7 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
     s.f = !dirac && same_side(p, back, w) ? p.color * INVERSE_PI : vec3(0.0f);
     s.onward_w = simple_pdf_w(p, back, w, dirac);
     s.behind_w = simple_pdf_w(p, w, back, dirac);
-    s.albedo = simple_albedo(p);
+    s.survival_behind = simple_albedo(p);
     return s;
   }
   // Both directions in a loop: the surface code is inlined only once per kernel.
@@ -44,11 +45,11 @@ SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dira
       s.behind_w = pdf_w;
       s.dirac_behind = odds.dirac;
       s.broad_behind = odds.broad;
-      s.albedo = largest(coated_albedo(p, here));
+      s.survival_behind = largest(coated_albedo(p, here));
     }
   }
-  if (scene_has_panes) s.albedo = s.albedo * reciprocal(opacity_of(p, w));
-  s.albedo = held_albedo(s.albedo);
+  if (scene_has_panes) s.survival_behind = s.survival_behind * reciprocal(opacity_of(p, w));
+  s.survival_behind = held_albedo(s.survival_behind);
   return s;
 }
 

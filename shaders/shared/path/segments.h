@@ -85,7 +85,8 @@ SHARED void end_segment(uint i) MEMBER {
   v.sent = light_context.sent;
   path_vertices[slot] = v;
   PathDensity d = empty_density();
-  d.own_survival = albedo_at(p, v.back);
+  uint from = (i & 1u) == 0u ? FROM_CAMERA : FROM_LIGHT;  // of walks that arrive from the other end
+  d.own_survival = survival_where(from, v, albedo_at(p, v.back));
   // Any walk that arrives here has at least two vertices; other cases are treated separately.
   d.flags = flags_of(p, 2u);
   path_densities[slot] = d;
@@ -184,9 +185,9 @@ SHARED void connect_side(uint i) MEMBER {
   uint a = number_of(joint.of_light) + 1u;
   SegmentSide side = empty_side(j.radiance, j.light);
   side.light_A0 = survival_at(joint.of_light) * of_y.onward_A;
-  side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.albedo) * of_l.behind_A;
+  side.light_A1 = (a <= 1u ? 1.0f : joint.at_z.survival_behind) * of_l.behind_A;
   side.first_A = is_met(joint.y) ? joint.of_camera.own_survival * of_l.onward_A : 0.0f;
-  side.second_A = is_met_behind(joint.of_light) ? joint.at_y.albedo * of_y.behind_A : 0.0f;
+  side.second_A = is_met_behind(joint.of_light) ? joint.at_y.survival_behind * of_y.behind_A : 0.0f;
   side.pair_before = crossing.density * cosine_to(joint.y, j.w) * per_l;
   if (a == 1u && has_technique(TECHNIQUE_DIRECT)) {
     if (scene_has_sky && joint.y.source == SOURCE_SKY)
@@ -342,12 +343,12 @@ SHARED void connect_segment(uint i) MEMBER {
   OF_FLOAT(Half) camera = no_half();
   OF_FLOAT(SegmentDensities) x;
   x.pair_A = s.pair_A;
-  x.camera_A0 = (to_camera ? 1.0f : joint.at_y.albedo) * of_c.behind_A;
+  x.camera_A0 = (to_camera ? 1.0f : joint.at_y.survival_behind) * of_c.behind_A;
   x.camera_A1 = (to_camera ? 1.0f : survival_at(joint.of_camera)) * of_z.onward_A;
   x.pair_after = after.density * per_c * cosine_to(joint.z, j.w);
   if (!to_camera) {
     camera.slot = j.camera;
-    if (joint.of_camera.prev != kNoVertex) camera.second_A = joint.at_z.albedo * of_z.behind_A;
+    if (joint.of_camera.prev != kNoVertex) camera.second_A = joint.at_z.survival_behind * of_z.behind_A;
   }
   uint group = to_camera ? j.light / render.per_cache : joint.camera.walk / render.per_cache;
   word64 number = sample_of_group(group, 0u).number;

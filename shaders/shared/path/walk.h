@@ -80,14 +80,30 @@ SHARED void keep_guide_totals(INOUT(PathVertex) v, GuideTotals guide_totals) MEM
   v.guide_total_emitted = guide_totals.emitted;
 }
 
-/// Density per area at a vertex, of the walk from `from`, from that per solid angle. `albedo`,
+SHARED float guide_total_at_vertex(uint from, PathVertex at) MEMBER_CONST {
+  return from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
+}
+/// Survival probability of a walk from `from` that scatters there, the vertex having this albedo
+/// as seen from where the walk came.
+SHARED float survival_where(uint from, PathVertex at, float albedo) MEMBER_CONST {
+  if (!scene_has_portals || !guide_active) return albedo;
+  return guided_survival(from, guide_total_at_vertex(from, at), albedo);
+}
+/// Scattering at a vertex of a walk from `from`; `at` is its record.
+SHARED Scattering scattering_of(Point p, PathVertex at, uint from, vec3 w, bool dirac) MEMBER_CONST {
+  Scattering s = scattering_at(p, from, at.back, w, dirac);
+  s.survival_behind =
+      survival_where(from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT, at, s.survival_behind);
+  return s;
+}
+/// Density per area at a vertex, of the walk from `from`, from that per solid angle. `survival`,
 /// `scope`: as the vertex is seen from where the walk came.
-SHARED float scattered_pdf_A(uint from, PathVertex at, float albedo, OF_FLOAT(Odds) scope,
+SHARED float scattered_pdf_A(uint from, PathVertex at, float survival, OF_FLOAT(Odds) scope,
                              float pdf_w, float per_area, CrossingDensity crossing) MEMBER_CONST {
   float plain_A = pdf_w * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
-  float W = from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
-  return guided_pdf_A(from, W, guide_chance_at(from, albedo), scope, plain_A, per_area, crossing);
+  float W = guide_total_at_vertex(from, at);
+  return guided_pdf_A(from, W, guide_chance_at(from, survival), scope, plain_A, per_area, crossing);
 }
 /// The same where light leaves a point on a light.
 SHARED float emitted_pdf_A(uint source, vec3 normal, float guide_total_emitted, vec3 w,
@@ -298,15 +314,15 @@ SHARED bool goes_on(uint from, uint slot) MEMBER_CONST {
 
 /// Samples the next direction of a walk, by the BSDF or by guiding. Random numbers: direction,
 /// lobe, then as in guide_draw().
-SHARED bool directed_turn(uint from, Point p, PathVertex at, float albedo, float u, float v,
+SHARED bool directed_turn(uint from, Point p, PathVertex at, float survival, float u, float v,
                           float lobe, float a, float b, float c, float d, OUT(OF_FLOAT(Turn)) t,
                           OUT(int) polygon) MEMBER_CONST {
   polygon = -1;
   t.dirac = false;
   t.weight = p.color;
   t.w = at.back;
-  float W = from == FROM_LIGHT ? at.guide_total_light : at.guide_total_camera;
-  float q = guide_active && W > 0.0f ? guide_chance_at(from, albedo) : 0.0f;
+  float W = guide_total_at_vertex(from, at);
+  float q = guide_active && W > 0.0f ? guide_chance_at(from, survival) : 0.0f;
   if (!is_layered(p)) {
     if (scene_has_portals && guide_active && d < q) {
       polygon = draw_towards_portal(p.position, at.facing, from, W, a, b, c, t.w);
@@ -397,7 +413,7 @@ SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathD
     return emitted_pdf_A(v.source, v.normal, at.guide_total_emitted, w, per_area, crossing);
   }
   bool dirac = (ray.flags & RAY_DIRAC) != 0u;
-  Scattering s = scattering_at(v, from, at.back, w, dirac);
+  Scattering s = scattering_of(v, at, from, w, dirac);
   plain_A = s.onward_w * per_area;
   float own_A = plain_A;
   float other_A = s.behind_w * at.per_prev;
@@ -405,11 +421,11 @@ SHARED float arrival_pdf_A(uint from, WalkRay ray, Point v, PathVertex at, PathD
     own_A = scattered_pdf_A(from, at, known.own_survival, odds_onward(s), s.onward_w, per_area,
                             crossing);
     uint other_end = from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT;
-    other_A = scattered_pdf_A(other_end, at, s.albedo, odds_behind(s), s.behind_w, at.per_prev,
-                              crossing_before(at));
+    other_A = scattered_pdf_A(other_end, at, s.survival_behind, odds_behind(s), s.behind_w,
+                              at.per_prev, crossing_before(at));
   }
   if (!(plain_A > 0.0f)) return own_A;
-  path_densities[ray.here].other_survival = s.albedo;
+  path_densities[ray.here].other_survival = s.survival_behind;
   if (dirac) path_densities[ray.here].flags = known.flags | VERTEX_DIRAC;
   if (known.prev != kNoVertex && (load_path_density(known.prev).flags & VERTEX_MET) != 0u)
     path_densities[known.prev].other_A = other_A;
@@ -504,7 +520,7 @@ SHARED void arrive(uint from, uint i, uint next) MEMBER {
   density.own_A = (number <= 2u ? 1.0f : known.own_survival) * own_A;
   density.pair_A = scene_has_portals ? crossing.density * geometry(v, to, e) : 0.0f;
   density.nee_A = edge_nee_A(from, number, v, at, to, record);
-  density.own_survival = albedo_at(to, -e.w);
+  density.own_survival = survival_where(from, record, albedo_at(to, -e.w));
   density.prev = ray.here;
   density.flags = flags_of(to, number);
   path_densities[next] = density;

@@ -313,18 +313,24 @@ double albedo(const Vertex& back, const Vertex& at) {
 
 /// Guiding of a walk at a vertex.
 struct Directed {
-  double chance = 0;  ///< probability that it aims, if it may
+  double chance = 0;    ///< probability that it aims, if it may
+  double survival = 1;  ///< where it scatters
   double matt = 1, broad = 1;
   double aimed = -1;  ///< density [1/sr] of aiming; negative: nothing to aim at
 
   Directed(const World& world, const Guiding& guiding, From from, const Vertex* back,
            const Vertex& at, const Vertex& to)
       : chance(guiding.chance[static_cast<size_t>(from)]) {
+    if (back) survival = albedo(*back, at);
     if (back && !at.connectible) return;
     aimed = at.at_infinity() ? guide_line_pdf(world, unit(at, to), to)
                              : guide_pdf_w(world, from, back, at, to);
     if (!back) return;
-    chance = std::min(chance, 0.4 * (1 - albedo(*back, at)));
+    if (aimed < 0) return;
+    // Of the walks that would end, three in ten aim.
+    const double aims = std::min(chance, 0.3) * (1 - survival);
+    survival += aims;
+    chance = aims / survival;
     if (at.simple) return;
     if (coated(at)) {
       double dirac;
@@ -348,9 +354,9 @@ double guided_pdf_w(const Directed& d, bool dirac, double plain, Fault fault) {
   return (1 - d.chance * d.broad) * plain + d.chance * d.broad * matt * d.aimed;
 }
 
-/// Survival probability of a walk at its i-th vertex `at`.
-double survival(const Vertex* back, const Vertex& at, int i, Fault fault) {
-  return i < 2 || fault == Fault::immortal ? 1 : albedo(*back, at);
+/// Survival probability of a walk at its i-th vertex.
+double survival(const Directed& d, int i, Fault fault) {
+  return i < 2 || fault == Fault::immortal ? 1 : d.survival;
 }
 
 /// P>(x_i) and P<(x_i) of all vertices except the camera.
@@ -377,7 +383,7 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
       P_light =
-          survival(back, before, i - 1, fault) * guided_pdf_w(directed, dirac, p, fault) * per_area;
+          survival(directed, i - 1, fault) * guided_pdf_w(directed, dirac, p, fault) * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
     double q = film_pdf_w(world, after, x);
@@ -385,7 +391,7 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
       const Vertex& back = path.vertex(i + 2);
       const double p = pdf_w(back, after, x, path.dirac(i + 1));
       const Directed directed(world, guiding, From::camera, &back, after, x);
-      q = survival(&back, after, k - i - 1, fault) *
+      q = survival(directed, k - i - 1, fault) *
           guided_pdf_w(directed, path.dirac(i + 1), p, fault);
     }
     // For the sky per solid angle: its cosine and distance are 1.

@@ -70,6 +70,10 @@ bool Guide::draw(const Vertex& v, const Incidence* in, From from, const std::arr
   return text().guide_draw(v, v.guide_totals, in, index(from), u[0], u[1], u[2], u[3], w, triangle);
 }
 
+double Guide::guided_survival(From from, double albedo) const {
+  return text().guided_survival(index(from), 1, albedo);
+}
+
 bool Guide::leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
                   int& triangle) const {
   return text().guide_leave(y0, y0.guide_totals, u[0], u[1], u[2], u[3], ray.origin, ray.direction,

@@ -51,6 +51,11 @@ class Guide {
   bool draw(const Vertex& v, const Incidence* in, From from, const std::array<double, 4>& u,
             Vec3d& w, int& triangle) const;
 
+  /// Survival probability of a walk from that end where it scatters at `v`, from its albedo there.
+  double survival(From from, const Vertex& v, double albedo) const {
+    return active_ && may_guide(v, from) ? guided_survival(from, albedo) : albedo;
+  }
+
   /// Whether the walk that leaves y_0 is guided, and if so its ray and the triangle aimed at.
   bool leave(const Vertex& y0, const std::array<double, 4>& u, Lights::Ray& ray,
              int& triangle) const;
@@ -71,6 +76,7 @@ class Guide {
         active_(active && !world.portals.empty()),
         sees_portals_(sees_portals && !world.portals.empty()),
         looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_rect_lights())) {}
+  double guided_survival(From from, double albedo) const;
   double mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
                      const Point& to, double plain_A, const PortalSet::CrossingDensity& crossing,
                      double W) const;

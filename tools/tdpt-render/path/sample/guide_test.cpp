@@ -10,6 +10,7 @@
 #include "tools/tdpt-render/path/sample/surface.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/portals/portal_text.h"
+#include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::guide_test {
 
@@ -495,6 +496,32 @@ TEST(guide, twin_smooth_lobes_that_are_directed_too) {
     const auto kept = static_cast<uint64_t>((1 - kGuiding.chance[1]) * smooth * kSamples);
     EXPECT_LT(binomial_p(kept, kSamples, smooth), kWrong);
   }
+}
+
+// A step by the BSDF keeps the probability that it has in a plain walk, and a guided one comes on
+// top. What a walk carries grows only where it leaves a light.
+TEST(guide, no_walk_carries_more_after_a_surface_than_before) {
+  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/three-rooms.glb");
+  const World world(scene, scene.camera(""), 16, 12,
+                    {rectangle({4.15, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0}),
+                     rectangle({2.05, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0})});
+  const Guide guide(world, tdpt_guided.mixture);
+  RayCounts rays;
+  Walk walk;
+  int longest = 0;
+  for (const From from : {From::light, From::camera})
+    for (uint64_t i = 0; i < 3000; ++i) {
+      const Sequence numbers(3, 1, 0, i);
+      if (from == From::light)
+        walk_from_light(world, guide, 64, numbers, walk, rays);
+      else
+        walk_from_camera(world, guide, 8, 6, 64, numbers, walk, rays);
+      longest = std::max(longest, walk.size);
+      for (int j = 2; j < walk.size; ++j)
+        EXPECT_LE(max_component(walk.state(j).throughput),
+                  (1 + 1e-5f) * max_component(walk.state(j - 1).throughput));
+    }
+  EXPECT_GT(longest, 15);
 }
 
 }  // namespace tdpt::guide_test

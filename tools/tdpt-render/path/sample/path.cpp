@@ -196,8 +196,10 @@ void Path::fill_joint(const World& world, int s, int first_z) {
   for (int i = std::max(s - 1, 1); i <= first_z && i < k_; ++i) {
     const Edge &before = at(i - 1), &after = at(i);
     const Incidence from_light(x(i), -before.w), from_camera(x(i), after.w);
-    if (i >= s && i >= 2) place(i).survival[0] = albedo_at(x(i), from_light);
-    if (i < first_z && !always_goes_on(k_ - i)) place(i).survival[1] = albedo_at(x(i), from_camera);
+    if (i >= s && i >= 2)
+      place(i).survival[0] = guide_.survival(From::light, x(i), albedo_at(x(i), from_light));
+    if (i < first_z && !always_goes_on(k_ - i))
+      place(i).survival[1] = guide_.survival(From::camera, x(i), albedo_at(x(i), from_camera));
     if (i + 1 < k_) {
       const double plain = plain_light_A(world, i + 1, &from_light, after);
       walks_[i + 1].light_A =
@@ -242,12 +244,21 @@ std::optional<Incidence> Path::from_camera(int i) const {
   return Incidence(x(i), edge(i).w);
 }
 
+double Path::survival(int i, const std::optional<Incidence>& in, const Guide* guide,
+                      From from) const {
+  if (!in || always_goes_on(from == From::light ? i : k_ - i)) return 1;
+  const double albedo = albedo_at(x(i), *in);
+  return guide ? guide->survival(from, x(i), albedo) : albedo;
+}
+
 void Path::plain_densities(const World& world, WalkDensities& d) const {
   const auto given = [](const std::optional<Incidence>& in) { return in ? &*in : nullptr; };
   for (int i = 0; i < k_; ++i) {
     const auto light = from_light(i - 1), camera = from_camera(i + 1);
-    d[i].light_A = light_survival(i) * plain_light_A(world, i, given(light), edge(i - 1));
-    d[i].camera_A = camera_survival(i) * plain_camera_A(world, i, edge(i), given(camera));
+    d[i].light_A = survival(i - 1, light, nullptr, From::light) *
+                   plain_light_A(world, i, given(light), edge(i - 1));
+    d[i].camera_A = survival(i + 1, camera, nullptr, From::camera) *
+                    plain_camera_A(world, i, edge(i), given(camera));
   }
 }
 
@@ -256,11 +267,15 @@ void Path::directed_densities(const Guide& guide, const WalkDensities& plain,
   const auto given = [](const std::optional<Incidence>& in) { return in ? &*in : nullptr; };
   for (int i = 0; i < k_; ++i) {
     const auto light = from_light(i - 1), camera = from_camera(i + 1);
-    const double on_light = light_survival(i), on_camera = camera_survival(i);
-    d[i].light_A = on_light * directed_light_A(guide, i, plain[i].light_A / on_light, given(light),
-                                               edge(i - 1));
-    d[i].camera_A = on_camera * directed_camera_A(guide, i, plain[i].camera_A / on_camera, edge(i),
-                                                  given(camera));
+    const auto by = [&](const Guide* walks_of, const std::optional<Incidence>& in, From from) {
+      return survival(from == From::light ? i - 1 : i + 1, in, walks_of, from);
+    };
+    const double light_A = plain[i].light_A / by(nullptr, light, From::light);
+    const double camera_A = plain[i].camera_A / by(nullptr, camera, From::camera);
+    d[i].light_A = by(&guide, light, From::light) *
+                   directed_light_A(guide, i, light_A, given(light), edge(i - 1));
+    d[i].camera_A = by(&guide, camera, From::camera) *
+                    directed_camera_A(guide, i, camera_A, edge(i), given(camera));
   }
 }
 

@@ -120,6 +120,9 @@ class Path {
   /// How walks from either end arrive at x_i; null at the path's ends.
   std::optional<Incidence> from_light(int i) const;
   std::optional<Incidence> from_camera(int i) const;
+  /// Survival probability at x_i, where it arrived along `in`, of a walk guided by `guide`; null:
+  /// unguided.
+  double survival(int i, const std::optional<Incidence>& in, const Guide* guide, From from) const;
   const Vertex& x(int i) const { return vertex(i); }
   /// x_i -> x_{i+1}; empty outside the path.
   Edge edge(int i) const { return i < 0 || i >= k_ ? Edge{} : between(x(i), x(i + 1)); }

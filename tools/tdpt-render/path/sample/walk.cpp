@@ -91,10 +91,11 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
     world_.next_events.look_out(-w, next);
     if (from_ == From::light) world_.next_events.look_at_rect_lights(next);
   }
-  if (n >= 2) here.other_survival = albedo_at(v, before_next);
+  const From reverse = from_ == From::light ? From::camera : From::light;
+  if (n >= 2) here.other_survival = guide_.survival(reverse, v, albedo_at(v, before_next));
   Incidence& arrived = come_to(walk_.size);
   arrived.become(next, -e.w);
-  state.own_survival = albedo_at(next, arrived);
+  state.own_survival = guide_.survival(from_, next, albedo_at(next, arrived));
   state.other_survival = 1;
   const double went_on = always_goes_on(static_cast<int>(n) - 1) ? 1 : here.own_survival;
   state.throughput =
@@ -116,11 +117,9 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
                    state.crossing);
   state.pdf_own_A = went_on * directed;
   state.throughput *= static_cast<float>(plain / directed);
-  if (known) {
-    const From reverse = from_ == From::light ? From::camera : From::light;
+  if (known)
     walk_.states[n - 2].pdf_other_A = guide_.pdf_A(reverse, v, &before_next, reversed(before),
                                                    walk_.v[n - 2], other, here.crossing);
-  }
   return true;
 }
 
