@@ -235,9 +235,8 @@ SHARED void scatter_end(uint i, bool of_light) MEMBER {
   if (of_light && of_segment(j)) slot = slot_of_x_c(j.light);
   PathVertex at = load_path_vertex(slot);
   if (is_zero(at.back)) return;
-  scatterings[2u * i + (of_light ? 0u : 1u)] =
-      scattering_of(kept_point(slot, at), at, of_light ? FROM_LIGHT : FROM_CAMERA,
-                    of_light ? j.w : -j.w, false);
+  scatterings[2u * i + (of_light ? 0u : 1u)] = scattering_of(
+      kept_point(slot, at), at, of_light ? FROM_LIGHT : FROM_CAMERA, of_light ? j.w : -j.w, false);
 }
 
 // Connecting.

@@ -27,9 +27,9 @@
 // that never aimed would leave single bright pixels. Measured at equal time against that: 1.07 and
 // 1.08 times the efficiency in three rooms and behind a door ajar, 1.1 to 2 times in houses.
 //
-// P> and P< of a path [eq. 7] become these densities; nothing else changes. Every walk is guided: the advantage of plain walks where
-// lamps are seen directly is matched by the MIS sample weights of next events, without loss
-// elsewhere [mixture.h].
+// P> and P< of a path [eq. 7] become these densities; nothing else changes. Every walk is guided:
+// the advantage of plain walks where lamps are seen directly is matched by the MIS sample weights
+// of next events, without loss elsewhere [mixture.h].
 //
 // Include after portals.h and in a scope that has
 //   render.guide_light, render.guide_camera

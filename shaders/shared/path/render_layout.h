@@ -143,15 +143,15 @@ const uint RAY_DIRAC = 2u;
 const uint RAY_BY_FILM = 4u;
 
 /// Scattering at a path's end between its own direction and another one, w.
-#define TEXELS_OF_Scattering(VEC, WORDS, PART)                            \
-  /* f: radiance BSDF */                                                  \
-  /* onward_w: density of w in this walk */                               \
-  VEC(f, float, onward_w)                                                 \
-  /* behind_w: density of the way back in a walk that arrives along -w */ \
-  /* survival_behind: of that walk */                                     \
-  /* dirac: Odds of this walk */                                          \
+#define TEXELS_OF_Scattering(VEC, WORDS, PART)                               \
+  /* f: radiance BSDF */                                                     \
+  /* onward_w: density of w in this walk */                                  \
+  VEC(f, float, onward_w)                                                    \
+  /* behind_w: density of the way back in a walk that arrives along -w */    \
+  /* survival_behind: of that walk */                                        \
+  /* dirac: Odds of this walk */                                             \
   WORDS(float, behind_w, float, survival_behind, float, dirac, float, broad) \
-  /* dirac_behind: Odds of the other */                                   \
+  /* dirac_behind: Odds of the other */                                      \
   WORDS(float, dirac_behind, float, broad_behind, float, pad0, float, pad1)
 RECORD(Scattering)
 

@@ -126,10 +126,9 @@ TEST(portals_report, idle_portals_are_told_with_what_was_measured_of_them) {
   portals[1].name = "hall";
   portals[0].figures["flux_share"] = 0.14;
   portals[1].figures["flux_share"] = 0.81;
-  EXPECT_EQ(
-      idleness(portals, 0.003),
-      "paths through the portals brought 0.3 % of the light; says its file, 81 % of the "
-      "camera's light passes hall");
+  EXPECT_EQ(idleness(portals, 0.003),
+            "paths through the portals brought 0.3 % of the light; says its file, 81 % of the "
+            "camera's light passes hall");
   portals[0].figures[kLight] = 0.02;
   portals[1].figures[kLight] = 0.45;
   EXPECT_EQ(idleness(portals, 0.003),
