@@ -4,7 +4,8 @@
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and edges (lines must fill it). Openings beside each other in
 // one plane are joined, as panes; then each needs a share of the camera's light; then those that
-// stand beside each other are separated.
+// stand beside each other are separated. What several cuts found is one opening if most of the
+// light of either passes both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -40,13 +41,17 @@ constexpr double kLeastWidening = 1.5;
 constexpr size_t kMostTried = 48;  // candidates per cut
 // Least support of a single opening: a plane across a corner with windows on both sides has less.
 constexpr double kOneOpening = 0.9;
-constexpr double kFull = 0.5;  // of the fullest voxel, for the paper's rule
+// Of the light of either of two openings, through both: then they are one.
+constexpr double kSameOpening = 0.7;
+constexpr double kMostOfLight = 0.8;  // of one opening, with which a smaller one takes its place
+constexpr double kWider = 1.1;        // of an outline: its lines are few
+constexpr double kFull = 0.5;         // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
 Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
-  const Polygon wider = enlarged(a.polygon, 1.1);
+  const Polygon wider = enlarged(a.polygon, kWider);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
   deeper.half += 0.5 * e.shorter;
@@ -74,30 +79,20 @@ std::vector<Vec3d> corners_of(const Aperture& a) {
   return corners;
 }
 
-// Whether both are the same opening, found by the light of two cuts: seen along the other's normal
-// the smaller one lies in the larger, and close to its plane.
-bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
-  constexpr double kSameWay = 0.8;  // cosine
-  constexpr double kOverlap = 0.5;  // of the smaller one's area
-  constexpr double kDeep = 0.3;     // of its size
-  if (dot(a.tube.middle.n, b.tube.middle.n) < kSameWay) return false;
-  Polygon seen;
-  Vec3d sum{};
-  for (const Vec2d& p : a.polygon) {
-    const Vec3d corner = to_space(a.tube.middle, p);
-    sum += corner;
-    seen.push_back(in_plane(b.tube.middle, corner));
-  }
-  const double smaller = std::min(area(seen), area(b.polygon));
-  const double off =
-      dot(sum / static_cast<double>(a.polygon.size()) - b.tube.middle.o, b.tube.middle.n);
-  if (std::abs(off) > std::max(kDeep * std::sqrt(smaller), voxel)) return false;
-  for (size_t i = 0; i < b.polygon.size() && seen.size() > 2; ++i) {
-    const Vec2d p = b.polygon[i], d = b.polygon[(i + 1) % b.polygon.size()] - p;
-    const Vec2d outside{d.y, -d.x};
-    seen = clipped(seen, outside, dot(p, outside));
-  }
-  return seen.size() > 2 && area(seen) > kOverlap * smaller;
+// Whether they stand so near each other that they may be one opening, like the two narrow places
+// beside a door ajar or the two faces of a thick wall.
+bool near(const Aperture& a, const Aperture& b) {
+  const auto ball = [](const Aperture& of) {
+    const std::vector<Vec3d> corners = corners_of(of);
+    Vec3d centre{};
+    for (const Vec3d& c : corners) centre += c / static_cast<double>(corners.size());
+    double radius = 0;
+    for (const Vec3d& c : corners) radius = std::max(radius, length(c - centre));
+    return std::pair{centre, radius};
+  };
+  const auto [centre_a, radius_a] = ball(a);
+  const auto [centre_b, radius_b] = ball(b);
+  return length(centre_a - centre_b) <= std::max(radius_a, radius_b);
 }
 
 // Share of the camera's light that each line stands for; without knowledge of it all lines of a cut
@@ -326,18 +321,35 @@ class Fit {
     return found;
   }
 
-  // Of the openings of all cuts those with most light, each once.
+  // Share of the light of `a` that passes `b`, too.
+  double passing(const Aperture& a, const Aperture& b) const {
+    const Polygon wider = enlarged(b.polygon, kWider);
+    Bundle both = a.lines.where([&](const LightLine& line) {
+      const auto at = crossing(b.tube.middle, line);
+      return at && contains(wider, *at);
+    });
+    return light_of(both) / std::max(light_of(a.lines), 1e-300);
+  }
+
+  // Whether two cuts, or one cut twice, have found one opening.
+  bool same_opening(const Aperture& a, const Aperture& b) const {
+    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kSameOpening;
+  }
+
+  // Of the openings of all cuts those with most light, each once: the smallest that passes most of
+  // its light.
   std::vector<Aperture> chosen(std::vector<Aperture> found) {
     sort_by_light(found);
     std::vector<Aperture> kept;
     for (Aperture& a : found) {
-      const bool again = std::any_of(kept.begin(), kept.end(), [&](const Aperture& b) {
-        return same_opening(a, b, grid_.voxel);
-      });
-      if (again || kept.size() == options_.max_portals)
-        ++result_.repeated;
-      else
+      const auto same = std::find_if(kept.begin(), kept.end(),
+                                     [&](const Aperture& b) { return same_opening(a, b); });
+      result_.repeated += same != kept.end() || kept.size() == options_.max_portals;
+      if (same == kept.end() && kept.size() < options_.max_portals)
         kept.push_back(std::move(a));
+      else if (same != kept.end() && area(a.polygon) < area(same->polygon) &&
+               light_of(a.lines) >= kMostOfLight * light_of(same->lines))
+        *same = std::move(a);
     }
     return kept;
   }

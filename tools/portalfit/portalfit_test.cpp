@@ -218,6 +218,28 @@ TEST(PortalFit, FindsTwoWindows) {
             1u);
 }
 
+// Lines of a second cut through an opening turned by 35 degrees that stands beside the first one
+// by `aside` [m].
+LightGrid grid_of_two_cuts(double aside) {
+  const Opening first = hole(0.25);
+  Opening second = first;
+  const double turn = 35 / kDegrees;
+  second.n = first.n * std::cos(turn) + normalize(first.u) * std::sin(turn);
+  second.u = normalize(cross(first.v, second.n)) * length(first.u);
+  second.middle += first.n * 0.1 + normalize(first.u) * aside;
+  std::vector<LightLine> lines = lines_through({first}, 6000, {}, 1);
+  for (LightLine line : lines_through({second}, 6000, {}, 2)) {
+    line.cut = 1;
+    lines.push_back(line);
+  }
+  return grid_of(lines);
+}
+
+TEST(PortalFit, WhatTwoCutsFindInOnePlaceIsOnePortal) {
+  EXPECT_EQ(fit_portals(grid_of_two_cuts(0), {}).portals.size(), 1u);
+  EXPECT_EQ(fit_portals(grid_of_two_cuts(0.4), {}).portals.size(), 2u);
+}
+
 // Two large holes and 23 small ones: portals that carry next to nothing do not hide the others.
 TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
   const Light light;

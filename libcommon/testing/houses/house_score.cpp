@@ -271,20 +271,34 @@ HouseScore score_house(const Scene& scene, const Tracer& tracer,
   std::vector<std::array<double, 2>> through(openings.size()), covered(openings.size());
   for (const LightPath& path : paths.paths) {
     std::vector<uint8_t> by_portal(portals.size(), 0), by_opening(openings.size(), 0);
-    for (size_t e = 0; e + 1 < path.size(); ++e) {
-      const Segment s{path[e], path[e + 1]};
-      bool in_portal = false;
+    std::vector<Segment> edges;
+    for (size_t e = 0; e + 1 < path.size(); ++e) edges.push_back({path[e], path[e + 1]});
+    const auto in_portal = [&](size_t e, const auto& counts) {
       for (size_t p = 0; p < portals.size(); ++p)
-        if (crosses(faces[p], s)) {
-          by_portal[p] = 1;
-          in_portal = in_portal || !score.portals[p].openings.empty();
-        }
+        if (counts(score.portals[p]) && crosses(faces[p], edges[e])) return true;
+      return false;
+    };
+    // Between the edge of a leaf and the jamb light passes one or the other way, or is scattered by
+    // the leaf on its way: then the portal is crossed by the edge before or after.
+    const auto by_leaf = [&](size_t e, const HouseOpening& o) {
+      if (o.doorway.empty()) return false;
+      const auto of_leaf = [&](const PortalTruth& p) {
+        return std::any_of(p.openings.begin(), p.openings.end(),
+                           [&](size_t i) { return openings[i].element == o.element; });
+      };
+      return (e > 0 && in_portal(e - 1, of_leaf)) ||
+             (e + 1 < edges.size() && in_portal(e + 1, of_leaf));
+    };
+    for (size_t e = 0; e < edges.size(); ++e) {
+      for (size_t p = 0; p < portals.size(); ++p)
+        if (crosses(faces[p], edges[e])) by_portal[p] = 1;
+      const bool straight = in_portal(e, [](const PortalTruth& p) { return !p.openings.empty(); });
       for (size_t o = 0; o < openings.size(); ++o)
-        if (const int way = crosses(openings[o], s)) {
+        if (const int way = crosses(openings[o], edges[e])) {
           by_opening[o] = 1;
-          if (!beyond_wall(openings[o], s)) continue;
+          if (!beyond_wall(openings[o], edges[e])) continue;
           through[o][way > 0] += share;
-          if (in_portal) covered[o][way > 0] += share;
+          if (straight || by_leaf(e, openings[o])) covered[o][way > 0] += share;
         }
     }
     for (size_t p = 0; p < portals.size(); ++p) score.portals[p].light += by_portal[p] * share;

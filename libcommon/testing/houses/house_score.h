@@ -35,7 +35,8 @@ struct OpeningScore {
   double light = 0;      ///< share of the paths that pass it
   bool forward = true;   ///< most of them along its normal
   double coverage = 0;   ///< share of those that pass the whole wall that cross, on the same edge,
-                         ///< portals that lie in openings
+                         ///< portals that lie in openings; of a door ajar, or before or after
+                         ///< the leaf scatters them one that lies in it
   double tightness = 1;  ///< least of the portals that lie in it
   double angle = 0;      ///< largest of theirs
   std::vector<size_t> portals;  ///< that lie in it

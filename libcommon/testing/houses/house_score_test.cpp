@@ -89,6 +89,34 @@ TEST(HouseScore, OthersAreWrongEachInItsWay) {
   EXPECT_EQ(scored({backwards}).portals[0].light, 0);
 }
 
+// A leaf beside the hole's middle scatters half of the light that has passed the gap at x = -0.2
+// towards a portal in the doorway.
+TEST(HouseScore, LightThatALeafScattersIsCoveredByThePortalBehind) {
+  const TempFolder folder;
+  const std::string gap =
+      R"([{"name": "door-1", "kind": "door", "state": "ajar", "rooms": ["a", "b"],
+    "polygon": [[-0.2, -0.5, -0.5], [-0.2, 0.5, -0.5], [-0.2, 0.5, 0.5], [-0.2, -0.5, 0.5]],
+    "normal": [1, 0, 0])";
+  const std::string leaf = R"(, "leaf": {"doorway":
+    [[0, -0.5, -0.5], [0, 0.5, -0.5], [0, 0.5, 0.5], [0, -0.5, 0.5]]}}])";
+  const Scene scene = wall();
+  const Tracer tracer(scene);
+  LightPaths scattered;
+  for (int i = 0; i < 10; ++i) {
+    const Vec3d begin{-1, 0.01 * i, 0.1};
+    if (i % 2 == 0)
+      scattered.paths.push_back({begin, {-0.1, 0.1, 0.1}, {1, 0, 0}});
+    else
+      scattered.paths.push_back({begin, {1, 0, 0}});
+  }
+  const auto coverage = [&](const std::string& list) {
+    const auto openings = read_openings(folder.write("list.json", list));
+    return score_house(scene, tracer, openings, scattered, {square(0, 0)}).openings[0].coverage;
+  };
+  EXPECT_EQ(coverage(gap + leaf), 1);
+  EXPECT_NEAR(coverage(gap + "}]"), 0.5, 1e-9);
+}
+
 TEST(LightPaths, AreReadAsTheyAreWritten) {
   const TempFolder folder;
   LightPaths all = paths();
