@@ -88,7 +88,7 @@ double median_density(const std::vector<double>& hits, const std::vector<double>
 // camera. Only patches that one of them reaches well are pinned.
 std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
   std::vector<double> holds(p.network.nodes, 0);
-  const bool walks = !p.begun.empty();
+  const bool walks = !p.lit.empty();
   const double lit = walks ? median_density(p.lit, p.samples) : 0;
   const double viewed = walks ? median_density(p.viewed, p.samples) : 0;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
@@ -197,7 +197,7 @@ Sweep sweep_of(const PatchNetwork& p) {
   std::sort(s.order.begin(), s.order.end(),
             [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
   std::vector<uint8_t> before(p.network.nodes, 0);
-  double area = 0, volume = 0, crossing = 0, viewed = 0;
+  double area = 0, volume = 0, crossing = 0, weight = 0;
   for (const uint32_t v : s.order) {
     before[v] = 1;
     area += p.samples[v];
@@ -206,8 +206,8 @@ Sweep sweep_of(const PatchNetwork& p) {
       crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
     s.area.push_back(area);
     s.volume.push_back(volume);
-    if (!p.sky.empty() && !p.viewed.empty()) viewed += p.viewed[v];
-    s.viewed.push_back(viewed);
+    weight += p.weight_of(v);
+    s.weight.push_back(weight);
     s.crossing.push_back(crossing);
   }
   return s;

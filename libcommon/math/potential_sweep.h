@@ -21,7 +21,7 @@ struct Sweep {
   std::vector<double> u;         ///< of each node of the network
   std::vector<double> area;      ///< sum up to and including this node [samples of etendue]
   std::vector<double> volume;    ///< likewise, capacity of arcs to other patches
-  std::vector<double> viewed;    ///< likewise, hits of camera walks; 0 without a sky
+  std::vector<double> weight;    ///< likewise, PatchNetwork::weight
   std::vector<double> crossing;  ///< capacity across the cut after this node
   /// Smallest difference of u between two rooms; and between two with a wide opening.
   double least_drop = 0, least_wide_drop = 0;

@@ -98,14 +98,13 @@ class SeriesCutter {
     return "";
   }
 
-  // Share of the surface, of the exchanged light or, with a sky, of the camera walks' hits,
-  // whichever is largest.
+  // Share of the surface, of the exchanged light or of the nodes' weight, whichever is largest.
   double share(size_t low, size_t high) const {
     const auto of = [&](const std::vector<double>& sum) {
       const double all = Sweep::between(sum, 0, sweep_.size());
       return all > 0 ? Sweep::between(sum, low, high) / all : 0;
     };
-    return std::max({of(sweep_.area), of(sweep_.volume), of(sweep_.viewed)});
+    return std::max({of(sweep_.area), of(sweep_.volume), of(sweep_.weight)});
   }
 
   // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
@@ -275,28 +274,22 @@ class SeriesCutter {
     return more > 0 ? both / more : 0;
   }
 
-  // Share of the surface or of the exchanged light between two cuts.
+  // Share of the surface, of the exchanged light or of the nodes' weight between two cuts.
   double difference(const Candidate& a, const Candidate& b) const {
-    double area = 0, all = 0;
+    const auto differs = [&](uint32_t v) { return a.source_side[v] != b.source_side[v]; };
+    double area = 0, all = 0, weight = 0, weights = 0, volume = 0, whole = 0;
     for (uint32_t v = 0; v < net_.nodes; ++v) {
-      all += problem_.samples[v];
-      if (a.source_side[v] != b.source_side[v]) area += problem_.samples[v];
+      all += problem_.samples[v], weights += problem_.weight_of(v);
+      if (differs(v)) area += problem_.samples[v], weight += problem_.weight_of(v);
     }
-    double viewed = 0, views = 0;
-    if (!problem_.sky.empty() && !problem_.viewed.empty())
-      for (uint32_t v = 0; v < net_.nodes; ++v) {
-        views += problem_.viewed[v];
-        if (a.source_side[v] != b.source_side[v]) viewed += problem_.viewed[v];
-      }
-    double volume = 0, whole = 0;
     for (const FlowArc& arc : net_.arcs) {
       if (problem_.terminal(arc.from) || problem_.terminal(arc.to)) continue;
       const auto capacity = static_cast<double>(arc.capacity);
       whole += capacity;
-      if (a.source_side[arc.from] != b.source_side[arc.from]) volume += capacity;
+      if (differs(arc.from)) volume += capacity;
     }
-    return std::max(
-        {all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0, views > 0 ? viewed / views : 0});
+    return std::max({all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0,
+                     weights > 0 ? weight / weights : 0});
   }
 
   // Adds the minimum cut of the whole network; if the only other one is the same opening, replaces
@@ -319,16 +312,13 @@ class SeriesCutter {
     result_.refused.push_back({c.facts, why});
   }
 
-  // If no candidate is accepted, the reason is that of the minimum cut. A lamp in its own opening
-  // says more, and so does the narrowest refused opening if the minimum cut encloses almost
-  // nothing.
+  // If no candidate is accepted, the reason is that of the minimum cut, or of the narrowest refused
+  // opening if that encloses almost nothing.
   std::string reason_for(const Candidate& whole) const {
-    for (const SeriesCut::Refused& r : result_.refused)
-      if (lamp_in_its_opening(r.facts, limits_) && !(whole.facts.crossing <= 0)) return r.why;
     if (whole.facts.smaller_side() >= limits_.least_area) return whole.why;
     const SeriesCut::Refused* narrowest = nullptr;
     for (const SeriesCut::Refused& r : result_.refused)
-      if (still_opening(r.facts, limits_) &&
+      if (r.facts.smaller_side() >= limits_.least_area &&
           (!narrowest || r.facts.conductance < narrowest->facts.conductance))
         narrowest = &r;
     return narrowest ? narrowest->why : whole.why;

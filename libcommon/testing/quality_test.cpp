@@ -114,7 +114,7 @@ class long_QualityOfGraphs : public Quality {
       work += made["light_hits"].get<double>() + made["camera_hits"].get<double>() +
               made["rays"].get<double>();
       const json facts = run("mincut", file("m") + " -o " + file("c"))["cuts"].at(0);
-      spread.add({facts["conductance"], facts["back"], facts["camera_back"], facts["straight"]});
+      spread.add({facts["conductance"], facts["carried"], facts["straight"], facts["seen"]});
     }
     return {spread.error(), work};
   }

@@ -47,6 +47,7 @@ OwnCuts own_cuts(const LightFlow& f) {
   PatchNetwork patches{f.network,         of_nodes(f.etendue.samples), kCapacityScale,
                        of_nodes(f.begun), of_nodes(f.hits_light),      of_nodes(f.hits_camera)};
   if (f.patches.has_sky()) {
+    patches.weight = patches.viewed;
     patches.sky.assign(f.network.nodes, 0);
     for (uint32_t i = 0; i < f.patches.size(); ++i) patches.sky[i + 2] = f.patches.is_sky(i);
   }

@@ -33,8 +33,12 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     if (!problem.light.empty()) {
       patches.brightness.resize(problem.network.nodes, 0);
       patches.importance.resize(problem.network.nodes, 0);
+      patches.weight.resize(problem.network.nodes, 0);
       patches.brightness[node] = problem.light[i].brightness;
       patches.importance[node] = problem.light[i].importance;
+      if (!cut.patches[i].is_sky())
+        patches.weight[node] =
+            patches.samples[node] * patches.brightness[node] * patches.importance[node];
     }
     if (!walks) continue;
     patches.begun[node] = problem.walks[i].begun;

@@ -117,9 +117,6 @@ Json json_of(const CutFacts& facts) {
             {"camera_side", facts.area[1]}};
   if (facts.carried) json["carried"] = *facts.carried;
   if (facts.carried_back) json["carried_back"] = *facts.carried_back;
-  if (facts.across) json["across"] = *facts.across;
-  if (facts.back) json["back"] = *facts.back;
-  if (facts.camera_back) json["camera_back"] = *facts.camera_back;
   if (facts.straight) json["straight"] = *facts.straight;
   if (facts.seen) json["seen"] = *facts.seen;
   return json;

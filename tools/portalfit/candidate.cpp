@@ -24,7 +24,6 @@ constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
 constexpr double kOnBorder = 1e-3;     // voxels
 constexpr double kFarOutside = 100;    // lengths of a line
 constexpr size_t kMostFitted = 2;      // of the places that promise a denser part
-constexpr double kTowards = 0.6;       // cosine between lines of windows in one wall
 
 // Share of the lines through the middle of the tube that pass both its faces.
 double through_share(const Aperture& a) {
@@ -64,18 +63,6 @@ std::optional<double> support_of(const std::vector<Probe>& probes, const Apertur
   return std::min(1.0, joined / tried / through_share(a));
 }
 
-double fullness_of(const Aperture& a) {
-  Portal portal;
-  for (const Vec2d& p : a.polygon) portal.vertices.push_back(to_space(a.tube.middle, p));
-  portal.triangles = triangulate(a.polygon);
-  const PortalShape shape = shape_of(portal);
-  std::vector<LineCrossing> crossings;
-  for (const uint32_t l : a.lines.which)
-    if (const auto at = crossing(shape.plane, a.lines.line(l)); at && contains(shape, *at))
-      crossings.push_back({l, *at});
-  return std::min(1.0, tightness_of(*a.lines.of, shape, crossings).value_or(0) / through_share(a));
-}
-
 namespace {
 
 // The line as it goes on outside the grid, where it begins on its border.
@@ -108,10 +95,6 @@ std::optional<double> widening_of(const LightGrid& grid, const Aperture& a) {
   const auto before = spread_at(-far), behind = spread_at(far);
   if (!before && !behind) return {};
   return std::max(before.value_or(0), behind.value_or(0)) / *here;
-}
-
-double density_of(const Aperture& a) {
-  return static_cast<double>(a.lines.size()) / (area(a.polygon) * through_share(a));
 }
 
 namespace {
@@ -172,25 +155,6 @@ std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
   return best;
 }
 
-// The same for those of `some` that run along one of the `axes`.
-std::optional<Aperture> densest_along(const LightGrid& grid, const Bundle& lines,
-                                      const Bundle& some, const std::vector<Vec3d>& axes,
-                                      double least_cos, double promised, double most,
-                                      double fewest) {
-  std::vector<Promise> promises;
-  for (const Vec3d& axis : axes) {
-    const Bundle along = some.where([&](const LightLine& line) {
-      return dot(normalize(line.camera - line.light), axis) > least_cos;
-    });
-    for (const Bundle& bundle : apart(along)) {
-      if (bundle.size() < kFewestLines) continue;
-      const Tube tube = find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
-      promises.push_back({bundle, tube, density_near(bundle, tube, grid.voxel)});
-    }
-  }
-  return densest_of(grid, lines, std::move(promises), promised, most, fewest);
-}
-
 }  // namespace
 
 std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
@@ -199,20 +163,19 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
   const Extents e = extents_of(whole.polygon);
   const Vec3d longer = frame.x * e.axis.x + frame.y * e.axis.y;
   const Vec3d shorter = cross(whole.tube.middle.n, longer);
-  return densest_along(grid, lines, whole.lines, {longer, -longer, shorter, -shorter}, 0,
-                       density_near(whole.lines, whole.tube, grid.voxel), kDenser * density(whole),
-                       kLeastOfWhole * static_cast<double>(whole.lines.size()));
-}
-
-std::optional<Aperture> aperture_of_directions(const LightGrid& grid, const Bundle& lines) {
-  Vec3d sum{};
-  for (const uint32_t l : lines.which) sum += normalize(lines.line(l).camera - lines.line(l).light);
-  if (!(length(sum) > 0)) return {};
-  std::vector<Vec3d> axes{normalize(sum)};
-  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-    axes.insert(axes.end(), {axis, -axis});
-  return densest_along(grid, lines, lines, axes, kTowards, 0, 0,
-                       kLeastOfWhole * static_cast<double>(lines.size()));
+  std::vector<Promise> promises;
+  for (const Vec3d& axis : {longer, -longer, shorter, -shorter}) {
+    const Bundle along = whole.lines.where(
+        [&](const LightLine& line) { return dot(line.camera - line.light, axis) > 0; });
+    for (const Bundle& bundle : apart(along)) {
+      if (bundle.size() < kFewestLines) continue;
+      const Tube tube = find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
+      promises.push_back({bundle, tube, density_near(bundle, tube, grid.voxel)});
+    }
+  }
+  return densest_of(grid, lines, std::move(promises),
+                    density_near(whole.lines, whole.tube, grid.voxel), kDenser * density(whole),
+                    kLeastOfWhole * static_cast<double>(whole.lines.size()));
 }
 
 std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,

@@ -11,20 +11,11 @@ namespace tdpt {
 /// opening of the same depth; nothing if there are too few.
 std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a);
 
-/// Tightness of the aperture (merit.h) over that of a perfect opening of the same depth. In open
-/// air, where no edge bounds the light, lines thin out towards the border and away from the mean
-/// direction.
-double fullness_of(const Aperture& a);
-
 /// How much wider the light of the aperture is half its size before it and behind it, over its
 /// width there: the larger of the two ratios of areas. Where light passes a wall it widens on one
 /// side at least; across a long room, where a plane bounds nothing, it does not. Nothing if hardly
 /// a line goes so far. Lines from outside the grid come from far away.
 std::optional<double> widening_of(const LightGrid& grid, const Aperture& a);
-
-/// Lines per etendue of a perfect opening of this shape [1/(m2 pi)]. Lines are uniform by etendue,
-/// so this is the same for all unobstructed openings of a cut.
-double density_of(const Aperture& a);
 
 /// A plane across several openings, such as the sides of a bay, has little support and fewer of the
 /// `lines` per area than one of them. Returns that one; nothing if there is none.
@@ -36,9 +27,5 @@ std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
 /// of `whole`; nothing if none is denser than it.
 std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
                                            const Aperture& whole);
-
-/// The densest opening of lines with similar directions, for windows in several walls, whose light
-/// has no common waist.
-std::optional<Aperture> aperture_of_directions(const LightGrid& grid, const Bundle& lines);
 
 }  // namespace tdpt

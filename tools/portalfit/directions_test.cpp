@@ -22,7 +22,6 @@ using testing::Window;
 const Window kOne{{0, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}};
 const Window kOther{{-0.8, 0, 0}, {0.5, 0, 0}, {0, 0, 0.5}, {0, -1, 0}};
 // In the wall x = -3, opposite the first.
-const Window kOpposite{{-3, -0.8, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {1, 0, 0}};
 
 Aperture rectangle(const LightGrid& grid, const Window& w) {
   Aperture a;
@@ -63,18 +62,6 @@ TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
 TEST(Directions, PartNoWindow) {
   const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
   EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
-}
-
-TEST(Directions, FindAWindowWhereLightCrossesLight) {
-  const RoomWithWindows room{{kOne, kOther, kOpposite}};
-  const LightGrid grid = room.light(6000, 0);
-  const Bundle all = all_of(grid);
-  const auto one = aperture_of_directions(grid, all);
-  ASSERT_TRUE(one);
-  EXPECT_GE(window_of(*one, room.windows), 0);
-  EXPECT_FALSE(
-      aperture_of_directions(grid, {&grid.lines, {all.which.begin(), all.which.begin() + 20}}));
-  EXPECT_FALSE(aperture_of_directions(grid, {}));
 }
 
 TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {

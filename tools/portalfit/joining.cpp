@@ -21,10 +21,7 @@ constexpr double kOpenEnough = 0.3;  // across thin bars, or if there are too ma
 constexpr double kThinBar = 2;       // voxels
 constexpr double kMullion = 0.25;    // of the narrower part's shorter side: a wider bar is a pier
 constexpr double kFlat = 0.15;       // of the shorter side
-// Cosine between normals. Slits may be turned far about their long side, as between tilted slats.
-constexpr double kTurned = 0.97, kTurnedSlit = 0.5, kSlit = 0.25;
-constexpr double kMostGrowth = 1.5;  // of the outline, by the fit to the lines
-constexpr double kLeastLines = 0.9;  // of the parts' lines
+constexpr double kTurned = 0.97;     // cosine between normals
 
 std::vector<Vec3d> corners_of(const Aperture& a) {
   std::vector<Vec3d> corners;
@@ -130,10 +127,8 @@ std::vector<Aperture> laid_again(const Bundle& all, const Group& parts, double v
   for (const LightLine& line : lines)
     if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
   a.polygon = outline_of(std::move(places));
-  if (a.polygon.empty() || area(a.polygon) > kMostGrowth * area(joint.outline)) return parts;
+  if (a.polygon.empty()) return parts;
   a.lines = lines_across(all, a);
-  if (static_cast<double>(a.lines.size()) < kLeastLines * static_cast<double>(own.size()))
-    return parts;
   return {a};
 }
 
@@ -166,8 +161,7 @@ Joint joint_of(const std::vector<Aperture>& parts, double voxel) {
   for (const Aperture& a : parts) {
     const double cosine = dot(a.tube.middle.n, joint.plane.n);
     open += area(a.polygon) * cosine;
-    const Extents e = extents_of(a.polygon);
-    faces = faces && cosine > (e.shorter < kSlit * e.longer ? kTurnedSlit : kTurned);
+    faces = faces && cosine > kTurned;
   }
   joint.open = open / area(joint.outline);
   const double side = extents_of(joint.outline).shorter;

@@ -31,11 +31,7 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastPart = 0.25;     // of the threshold, before parts are joined
-constexpr double kStrays = 0.15;        // share of the lines that may be leaks
-constexpr double kLeastTogether = 0.1;  // of a cut's light, through all its openings
-constexpr double kSparse = 0.2;         // of the density of other openings of the cut
-constexpr double kLeastPassing = 0.25;  // of a candidate's lines: support times fullness
+constexpr double kLeastPart = 0.25;  // of the threshold, before parts are joined
 // A plane that the light is not wider before and behind, on one side at least, bounds nothing.
 constexpr double kLeastWidening = 1.5;
 constexpr size_t kMostTried = 48;  // candidates per cut
@@ -43,7 +39,7 @@ constexpr size_t kMostTried = 48;  // candidates per cut
 constexpr double kOneOpening = 0.9;
 // Of the light of either of two openings, through both: then they are one.
 constexpr double kSameOpening = 0.7;
-constexpr double kMostOfLight = 0.8;  // of one opening, with which a smaller one takes its place
+constexpr double kMostOfLight = 0.5;  // of one opening, with which a smaller one takes its place
 constexpr double kWider = 1.1;        // of an outline: its lines are few
 constexpr double kFull = 0.5;         // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -180,92 +176,59 @@ class Fit {
     for (const Aperture& a : which) result_.refused.back().polygons.push_back(corners_of(a));
   }
 
-  // Openings that the lines `all` of one cut pass, one by one, however little each carries.
+  // Openings that the lines of one cut pass, one by one, however little each carries: each
+  // candidate removes its lines.
   std::vector<Aperture> parts_of(const Bundle& all) {
     Bundle rest = all;
     std::vector<Aperture> parts;
-    // Ends, since each candidate removes its lines.
     for (size_t tried = 0;
          tried < kMostTried && rest.size() >= kFewestLines && light_of(rest) >= options_.threshold;
          ++tried) {
-      auto aperture = find_aperture(grid_, rest);
-      if ((!aperture || aperture->lines.empty()) &&
-          static_cast<double>(rest.size()) > kStrays * static_cast<double>(all.size()))
-        aperture = aperture_of_directions(grid_, rest);
-      if (!aperture || aperture->lines.empty()) {
+      auto found = find_aperture(grid_, rest);
+      if (!found || found->lines.empty()) {
         refuse("the lines left have no common waist");
         break;
       }
       ++result_.candidates;
-      add_part(all, rest, std::move(*aperture), parts, rest);
-      if (stuck_) break;
+      if (auto part = part_of(rest, *found)) found = std::move(part);
+      if (is_opening(*found) && found->lines.size() >= kFewestLines &&
+          light_of(found->lines) >= kLeastPart * options_.threshold)
+        parts.push_back(*found);
+      Bundle left = lines_not_at(rest, *found);
+      if (left.size() == rest.size()) break;
+      rest = std::move(left);
     }
     return parts;
   }
 
-  // Judges a candidate among the lines `rest` of `all`, adds it or a better one to `parts`, and
-  // removes its lines from `left`.
-  void add_part(const Bundle& all, const Bundle& rest, Aperture aperture,
-                std::vector<Aperture>& parts, Bundle& left) {
-    if (auto part = denser_part(grid_, rest, aperture)) aperture = std::move(*part);
-    auto support = support_of(grid_.probes, aperture);
-    double passing = support.value_or(1) * fullness_of(aperture);
-    // Lines that end before an opening found earlier may belong to this one, and a plane before two
-    // windows at a corner has a denser part.
-    const auto instead = [&](std::optional<Aperture> other) {
-      if (!other || other->lines.empty()) return;
-      aperture = std::move(*other);
-      support = support_of(grid_.probes, aperture);
-      passing = support.value_or(1) * fullness_of(aperture);
-    };
-    if (passing < kLeastPassing && !parts.empty())
-      instead(find_aperture(grid_, lines_beside(all, parts)));
-    if (passing < kLeastPassing || support.value_or(1) < kOneOpening)
-      instead(part_of_directions(grid_, rest, aperture));
-    if (support && *support < options_.support)
+  // A better opening that is a part of the candidate: one of several side by side, or of two
+  // windows at a corner, before which a plane has little support.
+  std::optional<Aperture> part_of(const Bundle& rest, const Aperture& whole) const {
+    std::optional<Aperture> part = denser_part(grid_, rest, whole);
+    const Aperture& so_far = part ? *part : whole;
+    if (support_of(grid_.probes, so_far).value_or(1) >= kOneOpening) return part;
+    auto of_directions = part_of_directions(grid_, rest, so_far);
+    return of_directions ? of_directions : part;
+  }
+
+  // Whether a candidate lies between the two sides and bounds the light; otherwise refuses it.
+  bool is_opening(const Aperture& a) {
+    const auto support = support_of(grid_.probes, a);
+    if (support && *support < options_.support) {
       refuse(fmt::format(
                  "a candidate lies within one side: only {:.0f} % of the lines through it join the "
                  "two",
                  100 * *support),
-             at_least(options_.support), {aperture});
-    else if (passing < kLeastPassing)
-      refuse(fmt::format("a candidate of {} m2 lies in the open: only {:.0f} % of "
-                         "the lines through it pass from one side to the other",
-                         number_words(area(aperture.polygon), 2), 100 * passing),
-             at_least(kLeastPassing), {aperture});
-    else if (const double wider = widening_of(grid_, aperture).value_or(kLeastWidening);
-             wider < kLeastWidening)
+             at_least(options_.support), {a});
+      return false;
+    }
+    const double wider = widening_of(grid_, a).value_or(kLeastWidening);
+    if (wider < kLeastWidening)
       refuse(fmt::format("a candidate of {} m2 lies across a room: the light is only {} times as "
                          "wide before or behind it",
-                         number_words(area(aperture.polygon), 2), number_words(wider, 2)),
-             fmt::format("at least {}", kLeastWidening), {aperture});
-    else if (aperture.lines.size() >= kFewestLines &&
-             light_of(aperture.lines) >= kLeastPart * options_.threshold)
-      parts.push_back(aperture);
-    Bundle without = lines_not_at(rest, aperture);
-    stuck_ = without.size() == rest.size();
-    left = std::move(without);
-  }
-
-  // Removes openings with far fewer lines per etendue than others of about as many lines: they are
-  // leaks, spread over a large plane.
-  void leave_out_sparse(std::vector<Aperture>& found) {
-    std::vector<Aperture> left;
-    for (const Aperture& a : found) {
-      // The depth of small openings is uncertain: that of the other is taken as 0.
-      const double least = density_of(a) / kSparse;
-      if (std::none_of(found.begin(), found.end(), [&](const Aperture& b) {
-            return 2 * b.lines.size() >= a.lines.size() &&
-                   static_cast<double>(b.lines.size()) > least * area(b.polygon);
-          }))
-        left.push_back(a);
-      else
-        refuse(fmt::format("a candidate of {} m2 lies in the open: others pass as many lines in a "
-                           "fifth of its area",
-                           number_words(area(a.polygon), 2)),
-               "", {a});
-    }
-    found = std::move(left);
+                         number_words(area(a.polygon), 2), number_words(wider, 2)),
+             fmt::format("at least {}", kLeastWidening), {a});
+    return wider >= kLeastWidening;
   }
 
   // Keeps the openings that carry enough light, the most first.
@@ -303,21 +266,12 @@ class Fit {
     }
     std::vector<Aperture> found =
         joined_in_planes(all, parts_of(all), std::numeric_limits<size_t>::max(), grid_.voxel);
-    leave_out_sparse(found);
     found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
       found =
           enough_light(joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
     part_from_each_other(all, found, grid_.voxel);
     part_at_shared_edges(all, found);
-    double together = 0;
-    for (const Aperture& a : found) together += light_of(a.lines);
-    if (!found.empty() && together < kLeastTogether * light) {
-      refuse(fmt::format("{} of a cut pass only {} of its light: it leaks elsewhere",
-                         counted(found.size(), "opening"), percent_words(together / light)),
-             at_least(kLeastTogether));
-      return {};
-    }
     return found;
   }
 
@@ -358,7 +312,6 @@ class Fit {
   const PortalFitOptions& options_;
   const std::vector<double> share_;  // per line
   FitResult result_;
-  bool stuck_ = false;  // the last candidate removed no line
 };
 
 }  // namespace
