@@ -10,6 +10,19 @@
 
 namespace tdpt {
 
+namespace {
+
+// The camera's light that each node scatters: beside a landscape rooms have little surface, and the
+// sky scatters nothing.
+std::vector<double> scattered(const PatchNetwork& p) {
+  std::vector<double> light(p.network.nodes, 0);
+  for (uint32_t v = 0; v < p.network.nodes; ++v)
+    if (!p.is_sky(v)) light[v] = p.samples[v] * p.brightness[v] * p.importance[v];
+  return light;
+}
+
+}  // namespace
+
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
   FoundCuts found;
   CutFile& cut = found.file;
@@ -33,18 +46,15 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     if (!problem.light.empty()) {
       patches.brightness.resize(problem.network.nodes, 0);
       patches.importance.resize(problem.network.nodes, 0);
-      patches.weight.resize(problem.network.nodes, 0);
       patches.brightness[node] = problem.light[i].brightness;
       patches.importance[node] = problem.light[i].importance;
-      if (!cut.patches[i].is_sky())
-        patches.weight[node] =
-            patches.samples[node] * patches.brightness[node] * patches.importance[node];
     }
     if (!walks) continue;
     patches.begun[node] = problem.walks[i].begun;
     patches.lit[node] = problem.walks[i].light;
     patches.viewed[node] = problem.walks[i].camera;
   }
+  if (!patches.sky.empty() && !problem.light.empty()) patches.weight = scattered(patches);
   std::atomic<size_t> flows = 0;
   SeriesCut series = series_cut(patches, most, limits, [&](const FlowNetwork& network) {
     ++flows;
