@@ -20,12 +20,14 @@ Extent reach_of_walks(const Scene& scene, const Walks& walks) {
 
 }  // namespace
 
-GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera, double cells) {
+GridOfWalks grid_for(const Scene& scene, const Walks& light, const std::vector<Walks>& cameras,
+                     double cells) {
   Extent whole;
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
   if (whole.empty()) whole.add(Vec3d{});
-  Extent region = reach_of_walks(scene, camera);
+  Extent region;
+  for (const Walks& camera : cameras) region.add(reach_of_walks(scene, camera));
   // Sky light matters only where it reaches rooms, wherever else it falls.
   if (!lit_from_infinity(scene)) region.add(reach_of_walks(scene, light));
   region = region.empty() ? whole : region.within(whole);

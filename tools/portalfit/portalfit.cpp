@@ -18,6 +18,7 @@
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/number_words.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/candidate.h"
 #include "tools/portalfit/joining.h"
@@ -100,17 +101,32 @@ bool same_opening(const Aperture& a, const Aperture& b, double voxel) {
   return seen.size() > 2 && area(seen) > kOverlap * smaller;
 }
 
-// Share of the camera's light that each line stands for; without knowledge of it all lines of a cut
-// have the same.
-std::vector<double> shares_of(const std::vector<LightLine>& lines) {
-  std::vector<double> share, of_cut, count;
-  for (const LightLine& line : lines) {
-    if (line.cut >= of_cut.size()) of_cut.resize(line.cut + 1, 0), count.resize(line.cut + 1, 0);
-    of_cut[line.cut] += line.share, count[line.cut] += 1;
+// Share of each camera's light that each line stands for; without knowledge of it all lines of a
+// cut have the same.
+std::vector<std::vector<double>> shares_of(const LightGrid& grid) {
+  std::vector<double> of_cut(kMostCuts, 0), count(kMostCuts, 0);
+  for (const LightLine& line : grid.lines) of_cut[line.cut] += line.share, count[line.cut] += 1;
+  std::vector<std::vector<double>> shares(grid.number_of_cameras());
+  for (size_t k = 0; k < shares.size(); ++k)
+    for (size_t i = 0; i < grid.lines.size(); ++i) {
+      const uint32_t cut = grid.lines[i].cut;
+      shares[k].push_back(of_cut[cut] > 0 ? grid.share_of(k, i) : 1 / count[cut]);
+    }
+  return shares;
+}
+
+// The names by which portals list the cameras that they serve; none for one camera.
+std::vector<std::string> names_of_cameras(const LightGrid& grid) {
+  std::vector<std::string> names;
+  for (size_t k = 0; k < grid.shares.size(); ++k) {
+    const auto viewpoint = parse_viewpoint(k < grid.cameras.size() ? grid.cameras[k] : "");
+    names.push_back(viewpoint ? viewpoint->name : "");
   }
-  for (const LightLine& line : lines)
-    share.push_back(of_cut[line.cut] > 0 ? line.share : 1 / count[line.cut]);
-  return share;
+  return names;
+}
+
+double largest(const std::vector<double>& shares) {
+  return *std::max_element(shares.begin(), shares.end());
 }
 
 std::string at_least(double share) {
@@ -121,7 +137,7 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid), options_(options), share_(shares_of(grid.lines)) {}
+      : grid_(grid), options_(options), shares_(shares_of(grid)), names_(names_of_cameras(grid)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
@@ -141,23 +157,39 @@ class Fit {
       }
       explained += crossed.size();
     }
-    for (const Aperture& a : chosen(std::move(found))) {
-      result_.portals.push_back(portal_of(a));
-      result_.lines.push_back(a.lines.which);
+    for (const Opening& opening : chosen(std::move(found))) {
+      result_.portals.push_back(portal_of(opening));
+      result_.lines.push_back(opening.aperture.lines.which);
     }
     result_.explained = static_cast<double>(explained) / static_cast<double>(grid_.lines.size());
     return std::move(result_);
   }
 
  private:
-  double light_of(const Bundle& bundle) const {
-    double sum = 0;
-    for (const uint32_t l : bundle.which) sum += share_[l];
-    return sum;
-  }
+  // An opening, found by the light of one or several cuts.
+  struct Opening {
+    Aperture aperture;
+    std::vector<double> light;  // share of each camera's that passes it; 0: it does not serve it
+  };
 
-  Portal portal_of(const Aperture& a) const {
+  // Share of each camera's light.
+  std::vector<double> lights_of(const Bundle& bundle) const {
+    std::vector<double> sums;
+    for (const std::vector<double>& of_camera : shares_) {
+      double sum = 0;
+      for (const uint32_t l : bundle.which) sum += of_camera[l];
+      sums.push_back(sum);
+    }
+    return sums;
+  }
+  // Of the camera to which it means most.
+  double light_of(const Bundle& bundle) const { return largest(lights_of(bundle)); }
+
+  Portal portal_of(const Opening& opening) const {
+    const Aperture& a = opening.aperture;
     Portal portal;
+    for (size_t k = 0; k < names_.size(); ++k)
+      if (opening.light[k] > 0) portal.cameras[names_[k]] = std::min(1.0, opening.light[k]);
     portal.vertices = corners_of(a);
     portal.triangles = triangulate(a.polygon);
     Vec3d sum{};
@@ -165,7 +197,7 @@ class Fit {
     const Vec3d mean = normalize(sum);
     auto& f = portal.figures;
     f["area"] = area(a.polygon);
-    f["flux_share"] = std::min(1.0, light_of(a.lines));
+    f["flux_share"] = std::min(1.0, largest(opening.light));
     if (const auto support = support_of(grid_.probes, a)) f["support"] = *support;
     f["direction_x"] = mean.x;
     f["direction_y"] = mean.y;
@@ -315,36 +347,74 @@ class Fit {
           enough_light(joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
     part_from_each_other(all, found, grid_.voxel);
     part_at_shared_edges(all, found);
-    double together = 0;
-    for (const Aperture& a : found) together += light_of(a.lines);
-    if (!found.empty() && together < kLeastTogether * light) {
+    const double together = together_of(all, found);
+    if (!found.empty() && together < kLeastTogether) {
       refuse(fmt::format("{} of a cut pass only {} of its light: it leaks elsewhere",
-                         counted(found.size(), "opening"), percent_words(together / light)),
+                         counted(found.size(), "opening"), percent_words(together)),
              at_least(kLeastTogether));
       return {};
     }
     return found;
   }
 
-  // Of the openings of all cuts those with most light, each once.
-  std::vector<Aperture> chosen(std::vector<Aperture> found) {
-    sort_by_light(found);
-    std::vector<Aperture> kept;
-    for (Aperture& a : found) {
-      const bool again = std::any_of(kept.begin(), kept.end(), [&](const Aperture& b) {
-        return same_opening(a, b, grid_.voxel);
-      });
-      if (again || kept.size() == options_.max_portals)
-        ++result_.repeated;
-      else
-        kept.push_back(std::move(a));
+  // Share of the light of a cut that passes its openings; of the camera for which that is most.
+  double together_of(const Bundle& all, const std::vector<Aperture>& found) const {
+    const std::vector<double> whole = lights_of(all);
+    std::vector<double> sum(whole.size(), 0);
+    for (const Aperture& a : found) {
+      const std::vector<double> light = lights_of(a.lines);
+      for (size_t k = 0; k < sum.size(); ++k) sum[k] += light[k];
     }
+    for (size_t k = 0; k < sum.size(); ++k) sum[k] = whole[k] > 0 ? sum[k] / whole[k] : 0;
+    return largest(sum);
+  }
+
+  // Of the openings of all cuts those with most light, each once.
+  std::vector<Opening> chosen(std::vector<Aperture> found) {
+    sort_by_light(found);
+    std::vector<Opening> kept;
+    for (Aperture& a : found) {
+      const std::vector<double> light = lights_of(a.lines);
+      const auto same = std::find_if(kept.begin(), kept.end(), [&](const Opening& b) {
+        return same_opening(a, b.aperture, grid_.voxel);
+      });
+      if (same == kept.end()) {
+        kept.push_back({std::move(a), light});
+        continue;
+      }
+      ++result_.repeated;
+      for (size_t k = 0; k < light.size(); ++k) same->light[k] = std::max(same->light[k], light[k]);
+    }
+    limit_each_camera(kept);
     return kept;
+  }
+
+  // Leaves of each camera the openings with most of its light. An opening serves the camera to
+  // which it means most, and others from the threshold on.
+  void limit_each_camera(std::vector<Opening>& kept) {
+    std::vector<double> most;
+    for (const Opening& opening : kept) most.push_back(largest(opening.light));
+    for (size_t k = 0; k < shares_.size(); ++k) {
+      std::vector<Opening*> of_camera;
+      for (size_t i = 0; i < kept.size(); ++i)
+        if (double& light = kept[i].light[k]; light >= std::min(options_.threshold, most[i]))
+          of_camera.push_back(&kept[i]);
+        else
+          light = 0;
+      std::stable_sort(of_camera.begin(), of_camera.end(), [&](const Opening* a, const Opening* b) {
+        return a->light[k] > b->light[k];
+      });
+      for (size_t i = options_.max_portals; i < of_camera.size(); ++i) of_camera[i]->light[k] = 0;
+    }
+    const size_t before = kept.size();
+    std::erase_if(kept, [](const Opening& opening) { return !(largest(opening.light) > 0); });
+    result_.repeated += before - kept.size();
   }
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
-  const std::vector<double> share_;  // per line
+  const std::vector<std::vector<double>> shares_;  // of each camera, per line
+  const std::vector<std::string> names_;           // of several cameras
   FitResult result_;
   bool stuck_ = false;  // the last candidate removed no line
 };
