@@ -1,4 +1,5 @@
 // tdpt: makes a scene's picture through its portals, by running the other programs.
+#include <cstdlib>
 #include <set>
 
 #include <fmt/format.h>
@@ -86,7 +87,9 @@ int run(const Arguments& a, const cli::Common& common) {
   check_render_arguments(a);
   catch_signals();
   std::set<std::string> printed;
+  const bool told_before = std::getenv("TDPT_TOLD");
   for (const View& view : views_of(a, common)) {
+    if (!told_before) ::unsetenv("TDPT_TOLD");  // each picture has its own, in a folder that goes
     Making making(view.arguments, view.common, form_of(common));
     const int code = a.dry_run ? making.print(printed) : making.run();
     if (code != 0) return code;

@@ -46,10 +46,6 @@ View view_of(const Arguments& a, const cli::Common& common, const std::string& c
   view.arguments.camera.names = {camera};
   view.arguments.views = all;
   view.common.output = named("-o", common.output, name);
-  for (std::string* const path :
-       {&view.arguments.preview, &view.arguments.report, &view.arguments.stats,
-        &view.arguments.nonzero, &view.arguments.checkpoint, &view.arguments.resume})
-    if (!path->empty()) *path = named("of several cameras:", *path, name);
   for (cli::Given& given : view.common.given) {
     if (given.name == "--camera") given.values = {camera};
     if (std::find(std::begin(kNamesOfFiles), std::end(kNamesOfFiles), given.name) ==
@@ -57,6 +53,10 @@ View view_of(const Arguments& a, const cli::Common& common, const std::string& c
       continue;
     for (std::string& path : given.values) path = named(given.name, path, name);
   }
+  for (std::string* const path :
+       {&view.arguments.preview, &view.arguments.report, &view.arguments.stats,
+        &view.arguments.nonzero, &view.arguments.checkpoint, &view.arguments.resume})
+    if (!path->empty()) *path = named("", *path, name);
   return view;
 }
 
@@ -64,7 +64,8 @@ View view_of(const Arguments& a, const cli::Common& common, const std::string& c
 
 std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
   if (!may_be_several(a.camera.names) || a.scene.empty()) return {{a, common}};
-  const std::vector<std::string> cameras = names_of_cameras(read_gltf(a.scene), a.camera.names);
+  const Scene scene = read_gltf(a.scene);
+  const std::vector<std::string> cameras = names_of_cameras(scene, a.camera.names);
   if (cameras.empty())
     throw InputError(a.scene, "cameras", "the scene has no camera, expected a perspective camera");
   if (!common.dependencies.empty())
@@ -73,6 +74,7 @@ std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
   std::vector<View> views;
   std::set<std::string> pictures;
   for (const std::string& camera : cameras) {
+    scene.camera(camera);  // throws for a wrong one before the first picture is begun
     views.push_back(view_of(a, common, camera, cameras));
     const std::string& picture = views.back().common.output;
     if (!pictures.insert(picture).second)
