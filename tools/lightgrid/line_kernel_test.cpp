@@ -62,6 +62,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   LineTables tables;
   tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
   tables.first_cell = {0, 1, 1, 1, 2};
+  tables.region_sides = {0, 0, 1, 0, 3, 0, 7, 0};  // one behind the other
   VoxelSums sums(1);
   BetweenTwo rays;
   shader::LineEnds line;

@@ -94,7 +94,7 @@ double share_in_stripes(const TwoHalves::Votes& votes, double start) {
     LightLine line;
     if (!TwoHalves::line_through({0, y, z}, {w.z, w.x, w.y}, line)) continue;
     if (rng.uniform() >= (in_stripe(line) ? start : 1 - start)) continue;
-    kept.push_back(line);
+    kept.push_back({line});
     walk_grid(grid, line.light, line.camera, [&](size_t at, double) { ++count[at]; });
   }
   TwoHalves tracer(scene, tables, grid, votes);

@@ -33,9 +33,12 @@ class given_portals : public ::testing::Test {
     if (!made_for.empty()) file.made_for = {made_for};
     file.portals = portals;
     file.scene_hash = hash;
+    return given(file, scene_.camera(""));
+  }
+  GivenPortals given(const PortalFile& file, const Camera& camera) const {
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
-    return read_given_portals(path, scene_, scene_.camera(""));
+    return read_given_portals(path, scene_, camera);
   }
   std::string refused(const std::string& path) const {
     try {
@@ -228,20 +231,18 @@ TEST_F(given_portals, those_of_other_cameras_of_the_file_are_left_out) {
   file.portals.assign(3, portal_in_the_hole());
   file.portals[0].cameras = {{"yard", 0.9}};
   file.portals[1].cameras = {{"yard", 0.9}, {own.name, 0.25}};
-  const std::string path = (folder_ / "several.glb").string();
-  std::ofstream(path, std::ios::binary) << portal_bytes(file);
-  const GivenPortals mine = read_given_portals(path, scene_, own);
+  const GivenPortals mine = given(file, own);
   EXPECT_EQ(mine.warnings, Strings{});
   ASSERT_EQ(mine.file.portals.size(), 2u);
   EXPECT_EQ(mine.file.portals[0].name, "portal.1");
   EXPECT_EQ(mine.file.portals[0].figures.at("flux_share"), 0.25);
   ASSERT_EQ(mine.notes.size(), 1u);
-  EXPECT_NE(mine.notes[0].find("several.glb: 1 of its 3 portals serve other cameras"),
+  EXPECT_NE(mine.notes[0].find("drawn.glb: 1 of its 3 portals serve other cameras"),
             std::string::npos);
   // A camera that the file does not know has all of them.
   Camera other = own;
   other.position = other.position + other.right * (3 * scene_.frame.scale);
-  const GivenPortals all = read_given_portals(path, scene_, other);
+  const GivenPortals all = given(file, other);
   EXPECT_EQ(all.file.portals.size(), 3u);
   ASSERT_EQ(all.warnings.size(), 1u);
   EXPECT_NE(
