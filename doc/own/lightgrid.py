@@ -31,14 +31,15 @@ def read_triangles(path):
 
 
 def read_cut(path):
-    """The scene's hash; of each node its region, centre, normal and side [m]; pairs of nodes; their capacities."""
+    """The scene's hash; of each node its sides of the cuts, centre, normal and side [m]; pairs of nodes; their capacities."""
     words = [line.split() for line in open(path)]
     scene = next(w[2] for w in words if w[:2] == ["c", "scene"])
     cell = next(float(w[5]) for w in words if w[:2] == ["c", "grid"])
-    nodes = {w[1]: np.array(w[2:], float) for w in words if w[0] == "n"}
+    nodes = {w[1]: np.array(w[3:], float) for w in words if w[0] == "n"}
+    sides = {w[1]: w[2] for w in words if w[0] == "n"}
     # A patch has samples in proportion to its area, and most patches fill a cell.
-    area = np.median([(cell / 4 ** n[1]) ** 2 / n[5] for n in nodes.values()])
-    nodes = {name: (n[0], n[6:9], n[9:12], np.sqrt(area * n[5])) for name, n in nodes.items()}
+    area = np.median([(cell / 4 ** n[0]) ** 2 / n[4] for n in nodes.values()])
+    nodes = {name: (sides[name], n[5:8], n[8:11], np.sqrt(area * n[4])) for name, n in nodes.items()}
     arcs = [w for w in words if w[0] == "a"]
     return scene, nodes, [w[1:3] for w in arcs], np.array([w[3] for w in arcs], float)
 
@@ -69,7 +70,8 @@ random = np.random.default_rng(1)
 drawn = [pairs[k] for k in random.choice(len(pairs), 2 * LINES, p=capacity / capacity.sum())]
 light, camera = ([nodes[pair[side]] for pair in drawn] for side in (0, 1))
 a, b = points_on(light, random), points_on(camera, random)
-# Cut c parts the regions up to c from those above it; of several that a line crosses, the first counts.
-rows = np.column_stack([[patch[0] for patch in light], a, b])[are_free(a, b, triangles)][:LINES]
+# A line crosses the cuts of which it begins on side 0 and ends on side 1; the first of them counts.
+cuts = [list(zip(*(patch[0] for patch in ends))).index(("0", "1")) for ends in zip(light, camera)]
+rows = np.column_stack([cuts, a, b])[are_free(a, b, triangles)][:LINES]
 header = f"cut,light_x,light_y,light_z,camera_x,camera_y,camera_z\n# tdpt light grid 1\n# scene {scene}"
 np.savetxt(sys.stdout, rows, delimiter=",", header=header, comments="")

@@ -141,6 +141,12 @@ void Options::option(const std::string& flags, std::string& target, const std::s
   impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()), shapes);
 }
 
+void Options::option(const std::string& flags, std::vector<std::string>& target,
+                     const std::string& value_name, const std::string& help, Shapes shapes) {
+  CLI::Option* const option = impl_->add(flags, target, value_name, help);
+  impl_->keep(option->expected(1)->take_all()->check(some_text()), shapes);
+}
+
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
                      const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
   impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);

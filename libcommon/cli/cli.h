@@ -156,6 +156,10 @@ class Options {
                         const std::function<bool(const std::string&)>& is_file);
   void option(const std::string& flags, std::string& target, const std::string& value_name,
               const std::string& help, Shapes shapes = Shapes::result);
+  /// The same for one that may be repeated.
+  void option(const std::string& flags, std::vector<std::string>& target,
+              const std::string& value_name, const std::string& help,
+              Shapes shapes = Shapes::result);
   /// A number within [lowest, highest]; anything else is a usage error.
   void option(const std::string& flags, int64_t& target, const std::string& value_name,
               const std::string& help, int64_t lowest, int64_t highest,

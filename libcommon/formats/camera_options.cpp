@@ -39,8 +39,8 @@ void check(const CameraArguments& a) {
   if (a.look_from.empty() != a.look_at.empty())
     throw UsageError("--look-from and --look-at go together");
   if (placed && a.frame) throw UsageError("--frame: --look-from says where the camera stands");
-  if (!a.name.empty() && (placed || a.frame))
-    throw UsageError(fmt::format("--camera {}: {} says where the camera stands", a.name,
+  if (!a.names.empty() && (placed || a.frame))
+    throw UsageError(fmt::format("--camera {}: {} says where the camera stands", a.names[0],
                                  placed ? "--look-from" : "--frame"));
   if (!a.up.empty() && !placed) throw UsageError("--up goes with --look-from");
   if (a.fov != 0 && !placed && !a.frame) throw UsageError("--fov goes with --look-from or --frame");
@@ -90,8 +90,9 @@ Camera placed_camera(const Scene& scene, const CameraArguments& a) {
 
 void declare_camera_options(cli::Options& options, CameraArguments& a) {
   options.part(cli::Part::camera);
-  options.option("--camera", a.name, "NAME",
-                 "Camera of the scene to use; default the one it names, else the first");
+  options.option("--camera", a.names, "NAME",
+                 "Camera of the scene to use; default the one it names, else the first. ffgraph "
+                 "and tdpt take several (NAME,NAME) or all");
   options.option("--look-from", a.look_from, "X,Y,Z",
                  "Place of a camera of one's own, metres in the axes of the file");
   options.option("--look-at", a.look_at, "X,Y,Z", "Place that it looks at");
@@ -165,8 +166,11 @@ Camera framing_camera(const Scene& scene, double yfov) {
   return camera;
 }
 
-Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common) {
-  check(a);
+namespace {
+
+// `name`: of a camera in the scene; empty: the default one.
+Camera one_camera(const Scene& scene, const CameraArguments& a, const std::string& name,
+                  const cli::Common& common) {
   const double yfov = (a.fov > 0 ? a.fov : kUsualFov) * kRadians;
   const bool placed = !a.look_from.empty();
   if (!placed && !a.frame && scene.cameras.empty())
@@ -175,17 +179,77 @@ Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Co
                      "--look-at, or --frame");
   Camera camera = placed    ? placed_camera(scene, a)
                   : a.frame ? framing_camera(scene, yfov)
-                            : scene.camera(a.name);
+                            : scene.camera(name);
   if (placed) camera.yfov = yfov;
   camera.culls = a.cull || a.frame;
-  if (const std::string faults = scene.faults_of_cameras_but(camera.name); !faults.empty())
-    common.warn_of(scene.path, faults);
   if (a.frame) common.note_of(scene.path, frame_sentence(scene, camera));
-  if (!placed && !a.frame && a.name.empty() && scene.defaults.camera.empty() &&
+  if (!placed && !a.frame && name.empty() && scene.defaults.camera.empty() &&
       scene.cameras.size() > 1)
     common.note_of(scene.path, fmt::format("camera \"{}\", one of {}; --camera NAME takes another",
                                            camera.name, scene.cameras.size()));
   return camera;
+}
+
+void warn_of_others(const Scene& scene, const Camera& taken, const cli::Common& common) {
+  if (const std::string faults = scene.faults_of_cameras_but(taken.name); !faults.empty())
+    common.warn_of(scene.path, faults);
+}
+
+bool has_camera(const Scene& scene, const std::string& name) {
+  return std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                     [&](const Camera& c) { return c.name == name; });
+}
+
+// Those of one value of --camera.
+std::vector<std::string> names_in(const Scene& scene, const std::string& given) {
+  std::vector<std::string> names;
+  if (has_camera(scene, given)) return {given};
+  if (given == "all") {
+    for (const Camera& c : scene.cameras)
+      if (!c.fault) names.push_back(c.name);
+    return names;
+  }
+  for (size_t at = 0; at <= given.size();) {
+    const size_t end = std::min(given.find(',', at), given.size());
+    if (end == at)
+      throw UsageError(fmt::format("--camera {}: a name is missing beside a comma", given));
+    names.push_back(given.substr(at, end - at));
+    at = end + 1;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> names_of_cameras(const Scene& scene,
+                                          const std::vector<std::string>& given) {
+  std::vector<std::string> names;
+  for (const std::string& value : given)
+    for (std::string& name : names_in(scene, value))
+      if (std::find(names.begin(), names.end(), name) == names.end())
+        names.push_back(std::move(name));
+  return names;
+}
+
+Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common) {
+  check(a);
+  if (a.names.size() > 1)
+    throw UsageError(
+        fmt::format("--camera: {} are given, expected one; tdpt renders several", a.names.size()));
+  const Camera camera = one_camera(scene, a, a.names.empty() ? "" : a.names[0], common);
+  warn_of_others(scene, camera, common);
+  return camera;
+}
+
+std::vector<Camera> chosen_cameras(const Scene& scene, const CameraArguments& a,
+                                   const cli::Common& common) {
+  check(a);
+  std::vector<std::string> names = names_of_cameras(scene, a.names);
+  if (names.empty()) names.emplace_back();
+  std::vector<Camera> cameras;
+  for (const std::string& name : names) cameras.push_back(one_camera(scene, a, name, common));
+  warn_of_others(scene, cameras[0], common);
+  return cameras;
 }
 
 }  // namespace tdpt

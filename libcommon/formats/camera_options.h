@@ -1,6 +1,7 @@
 // The command-line options that select a scene's camera, the same in every program that needs one.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "libcommon/cli/cli.h"
 #include "libcommon/scene/scene.h"
@@ -8,7 +9,7 @@
 namespace tdpt {
 
 struct CameraArguments {
-  std::string name;                    ///< of a camera in the scene; empty: the first
+  std::vector<std::string> names;      ///< of cameras in the scene; none: the default one
   std::string look_from, look_at, up;  ///< "X,Y,Z" [m, `up` of any length]; empty: not given
   double fov = 0;                      ///< full vertical angle [deg]; 0: not given
   bool frame = false;                  ///< place a camera that sees the whole scene
@@ -19,9 +20,20 @@ struct CameraArguments {
 void declare_camera_options(cli::Options& options, CameraArguments& a);
 
 /// The camera that the options select; for --frame, prints a note of its position. Throws
-/// UsageError for contradictory options and malformed positions, InputError if the scene has no
-/// such camera.
+/// UsageError for contradictory options, several cameras and malformed positions, InputError if the
+/// scene has no such camera.
 Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common);
+
+/// The same for a program that takes several: each value of --camera is a name, or several names
+/// with commas between them, or `all`. Each camera once, in the order of the options; those of
+/// `all` in the order of the scene, without malformed ones.
+std::vector<Camera> chosen_cameras(const Scene& scene, const CameraArguments& a,
+                                   const cli::Common& common);
+
+/// The names of the cameras that values of --camera select: exact names first, so that a camera may
+/// be called "all" or "a,b". Names that no camera has are kept.
+std::vector<std::string> names_of_cameras(const Scene& scene,
+                                          const std::vector<std::string>& given);
 
 /// The camera of --frame: in front of the scene, to the right and above, as close as possible while
 /// showing all of it in every picture at least as wide as high. `yfov`: full vertical angle [rad].

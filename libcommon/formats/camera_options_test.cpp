@@ -127,7 +127,7 @@ TEST(CameraOptions, OneOfTheSceneIsTakenByItsName) {
   scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
   CameraArguments a;
   EXPECT_EQ(chosen(a, scene).name, "hall");
-  a.name = "yard";
+  a.names = {"yard"};
   a.cull = true;
   EXPECT_EQ(chosen(a, scene).name, "yard");
   EXPECT_TRUE(chosen(a, scene).culls);
@@ -142,7 +142,7 @@ TEST(CameraOptions, OneThatIsWrongIsAWarningWhereAnotherIsTaken) {
   const std::string warning =
       ": warning: cameras[0].perspective.yfov: is 4; the camera \"hall\" cannot be taken\n";
   CameraArguments yard, frame;
-  yard.name = "yard", frame.frame = true;
+  yard.names = {"yard"}, frame.frame = true;
   EXPECT_EQ(said(yard, scene), warning);
   EXPECT_NE(said(frame, scene).find(warning), std::string::npos);
   EXPECT_NE(said(placed("14,0,0", "10,0,0"), scene).find(warning), std::string::npos);
@@ -161,7 +161,7 @@ TEST(CameraOptions, TheSceneMayNameTheOneThatIsTaken) {
   scene.defaults.place = "scenes[1].extras";
   scene.defaults.camera = "yard";
   CameraArguments hall;
-  hall.name = "hall";
+  hall.names = {"hall"};
   EXPECT_EQ(chosen({}, scene).name, "yard");
   EXPECT_EQ(chosen(hall, scene).name, "hall");
   EXPECT_EQ(chosen(placed("14,0,0", "10,0,0"), scene).name, "--look-from");
@@ -193,12 +193,12 @@ TEST(CameraOptions, WhatContradictsItselfIsRefused) {
   refused(placed("", "", "0,1,0"), "--up goes with --look-from");
   refused(placed("", "", "", 30), "--fov goes with --look-from or --frame");
   CameraArguments both = placed("1,2,3", "4,5,6");
-  both.name = "hall";
+  both.names = {"hall"};
   refused(both, "--camera hall: --look-from says where the camera stands");
-  both.name = "", both.frame = true;
+  both.names = {}, both.frame = true;
   refused(both, "--frame: --look-from says where the camera stands");
   CameraArguments framed;
-  framed.name = "hall", framed.frame = true;
+  framed.names = {"hall"}, framed.frame = true;
   refused(framed, "--camera hall: --frame says where the camera stands");
 }
 
@@ -218,6 +218,40 @@ TEST(CameraOptions, WhatIsNoPlaceIsRefused) {
             "2 --up 0,0,0: is no direction across the view");
   EXPECT_EQ(complaint(placed("4e8,0,0", "0,0,1")),
             "2 --look-from 4e8,0,0: 1e+08 times the scene's size away, expected at most 1e+06");
+}
+
+// Exact names come first, so that one of any name can be chosen.
+TEST(CameraOptions, SeveralAreNamedOneByOneWithCommasOrAll) {
+  using Names = std::vector<std::string>;
+  Scene scene = box();
+  scene.cameras.resize(3);
+  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard", scene.cameras[2].name = "a,b";
+  EXPECT_EQ(names_of_cameras(scene, {"yard", "hall"}), (Names{"yard", "hall"}));
+  EXPECT_EQ(names_of_cameras(scene, {"yard,hall", "yard"}), (Names{"yard", "hall"}));
+  EXPECT_EQ(names_of_cameras(scene, {"all"}), (Names{"hall", "yard", "a,b"}));
+  EXPECT_EQ(names_of_cameras(scene, {"a,b"}), (Names{"a,b"}));
+  EXPECT_EQ(names_of_cameras(scene, {"hall,nobody"}), (Names{"hall", "nobody"}));
+  EXPECT_THROW(names_of_cameras(scene, {"hall,,yard"}), UsageError);
+  scene.cameras[1].fault = std::make_shared<InputError>("a.glb", "cameras[1]", "is wrong");
+  EXPECT_EQ(names_of_cameras(scene, {"all"}), (Names{"hall", "a,b"}));
+  scene.cameras[0].name = "all";
+  EXPECT_EQ(names_of_cameras(scene, {"all"}), (Names{"all"}));
+}
+
+TEST(CameraOptions, OfSeveralNoneIsChosenForOne) {
+  Scene scene = box();
+  scene.cameras.resize(2);
+  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
+  CameraArguments a;
+  a.names = {"hall", "yard"};
+  EXPECT_THROW(chosen(a, scene), UsageError);
+  const std::vector<Camera> both = chosen_cameras(scene, a, {});
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[1].name, "yard");
+  a.names = {"hall,nobody"};
+  EXPECT_THROW(chosen_cameras(scene, a, {}), InputError);
+  a.names = {};
+  EXPECT_EQ(chosen_cameras(scene, a, {}).size(), 1u);
 }
 
 }  // namespace tdpt::camera_options_test

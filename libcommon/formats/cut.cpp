@@ -46,8 +46,27 @@ class CutReader {
     if (cut.flow < 0) in_.fail("a negative cut, expected a value of 0 or more");
     cut.conductance = in_.real("conductance of the cut");
     if (cut.conductance < 0) in_.fail("a negative conductance, expected 0 or more");
-    in_.end();
+    while (in_.more()) serve(cut);
     out_.cuts.push_back(cut);
+  }
+
+  // A camera of a cut: a number from 1 in the order of the 'c camera' lines.
+  void serve(Bottleneck& cut) {
+    const int64_t lowest = cut.cameras.empty() ? 1 : int64_t{cut.cameras.back()} + 2;
+    cut.cameras.push_back(static_cast<uint32_t>(
+        in_.integer("camera of the cut", lowest, static_cast<int64_t>(out_.number_of_cameras())) -
+        1));
+  }
+
+  // One digit for each cut.
+  uint64_t read_sides() {
+    const std::string_view word = in_.word();
+    if (word.size() != out_.cuts.size() || word.find_first_not_of("01") != word.npos)
+      in_.fail(fmt::format("{} as sides of the cuts, expected {} of the digits 0 and 1",
+                           TextLines::found(word), out_.cuts.size()));
+    uint64_t sides = 0;
+    for (size_t c = 0; c < word.size(); ++c) sides |= uint64_t{word[c] == '1'} << c;
+    return sides;
   }
 
   void comment() {
@@ -59,13 +78,13 @@ class CutReader {
       out_.scene_hash = std::string(in_.word());
       if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
     } else if (word == "camera") {
-      out_.camera = read_camera(in_);
+      add_camera(in_, out_.cameras);
     } else if (word == "grid") {
       if (has_grid_) in_.fail("a second grid, expected one");
       has_grid_ = true;
       out_.grid = read_grid(in_);
     } else if (word == "light") {
-      read_light(in_, index_, out_.light);
+      read_light(in_, index_, out_.number_of_cameras(), out_.light);
     } else if (word == "bottleneck") {
       const std::string_view answer = in_.word();
       if (answer != "yes" && answer != "no")
@@ -79,8 +98,7 @@ class CutReader {
   void node(bool sky) {
     Patch p;
     p.node = static_cast<uint32_t>(in_.integer("node", 1, UINT32_MAX));
-    const auto region =
-        static_cast<uint32_t>(in_.integer("region", 0, static_cast<int64_t>(out_.cuts.size())));
+    const uint64_t sides = read_sides();
     if (!in_.more())
       in_.fail("a node without geometry, expected the cut of a network made by ffgraph");
     if (sky)
@@ -90,15 +108,15 @@ class CutReader {
     if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
       in_.fail(fmt::format("node {} again, expected each node once", p.node));
     out_.patches.push_back(std::move(p));
-    out_.region.push_back(region);
+    out_.sides.push_back(sides);
   }
 
   void arc() {
     CutArc a{};
     a.from = patch_of(in_, index_, "tail of an arc");
     a.to = patch_of(in_, index_, "head of an arc");
-    if (out_.region[a.from] >= out_.region[a.to])
-      in_.fail("an arc that crosses no cut, expected one from a region to a higher one");
+    if (out_.crossed(a) == 0)
+      in_.fail("an arc that crosses no cut, expected one from a light's side to a camera's");
     a.capacity = in_.real("capacity");
     if (!(a.capacity > 0)) in_.fail("a capacity of 0 or less, expected one above 0");
     in_.end();
@@ -113,7 +131,7 @@ class CutReader {
     for (const Patch& p : out_.patches)
       if (p.faces.empty() && !p.is_sky())
         in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
-    if (!out_.light.empty()) out_.light.resize(out_.patches.size());
+    fill_light(out_.light, out_.patches.size(), out_.number_of_cameras());
     if (!out_.bottleneck) return;
     for (size_t c = 0; c < out_.cuts.size(); ++c)
       if (std::none_of(out_.arcs.begin(), out_.arcs.end(),
@@ -131,6 +149,12 @@ class CutReader {
 
 }  // namespace
 
+std::string CutFile::name_if_several(size_t k) const {
+  if (cameras.size() < 2) return "";
+  const auto viewpoint = parse_viewpoint(cameras[k]);
+  return viewpoint && !viewpoint->name.empty() ? viewpoint->name : fmt::format("camera {}", k + 1);
+}
+
 CutFile read_cut(const std::string& path) {
   const std::string text = read_file(path);
   CutFile file = CutReader(text, display_name(path)).read();
@@ -143,14 +167,20 @@ std::string cut_text(const CutFile& file) {
   const auto to = std::back_inserter(out);
   for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
   fmt::format_to(to, "c scene {}\n", file.scene_hash);
-  if (!file.camera.empty()) fmt::format_to(to, "c camera {}\n", file.camera);
+  for (const std::string& camera : file.cameras) fmt::format_to(to, "c camera {}\n", camera);
   write_grid(out, "c grid", file.grid);
   fmt::format_to(to, "c bottleneck {}\n", file.bottleneck ? "yes" : "no " + file.reason);
-  for (const Bottleneck& cut : file.cuts)
-    fmt::format_to(to, "s {} {}\n", cut.flow, cut.conductance);
+  for (const Bottleneck& cut : file.cuts) {
+    fmt::format_to(to, "s {} {}", cut.flow, cut.conductance);
+    for (const uint32_t camera : cut.cameras) fmt::format_to(to, " {}", camera + 1);
+    out += '\n';
+  }
   for (size_t i = 0; i < file.patches.size(); ++i) {
     const bool sky = file.patches[i].is_sky();
-    fmt::format_to(to, "{} {} {} ", sky ? 'k' : 'n', file.patches[i].node, file.region[i]);
+    fmt::format_to(to, "{} {} ", sky ? 'k' : 'n', file.patches[i].node);
+    for (size_t c = 0; c < file.cuts.size(); ++c)
+      out += file.side_of(i, c) == Side::sink ? '1' : '0';
+    out += ' ';
     if (sky) {
       write_sky(out, file.patches[i]);
       continue;

@@ -1,6 +1,7 @@
 // Cut files (.cut): the minimum cuts of a flow network with the geometry of its patches. Written by
 // mincut; read by lightgrid and by ffgraph --refine. Self-contained together with the scene.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -34,50 +35,61 @@ struct Patch {
   bool is_sky() const { return sky >= 0; }
 };
 
-/// What a patch means for the light of the picture: of all of it n_ij/2 b_i v_j goes from patch i
-/// to patch j without a surface in between, n_ij their etendue [samples].
+/// What a patch means for the light of the pictures: of all light of camera k's picture n_ij/2 b_i
+/// v_j^k goes from patch i to patch j without a surface in between, n_ij their etendue [samples].
 struct PatchLight {
   double brightness = 0;  ///< b: light that leaves it, per sample
-  double importance = 0;  ///< v: share of what reaches it that the camera sees in the end
+  std::vector<double>
+      importance{};  ///< v^k: share of what reaches it that camera k sees in the end
 };
 
 enum class Side : uint8_t { source = 0, sink = 1 };
 
 struct CutArc {
-  uint32_t from, to;  ///< indices into patches of a pivot pair, `from` in the lower region
+  uint32_t from, to;  ///< indices into patches of a pivot pair, `from` on the light's side
   double capacity;    ///< in units of etendue samples
 };
 
-/// One of several openings in series.
+/// One of several openings.
 struct Bottleneck {
   double flow = 0;         ///< value of the cut, terminals included [etendue samples]
   double conductance = 0;  ///< patch-to-patch part / smaller side's total; small for a bottleneck
+  std::vector<uint32_t> cameras{};  ///< those whose light it lets through, ascending; empty: all
+  bool serves(size_t camera) const {
+    return cameras.empty() || std::find(cameras.begin(), cameras.end(), camera) != cameras.end();
+  }
 };
 
-inline constexpr uint32_t kMostCuts = 64;  ///< of one file
+inline constexpr uint32_t kMostCuts = 64;     ///< of one file
+inline constexpr uint32_t kMostCameras = 64;  ///< of one file
 
 struct CutFile {
   std::string scene_hash;
-  std::string camera;  ///< viewpoint.h; empty: unknown
+  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   PatchGrid grid;
   std::vector<Patch> patches;
   std::vector<PatchLight> light;  ///< per patch; empty: unknown
-  /// Per patch: 0 contains the light, cuts.size() the camera. Cut c separates regions 0..c from
-  /// those above c.
-  std::vector<uint32_t> region;
-  std::vector<Bottleneck> cuts;  ///< from the light to the camera, 1 to kMostCuts
-  std::vector<CutArc> arcs;      ///< patch-to-patch arcs from a region to a higher one
+  /// Per patch: bit c is set on the camera's side of cut c.
+  std::vector<uint64_t> sides;
+  std::vector<Bottleneck> cuts;  ///< of each camera from the light to it, 1 to kMostCuts
+  std::vector<CutArc> arcs;      ///< patch-to-patch arcs that cross some cut
   bool bottleneck = false;       ///< false: the network has none; then there is one cut
   std::string reason;            ///< a plain sentence why not, if !bottleneck
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 
-  /// The side of cut `c` that a region lies on.
-  static Side side(uint32_t region, size_t c) { return region <= c ? Side::source : Side::sink; }
-  /// Whether an arc crosses cut `c`.
-  bool crosses(const CutArc& arc, size_t c) const {
-    return region[arc.from] <= c && region[arc.to] > c;
+  size_t number_of_cameras() const { return std::max<size_t>(1, cameras.size()); }
+  /// Of camera `k`, for messages; empty where there is only one.
+  std::string name_if_several(size_t k) const;
+  /// Sides of a patch that lies between the first `passed` cuts and the others.
+  static uint64_t sides_behind(size_t passed) {
+    return passed >= 64 ? ~uint64_t{0} : (uint64_t{1} << passed) - 1;
   }
+  static Side side(uint64_t sides, size_t c) { return sides >> c & 1 ? Side::sink : Side::source; }
+  Side side_of(size_t patch, size_t c) const { return side(sides[patch], c); }
+  /// Whether an arc crosses cut `c`, or any.
+  bool crosses(const CutArc& arc, size_t c) const { return crossed(arc) >> c & 1; }
+  uint64_t crossed(const CutArc& arc) const { return sides[arc.to] & ~sides[arc.from]; }
 };
 
 CutFile read_cut(const std::string& path);

@@ -9,8 +9,8 @@ namespace {
 
 void expect_same(const CutFile& a, const CutFile& b) {
   using testing::require;
-  require(a.scene_hash == b.scene_hash && a.camera == b.camera && a.bottleneck == b.bottleneck &&
-              a.region == b.region && a.cuts.size() == b.cuts.size() &&
+  require(a.scene_hash == b.scene_hash && a.cameras == b.cameras && a.bottleneck == b.bottleneck &&
+              a.sides == b.sides && a.cuts.size() == b.cuts.size() &&
               a.arcs.size() == b.arcs.size() && a.patches.size() == b.patches.size(),
           "a cut comes back");
   for (size_t i = 0; i < a.arcs.size(); ++i)
@@ -22,7 +22,8 @@ void expect_same(const CutFile& a, const CutFile& b) {
                 a.patches[i].sky == b.patches[i].sky,
             "a patch comes back");
   for (size_t c = 0; c < a.cuts.size(); ++c)
-    require(a.cuts[c].flow == b.cuts[c].flow && a.cuts[c].conductance == b.cuts[c].conductance,
+    require(a.cuts[c].flow == b.cuts[c].flow && a.cuts[c].conductance == b.cuts[c].conductance &&
+                a.cuts[c].cameras == b.cuts[c].cameras,
             "figures come back");
 }
 

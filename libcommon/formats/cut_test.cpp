@@ -35,12 +35,12 @@ std::string complaint(const std::string& text) {
 CutFile example() {
   CutFile f;
   f.scene_hash = "0123456789abcdef";
-  f.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
+  f.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {9, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
   for (uint32_t k = 0; k < 40; ++k) f.patches[1].faces.push_back(2 * k + 7);
-  f.region = {0, 1};
+  f.sides = {0, 1};
   f.cuts = {{2.75, 0.015}};
   f.arcs = {{0, 1, 2.5}};
   f.bottleneck = true;
@@ -59,8 +59,8 @@ TEST(cut, reads_back_what_was_written) {
   EXPECT_EQ(b.patches[1].faces, a.patches[1].faces);
   EXPECT_EQ(b.patches[0].cell, a.patches[0].cell);
   EXPECT_EQ(b.grid.base_cell, a.grid.base_cell);
-  EXPECT_EQ(b.region, a.region);
-  EXPECT_EQ(b.camera, a.camera);
+  EXPECT_EQ(b.sides, a.sides);
+  EXPECT_EQ(b.cameras, a.cameras);
   EXPECT_EQ(b.arcs[0].capacity, 2.5);
   ASSERT_EQ(b.cuts.size(), 1u);
   EXPECT_EQ(b.cuts[0].flow, 2.75);
@@ -77,7 +77,7 @@ TEST(cut, reads_back_a_sky) {
   sky.samples = 40;
   sky.sky = 3;
   a.patches.push_back(sky);
-  a.region.push_back(0);
+  a.sides.push_back(0);
   a.arcs.push_back({2, 1, 0.5});
   const std::string path = temporary(cut_text(a));
   const CutFile b = read_cut(path);
@@ -87,7 +87,42 @@ TEST(cut, reads_back_a_sky) {
   EXPECT_EQ(b.patches[2].sky, 3);
   EXPECT_EQ(b.patches[2].samples, 40);
   EXPECT_TRUE(b.patches[2].faces.empty());
-  EXPECT_EQ(b.region[2], 0u);
+  EXPECT_EQ(b.sides[2], 0u);
+}
+
+// Cuts need not be nested: each patch has its side of each.
+TEST(cut, reads_back_cuts_of_several_cameras) {
+  CutFile a = example();
+  a.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
+  a.light = {{0.5, {0.25, 0}}, {0, {1, 2}}};
+  a.cuts = {{2.75, 0.015, {0, 1}}, {1, 0.02, {1}}, {3, 0.5, {0}}};
+  a.sides = {0b010, 0b101};
+  a.arcs.push_back({1, 0, 0.5});
+  const std::string path = temporary(cut_text(a));
+  const CutFile b = read_cut(path);
+  std::filesystem::remove(path);
+  EXPECT_EQ(cut_text(b), cut_text(a));
+  EXPECT_NE(cut_text(a).find("\nn 3 010 "), std::string::npos) << "the first cut's digit is first";
+  EXPECT_EQ(b.sides, a.sides);
+  EXPECT_EQ(b.light[1].importance, a.light[1].importance);
+  EXPECT_TRUE(b.crosses(b.arcs[0], 0));
+  EXPECT_FALSE(b.crosses(b.arcs[0], 1));
+  EXPECT_TRUE(b.crosses(b.arcs[1], 1));
+  EXPECT_TRUE(b.cuts[1].serves(1));
+  EXPECT_FALSE(b.cuts[1].serves(0));
+  EXPECT_EQ(b.name_if_several(1), "yard");
+  EXPECT_EQ(example().name_if_several(0), "");
+}
+
+TEST(cut, says_what_is_wrong_with_several_cameras) {
+  const std::string camera = "c camera 0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard\n";
+  EXPECT_EQ(complaint("c tdpt cut 3\n" + camera + camera + "s 1 0.1 2 1\n"),
+            "line 4: '1' as camera of the cut, expected a whole number from 3 to 2");
+  EXPECT_EQ(complaint("c tdpt cut 3\n" + camera + camera + "s 1 0.1 3\n"),
+            "line 4: '3' as camera of the cut, expected a whole number from 1 to 2");
+  std::string many = "c tdpt cut 3\n";
+  for (uint32_t k = 0; k <= kMostCameras; ++k) many += camera;
+  EXPECT_EQ(complaint(many), "line 66: one camera more than 64, expected no more");
 }
 
 TEST(cut, keeps_the_reason_why_there_is_no_bottleneck) {
@@ -103,7 +138,7 @@ TEST(cut, keeps_the_reason_why_there_is_no_bottleneck) {
 }
 
 const std::string kHead =
-    "c tdpt cut 2\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1 0.1\n";  // lines 1-5
+    "c tdpt cut 3\nc scene aa\nc grid 0 0 0 0.5\nc bottleneck yes\ns 1 0.1\n";  // lines 1-5
 
 TEST(cut, says_what_is_wrong_and_where) {
   const std::string head = kHead;
@@ -113,30 +148,34 @@ TEST(cut, says_what_is_wrong_and_where) {
   EXPECT_EQ(complaint(head + "c camera 1 2 3\n" + nodes),
             std::string("line 6: '1 2 3' as camera, ") + kViewpointExpected);
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 2'"},
-      {"", " is no cut file, expected it to start with 'c tdpt cut 2'"},
-      {"c tdpt cut 3\n",
-       "line 1: this file has version 3 of the format; this program reads version 2"},
-      {"c tdpt cut 1\n",
-       "line 1: this file has version 1 of the format; this program reads version 2"},
+      {"p max 3 4\n", " is no cut file, expected it to start with 'c tdpt cut 3'"},
+      {"", " is no cut file, expected it to start with 'c tdpt cut 3'"},
+      {"c tdpt cut 4\n",
+       "line 1: this file has version 4 of the format; this program reads version 3"},
+      {"c tdpt cut 2\n",
+       "line 1: this file has version 2 of the format; this program reads version 3"},
       {"c tdpt cut\n",
-       "line 1: the file says no version of its format; this program reads version 2"},
+       "line 1: the file says no version of its format; this program reads version 3"},
       {head + nodes + "s 2 0\n", "line 10: an 's' line behind a node, expected it before"},
       {head + "s 2 -1\n", "line 6: a negative conductance, expected 0 or more"},
-      {head + "s 2 0\n" + nodes + "a 3 4 1\n",
+      {head + "s 2 0\nn 3 00 0 0 0 0 9 0 0 0 0 1 0\nf 3 0\nn 4 10 0 0 0 0 9 0 0 0 0 1 0\nf 4 2\na "
+              "3 4 1\n",
        " a bottleneck without arcs, cut 2, expected pivot pairs"},
-      {"c tdpt cut 2\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
-      {"c tdpt cut 2\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},
-      {"c tdpt cut 2\ns 1 2 3\n", "line 2: '3' found, expected the end of the line"},
+      {"c tdpt cut 3\ns -1\n", "line 2: a negative cut, expected a value of 0 or more"},
+      {"c tdpt cut 3\ns nan\n", "line 2: 'nan' as value of the cut, expected a finite number"},
+      {"c tdpt cut 3\ns 1 2 3\n",
+       "line 2: '3' as camera of the cut, expected a whole number from 1 to 1"},
       {head + "x\n", "line 6: 'x' at the start of the line, expected one of c, s, n, k, f, a"},
       {head + "c scene\n", "line 6: nothing as hash of the scene, expected one"},
       {head + "c grid 0 0 0 1\n", "line 6: a second grid, expected one"},
-      {"c tdpt cut 2\nc grid 0 0 0 0\n", "line 2: a cell without size, expected a side above 0"},
-      {"c tdpt cut 2\nc bottleneck maybe\n", "line 2: 'maybe' as bottleneck, expected yes or no"},
+      {"c tdpt cut 3\nc grid 0 0 0 0\n", "line 2: a cell without size, expected a side above 0"},
+      {"c tdpt cut 3\nc bottleneck maybe\n", "line 2: 'maybe' as bottleneck, expected yes or no"},
       {head + "n 0 0\n", "line 6: '0' as node, expected a whole number from 1 to 4294967295"},
       {head + "n 1.5 0\n", "line 6: '1.5' as node, expected a whole number from 1 to 4294967295"},
-      {head + "n 3 q\n", "line 6: 'q' as region, expected a whole number from 0 to 1"},
-      {head + "n 3 2\n", "line 6: '2' as region, expected a whole number from 0 to 1"},
+      {head + "n 3 q\n", "line 6: 'q' as sides of the cuts, expected 1 of the digits 0 and 1"},
+      {head + "n 3 2\n", "line 6: '2' as sides of the cuts, expected 1 of the digits 0 and 1"},
+      {head + "n 3 01\n", "line 6: '01' as sides of the cuts, expected 1 of the digits 0 and 1"},
+      {head + "n 3\n", "line 6: nothing as sides of the cuts, expected 1 of the digits 0 and 1"},
       {head + "n 3 0\n",
        "line 6: a node without geometry, expected the cut of a network made by ffgraph"},
       {head + "n 3 0 99\n",
@@ -150,19 +189,19 @@ TEST(cut, says_what_is_wrong_and_where) {
        "line 10: '-1' as face, expected a whole number from 0 to 4294967295"},
       {head + nodes + "f 7 1\n", "line 10: node 7 as node of a face, expected a patch named above"},
       {head + nodes + "a 4 3 1\n",
-       "line 10: an arc that crosses no cut, expected one from a region to a higher one"},
+       "line 10: an arc that crosses no cut, expected one from a light's side to a camera's"},
       {head + nodes + "a 3 4 0\n", "line 10: a capacity of 0 or less, expected one above 0"},
       {head + nodes, " a bottleneck without arcs, cut 1, expected pivot pairs"},
       {head + "n 3 0 0 0 0 0 9 0 0 0 0 1 0\n", " node 3 has no faces, expected at least one"},
-      {"c tdpt cut 2\n", " no 's' line, expected the value of the cut"},
-      {"c tdpt cut 2\ns 0 0\n", " no 'c bottleneck' line, expected yes or no"},
-      {"c tdpt cut 2\ns 0 0\nc bottleneck no\n",
+      {"c tdpt cut 3\n", " no 's' line, expected the value of the cut"},
+      {"c tdpt cut 3\ns 0 0\n", " no 'c bottleneck' line, expected yes or no"},
+      {"c tdpt cut 3\ns 0 0\nc bottleneck no\n",
        " no 'c scene' line, expected the hash of the scene"},
-      {"c tdpt cut 2\ns 0 0\nc bottleneck no\nc scene a\n",
+      {"c tdpt cut 3\ns 0 0\nc bottleneck no\nc scene a\n",
        " no 'c grid' line, expected the grid of the patches"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
-  std::string many = "c tdpt cut 2\n";
+  std::string many = "c tdpt cut 3\n";
   for (uint32_t c = 0; c <= kMostCuts; ++c) many += "s 1 0.1\n";
   EXPECT_EQ(complaint(many), "line 66: one cut more than 64, expected no more");
 }

@@ -53,7 +53,11 @@ class DimacsReader {
       out_.scene_hash = std::string(in_.word());
       if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
     } else if (word == "camera") {
-      out_.camera = read_camera(in_);
+      add_camera(in_, out_.cameras);
+    } else if (word == "sink") {
+      out_.more_sinks.push_back(
+          static_cast<uint32_t>(in_.integer("sink of a camera", 1, INT32_MAX)) - 1);
+      in_.end();
     } else if (word == "scale") {
       out_.scale = in_.real("scale");
       if (!(out_.scale > 0)) in_.fail("a scale of 0 or less, expected one above 0");
@@ -74,16 +78,26 @@ class DimacsReader {
     } else if (word == "walks") {
       const uint32_t i = patch_of(in_, index_, "node of walks");
       out_.walks.resize(std::max<size_t>(out_.walks.size(), i + 1));
-      for (double* n : {&out_.walks[i].begun, &out_.walks[i].light, &out_.walks[i].camera}) {
-        *n = in_.real("number of walks");
-        if (!(*n >= 0)) in_.fail("a negative number of walks, expected 0 or more");
-      }
-      in_.end();
+      out_.walks[i] = read_walks();
     } else if (word == "light") {
-      read_light(in_, index_, out_.light);
+      read_light(in_, index_, cameras(), out_.light);
     } else if (word == "faces") {
       read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     }
+  }
+
+  size_t cameras() const { return std::max<size_t>(1, out_.cameras.size()); }
+
+  PatchWalks read_walks() {
+    const auto number = [&] {
+      return read_amount(in_, "number of walks", "a negative number of walks");
+    };
+    PatchWalks walks;
+    walks.begun = number();
+    walks.light = number();
+    for (size_t k = 0; k < cameras(); ++k) walks.camera.push_back(number());
+    in_.end();
+    return walks;
   }
 
   // "max VERSION"; any other comment may come from another program.
@@ -149,8 +163,10 @@ class DimacsReader {
       in_.fail_file(fmt::format("{} arcs, expected the {} of the 'p' line", net().arcs.size(),
                                 announced_arcs_));
     if (!out_.has_patches) return;
+    check_sinks();
     if (!out_.walks.empty()) out_.walks.resize(out_.patches.size());
-    if (!out_.light.empty()) out_.light.resize(out_.patches.size());
+    for (PatchWalks& walks : out_.walks) walks.camera.resize(cameras(), 0);
+    fill_light(out_.light, out_.patches.size(), cameras());
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
     if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
     // Capacities to be cut again must not exceed the samples.
@@ -161,14 +177,34 @@ class DimacsReader {
           fmt::format("samples times the scale add up to {:.3g}, expected less than {:.3g}",
                       samples * out_.scale, static_cast<double>(kLargestCapacitySum)));
     for (const Patch& p : out_.patches) {
-      if (p.node > net().nodes || p.node - 1 == *source_ || p.node - 1 == *sink_)
+      if (p.node > net().nodes - out_.more_sinks.size() || p.node - 1 == *source_ ||
+          p.node - 1 == *sink_)
         in_.fail_file(fmt::format("patch {} is no inner node of the network", p.node));
       if (p.faces.empty() && !p.is_sky())
         in_.fail_file(fmt::format("patch {} has no faces, expected at least one", p.node));
     }
-    if (out_.patches.size() + 2 != net().nodes)
+    const size_t terminals = 2 + out_.more_sinks.size();
+    if (out_.patches.size() + terminals != net().nodes)
       in_.fail_file(fmt::format("{} patches, expected one for each of the {} inner nodes",
-                                out_.patches.size(), net().nodes - 2));
+                                out_.patches.size(), net().nodes - terminals));
+  }
+
+  // The sinks of further cameras are the last nodes, in order.
+  void check_sinks() {
+    const std::vector<uint32_t>& sinks = out_.more_sinks;
+    if (1 + sinks.size() != cameras())
+      in_.fail_file(fmt::format("{} cameras and {} more sinks, expected one for each but the first",
+                                cameras(), sinks.size()));
+    if (net().nodes < 2 + sinks.size())
+      in_.fail_file(fmt::format("{} nodes for {} cameras, expected more", net().nodes, cameras()));
+    const auto first = static_cast<uint32_t>(net().nodes - sinks.size());
+    for (uint32_t k = 0; k < sinks.size(); ++k)
+      if (sinks[k] != first + k)
+        in_.fail_file(fmt::format("node {} as sink of camera {}, expected {}: they are the last",
+                                  sinks[k] + 1, k + 2, first + k + 1));
+    for (const FlowArc& a : net().arcs)
+      if (a.from >= first)
+        in_.fail_file(fmt::format("an arc from node {}, a sink, expected none", a.from + 1));
   }
 
   TextLines in_;
@@ -190,6 +226,20 @@ DimacsFile read_dimacs(const std::string& path) {
   return file;
 }
 
+FlowNetwork network_of(const FlowNetwork& network, const std::vector<uint32_t>& more_sinks,
+                       size_t camera) {
+  FlowNetwork net{
+      static_cast<uint32_t>(network.nodes - more_sinks.size()), network.source, network.sink, {}};
+  const uint32_t own = camera == 0 ? net.sink : more_sinks[camera - 1];
+  for (FlowArc arc : network.arcs) {
+    const bool to_sink = arc.to == network.sink || arc.to >= net.nodes;
+    if (to_sink && arc.to != own) continue;
+    if (to_sink) arc.to = net.sink;
+    net.arcs.push_back(arc);
+  }
+  return net;
+}
+
 std::string dimacs_text(const DimacsFile& file) {
   std::string out;
   const auto to = std::back_inserter(out);
@@ -197,7 +247,8 @@ std::string dimacs_text(const DimacsFile& file) {
     fmt::format_to(to, "c tdpt max {}\n", format_version::max);
     for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
     fmt::format_to(to, "c scene {}\n", file.scene_hash);
-    if (!file.camera.empty()) fmt::format_to(to, "c camera {}\n", file.camera);
+    for (const std::string& camera : file.cameras) fmt::format_to(to, "c camera {}\n", camera);
+    for (const uint32_t sink : file.more_sinks) fmt::format_to(to, "c sink {}\n", sink + 1);
     fmt::format_to(to, "c scale {}\n", file.scale);
     write_grid(out, "c grid", file.grid);
     for (const Patch& p : file.patches) {
@@ -212,7 +263,9 @@ std::string dimacs_text(const DimacsFile& file) {
     }
     for (size_t i = 0; i < file.walks.size(); ++i) {
       const PatchWalks& w = file.walks[i];
-      fmt::format_to(to, "c walks {} {} {} {}\n", file.patches[i].node, w.begun, w.light, w.camera);
+      fmt::format_to(to, "c walks {} {} {}", file.patches[i].node, w.begun, w.light);
+      for (const double hits : w.camera) fmt::format_to(to, " {}", hits);
+      out += '\n';
     }
     write_light(out, file.patches, file.light);
   }

@@ -12,25 +12,35 @@ namespace tdpt {
 
 /// Statistics of ffgraph's walks for one patch.
 struct PatchWalks {
-  double begun = 0;   ///< light walks that begin there
-  double light = 0;   ///< hits of light walks
-  double camera = 0;  ///< hits of camera walks
+  double begun = 0;              ///< light walks that begin there
+  double light = 0;              ///< hits of light walks
+  std::vector<double> camera{};  ///< hits of the walks of each camera
 };
 
-/// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file.
+/// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file. The sink
+/// of `network` is that of the first camera.
 struct DimacsFile {
   FlowNetwork network;
+  /// Of the other cameras: the last nodes, from which no arc leads. To a solver they are dead ends.
+  std::vector<uint32_t> more_sinks;
   double scale = 1;          ///< capacity of one etendue sample
   bool has_patches = false;  ///< false: a plain DIMACS file; then all below except `hash` is empty
   std::string scene_hash;
-  std::string camera;  ///< viewpoint.h; empty: unknown
+  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   PatchGrid grid;
   std::vector<Patch> patches;
   std::vector<PatchWalks> walks;  ///< per patch; empty: unknown
   std::vector<PatchLight> light;  ///< per patch; empty: unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
+
+  size_t number_of_cameras() const { return 1 + more_sinks.size(); }
 };
+
+/// The network of one camera, 0 the first: without the sinks of the others [DimacsFile], and with
+/// its own for `sink`. Its nodes are those of `network` but the last ones.
+FlowNetwork network_of(const FlowNetwork& network, const std::vector<uint32_t>& more_sinks,
+                       size_t camera);
 
 /// Throws InputError with the line for anything but a maximum-flow problem with integer capacities:
 /// fractions, negative capacities, sums beyond kLargestCapacitySum, nodes out of range, missing or

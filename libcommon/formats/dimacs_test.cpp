@@ -48,11 +48,11 @@ DimacsFile example() {
   f.has_patches = true;
   f.scale = 1000;
   f.scene_hash = "0123456789abcdef";
-  f.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
+  f.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   f.grid = {{-1.25, 0.1, 3e-7}, 0.1443};
   f.patches = {{3, 0, {1, -2, 7}, 120, {0.1, 0.2, 0.3}, {0, 1, 0}, {0, 2}},
                {4, 1, {4, 5, 6}, 3, {1, 2, 3}, {0.6, 0, -0.8}, {5}}};
-  f.walks = {{0, 210, 12}, {90, 40, 160}};
+  f.walks = {{0, 210, {12}}, {90, 40, {160}}};
   f.network = {4, 0, 1, {{0, 2, 500}, {2, 3, 250}, {3, 2, 250}, {3, 1, 700}}};
   f.provenance.made_by("ffgraph", "ffgraph");
   return f;
@@ -64,14 +64,72 @@ TEST(dimacs, reads_back_what_was_written) {
   EXPECT_EQ(dimacs_text(b), dimacs_text(a));
   ASSERT_EQ(b.patches.size(), 2u);
   EXPECT_EQ(b.scale, 1000);
-  EXPECT_EQ(b.camera, a.camera);
+  EXPECT_EQ(b.cameras, a.cameras);
   ASSERT_EQ(b.walks.size(), 2u);
   EXPECT_EQ(b.walks[1].begun, 90);
   EXPECT_EQ(b.walks[0].light, 210);
-  EXPECT_EQ(b.walks[1].camera, 160);
+  EXPECT_EQ(b.walks[1].camera, std::vector<double>{160});
   EXPECT_EQ(b.network.arcs.size(), 4u);
   EXPECT_EQ(b.network.sink, 1u);
   EXPECT_EQ(b.provenance.lines, a.provenance.lines);
+}
+
+// The example with a second camera, whose sink is the last node.
+DimacsFile of_two_cameras() {
+  DimacsFile f = example();
+  f.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
+  f.walks = {{0, 210, {12, 5}}, {90, 40, {160, 0}}};
+  f.light = {{0.5, {0.25, 0}}, {0, {1, 2}}};
+  f.network.nodes = 5;
+  f.more_sinks = {4};
+  f.network.arcs.push_back({2, 4, 300});
+  return f;
+}
+
+TEST(dimacs, reads_back_several_cameras) {
+  const DimacsFile a = of_two_cameras(), b = read_text(dimacs_text(a));
+  EXPECT_EQ(dimacs_text(b), dimacs_text(a));
+  EXPECT_EQ(b.number_of_cameras(), 2u);
+  EXPECT_EQ(b.cameras, a.cameras);
+  EXPECT_EQ(b.walks[0].camera, a.walks[0].camera);
+  EXPECT_EQ(b.light[1].importance, a.light[1].importance);
+}
+
+// Each camera has the arcs between patches and those to its own sink.
+TEST(dimacs, has_a_network_for_each_camera) {
+  const DimacsFile f = of_two_cameras();
+  for (const size_t k : {0, 1}) {
+    const FlowNetwork net = network_of(f.network, f.more_sinks, k);
+    EXPECT_EQ(net.nodes, 4u);
+    ASSERT_EQ(net.arcs.size(), 4u);
+    const FlowArc& last = net.arcs.back();
+    EXPECT_EQ(last.to, net.sink);
+    EXPECT_EQ(last.from, k == 0 ? 3u : 2u);
+    EXPECT_EQ(last.capacity, k == 0 ? 700 : 300);
+  }
+}
+
+std::string complaint_without(const std::string& line) {
+  std::string text = dimacs_text(of_two_cameras());
+  const size_t at = text.find(line);
+  EXPECT_NE(at, text.npos) << line;
+  return complaint(text.erase(at, line.size()));
+}
+
+TEST(dimacs, says_what_is_wrong_with_several_cameras) {
+  EXPECT_EQ(complaint_without("c sink 5\n"),
+            " 2 cameras and 0 more sinks, expected one for each but the first");
+  DimacsFile f = of_two_cameras();
+  f.more_sinks = {3};
+  EXPECT_EQ(complaint(dimacs_text(f)),
+            " node 4 as sink of camera 2, expected 5: they are the last");
+  f = of_two_cameras();
+  f.network.arcs.push_back({4, 2, 1});
+  EXPECT_EQ(complaint(dimacs_text(f)), " an arc from node 5, a sink, expected none");
+  f = of_two_cameras();
+  f.walks[0].camera.push_back(3);
+  EXPECT_NE(complaint(dimacs_text(f)).find("'3' found, expected the end of the line"),
+            std::string::npos);
 }
 
 TEST(dimacs, reads_back_a_sky) {
@@ -81,7 +139,7 @@ TEST(dimacs, reads_back_a_sky) {
   sky.samples = 77.5;
   sky.sky = 79;
   a.patches.push_back(sky);
-  a.walks.push_back({9, 0, 0});
+  a.walks.push_back({9, 0, {0}});
   a.network.nodes = 5;
   a.network.arcs.push_back({4, 2, 60});
   const DimacsFile b = read_text(dimacs_text(a));

@@ -117,7 +117,27 @@ void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char
   vdb::points::populateAttribute(grid.tree(), index.tree(), name, wrapper);
 }
 
-// `joins`: per line, or null.
+// The first camera's is "tdpt_camera".
+std::string key_of_camera(size_t k) {
+  return k == 0 ? "tdpt_camera" : fmt::format("tdpt_camera_{}", k + 1);
+}
+
+// Attribute of lines with the shares of camera `k` of `cameras`.
+std::string name_of_share(size_t k, size_t cameras) {
+  return cameras == 1 ? "share" : fmt::format("share_{}", k + 1);
+}
+
+void append_shares(PointGrid& grid, const vdb::tools::PointIndexGrid& index,
+                   const LightGrid& light) {
+  for (size_t k = 0; k < light.number_of_cameras(); ++k) {
+    std::vector<float> share;
+    for (size_t i = 0; i < light.lines.size(); ++i)
+      share.push_back(static_cast<float>(light.share_of(k, i)));
+    append(grid, index, name_of_share(k, light.number_of_cameras()).c_str(), share);
+  }
+}
+
+// `joins`: per line, or null for those of light.lines.
 PointGrid::Ptr points_of(const LightGrid& light, const char* name,
                          const std::vector<LightLine>& lines, const std::vector<int32_t>* joins,
                          bool z_up) {
@@ -138,11 +158,7 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   }
   append(*grid, *index, "along", along);
   append(*grid, *index, "cut", cut);
-  if (!joins) {
-    std::vector<float> share;
-    for (const LightLine& l : lines) share.push_back(static_cast<float>(l.share));
-    append(*grid, *index, "share", share);
-  }
+  if (!joins) append_shares(*grid, *index, light);
   if (joins) append(*grid, *index, "joins", *joins);
   return grid;
 }
@@ -200,11 +216,16 @@ class Reader {
       if (grid == "air") dense(cast<vdb::MaskGrid>(base), light, light.air);
       if (grid == "lines")
         lines(cast<PointGrid>(base), light, grid,
-              [&](const LightLine& line, bool) { light.lines.push_back(line); });
+              [&](const LightLine& line, bool, const std::vector<double>& shares) {
+                light.lines.push_back(line);
+                for (size_t k = 0; k < light.shares.size(); ++k)
+                  light.shares[k].push_back(shares[k]);
+              });
       if (grid == "probes")
-        lines(cast<PointGrid>(base), light, grid, [&](const LightLine& line, bool joins) {
-          light.probes.push_back({line, joins});
-        });
+        lines(cast<PointGrid>(base), light, grid,
+              [&](const LightLine& line, bool joins, const std::vector<double>&) {
+                light.probes.push_back({line, joins});
+              });
     }
     return light;
   }
@@ -256,11 +277,7 @@ class Reader {
     voxels_ = total;
     z_up_ = meta["tdpt_z_up"] && value<bool>(meta, "tdpt_z_up");
     light.scene_hash = value<std::string>(meta, "tdpt_scene_hash");
-    if (meta["tdpt_camera"]) {
-      light.camera = value<std::string>(meta, "tdpt_camera");
-      if (!parse_viewpoint(light.camera))
-        fail("tdpt_camera", std::string("is no camera, ") + kViewpointExpected);
-    }
+    read_cameras(meta, light);
     light.reason = value<std::string>(meta, "tdpt_reason");
     light.bottleneck = value<bool>(meta, "tdpt_bottleneck");
     light.flux_share = value<double>(meta, "tdpt_flux_share");
@@ -284,6 +301,17 @@ class Reader {
                                    voxels_, active, kForEachActive));
     expect_memory(name_, "tdpt_dim", fmt::format("{} voxels", voxels_),
                   voxels_ * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
+  }
+
+  void read_cameras(const vdb::MetaMap& meta, LightGrid& light) const {
+    for (std::string key; meta[key = key_of_camera(light.cameras.size())];) {
+      light.cameras.push_back(value<std::string>(meta, key.c_str()));
+      if (!parse_viewpoint(light.cameras.back()))
+        fail(key, std::string("is no camera, ") + kViewpointExpected);
+      if (light.cameras.size() > kMostCameras)
+        fail(key, fmt::format("is one camera more than {}, expected no more", kMostCameras));
+    }
+    if (light.cameras.size() > 1) light.shares.resize(light.cameras.size());
   }
 
   // A file without figures of cuts is valid; they are unknown.
@@ -337,7 +365,8 @@ class Reader {
     }
   }
 
-  // Calls add(line, joins) for each line; in a grid without that attribute all lines join.
+  // Calls add(line, joins, shares) for each line; in a grid without that attribute all lines join,
+  // and without shares they are 0.
   template <class Add>
   void lines(const PointGrid::Ptr& grid, const LightGrid& light, const std::string& name,
              const Add& add) const {
@@ -357,15 +386,21 @@ class Reader {
       vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
       vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
       vdb::points::AttributeHandle<int32_t> cut(leaf->constAttributeArray("cut"));
-      const bool has_share = attributes.find("share") != vdb::points::AttributeSet::INVALID_POS;
-      std::optional<vdb::points::AttributeHandle<float>> share;
-      if (has_share) share.emplace(leaf->constAttributeArray("share"));
+      std::vector<std::optional<vdb::points::AttributeHandle<float>>> share(
+          light.number_of_cameras());
+      std::vector<double> shares(share.size(), 0);
+      for (size_t k = 0; k < share.size(); ++k)
+        if (const std::string own = name_of_share(k, share.size());
+            attributes.find(own) != vdb::points::AttributeSet::INVALID_POS)
+          share[k].emplace(leaf->constAttributeArray(own));
       const bool has_joins = attributes.find("joins") != vdb::points::AttributeSet::INVALID_POS;
       vdb::points::AttributeHandle<int32_t> joins(
           leaf->constAttributeArray(has_joins ? "joins" : "cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
         if (*it >= place.size() || *it >= along.size() || *it >= cut.size() ||
-            *it >= joins.size() || (share && *it >= share->size()))
+            *it >= joins.size() || std::any_of(share.begin(), share.end(), [&](const auto& s) {
+              return s && *it >= s->size();
+            }))
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
             transform->indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
@@ -376,11 +411,14 @@ class Reader {
           fail(at, fmt::format("holds a line of cut {}, expected one of 0 to {}", cut.get(*it),
                                kMostCuts - 1));
         line.cut = static_cast<uint32_t>(cut.get(*it));
-        if (share) line.share = double{share->get(*it)};
-        if (!(line.share >= 0 && line.share <= kMostShare))
-          fail(at, fmt::format("holds a line with the share {}, expected 0 to {}", line.share,
-                               kMostShare));
-        add(line, !has_joins || joins.get(*it) != 0);
+        for (size_t k = 0; k < share.size(); ++k) {
+          if (share[k]) shares[k] = double{share[k]->get(*it)};
+          if (!(shares[k] >= 0 && shares[k] <= kMostShare))
+            fail(at, fmt::format("holds a line with the share {}, expected 0 to {}", shares[k],
+                                 kMostShare));
+        }
+        line.share = *std::max_element(shares.begin(), shares.end());
+        add(line, !has_joins || joins.get(*it) != 0, shares);
       }
     }
   }
@@ -433,7 +471,8 @@ std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   meta.insertMeta("tdpt_voxel", vdb::DoubleMetadata(light.voxel));
   meta.insertMeta("tdpt_dim", vdb::Vec3IMetadata({light.dim[0], light.dim[1], light.dim[2]}));
   meta.insertMeta("tdpt_scene_hash", vdb::StringMetadata(light.scene_hash));
-  if (!light.camera.empty()) meta.insertMeta("tdpt_camera", vdb::StringMetadata(light.camera));
+  for (size_t k = 0; k < light.cameras.size(); ++k)
+    meta.insertMeta(key_of_camera(k), vdb::StringMetadata(light.cameras[k]));
   meta.insertMeta("tdpt_bottleneck", vdb::BoolMetadata(light.bottleneck));
   meta.insertMeta("tdpt_reason", vdb::StringMetadata(light.reason));
   meta.insertMeta("tdpt_flux_share", vdb::DoubleMetadata(light.flux_share));

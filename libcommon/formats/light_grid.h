@@ -21,7 +21,7 @@ struct LightLine {
   Vec3d light, camera;
   uint32_t cut = 0;  ///< index of the cut in the .cut file, from the light to the camera
   /// Share of the camera's light that the line stands for; 0: unknown. All lines of a cut together
-  /// have the share that crosses it.
+  /// have the share that crosses it. Of several cameras, the largest of its shares.
   double share = 0;
 };
 
@@ -49,16 +49,23 @@ struct LightGrid {
   std::vector<uint8_t> air;      ///< 1: free of geometry
   std::vector<Vec3f> direction;  ///< sum of unit directions towards the camera / count
   std::vector<LightLine> lines;  ///< a sample of the segments themselves
-  std::vector<Probe> probes;     ///< empty: unknown
+  /// Of each camera its share of each line, 0 where the cut does not serve it; empty: there is one
+  /// camera.
+  std::vector<std::vector<double>> shares{};
+  std::vector<Probe> probes;  ///< empty: unknown
   bool bottleneck = true;
   std::string reason;            ///< why not
   double flux_share = 1;         ///< share of the drawn segments that were kept, see lightgrid(1)
   std::vector<CutFigures> cuts;  ///< per cut, from the light to the camera; empty: unknown
   std::string scene_hash;
-  std::string camera;  ///< viewpoint.h; empty: unknown
+  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 
+  size_t number_of_cameras() const { return std::max<size_t>(1, shares.size()); }
+  double share_of(size_t camera, size_t line) const {
+    return shares.empty() ? lines[line].share : shares[camera][line];
+  }
   size_t index(int i, int j, int k) const {
     return static_cast<size_t>(i) +
            static_cast<size_t>(dim[0]) *

@@ -17,11 +17,11 @@ namespace {
 // Calls each(field). Adding a field to Grid breaks compilation here, so none is forgotten.
 template <class Grid, class Each>
 void each_field(Grid& grid, const Each& each) {
-  auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
-         cuts, scene_hash, camera, provenance, hash] = grid;
+  auto& [origin, voxel, dim, count, air, direction, lines, shares, probes, bottleneck, reason,
+         flux_share, cuts, scene_hash, cameras, provenance, hash] = grid;
   each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
-  each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts), each(scene_hash);
-  each(camera);
+  each(shares), each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts);
+  each(scene_hash), each(cameras);
   each(provenance.lines), each(hash);
 }
 
@@ -44,9 +44,11 @@ class Out {
     put(text.size());
     put_bytes(text.data(), text.size());
   }
-  void put(const std::vector<std::string>& texts) const {
-    put(texts.size());
-    for (const std::string& text : texts) put(text);
+  template <class T>
+  requires requires(T list) { list.size(); }
+  void put(const std::vector<T>& lists) const {
+    put(lists.size());
+    for (const T& list : lists) put(list);
   }
 
  private:
@@ -79,9 +81,11 @@ class In {
     text.resize(length());
     get_bytes(text.data(), text.size());
   }
-  void get(std::vector<std::string>& texts) const {
-    texts.resize(length());
-    for (std::string& text : texts) get(text);
+  template <class T>
+  requires requires(T list) { list.size(); }
+  void get(std::vector<T>& lists) const {
+    lists.resize(length());
+    for (T& list : lists) get(list);
   }
 
  private:
@@ -98,8 +102,10 @@ class In {
   std::FILE* file_;
 };
 
-// Whether each voxel has all three values.
-bool all_voxels(const LightGrid& grid) {
+// Whether each voxel has all three values, and each line its shares.
+bool is_whole(const LightGrid& grid) {
+  for (const std::vector<double>& of_camera : grid.shares)
+    if (of_camera.size() != grid.lines.size()) return false;
   size_t n = 1;
   for (const int side : grid.dim) n *= static_cast<size_t>(side);
   return grid.count.size() == n && grid.air.size() == n && grid.direction.size() == n;
@@ -135,7 +141,7 @@ LightGrid read_light_grid(const std::string& bytes, const std::string& name) {
         } catch (const TooShort&) {
           return false;
         }
-        return all_voxels(grid);
+        return is_whole(grid);
       });
   if (!whole) throw InputError(name, "", "is damaged or cut short");
   if (!refused.empty()) throw InputError(refused);

@@ -53,7 +53,7 @@ LightGrid small() {
   g.probes = {{{{-0.9, 2.1, 100.1}, {0.1, 2.9, 100.7}, 1}, true},
               {{{0, 2.5, 100.2}, {-0.25, 2.25, 100.25}, 0}, false}};
   g.scene_hash = "abc";
-  g.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
+  g.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   g.flux_share = 0.75;
   g.cuts = {{0.01, 0.5}, {0.25, 1}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
@@ -89,7 +89,7 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_LT(length(back.probes[joining].line.camera - g.probes[0].line.camera), 1e-6);
   EXPECT_FALSE(back.probes[1 - joining].joins);
   EXPECT_EQ(back.scene_hash, "abc");
-  EXPECT_EQ(back.camera, g.camera);
+  EXPECT_EQ(back.cameras, g.cameras);
   EXPECT_EQ(back.flux_share, 0.75);
   ASSERT_EQ(back.cuts.size(), 2u);
   EXPECT_EQ(back.cuts[0].conductance, 0.01);
@@ -100,6 +100,26 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.provenance.lines, g.provenance.lines);
   expect_same_lines(back, g, 1e-6);
   EXPECT_TRUE(light_grid_bytes(g) == bytes) << "two writings differ";
+}
+
+TEST_F(LightGridFormat, KeepsTheSharesOfSeveralCameras) {
+  LightGrid g = small();
+  g.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
+  g.lines[0].share = 0.5, g.lines[1].share = 0.25;
+  g.shares = {{0.5, 0}, {0.125, 0.25}};
+  const LightGrid back = read_light_grid(write(light_grid_bytes(g)));
+  EXPECT_EQ(back.cameras, g.cameras);
+  EXPECT_EQ(back.number_of_cameras(), 2u);
+  expect_same_lines(back, g, 1e-6);
+  for (size_t i = 0; i < 2; ++i) {  // in any order
+    const size_t k = back.lines[i].share == 0.5 ? 0 : 1;
+    EXPECT_EQ(back.lines[i].share, g.lines[k].share);
+    for (const size_t camera : {0, 1})
+      EXPECT_EQ(back.share_of(camera, i), g.shares[camera][k]) << camera;
+  }
+  g.shares[1][0] = 1e7;
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "grid lines: holds a line with the share 10000000, expected 0 to 1000000");
 }
 
 // The same bits except for the order of lines; only viewers see another orientation.
@@ -169,7 +189,7 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g = small();
   g.cuts[0].kept = NAN;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_kept_0: is nan, expected a share of 0 to 1");
-  g.camera = "1 2 3";
+  g.cameras = {"1 2 3"};
   EXPECT_EQ(error_of(light_grid_bytes(g)),
             std::string("tdpt_camera: is no camera, ") + kViewpointExpected);
   g = small();
@@ -190,10 +210,10 @@ TEST_F(LightGridFormat, RefusesAnotherVersion) {
   ASSERT_NE(at, std::string::npos);
   EXPECT_EQ(error_of(std::string(bytes).replace(at, name.size(), "tdpt_formal")), "no error");
   char& value = bytes[at + name.size() + 4 + std::string("int32").size() + 4];
-  ASSERT_EQ(value, 1);
-  value = 2;
+  ASSERT_EQ(value, 2);
+  value = 3;
   EXPECT_EQ(error_of(bytes),
-            "tdpt_format: this file has version 2 of the format; this program reads version 1");
+            "tdpt_format: this file has version 3 of the format; this program reads version 2");
 }
 
 TEST_F(LightGridFormat, RefusesLinesWithoutVoxels) {

@@ -47,7 +47,7 @@ void write_header(std::string& out, const LightGrid& grid) {
   fmt::format_to(to, "# tdpt {} {}\n", kFormat, format_version::light_table);
   for (const std::string& line : grid.provenance.lines) fmt::format_to(to, "# {}\n", line);
   if (!grid.scene_hash.empty()) fmt::format_to(to, "# scene {}\n", grid.scene_hash);
-  if (!grid.camera.empty()) fmt::format_to(to, "# camera {}\n", grid.camera);
+  for (const std::string& camera : grid.cameras) fmt::format_to(to, "# camera {}\n", camera);
   fmt::format_to(to, "# grid {} {} {} {} {} {} {}\n", grid.origin.x, grid.origin.y, grid.origin.z,
                  grid.voxel, grid.dim[0], grid.dim[1], grid.dim[2]);
   fmt::format_to(to, "# bottleneck {}\n", grid.bottleneck ? "yes" : "no " + grid.reason);
@@ -85,11 +85,28 @@ struct Header {
     bool operator==(const Answer&) const = default;
   };
   std::optional<Box> box;
-  std::optional<std::string> scene, camera;
+  std::optional<std::string> scene;
+  std::vector<std::string> cameras;
   std::optional<Answer> answer;
   std::vector<CutFigures> cuts;
   Provenance provenance;
 };
+
+// Columns of a table of lines with the shares of several cameras.
+std::string columns_of_lines(size_t cameras) {
+  std::string columns(kOwnLines);
+  for (size_t k = 0; k < cameras; ++k) columns += fmt::format(",share_{}", k + 1);
+  return columns;
+}
+
+// The number of cameras whose shares a table with these columns has; 0 without shares.
+std::optional<size_t> cameras_of(std::string_view columns) {
+  if (columns == kOwnLines) return 0;
+  if (columns == kColumns[kLines]) return 1;
+  for (size_t cameras = 2; cameras <= kMostCameras; ++cameras)
+    if (columns == columns_of_lines(cameras)) return cameras;
+  return {};
+}
 
 std::string_view columns_of(std::string_view text) {
   TextLines in(text, "");
@@ -111,13 +128,14 @@ class TableReader {
       : name(file.name), text_(file.text), in_(file.text, file.name) {
     in_.expect_text("a table of a light grid");
     in_.next();
-    const std::string_view columns = in_.rest();
-    const auto known = std::find(kColumns.begin(), kColumns.end(), columns);
-    own_ = columns == kOwnLines;
-    if (known == kColumns.end() && !own_)
-      in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(columns),
+    all_columns_ = in_.rest();
+    const auto known = std::find(kColumns.begin(), kColumns.end(), all_columns_);
+    const std::optional<size_t> cameras = cameras_of(all_columns_);
+    if (known == kColumns.end() && !cameras)
+      in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(all_columns_),
                            fmt::join(kNames, ", ")));
-    table = own_ ? kLines : static_cast<Table>(known - kColumns.begin());
+    table = cameras ? kLines : static_cast<Table>(known - kColumns.begin());
+    shares_ = cameras.value_or(0);
     read_header(all);
   }
 
@@ -133,7 +151,7 @@ class TableReader {
       expect_memory(name, "", fmt::format("{} lines", rows), rows * sizeof(Probe));
     }
     for (; more_; more_ = in_.next()) {
-      cells_ = in_.rest(), columns_ = own_ ? kOwnLines : kColumns[table];
+      cells_ = in_.rest(), columns_ = all_columns_;
       if (cells_.front() == '#') in_.fail("a '#' line behind a row, expected it before");
       const auto cells = std::count(cells_.begin(), cells_.end(), ',') + 1;
       const auto expected = std::count(columns_.begin(), columns_.end(), ',') + 1;
@@ -147,7 +165,7 @@ class TableReader {
   void read_header(Header& all) {
     Provenance provenance;
     bool versioned = false;
-    size_t cuts = 0;
+    size_t cuts = 0, cameras = 0;
     while ((more_ = in_.next())) {
       TextLines ahead = in_;
       if (ahead.rest().front() != '#') break;
@@ -162,12 +180,17 @@ class TableReader {
         versioned = true;
       } else if (key == "cut") {
         read_cut(cuts++, all.cuts);
+      } else if (key == "camera") {
+        read_camera(cameras++, all.cameras);
       } else if (key == "made" || key == "from") {
         provenance.lines.push_back(fmt::format("{} {}", key, in_.rest()));
       } else {
         read_fact(key, all);
       }
     }
+    if (shares_ > 0 && std::max<size_t>(1, cameras) != shares_)
+      fail(fmt::format("{} cameras for {} columns of shares, expected one for each", cameras,
+                       shares_));
     if (!versioned)
       fail(fmt::format("no '# tdpt {} {}' line before the first row", kFormat,
                        format_version::light_table));
@@ -177,8 +200,6 @@ class TableReader {
   void read_fact(std::string_view key, Header& all) {
     if (key == "scene") {
       same(all.scene, std::string(in_.rest()), "scene");
-    } else if (key == "camera") {
-      same(all.camera, patch_lines::read_camera(in_), "camera");
     } else if (key == "grid") {
       same(all.box, read_box(), "grid");
     } else if (key == "bottleneck") {
@@ -214,6 +235,15 @@ class TableReader {
       in_.fail(fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
     in_.end();
     return box;
+  }
+
+  // Number `n` of the cameras.
+  void read_camera(size_t n, std::vector<std::string>& cameras) {
+    const std::string camera = patch_lines::read_camera(in_);
+    if (n == cameras.size()) cameras.push_back(camera);
+    if (n == kMostCameras) in_.fail(fmt::format("one camera more than {}", kMostCameras));
+    std::optional<std::string> known = cameras[n];
+    same(known, camera, "camera");
   }
 
   // Line `n` of the table of cuts.
@@ -281,7 +311,12 @@ class TableReader {
   void read_row(LightGrid& grid, const LineLimits& limits) {
     if (table == kLines) {
       grid.lines.push_back(line(limits));
-      if (!own_) grid.lines.back().share = double{number<float>(0, kMostShare)};
+      if (shares_ > 1) grid.shares.resize(shares_);
+      for (size_t k = 0; k < shares_; ++k) {
+        const double share{number<float>(0, kMostShare)};
+        grid.lines.back().share = std::max(grid.lines.back().share, share);
+        if (shares_ > 1) grid.shares[k].push_back(share);
+      }
     } else if (table == kProbes) {
       const LightLine l = line(limits);
       grid.probes.push_back({l, whole(2) == 1});
@@ -296,7 +331,8 @@ class TableReader {
 
   std::string_view text_;
   TextLines in_;
-  bool own_ = false;                  // lines without shares
+  std::string_view all_columns_;
+  size_t shares_ = 0;                 // of each line
   bool more_ = false;                 // in_ is at a row
   std::string_view cells_, columns_;  // the rest of the row
 };
@@ -349,7 +385,7 @@ LightGrid grid_of(const Header& all) {
   if (all.box) grid.origin = all.box->origin, grid.voxel = all.box->voxel, grid.dim = all.box->dim;
   if (all.answer) grid.bottleneck = all.answer->bottleneck, grid.reason = all.answer->reason;
   grid.scene_hash = all.scene.value_or("");
-  grid.camera = all.camera.value_or("");
+  grid.cameras = all.cameras;
   grid.cuts = all.cuts;
   grid.provenance = all.provenance;
   return grid;
@@ -369,12 +405,18 @@ std::vector<std::string> light_table_names() {
 
 std::string light_table_text(const LightGrid& grid, const std::string& table) {
   const auto which = std::find(kNames.begin(), kNames.end(), table) - kNames.begin();
+  const size_t cameras = grid.number_of_cameras();
   std::string out(kColumns[static_cast<size_t>(which)]);
+  if (which == kLines && cameras > 1) out = columns_of_lines(cameras);
   out += '\n';
   write_header(out, grid);
   if (which == kLines)
-    for (const LightLine& l : grid.lines)
-      write_ends(out, l), out += fmt::format(",{}\n", static_cast<float>(l.share));
+    for (size_t i = 0; i < grid.lines.size(); ++i) {
+      write_ends(out, grid.lines[i]);
+      for (size_t k = 0; k < cameras; ++k)
+        out += fmt::format(",{}", static_cast<float>(grid.share_of(k, i)));
+      out += '\n';
+    }
   else if (which == kProbes)
     for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
   else
@@ -422,7 +464,7 @@ LightGrid read_light(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     texts.push_back({display_name(path), read_file(path)});
     const std::string_view columns = columns_of(texts.back().text);
-    lines = lines || columns == kColumns[kLines] || columns == kOwnLines;
+    lines = lines || cameras_of(columns);
   }
   const bool tables =
       texts.size() > 1 || (columns_of(texts[0].text).find(',') != std::string_view::npos &&

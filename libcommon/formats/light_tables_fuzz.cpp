@@ -34,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
               a.air == b.air && a.direction == b.direction,
           "voxels come back");
   require(a.cuts == b.cuts && a.bottleneck == b.bottleneck && a.reason == b.reason &&
-              a.scene_hash == b.scene_hash && a.camera == b.camera,
+              a.scene_hash == b.scene_hash && a.cameras == b.cameras,
           "what is said of the grid comes back");
   require(a.lines.size() == b.lines.size() && a.probes.size() == b.probes.size(),
           "lines come back");

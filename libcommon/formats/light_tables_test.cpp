@@ -30,7 +30,7 @@ LightGrid small() {
     g.probes.push_back({line, n % 3 == 0});
   }
   g.scene_hash = "abc";
-  g.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
+  g.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   g.cuts = {{0.01, 0.5}, {1.0 / 3, 1}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b", "made by x 1: x", "from a b"};
   return g;
@@ -69,7 +69,7 @@ TEST(light_tables, come_back_to_the_last_bit_in_any_order) {
     EXPECT_EQ(back.direction, g.direction);
     EXPECT_EQ(back.air, g.air);
     EXPECT_EQ(back.scene_hash, g.scene_hash);
-    EXPECT_EQ(back.camera, g.camera);
+    EXPECT_EQ(back.cameras, g.cameras);
     EXPECT_EQ(back.cuts, g.cuts);
     EXPECT_EQ(back.bottleneck, g.bottleneck);
     std::rotate(tables.begin(), tables.begin() + 1, tables.end());
@@ -85,6 +85,29 @@ TEST(light_tables, of_a_scene_without_a_bottleneck_say_why) {
   EXPECT_FALSE(back.bottleneck);
   EXPECT_EQ(back.reason, none.reason);
   EXPECT_TRUE(back.lines.empty());
+}
+
+TEST(light_tables, have_a_column_for_each_camera) {
+  LightGrid g = small();
+  g.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
+  g.shares.assign(2, std::vector<double>(g.lines.size(), 0.25));
+  for (LightLine& line : g.lines) line.share = 0.5;
+  g.shares[1].assign(g.lines.size(), 0.5);
+  const std::string text = light_table_text(g, "lines");
+  EXPECT_EQ(text.substr(0, text.find('\n')),
+            "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z,share_1,share_2");
+  const LightGrid back = parse_light_tables({{"lines", text}});
+  EXPECT_EQ(back.cameras, g.cameras);
+  EXPECT_EQ(back.shares, g.shares);
+  EXPECT_EQ(back.lines[0].share, 0.5);
+  LightGrid one = g;
+  one.cameras.pop_back();
+  try {
+    parse_light_tables({{"lines", light_table_text(one, "lines")}});
+    ADD_FAILURE() << "accepted";
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "lines: 1 cameras for 2 columns of shares, expected one for each");
+  }
 }
 
 // As written by people, numpy and spreadsheets.
@@ -136,7 +159,7 @@ std::string of_rows(const std::string& name, const std::string& rows, const std:
   LightGrid g = small();
   g.lines.clear(), g.probes.clear();
   g.air.assign(60, 0), g.count.assign(60, 0);
-  g.provenance.lines.clear(), g.camera.clear(), g.scene_hash.clear(), g.cuts.clear();
+  g.provenance.lines.clear(), g.cameras.clear(), g.scene_hash.clear(), g.cuts.clear();
   return complaint({{name, replaced(light_table_text(g, name), was, is) + rows}});
 }
 

@@ -1,6 +1,7 @@
 // Lines shared by the formats of networks (.max) and cuts (.cut): the grid, the patches and their
 // faces.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <string>
@@ -31,6 +32,13 @@ inline std::string read_camera(TextLines& in) {
   const std::string_view text = in.rest();
   if (!parse_viewpoint(text)) in.fail(TextLines::found(text) + " as camera, " + kViewpointExpected);
   return std::string(text);
+}
+
+/// The same, appended to those of the lines above.
+inline void add_camera(TextLines& in, std::vector<std::string>& cameras) {
+  cameras.push_back(read_camera(in));
+  if (cameras.size() > kMostCameras)
+    in.fail(fmt::format("one camera more than {}, expected no more", kMostCameras));
 }
 
 /// `grid X Y Z CELL`, after its keyword.
@@ -121,23 +129,42 @@ inline uint32_t patch_of(TextLines& in, const NodeIndex& index, const char* what
   return found->second;
 }
 
-/// NODE BRIGHTNESS IMPORTANCE, after its keyword; `light` grows as needed.
-inline void read_light(TextLines& in, const NodeIndex& index, std::vector<PatchLight>& light) {
+/// A number of 0 or more.
+inline double read_amount(TextLines& in, const char* what, const char* negative) {
+  const double n = in.real(what);
+  if (!(n >= 0)) in.fail(fmt::format("{}, expected 0 or more", negative));
+  return n;
+}
+
+/// NODE BRIGHTNESS IMPORTANCE ..., after its keyword; `light` grows as needed.
+inline void read_light(TextLines& in, const NodeIndex& index, size_t cameras,
+                       std::vector<PatchLight>& light) {
   const uint32_t i = patch_of(in, index, "node of light");
   light.resize(std::max<size_t>(light.size(), i + 1));
-  for (double* n : {&light[i].brightness, &light[i].importance}) {
-    *n = in.real("light of a patch");
-    if (!(*n >= 0)) in.fail("negative light, expected 0 or more");
-  }
+  const auto number = [&] { return read_amount(in, "light of a patch", "negative light"); };
+  light[i].brightness = number();
+  light[i].importance.clear();
+  for (size_t k = 0; k < cameras; ++k) light[i].importance.push_back(number());
   in.end();
+}
+
+/// What is known of some patches is 0 of the others.
+inline void fill_light(std::vector<PatchLight>& light, size_t patches, size_t cameras) {
+  if (light.empty()) return;
+  light.resize(patches);
+  for (PatchLight& of_patch : light) of_patch.importance.resize(cameras, 0);
 }
 
 inline void write_light(std::string& out, const std::vector<Patch>& patches,
                         const std::vector<PatchLight>& light) {
-  for (size_t i = 0; i < light.size(); ++i)
-    if (light[i].brightness > 0 || light[i].importance > 0)
-      fmt::format_to(std::back_inserter(out), "c light {} {:.4g} {:.4g}\n", patches[i].node,
-                     light[i].brightness, light[i].importance);
+  const auto lit = [](double n) { return n > 0; };
+  for (size_t i = 0; i < light.size(); ++i) {
+    const PatchLight& l = light[i];
+    if (!lit(l.brightness) && std::none_of(l.importance.begin(), l.importance.end(), lit)) continue;
+    fmt::format_to(std::back_inserter(out), "c light {} {:.4g}", patches[i].node, l.brightness);
+    for (const double v : l.importance) fmt::format_to(std::back_inserter(out), " {:.4g}", v);
+    out += '\n';
+  }
 }
 
 }  // namespace tdpt::patch_lines

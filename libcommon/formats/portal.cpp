@@ -65,12 +65,20 @@ class Reader {
         d_.fail(fmt::format("asset.extras.{}", kPortalVersionKey), fault);
     if (const auto hash = extras->find("scene_hash"); hash != extras->end() && hash->is_string())
       file.scene_hash = hash->get<std::string>();
-    // Another program may use this name for something else.
-    if (const auto camera = extras->find("camera"); camera != extras->end() && camera->is_string())
-      if (const auto text = camera->get<std::string>(); parse_viewpoint(text)) file.camera = text;
+    if (const auto camera = extras->find("camera"); camera != extras->end())
+      add_camera(*camera, file);
+    if (const auto all = extras->find("cameras"); all != extras->end() && all->is_array())
+      for (const Json& camera : *all) add_camera(camera, file);
     if (const auto lines = extras->find("provenance"); lines != extras->end() && lines->is_array())
       for (const Json& line : *lines)
         if (line.is_string()) file.provenance.lines.push_back(line.get<std::string>());
+  }
+
+  // Another program may use the name for something else.
+  static void add_camera(const Json& camera, PortalFile& file) {
+    if (!camera.is_string()) return;
+    if (const auto text = camera.get<std::string>(); parse_viewpoint(text))
+      file.made_for.push_back(text);
   }
 
   size_t lamps() const {
@@ -99,8 +107,12 @@ class Reader {
                                        : fmt::format("portal.{}", file.portals.size());
     const Json& json = d_.json.at("nodes").at(n.node);
     if (const auto extras = json.find("extras"); extras != json.end() && extras->is_object())
-      for (const auto& [key, value] : extras->items())
+      for (const auto& [key, value] : extras->items()) {
         if (value.is_number()) portal.figures[key] = value.get<double>();
+        if (key != "cameras" || !value.is_object()) continue;
+        for (const auto& [camera, share] : value.items())
+          if (share.is_number()) portal.cameras[camera] = share.get<double>();
+      }
     for (size_t p = 0; p < mesh.primitives.size(); ++p)
       add_primitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", m, p),
                     n.to_world(), portal);
@@ -191,7 +203,8 @@ class Writer {
     Json& extras = root_["asset"]["extras"];
     extras[kPortalVersionKey] = format_version::portal;
     extras["scene_hash"] = file.scene_hash;
-    if (!file.camera.empty()) extras["camera"] = file.camera;
+    if (file.made_for.size() == 1) extras["camera"] = file.made_for[0];
+    if (file.made_for.size() > 1) extras["cameras"] = file.made_for;
     if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
     root_["scene"] = 0;
     root_["scenes"] = Json::array({{{"name", "portals"}}});
@@ -237,6 +250,7 @@ class Writer {
     Json node = {{"name", name}, {"mesh", n}, {"translation", {origin.x, origin.y, origin.z}}};
     for (const auto& [key, value] : portal.figures)
       if (std::isfinite(value)) node["extras"][key] = value;
+    if (!portal.cameras.empty()) node["extras"]["cameras"] = portal.cameras;
     root_["nodes"].push_back(node);
     root_["scenes"][0]["nodes"].push_back(n);
   }

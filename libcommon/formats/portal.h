@@ -17,6 +17,9 @@ struct Portal {
   std::vector<Vec3d> vertices;                     ///< metres
   std::vector<std::array<uint32_t, 3>> triangles;  ///< into vertices
   std::map<std::string, double> figures;           ///< figures of merit (extras)
+  /// The cameras that it serves, by name, with the share of each one's light that crosses it;
+  /// empty: all of the file.
+  std::map<std::string, double> cameras{};
   /// Largest displacement of a vertex by rounding to the file's single precision [m].
   double rounding = 0;
   /// Light may pass in both directions: some primitive has a doubleSided material.
@@ -35,7 +38,7 @@ struct PortalFile {
   /// Of the file read; lamps are punctual lights, luminaires and emissive materials. Portals need
   /// neither.
   size_t cameras = 0, lamps = 0;
-  std::string camera = {};  ///< for which it was made [viewpoint.h]; empty: unknown
+  std::vector<std::string> made_for{};  ///< cameras [viewpoint.h]; empty: unknown
 };
 
 /// Key in asset.extras of the format's version.

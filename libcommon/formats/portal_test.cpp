@@ -98,7 +98,7 @@ void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-12) {
 TEST_F(PortalFormat, ComesBackAsItWasWritten) {
   PortalFile file;
   file.scene_hash = "0123";
-  file.camera = "1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye";
+  file.made_for = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   file.provenance.lines = {"made by portalfit 1: portalfit", "from room.vdb 77"};
   Portal a;
   a.vertices = {{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6 + 1, 1, 0.25}, {1e6, 1, 0.25}};
@@ -117,9 +117,21 @@ TEST_F(PortalFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.portals[1].triangles, b.triangles);
   for (size_t i = 0; i < 4; ++i) expect_near(back.portals[0].vertices[i], a.vertices[i]);
   EXPECT_EQ(back.scene_hash, "0123");
-  EXPECT_EQ(back.camera, file.camera);
+  EXPECT_EQ(back.made_for, file.made_for);
   EXPECT_EQ(back.provenance.lines, file.provenance.lines);
   EXPECT_EQ(portal_bytes(back), bytes);
+}
+
+TEST_F(PortalFormat, KeepsWhichCamerasEachPortalServes) {
+  PortalFile file = read(square());
+  file.made_for = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye",
+                   "0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard"};
+  file.portals.push_back(file.portals[0]);
+  file.portals[1].cameras = {{"the eye", 0.5}, {"yard", 0.25}};
+  const PortalFile back = read_portals(write("p.glb", portal_bytes(file)));
+  EXPECT_EQ(back.made_for, file.made_for);
+  EXPECT_TRUE(back.portals[0].cameras.empty());
+  EXPECT_EQ(back.portals[1].cameras, file.portals[1].cameras);
 }
 
 TEST_F(PortalFormat, OneForBothWaysComesBackAsSuch) {
@@ -180,10 +192,10 @@ TEST_F(PortalFormat, ReadsWhatAModellingProgramWrites) {
   ASSERT_EQ(file.portals.size(), 1u);
   EXPECT_EQ(file.portals[0].name, "door");
   EXPECT_TRUE(file.scene_hash.empty());
-  EXPECT_TRUE(file.camera.empty());
+  EXPECT_TRUE(file.made_for.empty());
   Json g = square();
   g["asset"]["extras"]["camera"] = "a Leica";  // another program's use of the name
-  EXPECT_TRUE(read_portals(write("p.gltf", g.dump())).camera.empty());
+  EXPECT_TRUE(read_portals(write("p.gltf", g.dump())).made_for.empty());
   expect_near(area_vector(file.portals[0]), {0, 0, 1});
 }
 

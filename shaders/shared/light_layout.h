@@ -15,22 +15,23 @@
   TABLES_OF_BVH(TABLE)      \
   TABLES_OF_COVERAGE(TABLE)
 // BUFFER(binding, type, array): tables of the cuts.
-#define LIGHT_CUTS(BUFFER)          \
-  BUFFER(2, PivotArc, pivot_arcs)   \
-  BUFFER(3, PatchPieces, patches)   \
-  BUFFER(4, Piece, pieces)          \
-  BUFFER(5, uint, first_cell)       \
-  BUFFER(6, PatchCell, patch_cells) \
-  BUFFER(7, FaceNormal, face_normals)
-#define LIGHT_TRIES 8
-#define LIGHT_LINES 9
-#define LIGHT_FATES 10
-#define LIGHT_LISTS 11
+#define LIGHT_CUTS(BUFFER)            \
+  BUFFER(2, PivotArc, pivot_arcs)     \
+  BUFFER(3, PatchPieces, patches)     \
+  BUFFER(4, Piece, pieces)            \
+  BUFFER(5, uint, first_cell)         \
+  BUFFER(6, PatchCell, patch_cells)   \
+  BUFFER(7, FaceNormal, face_normals) \
+  BUFFER(8, uint, region_sides)
+#define LIGHT_TRIES 9
+#define LIGHT_LINES 10
+#define LIGHT_FATES 11
+#define LIGHT_LISTS 12
 // 3D images of 32-bit integers.
-#define LIGHT_COUNT 12
-#define LIGHT_DIRECTION_X 13
-#define LIGHT_DIRECTION_Y 14
-#define LIGHT_DIRECTION_Z 15
+#define LIGHT_COUNT 13
+#define LIGHT_DIRECTION_X 14
+#define LIGHT_DIRECTION_Y 15
+#define LIGHT_DIRECTION_Z 16
 
 #define LIGHT_GROUP 64  // invocations of a work group
 // Units of the summed directions, and how many unit vectors may be summed without exceeding 31
@@ -74,7 +75,8 @@ struct Piece {
 };
 
 /// The part of a patch on one face, and its cell. The parts on a face are sorted by level, then
-/// cell.
+/// cell. A region has the patches that lie on the same side of every cut; region_sides has two
+/// words for each: bit c is set on the camera's side of cut c.
 struct PatchCell {
   ivec3 cell;
   uint level_region;  ///< level << 24 | region

@@ -2,9 +2,9 @@
 // through a point in the air.
 //
 // Include it in a scope that has the tables of light_layout.h under their names (pivot_arcs[],
-// patches[], pieces[], first_cell[], patch_cells[], face_normals[]), their parameters `light`,
-// segment_blocked() and first_hit() of traversal.h or replacements, and count_voxel(): a GLSL file
-// after its buffers, or the body of a C++ struct.
+// patches[], pieces[], first_cell[], patch_cells[], face_normals[], region_sides[]), their
+// parameters `light`, segment_blocked() and first_hit() of traversal.h or replacements, and
+// count_voxel(): a GLSL file after its buffers, or the body of a C++ struct.
 
 #include "shaders/shared/bvh.h"
 #include "shaders/shared/grid_walk.h"
@@ -149,7 +149,7 @@ SHARED bool region_at(uint face, vec3 place, OUT(uint) region) {
 
 /// 0: the light's side of the cut, 1: the camera's.
 SHARED uint side_of_region(uint region) {
-  return region <= light.cut ? 0u : 1u;
+  return (region_sides[2u * region + (light.cut >> 5)] >> (light.cut & 31u)) & 1u;
 }
 
 /// Whether cosine-distributed rays from an end of a line hit mostly patches of its own side.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace tdpt {
 namespace {
@@ -33,12 +35,12 @@ Rgb mean_of(const Image& image, bool srgb) {
   return Rgb(sum / n);
 }
 
-// Solves x_i = begin_i + sum_j n_ij/2 handed_j x_j, x in power, until sum_i measure_i x_i settles.
+// Solves x_i = begin_i + sum_j n_ij/2 handed_j x_j, x in power, until sum_i measure_i x_i settles,
+// for each of the measures.
 std::vector<double> transported(const Etendue& etendue, const std::vector<double>& handed,
                                 const std::vector<double>& begin,
-                                const std::vector<double>& measure) {
-  std::vector<double> x = begin, next;
-  double sum = 0;
+                                const std::vector<std::vector<double>>& measures) {
+  std::vector<double> x = begin, next, sums(measures.size(), 0);
   for (int bounce = 0; bounce < kMostBounces; ++bounce) {
     next = begin;
     for (const Etendue::Pair& p : etendue.pairs) {
@@ -46,10 +48,13 @@ std::vector<double> transported(const Etendue& etendue, const std::vector<double
       next[p.i] += 0.5 * p.count * handed[p.j] * x[p.j];
     }
     x.swap(next);
-    const double before = sum;
-    sum = 0;
-    for (size_t i = 0; i < x.size(); ++i) sum += measure[i] * x[i];
-    if (bounce >= kFewestBounces && std::abs(sum - before) <= kSettled * sum) break;
+    bool settled = bounce >= kFewestBounces;
+    for (size_t k = 0; k < measures.size(); ++k) {
+      const double before = sums[k];
+      sums[k] = std::inner_product(x.begin(), x.end(), measures[k].begin(), 0.0);
+      settled &= std::abs(sums[k] - before) <= kSettled * sums[k];
+    }
+    if (settled) break;
   }
   return x;
 }
@@ -81,40 +86,77 @@ std::vector<double> albedos_of(const Scene& scene) {
   return albedo;
 }
 
-std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
-                                     const std::vector<PatchTerms>& terms) {
-  const size_t n = terms.size();
-  // What leaves each patch and is handed on: albedo per sample.
-  // Estimates of small patches are rough: none may hand on more than it has.
-  std::vector<double> handed(n, 0), exchanged(n, 0);
-  for (const Etendue::Pair& p : etendue.pairs)
-    for (const uint32_t end : {p.i, p.j}) exchanged[end] += 0.5 * p.count;
-  for (uint32_t i = 0; i < n; ++i)
+namespace {
+
+// What of each patch's light is handed on: albedo per sample. Estimates of small patches are rough:
+// none may hand on more than it has.
+std::vector<double> handed_on(const PatchMap& patches, const Etendue& etendue,
+                              const std::vector<PatchTerms>& terms,
+                              const std::vector<double>& exchanged) {
+  std::vector<double> handed(terms.size(), 0);
+  for (uint32_t i = 0; i < terms.size(); ++i)
     if (!patches.is_sky(i) && etendue.samples[i] > 0)
       handed[i] = terms[i].albedo / std::max(etendue.samples[i], exchanged[i]);
-  std::vector<double> direct(n), seen(n), measure(n);
-  for (size_t i = 0; i < n; ++i)
-    direct[i] = terms[i].direct, seen[i] = terms[i].seen, measure[i] = seen[i] * handed[i];
-  const std::vector<double> light = transported(etendue, handed, direct, measure);
-  double pixels = 0, picture = 0;
-  for (size_t i = 0; i < n; ++i) pixels += seen[i], picture += measure[i] * light[i];
-  if (!(picture > 0)) return {};
-  // Half of each pixel counts by its light, half as much as any other.
-  const double mean = picture / pixels;
+  return handed;
+}
+
+// W of one camera, each pixel counted half by its light and half as much as any other; and the sum
+// of its picture's light, counted so.
+struct Pixels {
+  std::vector<double> seen;
   double all = 0;
-  for (size_t i = 0; i < n; ++i) {
+};
+Pixels pixels_of(std::vector<double> seen, const std::vector<double>& handed,
+                 const std::vector<double>& light) {
+  double pixels = 0, picture = 0, all = 0;
+  for (size_t i = 0; i < seen.size(); ++i)
+    pixels += seen[i], picture += seen[i] * handed[i] * light[i];
+  if (!(picture > 0)) return {};
+  const double mean = picture / pixels;
+  for (size_t i = 0; i < seen.size(); ++i) {
     const double radiosity = handed[i] * light[i];
     seen[i] *= 0.5 / mean + 0.5 / std::max(radiosity, kDarkest * mean);
     all += seen[i] * radiosity;
   }
-  for (size_t i = 0; i < n; ++i) measure[i] = direct[i] * handed[i];
-  const std::vector<double> importance = transported(etendue, handed, seen, measure);
+  return {std::move(seen), all};
+}
+
+}  // namespace
+
+std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
+                                     const std::vector<PatchTerms>& terms) {
+  const size_t n = terms.size(), cameras = terms.empty() ? 0 : terms[0].seen.size();
+  std::vector<double> exchanged(n, 0), direct(n);
+  for (const Etendue::Pair& p : etendue.pairs)
+    for (const uint32_t end : {p.i, p.j}) exchanged[end] += 0.5 * p.count;
+  const std::vector<double> handed = handed_on(patches, etendue, terms, exchanged);
+  std::vector<std::vector<double>> seen(cameras), measures(cameras);
+  for (size_t i = 0; i < n; ++i) {
+    direct[i] = terms[i].direct;
+    for (size_t k = 0; k < cameras; ++k) {
+      seen[k].push_back(terms[i].seen[k]);
+      measures[k].push_back(terms[i].seen[k] * handed[i]);
+    }
+  }
+  const std::vector<double> light = transported(etendue, handed, direct, measures);
+  std::vector<double> of_light(n);
+  for (size_t i = 0; i < n; ++i) of_light[i] = direct[i] * handed[i];
   std::vector<PatchLight> of_patch(n);
+  double unit = 0;  // light of the first picture that has any
+  for (size_t k = 0; k < cameras; ++k) {
+    const Pixels pixels = pixels_of(seen[k], handed, light);
+    for (PatchLight& p : of_patch) p.importance.push_back(0);
+    if (!(pixels.all > 0)) continue;
+    if (unit == 0) unit = pixels.all;
+    const std::vector<double> importance = transported(etendue, handed, pixels.seen, {of_light});
+    for (uint32_t i = 0; i < n; ++i)
+      of_patch[i].importance[k] = handed[i] * importance[i] * (unit / pixels.all);
+  }
+  if (unit == 0) return {};
   for (uint32_t i = 0; i < n; ++i) {
     const double samples = patches.is_sky(i) ? exchanged[i] : etendue.samples[i];
-    if (!(samples > 0)) continue;
-    of_patch[i].brightness = (terms[i].emitted / samples + handed[i] * light[i]) / all;
-    of_patch[i].importance = handed[i] * importance[i];
+    if (samples > 0)
+      of_patch[i].brightness = (terms[i].emitted / samples + handed[i] * light[i]) / unit;
   }
   spread_sky(patches, exchanged, of_patch);
   return of_patch;

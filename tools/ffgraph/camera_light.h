@@ -1,8 +1,10 @@
-// The light of the picture on its way from patch to patch: finite-element radiosity on the network.
+// The light of the pictures on its way from patch to patch: finite-element radiosity on the
+// network, solved once for how bright patches are and once per camera for what they mean to its
+// picture.
 //
 // n_i, n_ij  samples and etendue of patches and pairs [etendue.h]: A_i F_ij ~ n_ij / 2
 // D_i        power that reaches patch i straight from lamps and sky (first hits of light walks)
-// W_i        what patch i means to the picture: the pixels that show it (first hits of camera
+// W_i        what patch i means to a picture: the pixels that show it (first hits of camera
 //            walks), half as they are and half each divided by its light. So light that few bright
 //            pixels have counts, and light that many dark ones have
 // r_i        albedo
@@ -11,7 +13,8 @@
 // With E_i the power that patch i itself emits, the share of the picture's light that goes from i
 // to j without a surface in between is
 //   n_ij/2 b_i v_j,  b_i = (E_i / n_i + r_i e_i) / sum_k W_k r_k e_k,  v_j = r_j m_j.
-// What the camera sees of the lamps themselves does not count.
+// What a camera sees of the lamps themselves does not count. All cameras share one b, that of the
+// first; v of each is scaled so that the formula gives the share of its own picture's light.
 #pragma once
 #include <vector>
 
@@ -22,13 +25,13 @@ namespace tdpt {
 
 /// What the solution needs to know of one patch; of a bin of the sky only `emitted` counts.
 struct PatchTerms {
-  double emitted = 0;  ///< E_i
-  double direct = 0;   ///< D_i, in the same unit
-  double seen = 0;     ///< W_i
-  double albedo = 0;   ///< r_i
+  double emitted = 0;          ///< E_i
+  double direct = 0;           ///< D_i, in the same unit
+  std::vector<double> seen{};  ///< W_i of each camera
+  double albedo = 0;           ///< r_i
 };
 
-/// b and v of each patch; empty where none of the light reaches the camera.
+/// b and v of each patch, v 0 for cameras that none of the light reaches; empty if it reaches none.
 std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
                                      const std::vector<PatchTerms>& terms);
 

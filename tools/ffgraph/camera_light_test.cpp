@@ -17,7 +17,7 @@ struct Rooms {
     for (int32_t i = 0; i < 3; ++i) patches.add({{i, 0, 0}, 0, 0});
     etendue.samples = {100, 100, 100};
     etendue.pairs = {{0, 1, 20}, {0, 2, to_closet}};
-    terms = {{0, 50, 0, 0.5}, {0, 0, 10, 0.5}, {0, 0, 0, 0.5}};
+    terms = {{0, 50, {0}, 0.5}, {0, 0, {10}, 0.5}, {0, 0, {0}, 0.5}};
   }
   static PatchMap empty_map(Scene& scene) {
     scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -26,12 +26,12 @@ struct Rooms {
     return {scene, {}, {0}};
   }
   // Share of the camera's light that goes from i to j.
-  double share(uint32_t i, uint32_t j) const {
+  double share(uint32_t i, uint32_t j, size_t camera = 0) const {
     const auto light = camera_light(patches, etendue, terms);
     double sum = 0;
     for (const Etendue::Pair& p : etendue.pairs)
       if ((p.i == i && p.j == j) || (p.i == j && p.j == i))
-        sum += 0.5 * p.count * light[i].brightness * light[j].importance;
+        sum += 0.5 * p.count * light[i].brightness * light[j].importance[camera];
     return sum;
   }
 };
@@ -52,6 +52,28 @@ TEST(CameraLight, KnowsWhatAClosetIsWorth) {
   EXPECT_NEAR(rooms.share(0, 2), rooms.share(2, 0), 1e-6);
   EXPECT_LT(rooms.share(0, 2), 0.002);
   EXPECT_GT(Rooms(60).share(0, 2), 0.02);  // twin: a wide one
+}
+
+// A second camera, in the lamp's room, changes nothing for the first, whatever its picture's light.
+TEST(CameraLight, IsThatOfEachCamera) {
+  Rooms both;
+  for (const bool first : {true, false}) {
+    for (PatchTerms& t : both.terms) t.seen = {0, 0};
+    both.terms[1].seen[first ? 0 : 1] = 10;
+    both.terms[0].seen[first ? 1 : 0] = 30;
+    const Rooms alone;
+    EXPECT_NEAR(both.share(0, 1, first ? 0 : 1), alone.share(0, 1), 1e-3);
+    EXPECT_LT(both.share(0, 1, first ? 1 : 0), 0.1);
+  }
+}
+
+TEST(CameraLight, OfACameraThatSeesNoLightHasNoImportance) {
+  Rooms both;
+  for (PatchTerms& t : both.terms) t.seen.insert(t.seen.begin(), 0);
+  const auto light = camera_light(both.patches, both.etendue, both.terms);
+  ASSERT_FALSE(light.empty());
+  for (const PatchLight& l : light) EXPECT_EQ(l.importance[0], 0);
+  EXPECT_NEAR(both.share(0, 1, 1), Rooms().share(0, 1), 1e-9);
 }
 
 TEST(CameraLight, IsNothingWhereTheCameraSeesNoLight) {

@@ -48,10 +48,10 @@ Decisions decisions_of(const Scene& scene, const GraphSettings& settings, const 
                        const GraphReport& report) {
   Decisions all = of_scene(scene);
   all.push_back({"walks",
-                 fmt::format("{} from the light, {} from the camera", report.light_walks,
-                             settings.walks.walks),
+                 fmt::format("{} from the light, {} from {} camera", report.light_walks,
+                             report.camera_walks, report.camera_hits.size() > 1 ? "each" : "the"),
                  fmt::format("they hit {} and {} surfaces, and both reached {} of {} patches",
-                             report.light_hits, report.camera_hits, report.reached_by_both,
+                             report.light_hits, report.hits_of_cameras(), report.reached_by_both,
                              flow.patches.size()),
                  cli::price_of(report.phases, {"walks"})});
   for (size_t i = 0; i < report.by_round.size(); ++i) {

@@ -198,7 +198,7 @@ std::unique_ptr<Graph> graph_of(Scene scene, int rounds, uint64_t seed = 1) {
   settings.walks = {seed, 20000, 12};
   settings.rays = 100000;
   settings.rounds = rounds;
-  g->flow = build_graph(g->scene, g->scene.camera(""), settings, nullptr, g->report);
+  g->flow = build_graph(g->scene, {g->scene.camera("")}, settings, nullptr, g->report);
   g->on_source = max_flow(g->flow.network).source_side;
   return g;
 }

@@ -15,9 +15,10 @@ int64_t whole(double capacity) {
   return std::llround(capacity * kCapacityScale);
 }
 
+// Needs f.more_sinks.
 FlowNetwork network_of(const LightFlow& f, const std::vector<double>& sky_grade) {
   FlowNetwork net;
-  net.nodes = f.patches.size() + 2;
+  net.nodes = static_cast<uint32_t>(f.patches.size() + 2 + f.more_sinks.size());
   net.source = 0;
   net.sink = 1;
   const auto add = [&net](uint32_t from, uint32_t to, double capacity) {
@@ -27,11 +28,14 @@ FlowNetwork network_of(const LightFlow& f, const std::vector<double>& sky_grade)
   std::vector<double> of_lamps = f.hits_light;
   for (size_t i = 0; i < f.lit_by_sky.size(); ++i) of_lamps[i] -= f.lit_by_sky[i];
   const std::vector<double> from_light = terminal_grades(of_lamps, n);
-  const std::vector<double> to_camera = terminal_grades(f.hits_camera, n);
+  std::vector<std::vector<double>> to_camera;
+  for (const std::vector<double>& hits : f.hits_cameras)
+    to_camera.push_back(terminal_grades(hits, n));
   for (uint32_t i = 0; i < f.patches.size(); ++i) {
     const bool sky = f.patches.is_sky(i);
     add(net.source, i + 2, n[i] * (sky ? sky_grade[f.patches.bin_of(i)] : from_light[i]));
-    add(i + 2, net.sink, n[i] * to_camera[i]);
+    for (size_t k = 0; k < to_camera.size(); ++k)
+      add(i + 2, k == 0 ? net.sink : f.more_sinks[k - 1], n[i] * to_camera[k][i]);
   }
   for (const Etendue::Pair& p : f.etendue.pairs) {
     add(p.i + 2, p.j + 2, 0.5 * p.count);
@@ -102,8 +106,8 @@ void each_hit(const Walks& hits, const Visit& visit) {
       ++walk;
 }
 
-// Adds what begins on each patch and in the sky, what the sky lights, and the terms of the camera's
-// light.
+// Adds what begins on each patch and in the sky, what the sky lights, and the terms of the cameras'
+// light. `traces`: of the light's walks, then of each camera's.
 void count_walks(const Scene& scene, const BothWalks& both, const std::vector<PatchTrace>& traces,
                  LightFlow& f, std::vector<PatchTerms>& terms) {
   f.begun.assign(f.patches.size(), 0);
@@ -122,9 +126,11 @@ void count_walks(const Scene& scene, const BothWalks& both, const std::vector<Pa
     }
     if (first && known) terms[p].direct += light.power[walk];
   });
-  each_hit(both.camera, [&](size_t k, size_t, bool first) {
-    if (const uint32_t p = traces[1][k]; first && p < f.patches.size()) terms[p].seen += 1;
-  });
+  for (PatchTerms& t : terms) t.seen.assign(both.cameras.size(), 0);
+  for (size_t c = 0; c < both.cameras.size(); ++c)
+    each_hit(both.cameras[c], [&](size_t k, size_t, bool first) {
+      if (const uint32_t p = traces[1 + c][k]; first && p < f.patches.size()) terms[p].seen[c] += 1;
+    });
   const std::vector<double> albedo = albedos_of(scene);
   for (uint32_t i = 0; i < f.patches.size(); ++i)
     if (!f.patches.is_sky(i))
@@ -135,8 +141,10 @@ void count_walks(const Scene& scene, const BothWalks& both, const std::vector<Pa
 
 LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& tracer, uint64_t seed,
                      uint32_t rays) {
-  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}, {}};
-  for (const Walks* walks : {&both.light.hits, &both.camera})
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  std::vector<const Walks*> all{&both.light.hits};
+  for (const Walks& walks : both.cameras) all.push_back(&walks);
+  for (const Walks* walks : all)
     f.patches.add_all(walks->size(), [walks](size_t k) {
       const WalkHit& h = (*walks)[k];
       return is_hit(h) ? std::optional(PatchMap::SurfacePoint{h.face, Vec3d(h.position)})
@@ -151,15 +159,18 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   if (!both.light.bin.empty())
     for (uint32_t k = 0; k < kSkyBins; ++k) f.patches.add_sky(k);
 
-  const std::vector<PatchTrace> traces{trace_of(f.patches, both.light.hits),
-                                       trace_of(f.patches, both.camera)};
+  std::vector<PatchTrace> traces;
+  for (const Walks* walks : all) traces.push_back(trace_of(f.patches, *walks));
   f.hits_light = hits_of(f.patches, traces[0]);
-  f.hits_camera = hits_of(f.patches, traces[1]);
+  for (size_t k = 1; k < traces.size(); ++k)
+    f.hits_cameras.push_back(hits_of(f.patches, traces[k]));
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
   std::vector<PatchTerms> terms(f.patches.size());
   count_walks(f.patches.scene(), both, traces, f, terms);
   f.light = camera_light(f.patches, f.etendue, terms);
+  for (uint32_t k = 1; k < both.cameras.size(); ++k)
+    f.more_sinks.push_back(f.patches.size() + 1 + k);
   f.network = network_of(f, both.sky_grade);
   return f;
 }
@@ -184,10 +195,13 @@ DimacsFile dimacs_file(const LightFlow& f) {
   file.scene_hash = f.patches.scene().identity();
   file.grid = f.patches.grid();
   file.network = f.network;
+  file.more_sinks = f.more_sinks;
   file.patches = f.geometry;
   file.light = f.light;
   for (size_t i = 0; i < f.begun.size(); ++i)
-    file.walks.push_back({f.begun[i], f.hits_light[i], f.hits_camera[i]});
+    file.walks.push_back({f.begun[i], f.hits_light[i], {}});
+  for (const std::vector<double>& hits : f.hits_cameras)
+    for (size_t i = 0; i < hits.size(); ++i) file.walks[i].camera.push_back(hits[i]);
   return file;
 }
 

@@ -6,7 +6,7 @@
 // n_i       samples of patch i, in proportion to its area
 // n_ij      etendue of a pair (etendue.h): arcs of capacity n_ij / 2 either way
 // H_E, H_W  hits of light walks and of camera walks: capacity of source -> i is n_i grade(H_E), of
-//           i -> sink n_i grade(H_W), see terminal_grades()
+//           i -> sink n_i grade(H_W), see terminal_grades(). Each camera has its own sink and H_W
 //
 // Light from infinity has patches, too, one per bin of directions (sky_bins.h). The rays that leave
 // the scene connect them to surfaces, and their brightness connects them to the source. Walks that
@@ -29,17 +29,19 @@ struct LightFlow {
   PatchMap patches;
   std::vector<Patch> geometry;  ///< per patch
   Etendue etendue;
-  std::vector<double> hits_light, hits_camera;  ///< H_E, H_W per patch
-  std::vector<double> begun;                    ///< light walks that begin on each patch
-  std::vector<double> lit_by_sky;  ///< the part of H_E from walks that begin in the sky
-  std::vector<PatchLight> light;   ///< per patch; empty: none reaches the camera
-  FlowNetwork network;             ///< node 0: source, 1: sink, k + 2: patch k
+  std::vector<double> hits_light;                 ///< H_E per patch
+  std::vector<std::vector<double>> hits_cameras;  ///< H_W of each camera, per patch
+  std::vector<double> begun;                      ///< light walks that begin on each patch
+  std::vector<double> lit_by_sky;    ///< the part of H_E from walks that begin in the sky
+  std::vector<PatchLight> light;     ///< per patch; empty: none reaches a camera
+  FlowNetwork network;               ///< node 0: source, 1: the first camera's sink, k + 2: patch k
+  std::vector<uint32_t> more_sinks;  ///< of the other cameras, the last nodes
 };
 
-/// The walks from the light and from the camera.
+/// The walks from the light and from the cameras.
 struct BothWalks {
   LightWalks light;
-  Walks camera;
+  std::vector<Walks> cameras;
   size_t of_light = 0;            ///< number of light walks
   std::vector<double> sky_grade;  ///< data term of each bin: share of its etendue that is its
                                   ///< capacity from the source

@@ -50,7 +50,7 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Split where the patches of this cut (.cut) straddle its opening, instead of --set rounds");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): what light and camera reach, as the "
-                      "camera sees it and in plan");
+                      "first camera sees it and in plan");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF, the patches as coloured squares");
   options.part(cli::Part::effort);
@@ -62,7 +62,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--samples,--set samples", a.samples, kSamples, "N",
                  "Rays for the etendue in each round", 1000, 100000000);
   options.option("--set walks", a.walks, kWalks, "N",
-                 "Walks from the light, and as many from the camera", 1, 10000000);
+                 "Walks from the light, and as many from the camera or up to six cameras together",
+                 1, 10000000);
   options.option("--set bounces", a.bounces, "N", "Surfaces that a walk hits at most; default 12",
                  1, 64);
   options.option("--set cells", a.cells, "N",
@@ -79,7 +80,7 @@ using Json = nlohmann::ordered_json;
 
 struct Loaded {
   Scene scene;
-  Camera camera;
+  std::vector<Camera> cameras;
   std::optional<CutFile> refine;
   std::vector<cli::Common::Input> files;
 };
@@ -111,13 +112,27 @@ Loaded load(const Arguments& a, const cli::Common& common) {
     throw InputError(
         display_name(a.scene), "",
         "nothing emits light, expected an emissive surface, a lamp or an --environment");
-  in.camera = chosen_camera(in.scene, a.camera, common);
+  in.cameras = chosen_cameras(in.scene, a.camera, common);
+  if (a.triangles() && in.cameras.size() > 1)
+    throw UsageError(
+        fmt::format("--nodes triangles is for one camera, {} are given", in.cameras.size()));
   if (a.refine.empty()) return in;
   const CutFile& cut = in.refine.emplace(read_cut(a.refine));
   check_made_from(in.scene, cut.scene_hash, a.refine);
   check_patches(display_name(a.refine), in.scene, cut);
   in.files.push_back({a.refine, cut.hash, cut.provenance});
   return in;
+}
+
+// Of ends that see nothing of each other.
+void warn_of_no_flow(const cli::Common& common, const Loaded& in, const GraphReport& report) {
+  if (report.light_hits == 0)
+    common.warn("no light reaches a surface: the network carries no flow");
+  for (size_t k = 0; k < in.cameras.size(); ++k)
+    if (report.camera_hits[k] == 0)
+      common.warn(fmt::format("the camera{} sees no surface: the network carries no flow{}",
+                              in.cameras.size() > 1 ? " \"" + in.cameras[k].name + '"' : "",
+                              in.cameras.size() > 1 ? " to it" : ""));
 }
 
 DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Loaded& in,
@@ -130,17 +145,15 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   GraphReport report;
   report.phases = phases;
   const LightFlow flow =
-      build_graph(in.scene, in.camera, settings, in.refine ? &*in.refine : nullptr, report);
+      build_graph(in.scene, in.cameras, settings, in.refine ? &*in.refine : nullptr, report);
   phases = report.phases;
-  common.note(fmt::format("light and camera both reach {} of {} patches of surface",
-                          report.reached_by_both, flow.patches.size()));
-  if (report.light_hits == 0)
-    common.warn("no light reaches a surface: the network carries no flow");
-  if (report.camera_hits == 0)
-    common.warn("the camera sees no surface: the network carries no flow");
+  common.note(fmt::format("light and {} both reach {} of {} patches of surface",
+                          in.cameras.size() > 1 ? "cameras" : "camera", report.reached_by_both,
+                          flow.patches.size()));
+  warn_of_no_flow(common, in, report);
   common.explain_by([&] { return decisions_of(in.scene, settings, flow, report); });
   summary["light_hits"] = report.light_hits;
-  summary["camera_hits"] = report.camera_hits;
+  summary["camera_hits"] = report.hits_of_cameras();
   summary["reached_by_both"] = report.reached_by_both;
   summary["rays"] = report.rays;
   summary["rounds"] = report.rounds;
@@ -156,7 +169,7 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
   settings.rays = static_cast<uint32_t>(a.walks);
   TriangleReport report;
   report.phases = phases;
-  DimacsFile file = triangle_flow(in.scene, in.camera, settings, report);
+  DimacsFile file = triangle_flow(in.scene, in.cameras[0], settings, report);
   phases = report.phases;
   common.note(fmt::format("{} triangles are lit directly, the camera sees {}, {} are both",
                           report.lit, report.seen, report.shared));
@@ -172,7 +185,8 @@ DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& 
   DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
                                      : graph_of_patches(a, common, in, phases, summary);
   network.provenance = common.provenance(in.files);
-  network.camera = viewpoint_text(in.scene.frame, in.camera);
+  for (const Camera& camera : in.cameras)
+    network.cameras.push_back(viewpoint_text(in.scene.frame, camera));
   return network;
 }
 
@@ -180,7 +194,7 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
              const DimacsFile& network, Phases& phases) {
   const auto text = [&] { return dimacs_text(network); };
   const auto preview = [&] {
-    return network_preview(in.scene, in.camera, network, a.triangles()).file_named(a.preview);
+    return network_preview(in.scene, in.cameras[0], network, a.triangles()).file_named(a.preview);
   };
   const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
   cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, common,

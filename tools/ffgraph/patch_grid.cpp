@@ -6,7 +6,9 @@ namespace tdpt {
 namespace {
 
 constexpr double kAround = 0.5;  // of the diagonal: fine cells extend this far around the region
-constexpr int kMostLevels = 6;   // of cells between the region and the whole scene
+// Of the diagonal of the region: a camera in a closet does not make the whole house fine.
+constexpr double kSmallest = 0.5;
+constexpr int kMostLevels = 6;         // of cells between the region and the whole scene
 constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the region
 
 // Metres.
@@ -20,18 +22,28 @@ Extent reach_of_walks(const Scene& scene, const Walks& walks) {
 
 }  // namespace
 
-GridOfWalks grid_for(const Scene& scene, const Walks& light, const Walks& camera, double cells) {
+GridOfWalks grid_for(const Scene& scene, const Walks& light, const std::vector<Walks>& cameras,
+                     double cells) {
   Extent whole;
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) whole.add(scene.frame.to_metres(Vec3d(scene.positions[v])));
   if (whole.empty()) whole.add(Vec3d{});
-  Extent region = reach_of_walks(scene, camera);
   // Sky light matters only where it reaches rooms, wherever else it falls.
-  if (!lit_from_infinity(scene)) region.add(reach_of_walks(scene, light));
-  region = region.empty() ? whole : region.within(whole);
+  const Extent of_light = lit_from_infinity(scene) ? Extent() : reach_of_walks(scene, light);
+  Extent region;
+  double shortest = length(whole.size());  // diagonal
+  for (const Walks& camera : cameras) {
+    Extent own = reach_of_walks(scene, camera);
+    own.add(of_light);
+    if (own.empty()) continue;
+    own = own.within(whole);
+    shortest = std::min(shortest, length(own.size()));
+    region.add(own);
+  }
+  if (region.empty()) region = whole;
 
   const double least = 1e-6 / scene.frame.scale;
-  const double diagonal = std::max(length(region.size()), least);
+  const double diagonal = std::max({shortest, kSmallest * length(region.size()), least});
   GridOfWalks g;
   g.grid.base_cell = diagonal / cells;
   while (cells * g.grid.base_cell < (1 - 1e-9) * length(whole.size()) &&

@@ -118,26 +118,35 @@ double fine_cell(const GridOfWalks& g) {
 TEST(patch_grid, a_wide_ground_does_not_enlarge_the_patches_of_a_room) {
   const Scene alone = sheet_on_a_ground(false), both = sheet_on_a_ground(true);
   const Walks home = walks_on(alone, 20001);
-  const GridOfWalks room = grid_for(alone, home, home, 24);
+  const GridOfWalks room = grid_for(alone, home, {home}, 24);
   EXPECT_EQ(room.fine.level, 0);
   EXPECT_NEAR(fine_cell(room), std::sqrt(8.0) / 24, 1e-3);
   const Walks few_far = walks_on(both, 100);
-  const GridOfWalks with_ground = grid_for(both, few_far, few_far, 24);
+  const GridOfWalks with_ground = grid_for(both, few_far, {few_far}, 24);
   EXPECT_GT(with_ground.fine.level, 0);
   EXPECT_NEAR(fine_cell(with_ground), fine_cell(room), 0.25 * fine_cell(room));
   // Twin: if half of the light goes to the ground, the ground matters.
   const Walks half_far = walks_on(both, 2);
-  EXPECT_GT(fine_cell(grid_for(both, half_far, half_far, 24)), 20 * fine_cell(room));
+  EXPECT_GT(fine_cell(grid_for(both, half_far, {half_far}, 24)), 20 * fine_cell(room));
   // Half as many cells are twice as large.
-  EXPECT_DOUBLE_EQ(grid_for(alone, home, home, 12).grid.base_cell, 2 * room.grid.base_cell);
+  EXPECT_DOUBLE_EQ(grid_for(alone, home, {home}, 12).grid.base_cell, 2 * room.grid.base_cell);
   // Either end of the transport suffices: what only the camera sees counts, too.
-  EXPECT_GT(fine_cell(grid_for(both, home, half_far, 24)), 20 * fine_cell(room));
+  EXPECT_GT(fine_cell(grid_for(both, home, {half_far}, 24)), 20 * fine_cell(room));
+}
+
+// The smaller region of two cameras decides, as far as half of both together.
+TEST(patch_grid, a_second_camera_hardly_enlarges_the_patches) {
+  const Scene s = sheet_on_a_ground(true);
+  const Walks home = walks_on(sheet_on_a_ground(false), 20001), far = walks_on(s, 2);
+  const double wide = fine_cell(grid_for(s, home, {far}, 24));
+  EXPECT_NEAR(fine_cell(grid_for(s, home, {home, far}, 24)), 0.5 * wide, 0.01 * wide);
+  EXPECT_NEAR(fine_cell(grid_for(s, home, {far, far}, 24)), wide, 0.01 * wide);  // twin
 }
 
 TEST(patch_grid, cells_are_small_about_the_region_and_large_far_away) {
   const Scene s = sheet_on_a_ground(true);
   const Walks walks = walks_on(s, 100);
-  const GridOfWalks g = grid_for(s, walks, walks, 24);
+  const GridOfWalks g = grid_for(s, walks, {walks}, 24);
   PatchMap map(s, g.grid, surface_components(s), g.fine);
   for (const WalkHit& h : walks) map.find_or_add(h.face, Vec3d(h.position));
   for (const PatchKey& key : map.keys()) {

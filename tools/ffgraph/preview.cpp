@@ -23,8 +23,12 @@ std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
   for (const FlowArc& arc : file.network.arcs) {
     if (arc.from == file.network.source && patch[arc.to] != UINT32_MAX)
       reach[patch[arc.to]].light = share(patch[arc.to], arc);
-    if (arc.to == file.network.sink && patch[arc.from] != UINT32_MAX)
-      reach[patch[arc.from]].camera = share(patch[arc.from], arc);
+    // All sinks; of several cameras the one that reaches a patch best counts.
+    if (patch[arc.from] != UINT32_MAX && arc.to != file.network.source &&
+        patch[arc.to] == UINT32_MAX) {
+      double& camera = reach[patch[arc.from]].camera;
+      camera = std::max(camera, share(patch[arc.from], arc));
+    }
   }
   // With a sky the source feeds no surface; the walks show which ones the light reaches.
   if (!file.walks.empty() && std::any_of(file.patches.begin(), file.patches.end(),

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/math/series_cut.h"
@@ -20,6 +22,9 @@ constexpr uint64_t kLookSeed = 0x5eed;
 // Maximum number of openings in series that ffgraph itself looks for.
 constexpr size_t kMostCuts = 8;
 
+// Cameras that share the walks of one; with more of them there are more walks.
+constexpr size_t kMostSharing = 6;
+
 // Of the camera's hits: walks that have passed several openings reach few places.
 constexpr double kSeldomShare = 0.001;
 
@@ -27,9 +32,8 @@ constexpr double kSeldomShare = 0.001;
 constexpr double kLeaks = 1.5;
 
 struct OwnCuts {
-  std::vector<uint32_t> region;  // per patch
-  size_t cuts;
-  double conductance;  // of the narrowest cut
+  std::vector<std::vector<Side>> cuts;  // of each cut, per patch
+  double conductance = 1;               // of the narrowest cut
 };
 
 double narrowest(const auto& cuts) {
@@ -38,34 +42,62 @@ double narrowest(const auto& cuts) {
   return least;
 }
 
-OwnCuts own_cuts(const LightFlow& f) {
+// The network between the light and one camera.
+PatchNetwork network_between(const LightFlow& f, size_t camera) {
   const auto of_nodes = [](const std::vector<double>& of_patches) {
     std::vector<double> all(2, 0);
     all.insert(all.end(), of_patches.begin(), of_patches.end());
     return all;
   };
-  PatchNetwork patches{f.network,         of_nodes(f.etendue.samples), kCapacityScale,
-                       of_nodes(f.begun), of_nodes(f.hits_light),      of_nodes(f.hits_camera)};
+  PatchNetwork patches{network_of(f.network, f.more_sinks, camera),
+                       of_nodes(f.etendue.samples),
+                       kCapacityScale,
+                       of_nodes(f.begun),
+                       of_nodes(f.hits_light),
+                       of_nodes(f.hits_cameras[camera])};
   if (f.patches.has_sky()) {
     patches.weight = patches.viewed;
-    patches.sky.assign(f.network.nodes, 0);
+    patches.sky.assign(patches.network.nodes, 0);
     for (uint32_t i = 0; i < f.patches.size(); ++i) patches.sky[i + 2] = f.patches.is_sky(i);
   }
+  return patches;
+}
+
+// Those of all cameras, one after the other; the same opening may occur several times.
+OwnCuts own_cuts(const LightFlow& f) {
   CutLimits limits;
   limits.largest_conductance *= kLeaks;
-  const SeriesCut series = series_cut(patches, kMostCuts, limits);
+  std::vector<SeriesCut> of_camera(f.hits_cameras.size());
+  tbb::parallel_for(size_t{0}, of_camera.size(), [&](size_t k) {
+    of_camera[k] = series_cut(network_between(f, k), kMostCuts, limits);
+  });
+  OwnCuts own;
   std::vector<CutFacts> facts;
-  if (series.bottleneck)
-    for (const SeriesCut::Cut& c : series.cuts) facts.push_back(c.facts);
-  return {{series.region.begin() + 2, series.region.end()}, series.cuts.size(), narrowest(facts)};
+  for (const SeriesCut& series : of_camera)
+    for (size_t c = 0; c < series.cuts.size(); ++c) {
+      std::vector<Side>& sides = own.cuts.emplace_back();
+      for (uint32_t i = 0; i < f.patches.size(); ++i)
+        sides.push_back(series.region[i + 2] <= c ? Side::source : Side::sink);
+      if (series.bottleneck) facts.push_back(series.cuts[c].facts);
+    }
+  own.conductance = narrowest(facts);
+  return own;
+}
+
+OwnCuts given_cuts(const CutFile& file) {
+  OwnCuts given;
+  for (size_t c = 0; c < file.cuts.size(); ++c) {
+    std::vector<Side>& sides = given.cuts.emplace_back();
+    for (size_t i = 0; i < file.patches.size(); ++i) sides.push_back(file.side_of(i, c));
+  }
+  given.conductance = narrowest(file.cuts);
+  return given;
 }
 
 // Patches that straddle any of the cuts.
 std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, double share) {
-  std::vector<uint8_t> chosen(own.region.size(), 0);
-  for (size_t c = 0; c < own.cuts; ++c) {
-    std::vector<Side> side;
-    for (const uint32_t region : own.region) side.push_back(CutFile::side(region, c));
+  std::vector<uint8_t> chosen(etendue.samples.size(), 0);
+  for (const std::vector<Side>& side : own.cuts) {
     const std::vector<uint8_t> of_cut = straddling(etendue, side, share);
     for (size_t i = 0; i < chosen.size(); ++i) chosen[i] |= of_cut[i];
   }
@@ -84,27 +116,41 @@ PatchMap map_of(const Scene& scene, const std::vector<uint32_t>& component, cons
   return map;
 }
 
-// Canonical; `share` of the hits lie outside each end of each axis.
-Extent reach_of_hits(const Walks& walks, double share) {
-  std::vector<WeightedPlace> places;
-  for (const WalkHit& h : walks)
-    if (is_hit(h)) places.push_back({Vec3d(h.position), 1});
-  return reach_of(places, share);
+// Canonical; of each camera `share` of its hits lie outside each end of each axis.
+Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
+  Extent reach;
+  for (const Walks& walks : cameras) {
+    std::vector<WeightedPlace> places;
+    for (const WalkHit& h : walks)
+      if (is_hit(h)) places.push_back({Vec3d(h.position), 1});
+    reach.add(reach_of(places, share));
+  }
+  return reach;
 }
 
-BothWalks both_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
+// Several cameras share the walks of one: the etendue is estimated from all of them together.
+uint32_t walks_of_each(uint32_t walks, size_t cameras) {
+  return walks / static_cast<uint32_t>(std::clamp<size_t>(cameras, 1, kMostSharing));
+}
+
+BothWalks both_walks(const Scene& scene, const std::vector<Camera>& cameras, const Tracer& tracer,
                      WalkSettings settings) {
   BothWalks walks;
-  walks.camera = camera_walks(scene, camera, tracer, settings);
-  if (hits_in(walks.camera) == 0) settings.walks = std::min(settings.walks, kFewWalks);
+  WalkSettings each = settings;
+  each.walks = walks_of_each(settings.walks, cameras.size());
+  for (const Camera& camera : cameras)
+    walks.cameras.push_back(camera_walks(scene, camera, tracer, each));
+  if (std::all_of(walks.cameras.begin(), walks.cameras.end(),
+                  [](const Walks& of_camera) { return hits_in(of_camera) == 0; }))
+    settings.walks = std::min(settings.walks, kFewWalks);
   walks.of_light = settings.walks;
   if (!lit_from_infinity(scene)) {
     walks.light = light_walks(scene, tracer, settings);
     return walks;
   }
   walks.sky_grade = sky_grades(sky_bin_light(scene));
-  const SkyLines lines(scene, reach_of_hits(walks.camera, kFarShare),
-                       reach_of_hits(walks.camera, kSeldomShare));
+  const SkyLines lines(scene, reach_of_hits(walks.cameras, kFarShare),
+                       reach_of_hits(walks.cameras, kSeldomShare));
   walks.light = light_walks(scene, tracer, settings, &lines);
   return walks;
 }
@@ -132,25 +178,27 @@ namespace {
 // Builds networks of one scene, coarse to fine.
 class Rounds {
  public:
-  Rounds(const Scene& scene, const Camera& camera, const GraphSettings& settings,
+  // The cameras must not differ in `culls`.
+  Rounds(const Scene& scene, const std::vector<Camera>& cameras, const GraphSettings& settings,
          GraphReport& report)
       : scene_(scene),
         settings_(settings),
         report_(report),
         component_(components(scene, report)),
-        tracer_(scene, camera.culls) {
+        tracer_(scene, cameras[0].culls) {
     report.phases.done("bvh");
-    walks_ = both_walks(scene, camera, tracer_, settings.walks);
+    walks_ = both_walks(scene, cameras, tracer_, settings.walks);
     report.phases.done("walks");
     report.light_walks = walks_.of_light;
+    report.camera_walks = walks_of_each(settings.walks.walks, cameras.size());
     report.light_hits = hits_in(walks_.light.hits);
-    report.camera_hits = hits_in(walks_.camera);
+    for (const Walks& walks : walks_.cameras) report.camera_hits.push_back(hits_in(walks));
     // Then no network carries a flow, and patches are needed for inspection only.
-    if (report.light_hits == 0 || report.camera_hits == 0) {
+    if (report.light_hits == 0 || report.hits_of_cameras() == 0) {
       settings_.rays = std::min(settings_.rays, kFewRays);
       settings_.rounds = 0;
     }
-    grid_ = grid_for(scene, walks_.light.hits, walks_.camera, settings_.cells);
+    grid_ = grid_for(scene, walks_.light.hits, walks_.cameras, settings_.cells);
   }
 
   /// Splits where patches straddle the openings of the given cut.
@@ -165,8 +213,7 @@ class Rounds {
     report_.rays += settings_.rays;
     report_.rounds = 1;
     report_.why_stopped = "a cut was given";
-    const std::vector<uint8_t> chosen =
-        chosen_to_split(map, etendue, {cut.region, cut.cuts.size(), narrowest(cut.cuts)});
+    const std::vector<uint8_t> chosen = chosen_to_split(map, etendue, given_cuts(cut));
     LightFlow flow = estimate(map.split(chosen));
     report_.by_round.back().cpu_seconds = cpu_seconds() - cpu;
     return flow;
@@ -175,9 +222,9 @@ class Rounds {
   /// Splits by cuts of its own.
   LightFlow by_itself() {
     LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
-    report_.why_stopped = report_.camera_hits == 0  ? "the camera sees no surface"
-                          : report_.light_hits == 0 ? "no light reaches a surface"
-                                                    : "--set rounds allows no more";
+    report_.why_stopped = report_.hits_of_cameras() == 0 ? "the camera sees no surface"
+                          : report_.light_hits == 0      ? "no light reaches a surface"
+                                                         : "--set rounds allows no more";
     while (report_.rounds < static_cast<size_t>(settings_.rounds)) {
       const double cpu = cpu_seconds();
       const std::vector<uint8_t> chosen =
@@ -214,7 +261,7 @@ class Rounds {
       split += chosen[i];
     }
     report_.split += split;
-    report_.by_round.push_back({cuts.cuts, cuts.conductance, split, 0});
+    report_.by_round.push_back({cuts.cuts.size(), cuts.conductance, split, 0});
     return chosen;
   }
 
@@ -236,12 +283,16 @@ class Rounds {
 
 }  // namespace
 
-LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
-                      const CutFile* refine, GraphReport& report) {
-  Rounds rounds(scene, camera, settings, report);
+LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
+                      const GraphSettings& settings, const CutFile* refine, GraphReport& report) {
+  Rounds rounds(scene, cameras, settings, report);
   LightFlow flow = refine ? rounds.by_cut(*refine) : rounds.by_itself();
-  for (size_t i = 0; i < flow.hits_light.size(); ++i)
-    report.reached_by_both += flow.hits_light[i] > 0 && flow.hits_camera[i] > 0;
+  for (size_t i = 0; i < flow.hits_light.size(); ++i) {
+    const auto reaches = [&](const std::vector<double>& hits) { return hits[i] > 0; };
+    report.reached_by_both +=
+        flow.hits_light[i] > 0 &&
+        std::any_of(flow.hits_cameras.begin(), flow.hits_cameras.end(), reaches);
+  }
   report.phases.done("patches");
   return flow;
 }

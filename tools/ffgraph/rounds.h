@@ -1,6 +1,9 @@
 // From a scene to its network: walks, patches, etendue, and adaptive refinement. Refinement splits
 // the patches that straddle an opening: they leak more light than a small opening passes.
 #pragma once
+#include <numeric>
+#include <vector>
+
 #include "libcommon/base/phases.h"
 #include "tools/ffgraph/light_flow.h"
 
@@ -23,27 +26,33 @@ struct RoundReport {
 };
 
 struct GraphReport {
-  size_t light_walks = 0;                  ///< fewer if the camera sees nothing
-  size_t light_hits = 0, camera_hits = 0;  ///< surfaces hit by the walks
-  size_t rounds = 0;                       ///< number of refinements
-  size_t split = 0;                        ///< patches split in all of them together
-  uint64_t rays = 0;                       ///< etendue rays of all rounds
-  std::vector<RoundReport> by_round;       ///< including the one that found nothing to split
-  size_t reached_by_both = 0;              ///< patches with hits from the light and the camera
-  const char* why_stopped = "";            ///< completes "because ..."
-  Phases phases;                           ///< surfaces, bvh, walks, patches
+  size_t light_walks = 0;           ///< fewer if no camera sees anything
+  size_t camera_walks = 0;          ///< of each camera; several share those of one
+  size_t light_hits = 0;            ///< surfaces hit by the walks
+  std::vector<size_t> camera_hits;  ///< the same of each camera
+  size_t hits_of_cameras() const {
+    return std::accumulate(camera_hits.begin(), camera_hits.end(), size_t{0});
+  }
+  size_t rounds = 0;                  ///< number of refinements
+  size_t split = 0;                   ///< patches split in all of them together
+  uint64_t rays = 0;                  ///< etendue rays of all rounds
+  std::vector<RoundReport> by_round;  ///< including the one that found nothing to split
+  size_t reached_by_both = 0;         ///< patches with hits from the light and a camera
+  const char* why_stopped = "";       ///< completes "because ..."
+  Phases phases;                      ///< surfaces, bvh, walks, patches
 };
 
 /// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.
 void check_patches(const std::string& file, const Scene& scene, const CutFile& cut);
 
-/// Conductance of the narrowest opening of a network, as rounds look for it; 1 where there is none.
+/// Conductance of the narrowest opening between the light and any camera, as rounds look for it; 1
+/// where there is none.
 double narrowest_opening(const LightFlow& flow);
 
 /// Splits where the patches of `refine` (a cut of this scene) straddle its opening. Without it,
 /// makes cuts of its own, for at most `rounds` rounds, and stops when nothing straddles. `refine`
 /// must have passed check_patches.
-LightFlow build_graph(const Scene& scene, const Camera& camera, const GraphSettings& settings,
-                      const CutFile* refine, GraphReport& report);
+LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
+                      const GraphSettings& settings, const CutFile* refine, GraphReport& report);
 
 }  // namespace tdpt

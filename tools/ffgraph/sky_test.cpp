@@ -44,7 +44,7 @@ LightFlow flow_of(const Scene& scene) {
   settings.rays = 100000;
   settings.rounds = 0;
   GraphReport report;
-  return build_graph(scene, kCamera, settings, nullptr, report);
+  return build_graph(scene, {kCamera}, settings, nullptr, report);
 }
 
 bool inside(const Patch& p) {
@@ -84,7 +84,7 @@ TEST(sky_patches, have_the_samples_that_they_exchange_and_begin_walks_that_land)
     EXPECT_EQ(f.geometry[i].sky, static_cast<int32_t>(bins++));
     EXPECT_TRUE(f.geometry[i].faces.empty());
     EXPECT_EQ(f.hits_light[i], 0);
-    EXPECT_EQ(f.hits_camera[i], 0);
+    EXPECT_EQ(f.hits_cameras[0][i], 0);
     double exchanged = 0;
     for (const Etendue::Pair& p : f.etendue.pairs)
       if (p.i == i || p.j == i) exchanged += 0.5 * p.count;
@@ -103,13 +103,13 @@ TEST(sky_patches, keep_their_places_when_the_network_is_refined) {
   cut.grid = f.patches.grid();
   cut.patches = f.geometry;
   cut.cuts.resize(1);
-  for (const Patch& p : cut.patches) cut.region.push_back(inside(p));
+  for (const Patch& p : cut.patches) cut.sides.push_back(inside(p));
   check_patches("a.cut", scene, cut);
   GraphSettings settings;
   settings.walks.walks = 5000;
   settings.rays = 20000;
   GraphReport report;
-  const LightFlow finer = build_graph(scene, kCamera, settings, &cut, report);
+  const LightFlow finer = build_graph(scene, {kCamera}, settings, &cut, report);
   uint32_t bins = 0;
   for (uint32_t i = 0; i < finer.patches.size(); ++i) bins += finer.patches.is_sky(i);
   EXPECT_EQ(bins, kSkyBins);

@@ -62,6 +62,7 @@ TEST(LineKernel, lines_through_a_place_lead_from_light_to_camera) {
   LineTables tables;
   tables.face_normals = {{{-1, 0, 0}, 0}, {{-1, 0, 0}, 0}};  // faces 0 and 3 are met
   tables.first_cell = {0, 1, 1, 1, 2};
+  tables.region_sides = {0, 0, 1, 0, 3, 0, 7, 0};  // one behind the other
   VoxelSums sums(1);
   BetweenTwo rays;
   shader::LineEnds line;
@@ -198,7 +199,7 @@ double p_of_faces(double wrong) {
   cut.patches[1].faces = {4};
   cut.patches[2].faces = {6};
   cut.patches[3].faces = {1, 5, 7};
-  cut.region = {0, 1, 2, 2};
+  cut.sides = {0, 1, 3, 3};
   cut.cuts.resize(2);
   cut.arcs = {{0, 2, 1}, {0, 3, 2}, {1, 2, 5}, {1, 3, 0.5}};
   std::vector<double> probability(64, 0);  // light's face * 8 + camera's
@@ -327,7 +328,7 @@ bool win(const std::vector<Ballot>& of_rays, std::vector<uint32_t>& coins, uint3
   light.faces = {0, 3};  // the light's end looks down, at the fronts
   camera.faces = {1, 2};
   cut.patches = {light, camera};
-  cut.region = {0, 1};
+  cut.sides = {0, 1};
   cut.cuts.resize(1);
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p = parameters_of(tables);
@@ -410,7 +411,7 @@ TEST(LineTables, CellsShareATriangleOut) {
         patch.cell = {x, y, z};
         patch.faces = {1};
         cut.patches.push_back(patch);
-        cut.region.push_back(0);
+        cut.sides.push_back(0);
         cut.arcs.push_back({0, static_cast<uint32_t>(cut.patches.size() - 1), 1});
       }
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
@@ -447,7 +448,7 @@ TEST(LineTables, FinerPatchesComeFirst) {
   coarse.faces = fine.faces = {0};
   fine.level = 2;  // cells of 0.25
   cut.patches = {coarse, fine};
-  cut.region = {0, 1};
+  cut.sides = {0, 1};
   cut.cuts.resize(1);
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p = parameters_of(tables);
@@ -474,7 +475,7 @@ TEST(LineTables, CellsTooSmallForFloatsHoldNothing) {
   patch.faces = {0};
   patch.cell = {INT32_MIN, INT32_MIN, INT32_MIN};
   cut.patches = {patch};
-  cut.region = {0};
+  cut.sides = {0};
   const LineTables tables = make_line_tables(scene, cut, "a.cut");
   shader::LightParameters p{};
   p.first_sky_face = UINT32_MAX;

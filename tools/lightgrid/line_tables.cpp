@@ -105,9 +105,28 @@ void add_pairs(const CutFile& cut, LineTables& tables) {
       tables.pivot_arcs.push_back({arc.from, arc.to, 0, 0});
       capacities.push_back(arc.capacity);
     }
-    tables.cuts.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(capacities.size())});
+    std::vector<uint32_t> cameras;
+    for (uint32_t k = 0; k < cut.number_of_cameras(); ++k)
+      if (cut.cuts[c].serves(k)) cameras.push_back(k);
+    tables.cuts.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(capacities.size()),
+                           std::move(cameras)});
     if (!capacities.empty()) fill_alias(tables.pivot_arcs, first, capacities);
   }
+}
+
+// The region of each patch: a number for each distinct set of sides, in the order of the sets.
+std::vector<uint32_t> add_regions(const CutFile& cut, LineTables& tables) {
+  std::vector<uint64_t> distinct = cut.sides;
+  std::sort(distinct.begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  for (const uint64_t sides : distinct)
+    for (const int word : {0, 1})
+      tables.region_sides.push_back(static_cast<uint32_t>(sides >> (32 * word)));
+  std::vector<uint32_t> region;
+  for (const uint64_t sides : cut.sides)
+    region.push_back(static_cast<uint32_t>(
+        std::lower_bound(distinct.begin(), distinct.end(), sides) - distinct.begin()));
+  return region;
 }
 
 void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_name,
@@ -140,13 +159,14 @@ void add_cells(const Scene& scene, const CutFile& cut, const std::string& cut_na
     const Patch &p = cut.patches[a], &q = cut.patches[b];
     return std::tie(p.level, p.cell) < std::tie(q.level, q.cell);
   });
+  const std::vector<uint32_t> region = add_regions(cut, tables);
   tables.patch_cells.resize(tables.first_cell.back());
   tables.patch_of_cell.resize(tables.first_cell.back());
   std::vector<uint32_t> next(tables.first_cell.begin(), tables.first_cell.end() - 1);
   for (const uint32_t i : order) {
     const Patch& patch = cut.patches[i];
     const shader::PatchCell cell{{patch.cell[0], patch.cell[1], patch.cell[2]},
-                                 static_cast<uint32_t>(patch.level) << 24 | cut.region[i]};
+                                 static_cast<uint32_t>(patch.level) << 24 | region[i]};
     const auto add = [&](uint32_t face) {
       tables.patch_of_cell[next[face]] = i;
       tables.patch_cells[next[face]++] = cell;

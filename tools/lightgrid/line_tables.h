@@ -14,6 +14,7 @@ namespace tdpt {
 struct LineTables {
   struct PairsOfCut {
     uint32_t first = 0, count = 0;  ///< range in `pivot_arcs`
+    std::vector<uint32_t> cameras;  ///< those that it serves
   };
   std::vector<PairsOfCut> cuts;
   std::vector<shader::PivotArc> pivot_arcs;
@@ -22,6 +23,7 @@ struct LineTables {
   std::vector<uint32_t> first_cell;            ///< per face, plus one; indices into `patch_cells`
   std::vector<shader::PatchCell> patch_cells;  ///< grouped by face
   std::vector<shader::FaceNormal> face_normals;
+  std::vector<uint32_t> region_sides;   ///< two words per region
   std::vector<uint32_t> patch_of_cell;  ///< per entry of patch_cells
   std::vector<PatchLight> light;        ///< per patch; empty: unknown
 

@@ -83,7 +83,7 @@ double share_in_stripes(const TwoHalves::Votes& votes, double start) {
   grid.voxel = 0.05;
   grid.count.assign(64000, 0);
   std::vector<uint32_t> count(64000, 0);
-  std::vector<LightLine> kept;
+  std::vector<DrawnLine> kept;
   for (uint64_t i = 0; i < 4000; ++i) {
     Rng rng(kSeed, 2, i);
     const double y = kHole * (2 * rng.uniform() - 1);
@@ -94,7 +94,7 @@ double share_in_stripes(const TwoHalves::Votes& votes, double start) {
     LightLine line;
     if (!TwoHalves::line_through({0, y, z}, {w.z, w.x, w.y}, line)) continue;
     if (rng.uniform() >= (in_stripe(line) ? start : 1 - start)) continue;
-    kept.push_back(line);
+    kept.push_back({line});
     walk_grid(grid, line.light, line.camera, [&](size_t at, double) { ++count[at]; });
   }
   TwoHalves tracer(scene, tables, grid, votes);

@@ -136,7 +136,7 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
       make_light_grid(in.scene, in.cut, a.cut, how, report,
                       {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);
   grid.provenance = common.provenance(in.files);
-  grid.camera = in.cut.camera;
+  grid.cameras = in.cut.cameras;
   return grid;
 }
 

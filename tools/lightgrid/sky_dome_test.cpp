@@ -29,9 +29,9 @@ Case under_a_sky() {
     sky.node = 10000 + static_cast<uint32_t>(bin);
     sky.sky = bin;
     c.cut.patches.push_back(sky);
-    c.cut.region.push_back(0);
+    c.cut.sides.push_back(0);
     for (uint32_t i = 0; i < surfaces; ++i)
-      if (c.cut.region[i] == 1 && c.cut.patches[i].normal.y > 0.9)
+      if (c.cut.sides[i] == 1 && c.cut.patches[i].normal.y > 0.9)
         c.cut.arcs.push_back({surfaces + static_cast<uint32_t>(bin), i, 10});
   }
   c.tables = make_line_tables(c.scene, c.cut, "a.cut");
@@ -87,7 +87,7 @@ TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
     ASSERT_TRUE(
         rays.closest({Vec3d(ends.camera), ends.camera_face & 1 ? -s.normal : s.normal}, w, hit));
     met_on_the_way += hit.triangle < c.scene.dome;
-    const LightLine line = in_metres(c.scene, grid, c.tables, ends);
+    const LightLine line = in_metres(c.scene, grid, c.tables, 0, ends);
     EXPECT_LT(length(line.light - line.camera), 6);  // metres
     EXPECT_GT(dot(normalize(line.light - line.camera), w), 1 - 1e-6);
     ++seen;

@@ -1,15 +1,17 @@
 #include "tools/mincut/cut_of.h"
 
+#include <algorithm>
 #include <atomic>
 #include <iterator>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "libcommon/formats/format_version.h"
+#include "tools/mincut/shared_cuts.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
-
 namespace {
 
 // The camera's light that each node scatters: beside a landscape rooms have little surface, and the
@@ -21,63 +23,90 @@ std::vector<double> scattered(const PatchNetwork& p) {
   return light;
 }
 
+// The network between the light and one camera.
+PatchNetwork network_between(const DimacsFile& problem, size_t camera) {
+  PatchNetwork p{network_of(problem.network, problem.more_sinks, camera), {}, problem.scale};
+  const size_t nodes = p.network.nodes;
+  p.samples.assign(nodes, 0);
+  if (!problem.walks.empty()) p.begun = p.lit = p.viewed = p.samples;
+  const bool lit = std::any_of(problem.light.begin(), problem.light.end(),
+                               [&](const PatchLight& l) { return l.importance[camera] > 0; });
+  if (lit) p.brightness = p.importance = p.samples;
+  for (size_t i = 0; i < problem.patches.size(); ++i) {
+    const size_t node = problem.patches[i].node - 1;
+    p.samples[node] = problem.patches[i].samples;
+    if (problem.patches[i].is_sky()) p.sky.resize(nodes, 0), p.sky[node] = 1;
+    if (lit) {
+      p.brightness[node] = problem.light[i].brightness;
+      p.importance[node] = problem.light[i].importance[camera];
+    }
+    if (problem.walks.empty()) continue;
+    p.begun[node] = problem.walks[i].begun;
+    p.lit[node] = problem.walks[i].light;
+    p.viewed[node] = problem.walks[i].camera[camera];
+  }
+  if (lit && !p.sky.empty()) p.weight = scattered(p);
+  return p;
+}
+
+// The arcs between patches that cross some cut.
+std::vector<CutArc> pivot_pairs(const DimacsFile& problem, const CutFile& cut) {
+  constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> patch_of(problem.network.nodes, kNone);
+  for (uint32_t i = 0; i < cut.patches.size(); ++i) patch_of[cut.patches[i].node - 1] = i;
+  std::vector<CutArc> pairs;
+  for (const FlowArc& a : problem.network.arcs) {
+    const uint32_t from = patch_of[a.from], to = patch_of[a.to];
+    if (from == kNone || to == kNone || a.capacity == 0) continue;
+    const CutArc arc{from, to, static_cast<double>(a.capacity) / problem.scale};
+    if (cut.crossed(arc) != 0) pairs.push_back(arc);
+  }
+  return pairs;
+}
+
 }  // namespace
 
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
-  FoundCuts found;
-  CutFile& cut = found.file;
-  cut.scene_hash = problem.scene_hash;
-  cut.camera = problem.camera;
-  cut.grid = problem.grid;
-  cut.patches = problem.patches;
-  cut.light = problem.light;
-  PatchNetwork patches{problem.network, std::vector<double>(problem.network.nodes, 0),
-                       problem.scale};
-  const bool walks = !problem.walks.empty();
-  if (walks) patches.begun = patches.lit = patches.viewed = patches.samples;
-  constexpr uint32_t kNone = UINT32_MAX;
-  std::vector<uint32_t> patch_of(problem.network.nodes, kNone);
-  for (uint32_t i = 0; i < cut.patches.size(); ++i) {
-    patch_of[cut.patches[i].node - 1] = i;
-    const uint32_t node = cut.patches[i].node - 1;
-    patches.samples[node] = cut.patches[i].samples;
-    if (cut.patches[i].is_sky())
-      patches.sky.resize(problem.network.nodes, 0), patches.sky[node] = 1;
-    if (!problem.light.empty()) {
-      patches.brightness.resize(problem.network.nodes, 0);
-      patches.importance.resize(problem.network.nodes, 0);
-      patches.brightness[node] = problem.light[i].brightness;
-      patches.importance[node] = problem.light[i].importance;
-    }
-    if (!walks) continue;
-    patches.begun[node] = problem.walks[i].begun;
-    patches.lit[node] = problem.walks[i].light;
-    patches.viewed[node] = problem.walks[i].camera;
-  }
-  if (!patches.sky.empty() && !problem.light.empty()) patches.weight = scattered(patches);
+  const size_t cameras = problem.number_of_cameras();
+  std::vector<PatchNetwork> networks(cameras);
+  std::vector<SeriesCut> series(cameras);
   std::atomic<size_t> flows = 0;
-  SeriesCut series = series_cut(patches, most, limits, [&](const FlowNetwork& network) {
+  const auto solve = [&](const FlowNetwork& network) {
     ++flows;
     MaxFlow flow = max_flow(network);
     verify_max_flow(network, flow);
     return flow;
+  };
+  tbb::parallel_for(size_t{0}, cameras, [&](size_t k) {
+    networks[k] = network_between(problem, k);
+    series[k] = series_cut(networks[k], most, limits, solve);
   });
-  for (const Patch& p : cut.patches) cut.region.push_back(series.region[p.node - 1]);
-  for (const SeriesCut::Cut& c : series.cuts)
-    found.facts.push_back(c.facts),
-        cut.cuts.push_back({static_cast<double>(c.flow) / problem.scale, c.facts.conductance});
-  for (const FlowArc& a : problem.network.arcs) {
-    const uint32_t from = patch_of[a.from], to = patch_of[a.to];
-    if (from == kNone || to == kNone || a.capacity == 0) continue;
-    if (cut.region[from] < cut.region[to])
-      cut.arcs.push_back({from, to, static_cast<double>(a.capacity) / problem.scale});
+  FoundCuts found;
+  CutFile& cut = found.file;
+  cut.scene_hash = problem.scene_hash;
+  cut.cameras = problem.cameras;
+  cut.grid = problem.grid;
+  cut.patches = problem.patches;
+  cut.light = problem.light;
+  std::vector<SharedCut> shared = shared_cuts(networks, series);
+  found.left_out = shared.size() - std::min<size_t>(shared.size(), kMostCuts);
+  keep_most_promising(shared, kMostCuts);
+  cut.sides.assign(cut.patches.size(), 0);
+  for (size_t c = 0; c < shared.size(); ++c) {
+    const SharedCut& s = shared[c];
+    found.facts.push_back(s.facts);
+    cut.cuts.push_back(
+        {static_cast<double>(s.flow) / problem.scale, s.facts.conductance, s.cameras});
+    if (cameras == 1) cut.cuts.back().cameras.clear();
+    for (size_t i = 0; i < cut.patches.size(); ++i)
+      cut.sides[i] |= uint64_t{!s.source_side[cut.patches[i].node - 1]} << c;
   }
-  cut.bottleneck = series.bottleneck;
-  cut.reason = series.reason;
-  found.refused = std::move(series.refused);
-  found.drops = series.drops;
-  found.passed = series.passed;
-  found.closets = series.closets;
+  cut.arcs = pivot_pairs(problem, cut);
+  for (SeriesCut& s : series) {
+    cut.bottleneck |= s.bottleneck;
+    found.cameras.push_back({s.reason, std::move(s.refused), s.drops, s.passed, s.closets});
+  }
+  if (!cut.bottleneck) cut.reason = series[0].reason;
   found.flows = flows;
   return found;
 }

@@ -9,12 +9,19 @@ namespace tdpt {
 struct FoundCuts {
   CutFile file;                 ///< without provenance
   std::vector<CutFacts> facts;  ///< by cut
-  std::vector<SeriesCut::Refused> refused;
-  size_t drops = 0, passed = 0, closets = 0;  ///< as in SeriesCut
-  size_t flows = 0;                           ///< maximum flows, each verified
+  /// What was found for one camera.
+  struct OfCamera {
+    std::string reason;  ///< why there is no bottleneck; empty: there is one
+    std::vector<SeriesCut::Refused> refused;
+    size_t drops = 0, passed = 0, closets = 0;  ///< as in SeriesCut
+  };
+  std::vector<OfCamera> cameras;
+  size_t left_out = 0;  ///< cuts beyond kMostCuts
+  size_t flows = 0;     ///< maximum flows, each verified
 };
 
-/// At most `most` cuts of a network with patches, each verified.
+/// At most `most` cuts for each camera of a network with patches, each verified. Cuts of several
+/// cameras that pass the same opening are one [shared_cuts.h].
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits);
 
 /// The cut of a plain network as text: `s` value, `n` side of each node, `a` arcs of the cut.

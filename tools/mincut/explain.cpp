@@ -20,7 +20,7 @@ std::string figures(const CutFacts& f, const CutLimits& limits) {
                      percent_words(f.smaller_side()), percent_words(limits.least_area));
 }
 
-Decision of_search(const FoundCuts& found, const std::string& price) {
+Decision of_search(const FoundCuts::OfCamera& found, const std::string& price) {
   return {"search", fmt::format("ended after {} of the potential", plural(found.drops, "drop")),
           found.passed > 0
               ? fmt::format("{} more {} wider", found.passed, found.passed == 1 ? "is" : "are")
@@ -34,10 +34,28 @@ size_t pairs_of(const CutFile& cut, size_t c) {
 }
 
 // Refused cuts that are bottlenecks all the same.
-size_t one_too_many(const FoundCuts& found, const CutLimits& limits) {
+size_t one_too_many(const FoundCuts::OfCamera& found, const CutLimits& limits) {
   size_t n = 0;
   for (const SeriesCut::Refused& r : found.refused) n += why_refused(r.facts, limits).empty();
   return n;
+}
+
+// Of one camera: what was refused and where the search ended. `name`: empty for the only one.
+void add_camera(const FoundCuts::OfCamera& found, const std::string& name, size_t most,
+                const CutLimits& limits, const std::string& price, Decisions& all) {
+  const std::string before = name.empty() ? "" : name + ": ";
+  for (const SeriesCut::Refused& r : found.refused)
+    all.push_back({fmt::format("{}a cut with {} of the surface on the light's side", before,
+                               percent_words(r.facts.area[0])),
+                   "refused", r.why + ": " + figures(r.facts, limits), ""});
+  if (found.closets > 0)
+    all.push_back({before + "closets", fmt::format("{} passed by", found.closets),
+                   "no light passes their doors on its way to the camera", "not cut"});
+  all.push_back(of_search(found, price));
+  all.back().what = before + all.back().what;
+  if (const size_t more = one_too_many(found, limits); more > 0)
+    all.push_back({before + plural(more, "bottleneck"), "left out",
+                   fmt::format("--cuts is {}, and others promise more", most), ""});
 }
 
 }  // namespace
@@ -50,19 +68,16 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
                    fmt::format("light has to pass it: {}; {}", figures(found.facts[c], limits),
                                words_for(found.facts[c])),
                    cli::plural(pairs_of(found.file, c), "pivot pair")});
-  for (const SeriesCut::Refused& r : found.refused)
-    all.push_back({fmt::format("a cut with {} of the surface on the light's side",
-                               percent_words(r.facts.area[0])),
-                   "refused", r.why + ": " + figures(r.facts, limits), ""});
-  if (found.closets > 0)
-    all.push_back({"closets", fmt::format("{} passed by", found.closets),
-                   "no light passes their doors on its way to the camera", "not cut"});
-  all.push_back(
-      of_search(found, fmt::format("{}, verified: {}", plural(found.flows, "maximum flow"),
-                                   cli::price_of(phases, {"flow"}))));
-  if (const size_t more = one_too_many(found, limits); more > 0)
-    all.push_back({plural(more, "bottleneck"), "left out",
-                   fmt::format("--cuts is {}, and others promise more", most), ""});
+  const std::string flows = fmt::format("{}, verified", plural(found.flows, "maximum flow"));
+  for (size_t k = 0; k < found.cameras.size(); ++k) {
+    const bool last = k + 1 == found.cameras.size();
+    add_camera(found.cameras[k], found.file.name_if_several(k), most, limits,
+               last ? flows + ": " + cli::price_of(phases, {"flow"}) : "", all);
+  }
+  if (found.left_out > 0)
+    all.push_back({plural(found.left_out, "cut"), "left out",
+                   fmt::format("a file has {} at most, and others serve more cameras", kMostCuts),
+                   ""});
   if (!found.file.bottleneck)
     all.push_back({"bottleneck", "none", found.file.reason, "the next stages have nothing to do"});
   return all;

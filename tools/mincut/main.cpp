@@ -43,15 +43,16 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
                    "Network (.max, a DIMACS maximum-flow problem); default standard input", false);
   options.option("--cuts,--set cuts", a.cuts, "K",
-                 "Most bottlenecks to look for, one behind the other; default 8", 1, 64);
+                 "Most bottlenecks to look for, one behind the other, for each camera; default 8",
+                 1, 64);
   options.option("--set largest-conductance", a.limits.largest_conductance, "C",
                  "Largest share of the smaller side's light that may cross; default 0.12", 0, 1);
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): the cut's sides and pivot pairs in the "
                       "scene and in plan");
   options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
-  options.option("--camera", a.camera, "NAME", "Camera for --preview; default that of the network",
-                 cli::Shapes::nothing);
+  options.option("--camera", a.camera, "NAME",
+                 "Camera for --preview; default the first of the network", cli::Shapes::nothing);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   declare_debug_lines(options, a.debug_lines);
@@ -59,9 +60,16 @@ void declare_options(cli::Options& options, Arguments& a) {
 
 constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond
 
+// Which of the network's cameras is shown: the one of that name, else the first.
+size_t shown_camera(const Arguments& a, const CutFile& cut) {
+  for (size_t k = 0; k < cut.cameras.size(); ++k)
+    if (const auto made_for = parse_viewpoint(cut.cameras[k]); made_for->name == a.camera) return k;
+  return 0;
+}
+
 // The one that the network was made for, where it says so.
 Camera camera_of(const Arguments& a, const Scene& scene, const CutFile& cut) {
-  const auto made_for = parse_viewpoint(cut.camera);
+  const auto made_for = parse_viewpoint(cut.cameras.empty() ? "" : cut.cameras[0]);
   if (!a.camera.empty() || !made_for) return scene.camera(a.camera);
   const Camera camera = tdpt::camera_of(scene.frame, *made_for);
   if (!(length(camera.position) <= kFarthest))
@@ -70,11 +78,13 @@ Camera camera_of(const Arguments& a, const Scene& scene, const CutFile& cut) {
 }
 
 // The scene for --preview; without it none is read.
-std::string preview_of(const Arguments& a, const cli::Common& common, const CutFile& cut) {
+std::string preview_of(const Arguments& a, const cli::Common& common, const FoundCuts& found) {
   Scene scene = read_gltf(a.scene);
   common.also_read(scene.files);
   open_glass(scene);
-  return cut_preview(scene, camera_of(a, scene, cut), cut, a.network).file_named(a.preview);
+  return cut_preview(scene, camera_of(a, scene, found.file),
+                     cuts_for(found, shown_camera(a, found.file)), a.network)
+      .file_named(a.preview);
 }
 
 void check(const Arguments& a) {
@@ -132,7 +142,14 @@ std::string bottlenecks_sentence(const std::vector<CutFacts>& cuts) {
                      percent_words(narrowest->conductance));
 }
 
-// A note, and what the summary says of the bottlenecks and of the cuts that are none.
+// Of the light's way to one camera. `cuts`: those that serve it.
+std::string sentence_of(const FoundCuts::OfCamera& found, const std::vector<CutFacts>& cuts) {
+  if (found.reason.empty() && cuts.empty()) return "the cuts of other cameras fill the file";
+  return found.reason.empty() ? bottlenecks_sentence(cuts) : "no bottleneck: " + found.reason;
+}
+
+// A note for each camera, and what the summary says of the bottlenecks and of the cuts that are
+// none.
 void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
   const CutFile& cut = found.file;
   summary["bottleneck"] = cut.bottleneck;
@@ -142,15 +159,23 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
                                      [&](const CutArc& arc) { return cut.crosses(arc, c); });
     summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs}});
     summary["cuts"].back().update(json_of(found.facts[c]));
+    for (const uint32_t k : cut.cuts[c].cameras)
+      summary["cuts"].back()["cameras"].push_back(cut.name_if_several(k));
   }
   summary["refused"] = Json::array();
-  for (const SeriesCut::Refused& r : found.refused) {
-    summary["refused"].push_back(json_of(r.facts));
-    summary["refused"].back()["why"] = r.why;
+  for (size_t k = 0; k < found.cameras.size(); ++k) {
+    const std::string name = cut.name_if_several(k);
+    for (const SeriesCut::Refused& r : found.cameras[k].refused) {
+      summary["refused"].push_back(json_of(r.facts));
+      summary["refused"].back()["why"] = r.why;
+      if (!name.empty()) summary["refused"].back()["camera"] = name;
+    }
+    std::vector<CutFacts> own;
+    for (size_t c = 0; c < cut.cuts.size(); ++c)
+      if (cut.cuts[c].serves(k)) own.push_back(found.facts[c]);
+    common.note((name.empty() ? "" : name + ": ") + sentence_of(found.cameras[k], own));
   }
-  if (cut.bottleneck) return common.note(bottlenecks_sentence(found.facts));
-  summary["reason"] = cut.reason;
-  common.note("no bottleneck: " + cut.reason);
+  if (!cut.bottleneck) summary["reason"] = cut.reason;
 }
 
 void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile& problem,
@@ -160,8 +185,12 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   cut.provenance = provenance(a, common, problem);
   phases.done("flow");
   cli::deliver({{common.output, [&] { return cut_text(cut); }},
-                {a.preview, [&] { return preview_of(a, common, cut); }},
-                {a.debug_glb, [&] { return cut_debug_glb(cut, debug_lines(a.debug_lines)); }}},
+                {a.preview, [&] { return preview_of(a, common, found); }},
+                {a.debug_glb,
+                 [&] {
+                   return cut_debug_glb(cuts_for(found, shown_camera(a, cut)),
+                                        debug_lines(a.debug_lines));
+                 }}},
                common, phases);
   report(common, found, summary);
   common.explain_by(

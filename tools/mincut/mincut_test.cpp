@@ -8,6 +8,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/math/rng.h"
 #include "tools/mincut/cut_of.h"
+#include "tools/mincut/shared_cuts.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt::mincut_test {
@@ -129,7 +130,7 @@ TEST(cut_of, a_narrow_door_is_a_bottleneck_with_its_pivot_pair) {
   EXPECT_EQ(cut.arcs[0].to, 2u);
   EXPECT_EQ(cut.arcs[0].capacity, 2);
   EXPECT_NEAR(cut.cuts[0].conductance, 20.0 / 1020, 1e-12);
-  EXPECT_EQ(cut.region, (std::vector<uint32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(cut.sides, (std::vector<uint64_t>{0, 0, 1, 1}));
 }
 
 TEST(cut_of, a_wide_door_is_none) {
@@ -161,11 +162,78 @@ TEST(cut_of, a_closed_door_is_none) {
       "where no walk passed, through a keyhole: more walks look closer");
 }
 
+// Two rooms joined by a door, and a camera in each; the lamp is in the first room, or both are lit.
+DimacsFile camera_in_each_room(bool both_lit) {
+  DimacsFile f = two_rooms(20);
+  f.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all far", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all near"};
+  f.network.nodes = 7;
+  f.more_sinks = {6};
+  for (const uint32_t node : {2, 3}) f.network.arcs.push_back({node, 6, 900});
+  if (both_lit)
+    for (const uint32_t node : {4, 5}) f.network.arcs.push_back({f.network.source, node, 1800});
+  return f;
+}
+
+// As one sink of both cameras the network has no door: light and camera share the first room.
+TEST(cut_of, a_camera_beside_the_lamp_takes_no_door_from_another) {
+  const FoundCuts found = cut_of(camera_in_each_room(false), 8, {});
+  EXPECT_TRUE(found.file.bottleneck);
+  ASSERT_EQ(found.file.cuts.size(), 1u);
+  EXPECT_EQ(found.file.cuts[0].cameras, std::vector<uint32_t>{0});
+  EXPECT_EQ(found.file.sides, (std::vector<uint64_t>{0, 0, 1, 1}));
+  EXPECT_EQ(found.cameras[0].reason, "");
+  EXPECT_NE(found.cameras[1].reason, "");
+}
+
+// The second camera has the same door as a third one beside it: one cut serves both.
+TEST(cut_of, cameras_in_one_room_share_its_door) {
+  DimacsFile f = camera_in_each_room(false);
+  f.cameras.push_back("2 0 0 0 0 -1 0 1 0 0.9 1.5 all far too");
+  f.network.nodes = 8;
+  f.more_sinks.push_back(7);
+  f.network.arcs.push_back({4, 7, 700});
+  f.network.arcs.push_back({5, 7, 900});
+  const FoundCuts found = cut_of(f, 8, {});
+  ASSERT_EQ(found.file.cuts.size(), 1u);
+  EXPECT_EQ(found.file.cuts[0].cameras, (std::vector<uint32_t>{0, 2}));
+}
+
+SharedCut half(uint32_t nodes, uint32_t first_beyond, double conductance, uint32_t cameras) {
+  SharedCut cut;
+  for (uint32_t v = 0; v < nodes; ++v) cut.source_side.push_back(v < first_beyond);
+  cut.facts.conductance = conductance;
+  for (uint32_t k = 0; k < cameras; ++k) cut.cameras.push_back(k);
+  return cut;
+}
+
+TEST(shared_cuts, those_that_serve_most_cameras_stay) {
+  std::vector<SharedCut> cuts{half(4, 2, 0.01, 1), half(4, 3, 0.1, 2), half(4, 2, 0.1, 1)};
+  keep_most_promising(cuts, 2);
+  ASSERT_EQ(cuts.size(), 2u);
+  EXPECT_EQ(cuts[0].facts.conductance, 0.01);
+  EXPECT_EQ(cuts[1].cameras.size(), 2u);
+}
+
+// The same door passed the other way is another cut.
+TEST(shared_cuts, the_way_of_the_light_counts) {
+  PatchNetwork there;
+  there.network = {4, 0, 1, {{2, 3, 10}, {3, 2, 10}}};
+  there.samples = {0, 0, 10, 10};
+  SeriesCut to_second, to_first;
+  to_second.bottleneck = to_first.bottleneck = true;
+  to_second.cuts.push_back({10, {}});
+  to_first.cuts.push_back({10, {}});
+  to_second.region = {0, 1, 0, 1};
+  to_first.region = {0, 1, 1, 0};
+  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_first}).size(), 2u);
+  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_second}).size(), 1u);  // twin
+}
+
 TEST(plain_cut, names_value_sides_and_arcs) {
   DimacsFile f;
   f.network = {3, 0, 1, {{0, 2, 5}, {2, 1, 3}}};
   EXPECT_EQ(plain_cut_text(f, max_flow(f.network), {}),
-            "c tdpt cut 2\ns 3\nn 1 s\nn 2 t\nn 3 s\na 3 2 3\n");
+            "c tdpt cut 3\ns 3\nn 1 s\nn 2 t\nn 3 s\na 3 2 3\n");
 }
 
 }  // namespace tdpt::mincut_test

@@ -1,6 +1,7 @@
 #include "tools/mincut/preview.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -24,8 +25,9 @@ int regions(const CutFile& cut) {
   return static_cast<int>(cut.cuts.size()) + 1;
 }
 
+// Cuts that lie on the light's way to a patch.
 int region_of(const CutFile& cut, size_t patch) {
-  return static_cast<int>(cut.region[patch]);
+  return std::popcount(cut.sides[patch]);
 }
 
 std::string name_of_region(int k, int n) {
@@ -86,6 +88,24 @@ std::vector<Vec3d> crossings(const CutFile& cut) {
 }
 
 }  // namespace
+
+CutFile cuts_for(const FoundCuts& found, size_t camera) {
+  const CutFile& cut = found.file;
+  CutFile own = cut;
+  own.cuts.clear();
+  own.sides.assign(cut.patches.size(), 0);
+  for (size_t c = 0; c < cut.cuts.size(); ++c) {
+    if (!cut.cuts[c].serves(camera)) continue;
+    for (size_t i = 0; i < cut.patches.size(); ++i)
+      own.sides[i] |= uint64_t{cut.side_of(i, c) == Side::sink} << own.cuts.size();
+    own.cuts.push_back(cut.cuts[c]);
+  }
+  std::erase_if(own.arcs, [&](const CutArc& arc) { return own.crossed(arc) == 0; });
+  own.reason = found.cameras[camera].reason;
+  own.bottleneck = own.reason.empty();
+  if (own.cuts.empty()) own.cuts.emplace_back();
+  return own;
+}
 
 std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most) {
   std::vector<size_t> chosen;

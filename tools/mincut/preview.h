@@ -1,4 +1,5 @@
-// Pictures of a cut: its regions and pivot pairs, as in the paper's Fig. 4.
+// Pictures of a cut: its regions and pivot pairs, as in the paper's Fig. 4. A region lies between
+// the cuts of one camera.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,8 +8,12 @@
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/scene/scene.h"
+#include "tools/mincut/cut_of.h"
 
 namespace tdpt {
+
+/// What of the cuts concerns one camera.
+CutFile cuts_for(const FoundCuts& found, size_t camera);
 
 /// At most `most` of the cut's arcs, as indices, drawn with probability in proportion to capacity
 /// (systematic sampling), so that both of two openings show. Ascending, no arc twice.

@@ -18,7 +18,7 @@ const Scene& two_rooms() {
 
 // A patch for each face; those beyond x = 2.05 are in region `beyond`, the rest in `before`. One
 // pivot pair, from the far room's end wall to the near one's.
-CutFile cut_at_the_wall(uint32_t before, uint32_t beyond) {
+CutFile cut_at_the_wall(uint64_t before, uint64_t beyond) {
   const Scene& scene = two_rooms();
   CutFile cut;
   cut.scene_hash = scene.hash;
@@ -33,7 +33,7 @@ CutFile cut_at_the_wall(uint32_t before, uint32_t beyond) {
     p.centre = scene.frame.to_metres(t.p0 + (t.e1 + t.e2) / 3.0);
     p.normal = face % 2 == 0 ? t.normal : -t.normal;
     p.faces = {face};
-    cut.region.push_back(p.centre.x > 2.05 ? beyond : before);
+    cut.sides.push_back(p.centre.x > 2.05 ? beyond : before);
     cut.patches.push_back(p);
   }
   Patch light = cut.patches[0], camera = cut.patches[0];
@@ -44,8 +44,8 @@ CutFile cut_at_the_wall(uint32_t before, uint32_t beyond) {
                static_cast<uint32_t>(cut.patches.size() + 1), 10}};
   cut.patches.push_back(light);
   cut.patches.push_back(camera);
-  cut.region.push_back(beyond);
-  cut.region.push_back(before);
+  cut.sides.push_back(beyond);
+  cut.sides.push_back(before);
   return cut;
 }
 
@@ -115,6 +115,24 @@ TEST(cut_preview, is_a_png_and_refuses_another_scene) {
   } catch (const InputError& e) {
     EXPECT_EQ(std::string(e.what()), "room.max: was made from another scene than " + scene.path);
   }
+}
+
+TEST(cuts_for, are_those_that_serve_the_camera) {
+  FoundCuts found;
+  found.file = cut_at_the_wall(0b001, 0b110);
+  found.file.cuts = {{1, 0.1, {0}}, {2, 0.2, {1}}, {3, 0.3, {0, 1}}};
+  found.file.arcs.push_back({found.file.arcs[0].to, found.file.arcs[0].from, 1});
+  found.cameras.resize(3);
+  const CutFile second = cuts_for(found, 1);
+  ASSERT_EQ(second.cuts.size(), 2u);
+  EXPECT_EQ(second.cuts[0].flow, 2);
+  EXPECT_EQ(second.sides.front(), found.file.sides.front() == 1 ? 0u : 3u);
+  EXPECT_EQ(second.arcs.size(), 1u) << "the other arc crosses the first camera's cut alone";
+  found.cameras[2].reason = "there is none";
+  const CutFile third = cuts_for(found, 2);
+  EXPECT_FALSE(third.bottleneck);
+  EXPECT_EQ(third.reason, "there is none");
+  EXPECT_EQ(third.cuts.size(), 1u);
 }
 
 TEST(arcs_to_draw, takes_all_when_few_and_in_proportion_when_many) {

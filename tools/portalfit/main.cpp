@@ -47,9 +47,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                     "The light grid (.vdb), or tables of it (.csv) with that of its lines among "
                     "them; default standard input");
   options.option("--threshold,--set threshold", a.threshold, "T",
-                 "Smallest share of the camera's light that makes a portal; default 0.02", 0.0001, 1);
-  options.option("--max-portals,--set max-portals", a.max_portals, "N", "Most portals; default 8",
-                 1, 1000);
+                 "Smallest share of a camera's light that makes a portal; default 0.02", 0.0001, 1);
+  options.option("--max-portals,--set max-portals", a.max_portals, "N",
+                 "Most portals for each camera; default 8", 1, 1000);
   options.choice("--set method", a.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.choice(
@@ -92,7 +92,7 @@ std::vector<std::string> left_out(const Arguments& a, const FitResult& found) {
   return why_useless(found.portals);
 }
 
-// The plans of the scene, for the camera that the grid was made for, where it says so.
+// The plans of the scene, for the first camera that the grid was made for, where it says so.
 std::string plan_of(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                     const FitResult& found, const std::vector<std::string>& useless,
                     const std::string& why_none) {
@@ -101,7 +101,7 @@ std::string plan_of(const Arguments& a, const cli::Common& common, const LightGr
   if (!scene.is_scene_of(grid.scene_hash))
     throw InputError(display_name(a.grid.front()), "",
                      "was made from another scene than " + a.scene);
-  const auto made_for = parse_viewpoint(grid.camera);
+  const auto made_for = parse_viewpoint(grid.cameras.empty() ? "" : grid.cameras[0]);
   const Camera camera = made_for ? camera_of(scene.frame, *made_for) : scene.camera("");
   return plan_preview(scene, camera, found, useless, why_none).file_named(a.preview);
 }
@@ -122,7 +122,7 @@ Written choose(const cli::Common& common, const std::vector<cli::Common::Input>&
       out.lines.push_back(found.lines[i]);
     }
   out.file.scene_hash = grid.scene_hash;
-  out.file.camera = grid.camera;
+  out.file.made_for = grid.cameras;
   out.file.provenance = common.provenance(files);
   return out;
 }
@@ -140,6 +140,7 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
     nlohmann::json entry = f;
     entry["name"] = fmt::format("portal.{}", written.size());
     entry["drawback"] = drawback_of(f);
+    if (!found.portals[i].cameras.empty()) entry["cameras"] = found.portals[i].cameras;
     written.push_back(entry);
     portals.push_back(found.portals[i]);
   }

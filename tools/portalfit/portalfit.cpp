@@ -19,6 +19,7 @@
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/number_words.h"
+#include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/candidate.h"
 #include "tools/portalfit/joining.h"
@@ -91,17 +92,32 @@ bool near(const Aperture& a, const Aperture& b) {
   return length(centre_a - centre_b) <= std::max(radius_a, radius_b);
 }
 
-// Share of the camera's light that each line stands for; without knowledge of it all lines of a cut
-// have the same.
-std::vector<double> shares_of(const std::vector<LightLine>& lines) {
-  std::vector<double> share, of_cut, count;
-  for (const LightLine& line : lines) {
-    if (line.cut >= of_cut.size()) of_cut.resize(line.cut + 1, 0), count.resize(line.cut + 1, 0);
-    of_cut[line.cut] += line.share, count[line.cut] += 1;
+// Share of each camera's light that each line stands for; without knowledge of it all lines of a
+// cut have the same.
+std::vector<std::vector<double>> shares_of(const LightGrid& grid) {
+  std::vector<double> of_cut(kMostCuts, 0), count(kMostCuts, 0);
+  for (const LightLine& line : grid.lines) of_cut[line.cut] += line.share, count[line.cut] += 1;
+  std::vector<std::vector<double>> shares(grid.number_of_cameras());
+  for (size_t k = 0; k < shares.size(); ++k)
+    for (size_t i = 0; i < grid.lines.size(); ++i) {
+      const uint32_t cut = grid.lines[i].cut;
+      shares[k].push_back(of_cut[cut] > 0 ? grid.share_of(k, i) : 1 / count[cut]);
+    }
+  return shares;
+}
+
+// The names by which portals list the cameras that they serve; none for one camera.
+std::vector<std::string> names_of_cameras(const LightGrid& grid) {
+  std::vector<std::string> names;
+  for (size_t k = 0; k < grid.shares.size(); ++k) {
+    const auto viewpoint = parse_viewpoint(k < grid.cameras.size() ? grid.cameras[k] : "");
+    names.push_back(viewpoint ? viewpoint->name : "");
   }
-  for (const LightLine& line : lines)
-    share.push_back(of_cut[line.cut] > 0 ? line.share : 1 / count[line.cut]);
-  return share;
+  return names;
+}
+
+double largest(const std::vector<double>& shares) {
+  return *std::max_element(shares.begin(), shares.end());
 }
 
 std::string at_least(double share) {
@@ -112,7 +128,7 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid), options_(options), share_(shares_of(grid.lines)) {}
+      : grid_(grid), options_(options), shares_(shares_of(grid)), names_(names_of_cameras(grid)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
@@ -132,23 +148,39 @@ class Fit {
       }
       explained += crossed.size();
     }
-    for (const Aperture& a : chosen(std::move(found))) {
-      result_.portals.push_back(portal_of(a));
-      result_.lines.push_back(a.lines.which);
+    for (const Opening& opening : chosen(std::move(found))) {
+      result_.portals.push_back(portal_of(opening));
+      result_.lines.push_back(opening.aperture.lines.which);
     }
     result_.explained = static_cast<double>(explained) / static_cast<double>(grid_.lines.size());
     return std::move(result_);
   }
 
  private:
-  double light_of(const Bundle& bundle) const {
-    double sum = 0;
-    for (const uint32_t l : bundle.which) sum += share_[l];
-    return sum;
-  }
+  // An opening, found by the light of one or several cuts.
+  struct Opening {
+    Aperture aperture;
+    std::vector<double> light;  // share of each camera's that passes it; 0: it does not serve it
+  };
 
-  Portal portal_of(const Aperture& a) const {
+  // Share of each camera's light.
+  std::vector<double> lights_of(const Bundle& bundle) const {
+    std::vector<double> sums;
+    for (const std::vector<double>& of_camera : shares_) {
+      double sum = 0;
+      for (const uint32_t l : bundle.which) sum += of_camera[l];
+      sums.push_back(sum);
+    }
+    return sums;
+  }
+  // Of the camera to which it means most.
+  double light_of(const Bundle& bundle) const { return largest(lights_of(bundle)); }
+
+  Portal portal_of(const Opening& opening) const {
+    const Aperture& a = opening.aperture;
     Portal portal;
+    for (size_t k = 0; k < names_.size(); ++k)
+      if (opening.light[k] > 0) portal.cameras[names_[k]] = std::min(1.0, opening.light[k]);
     portal.vertices = corners_of(a);
     portal.triangles = triangulate(a.polygon);
     Vec3d sum{};
@@ -156,7 +188,7 @@ class Fit {
     const Vec3d mean = normalize(sum);
     auto& f = portal.figures;
     f["area"] = area(a.polygon);
-    f["flux_share"] = std::min(1.0, light_of(a.lines));
+    f["flux_share"] = std::min(1.0, largest(opening.light));
     if (const auto support = support_of(grid_.probes, a)) f["support"] = *support;
     f["direction_x"] = mean.x;
     f["direction_y"] = mean.y;
@@ -278,7 +310,7 @@ class Fit {
   // Share of the light of `a` that passes `b`, too.
   double passing(const Aperture& a, const Aperture& b) const {
     const Polygon wider = enlarged(b.polygon, kWider);
-    Bundle both = a.lines.where([&](const LightLine& line) {
+    const Bundle both = a.lines.where([&](const LightLine& line) {
       const auto at = crossing(b.tube.middle, line);
       return at && contains(wider, *at);
     });
@@ -292,25 +324,53 @@ class Fit {
 
   // Of the openings of all cuts those with most light, each once: the smallest that passes most of
   // its light.
-  std::vector<Aperture> chosen(std::vector<Aperture> found) {
+  std::vector<Opening> chosen(std::vector<Aperture> found) {
     sort_by_light(found);
-    std::vector<Aperture> kept;
+    std::vector<Opening> kept;
     for (Aperture& a : found) {
+      const std::vector<double> light = lights_of(a.lines);
       const auto same = std::find_if(kept.begin(), kept.end(),
-                                     [&](const Aperture& b) { return same_opening(a, b); });
-      result_.repeated += same != kept.end() || kept.size() == options_.max_portals;
-      if (same == kept.end() && kept.size() < options_.max_portals)
-        kept.push_back(std::move(a));
-      else if (same != kept.end() && area(a.polygon) < area(same->polygon) &&
-               light_of(a.lines) >= kMostOfLight * light_of(same->lines))
-        *same = std::move(a);
+                                     [&](const Opening& b) { return same_opening(a, b.aperture); });
+      if (same == kept.end()) {
+        kept.push_back({std::move(a), light});
+        continue;
+      }
+      ++result_.repeated;
+      for (size_t k = 0; k < light.size(); ++k) same->light[k] = std::max(same->light[k], light[k]);
+      if (area(a.polygon) < area(same->aperture.polygon) &&
+          largest(light) >= kMostOfLight * light_of(same->aperture.lines))
+        same->aperture = std::move(a);
     }
+    limit_each_camera(kept);
     return kept;
+  }
+
+  // Leaves of each camera the openings with most of its light. An opening serves the camera to
+  // which it means most, and others from the threshold on.
+  void limit_each_camera(std::vector<Opening>& kept) {
+    std::vector<double> most;
+    for (const Opening& opening : kept) most.push_back(largest(opening.light));
+    for (size_t k = 0; k < shares_.size(); ++k) {
+      std::vector<Opening*> of_camera;
+      for (size_t i = 0; i < kept.size(); ++i)
+        if (double& light = kept[i].light[k]; light >= std::min(options_.threshold, most[i]))
+          of_camera.push_back(&kept[i]);
+        else
+          light = 0;
+      std::stable_sort(of_camera.begin(), of_camera.end(), [&](const Opening* a, const Opening* b) {
+        return a->light[k] > b->light[k];
+      });
+      for (size_t i = options_.max_portals; i < of_camera.size(); ++i) of_camera[i]->light[k] = 0;
+    }
+    const size_t before = kept.size();
+    std::erase_if(kept, [](const Opening& opening) { return !(largest(opening.light) > 0); });
+    result_.repeated += before - kept.size();
   }
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
-  const std::vector<double> share_;  // per line
+  const std::vector<std::vector<double>> shares_;  // of each camera, per line
+  const std::vector<std::string> names_;           // of several cameras
   FitResult result_;
 };
 

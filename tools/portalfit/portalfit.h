@@ -9,14 +9,15 @@
 namespace tdpt {
 
 struct PortalFitOptions {
-  double threshold = 0.02;  ///< smallest share of the camera's light that makes a portal
-  size_t max_portals = 8;
-  bool by_paper = false;  ///< use the paper's rule instead [paper.h]
-  double support = 0.5;   ///< smallest support that makes a portal
+  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
+  size_t max_portals = 8;   ///< of each camera
+  bool by_paper = false;    ///< use the paper's rule instead [paper.h]
+  double support = 0.5;     ///< smallest support that makes a portal
 };
 
 /// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that
-/// crosses it, or of the lines of its cut if that is unknown), `support` (share of the lines
+/// crosses it, or of the lines of its cut if that is unknown; of several cameras the largest),
+/// `support` (share of the lines
 /// through it that join the two sides; omitted if unknown), `direction_x/y/z` (mean direction of
 /// its lines), `direction_angle` [deg] (between it and the normal), `concentration` (length of the
 /// mean of the unit directions), `pca_main_angle` and `pca_minor_angle` [deg] (between the normal

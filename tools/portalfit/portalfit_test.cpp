@@ -196,6 +196,36 @@ TEST(PortalFit, IsRobustToStrays) {
   expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
 }
 
+// Two windows in one wall; the first brings the first camera most of its light, the second one's
+// all.
+TEST(PortalFit, ListsTheCamerasThatEachPortalServes) {
+  Opening a = hole(0.2), b = hole(0.2);
+  b.middle.z += 0.8;
+  a.share = 0.5;
+  LightGrid grid = grid_of(lines_through({a, b}, 10000, {}, 1));
+  grid.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all hall", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all yard"};
+  grid.shares.resize(2);
+  const double n = static_cast<double>(grid.lines.size());
+  for (LightLine& line : grid.lines) {
+    const bool through_a = a.holds(at_plane(a, 0, line.light, line.camera));
+    grid.shares[0].push_back(through_a ? 0.9 / (0.5 * n) : 0.1 / (0.5 * n));
+    grid.shares[1].push_back(through_a ? 0 : 1 / (0.5 * n));
+    line.share = std::max(grid.shares[0].back(), grid.shares[1].back());
+  }
+  const FitResult fit = fit_portals(grid, {});
+  ASSERT_EQ(fit.portals.size(), 2u);
+  const bool a_first = fit.portals[0].cameras.size() == 1;
+  const Portal &of_a = fit.portals[a_first ? 0 : 1], &of_b = fit.portals[a_first ? 1 : 0];
+  ASSERT_EQ(of_a.cameras.size(), 1u);
+  EXPECT_NEAR(of_a.cameras.at("hall"), 0.9, 0.05);
+  ASSERT_EQ(of_b.cameras.size(), 2u);
+  EXPECT_NEAR(of_b.cameras.at("hall"), 0.1, 0.02);
+  EXPECT_NEAR(of_b.cameras.at("yard"), 1, 0.05);
+  EXPECT_EQ(of_b.figures.at("flux_share"), of_b.cameras.at("yard"));
+  grid.shares.clear(), grid.cameras.pop_back();
+  for (const Portal& portal : fit_portals(grid, {}).portals) EXPECT_TRUE(portal.cameras.empty());
+}
+
 TEST(PortalFit, FindsTwoWindows) {
   Opening a = hole(0.2), b = hole(0.2);
   b.middle.z += 0.8;

@@ -35,9 +35,10 @@ void fact(Knowledge& k, const std::string& name, const Json& value) {
   k.facts.emplace_back(name, value.dump());
 }
 
-// Adds the camera it was made for.
-void tell_camera(Knowledge& k, const std::string& camera) {
-  if (!camera.empty()) fact(k, "camera", camera);
+// Adds the cameras it was made for: the only one as "camera", several as "camera_1" and so on.
+void tell_cameras(Knowledge& k, const std::vector<std::string>& cameras) {
+  for (size_t i = 0; i < cameras.size(); ++i)
+    fact(k, cameras.size() == 1 ? "camera" : fmt::format("camera_{}", i + 1), cameras[i]);
 }
 
 void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
@@ -94,13 +95,15 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
   k.kind = "portals";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
-  tell_camera(k, file.camera);
+  tell_cameras(k, file.made_for);
   Json portals = Json::array();
   for (const Portal& portal : file.portals)
     portals.push_back({{"name", portal.name},
                        {"area_m2", area_of(portal)},
                        {"triangles", portal.triangles.size()},
                        {"figures", portal.figures}});
+  for (size_t i = 0; i < file.portals.size(); ++i)
+    if (!file.portals[i].cameras.empty()) portals[i]["cameras"] = file.portals[i].cameras;
   fact(k, "portals", portals);
 }
 
@@ -127,7 +130,7 @@ void tell_network(const DimacsFile& file, Knowledge& k) {
   k.kind = "flow network";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
-  tell_camera(k, file.camera);
+  tell_cameras(k, file.cameras);
   fact(k, "nodes", file.network.nodes);
   fact(k, "arcs", file.network.arcs.size());
   fact(k, "patches", file.patches.size());
@@ -137,7 +140,7 @@ void tell_cut(const CutFile& file, Knowledge& k) {
   k.kind = "cut";
   k.scene = file.scene_hash;
   k.provenance = file.provenance;
-  tell_camera(k, file.camera);
+  tell_cameras(k, file.cameras);
   tell_bottleneck(k, file.bottleneck, file.reason);
   Json cuts = Json::array();
   for (const Bottleneck& cut : file.cuts)
@@ -150,7 +153,7 @@ void tell_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
   k.kind = kind;
   k.scene = grid.scene_hash;
   k.provenance = grid.provenance;
-  tell_camera(k, grid.camera);
+  tell_cameras(k, grid.cameras);
   tell_bottleneck(k, grid.bottleneck, grid.reason);
   fact(k, "voxels", grid.dim);
   fact(k, "voxel_m", grid.voxel);
@@ -279,7 +282,7 @@ std::string text_of(const Knowledge& k) {
   for (const auto& [name, value] : k.facts) {
     const Json json = Json::parse(value);
     const std::string told = json.is_string() ? json.get<std::string>() : value;
-    const auto camera = name == "camera" ? parse_viewpoint(told) : std::nullopt;
+    const auto camera = name.starts_with("camera") ? parse_viewpoint(told) : std::nullopt;
     const std::string words = camera ? words_of(*camera) : told.empty() ? "none" : told;
     text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
   }

@@ -1,4 +1,7 @@
 // tdpt: makes a scene's picture through its portals, by running the other programs.
+#include <cstdlib>
+#include <set>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
@@ -7,6 +10,7 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt/making.h"
+#include "tools/tdpt/views.h"
 
 #include <unistd.h>
 
@@ -82,8 +86,15 @@ int run(const Arguments& a, const cli::Common& common) {
   if (a.clean) return clean(a);
   check_render_arguments(a);
   catch_signals();
-  Making making(a, common, form_of(common));
-  return a.dry_run ? making.print() : making.run();
+  std::set<std::string> printed;
+  const bool told_before = std::getenv("TDPT_TOLD");
+  for (const View& view : views_of(a, common)) {
+    if (!told_before) ::unsetenv("TDPT_TOLD");  // each picture has its own, in a folder that goes
+    Making making(view.arguments, view.common, form_of(common));
+    const int code = a.dry_run ? making.print(printed) : making.run();
+    if (code != 0) return code;
+  }
+  return 0;
 }
 
 }  // namespace

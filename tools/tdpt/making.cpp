@@ -436,7 +436,7 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
   return ending_of(name_of(words[0]), child.exit_code().value_or(0));
 }
 
-int Making::print() {
+int Making::print(std::set<std::string>& printed) {
   state_ = state_of(a_, work_);
   pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
   common_.also_read(state_.files);
@@ -447,8 +447,9 @@ int Making::print() {
   if (!a_.force) check_owner(request_, work_);
   Words folders{"mkdir", "-p"};
   std::string commands;
-  for (const Step& step : pipeline_.stages)
-    if (!is_whole(step.output)) commands += shell_text(step.command(step.output)) + "\n";
+  if (printed.insert(pipeline_.portals_entry).second)
+    for (const Step& step : pipeline_.stages)
+      if (!is_whole(step.output)) commands += shell_text(step.command(step.output)) + "\n";
   if (!commands.empty()) folders.push_back(work_.path_of(pipeline_.portals_entry));
   const std::string entry = work_.path_of(pipeline_.picture_entry);
   if (pipeline_.keeps_film) folders.push_back(entry);

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 
 #include "tools/tdpt/conversation.h"
@@ -17,8 +18,9 @@ class Making {
 
   /// Returns the exit code. Throws Error for what is wrong before a program runs.
   int run();
-  /// Prints the commands that run() would execute, for a shell.
-  int print();
+  /// Prints the commands that run() would execute, for a shell. `printed`: entries of the work
+  /// folder whose commands were printed before; it is added to.
+  int print(std::set<std::string>& printed);
 
  private:
   /// How a program ended; `changed`: the scene changed meanwhile, so that its results are invalid.

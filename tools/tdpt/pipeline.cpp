@@ -51,7 +51,7 @@ void add_stages(const Request& r, const std::string& programs, const std::string
     p.stages.push_back({title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[i]}),
                         inputs, r.unshaped, file(end)});
   };
-  stage(0, "tracing where light goes", "ffgraph", joined({r.camera, r.sky, r.sampling}), {r.scene},
+  stage(0, "tracing where light goes", "ffgraph", joined({r.cameras, r.sky, r.sampling}), {r.scene},
         "max");
   stage(1, "finding bottlenecks", "mincut", {}, {file("max")}, "cut");
   stage(2, "following the light through them", "lightgrid", joined({r.sky, r.device, r.sampling}),
@@ -66,7 +66,7 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
     key.add(content_hash_of_file(programs + "/" + tool));
   key.add(file_name(r.scene));
   key.add(state.hash);
-  for (const Words& words : {r.camera, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
+  for (const Words& words : {r.cameras, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
     key.add(words);
   for (const Words& words : r.stage_flags) {
     key.add(words);

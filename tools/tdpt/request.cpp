@@ -89,6 +89,21 @@ std::string identity_of(const cli::Given& given) {
 
 }  // namespace
 
+namespace {
+
+// The camera's options, with the cameras of all views.
+Words words_of_all(const Arguments& a, const cli::Common& common) {
+  Words words;
+  for (cli::Given given : common.given) {
+    if (!is_one_of(kCamera, given.name)) continue;
+    if (given.name == "--camera") given.values = a.views;
+    append(words, given);
+  }
+  return words;
+}
+
+}  // namespace
+
 Request request_of(const Arguments& a, const cli::Common& common) {
   if (a.scene.empty()) throw UsageError("no scene is given; 'tdpt --help' tells how");
   if (!a.scene.ends_with(".glb") && !a.scene.ends_with(".gltf"))
@@ -116,6 +131,8 @@ Request request_of(const Arguments& a, const cli::Common& common) {
       append(r.beside, given);
     } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
       r.identity.push_back(identity_of(given));
+      if (given.name == "--camera" && !a.views.empty())
+        r.identity.back() += fmt::format(" of {}", fmt::join(a.views, ","));
       if (given.name == "--portal") continue;  // goes to the renderer, after the scene
       append(is_one_of(kCamera, given.name)     ? r.camera
              : is_one_of(kSky, given.name)      ? r.sky
@@ -126,6 +143,8 @@ Request request_of(const Arguments& a, const cli::Common& common) {
              given);
     }
   }
+  r.cameras = r.camera;
+  if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;
   for (const char* variable :
        {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"}) {

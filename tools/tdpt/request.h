@@ -13,6 +13,9 @@ struct Arguments : RenderArguments {
   std::string work_size = "10G";  ///< --work-size
   std::string report;             ///< its path; empty: none
   bool force = false, dry_run = false, clean = false;
+  /// Of a run for several cameras [views.h]: the names of all, for which portals are found
+  /// together.
+  std::vector<std::string> views;
 };
 
 using Words = std::vector<std::string>;
@@ -22,6 +25,7 @@ struct Request {
   std::string scene;    ///< path, as passed to programs
   std::string picture;  ///< path
   Words camera, sky, device, all;
+  Words cameras;   ///< those for which portals are found: `camera`, or all of several
   Words sampling;  ///< for programs that draw random numbers: --seed and --quality
   Words render;    ///< for the renderer alone, affecting the picture
   Words unshaped;  ///< for all programs, not affecting results: --threads and the like

@@ -81,11 +81,11 @@ inline CutFile perfect_cut(const Scene& scene, size_t n,
         patch_of(hit.triangle, hit.position, dot(hit.normal, w) < 0 ? hit.normal : -hit.normal);
     ++rays[{a, b}];
   }
-  for (const Patch& patch : cut.patches) cut.region.push_back(is_source(patch.centre) ? 0 : 1);
+  for (const Patch& patch : cut.patches) cut.sides.push_back(is_source(patch.centre) ? 0 : 1);
   for (const auto& [pair, count] : rays) {
     const auto [a, b] = pair;
-    if (cut.region[a] == cut.region[b]) continue;
-    cut.arcs.push_back(cut.region[a] == 0 ? CutArc{a, b, count} : CutArc{b, a, count});
+    if (cut.sides[a] == cut.sides[b]) continue;
+    cut.arcs.push_back(cut.sides[a] == 0 ? CutArc{a, b, count} : CutArc{b, a, count});
     cut.cuts[0].flow += count;
   }
   return cut;

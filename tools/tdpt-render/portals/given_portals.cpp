@@ -114,7 +114,8 @@ class Judge {
                                           "or other --set light-units"
                                         : " was made for another state of the scene, or for "
                                           "another one"));
-    compare_cameras();
+    take_those_of_the_camera();
+    if (out_.file.portals.empty()) return std::move(out_);
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
     return std::move(out_);
@@ -128,17 +129,39 @@ class Judge {
     out_.warnings.push_back(portal.name + ": " + words);
   }
 
-  // Which openings are narrow depends on where the camera stands.
-  void compare_cameras() {
-    const auto made_for = parse_viewpoint(out_.file.camera);
-    if (!made_for) return;
+  // Which openings are narrow depends on where the camera stands. All portals are kept for a camera
+  // that the file does not know, with a warning.
+  void take_those_of_the_camera() {
     const Viewpoint used = viewpoint_of(scene_.frame, camera_);
-    const std::string words = words_of_difference(*made_for, used, 2 / scene_.frame.scale);
-    if (words.empty()) return;
-    out_.warnings.push_back(
-        fmt::format("{}: its portals were found for camera \"{}\"; \"{}\" is {}: portals belong to "
-                    "a camera",
-                    name_, made_for->name, used.name, words));
+    std::string warning;
+    for (const std::string& text : out_.file.made_for) {
+      const auto made_for = parse_viewpoint(text);
+      if (!made_for) continue;
+      const std::string words = words_of_difference(*made_for, used, 2 / scene_.frame.scale);
+      if (words.empty()) return leave_out_others(made_for->name);
+      if (warning.empty() || made_for->name == used.name)
+        warning = fmt::format(
+            "{}: its portals were found for camera \"{}\"; \"{}\" is {}: portals "
+            "belong to a camera",
+            name_, made_for->name, used.name, words);
+    }
+    if (!warning.empty()) out_.warnings.push_back(warning);
+  }
+
+  // Those that serve other cameras of the file than the one of this name.
+  void leave_out_others(const std::string& camera) {
+    std::vector<Portal>& portals = out_.file.portals;
+    const size_t all = portals.size();
+    std::erase_if(portals, [&](const Portal& portal) {
+      return !portal.cameras.empty() && !portal.cameras.contains(camera);
+    });
+    for (Portal& portal : portals)
+      if (const auto own = portal.cameras.find(camera); own != portal.cameras.end())
+        portal.figures["flux_share"] = own->second;
+    if (portals.size() < all)
+      out_.notes.push_back(
+          fmt::format("{}: {} of its {} portals serve other cameras and are left out", name_,
+                      all - portals.size(), all));
   }
 
   void refuse_triangles_of_the_scene() const {

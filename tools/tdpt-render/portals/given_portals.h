@@ -17,9 +17,10 @@ struct GivenPortals {
 
 /// Reads a portal file for `scene`; each portal is flattened into planes [portal_mesh.h]. Left out
 /// with a warning: closed bodies, folded meshes, and portals outside the scene or far larger than
-/// it; the warning names the unit it seems drawn in [portal_fit.h]. A warning also says if the
-/// portals were found for another camera than `camera`. Throws InputError for a whole scene given
-/// by mistake, and for more triangles than any portal has.
+/// it; the warning names the unit it seems drawn in [portal_fit.h]. Left out with a note: those of
+/// a file for several cameras that serve others than `camera`. A warning also says if the portals
+/// were found for other cameras. Throws InputError for a whole scene given by mistake, and for more
+/// triangles than any portal has.
 GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera);
 
 }  // namespace tdpt

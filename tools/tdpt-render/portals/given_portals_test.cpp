@@ -30,12 +30,15 @@ class given_portals : public ::testing::Test {
   GivenPortals given(const std::vector<Portal>& portals, const std::string& hash = "",
                      const std::string& made_for = "") const {
     PortalFile file;
-    file.camera = made_for;
+    if (!made_for.empty()) file.made_for = {made_for};
     file.portals = portals;
     file.scene_hash = hash;
+    return given(file, scene_.camera(""));
+  }
+  GivenPortals given(const PortalFile& file, const Camera& camera) const {
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
-    return read_given_portals(path, scene_, scene_.camera(""));
+    return read_given_portals(path, scene_, camera);
   }
   std::string refused(const std::string& path) const {
     try {
@@ -215,6 +218,37 @@ TEST_F(given_portals, for_another_camera_they_are_used_with_a_warning) {
   other = own;
   other.culls = true;
   EXPECT_EQ(warned(other).size(), 1u);
+}
+
+TEST_F(given_portals, those_of_other_cameras_of_the_file_are_left_out) {
+  const Camera own = scene_.camera("");
+  Camera yard = own;
+  yard.name = "yard";
+  yard.position = yard.position + yard.right * (1.5 * scene_.frame.scale);
+  PortalFile file;
+  for (const Camera& camera : {yard, own})
+    file.made_for.push_back(viewpoint_text(scene_.frame, camera));
+  file.portals.assign(3, portal_in_the_hole());
+  file.portals[0].cameras = {{"yard", 0.9}};
+  file.portals[1].cameras = {{"yard", 0.9}, {own.name, 0.25}};
+  const GivenPortals mine = given(file, own);
+  EXPECT_EQ(mine.warnings, Strings{});
+  ASSERT_EQ(mine.file.portals.size(), 2u);
+  EXPECT_EQ(mine.file.portals[0].name, "portal.1");
+  EXPECT_EQ(mine.file.portals[0].figures.at("flux_share"), 0.25);
+  ASSERT_EQ(mine.notes.size(), 1u);
+  EXPECT_NE(mine.notes[0].find("drawn.glb: 1 of its 3 portals serve other cameras"),
+            std::string::npos);
+  // A camera that the file does not know has all of them.
+  Camera other = own;
+  other.position = other.position + other.right * (3 * scene_.frame.scale);
+  const GivenPortals all = given(file, other);
+  EXPECT_EQ(all.file.portals.size(), 3u);
+  ASSERT_EQ(all.warnings.size(), 1u);
+  EXPECT_NE(
+      all.warnings[0].find("its portals were found for camera \"camera\"; \"camera\" is 3 m away"),
+      std::string::npos)
+      << all.warnings[0];
 }
 
 TEST_F(given_portals, a_file_without_portals_is_a_note) {
