@@ -221,7 +221,7 @@ def parts(cells, means):
 
 @settings(SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 1.0), SEEDS=Setting(4, "pictures of each kind", 2),
           REF=Setting(8.0, "how many times as long each half of a reference takes", 2.0),
-          MEANS=Setting(LIT, "views with little noise, whose means are compared, too"),
+          MEANS=Setting(LIT, "views with little noise, whose means are compared, too, or none"),
           MEANS_SECONDS=Setting(3.0, "CPU seconds of a picture of these", 0.5), WIDTH=Setting(96, "of the pictures", 48))
 def peers(bench):
     """Other renderers beside ours in equal CPU time: views of real buildings without their panes, several seeds taking
@@ -235,9 +235,9 @@ def peers(bench):
     if not methods:
         raise Stop(5, f"none of {', '.join(dict.fromkeys(PACKAGES.values()))} is installed for PEERS_PYTHON (python3)")
     views = [View(bench, name, versions) for name in bench.settings.only or VIEWS]
-    lit = [View(bench, name, versions) for name in bench.settings.means]
+    lit = [View(bench, name, versions) for name in bench.settings.means if name != "none"]
     means = bench.side_by_side([functools.partial(same_means, view, [*methods, "bdpt"]) for view in lit])
     cells = bench.side_by_side([functools.partial(measured, view, [*methods, *OURS]) for view in views])
-    made = parts(cells, dict(zip(bench.settings.means, means)))
+    made = parts(cells, {view.name: of for view, of in zip(lit, means)})
     print("\n\n".join(made.values()))
     bench.page("peers", made, EVERYTHING)

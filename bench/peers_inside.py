@@ -23,7 +23,7 @@ from formats import exr_write
 
 sys.path.pop(0)  # This folder has a cycles.py, and so has Blender.
 
-LUXCORE_DEPTH = 64  # vertices of each half of a path; Russian roulette ends nearly all long before
+LUXCORE_DEPTH = 16  # vertices of each half of a path; without Russian roulette, which makes BIDIRCPU too bright
 CYCLES_DEPTH = 1024  # bounces, the most that it has
 PASS = 8  # samples per pixel that Mitsuba makes at a time
 
@@ -178,8 +178,9 @@ def luxcore(scene, a):
         for name, value in {
                 "renderengine.type": "BIDIRCPU", "renderengine.seed": seed, "native.threads.count": 1,
                 "path.maxdepth": LUXCORE_DEPTH, "light.maxdepth": LUXCORE_DEPTH, "sampler.type": "SOBOL",
-                "sampler.sobol.adaptive.strength": 0.0, "film.width": a.width,
-                "film.height": a.height, "film.filter.type": "NONE", "film.outputs.0.type": "RGB",
+                "path.russianroulette.depth": LUXCORE_DEPTH + 1,
+                "sampler.sobol.adaptive.strength": 0.0, "film.width": a.width, "film.height": a.height,
+                "film.filter.type": "NONE", "film.outputs.0.type": "RGB",
                 "film.outputs.0.filename": "rgb.exr", "film.imagepipelines.0.0.type": "NOP",
                 "batch.haltspp": a.spp if not a.cpu_seconds else 0}.items():
             config.Set(lux.Property(name, [value]))
