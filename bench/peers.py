@@ -107,7 +107,9 @@ class View:
         source = bench.find(house)
         if not source:
             raise Stop(3, f"there is no houses/{house}.glb in SCENES")
-        content, self.panes = without_panes(source.read_bytes())
+        if source.with_name(f"{house}.env.exr").exists():
+            raise Stop(2, f"{house} is lit by a sky, which the others do not get")
+        content, _ = without_panes(source.read_bytes())
         self.scene, self.arrays = (bench.cache / f"{name}{end}" for end in (".glb", ".npz"))
         self.scene.write_bytes(content)
         np.savez(self.arrays, **plain(content, self.camera))
