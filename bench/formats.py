@@ -226,13 +226,13 @@ def _matrix(node):
     return m
 
 
-def _placed(document, nodes, above):
+def placed(document, nodes, above):
     """(node, its matrix to the world) of all that these nodes show."""
     for index in nodes:
         node = document["nodes"][index]
         matrix = above @ _matrix(node)
         yield node, matrix
-        yield from _placed(document, node.get("children", ()), matrix)
+        yield from placed(document, node.get("children", ()), matrix)
 
 
 def simplified(data, share):
@@ -240,7 +240,7 @@ def simplified(data, share):
     many are gone). What emits stays. A mesh that several nodes show loses those that are small where it is largest."""
     document, binary = glb_parse(data)
     largest = {}  # of each primitive: areas, the most of all nodes
-    for node, matrix in _placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
+    for node, matrix in placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
         for p, primitive in enumerate(document["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ()):
             if primitive.get("mode", 4) != 4 or "indices" not in primitive or _emits(document, primitive):
                 continue

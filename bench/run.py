@@ -47,6 +47,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
                      "doc/cycles.md"),
     "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
                      "of an hour)"),
+    "peers": ("peers", "peers", "rooms of real buildings beside Cycles, LuxCore and Mitsuba from PyPI: doc/peers.md (half "
+              "an hour; PEERS_PYTHON=PYTHON: one that has them)"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
                  "--quick: three quarters of an hour)"),
     "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),

@@ -8,10 +8,15 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
+import numpy as np
+
 import common
+import formats
 import pages
+import peers
 import price
 import rooms
 import stale
@@ -189,6 +194,51 @@ class CyclesPortals(Stamp):
             self.assertNotEqual(wrong.read_text(), text)
             with self.assertRaisesRegex(common.Stop, "cycles_blender.py: "):
                 cycles.blender("check", found.file, wrong)
+
+
+class Peers(Stamp):
+    """A floor under a point lamp, seen from above, with a pane beside it."""
+
+    def scene(self, **more):
+        builder = formats.Builder()
+        grey = builder.diffuse((0.5, 0.5, 0.5), **more)
+        glass = builder.diffuse((1, 1, 1), extensions={"KHR_materials_transmission": {"transmissionFactor": 1}})
+        builder.mesh([(-5, 0, -5), (-5, 0, 5), (5, 0, 5), (5, 0, -5)], [0, 1, 2, 0, 2, 3], material=glass)
+        builder.mesh([(-5, 0, -5), (-5, 0, 5), (5, 0, 5), (5, 0, -5)], [0, 1, 2, 0, 2, 3], material=grey,
+                     translation=(0, -1, 0))
+        builder.json["extensions"] = {"KHR_lights_punctual": {"lights": [
+            {"type": "point", "color": [1, 0.5, 0.2], "intensity": 10}]}}
+        builder.node({"translation": [0, 1, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}})
+        builder.camera((0, 0.5, 0.001), (0, -1, 0), yfov=0.02)
+        builder.json["cameras"][0]["name"] = "above"
+        return builder.content()
+
+    def test_others_get_the_scene_without_its_panes(self):
+        bare, gone = peers.without_panes(self.scene())
+        made = peers.plain(bare, "above")
+        self.assertEqual((gone, made["corners"].shape, made["corners"][..., 1].max()), (1, (2, 3, 3), -1))
+        self.assertEqual((made["lamps"].tolist(), made["yfov"]), ([[[0, 1, 0], [10, 5, 2]]], 0.02))
+        for wrong, words in (({}, "glass"), ({"doubleSided": True, "emissiveFactor": (1, 1, 1)}, "light from both")):
+            content = self.scene(**wrong)
+            with self.assertRaisesRegex(ValueError, words):
+                peers.plain(content if not wrong else peers.without_panes(content)[0], "above")
+
+    def test_without_any_of_them_nothing_is_measured(self):
+        self.program(self.work / "bin", "python", "echo '{}'")
+        with unittest.mock.patch.dict(os.environ, PEERS_PYTHON=str(self.work / "bin/python")):
+            status, said = self.run_bench("peers")
+        self.assertEqual((status, said.splitlines()[-1]), (5, "peers: none of bpy, pyluxcore, mitsuba is installed for "
+                                                              "PEERS_PYTHON (python3)"), said)
+
+    @unittest.skipUnless(os.environ.get("PEERS_PYTHON"), "PEERS_PYTHON names no Python that has them")
+    def test_the_floor_under_a_lamp_is_as_bright_as_a_closed_form_says(self):
+        scene = self.work / "scene.npz"
+        np.savez(scene, **peers.plain(peers.without_panes(self.scene())[0], "above"))
+        for method in peers.inside("versions"):
+            peers.inside(method, scene, self.work / "%d.exr", "--width", 16, "--height", 9, "--spp", 64)
+            seen = formats.exr_read(self.work / "1.exr")[0].mean((0, 1))
+            for colour, intensity in zip(seen, (10, 5, 2)):
+                self.assertAlmostEqual(colour / (0.5 / np.pi * intensity / 4), 1, delta=0.003, msg=method)
 
 
 class TargetError(Stamp):

@@ -1,0 +1,245 @@
+"""Other renderers at equal CPU time in rooms of real buildings: Cycles without and with path guiding, LuxCore's
+bidirectional path tracer, Mitsuba's path tracer: doc/peers.md."""
+import functools
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+
+import pages
+import stats
+from common import EVERYTHING, ROOT, Halves, Setting, Stop, checked, settings, turns
+from formats import exr_read, glb_content, glb_parse, gltf_array, placed
+from sky import Cell, Picture, black_words
+
+VIEWS = ("jasmin-night.bedroom", "sample-house-night.bedroom")
+LIT = ("jasmin-night.hall", "sample-house-night.living")  # of the same houses, in lamplight
+PEERS = {"cycles": "Cycles", "cycles-guided": "Cycles, path guiding", "luxcore": "LuxCore, bidirectional",
+         "mitsuba": "Mitsuba, path"}
+OURS = {"bdpt": "our `bdpt`", "auto": "our `auto`, portals found"}
+PACKAGES = {"cycles": "bpy", "cycles-guided": "bpy", "luxcore": "pyluxcore", "mitsuba": "mitsuba"}
+SEED = 20261126
+INSIDE = ROOT / "bench/peers_inside.py"
+
+
+# ---- The same scene for all ----
+def without_panes(data):
+    """(a scene without its panes of glass, how many meshes are gone)."""
+    document, binary = glb_parse(data)
+    glass = {i for i, m in enumerate(document["materials"])
+             if "KHR_materials_transmission" in m.get("extensions", {})}
+    bare, gone = {}, 0
+    for node in document["nodes"]:
+        if "mesh" not in node:
+            continue
+        primitives = [p for p in document["meshes"][node["mesh"]]["primitives"] if p["material"] not in glass]
+        if not primitives:
+            del node["mesh"]
+            gone += 1
+        else:
+            bare.setdefault(node["mesh"], {**document["meshes"][node["mesh"]], "primitives": primitives})
+            node["mesh"] = list(bare).index(node["mesh"])
+    document["meshes"] = list(bare.values())
+    return glb_content(document, binary), gone
+
+
+def emission_of(material):
+    strength = material.get("extensions", {}).get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
+    return [strength * c for c in material.get("emissiveFactor", (0, 0, 0))]
+
+
+def wrong_with(material):
+    """Why the others would not see this material as it is here, or nothing."""
+    surface, more = material.get("pbrMetallicRoughness", {}), material.get("extensions", {})
+    emits = any(emission_of(material))
+    return ("a texture" if "Texture" in json.dumps(material) else
+            "metal" if surface.get("metallicFactor", 1) else
+            "gloss" if more.get("KHR_materials_specular", {}).get("specularFactor", 1) else
+            "glass" if "KHR_materials_transmission" in more else
+            "transparency" if material.get("alphaMode", "OPAQUE") != "OPAQUE" else
+            "light from both sides" if emits and material.get("doubleSided") else
+            "a colour where it emits" if emits and any(surface.get("baseColorFactor", (1, 1, 1))[:3]) else "")
+
+
+def plain(data, camera):
+    """The arrays that peers_inside.py reads, of a scene of diffuse triangles and point lamps."""
+    document, binary = glb_parse(data)
+    materials = document["materials"]
+    lights = document.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", ())
+    corners, material, lamps, views = [], [], [], {}
+    for node, matrix in placed(document, document["scenes"][document.get("scene", 0)]["nodes"], np.eye(4)):
+        for primitive in document["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ():
+            wrong = wrong_with(materials[primitive["material"]])
+            if wrong:
+                raise ValueError(f"material {materials[primitive['material']].get('name')} has {wrong}")
+            at = gltf_array(document, binary, primitive["attributes"]["POSITION"]) @ matrix[:3, :3].T + matrix[:3, 3]
+            corners.append(at[gltf_array(document, binary, primitive["indices"]).reshape(-1, 3)])
+            material.append(np.full(len(corners[-1]), primitive["material"]))
+        if "camera" in node:
+            of = document["cameras"][node["camera"]]
+            views[of.get("name", node.get("name"))] = matrix, of["perspective"]["yfov"]
+        if "KHR_lights_punctual" in node.get("extensions", {}):
+            light = lights[node["extensions"]["KHR_lights_punctual"]["light"]]
+            if light["type"] != "point":
+                raise ValueError(f"lamp {light.get('name')} is a {light['type']}")
+            lamps.append([matrix[:3, 3], np.array(light.get("color", (1, 1, 1))) * light.get("intensity", 1)])
+    matrix, yfov = views[camera]
+    return {"corners": np.concatenate(corners).astype("f4"), "material": np.concatenate(material),
+            "colours": np.array([m["pbrMetallicRoughness"].get("baseColorFactor", (1, 1, 1))[:3] for m in materials]),
+            "emission": np.array([emission_of(m) for m in materials]), "lamps": np.array(lamps).reshape(-1, 2, 3),
+            "camera": matrix, "yfov": yfov}
+
+
+# ---- Pictures ----
+def inside(*arguments, may_fail=()):
+    """What peers_inside.py says there; nothing where it may fail and does."""
+    run = checked([os.environ.get("PEERS_PYTHON", "python3"), "-B", INSIDE, *arguments], may_fail)
+    return {} if run.status else json.loads(run.said.splitlines()[-1])
+
+
+class View:
+    """HOUSE.CAMERA, without its panes."""
+
+    def __init__(self, bench, name, versions):
+        self.bench, self.name, self.versions = bench, name, versions
+        house, _, self.camera = name.partition(".")
+        source = bench.find(house)
+        if not source:
+            raise Stop(3, f"there is no houses/{house}.glb in SCENES")
+        if source.with_name(f"{house}.env.exr").exists():
+            raise Stop(2, f"{house} is lit by a sky, which the others do not get")
+        content, _ = without_panes(source.read_bytes())
+        self.scene, self.arrays = (bench.cache / f"{name}{end}" for end in (".glb", ".npz"))
+        self.scene.write_bytes(content)
+        np.savez(self.arrays, **plain(content, self.camera))
+        self.size = ("--width", bench.settings.width, "--height", bench.settings.width * 9 // 16)
+
+    @functools.cached_property
+    def portals(self):
+        return self.bench.portals(self.scene, (), lambda p: ("--camera", self.camera) if p == "ffgraph" else (), 1)
+
+    def theirs(self, method, seeds, amount):
+        """[(path, samples, CPU seconds)] of the seeds, by one process."""
+        words = [method, *self.size, "--seeds", *seeds, *amount]
+        store = self.bench.store
+
+        def make(folder):
+            folder.mkdir()
+            told = inside(method, self.arrays, folder / "%d.exr", *words[1:])
+            (folder / "told.json").write_text(json.dumps(told))
+
+        folder = store.keep([store.sum_of(self.scene), self.camera, store.sum_of(INSIDE), self.versions[method],
+                             os.environ.get("MITSUBA_VARIANT", ""), *words], make, ".peer")
+        told = json.loads((folder / "told.json").read_text())
+        return [(folder / f"{seed}.exr", of["samples"], of["cpu"]) for seed, of in zip(seeds, told)]
+
+    def ours(self, method, seed, samples):
+        portal = ("--portal", self.portals.file) if method == "auto" and self.portals.count else ()
+        run = self.bench.render(self.scene, "--camera", self.camera, *self.size, "--integrator", method, *portal, "--seed",
+                                seed, "--spp", samples)
+        return run.out, run.said["spp"], run.said["cpu_seconds"]
+
+    def samples_in(self, method, seconds):
+        """How many samples our program makes in so many CPU seconds; what auto decides first takes some of them."""
+        (_, few, short), (_, more, longer) = (self.ours(method, 900000, n) for n in (8, 32))
+        return max(1, round(few + (seconds - short) * (more - few) / max(1e-3, longer - short)))
+
+    def made(self, method, seed, seconds, samples):
+        """(path, samples, CPU seconds). samples: of the seed before, or None."""
+        if method in OURS:
+            return self.ours(method, seed, samples or self.samples_in(method, seconds))
+        known = samples and method.startswith("cycles")  # The others stop by themselves.
+        return self.theirs(method, [seed], ("--spp", samples) if known else ("--cpu-seconds", seconds))[0]
+
+
+def measured(view, methods):
+    """A Cell, with the means of all pictures over the reference's, by their methods."""
+    bench, s = view.bench, view.bench.settings
+    samples = view.samples_in("auto", s.ref * s.seconds_each)
+    reference = Halves(bench, *(view.ours("auto", 1000000 + half, samples)[0] for half in (1, 2)))
+    cell = Cell(reference.black, reference.peak, ("auto",), SEED, view=view, means={m: [] for m in methods},
+                halves=[way["mean"] for way in reference.ways], reference=reference.both("mean"))
+    known = {}
+    for seed, method in turns(range(1, s.seeds + 1), methods):
+        path, known[method], cpu = view.made(method, seed, s.seconds_each, known.get(method))
+        off = reference.off(path)
+        cell.pictures[method].append(Picture(cpu, off["relmse"], off["mse"], spp=known[method]))
+        cell.means[method].append(off["mean"])
+        bench.say(f"{view.name}, {method}, {seed}: {known[method]} spp, {cpu:.1f} s, relMSE {off['relmse']:.3g}, mean "
+                  f"{off['mean'] / cell.reference:.4f}")
+    return cell
+
+
+def same_means(view, methods):
+    """{method: means of pictures} of a view with little noise; ours by bdpt."""
+    s, means = view.bench.settings, {}
+    for method in methods:
+        made = (view.theirs(method, list(range(1, s.seeds + 1)), ("--cpu-seconds", s.means_seconds)) if method in PEERS else
+                [view.ours("bdpt", seed, view.samples_in("bdpt", s.means_seconds)) for seed in range(1, s.seeds + 1)])
+        means[method] = np.array([exr_read(path)[0].mean() for path, _, _ in made])
+        view.bench.say(f"{view.name}, {method}: means {means[method]}")
+    return means
+
+
+# ---- Page ----
+def over(cell, base, method):
+    """How many times as efficient `method` is as `base`."""
+    return "" if base == method else stats.ratio(cell.costs(base), cell.costs(method), SEED).text(pages.three)
+
+
+def view_rows(cell):
+    names, rows = {**PEERS, **OURS}, []
+    for method, pictures in cell.pictures.items():
+        relmse, psnr = cell.error(method)
+        spp, cpu = np.mean([(p.spp, p.cpu) for p in pictures], 0)
+        rows.append([names[method], "%.0f" % spp, "%.1f" % cpu, pages.three(relmse), "%.1f" % psnr,
+                     over(cell, method, "bdpt"), over(cell, method, "auto")])
+    black = black_words(cell).split(", ")
+    return [*rows, ["a black picture", "", "", *black, "", ""]]
+
+
+def means_rows(name, means):
+    """means: {method: those of its pictures}, with ours of bdpt, which the others are held against."""
+    ours = stats.mean_and_error(np.array(means["bdpt"]))
+    for method, values in means.items():
+        mean, error = stats.mean_and_error(np.array(values))
+        apart = f"{100 * (mean / ours[0] - 1):+.2f} %" if method != "bdpt" else ""
+        yield [name, {**PEERS, **OURS}[method], "%.5g" % mean, f"{100 * error / mean:.2f} %", apart]
+
+
+def parts(cells, means):
+    heads = ("method", "samples per pixel", "CPU s", "relMSE", "PSNR, dB", "our `bdpt` is", "our `auto` is")
+    tables = []
+    for cell in cells:
+        view, split = cell.view, abs(cell.halves[0] - cell.halves[1]) / cell.reference
+        tables += [f"**{view.name}**: {view.portals.count} portals, found in {view.portals.cpu:.0f} CPU seconds. The two "
+                   f"halves of the reference differ by {100 * split:.2f} % in the mean.",
+                   pages.table(heads, view_rows(cell))]
+    rows = [row for name, of in [*means.items(), *((c.view.name, c.means) for c in cells)] for row in means_rows(name, of)]
+    return {"equal": pages.sections(*tables),
+            "means": pages.table(("view", "method", "mean", "standard error", "beside our `bdpt`"), rows)}
+
+
+@settings(SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 1.0), SEEDS=Setting(4, "pictures of each kind", 2),
+          REF=Setting(8.0, "how many times as long each half of a reference takes", 2.0),
+          MEANS=Setting(LIT, "views with little noise, whose means are compared, too, or none"),
+          MEANS_SECONDS=Setting(3.0, "CPU seconds of a picture of these", 0.5), WIDTH=Setting(96, "of the pictures", 48))
+def peers(bench):
+    """Other renderers beside ours in equal CPU time: views of real buildings without their panes, several seeds taking
+    turns, one thread each. ONLY: views, as HOUSE.CAMERA. PEERS_PYTHON in the environment names the Python that has bpy,
+    pyluxcore and mitsuba (python3); those that it lacks are left out. Half an hour."""
+    versions = inside("versions", may_fail=(1,))  # a Python without numpy has none of them
+    for method in PEERS:
+        if method not in versions:
+            bench.say(f"{PEERS[method]}: PEERS_PYTHON has no {PACKAGES[method]}, left out")
+    methods = [method for method in PEERS if method in versions]
+    if not methods:
+        raise Stop(5, f"none of {', '.join(dict.fromkeys(PACKAGES.values()))} is installed for PEERS_PYTHON (python3)")
+    views = [View(bench, name, versions) for name in bench.settings.only or VIEWS]
+    lit = [View(bench, name, versions) for name in bench.settings.means if name != "none"]
+    means = bench.side_by_side([functools.partial(same_means, view, [*methods, "bdpt"]) for view in lit])
+    cells = bench.side_by_side([functools.partial(measured, view, [*methods, *OURS]) for view in views])
+    made = parts(cells, {view.name: of for view, of in zip(lit, means)})
+    print("\n\n".join(made.values()))
+    bench.page("peers", made, EVERYTHING)
