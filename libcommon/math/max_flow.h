@@ -1,4 +1,4 @@
-// Maximum flow and minimum cut of a network with integer capacities (push-relabel, Boost).
+// Maximum flow and minimum cut of a network with integer capacities (Boykov-Kolmogorov, Boost).
 #pragma once
 #include <cstdint>
 #include <vector>

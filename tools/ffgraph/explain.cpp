@@ -44,8 +44,7 @@ Decision of_round(size_t i, const RoundReport& round, double after) {
 
 }  // namespace
 
-Decisions decisions_of(const Scene& scene, const GraphSettings& settings, const LightFlow& flow,
-                       const GraphReport& report) {
+Decisions decisions_of(const Scene& scene, const LightFlow& flow, const GraphReport& report) {
   Decisions all = of_scene(scene);
   all.push_back({"walks",
                  fmt::format("{} from the light, {} from {} camera", report.light_walks,

@@ -7,8 +7,7 @@
 
 namespace tdpt {
 
-cli::Decisions decisions_of(const Scene& scene, const GraphSettings& settings,
-                            const LightFlow& flow, const GraphReport& report);
+cli::Decisions decisions_of(const Scene& scene, const LightFlow& flow, const GraphReport& report);
 cli::Decisions decisions_of(const Scene& scene, const TriangleSettings& settings,
                             const TriangleReport& report);
 

@@ -151,7 +151,7 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
                           in.cameras.size() > 1 ? "cameras" : "camera", report.reached_by_both,
                           flow.patches.size()));
   warn_of_no_flow(common, in, report);
-  common.explain_by([&] { return decisions_of(in.scene, settings, flow, report); });
+  common.explain_by([&] { return decisions_of(in.scene, flow, report); });
   summary["light_hits"] = report.light_hits;
   summary["camera_hits"] = report.hits_of_cameras();
   summary["reached_by_both"] = report.reached_by_both;

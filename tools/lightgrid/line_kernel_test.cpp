@@ -131,7 +131,7 @@ TEST(LineTracer, asks_for_random_numbers_of_its_own_for_each_cut_and_pass) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/two-rooms.glb");
   const uint64_t seed = 0x1234'5678'9abc'def0;
   LineTables tables;
-  for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k});
+  for (uint32_t k = 0; k < kMostCuts; ++k) tables.cuts.push_back({k, 7 + k, {}});
   const LightGrid grid = empty_grid(scene, 32);
   AskedTracer tracer(scene, tables, grid, seed);
   TracedLines lines;
