@@ -68,6 +68,13 @@ struct CutFacts {
 /// `source_side`: per node.
 CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& source_side);
 
+/// Of the camera's light that crosses one of two cuts the share that crosses both without a surface
+/// in between; of the one with more. The sides are per node: 1 on the light's.
+double shared_light(const PatchNetwork& problem, const std::vector<uint8_t>& a,
+                    const std::vector<uint8_t>& b);
+/// From this share on, two cuts pass the same opening.
+inline constexpr double kSameOpening = 0.8;
+
 /// A plain sentence why the cut is no bottleneck; empty if it is one.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);
 

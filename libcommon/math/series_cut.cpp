@@ -26,7 +26,6 @@ namespace {
 // The sweep cut at a drop is worse than the minimum cut there, so it is searched with a looser
 // limit on conductance; there the potential must drop more [Sweep::least_drop].
 constexpr double kLoose = 2;
-constexpr double kSameOpening = 0.8;  // share of the light that crosses both of two cuts
 constexpr size_t kMostCandidates = 12;
 
 // A place in the sweep that may separate two rooms.
@@ -244,7 +243,7 @@ class SeriesCutter {
       return false;
     }
     for (size_t k = 0; k < kept.size(); ++k) {
-      if (together(c, kept[k]) < kSameOpening) continue;
+      if (shared_light(problem_, c.source_side, kept[k].source_side) < kSameOpening) continue;
       const bool narrower = c.facts.conductance < kept[k].facts.conductance;
       refuse(narrower ? kept[k] : c, "a narrower cut passes the same opening");
       if (!narrower) return false;
@@ -254,24 +253,6 @@ class SeriesCutter {
     }
     kept.insert(kept.begin() + static_cast<std::ptrdiff_t>(place), std::move(c));
     return true;
-  }
-
-  // Of the light that crosses one of two cuts the share that crosses both without a surface in
-  // between; of the one with more.
-  double together(const Candidate& a, const Candidate& b) const {
-    double both = 0, of_a = 0, of_b = 0;
-    for (const FlowArc& arc : net_.arcs) {
-      if (problem_.terminal(arc.from) || problem_.terminal(arc.to)) continue;
-      const bool in_a = a.source_side[arc.from] && !a.source_side[arc.to];
-      const bool in_b = b.source_side[arc.from] && !b.source_side[arc.to];
-      if (!in_a && !in_b) continue;
-      double light = static_cast<double>(arc.capacity);
-      if (!problem_.brightness.empty())
-        light *= problem_.brightness[arc.from] * problem_.importance[arc.to];
-      of_a += in_a * light, of_b += in_b * light, both += (in_a && in_b) * light;
-    }
-    const double more = std::max(of_a, of_b);
-    return more > 0 ? both / more : 0;
   }
 
   // Share of the surface, of the exchanged light or of the nodes' weight between two cuts.
