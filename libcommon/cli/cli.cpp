@@ -123,9 +123,18 @@ void Options::input(const std::string& flags, std::string& target, const std::st
   impl_->keep(impl_->add(flags, target, value_name, help), Shapes::nothing, Impl::Is::input);
 }
 
+namespace {
+
+// Of an option that may be repeated: what follows its value may be an argument.
+CLI::Option* one_each_time(CLI::Option* option) {
+  return option->expected(1)->take_all()->allow_extra_args(false);
+}
+
+}  // namespace
+
 void Options::inputs(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->expected(1)->take_all(), Shapes::nothing,
+  impl_->keep(one_each_time(impl_->add(flags, target, value_name, help)), Shapes::nothing,
               Impl::Is::input);
 }
 
@@ -143,8 +152,8 @@ void Options::option(const std::string& flags, std::string& target, const std::s
 
 void Options::option(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help, Shapes shapes) {
-  CLI::Option* const option = impl_->add(flags, target, value_name, help);
-  impl_->keep(option->expected(1)->take_all()->check(some_text()), shapes);
+  impl_->keep(one_each_time(impl_->add(flags, target, value_name, help))->check(some_text()),
+              shapes);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
