@@ -12,8 +12,8 @@
 namespace tdpt {
 
 struct CutLimits {
-  /// Each side of a bottleneck must have at least this share of the surface or of the light that
-  /// surfaces exchange.
+  /// Each side of a bottleneck must have at least this share of the surface, of the light that
+  /// surfaces exchange, or of the nodes' weight.
   double least_area = 0.03;
   /// Largest conductance of a bottleneck: capacity across the cut / capacity of all arcs from
   /// patches of the smaller side to other patches.

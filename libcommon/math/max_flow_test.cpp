@@ -78,6 +78,16 @@ TEST(max_flow, scales_with_its_capacities_and_ignores_the_names_of_nodes) {
   }
 }
 
+// An arc and the next, which leads back, are one edge: its flow may run either way.
+TEST(max_flow, tells_the_flow_of_arcs_that_lead_back) {
+  const MaxFlow back = max_flow({4, 0, 1, {{0, 2, 5}, {3, 2, 4}, {2, 3, 3}, {3, 1, 5}}});
+  EXPECT_EQ(back.value, 3);
+  EXPECT_EQ(back.flow, (std::vector<int64_t>{3, 0, 3, 3}));
+  EXPECT_EQ(back.source_side, (std::vector<uint8_t>{1, 0, 1, 0}));
+  const MaxFlow forth = max_flow({4, 0, 1, {{0, 2, 5}, {2, 3, 3}, {3, 2, 4}, {3, 1, 5}}});
+  EXPECT_EQ(forth.flow, (std::vector<int64_t>{3, 3, 0, 3}));
+}
+
 TEST(max_flow, is_0_without_a_path) {
   EXPECT_EQ(max_flow({3, 0, 1, {{0, 2, 5}, {1, 2, 5}}}).value, 0);
   EXPECT_EQ(max_flow({2, 0, 1, {}}).value, 0);

@@ -160,6 +160,43 @@ TEST(series_cut, finds_an_opening_whose_sweep_cuts_are_all_too_wide) {
   EXPECT_GT(facts_of(p, whole.source_side).conductance, 0.12);
 }
 
+// The lamp's patches are those of the last room; `begun` walks begin on each, `lit` hit each.
+CutFacts of_lamp_before_a_door(double begun, double lit) {
+  PatchNetwork p = rooms_in_row({130000});
+  p.begun.assign(p.network.nodes, 0);
+  p.lit = p.viewed = p.begun;
+  for (uint32_t v = 2 + kPatches; v < p.network.nodes; ++v) p.begun[v] = begun, p.lit[v] = lit;
+  return facts_of(p, max_flow(p.network).source_side);
+}
+
+// 0.13 of each patch's rays pass the door: 130000 / 20 / 50000.
+TEST(cut_facts, a_lamp_that_shines_through_its_opening_needs_no_portal) {
+  CutLimits limits;
+  limits.largest_conductance = 0.3;
+  const CutFacts own = of_lamp_before_a_door(5, 10), others = of_lamp_before_a_door(1, 10);
+  EXPECT_NEAR(own.straight.value_or(0), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(own.seen.value_or(0), 0.13, 1e-9);
+  EXPECT_EQ(why_refused(own, limits).find("the lamp stands in its own opening: 33 %"), 0u);
+  EXPECT_NEAR(others.straight.value_or(0), 1.0 / 11, 1e-9);  // twin: most light is scattered first
+  EXPECT_EQ(why_refused(others, limits), "");
+  CutFacts hidden = own;  // twin: sampling the lamp rarely finds the opening
+  hidden.seen = 0.05;
+  EXPECT_EQ(why_refused(hidden, limits), "");
+  CutFacts dark = others;
+  dark.carried = 0.005;
+  EXPECT_EQ(why_refused(dark, limits).find("only 0.5 % of the light that the camera sees"), 0u);
+}
+
+TEST(cut_facts, cuts_at_two_doors_share_little_light_and_a_cut_all_with_itself) {
+  const PatchNetwork p = rooms_in_row({400, 400});
+  std::vector<uint8_t> first(p.network.nodes, 0), second = first;
+  first[0] = second[0] = 1;
+  for (uint32_t v = 2 + kPatches; v < p.network.nodes; ++v)
+    first[v] = 1, second[v] = v >= 2 + 2 * kPatches;
+  EXPECT_EQ(shared_light(p, first, first), 1);
+  EXPECT_EQ(shared_light(p, first, second), 0);
+}
+
 TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
   // A wide arch: the arcs of all terminals are saturated.
   PatchNetwork p = rooms_in_row({40000}, 50000 / kPatches);

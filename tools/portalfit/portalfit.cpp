@@ -2,10 +2,10 @@
 //
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
-// it may join one side with itself) and edges (lines must fill it). Openings beside each other in
-// one plane are joined, as panes; then each needs a share of the camera's light; then those that
-// stand beside each other are separated. What several cuts found is one opening if most of the
-// light of either passes both.
+// it may join one side with itself) and an edge (the light must be wider before or behind it).
+// Openings beside each other in one plane are joined, as panes; then each needs a share of the
+// camera's light; then those that stand beside each other are separated. What several cuts found is
+// one opening if most of the light of either passes both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>

@@ -348,7 +348,8 @@ SHARED void connect_segment(uint i) MEMBER {
   x.pair_after = after.density * per_c * cosine_to(joint.z, j.w);
   if (!to_camera) {
     camera.slot = j.camera;
-    if (joint.of_camera.prev != kNoVertex) camera.second_A = joint.at_z.survival_behind * of_z.behind_A;
+    if (joint.of_camera.prev != kNoVertex)
+      camera.second_A = joint.at_z.survival_behind * of_z.behind_A;
   }
   uint group = to_camera ? j.light / render.per_cache : joint.camera.walk / render.per_cache;
   word64 number = sample_of_group(group, 0u).number;

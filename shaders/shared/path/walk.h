@@ -90,7 +90,8 @@ SHARED float survival_where(uint from, PathVertex at, float albedo) MEMBER_CONST
   return guided_survival(from, guide_total_at_vertex(from, at), albedo);
 }
 /// Scattering at a vertex of a walk from `from`; `at` is its record.
-SHARED Scattering scattering_of(Point p, PathVertex at, uint from, vec3 w, bool dirac) MEMBER_CONST {
+SHARED Scattering scattering_of(Point p, PathVertex at, uint from, vec3 w,
+                                bool dirac) MEMBER_CONST {
   Scattering s = scattering_at(p, from, at.back, w, dirac);
   s.survival_behind =
       survival_where(from == FROM_LIGHT ? FROM_CAMERA : FROM_LIGHT, at, s.survival_behind);
