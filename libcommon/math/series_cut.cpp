@@ -242,15 +242,6 @@ class SeriesCutter {
       refuse(c, c.why);
       return false;
     }
-    for (size_t k = 0; k < kept.size(); ++k) {
-      if (shared_light(problem_, c.source_side, kept[k].source_side) < kSameOpening) continue;
-      const bool narrower = c.facts.conductance < kept[k].facts.conductance;
-      refuse(narrower ? kept[k] : c, "a narrower cut passes the same opening");
-      if (!narrower) return false;
-      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(k));
-      place -= k < place;
-      --k;
-    }
     kept.insert(kept.begin() + static_cast<std::ptrdiff_t>(place), std::move(c));
     return true;
   }
