@@ -122,6 +122,10 @@ std::string key_of_camera(size_t k) {
   return k == 0 ? "tdpt_camera" : fmt::format("tdpt_camera_{}", k + 1);
 }
 
+std::string key_of_wall(size_t w) {
+  return fmt::format("tdpt_wall_{}", w + 1);
+}
+
 // Attribute of lines with the shares of camera `k` of `cameras`.
 std::string name_of_share(size_t k, size_t cameras) {
   return cameras == 1 ? "share" : fmt::format("share_{}", k + 1);
@@ -283,6 +287,7 @@ class Reader {
     light.flux_share = value<double>(meta, "tdpt_flux_share");
     if (!std::isfinite(light.flux_share)) fail("tdpt_flux_share", "is not finite");
     read_cuts(meta, light);
+    read_walls(meta, light);
     if (const auto lines = meta.getMetadata<vdb::StringMetadata>("tdpt_provenance")) {
       std::istringstream text(lines->value());
       for (std::string line; std::getline(text, line);) light.provenance.lines.push_back(line);
@@ -312,6 +317,19 @@ class Reader {
         fail(key, fmt::format("is one camera more than {}, expected no more", kMostCameras));
     }
     if (light.cameras.size() > 1) light.shares.resize(light.cameras.size());
+  }
+
+  // A file without walls is valid; they are unknown.
+  void read_walls(const vdb::MetaMap& meta, LightGrid& light) const {
+    for (std::string key; meta[key = key_of_wall(light.walls.size())];) {
+      const vdb::Vec3d n = value<vdb::Vec3d>(meta, key.c_str());
+      const Vec3d wall{n.x(), n.y(), n.z()};
+      if (!(std::abs(length(wall) - 1) < 1e-6))
+        fail(key, fmt::format("is {} long, expected a unit vector", length(wall)));
+      if (light.walls.size() == kMostWalls)
+        fail(key, fmt::format("is one wall more than {}, expected no more", kMostWalls));
+      light.walls.push_back(wall);
+    }
   }
 
   // A file without figures of cuts is valid; they are unknown.
@@ -483,6 +501,10 @@ std::string light_grid_bytes(const LightGrid& light, bool z_up) {
                       vdb::DoubleMetadata(light.cuts[c].conductance));
       meta.insertMeta(fmt::format("tdpt_kept_{}", c), vdb::DoubleMetadata(light.cuts[c].kept));
     }
+  }
+  for (size_t w = 0; w < light.walls.size(); ++w) {
+    const Vec3d& n = light.walls[w];
+    meta.insertMeta(key_of_wall(w), vdb::Vec3DMetadata({n.x, n.y, n.z}));
   }
   if (!light.provenance.empty()) {
     std::string text;

@@ -57,6 +57,9 @@ struct LightGrid {
   std::string reason;            ///< why not
   double flux_share = 1;         ///< share of the drawn segments that were kept, see lightgrid(1)
   std::vector<CutFigures> cuts;  ///< per cut, from the light to the camera; empty: unknown
+  /// Unit normals, either side's, of the directions in which many of the building's surfaces face,
+  /// the most frequent first; at most kMostWalls; empty: unknown.
+  std::vector<Vec3d> walls{};
   std::string scene_hash;
   std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   Provenance provenance;
@@ -103,6 +106,8 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
 
 /// Of a line; light that crosses a cut several times counts each time.
 constexpr double kMostShare = 1e6;
+
+constexpr size_t kMostWalls = 16;
 
 /// Largest number of voxels in a grid.
 constexpr size_t kMostVoxels = size_t{1} << 27;

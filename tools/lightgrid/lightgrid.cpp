@@ -21,6 +21,7 @@
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
 #include "tools/lightgrid/sky_dome.h"
+#include "tools/lightgrid/walls.h"
 
 namespace tdpt {
 namespace {
@@ -266,6 +267,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   if (scene.triangles.empty()) return no_light_grid(scene, "the scene has no triangles");
 
   LightGrid grid = empty_grid(scene, reach_of_cut(scene, cut), options.resolution);
+  grid.walls = wall_directions(scene, grid);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");

@@ -113,21 +113,27 @@ Polygon whole_outline(const std::vector<Vec2d>& points) {
   return simplified(completed(hull, points.size()), kMostCorners, kWholeTolerance);
 }
 
-std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double voxel, bool again) {
+std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, const Tube& tube,
+                                 bool again) {
   Aperture a{tube, {}, {}};
   Bundle bundle;
   for (int round = 0; round < 3; ++round) {
     if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
-    bundle = members(lines, a.tube, voxel);
+    bundle = members(lines, a.tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
   }
   const Bundle clear = clear_of(bundle, a.tube);
   if (static_cast<double>(clear.size()) > kLeastClear * static_cast<double>(bundle.size()))
     if (const auto lesser = lesser_tube(clear.lines(), a.tube)) {
       a.tube = *lesser;
-      bundle = members(lines, a.tube, voxel);
+      bundle = members(lines, a.tube, grid.voxel);
       if (bundle.size() < kFewestLines) return {};
     }
+  if (const auto square = tube_in_wall(bundle.lines(), a.tube, grid.walls)) {
+    a.tube = *square;
+    bundle = members(lines, a.tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+  }
 
   std::vector<Vec2d> points;
   for (const uint32_t l : bundle.which)
@@ -170,7 +176,7 @@ double density_near(const Bundle& lines, const Tube& tube, double voxel) {
 
 std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
   const auto tube = find_waist(grid, lines);
-  return tube ? outlined(lines, *tube, grid.voxel) : std::nullopt;
+  return tube ? outlined(grid, lines, *tube) : std::nullopt;
 }
 
 }  // namespace tdpt

@@ -31,9 +31,9 @@ Polygon outline_of(std::vector<Vec2d> points);
 /// portal costs a render more than a portal that is slightly too large.
 Polygon whole_outline(const std::vector<Vec2d>& points);
 
-/// The aperture among `lines` close to `tube`, with its tube and outline. `voxel`: side of the
-/// grid's voxels [metres]; `again`: `tube` is the result of an earlier fit.
-std::optional<Aperture> outlined(const Bundle& lines, const Tube& tube, double voxel,
+/// The aperture among `lines` close to `tube`, with its tube and outline. `again`: `tube` is the
+/// result of an earlier fit.
+std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, const Tube& tube,
                                  bool again = false);
 
 /// The waist around the fullest voxel of `lines`, a voxel deep: where an aperture may be.

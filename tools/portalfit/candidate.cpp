@@ -145,8 +145,8 @@ std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
   if (promises.size() > kMostFitted) promises.resize(kMostFitted);
   std::optional<Aperture> best;
   for (const Promise& p : promises) {
-    auto part = outlined(p.bundle, p.tube, grid.voxel);
-    if (part) part = outlined(lines, part->tube, grid.voxel, true);
+    auto part = outlined(grid, p.bundle, p.tube);
+    if (part) part = outlined(grid, lines, part->tube, true);
     if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
       continue;
     most = density(*part);

@@ -115,14 +115,15 @@ std::vector<std::vector<double>> unknown(size_t groups) {
 }
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
-std::vector<Aperture> laid_again(const Bundle& all, const Group& parts, double voxel) {
-  const Joint joint = joint_of(parts, voxel);
+std::vector<Aperture> laid_again(const LightGrid& grid, const Bundle& all, const Group& parts) {
+  const Joint joint = joint_of(parts, grid.voxel);
   std::vector<uint32_t> own;
   for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
   std::sort(own.begin(), own.end());
   own.erase(std::unique(own.begin(), own.end()), own.end());
   const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
   Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
+  if (const auto square = tube_in_wall(lines, a.tube, grid.walls)) a.tube = *square;
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
     if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
@@ -173,17 +174,17 @@ double distance_between(const Polygon& a, const Polygon& b) {
   return std::min(from_corners(a, b), from_corners(b, a));
 }
 
-std::vector<Aperture> joined_in_planes(const Bundle& all, std::vector<Aperture> parts, size_t most,
-                                       double voxel) {
+std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
+                                       std::vector<Aperture> parts, size_t most) {
   const bool too_many = parts.size() > most;
   std::vector<Group> groups;
   for (Aperture& a : parts) groups.push_back({std::move(a)});
   auto worth = unknown(groups.size());
-  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, voxel)) {
+  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, grid.voxel)) {
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? laid_again(all, group, voxel) : group;
+    const auto some = group.size() > 1 ? laid_again(grid, all, group) : group;
     joined.insert(joined.end(), some.begin(), some.end());
   }
   return joined;

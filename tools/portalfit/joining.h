@@ -23,7 +23,7 @@ double distance_between(const Polygon& a, const Polygon& b);
 /// most of the joint outline is open; not across the pier between two windows. While there are more
 /// than `most` parts, it also joins those whose joint outline is open enough. Each joined opening
 /// is fitted again to its lines, which are those of `all`.
-std::vector<Aperture> joined_in_planes(const Bundle& all, std::vector<Aperture> parts, size_t most,
-                                       double voxel);
+std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
+                                       std::vector<Aperture> parts, size_t most);
 
 }  // namespace tdpt

@@ -54,7 +54,9 @@ size_t left_of_two(double gap) {
   }
   const Bundle all = testing::all_of(g);
   for (Aperture& a : panes) a.lines = lines_across(all, a);
-  return joined_in_planes(all, panes, 8, kVoxel).size();
+  LightGrid grid;
+  grid.voxel = kVoxel;
+  return joined_in_planes(grid, all, panes, 8).size();
 }
 
 // Although 0.83 of the outline around both is open.

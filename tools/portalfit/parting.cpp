@@ -67,13 +67,14 @@ std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& l
 }
 
 // Fits the opening again, to all lines that pass here and not through the others.
-std::optional<Aperture> fitted_again(const Bundle& all, const std::vector<uint32_t>& taken,
-                                     Aperture a) {
+std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
+                                     const std::vector<uint32_t>& taken, Aperture a) {
   constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
     const auto own = lines_near(all, a.tube.middle, a.polygon, taken);
     if (own.size() < kFewestLines) return {};
     a.tube = holding_plane(own, a.tube);
+    if (const auto square = tube_in_wall(own, a.tube, grid.walls)) a.tube = *square;
     const auto places = places_in(a.tube.middle, own);
     if (places.size() < kFewestLines) return {};
     const bool last = round + 1 == kRounds;
@@ -110,7 +111,7 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
   return half;
 }
 
-void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, double voxel) {
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
   if (found.size() < 2) return;
   constexpr double kShared = 0.01;  // share of its lines; with fewer shared it stays unchanged
   for (const double growth : {1.5, 1.2, 1.0}) {
@@ -133,7 +134,7 @@ void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, doubl
       const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
       const auto size = static_cast<double>(a.lines.size());
       if (shared < kShared * size || shared > 0.5 * size) continue;
-      auto again = outlined(without(all), a.tube, voxel, true);
+      auto again = outlined(grid, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(all, *again);
       if (again->lines.size() >= kLeastLeft * size) a = std::move(*again);
@@ -150,7 +151,7 @@ Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others) {
   });
 }
 
-void part_at_shared_edges(const Bundle& all, std::vector<Aperture>& found) {
+void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
   std::vector<size_t> smallest_first;
   for (size_t k = 0; k < found.size(); ++k)
     if (keep_before(found[k], k, found)) {
@@ -166,7 +167,7 @@ void part_at_shared_edges(const Bundle& all, std::vector<Aperture>& found) {
       if (b != k)
         taken.insert(taken.end(), found[b].lines.which.begin(), found[b].lines.which.end());
     std::sort(taken.begin(), taken.end());
-    auto again = fitted_again(all, taken, found[k]);
+    auto again = fitted_again(grid, all, taken, found[k]);
     if (!again) continue;
     keep_before(*again, k, found);
     again->lines = lines_across(all, *again);

@@ -23,8 +23,8 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
 /// the second crosses the plane of the first beyond its edge and extends its outline there. So each
 /// is outlined again by the lines that do not cross the others, at first with the others enlarged.
 /// Skips an opening most of whose lines cross others, too: such openings follow each other. All
-/// lines are those of `all`, from a grid with voxels of side `voxel` [metres].
-void part_from_each_other(const Bundle& all, std::vector<Aperture>& found, double voxel);
+/// lines are those of `all`.
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 /// Lines of `all` that pass none of `others`.
 Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others);
@@ -33,6 +33,6 @@ Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others);
 /// some of the other's. Each is clipped at the other's plane; then, the smallest first, each is
 /// fitted again to the lines near it that pass no other, if that is better: less area, or more
 /// lines. All lines are those of `all`.
-void part_at_shared_edges(const Bundle& all, std::vector<Aperture>& found);
+void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 }  // namespace tdpt

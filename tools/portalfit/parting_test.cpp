@@ -107,7 +107,7 @@ TEST(Parting, EachGetsItsLines) {
   EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
   EXPECT_GT(through_neither(found, all), 0.02);
 
-  part_at_shared_edges(all, found);
+  part_at_shared_edges({}, all, found);
   EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
   EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
@@ -144,7 +144,7 @@ TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   std::vector<Aperture> found{slit(0), gap()};
   for (Aperture& a : found) a.lines = lines_across(all, a);
   ASSERT_LT(found[0].lines.size(), kFewestLines);
-  part_at_shared_edges(all, found);
+  part_at_shared_edges({}, all, found);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 

@@ -297,13 +297,12 @@ class Fit {
       return {};
     }
     std::vector<Aperture> found =
-        joined_in_planes(all, parts_of(all), std::numeric_limits<size_t>::max(), grid_.voxel);
+        joined_in_planes(grid_, all, parts_of(all), std::numeric_limits<size_t>::max());
     found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
-      found =
-          enough_light(joined_in_planes(all, std::move(found), options_.max_portals, grid_.voxel));
-    part_from_each_other(all, found, grid_.voxel);
-    part_at_shared_edges(all, found);
+      found = enough_light(joined_in_planes(grid_, all, std::move(found), options_.max_portals));
+    part_from_each_other(grid_, all, found);
+    part_at_shared_edges(grid_, all, found);
     return found;
   }
 

@@ -54,6 +54,8 @@ constexpr double kShort = 0.5;        // form factor of the faces below which a 
 constexpr double kPlaneHolds = 0.97;  // share of the tube's lines with which a plane may replace it
 constexpr double kBlindEnd = 0.1;     // of the depth, behind which lines end on the end of a room
 constexpr double kClearly = 0.04;     // of the area: a few per cent are noise
+constexpr double kNearWall = 0.966;   // cosine between a tube and a wall that it may lie in
+constexpr double kSquare = 0.05;      // of the objective, by which a wall may be the worse
 
 // Evaluation of a tube.
 struct Look {
@@ -148,13 +150,14 @@ class Search {
   }
 
   // Steps shrink from `first` to `last`, in shorter sides of the start's extents.
-  Found run(const Tube& start, double first, double last) {
+  Found run(const Tube& start, double first, double last, bool turns = true) {
     Found best{start, look(start)};
     if (!std::isfinite(best.look.cost)) return best;
     const double unit = best.look.extents.shorter;
     std::array<double, moves> step;
     step.fill(first);
     if (goal_.shape == Shape::plane) step[both] = step[front] = step[rear] = 0;
+    if (!turns) step[long_tilt] = step[short_tilt] = 0;
     while (*std::max_element(step.begin(), step.end()) > last)
       for (int m = 0; m < moves; ++m) {
         double& s = step[static_cast<size_t>(m)];
@@ -371,6 +374,23 @@ std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube&
   // Depth alone lowers the cost, although beside a door ajar there is none: area must fall, too.
   const bool lesser = after.cost < before.cost && after.size < (1 - kClearly) * before.size;
   return lesser ? std::optional(next) : std::nullopt;
+}
+
+std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
+                                 std::span<const Vec3d> walls) {
+  const std::vector<LightLine> fine = thinned(lines, kMostFine);
+  Search search(fine, tube.half > 0 ? kTube : kNarrowest);
+  double most = search.look(tube).cost + kSquare;
+  std::optional<Tube> best;
+  for (const Vec3d& wall : walls) {
+    const double cosine = dot(wall, tube.middle.n);
+    if (std::abs(cosine) < kNearWall) continue;
+    Tube start = tube;
+    start.middle.n = cosine < 0 ? -wall : wall;
+    const Found found = search.run(start, kFineStep, kFineLast, false);
+    if (found.look.cost < most) most = found.look.cost, best = found.tube;
+  }
+  return best;
 }
 
 Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {

@@ -6,6 +6,7 @@
 // slant; in thick ones it shows in the outlines of the two faces, which no longer coincide.
 #pragma once
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
@@ -26,6 +27,12 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
 /// A tube near `tube` that holds `lines` in clearly less area, and less etendue; nothing if there
 /// is none.
 std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube);
+
+/// The tube moved and turned into one of the walls that face nearly as it does; nothing if they
+/// hold `lines` in clearly more etendue. Lines that come from one side leave the tilt nearly open,
+/// and openings lie in walls.
+std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
+                                 std::span<const Vec3d> walls);
 
 /// The plane of least area near that of `start`, for lines that are known to pass there: missing
 /// lines are penalised more.

@@ -1,0 +1,74 @@
+// Method: areas are summed by normal, in cells of a degree; from the fullest cell on, each takes
+// those around it.
+#include "tools/lightgrid/walls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace tdpt {
+namespace {
+
+constexpr double kLeastSurface = 0.02;  // of that in the box
+constexpr double kSameWay = 0.99939;    // cosine of two degrees
+constexpr double kCell = 1 / 57.3;
+constexpr size_t kMostCells = 64;
+
+// One of n and -n, the same for both.
+Vec3d without_side(const Vec3d& n) {
+  const Vec3d size = max(n, -n);
+  const double first = size.x >= 0.5 ? n.x : size.y >= 0.5 ? n.y : n.z;
+  return first < 0 ? -n : n;
+}
+
+}  // namespace
+
+std::vector<Vec3d> wall_directions(const Scene& scene, const LightGrid& grid) {
+  const Vec3d low = scene.frame.to_canonical(grid.origin);
+  const Vec3d high = scene.frame.to_canonical(
+      grid.origin + Vec3d{1.0 * grid.dim[0], 1.0 * grid.dim[1], 1.0 * grid.dim[2]} * grid.voxel);
+  std::map<std::array<int, 3>, Vec3d> by_cell;  // sum of normals, as long as the area
+  double all = 0;
+  const size_t surfaces = std::min<size_t>(scene.dome, scene.triangles.size());
+  for (size_t t = 0; t < surfaces; ++t) {
+    const auto& v = scene.triangles[t].vertex;
+    const Vec3d a(scene.positions[v[0]]), b(scene.positions[v[1]]), c(scene.positions[v[2]]);
+    const Vec3d least = min(a, min(b, c)), most = max(a, max(b, c));
+    if (!(least.x <= high.x && least.y <= high.y && least.z <= high.z)) continue;
+    if (!(most.x >= low.x && most.y >= low.y && most.z >= low.z)) continue;
+    const Vec3d n = cross(b - a, c - a);
+    const double size = length(n);
+    if (!(size > 0)) continue;
+    const Vec3d way = without_side(n / size);
+    by_cell[{static_cast<int>(std::lround(way.x / kCell)),
+             static_cast<int>(std::lround(way.y / kCell)),
+             static_cast<int>(std::lround(way.z / kCell))}] += way * size;
+    all += size;
+  }
+  std::vector<Vec3d> cells;
+  for (const auto& [cell, sum] : by_cell) cells.push_back(sum);
+  std::stable_sort(cells.begin(), cells.end(),
+                   [](const Vec3d& a, const Vec3d& b) { return length(a) > length(b); });
+  std::vector<Vec3d> sums;
+  for (const Vec3d& cell : cells) {
+    const Vec3d way = normalize(cell);
+    const auto same = std::find_if(sums.begin(), sums.end(), [&](const Vec3d& sum) {
+      return std::abs(dot(normalize(sum), way)) >= kSameWay;
+    });
+    if (same == sums.end()) {
+      if (sums.size() < kMostCells) sums.push_back(cell);
+    } else {
+      *same += dot(*same, way) < 0 ? -cell : cell;
+    }
+  }
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const Vec3d& a, const Vec3d& b) { return length(a) > length(b); });
+  std::vector<Vec3d> directions;
+  for (const Vec3d& sum : sums)
+    if (length(sum) >= kLeastSurface * all && directions.size() < kMostWalls)
+      directions.push_back(normalize(sum));
+  return directions;
+}
+
+}  // namespace tdpt
