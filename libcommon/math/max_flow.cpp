@@ -9,16 +9,19 @@
 namespace tdpt {
 namespace {
 
-// The edge_descriptor of Graph, whose edge properties hold some.
+// The edge_descriptor of Graph.
 using Edge = boost::detail::csr_edge_descriptor<uint32_t, uint32_t>;
-struct EdgeState {
-  int64_t capacity = 0, residual = 0;
-  Edge reverse;
-};
-using Graph = boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, EdgeState,
-                                                 boost::no_property, uint32_t, uint32_t>;
+using Graph =
+    boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
+                                       boost::no_property, uint32_t, uint32_t>;
 
-std::vector<uint8_t> residual_reach(const Graph& g, uint32_t source) {
+// Of each edge: its capacity, and what is left of it.
+struct EdgeState {
+  std::vector<int64_t> capacity, residual;
+};
+
+std::vector<uint8_t> residual_reach(const Graph& g, const std::vector<int64_t>& residual,
+                                    uint32_t source) {
   std::vector<uint8_t> reached(num_vertices(g), 0);
   std::vector<uint32_t> stack{source};
   reached[source] = 1;
@@ -27,7 +30,7 @@ std::vector<uint8_t> residual_reach(const Graph& g, uint32_t source) {
     stack.pop_back();
     for (auto [e, end] = out_edges(v, g); e != end; ++e) {
       const uint32_t w = target(*e, g);
-      if (g[*e].residual <= 0 || reached[w]) continue;
+      if (residual[(*e).idx] <= 0 || reached[w]) continue;
       reached[w] = 1;
       stack.push_back(w);
     }
@@ -37,10 +40,20 @@ std::vector<uint8_t> residual_reach(const Graph& g, uint32_t source) {
 
 }  // namespace
 
-MaxFlow max_flow(const FlowNetwork& network) {
-  // Each arc gives an edge and its reverse; the reverse has the capacity of the next arc, if that
-  // leads back, as ffgraph writes them. The edges of a node are contiguous, in the order of the
-  // arcs; loops carry nothing and are skipped.
+// Each arc gives an edge and its reverse; the reverse has the capacity of the next arc, if that
+// leads back, as ffgraph writes them. The edges of a node are contiguous, in the order of the arcs;
+// loops carry nothing and are skipped.
+struct FlowGraph::Layout {
+  Graph graph;
+  std::vector<Edge> reverse;  // of each edge
+  // Per arc: the edge that it became; of a loop, or of an arc that leads back, UINT32_MAX.
+  std::vector<uint32_t> edge;
+};
+
+FlowGraph::~FlowGraph() = default;
+FlowGraph::FlowGraph(FlowGraph&&) noexcept = default;
+
+FlowGraph::FlowGraph(const FlowNetwork& network) {
   const std::vector<FlowArc>& arcs = network.arcs;
   const auto leads_back = [&](size_t i) {
     return i + 1 < arcs.size() && arcs[i + 1].from == arcs[i].to && arcs[i + 1].to == arcs[i].from;
@@ -48,47 +61,63 @@ MaxFlow max_flow(const FlowNetwork& network) {
   const auto each_pair = [&](const auto& visit) {
     for (size_t i = 0; i < arcs.size(); ++i) {
       if (arcs[i].from == arcs[i].to) continue;
-      const bool both = leads_back(i);
-      visit(i, both ? arcs[i + 1].capacity : 0);
-      i += both;
+      visit(i);
+      i += leads_back(i);
     }
   };
+  auto layout = std::make_unique<Layout>();
   std::vector<uint32_t> next(size_t{network.nodes} + 1, 0);
-  each_pair([&](size_t i, int64_t) { ++next[arcs[i].from + 1], ++next[arcs[i].to + 1]; });
+  each_pair([&](size_t i) { ++next[arcs[i].from + 1], ++next[arcs[i].to + 1]; });
   std::partial_sum(next.begin(), next.end(), next.begin());
   std::vector<std::pair<uint32_t, uint32_t>> ends(next.back());
-  std::vector<EdgeState> state(next.back());
-  std::vector<Edge> edges(arcs.size());
-  each_pair([&](size_t i, int64_t back) {
+  layout->reverse.resize(next.back());
+  layout->edge.assign(arcs.size(), UINT32_MAX);
+  each_pair([&](size_t i) {
     const FlowArc& a = arcs[i];
     const Edge forward(a.from, next[a.from]++), backward(a.to, next[a.to]++);
     ends[forward.idx] = {a.from, a.to};
     ends[backward.idx] = {a.to, a.from};
-    state[forward.idx] = {a.capacity, 0, backward};
-    state[backward.idx] = {back, 0, forward};
-    edges[i] = forward;
+    layout->reverse[forward.idx] = backward;
+    layout->reverse[backward.idx] = forward;
+    layout->edge[i] = forward.idx;
   });
-  Graph g(boost::edges_are_sorted, ends.begin(), ends.end(), state.begin(), network.nodes,
-          ends.size());
+  layout->graph =
+      Graph(boost::edges_are_sorted, ends.begin(), ends.end(), network.nodes, ends.size());
+  layout_ = std::move(layout);
+}
+
+MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
+  const Graph& g = layout_->graph;
+  const std::vector<FlowArc>& arcs = network.arcs;
+  const auto& [graph, reverse, edge] = *layout_;
+  EdgeState state{std::vector<int64_t>(reverse.size(), 0), std::vector<int64_t>(reverse.size())};
+  for (size_t i = 0; i < arcs.size(); ++i)
+    if (edge[i] != UINT32_MAX)
+      state.capacity[edge[i]] = arcs[i].capacity;
+    else if (arcs[i].from != arcs[i].to)
+      state.capacity[reverse[edge[i - 1]].idx] = arcs[i].capacity;
   const auto index = boost::get(boost::vertex_index, g);
   const auto per_node = [&](auto& values) {
     return boost::make_iterator_property_map(values.begin(), index);
+  };
+  const auto per_edge = [&](auto& values) {
+    return boost::make_iterator_property_map(values.begin(), boost::get(boost::edge_index, g));
   };
   std::vector<Edge> parent(network.nodes);
   std::vector<boost::default_color_type> tree(network.nodes);
   std::vector<uint32_t> distance(network.nodes);
   MaxFlow result;
   result.value = boost::boykov_kolmogorov_max_flow(
-      g, boost::get(&EdgeState::capacity, g), boost::get(&EdgeState::residual, g),
-      boost::get(&EdgeState::reverse, g), per_node(parent), per_node(tree), per_node(distance),
-      index, network.source, network.sink);
+      g, per_edge(state.capacity), per_edge(state.residual), per_edge(reverse), per_node(parent),
+      per_node(tree), per_node(distance), index, network.source, network.sink);
   result.flow.assign(arcs.size(), 0);
-  each_pair([&](size_t i, int64_t) {
-    const int64_t flow = arcs[i].capacity - g[edges[i]].residual;
+  for (size_t i = 0; i < arcs.size(); ++i) {
+    if (edge[i] == UINT32_MAX) continue;
+    const int64_t flow = arcs[i].capacity - state.residual[edge[i]];
     result.flow[i] = std::max<int64_t>(flow, 0);
     if (flow < 0) result.flow[i + 1] = -flow;
-  });
-  result.source_side = residual_reach(g, network.source);
+  }
+  result.source_side = residual_reach(g, state.residual, network.source);
   return result;
 }
 

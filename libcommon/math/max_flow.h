@@ -1,6 +1,7 @@
 // Maximum flow and minimum cut of a network with integer capacities (Boykov-Kolmogorov, Boost).
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace tdpt {
@@ -24,7 +25,26 @@ struct MaxFlow {
   std::vector<uint8_t> source_side;  ///< per node: 1 if a residual path from the source reaches it
 };
 
+/// The arcs of a network laid out for the solver: most of the work, and the same for networks that
+/// differ in capacities only.
+class FlowGraph {
+ public:
+  explicit FlowGraph(const FlowNetwork& network);
+  ~FlowGraph();
+  FlowGraph(FlowGraph&&) noexcept;
+
+  /// The minimum cut nearest to the source. `network`: with the arcs of the constructor's, and any
+  /// capacities. Thread-safe.
+  MaxFlow solve(const FlowNetwork& network) const;
+
+ private:
+  struct Layout;
+  std::unique_ptr<const Layout> layout_;
+};
+
 /// The minimum cut nearest to the source.
-MaxFlow max_flow(const FlowNetwork& network);
+inline MaxFlow max_flow(const FlowNetwork& network) {
+  return FlowGraph(network).solve(network);
+}
 
 }  // namespace tdpt

@@ -41,20 +41,37 @@ struct Candidate {
   std::string why;  // why it is no bottleneck; empty if it is one
 };
 
+// One arc between the terminals, two for each patch from the source and to the sink, and then the
+// arcs between patches.
+FlowNetwork arcs_with_terminals(const PatchNetwork& p) {
+  FlowNetwork net{p.network.nodes, p.network.source, p.network.sink, {}};
+  net.arcs.push_back({net.source, net.sink, 0});
+  for (uint32_t v = 0; v < net.nodes; ++v)
+    if (!p.terminal(v)) {
+      net.arcs.push_back({net.source, v, 0});
+      net.arcs.push_back({v, net.sink, 0});
+    }
+  for (const FlowArc& a : p.network.arcs)
+    if (!p.terminal(a.from) && !p.terminal(a.to)) net.arcs.push_back(a);
+  return net;
+}
+
 class SeriesCutter {
  public:
   SeriesCutter(const PatchNetwork& problem, size_t most, const CutLimits& limits,
-               const FlowSolver& solve)
+               const FlowCheck& check)
       : problem_(problem),
         net_(problem.network),
         most_(most),
         limits_(limits),
-        solve_(solve),
+        check_(check),
+        all_arcs_(arcs_with_terminals(problem)),
+        graph_(all_arcs_),
         sweep_(sweep_of(problem)) {}
 
   SeriesCut run() {
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
-      deliver({judged(solve_(net_))}, nothing);
+      deliver({judged(whole_network())}, nothing);
       return std::move(result_);
     }
     const std::vector<Drop> drops = drops_to_look_at();
@@ -63,7 +80,7 @@ class SeriesCutter {
     std::vector<std::optional<Candidate>> alone(1 + drops.size());
     tbb::parallel_for(size_t{0}, alone.size(), [&](size_t i) {
       if (i == 0)
-        alone[0] = judged(solve_(net_));
+        alone[0] = judged(whole_network());
       else
         alone[i] = cut_between(drops, i - 1, [&](size_t k) {
           return drops[k].conductance <= drops[i - 1].conductance;
@@ -80,10 +97,28 @@ class SeriesCutter {
   }
 
  private:
-  Candidate judged(const MaxFlow& flow) const {
+  Candidate judged(const FlowNetwork& network) const {
+    const MaxFlow flow = graph_.solve(network);
+    if (check_) check_(network, flow);
     Candidate c{flow.source_side, flow.value, facts_of(problem_, flow.source_side), ""};
     c.why = why_refused(c.facts, limits_);
     return c;
+  }
+
+  // The problem's own network.
+  FlowNetwork whole_network() const {
+    FlowNetwork net = all_arcs_;
+    std::vector<size_t> of_patch(net.nodes, 0);
+    for (size_t i = 1; i < net.arcs.size() && net.arcs[i].from == net.source; i += 2)
+      of_patch[net.arcs[i].to] = i;
+    for (const FlowArc& a : net_.arcs)
+      if (a.from == a.to)
+        continue;
+      else if (a.from == net.source)
+        net.arcs[a.to == net.sink ? 0 : of_patch[a.to]].capacity += a.capacity;
+      else if (a.to == net.sink)
+        net.arcs[of_patch[a.from] + 1].capacity += a.capacity;
+    return net;
   }
 
   std::string terminal_without_arcs() const {
@@ -142,20 +177,18 @@ class SeriesCutter {
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
     if (high - low < (loose ? sweep_.least_wide_drop : sweep_.least_drop)) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
-    FlowNetwork net{net_.nodes, net_.source, net_.sink, {}};
+    FlowNetwork net = all_arcs_;
+    size_t next = 1;
     for (uint32_t v = 0; v < net_.nodes; ++v) {
       if (problem_.terminal(v)) continue;
       const double whole = problem_.samples[v] * problem_.scale;
       const double pull =
           u[v] < at ? (at - u[v]) / (at - low) : (u[v] - at) / std::max(high - at, 1e-300);
       const auto capacity = static_cast<int64_t>(std::llround(whole * std::min(1.0, pull)));
-      if (capacity > 0)
-        net.arcs.push_back(u[v] < at ? FlowArc{net_.source, v, capacity}
-                                     : FlowArc{v, net_.sink, capacity});
+      net.arcs[next + (u[v] < at ? 0 : 1)].capacity = capacity;
+      next += 2;
     }
-    for (const FlowArc& a : net_.arcs)
-      if (!problem_.terminal(a.from) && !problem_.terminal(a.to)) net.arcs.push_back(a);
-    return judged(solve_(net));
+    return judged(net);
   }
 
   // The cut at drop c, within the part of the sweep up to its neighbours among the `drops` with
@@ -310,7 +343,9 @@ class SeriesCutter {
   const FlowNetwork& net_;
   size_t most_;
   const CutLimits& limits_;
-  const FlowSolver& solve_;
+  const FlowCheck& check_;
+  const FlowNetwork all_arcs_;
+  const FlowGraph graph_;
   const Sweep sweep_;
   SeriesCut result_;
 };
@@ -318,8 +353,8 @@ class SeriesCutter {
 }  // namespace
 
 SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
-                     const FlowSolver& solve) {
-  return SeriesCutter(problem, most, limits, solve).run();
+                     const FlowCheck& check) {
+  return SeriesCutter(problem, most, limits, check).run();
 }
 
 }  // namespace tdpt

@@ -33,14 +33,14 @@ struct SeriesCut {
   size_t closets = 0;  ///< examined drops that carry no current, so nothing was cut
 };
 
-/// Solves one maximum-flow problem; a caller may verify the answer on the way.
-using FlowSolver = std::function<MaxFlow(const FlowNetwork&)>;
+/// Called with each maximum flow and the network that it solves; may verify it. Several threads.
+using FlowCheck = std::function<void(const FlowNetwork&, const MaxFlow&)>;
 
 /// At most `most` cuts, those with the highest promise_of(). Candidates are the minimum cut of the
 /// network as it is and one cut at each drop of the potential; those that are no bottlenecks, or
 /// duplicates, are dropped. At a drop, the data terms of patches grow with the distance of their
 /// potential from it.
 SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
-                     const FlowSolver& solve = max_flow);
+                     const FlowCheck& check = {});
 
 }  // namespace tdpt

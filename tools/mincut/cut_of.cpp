@@ -71,15 +71,13 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   std::vector<PatchNetwork> networks(cameras);
   std::vector<SeriesCut> series(cameras);
   std::atomic<size_t> flows = 0;
-  const auto solve = [&](const FlowNetwork& network) {
+  const auto verify = [&](const FlowNetwork& network, const MaxFlow& flow) {
     ++flows;
-    MaxFlow flow = max_flow(network);
     verify_max_flow(network, flow);
-    return flow;
   };
   tbb::parallel_for(size_t{0}, cameras, [&](size_t k) {
     networks[k] = network_between(problem, k);
-    series[k] = series_cut(networks[k], most, limits, solve);
+    series[k] = series_cut(networks[k], most, limits, verify);
   });
   FoundCuts found;
   CutFile& cut = found.file;
