@@ -94,9 +94,10 @@ Bundle clear_of(const Bundle& bundle, const Tube& tube) {
 }  // namespace
 
 Bundle lines_across(const Bundle& lines, const Aperture& a) {
+  const Slab slab(a.tube);
   return lines.where([&](const LightLine& line) {
-    const auto at = inside_at(a.tube, line, 0);
-    return at && contains(a.polygon, *at);
+    const auto passage = slab.passage(line);
+    return passage && contains(a.polygon, passage->at(0));
   });
 }
 
@@ -136,9 +137,11 @@ std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, con
   }
 
   std::vector<Vec2d> points;
+  const Slab slab(a.tube);
   for (const uint32_t l : bundle.which)
-    for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
-      if (const auto at = inside_at(a.tube, bundle.line(l), face)) points.push_back(*at);
+    if (const auto passage = slab.passage(bundle.line(l)))
+      for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
+        points.push_back(passage->at(face));
   a.polygon = outline_of(std::move(points));
   if (a.polygon.empty()) return {};
   a.lines = lines_across(lines, a);

@@ -10,9 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <set>
+#include <unordered_map>
 
 #include "libcommon/math/thinned.h"
 #include "tools/portalfit/moments.h"
@@ -65,36 +64,61 @@ namespace {
 
 using Cell = std::array<int64_t, 2>;
 
-// The connected cells around the middle with at least kDense of the mean density.
-std::set<Cell> dense_region(const std::map<Cell, double>& count, double h) {
+struct HashOfCell {
+  size_t operator()(const Cell& c) const {
+    return static_cast<size_t>(c[0]) * 0x9e37'79b9'7f4a'7c15 ^ static_cast<size_t>(c[1]);
+  }
+};
+
+// The cells that hold points, numbered in the order in which they are met.
+struct Histogram {
+  std::unordered_map<Cell, size_t, HashOfCell> number;
+  std::vector<Cell> cells;
+  std::vector<double> count;
+
+  size_t number_of(const Cell& cell) {
+    const auto [it, is_new] = number.try_emplace(cell, cells.size());
+    if (is_new) cells.push_back(cell), count.push_back(0);
+    return it->second;
+  }
+};
+
+// Per cell whether it is one of those connected with the middle, with at least kDense of the mean
+// density.
+std::vector<uint8_t> dense_region(const Histogram& histogram, double h) {
   // Starts at the fullest cell, preferring those near the middle.
-  Cell start{};
+  size_t start = 0;
   double most = 0;
-  for (const auto& [cell, n] : count) {
+  for (size_t c = 0; c < histogram.cells.size(); ++c) {
+    const Cell& cell = histogram.cells[c];
     const double x = (static_cast<double>(cell[0]) + 0.5) * h,
                  y = (static_cast<double>(cell[1]) + 0.5) * h;
-    const double nearness = n / (1 + (x * x + y * y) / (4 * h * h));
-    if (nearness > most) most = nearness, start = cell;
+    const double nearness = histogram.count[c] / (1 + (x * x + y * y) / (4 * h * h));
+    if (nearness > most) most = nearness, start = c;
   }
   // The threshold is a share of the mean density seen by a point of the region; repeated, since
   // each depends on the other.
-  std::set<Cell> region;
-  double least = std::max(1.0, kDense * count.at(start));
+  std::vector<uint8_t> region;
+  double least = std::max(1.0, kDense * histogram.count[start]);
   for (int pass = 0; pass < 3; ++pass) {
-    region = {start};
-    std::vector<Cell> stack{start};
+    region.assign(histogram.cells.size(), 0);
+    region[start] = 1;
+    std::vector<size_t> stack{start};
     double weighted = 0, total = 0;
     while (!stack.empty()) {
-      const Cell c = stack.back();
+      const size_t c = stack.back();
       stack.pop_back();
-      const double n = count.at(c);
+      const double n = histogram.count[c];
       weighted += n * n, total += n;
       for (int64_t dy = -1; dy <= 1; ++dy)
         for (int64_t dx = -1; dx <= 1; ++dx) {
-          const Cell next{c[0] + dx, c[1] + dy};
-          const auto it = count.find(next);
-          if (it != count.end() && it->second >= least && region.insert(next).second)
-            stack.push_back(next);
+          const Cell& cell = histogram.cells[c];
+          const auto next = histogram.number.find({cell[0] + dx, cell[1] + dy});
+          if (next == histogram.number.end() || region[next->second] ||
+              histogram.count[next->second] < least)
+            continue;
+          region[next->second] = 1;
+          stack.push_back(next->second);
         }
     }
     least = std::max(1.5, kDense * weighted / total);
@@ -110,11 +134,12 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   // Lines that end before the middle pile up on the jambs: they do not count where others do.
   std::vector<bool> counts;
   size_t counting = 0;
+  const Slab slab(tube);
   for (const uint32_t l : bundle.which)
-    if (const auto at = inside_at(tube, bundle.line(l), 0)) {
+    if (const auto passage = slab.passage(bundle.line(l))) {
       found.push_back(l);
-      points.push_back(*at);
-      counts.push_back(crossing(tube.middle, bundle.line(l)).has_value());
+      points.push_back(passage->at(0));
+      counts.push_back(passage->through(0));
       counting += counts.back();
     }
   Bundle kept{bundle.of};
@@ -124,21 +149,22 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   // Later histograms take all points again, since the first may have joined two windows, in
   // coordinates where the region is round: slits are then resolved equally along and across.
   Whitening coordinates;
+  std::vector<size_t> cell(points.size());
   for (int look = 0;; ++look) {
-    const auto cell_of = [&](Vec2d p) {
-      const Vec2d q = coordinates(p);
-      return Cell{static_cast<int64_t>(std::clamp(std::floor(q.x / h), -1e15, 1e15)),
-                  static_cast<int64_t>(std::clamp(std::floor(q.y / h), -1e15, 1e15))};
-    };
-    std::map<Cell, double> count;
-    for (size_t i = 0; i < points.size(); ++i)
-      if (counts[i]) ++count[cell_of(points[i])];
-    const std::set<Cell> region = dense_region(count, h);
+    Histogram histogram;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Vec2d q = coordinates(points[i]);
+      cell[i] =
+          histogram.number_of({static_cast<int64_t>(std::clamp(std::floor(q.x / h), -1e15, 1e15)),
+                               static_cast<int64_t>(std::clamp(std::floor(q.y / h), -1e15, 1e15))});
+      histogram.count[cell[i]] += counts[i];
+    }
+    const std::vector<uint8_t> region = dense_region(histogram, h);
     kept.which.clear();
     std::vector<Vec2d> kept_points;
     size_t n = 0;
     for (size_t i = 0; i < points.size(); ++i)
-      if (region.contains(cell_of(points[i]))) {
+      if (region[cell[i]]) {
         kept.which.push_back(found[i]);
         kept_points.push_back(points[i]);
         n += counts[i];

@@ -52,9 +52,12 @@ Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
   deeper.half += 0.5 * e.shorter;
+  const Slab slab(deeper);
   return lines.where([&](const LightLine& line) {
+    const auto passage = slab.passage(line);
+    if (!passage) return true;
     for (const double offset : {0.0, -a.tube.half, a.tube.half, -deeper.half, deeper.half})
-      if (const auto at = inside_at(deeper, line, offset); at && contains(wider, *at)) return false;
+      if (contains(wider, passage->at(offset))) return false;
     return true;
   });
 }
