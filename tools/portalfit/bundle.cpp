@@ -183,14 +183,22 @@ namespace {
 // Pattern search over slide and tilt: derivatives of trimmed quantities are too rough.
 struct Search {
   std::vector<LightLine> lines;
+  std::vector<double> lengths{};  // of the lines
   Moments moments{};
   std::vector<Vec2d> points{};
+
+  explicit Search(std::vector<LightLine> some) : lines(std::move(some)) {
+    for (const LightLine& line : lines) lengths.push_back(length(line.camera - line.light));
+  }
 
   double badness(const Plane& plane) {
     const auto size = static_cast<double>(lines.size());
     points.clear();
-    for (const LightLine& line : lines)
-      if (const auto at = clear_crossing(plane, line)) points.push_back(*at);
+    const Slab slab({plane, 0});
+    for (size_t i = 0; i < lines.size(); ++i)
+      if (const auto passage = slab.passage(lines[i]);
+          passage && passage->along >= kGrazing * lengths[i])
+        points.push_back(passage->at(0));
     if (static_cast<double>(points.size()) < 0.5 * size || points.size() < 8) return INFINITY;
     moments = trimmed_moments(points);
     const double det = moments.determinant();

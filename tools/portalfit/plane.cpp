@@ -1,12 +1,6 @@
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {
-namespace {
-
-constexpr double kGrazing = 0.05;  // cosine between line and normal
-
-}  // namespace
-
 std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset) {
   const auto passage = Slab(tube).passage(line);
   if (!passage) return {};

@@ -59,7 +59,9 @@ class Slab {
 
 /// Where `line` crosses the plane along n.
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line);
-/// The same, but nothing at grazing angles, where the crossing is ill-defined.
+/// Least cosine between a line and the normal; below it the crossing is ill-defined.
+inline constexpr double kGrazing = 0.05;
+/// The same, but nothing at grazing angles.
 std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line);
 /// The point of `line` inside the slab nearest to the height `offset` above the middle: see
 /// Passage::at.

@@ -35,14 +35,14 @@
 namespace tdpt {
 namespace {
 
-constexpr int kSides = 16;           // of an outline
-constexpr double kInner = 0.97;      // of the nearest tangent: crossings within it are skipped
-constexpr double kRounding = 1e-9;   // relative tolerance of products of lengths
-constexpr double kThrough = 0.002;   // smallest share of the lines held that pass both faces
-constexpr double kGrazing = 0.1;     // lower bound of cosines
-constexpr double kMostTilt = 0.3;    // per step: tangent
-constexpr size_t kMostRough = 2000;  // lines in the first searches
-constexpr size_t kMostFine = 8192;   // and in the others
+constexpr int kSides = 16;          // of an outline
+constexpr double kInner = 0.97;     // of the nearest tangent: crossings within it are skipped
+constexpr double kRounding = 1e-9;  // relative tolerance of products of lengths
+constexpr double kThrough = 0.002;  // smallest share of the lines held that pass both faces
+constexpr double kLeastCosine = 0.1;
+constexpr double kMostTilt = 0.3;                       // per step: tangent
+constexpr size_t kMostRough = 2000;                     // lines in the first searches
+constexpr size_t kMostFine = 8192;                      // and in the others
 constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step, in shorter sides
 constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and the last
 
@@ -185,7 +185,7 @@ class Search {
       if (const auto passage = slab.passage(lines_[i])) {
         look.through += passage->through(tube.half);
         if (goal_.slant > 0)
-          look.slant += std::log(std::max(kGrazing, passage->along / length_[i]));
+          look.slant += std::log(std::max(kLeastCosine, passage->along / length_[i]));
         for (const double face : faces) places_.push_back(passage->at(face * tube.half));
       }
     look.held = places_.size() / 2;
