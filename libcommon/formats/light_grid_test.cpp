@@ -56,6 +56,7 @@ LightGrid small() {
   g.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   g.flux_share = 0.75;
   g.cuts = {{0.01, 0.5}, {0.25, 1}};
+  g.walls = {{0, 1, 0}, {0.6, 0, -0.8}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
   return g;
 }
@@ -96,6 +97,7 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.cuts[0].kept, 0.5);
   EXPECT_EQ(back.cuts[1].conductance, 0.25);
   EXPECT_EQ(back.cuts[1].kept, 1);
+  EXPECT_EQ(back.walls, g.walls);
   EXPECT_TRUE(back.bottleneck);
   EXPECT_EQ(back.provenance.lines, g.provenance.lines);
   expect_same_lines(back, g, 1e-6);
@@ -189,6 +191,13 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g = small();
   g.cuts[0].kept = NAN;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_kept_0: is nan, expected a share of 0 to 1");
+  g = small();
+  g.walls[0].y = 2;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_wall_1: is 2 long, expected a unit vector");
+  g.walls.assign(17, {1, 0, 0});
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_wall_17: is one wall more than 16, expected no more");
+  g = small();
   g.cameras = {"1 2 3"};
   EXPECT_EQ(error_of(light_grid_bytes(g)),
             std::string("tdpt_camera: is no camera, ") + kViewpointExpected);

@@ -124,6 +124,26 @@ TEST(Tube, ALesserOneHasClearlyLessArea) {
   EXPECT_LT(degrees_from_x(*lesser), 1.5);
 }
 
+// Light that leans tilts the plane; the wall that it lies in does not lean.
+TEST(Tube, LiesInAWallThatFacesNearlyAsItDoes) {
+  const std::vector<Vec3d> walls{{1, 0, 0}, {0, 0, -1}};
+  const auto lines = leaning_lines(400);
+  const Tube tilted = least_tube(lines, {{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0}, true);
+  EXPECT_GT(degrees_from_z(tilted), 3);
+  const auto in_wall = tube_in_wall(lines, tilted, walls);
+  ASSERT_TRUE(in_wall);
+  EXPECT_LT(degrees_from_z(*in_wall), 1e-6);
+  EXPECT_NEAR(in_wall->middle.o.z, 0, 0.005);
+  EXPECT_FALSE(tube_in_wall(lines, tilted, {}));
+}
+
+// Twin: an opening that is really turned against the wall, as beside a door ajar, stays.
+TEST(Tube, StaysOutOfAWallThatItsLinesDoNotFit) {
+  const auto lines = testing::lines_of_tube(1, 1, 0.1, 6000);
+  const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
+  EXPECT_FALSE(tube_in_wall(lines, tube, std::vector<Vec3d>{normalize(Vec3d{1, 0.25, 0})}));
+}
+
 TEST(Tube, LinesThatEndInsideCount) {
   const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
   const LightLine on_jamb{{-1, 0, 0}, {-0.05, 0.3, 0}}, before{{-1, 0, 0}, {-0.2, 0, 0}},
