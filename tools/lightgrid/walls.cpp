@@ -1,5 +1,5 @@
 // Method: areas are summed by normal, in cells of a degree; from the fullest cell on, each takes
-// those around it.
+// those around it. Two at right angles give the third: the short walls of a long building are few.
 #include "tools/lightgrid/walls.h"
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kLeastSurface = 0.02;  // of that in the box
 constexpr double kSameWay = 0.99939;    // cosine of two degrees
-constexpr double kCell = 1 / 57.3;
+constexpr double kSquare = 0.0175;      // cosine of 89 degrees
+constexpr double kCell = 1 / 57.3;      // a degree
 constexpr size_t kMostCells = 64;
 
 // One of n and -n, the same for both.
@@ -20,6 +21,11 @@ Vec3d without_side(const Vec3d& n) {
   const Vec3d size = max(n, -n);
   const double first = size.x >= 0.5 ? n.x : size.y >= 0.5 ? n.y : n.z;
   return first < 0 ? -n : n;
+}
+
+bool is_among(const std::vector<Vec3d>& directions, const Vec3d& n) {
+  return std::any_of(directions.begin(), directions.end(),
+                     [&](const Vec3d& other) { return std::abs(dot(other, n)) >= kSameWay; });
 }
 
 }  // namespace
@@ -64,10 +70,17 @@ std::vector<Vec3d> wall_directions(const Scene& scene, const LightGrid& grid) {
   }
   std::stable_sort(sums.begin(), sums.end(),
                    [](const Vec3d& a, const Vec3d& b) { return length(a) > length(b); });
+  std::erase_if(sums, [&](const Vec3d& sum) { return length(sum) < kLeastSurface * all; });
   std::vector<Vec3d> directions;
-  for (const Vec3d& sum : sums)
-    if (length(sum) >= kLeastSurface * all && directions.size() < kMostWalls)
-      directions.push_back(normalize(sum));
+  for (const Vec3d& sum : sums) directions.push_back(normalize(sum));
+  const size_t own = directions.size();
+  for (size_t a = 0; a < own; ++a)
+    for (size_t b = 0; b < a; ++b)
+      if (std::abs(dot(directions[a], directions[b])) < kSquare)
+        if (const Vec3d third = normalize(cross(directions[a], directions[b]));
+            !is_among(directions, third))
+          directions.push_back(third);
+  if (directions.size() > kMostWalls) directions.resize(kMostWalls);
   return directions;
 }
 

@@ -67,6 +67,21 @@ TEST(Walls, face_as_most_surfaces_do) {
   EXPECT_EQ(wall_directions(scene, empty_grid(scene, 8)).size(), 3u);
 }
 
+// The ends of a long house are little surface, but stand at right angles to what is much.
+TEST(Walls, stand_at_right_angles) {
+  Scene scene;
+  add_quad(scene, {}, {0, 0, 1}, {60, 0, 0});
+  add_quad(scene, {}, {60, 0, 0}, {0, 1, 0});
+  const std::vector<Vec3d> walls = wall_directions(scene, empty_grid(scene, 8));
+  EXPECT_EQ(walls.size(), 3u);
+  EXPECT_TRUE(has(walls, {1, 0, 0}));
+  // Twin: a roof that is not at right angles to the ground gives no third.
+  Scene roof;
+  add_quad(roof, {}, {0, 0, 1}, {60, 0, 0});
+  add_quad(roof, {}, {60, 0, 0}, {0, 1, 1});
+  EXPECT_EQ(wall_directions(roof, empty_grid(roof, 8)).size(), 2u);
+}
+
 // What lies outside the grid is not of this building.
 TEST(Walls, are_those_within_the_grid) {
   Scene scene = turned_room();

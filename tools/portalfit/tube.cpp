@@ -55,7 +55,7 @@ constexpr double kPlaneHolds = 0.97;  // share of the tube's lines with which a 
 constexpr double kBlindEnd = 0.1;     // of the depth, behind which lines end on the end of a room
 constexpr double kClearly = 0.04;     // of the area: a few per cent are noise
 constexpr double kNearWall = 0.966;   // cosine between a tube and a wall that it may lie in
-constexpr double kSquare = 0.05;      // of the objective, by which a wall may be the worse
+constexpr double kSquare = 0.15;      // of the objective, by which a wall may be the worse
 
 // Evaluation of a tube.
 struct Look {
