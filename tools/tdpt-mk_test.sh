@@ -89,6 +89,17 @@ makes "another camera for all" "$(of whole)" CAMERA_FLAGS=--frame -n whole.exr
 "$bin/tdpt-info" above.portal.glb | grep -q 'camera: --look-from: eye 1 5 3 m, .*(--cull)' || complain "above.portal.glb: of another camera"
 "$bin/tdpt-info" far.portal.glb | grep -q 'camera: camera: eye 0.15.*' || complain "far.portal.glb: of another camera"
 
+# Found for several cameras together, they are shared.
+"$testdata/cli/cameras.py" whole.glb corner=1,1.2,0.9 >house.gltf
+cameras="SCENE.corner=house CAMERA.corner=corner SCENE.eye=house CAMERA.eye=camera CAMERAS.house=all"
+# shellcheck disable=SC2086 # words
+makes "pictures with shared portals" "corner.exr eye.exr house.cut house.max house.portal.glb house.vdb " $cameras corner.exr eye.exr
+# shellcheck disable=SC2086
+makes "pictures with shared portals again" "" $cameras corner.exr eye.exr
+# shellcheck disable=SC2086
+makes "portals for others" "corner.exr house.cut house.max house.portal.glb house.vdb " $cameras CAMERAS.house=corner -n corner.exr
+[ "$(grep -c '^c camera' house.max)" = 2 ] || complain "house.max: not of two cameras"
+
 before=$(cksum <sky.exr)
 if make SCENE.sky=whole ENVIRONMENT=sky.exr PORTALS= -W whole.glb sky.exr >log 2>&1; then
   complain "a picture over its own sky was made"

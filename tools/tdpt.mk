@@ -31,9 +31,11 @@ TDPT_PICTURES = $(sort $(addsuffix .exr,$(basename $(filter-out %.portal.glb %.p
 # What of the commands shapes the results, and what does not.
 tdpt_sampling = $(if $(SEED),--seed $(SEED)) $(if $(QUALITY),--quality $(QUALITY))
 tdpt_sky = $(if $(ENVIRONMENT),--environment $(ENVIRONMENT)) $(ENVIRONMENT_FLAGS)
+# Of a scene: the cameras for which its network is made together; their portals lie in one file.
+tdpt_cameras = $(foreach name,$(CAMERAS.$*),--camera $(call tdpt_quoted,$(name)))
 tdpt_camera = $(if $(CAMERA.$*),$(if $(filter --%,$(CAMERA.$*)),$(CAMERA.$*),--camera $(call tdpt_quoted,$(CAMERA.$*)))) $(CAMERA_FLAGS)
 tdpt_device = $(if $(DEVICE),--device $(call tdpt_quoted,$(DEVICE)))
-tdpt_max = $(strip $(FFGRAPH) $(tdpt_camera) $(tdpt_sky) $(tdpt_sampling) $(FFGRAPH_FLAGS))
+tdpt_max = $(strip $(FFGRAPH) $(or $(tdpt_cameras),$(tdpt_camera)) $(tdpt_sky) $(tdpt_sampling) $(FFGRAPH_FLAGS))
 tdpt_cut = $(strip $(MINCUT) $(MINCUT_FLAGS))
 tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_device) $(tdpt_sampling) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(PORTALFIT_FLAGS))
@@ -45,11 +47,12 @@ tdpt_free = $(if $(THREADS),--threads $(THREADS)) $(tdpt_most) $(if $(TDPT_TELL)
 
 # Of the target in whose rule they stand, $* being its stem: scene, portals, file of the sky. A portal is no scene.
 # Which scene another picture shows, and through which camera, is looked up by its name: a variable of the target would
-# hold for all that it needs. Portals belong to a camera: a picture that names one has its own.
+# hold for all that it needs. Portals belong to a camera: a picture that names one has its own, unless its scene's
+# portals are for several.
 tdpt_stem = $(or $(SCENE.$*),$*)
 tdpt_scene = $(or $(if $(filter %.portal,$(tdpt_stem)),.tdpt/a-portal-is-no-scene),\
   $(firstword $(wildcard $(tdpt_stem).glb $(tdpt_stem).gltf)),$(tdpt_stem).glb)
-tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(if $(CAMERA.$*),$*,$(tdpt_stem)).portal.glb,$(PORTALS))
+tdpt_portals = $(if $(filter undefined,$(origin PORTALS)),$(if $(CAMERA.$*),$(if $(CAMERAS.$(tdpt_stem)),$(tdpt_stem),$*),$(tdpt_stem)).portal.glb,$(PORTALS))
 tdpt_sky_file = $(if $(or $(findstring /,$(ENVIRONMENT)),$(filter %.exr %.hdr %.pic,$(ENVIRONMENT))),$(ENVIRONMENT))
 # A portal that is there and not of portalfit was drawn by hand and stays.
 tdpt_drawn = $(if $(wildcard $1),$(if $(shell grep -c '"generator":"tdpt ' '$1' | grep -v '^0'),,$1))
