@@ -59,7 +59,7 @@ namespace {
 constexpr double kFull = 0.2;       // of the largest count: w is constant above it
 constexpr double kNarrowest = 2e4;  // largest exponent of the cosine
 // The walk ends after this many moves per chain on average, or after this many steps.
-constexpr uint64_t kMoves = 6, kMostSteps = 48;
+constexpr uint64_t kMoves = 4, kMostSteps = 48;
 constexpr double kFaint = 0.02;  // of the mean light: lines with less are thinned
 constexpr double kOffEnds = 1e-3;
 constexpr uint64_t kMeetings = 4;  // number of first steps, with x where lines meet

@@ -21,8 +21,9 @@ constexpr double kFewestProbes = 30;   // to estimate the support
 constexpr double kSure = 0.8;          // support below which it may be several openings
 constexpr double kDenser = 1.3;        // lines per area, of a part over the whole
 constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
-constexpr double kOnBorder = 1e-3;     // voxels
-constexpr double kFarOutside = 100;    // lengths of a line
+constexpr double kBeyond = 0.15;       // of an opening's size: how much farther a room reaches
+constexpr double kFewestVoxels = 4;    // across an opening whose surroundings the grid resolves
+constexpr int kPlaces = 16;            // along each side of an outline
 constexpr size_t kMostFitted = 2;      // of the places that promise a denser part
 
 // Share of the lines through the middle of the tube that pass both its faces.
@@ -65,36 +66,39 @@ std::optional<double> support_of(const std::vector<Probe>& probes, const Apertur
 
 namespace {
 
-// The line as it goes on outside the grid, where it begins on its border.
-LightLine from_outside(const LightGrid& grid, LightLine line) {
-  for (int c = 0; c < 3; ++c) {
-    const double at = (line.light[c] - grid.origin[c]) / grid.voxel;
-    const int side = grid.dim[static_cast<size_t>(c)];
-    if (at > kOnBorder && at < side - kOnBorder) continue;
-    line.light += (line.light - line.camera) * kFarOutside;
-    break;
-  }
-  return line;
+// Whether the middle of the aperture sees `beyond` past a place on its outline through air, both
+// moved by `offset` along the normal. Outside the grid all is air.
+bool sees_past(const LightGrid& grid, const Aperture& a, Vec2d middle, Vec2d edge, Vec2d beyond,
+               double offset) {
+  const Plane there{a.tube.middle.o + a.tube.middle.n * offset, a.tube.middle.n};
+  bool free = true;
+  walk_grid(grid, to_space(there, middle + (edge - middle) * 0.5), to_space(there, edge + beyond),
+            [&](size_t voxel, double) { free = free && grid.air[voxel]; });
+  return free;
 }
 
 }  // namespace
 
-std::optional<double> widening_of(const LightGrid& grid, const Aperture& a) {
-  const auto spread_at = [&](double offset) -> std::optional<double> {
-    const Plane there{a.tube.middle.o + a.tube.middle.n * offset, a.tube.middle.n};
-    std::vector<Vec2d> places;
-    for (const uint32_t l : a.lines.which)
-      if (const auto at = crossing(there, from_outside(grid, a.lines.line(l))))
-        places.push_back(*at);
-    if (places.size() < kFewestLines) return {};
-    return std::sqrt(std::max(0.0, trimmed_moments(places).determinant()));
-  };
-  const auto here = spread_at(0);
-  if (!here || !(*here > 0)) return {};
-  const double far = a.tube.half + 0.5 * std::sqrt(area(a.polygon));
-  const auto before = spread_at(-far), behind = spread_at(far);
-  if (!before && !behind) return {};
-  return std::max(before.value_or(0), behind.value_or(0)) / *here;
+std::optional<double> edge_share(const LightGrid& grid, const Aperture& a) {
+  const double size = std::sqrt(area(a.polygon));
+  if (grid.air.empty() || size < kFewestVoxels * grid.voxel) return {};
+  const double beyond = std::max(2 * grid.voxel, kBeyond * size), far = a.tube.half + 0.5 * size;
+  const Vec2d middle = extents_of(a.polygon).mean;
+  double before = 0, behind = 0, all = 0;
+  for (size_t i = 0; i < a.polygon.size(); ++i) {
+    const Vec2d from = a.polygon[i], side = a.polygon[(i + 1) % a.polygon.size()] - from;
+    const double length = std::sqrt(dot(side, side));
+    if (!(length > 0)) continue;
+    const Vec2d out = Vec2d{side.y, -side.x} * (beyond / length);
+    for (int k = 0; k < kPlaces; ++k) {
+      const Vec2d edge = from + side * ((k + 0.5) / kPlaces);
+      all += length;
+      if (sees_past(grid, a, middle, edge, out, 0)) continue;
+      if (sees_past(grid, a, middle, edge, out, -far)) before += length;
+      if (sees_past(grid, a, middle, edge, out, far)) behind += length;
+    }
+  }
+  return std::max(before, behind) / all;
 }
 
 namespace {

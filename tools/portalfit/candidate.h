@@ -11,11 +11,11 @@ namespace tdpt {
 /// opening of the same depth; nothing if there are too few.
 std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a);
 
-/// How much wider the light of the aperture is half its size before it and behind it, over its
-/// width there: the larger of the two ratios of areas. Where light passes a wall it widens on one
-/// side at least; across a long room, where a plane bounds nothing, it does not. Nothing if hardly
-/// a line goes so far. Lines from outside the grid come from far away.
-std::optional<double> widening_of(const LightGrid& grid, const Aperture& a);
+/// Share of the outline that is an edge: a wall stands there, and half the aperture's size before
+/// it or behind it, whichever has more, the air goes on past it. So it is around an opening into a
+/// room; around a plane across a corridor or a long room the same walls go on, and around one in
+/// the open there are none. Nothing if the grid does not know its air, or is too coarse.
+std::optional<double> edge_share(const LightGrid& grid, const Aperture& a);
 
 /// A plane across several openings, such as the sides of a bay, has little support and fewer of the
 /// `lines` per area than one of them. Returns that one; nothing if there is none.

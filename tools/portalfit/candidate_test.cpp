@@ -76,47 +76,52 @@ TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   EXPECT_FALSE(denser_part(b.grid, b.all, *window));
 }
 
-// Lines of light along x: through a hole of 1 m they widen before and behind it; in a corridor of
-// that width, from wall to wall, they do not.
-Aperture across_x(bool corridor, LightGrid& grid) {
+// A square of 1 m across x, with walls around it: of a corridor from -2 to 2 m, or of a hole in a
+// wall that is 0.2 m thick.
+Aperture across_x(double from, double to, LightGrid& grid) {
   grid.voxel = 0.1;
-  grid.dim = {200, 200, 200};
-  grid.origin = Vec3d(-10);
-  for (uint64_t i = 0; i < 4000; ++i) {
-    Rng rng(12, 1, i);
-    const auto centred = [&] { return rng.uniform() - 0.5; };
-    const Vec3d begin{-3, centred(), centred()}, end{3, centred(), centred()};
-    const double u = rng.uniform(), v = rng.uniform();
-    const Vec3d d = cosine_hemisphere(u, v), w{d.z, d.x, d.y}, p{0, centred(), centred()};
-    grid.lines.push_back(corridor ? LightLine{begin, end} : LightLine{p - w * 3, p + w * 3});
+  grid.dim = {40, 40, 40};
+  grid.origin = Vec3d(-2);
+  grid.air.assign(64000, 1);
+  for (size_t v = 0; v < grid.air.size(); ++v) {
+    const Vec3d at = centre_of(grid, v);
+    const double off = std::max(std::abs(at.y), std::abs(at.z));
+    if (at.x > from && at.x < to && off > 0.5 && off < 0.75) grid.air[v] = 0;
   }
   Aperture a;
   a.tube.middle = {{0, 0, 0}, {1, 0, 0}};
   a.polygon = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
-  a.lines = testing::all_of(grid);
   return a;
 }
 
-TEST(Widening, TellsAHoleFromACorridor) {
-  LightGrid hole, corridor;
-  const Aperture through = across_x(false, hole), along = across_x(true, corridor);
-  EXPECT_GT(widening_of(hole, through).value_or(0), 2);
-  EXPECT_NEAR(widening_of(corridor, along).value_or(0), 1, 0.15);
+TEST(Edge, TellsAHoleFromACorridor) {
+  LightGrid hole, corridor, end;
+  const Aperture through = across_x(-0.1, 0.1, hole), along = across_x(-2, 2, corridor),
+                 out_of = across_x(-2, 0.1, end);
+  EXPECT_EQ(edge_share(hole, through).value_or(0), 1);
+  EXPECT_EQ(edge_share(corridor, along).value_or(1), 0);
+  EXPECT_EQ(edge_share(end, out_of).value_or(0), 1);  // on one side
+  // A door in the corridor's wall is not enough.
+  for (size_t v = 0; v < corridor.air.size(); ++v) {
+    const Vec3d at = centre_of(corridor, v);
+    if (at.x > 0.2 && at.y > 0.5 && std::abs(at.z) < 0.4) corridor.air[v] = 1;
+  }
+  EXPECT_NEAR(edge_share(corridor, along).value_or(1), 0.2, 0.05);
+  // Nor is a place in the open.
+  const Aperture apart{{{{1, 0, 0}, {1, 0, 0}}}, through.polygon, {}};
+  EXPECT_EQ(edge_share(hole, apart).value_or(1), 0);
+  corridor.voxel = 0.3;  // too coarse to tell
+  EXPECT_FALSE(edge_share(corridor, along));
+  corridor.air.clear();
+  EXPECT_FALSE(edge_share(corridor, along));
 }
 
-// Under a sky lines begin on the border of the grid, close to the window, but come from far away.
-TEST(Widening, OfAWindowGoesOnOutsideTheGrid) {
+// Beyond the grid, as under a sky, all is open.
+TEST(Edge, OfAWindowGoesOnOutsideTheGrid) {
   LightGrid grid;
-  const Aperture window = across_x(false, grid);
-  const auto cut_off = [](LightLine& line) {
-    const Vec3d d = line.camera - line.light;
-    line.light += d * ((-0.2 - line.light.x) / d.x);
-    line.camera = line.light + d * (0.3 / d.x);  // and end close behind it
-  };
-  for (LightLine& line : grid.lines) cut_off(line);
-  EXPECT_FALSE(widening_of(grid, window));  // as by walls
-  grid.origin.x = -0.2;
-  EXPECT_GT(widening_of(grid, window).value_or(0), 2);
+  const Aperture window = across_x(-2, 2, grid);
+  grid.origin.x = 0;
+  EXPECT_EQ(edge_share(grid, window).value_or(0), 1);
 }
 
 }  // namespace tdpt::candidate_test

@@ -2,10 +2,10 @@
 //
 // Method: greedy (sequential) fitting, as sequential RANSAC finds planes: one aperture at a time,
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
-// it may join one side with itself) and an edge (the light must be wider before or behind it).
-// Openings beside each other in one plane are joined, as panes; then each needs a share of the
-// camera's light; then those that stand beside each other are separated. What several cuts found is
-// one opening if most of the light of either passes both.
+// it may join one side with itself) and an edge (a wall, past which the air goes on before or
+// behind). Openings beside each other in one plane are joined, as panes; then each needs a share of
+// the camera's light; then those that stand beside each other are separated. What several cuts
+// found is one opening if most of the light of either passes both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -33,8 +33,9 @@ namespace tdpt {
 namespace {
 
 constexpr double kLeastPart = 0.25;  // of the threshold, before parts are joined
-// A plane that the light is not wider before and behind, on one side at least, bounds nothing.
-constexpr double kLeastWidening = 1.5;
+// Least share of the outline that is an edge: of most openings it is 0.4 to 1, of planes across a
+// room 0 to 0.2.
+constexpr double kLeastEdge = 0.3;
 constexpr size_t kMostTried = 48;  // candidates per cut
 // Least support of a single opening: a plane across a corner with windows on both sides has less.
 constexpr double kOneOpening = 0.9;
@@ -197,7 +198,7 @@ class Fit {
     f["direction_y"] = mean.y;
     f["direction_z"] = mean.z;
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
-    if (const auto wider = widening_of(grid_, a)) f["widening"] = *wider;
+    if (const auto edge = edge_share(grid_, a)) f["edge"] = *edge;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
     const auto [main, minor] = pca_angles(grid_, a.tube.middle.n);
     f["pca_main_angle"] = main;
@@ -257,13 +258,13 @@ class Fit {
              at_least(options_.support), {a});
       return false;
     }
-    const double wider = widening_of(grid_, a).value_or(kLeastWidening);
-    if (wider < kLeastWidening)
-      refuse(fmt::format("a candidate of {} m2 lies across a room: the light is only {} times as "
-                         "wide before or behind it",
-                         number_words(area(a.polygon), 2), number_words(wider, 2)),
-             fmt::format("at least {}", kLeastWidening), {a});
-    return wider >= kLeastWidening;
+    const double edge = edge_share(grid_, a).value_or(1);
+    if (edge < kLeastEdge)
+      refuse(fmt::format("a candidate of {} m2 lies across a room: only {:.0f} % of its outline is "
+                         "an edge",
+                         number_words(area(a.polygon), 2), 100 * edge),
+             at_least(kLeastEdge), {a});
+    return edge >= kLeastEdge;
   }
 
   // Keeps the openings that carry enough light, the most first.

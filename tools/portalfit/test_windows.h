@@ -90,7 +90,7 @@ struct RoomWithWindows {
       g.dim[static_cast<size_t>(c)] = side;
       n *= static_cast<size_t>(side);
     }
-    g.count.assign(n, 0), g.air.assign(n, 1), g.direction.assign(n, {});
+    g.count.assign(n, 0), g.direction.assign(n, {});
     for (const LightLine& l : g.lines)
       walk_grid(g, l.light, l.camera, [&](size_t v, double) { ++g.count[v]; });
   }
