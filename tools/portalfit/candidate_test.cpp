@@ -62,7 +62,7 @@ Bay::Bay(double angle) {
 TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
   constexpr double kAngle = std::numbers::pi / 6;
   const Bay b(kAngle);
-  const auto part = denser_part(b.grid, b.all, b.mouth);
+  const auto part = denser_part({b.grid, {}}, b.all, b.mouth);
   ASSERT_TRUE(part);
   EXPECT_NEAR(area(part->polygon), 1, 0.1);
   EXPECT_NEAR(part->tube.middle.n.x, std::cos(kAngle), 0.05);
@@ -71,9 +71,9 @@ TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
 // Twin: a single window has no denser part.
 TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   const Bay b(std::numbers::pi / 6);
-  const auto window = denser_part(b.grid, b.all, b.mouth);
+  const auto window = denser_part({b.grid, {}}, b.all, b.mouth);
   ASSERT_TRUE(window);
-  EXPECT_FALSE(denser_part(b.grid, b.all, *window));
+  EXPECT_FALSE(denser_part({b.grid, {}}, b.all, *window));
 }
 
 // Lines of light along x: through a hole of 1 m they widen before and behind it; in a corridor of
@@ -100,8 +100,8 @@ Aperture across_x(bool corridor, LightGrid& grid) {
 TEST(Widening, TellsAHoleFromACorridor) {
   LightGrid hole, corridor;
   const Aperture through = across_x(false, hole), along = across_x(true, corridor);
-  EXPECT_GT(widening_of(hole, through).value_or(0), 2);
-  EXPECT_NEAR(widening_of(corridor, along).value_or(0), 1, 0.15);
+  EXPECT_GT(widening_of({hole, {}}, through).value_or(0), 2);
+  EXPECT_NEAR(widening_of({corridor, {}}, along).value_or(0), 1, 0.15);
 }
 
 // Under a sky lines begin on the border of the grid, close to the window, but come from far away.
@@ -114,9 +114,9 @@ TEST(Widening, OfAWindowGoesOnOutsideTheGrid) {
     line.camera = line.light + d * (0.3 / d.x);  // and end close behind it
   };
   for (LightLine& line : grid.lines) cut_off(line);
-  EXPECT_FALSE(widening_of(grid, window));  // as by walls
+  EXPECT_FALSE(widening_of({grid, {}}, window));  // as by walls
   grid.origin.x = -0.2;
-  EXPECT_GT(widening_of(grid, window).value_or(0), 2);
+  EXPECT_GT(widening_of({grid, {}}, window).value_or(0), 2);
 }
 
 }  // namespace tdpt::candidate_test
