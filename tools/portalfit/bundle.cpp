@@ -140,7 +140,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits
     }
   Bundle kept{bundle.of};
   if (found.empty()) return kept;
-  if (static_cast<double>(counting) < limits.fewest_members) counts.assign(points.size(), true);
+  if (static_cast<double>(counting) < limits.fewest) counts.assign(points.size(), true);
   // Later histograms take all points again, since the first may have joined two windows, in
   // coordinates where the region is round: slits are then resolved equally along and across.
   Whitening coordinates;
@@ -202,7 +202,7 @@ struct Search {
     const double spread = 0.5 * std::log(det);
     // Crossings per area, with a higher price for lost lines: far from the waist a plane must not
     // gain by approaching the lines' ends.
-    return spread - limits.missing_at_waist * std::log(moments.n / size);
+    return spread - limits.missing_of_known * std::log(moments.n / size);
   }
 
   Plane run(Plane best, double slide, double tilt) {
@@ -238,7 +238,7 @@ struct Search {
 }  // namespace
 
 Plane waist(const Bundle& bundle, const Plane& start, const FitLimits& limits) {
-  const auto most = static_cast<size_t>(limits.lines_at_waist);
+  const auto most = static_cast<size_t>(limits.rough_lines);
   const Bundle some{bundle.of, thinned(bundle.which, most)};
   return Search(some.lines(), limits).run(start, 1, 0.3);
 }

@@ -54,7 +54,7 @@ std::optional<double> support_of(const FitInput& in, const Aperture& a) {
     ++tried;
     joined += probe.joins;
   }
-  if (tried < in.limits.fewest_probes) return {};
+  if (tried < in.limits.fewest) return {};
   return std::min(1.0, joined / tried / through_share(a));
 }
 

@@ -144,7 +144,7 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
   }
   if (!portals.empty()) common.note(portals_sentence(portals));
   if (written.size() < found.portals.size()) common.note(left_out_sentence(useless));
-  if (!written.empty() && !found.refused.empty() && found.explained < a.limits.nearly_all)
+  if (!written.empty() && !found.refused.empty() && found.explained < a.limits.plane_holds)
     common.note("no further opening: the rest of the light does not pass one narrow place");
   std::vector<std::string> refused;
   for (const FitResult::Refusal& r : found.refused) refused.push_back(r.why);

@@ -60,7 +60,7 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
     const auto inside = static_cast<double>(std::count_if(
         crossings.begin(), crossings.end(),
         [&](const LineCrossing& c) { return in_the_middle(c) && squared_sine(c) <= sine2; }));
-    if (inside < limits.fewest_in_cone) break;
+    if (inside < 2 * limits.fewest) break;
     densest = std::max(densest, inside / (std::numbers::pi * sine2 * 0.25 * shape.area));
   }
   return std::min(1.0, n / (densest * std::numbers::pi * shape.area));

@@ -55,7 +55,7 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
 
 std::optional<PaperPortal> portal_by_paper(const FitInput& in) {
   const LightGrid& grid = in.grid;
-  const VoxelAxes axes = axes_of_full_voxels(grid, in.limits.full);
+  const VoxelAxes axes = axes_of_full_voxels(grid, kMost);
   if (axes.centres.empty()) return {};
   Vec3d light{};
   for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);

@@ -101,16 +101,16 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b,
   double kept = area(clipped(a.polygon, half.axis, half.limit));
   if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
   if (kept < (1 - limits.most_clipped) * whole) return {};
-  const auto middle = middle_of_border(enlarged(a.polygon, limits.reach), half);
+  const auto middle = middle_of_border(enlarged(a.polygon, limits.widening), half);
   if (!middle) return {};
   const Vec2d there = in_plane(other, to_space(own, *middle));
-  if (!contains(enlarged(b.polygon, limits.reach), there)) return {};
+  if (!contains(enlarged(b.polygon, limits.widening), there)) return {};
   return half;
 }
 
 void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
   if (found.size() < 2) return;
-  for (const double growth : {in.limits.growth, in.limits.next_growth, 1.0}) {
+  for (const double growth : {in.limits.widening, in.limits.next_growth, 1.0}) {
     for (Aperture& a : found) {
       std::vector<uint32_t> others;
       for (const Aperture& b : found) {
@@ -133,7 +133,7 @@ void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Ape
       auto again = outlined(in, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(all, *again);
-      if (again->lines.size() >= in.limits.least_left * size) a = std::move(*again);
+      if (again->lines.size() >= kMost * size) a = std::move(*again);
     }
   }
 }
@@ -168,7 +168,7 @@ void part_at_shared_edges(const FitInput& in, const Bundle& all, std::vector<Ape
     if (!again) continue;
     keep_before(*again, k, found, in.limits);
     again->lines = lines_across(all, *again);
-    if (again->lines.size() >= in.limits.least_left * static_cast<double>(found[k].lines.size()) &&
+    if (again->lines.size() >= kMost * static_cast<double>(found[k].lines.size()) &&
         better(*again, found[k], in.limits.missing_of_known))
       found[k] = std::move(*again);
   }

@@ -193,7 +193,7 @@ class Fit {
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
     if (const auto wider = widening_of(in_, a)) f["widening"] = *wider;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
-    const auto [main, minor] = pca_angles(grid_, limits_.full, a.tube.middle.n);
+    const auto [main, minor] = pca_angles(grid_, kMost, a.tube.middle.n);
     f["pca_main_angle"] = main;
     f["pca_minor_angle"] = minor;
     return portal;
@@ -251,13 +251,13 @@ class Fit {
              at_least(limits_.support), {a});
       return false;
     }
-    const double wider = widening_of(in_, a).value_or(limits_.least_widening);
-    if (wider < limits_.least_widening)
+    const double wider = widening_of(in_, a).value_or(limits_.widening);
+    if (wider < limits_.widening)
       refuse(fmt::format("a candidate of {} m2 lies across a room: the light is only {} times as "
                          "wide before or behind it",
                          number_words(area(a.polygon), 2), number_words(wider, 2)),
-             fmt::format("at least {}", limits_.least_widening), {a});
-    return wider >= limits_.least_widening;
+             fmt::format("at least {}", limits_.widening), {a});
+    return wider >= limits_.widening;
   }
 
   // Keeps the openings that carry enough light, the most first.
@@ -315,7 +315,7 @@ class Fit {
 
   // Whether two cuts, or one cut twice, have found one opening.
   bool same_opening(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= limits_.same_opening;
+    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
   }
 
   // Of the openings of all cuts those with most light, each once: the smallest that passes most of
@@ -334,7 +334,7 @@ class Fit {
       ++result_.repeated;
       for (size_t k = 0; k < light.size(); ++k) same->light[k] = std::max(same->light[k], light[k]);
       if (area(a.polygon) < area(same->aperture.polygon) &&
-          largest(light) >= limits_.most_of_light * light_of(same->aperture.lines))
+          largest(light) >= kMost * light_of(same->aperture.lines))
         same->aperture = std::move(a);
     }
     limit_each_camera(kept);

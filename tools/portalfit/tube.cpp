@@ -79,10 +79,10 @@ Goal of_narrowest(const FitLimits& limits) {
 Goal instead_of_tube(size_t lines, const FitLimits& limits) {
   if (static_cast<double>(lines) < limits.many)
     return {Shape::plane, limits.missing_of_few, limits.outside, 0};
-  return {Shape::plane, limits.missing, limits.outside_plane, 1};
+  return {Shape::plane, limits.missing, limits.hardly_any, 1};
 }
 Goal of_known(const FitLimits& limits) {
-  return {Shape::plane, limits.missing_of_known, limits.outside_plane, 1};
+  return {Shape::plane, limits.missing_of_known, limits.hardly_any, 1};
 }
 
 // Coordinates of a tube: position along n, depth of both faces or of either, and two tilts.
@@ -135,7 +135,7 @@ class Search {
     take_places(tube, faces, look);
     const auto held = static_cast<double>(look.held), all = static_cast<double>(lines_.size());
     if (held < 0.5 * all ||
-        static_cast<double>(look.through) < std::max(8.0, limits_.through * held))
+        static_cast<double>(look.through) < std::max(8.0, limits_.hardly_any * held))
       return look;
     look.extents = extents_of(places_);
     if (!(look.extents.shorter > 0) || !measure_outline(look)) return look;
@@ -243,7 +243,7 @@ class Search {
     Tube from = best.tube;
     from.middle.o = to_space(best.tube.middle, e.mean);  // centre of rotation
     for (const double way : {by, -by}) {
-      const Tube next = moved(from, e, move, way, limits_.most_tilt);
+      const Tube next = moved(from, e, move, way, limits_.first_step);
       const Look there = look(next);
       if (!(there.cost < best.look.cost)) continue;
       best = {next, there};
@@ -265,7 +265,7 @@ class Search {
 Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal,
                   const FitLimits& limits) {
   start.half = 0;
-  return Search(lines, goal, limits).run(start, limits.rough_step, limits.fine_last);
+  return Search(lines, goal, limits).run(start, limits.first_step, limits.fine_last);
 }
 
 // Whether the tube is a room and not an opening: its lines begin or end where it does.
@@ -300,7 +300,7 @@ RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start,
     Search search(some, of_tubes(limits), limits);
     Tube from = start;
     from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
-    const Found found = search.run(from, limits.rough_step, limits.rough_last);
+    const Found found = search.run(from, limits.first_step, limits.rough_last);
     rough[k] = {found.tube, found.look.cost, search.density(found), search.waistedness(found)};
   });
   return rough;
@@ -340,7 +340,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   tbb::parallel_invoke(
       [&] {
         narrowest = Search(some, of_narrowest(limits), limits)
-                        .run({start.middle, 0}, limits.rough_step, limits.rough_last);
+                        .run({start.middle, 0}, limits.first_step, limits.rough_last);
       },
       [&] {
         if (near)
@@ -358,13 +358,13 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
         .tube;
   };
   if (!near)
-    found = search.run(best_of(rough, enough, limits.widest, start), limits.fine_step,
+    found = search.run(best_of(rough, enough, limits.widening, start), limits.fine_step,
                        limits.fine_last);
   if (search.density(found) < enough || is_blind(fine, found.tube, limits.blind_end))
     return narrow();
   const double waistedness = search.waistedness(found);
-  if (!(waistedness < limits.widest)) return narrow();
-  if (waistedness < limits.prism || form_factor(found) <= limits.short_tube) return found.tube;
+  if (!(waistedness < limits.widening)) return narrow();
+  if (waistedness < limits.prism || form_factor(found) <= kMost) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
   const Found plane = least_plane(fine, found.tube, flat, limits);
   const bool holds_too_few = static_cast<double>(plane.look.held) <
