@@ -16,6 +16,7 @@
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
+#include "tools/portalfit/limit_options.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/plan_preview.h"
 #include "tools/portalfit/portalfit.h"
@@ -68,6 +69,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
+  declare_limits(options, a.limits);
 }
 
 constexpr const char* kNoOpening = "no planar opening fits the light";
