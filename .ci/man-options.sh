@@ -10,6 +10,7 @@ trap 'rm -rf "$work"' EXIT
 {
   awk '/^  -/ { print $1; if ($1 ~ /,$/) print $2 }' "$work/help" | tr , '\n' | grep '^--'
   sed -nE 's/^  ([a-z-]+)=.*/--set \1/p' "$work/help"
+  sed -n '/^Limits/,$p' "$work/help" | grep -oE '[a-z-]+=' | sed 's/^/--set /; s/=$//'
 } | sort -u >"$work/in-help"
 {
   grep '^\.It Fl' "$page" | grep -oE 'Fl (-|Fl )[a-z][a-z0-9-]*' | sed -E 's/^Fl (-|Fl )/--/'

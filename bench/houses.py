@@ -27,9 +27,9 @@ def cameras_of(scene):
             for node in document["nodes"] if "camera" in node]
 
 
-def views_of(bench):
-    """Those of ONLY, or of all houses: a house or HOUSE.CAMERA."""
-    only, views = bench.settings.only, []
+def views_of(bench, only=None):
+    """Those of ONLY, or of `only`, or of all houses: a house or HOUSE.CAMERA."""
+    only, views = bench.settings.only if only is None else only, []
     folder = Path(bench.settings.scenes) / "houses"
     for house in HOUSES:
         scene, sky = folder / f"{house}.glb", folder / f"{house}.env.exr"
@@ -46,9 +46,10 @@ def views_of(bench):
     return views
 
 
-def found(bench, view, threads=1):
-    return bench.portals(view.scene, view.sky,
-                         lambda program: ("--camera", view.camera) if program == "ffgraph" else (), threads)
+def found(bench, view, threads=1, options=None):
+    """options: more of each program."""
+    own = {"ffgraph": ("--camera", view.camera), **(options or {})}
+    return bench.portals(view.scene, view.sky, own.get, threads)
 
 
 class Truth:

@@ -32,6 +32,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
                 "hour)"),
     "houses": ("houses", "houses", "how right portals are in real buildings, and what they are worth: in doc/portals.md "
                "(two hours; WORTH=0: half an hour)"),
+    "sensitivity": ("sensitivity", "sensitivity", "what hangs on each number of mincut and portalfit: doc/sensitivity.md "
+                    "(three hours; ONLY=GROUP or NUMBER)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "

@@ -172,6 +172,13 @@ void Options::option(const std::string& flags, std::optional<double>& target,
   impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
 }
 
+void Options::limit(const std::string& name, double& target, double lowest, double highest) {
+  CLI::Option* const option = impl_->add("--set " + name, target, fmt::format("{:.4g}", target), "")
+                                  ->check(within(lowest, highest));
+  impl_->keep(option, Shapes::result);
+  option->group(kLimits);
+}
+
 void Options::quality() {
   choice("--quality", impl_->quality, {"draft", "normal", "high"},
          "Speed or accuracy; default normal");

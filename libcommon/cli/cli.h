@@ -171,6 +171,9 @@ class Options {
   void option(const std::string& flags, std::optional<double>& target,
               const std::string& value_name, const std::string& help, double lowest, double highest,
               Shapes shapes = Shapes::result);
+  /// A number that verdicts hang on, given as `--set NAME=VALUE`. There are many: --help lists them
+  /// last, by name and default alone, and the man page explains them.
+  void limit(const std::string& name, double& target, double lowest, double highest);
   /// --quality draft|normal|high. Knobs that depend on it are declared after it.
   void quality();
   /// A knob that --quality sets unless the option is given. `help` must not mention defaults.

@@ -58,13 +58,23 @@ class In80Columns : public CLI::Formatter {
     };
     for (const char* title : kTitles) add(title);
     add(kSettings);
-    return text;
+    return text + limits_of(app);
   }
   std::string make_description(const CLI::App* app) const override {
     return wrapped(app->get_description(), 0, 0);
   }
 
  private:
+  // Names and defaults.
+  static std::string limits_of(const CLI::App* app) {
+    std::string all;
+    for (const CLI::Option* option : app->get_options())
+      if (option->get_group() == kLimits)
+        all += setting_name(option) + "=" + option->get_type_name() + " ";
+    return all.empty()
+               ? ""
+               : "\n" + wrapped(kLimits + std::string(":"), 0, 0) + "  " + wrapped(all, 2, 2);
+  }
   static std::string line(std::string left, const std::string& right) {
     if (left.size() >= kRight)
       left += "\n" + std::string(kRight, ' ');
@@ -77,6 +87,8 @@ class In80Columns : public CLI::Formatter {
 }  // namespace
 
 const char* const kSettings = "Settings that few need, each given as --set NAME=VALUE";
+const char* const kLimits =
+    "Limits that verdicts hang on, each given as --set NAME=VALUE; the manual explains them";
 
 std::string title_of(Part part) {
   return kTitles[static_cast<size_t>(part)];

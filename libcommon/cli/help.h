@@ -15,6 +15,7 @@ std::string title_of(Part part);
 /// CLI11 knows a setting as an option named "--set.walks", in a group of its own.
 inline constexpr const char* kSetting = "--set.";
 extern const char* const kSettings;  ///< the title of that group
+extern const char* const kLimits;    ///< and of Options::limit()
 /// Its name, "walks"; empty for an ordinary option.
 std::string setting_name(const CLI::Option* option);
 

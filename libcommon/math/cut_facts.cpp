@@ -9,11 +9,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastCarried = 0.01;  // of the camera's light
-// From these shares on, sampling the lamp finds the opening as well as a portal would: of what
-// crosses, straight from lamps; of what lamps emit, straight across.
-constexpr double kStraight = 0.25, kSeen = 0.1;
-
 std::string percent(double share) {
   return percent_words(share);
 }
@@ -77,7 +72,7 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
     return "no light was seen to pass from the light's side of the cut to the camera's; it may "
            "pass "
            "where no walk passed, through a keyhole: more walks look closer";
-  if (f.straight.value_or(0) >= kStraight && f.seen.value_or(0) >= kSeen)
+  if (f.straight.value_or(0) >= limits.straight && f.seen.value_or(0) >= limits.seen)
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
         "from it, and sampling the lamp finds the opening as a portal would",
@@ -90,7 +85,7 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         s == 0 ? "light's" : "camera's", 100 * f.area[s], 100 * f.volume[s],
         100 * limits.least_area);
   }
-  if (f.carried && *f.carried < kLeastCarried)
+  if (f.carried && *f.carried < limits.least_carried)
     return fmt::format("only {} of the light that the camera sees crosses the cut",
                        percent(*f.carried));
   if (f.conductance > limits.largest_conductance)

@@ -11,6 +11,7 @@
 
 namespace tdpt {
 
+/// The numbers that a verdict of mincut hangs on.
 struct CutLimits {
   /// Each side of a bottleneck must have at least this share of the surface, of the light that
   /// surfaces exchange, or of the nodes' weight.
@@ -18,6 +19,28 @@ struct CutLimits {
   /// Largest conductance of a bottleneck: capacity across the cut / capacity of all arcs from
   /// patches of the smaller side to other patches.
   double largest_conductance = 0.12;
+  /// Smallest share of the camera's light that crosses a bottleneck.
+  double least_carried = 0.01;
+  /// Shares of what crosses, straight from lamps, and of what lamps emit, straight across, from
+  /// which sampling the lamp finds the opening as well as a portal would.
+  double straight = 0.25, seen = 0.1;
+  /// Of the camera's light, across both of two cuts that pass the same opening.
+  double same_opening = 0.8;
+
+  // The sweep [potential_sweep.h].
+  double pinned = 0.5;     ///< grade from which a terminal pins a patch's potential
+  double faintest = 1e-5;  ///< least brightness and importance, of the mean
+  double hold = 0.3;       ///< conductance that holds a patch's potential, of its samples
+  double sky_hold = 1000;  ///< and the sky's
+  /// Smallest difference of log(importance / brightness) between two rooms; and between two with a
+  /// wide opening.
+  double least_drop = 0.7, least_wide_drop = 1;
+  /// The same of a potential from 0 to 1, where the light is not known.
+  double plain_drop = 0.01, plain_wide_drop = 0.1;
+  /// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of
+  /// largest_conductance.
+  double loose = 2;
+  double most_drops = 12;  ///< that are cut, the narrowest
 };
 
 /// A network whose nodes, apart from the two terminals, are patches of surface or of the sky.
@@ -72,8 +95,6 @@ CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& sourc
 /// in between; of the one with more. The sides are per node: 1 on the light's.
 double shared_light(const PatchNetwork& problem, const std::vector<uint8_t>& a,
                     const std::vector<uint8_t>& b);
-/// From this share on, two cuts pass the same opening.
-inline constexpr double kSameOpening = 0.8;
 
 /// A plain sentence why the cut is no bottleneck; empty if it is one.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);

@@ -21,10 +21,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kPinned = 0.5;     // grade from which a terminal pins a patch's potential
-constexpr double kFaintest = 1e-5;  // of the mean brightness and importance
-constexpr double kHold = 0.3, kPinnedSky = 1000;  // conductance of holds, of a patch's samples
-constexpr double kLeastDrop = 0.7, kLeastWideDrop = 1;  // of log(v / b)
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
 
@@ -86,7 +82,7 @@ double median_density(const std::vector<double>& hits, const std::vector<double>
 
 // Pull on each node's potential [share of its samples]: negative to the light, positive to the
 // camera. Only patches that one of them reaches well are pinned.
-std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
+std::vector<double> holds_of(const PatchNetwork& p, const Links& l, double pinned) {
   std::vector<double> holds(p.network.nodes, 0);
   const bool walks = !p.lit.empty();
   const double lit = walks ? median_density(p.lit, p.samples) : 0;
@@ -94,7 +90,7 @@ std::vector<double> holds_of(const PatchNetwork& p, const Links& l) {
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
     const double whole = p.samples[v] * p.scale;
     const double s = l.from_source[v], t = l.to_sink[v];
-    if (!(whole > 0) || std::max(s, t) < kPinned * whole) continue;
+    if (!(whole > 0) || std::max(s, t) < pinned * whole) continue;
     holds[v] = (t - s) / whole;
     // The sky pins the patches that it lights by itself.
     if (!(lit > 0 && viewed > 0) || !p.sky.empty()) continue;
@@ -113,7 +109,7 @@ struct Hold {
 
 // log(v_i / b_i), a mean over the node's surroundings: from room to room light falls by a factor,
 // and the camera's part rises.
-std::vector<Hold> holds_by_light(const PatchNetwork& p) {
+std::vector<Hold> holds_by_light(const PatchNetwork& p, const CutLimits& limits) {
   double samples = 0, brightness = 0, importance = 0;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
     samples += p.samples[v];
@@ -121,29 +117,31 @@ std::vector<Hold> holds_by_light(const PatchNetwork& p) {
   }
   std::vector<Hold> holds(p.network.nodes);
   if (!(brightness > 0 && importance > 0)) return holds;
-  const double least_b = kFaintest * brightness / samples,
-               least_v = kFaintest * importance / samples;
-  const double lowest = std::log(kFaintest) - std::log(brightness / importance / kFaintest);
+  const double least_b = limits.faintest * brightness / samples,
+               least_v = limits.faintest * importance / samples;
+  const double lowest =
+      std::log(limits.faintest) - std::log(brightness / importance / limits.faintest);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (p.is_sky(v))  // one light, bright or not
-      holds[v] = {lowest, kPinnedSky};
+      holds[v] = {lowest, limits.sky_hold};
     else if (p.brightness[v] > 0 || p.importance[v] > 0)
       holds[v] = {std::log(std::max(p.importance[v], least_v) / std::max(p.brightness[v], least_b)),
-                  kHold};
+                  limits.hold};
   return holds;
 }
 
-std::vector<Hold> all_holds(const PatchNetwork& p, const Links& l) {
-  if (!p.brightness.empty()) return holds_by_light(p);
+std::vector<Hold> all_holds(const PatchNetwork& p, const Links& l, const CutLimits& limits) {
+  if (!p.brightness.empty()) return holds_by_light(p, limits);
   std::vector<Hold> holds;
-  for (const double hold : holds_of(p, l)) holds.push_back({hold > 0 ? 1.0 : 0.0, std::abs(hold)});
+  for (const double hold : holds_of(p, l, limits.pinned))
+    holds.push_back({hold > 0 ? 1.0 : 0.0, std::abs(hold)});
   return holds;
 }
 
 // Solves for u with diagonally preconditioned conjugate gradients.
-std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
+std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const CutLimits& limits) {
   const uint32_t n = p.network.nodes;
-  const std::vector<Hold> holds = all_holds(p, l);
+  const std::vector<Hold> holds = all_holds(p, l, limits);
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
@@ -186,12 +184,12 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l) {
 
 }  // namespace
 
-Sweep sweep_of(const PatchNetwork& p) {
+Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
   const Links links = links_of(p);
   Sweep s;
-  s.least_drop = p.brightness.empty() ? 0.01 : kLeastDrop;
-  s.least_wide_drop = p.brightness.empty() ? 0.1 : kLeastWideDrop;
-  s.u = potential_of(p, links);
+  s.least_drop = p.brightness.empty() ? limits.plain_drop : limits.least_drop;
+  s.least_wide_drop = p.brightness.empty() ? limits.plain_wide_drop : limits.least_wide_drop;
+  s.u = potential_of(p, links, limits);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (!p.terminal(v)) s.order.push_back(v);
   std::sort(s.order.begin(), s.order.end(),

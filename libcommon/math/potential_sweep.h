@@ -39,7 +39,7 @@ struct Sweep {
   }
 };
 
-Sweep sweep_of(const PatchNetwork& problem);
+Sweep sweep_of(const PatchNetwork& problem, const CutLimits& limits);
 
 /// Unary terms of the patches, as in image segmentation: min(1, E_i / (0.5 E_med)) with E_i =
 /// hits_i / samples_i and E_med its median weighted by hits; 0 for patches without samples.

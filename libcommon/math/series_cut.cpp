@@ -23,11 +23,6 @@
 namespace tdpt {
 namespace {
 
-// The sweep cut at a drop is worse than the minimum cut there, so it is searched with a looser
-// limit on conductance; there the potential must drop more [Sweep::least_drop].
-constexpr double kLoose = 2;
-constexpr size_t kMostCandidates = 12;
-
 // A place in the sweep that may separate two rooms.
 struct Drop {
   size_t at;           // number of nodes before it
@@ -67,7 +62,7 @@ class SeriesCutter {
         check_(check),
         all_arcs_(arcs_with_terminals(problem)),
         graph_(all_arcs_),
-        sweep_(sweep_of(problem)) {}
+        sweep_(sweep_of(problem, limits)) {}
 
   SeriesCut run() {
     if (const std::string nothing = terminal_without_arcs(); !nothing.empty()) {
@@ -144,7 +139,7 @@ class SeriesCutter {
   // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
   // those in both parts.
   void find_drops(size_t low, size_t high, std::vector<Drop>& found) const {
-    Drop best{0, std::min(1.0, kLoose * limits_.largest_conductance)};
+    Drop best{0, std::min(1.0, limits_.loose * limits_.largest_conductance)};
     for (size_t i = low + 1; i < high; ++i) {
       if (share(low, i) < limits_.least_area) continue;
       if (share(i, high) < limits_.least_area) break;
@@ -207,9 +202,10 @@ class SeriesCutter {
   std::vector<Drop> drops_to_look_at() {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
-    result_.passed = drops.size() - std::min(drops.size(), kMostCandidates);
+    const auto most = static_cast<size_t>(limits_.most_drops);
+    result_.passed = drops.size() - std::min(drops.size(), most);
     result_.drops = drops.size() - result_.passed;
-    while (drops.size() > kMostCandidates)
+    while (drops.size() > most)
       drops.erase(std::max_element(drops.begin(), drops.end(), [](const Drop& a, const Drop& b) {
         return a.conductance < b.conductance;
       }));

@@ -86,7 +86,7 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.grid = problem.grid;
   cut.patches = problem.patches;
   cut.light = problem.light;
-  std::vector<SharedCut> shared = shared_cuts(networks, series);
+  std::vector<SharedCut> shared = shared_cuts(networks, series, limits);
   found.left_out = shared.size() - std::min<size_t>(shared.size(), kMostCuts);
   keep_most_promising(shared, kMostCuts);
   cut.sides.assign(cut.patches.size(), 0);

@@ -17,6 +17,7 @@
 #include "libcommon/formats/viewpoint.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
+#include "tools/mincut/limit_options.h"
 #include "tools/mincut/preview.h"
 #include "tools/mincut/verify.h"
 
@@ -56,6 +57,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   declare_debug_lines(options, a.debug_lines);
+  declare_limits(options, a.limits);
 }
 
 constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond

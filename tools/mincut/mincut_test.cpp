@@ -225,8 +225,8 @@ TEST(shared_cuts, the_way_of_the_light_counts) {
   to_first.cuts.push_back({10, {}});
   to_second.region = {0, 1, 0, 1};
   to_first.region = {0, 1, 1, 0};
-  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_first}).size(), 2u);
-  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_second}).size(), 1u);  // twin
+  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_first}, {}).size(), 2u);
+  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_second}, {}).size(), 1u);  // twin
 }
 
 TEST(plain_cut, names_value_sides_and_arcs) {

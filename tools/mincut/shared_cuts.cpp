@@ -27,7 +27,7 @@ void join(SharedCut& cut, SharedCut other) {
 }  // namespace
 
 std::vector<SharedCut> shared_cuts(const std::vector<PatchNetwork>& networks,
-                                   const std::vector<SeriesCut>& series) {
+                                   const std::vector<SeriesCut>& series, const CutLimits& limits) {
   std::vector<SharedCut> shared;
   for (uint32_t k = 0; k < series.size(); ++k) {
     if (!series[k].bottleneck) continue;
@@ -37,7 +37,7 @@ std::vector<SharedCut> shared_cuts(const std::vector<PatchNetwork>& networks,
         return other.cameras.back() < k &&  // cuts of one camera are different openings
                std::min(shared_light(networks[k], cut.source_side, other.source_side),
                         shared_light(networks[other.cameras.back()], cut.source_side,
-                                     other.source_side)) >= kSameOpening;
+                                     other.source_side)) >= limits.same_opening;
       };
       const auto same = std::find_if(shared.begin(), shared.end(), is_same);
       if (same == shared.end())

@@ -19,10 +19,10 @@ struct SharedCut {
 
 /// The bottlenecks that were found for each camera, camera by camera; without any, the first
 /// camera's cut. Two are one if of the light that crosses either, by what it means to the one
-/// camera and to the other, kSameOpening crosses both; then the narrower one stands for both.
-/// `networks`: of each camera, with the same patches as nodes.
+/// camera and to the other, limits.same_opening crosses both; then the narrower one stands for
+/// both. `networks`: of each camera, with the same patches as nodes.
 std::vector<SharedCut> shared_cuts(const std::vector<PatchNetwork>& networks,
-                                   const std::vector<SeriesCut>& series);
+                                   const std::vector<SeriesCut>& series, const CutLimits& limits);
 
 /// Leaves at most `most` of them, in their order: those that serve most cameras, and of these those
 /// that promise most.

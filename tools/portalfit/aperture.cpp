@@ -19,31 +19,22 @@
 namespace tdpt {
 namespace {
 
-// Not an option, since other values gain nothing: in 33 rooms of 11 kinds (portals_bench --seed
-// 4100) 24 corners give the same portals, 6 the same verdicts, 4 fit arches worse (tightness 0.92,
-// not 0.98), and all take the same time.
-constexpr size_t kMostCorners = 12;
-// Share of the area for each corner saved; the second if the opening's lines are known.
-constexpr double kCornerTolerance = 0.003, kWholeTolerance = 0.03;
-constexpr double kWithin = 0.85;  // of the tube's depth: where the outline is taken
-// Clear lines extend this far beyond the tube, in its shorter sides; and the share of lines that
-// must be clear for a fit to these alone.
-constexpr double kClear = 0.2, kLeastClear = 1.0 / 3;
+constexpr int kDirections = 64, kSteps = 40;  // of trimming
 
 // Cuts off parts of the hull that hold far fewer points than their area: light that comes around
-// the edge of the aperture. Removes the same from `points`, never more than the share kMostCut.
-Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
-  constexpr double kMostCut = 0.02, kSparse = 10, kWorthIt = 0.01;
-  constexpr int kDirections = 64, kSteps = 40;
+// the edge of the aperture. Removes the same from `points`, never more than the share
+// `most_trimmed`.
+Polygon trimmed(Polygon hull, std::vector<Vec2d>& points, const FitLimits& limits) {
   const double all = static_cast<double>(points.size());
   for (;;) {
     const double whole = area(hull), n = static_cast<double>(points.size());
-    const auto most = static_cast<size_t>(std::max(0.0, kMostCut * all - (all - n)));
+    const auto most = static_cast<size_t>(std::max(0.0, limits.most_trimmed * all - (all - n)));
     struct Cut {
-      double gain = kWorthIt;
+      double gain;
       Polygon kept;
     };
     std::array<Cut, kDirections> cuts;
+    cuts.fill({limits.worth_trimming, {}});
     tbb::parallel_for(0, kDirections, [&](int k) {
       Cut& cut_here = cuts[static_cast<size_t>(k)];
       const double angle = 2 * std::numbers::pi * k / kDirections;
@@ -57,7 +48,8 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
         const size_t cut = most * static_cast<size_t>(step) / kSteps;
         if (cut == 0 || cut >= reach.size()) continue;
         Polygon kept = clipped(hull, axis, reach[cut]);
-        const double value = (whole - area(kept)) / whole - kSparse * static_cast<double>(cut) / n;
+        const double value =
+            (whole - area(kept)) / whole - limits.sparse * static_cast<double>(cut) / n;
         if (value > cut_here.gain && kept.size() >= 3) cut_here = {value, std::move(kept)};
       }
     });
@@ -78,13 +70,13 @@ Polygon completed(const Polygon& hull, size_t points) {
 
 // Lines that neither begin nor end in the tube or close to it. The others may end on something
 // before an opening, such as slats or a sill, and would locate that instead of the wall.
-Bundle clear_of(const Bundle& bundle, const Tube& tube) {
+Bundle clear_of(const Bundle& bundle, const Tube& tube, double clear) {
   const Slab slab(tube);
   std::vector<Vec2d> places;
   for (const uint32_t l : bundle.which)
     if (const auto p = slab.passage(bundle.line(l))) places.push_back(p->at(0));
   if (places.empty()) return {bundle.of};
-  const double far = tube.half + kClear * extents_of(places).shorter;
+  const double far = tube.half + clear * extents_of(places).shorter;
   return bundle.where([&](const LightLine& line) {
     const auto p = slab.passage(line);
     return p && p->through(far);
@@ -101,73 +93,77 @@ Bundle lines_across(const Bundle& lines, const Aperture& a) {
   });
 }
 
-Polygon outline_of(std::vector<Vec2d> points) {
+Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  hull = trimmed(std::move(hull), points);
-  return simplified(completed(hull, points.size()), kMostCorners, kCornerTolerance);
+  hull = trimmed(std::move(hull), points, limits);
+  return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
+                    limits.corner);
 }
 
-Polygon whole_outline(const std::vector<Vec2d>& points) {
+Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits) {
   const Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  return simplified(completed(hull, points.size()), kMostCorners, kWholeTolerance);
+  return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
+                    limits.whole_corner);
 }
 
-std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, const Tube& tube,
+std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const Tube& tube,
                                  bool again) {
   Aperture a{tube, {}, {}};
   Bundle bundle;
   for (int round = 0; round < 3; ++round) {
-    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
-    bundle = members(lines, a.tube, grid.voxel);
-    if (bundle.size() < kFewestLines) return {};
+    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1, in.limits);
+    bundle = members(lines, a.tube, in.grid.voxel, in.limits);
+    if (in.limits.few(bundle.size())) return {};
   }
-  const Bundle clear = clear_of(bundle, a.tube);
-  if (static_cast<double>(clear.size()) > kLeastClear * static_cast<double>(bundle.size()))
-    if (const auto lesser = lesser_tube(clear.lines(), a.tube)) {
+  const Bundle clear = clear_of(bundle, a.tube, in.limits.clear);
+  if (static_cast<double>(clear.size()) >
+      in.limits.least_clear * static_cast<double>(bundle.size()))
+    if (const auto lesser = lesser_tube(clear.lines(), a.tube, in.limits)) {
       a.tube = *lesser;
-      bundle = members(lines, a.tube, grid.voxel);
-      if (bundle.size() < kFewestLines) return {};
+      bundle = members(lines, a.tube, in.grid.voxel, in.limits);
+      if (in.limits.few(bundle.size())) return {};
     }
-  if (const auto square = tube_in_wall(bundle.lines(), a.tube, grid.walls)) {
+  if (const auto square = tube_in_wall(bundle.lines(), a.tube, in.grid.walls, in.limits)) {
     a.tube = *square;
-    bundle = members(lines, a.tube, grid.voxel);
-    if (bundle.size() < kFewestLines) return {};
+    bundle = members(lines, a.tube, in.grid.voxel, in.limits);
+    if (in.limits.few(bundle.size())) return {};
   }
 
   std::vector<Vec2d> points;
   const Slab slab(a.tube);
   for (const uint32_t l : bundle.which)
     if (const auto passage = slab.passage(bundle.line(l)))
-      for (const double face : {-kWithin * a.tube.half, kWithin * a.tube.half})
+      for (const double face : {-in.limits.within * a.tube.half, in.limits.within * a.tube.half})
         points.push_back(passage->at(face));
-  a.polygon = outline_of(std::move(points));
+  a.polygon = outline_of(std::move(points), in.limits);
   if (a.polygon.empty()) return {};
   a.lines = lines_across(lines, a);
   return a;
 }
 
-std::optional<Tube> find_waist(const LightGrid& grid, const Bundle& lines) {
+std::optional<Tube> find_waist(const FitInput& in, const Bundle& lines) {
   Tube tube;
   Plane& plane = tube.middle;
-  plane.o = fullest_place(grid, lines);
-  plane.n = mean_direction_near(lines, plane.o, 1.5 * grid.voxel);
+  plane.o = fullest_place(in.grid, lines);
+  plane.n = mean_direction_near(lines, plane.o, 1.5 * in.grid.voxel);
   if (plane.n == Vec3d{}) return {};
-  tube.half = 0.5 * grid.voxel;
+  tube.half = 0.5 * in.grid.voxel;
   for (int round = 0; round < 6; ++round) {
     const Plane before = plane;
-    const Bundle bundle = members(lines, tube, grid.voxel);
-    if (bundle.size() < kFewestLines) return {};
-    plane = waist(bundle, plane);
-    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
+    const Bundle bundle = members(lines, tube, in.grid.voxel, in.limits);
+    if (in.limits.few(bundle.size())) return {};
+    plane = waist(bundle, plane, in.limits);
+    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * in.grid.voxel)
+      break;
   }
   return tube;
 }
 
-double density_near(const Bundle& lines, const Tube& tube, double voxel) {
-  const Bundle bundle = members(lines, tube, voxel);
-  if (bundle.size() < kFewestLines) return 0;
+double density_near(const FitInput& in, const Bundle& lines, const Tube& tube) {
+  const Bundle bundle = members(lines, tube, in.grid.voxel, in.limits);
+  if (in.limits.few(bundle.size())) return 0;
   std::vector<Vec2d> places;
   for (const uint32_t l : bundle.which)
     if (const auto at = crossing(tube.middle, bundle.line(l))) places.push_back(*at);
@@ -177,9 +173,9 @@ double density_near(const Bundle& lines, const Tube& tube, double voxel) {
   return static_cast<double>(places.size()) / (12 * std::sqrt(det));
 }
 
-std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
-  const auto tube = find_waist(grid, lines);
-  return tube ? outlined(grid, lines, *tube) : std::nullopt;
+std::optional<Aperture> find_aperture(const FitInput& in, const Bundle& lines) {
+  const auto tube = find_waist(in, lines);
+  return tube ? outlined(in, lines, *tube) : std::nullopt;
 }
 
 }  // namespace tdpt

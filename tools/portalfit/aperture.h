@@ -6,13 +6,11 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "tools/portalfit/bundle.h"
+#include "tools/portalfit/limits.h"
 #include "tools/portalfit/polygon.h"
 #include "tools/portalfit/tube.h"
 
 namespace tdpt {
-
-/// Fewer lines do not make an opening.
-inline constexpr size_t kFewestLines = 30;
 
 struct Aperture {
   Tube tube;
@@ -24,27 +22,27 @@ struct Aperture {
 Bundle lines_across(const Bundle& lines, const Aperture& a);
 
 /// The convex outline of an opening with these crossings, without outliers; empty if there is none.
-Polygon outline_of(std::vector<Vec2d> points);
+Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits);
 
 /// The same for crossings known to belong to the opening: none is an outlier. It has few corners,
 /// which makes it larger: where a gap narrows to nothing few lines pass, and light that misses its
 /// portal costs a render more than a portal that is slightly too large.
-Polygon whole_outline(const std::vector<Vec2d>& points);
+Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits);
 
 /// The aperture among `lines` close to `tube`, with its tube and outline. `again`: `tube` is the
 /// result of an earlier fit.
-std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, const Tube& tube,
+std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const Tube& tube,
                                  bool again = false);
 
 /// The waist around the fullest voxel of `lines`, a voxel deep: where an aperture may be.
-std::optional<Tube> find_waist(const LightGrid& grid, const Bundle& lines);
+std::optional<Tube> find_waist(const FitInput& in, const Bundle& lines);
 
 /// Number of the `lines` near `tube` over the area of their crossings with its middle plane,
 /// outliers left out [1/m2]: a cheap guess at the density of the aperture there; 0 if there is
 /// none.
-double density_near(const Bundle& lines, const Tube& tube, double voxel);
+double density_near(const FitInput& in, const Bundle& lines, const Tube& tube);
 
 /// The aperture around the fullest voxel of `lines`.
-std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines);
+std::optional<Aperture> find_aperture(const FitInput& in, const Bundle& lines);
 
 }  // namespace tdpt

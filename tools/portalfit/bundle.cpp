@@ -19,10 +19,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kDense = 0.1;        // of the mean density: least of a cell in the aperture
-constexpr double kPointsPerCell = 8;  // in the finer histograms
-constexpr size_t kMostForMoments = 2000;
-
 Plane tilted(const Plane& plane, double a, double b, double along) {
   const Onb<double> frame(plane.n);
   return {plane.o + plane.n * along, normalize(plane.n + frame.x * a + frame.y * b)};
@@ -47,14 +43,18 @@ Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle) {
   return centre_of(grid, static_cast<size_t>(most - count.begin()));
 }
 
+bool passes_near(const LightLine& line, const Vec3d& place, double radius) {
+  const Vec3d d = line.camera - line.light;
+  const double t = std::clamp(dot(place - line.light, d) / dot(d, d), 0.0, 1.0);
+  const Vec3d off = line.light + d * t - place;
+  return dot(off, off) <= radius * radius;
+}
+
 Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radius) {
   Vec3d sum{};
   for (const uint32_t l : bundle.which) {
     const LightLine& line = bundle.line(l);
-    const Vec3d d = line.camera - line.light;
-    const double t = std::clamp(dot(place - line.light, d) / dot(d, d), 0.0, 1.0);
-    const Vec3d off = line.light + d * t - place;
-    if (dot(off, off) <= radius * radius) sum += normalize(d);
+    if (passes_near(line, place, radius)) sum += normalize(line.camera - line.light);
   }
   const double norm = length(sum);
   return norm > 0 ? sum / norm : sum;
@@ -83,9 +83,9 @@ struct Histogram {
   }
 };
 
-// Per cell whether it is one of those connected with the middle, with at least kDense of the mean
+// Per cell whether it is one of those connected with the middle, with at least `dense` of the mean
 // density.
-std::vector<uint8_t> dense_region(const Histogram& histogram, double h) {
+std::vector<uint8_t> dense_region(const Histogram& histogram, double h, double dense) {
   // Starts at the fullest cell, preferring those near the middle.
   size_t start = 0;
   double most = 0;
@@ -99,7 +99,7 @@ std::vector<uint8_t> dense_region(const Histogram& histogram, double h) {
   // The threshold is a share of the mean density seen by a point of the region; repeated, since
   // each depends on the other.
   std::vector<uint8_t> region;
-  double least = std::max(1.0, kDense * histogram.count[start]);
+  double least = std::max(1.0, dense * histogram.count[start]);
   for (int pass = 0; pass < 3; ++pass) {
     region.assign(histogram.cells.size(), 0);
     region[start] = 1;
@@ -121,14 +121,14 @@ std::vector<uint8_t> dense_region(const Histogram& histogram, double h) {
           stack.push_back(next->second);
         }
     }
-    least = std::max(1.5, kDense * weighted / total);
+    least = std::max(1.5, dense * weighted / total);
   }
   return region;
 }
 
 }  // namespace
 
-Bundle members(const Bundle& bundle, const Tube& tube, double h) {
+Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits& limits) {
   std::vector<uint32_t> found;
   std::vector<Vec2d> points;
   // Lines that end before the middle pile up on the jambs: they do not count where others do.
@@ -144,8 +144,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
     }
   Bundle kept{bundle.of};
   if (found.empty()) return kept;
-  constexpr size_t kFewest = 30;
-  if (counting < kFewest) counts.assign(points.size(), true);
+  if (static_cast<double>(counting) < limits.fewest) counts.assign(points.size(), true);
   // Later histograms take all points again, since the first may have joined two windows, in
   // coordinates where the region is round: slits are then resolved equally along and across.
   Whitening coordinates;
@@ -159,7 +158,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
                                static_cast<int64_t>(std::clamp(std::floor(q.y / h), -1e15, 1e15))});
       histogram.count[cell[i]] += counts[i];
     }
-    const std::vector<uint8_t> region = dense_region(histogram, h);
+    const std::vector<uint8_t> region = dense_region(histogram, h, limits.dense_cell);
     kept.which.clear();
     std::vector<Vec2d> kept_points;
     size_t n = 0;
@@ -173,8 +172,8 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
     const Extents e = extents_of(kept_points);
     if (!(e.shorter > 0)) return kept;
     coordinates = e.whitening();
-    h = std::clamp(std::sqrt(kPointsPerCell / static_cast<double>(std::max<size_t>(n, 1))), 0.01,
-                   0.2);
+    h = std::clamp(std::sqrt(limits.points_per_cell / static_cast<double>(std::max<size_t>(n, 1))),
+                   0.01, 0.2);
   }
 }
 
@@ -182,12 +181,13 @@ namespace {
 
 // Pattern search over slide and tilt: derivatives of trimmed quantities are too rough.
 struct Search {
+  const FitLimits& limits;
   std::vector<LightLine> lines;
   std::vector<double> lengths{};  // of the lines
   Moments moments{};
   std::vector<Vec2d> points{};
 
-  explicit Search(std::vector<LightLine> some) : lines(std::move(some)) {
+  Search(std::vector<LightLine> some, const FitLimits& of) : limits(of), lines(std::move(some)) {
     for (const LightLine& line : lines) lengths.push_back(length(line.camera - line.light));
   }
 
@@ -197,7 +197,7 @@ struct Search {
     const Slab slab({plane, 0});
     for (size_t i = 0; i < lines.size(); ++i)
       if (const auto passage = slab.passage(lines[i]);
-          passage && passage->along >= kGrazing * lengths[i])
+          passage && passage->along >= limits.grazing * lengths[i])
         points.push_back(passage->at(0));
     if (static_cast<double>(points.size()) < 0.5 * size || points.size() < 8) return INFINITY;
     moments = trimmed_moments(points);
@@ -206,7 +206,7 @@ struct Search {
     const double spread = 0.5 * std::log(det);
     // Crossings per area, with a higher price for lost lines: far from the waist a plane must not
     // gain by approaching the lines' ends.
-    return spread - 3 * std::log(moments.n / size);
+    return spread - limits.missing_of_known * std::log(moments.n / size);
   }
 
   Plane run(Plane best, double slide, double tilt) {
@@ -241,9 +241,10 @@ struct Search {
 
 }  // namespace
 
-Plane waist(const Bundle& bundle, const Plane& start) {
-  const Bundle some{bundle.of, thinned(bundle.which, kMostForMoments)};
-  return Search{some.lines()}.run(start, 1, 0.3);
+Plane waist(const Bundle& bundle, const Plane& start, const FitLimits& limits) {
+  const auto most = static_cast<size_t>(limits.rough_lines);
+  const Bundle some{bundle.of, thinned(bundle.which, most)};
+  return Search(some.lines(), limits).run(start, 1, 0.3);
 }
 
 }  // namespace tdpt

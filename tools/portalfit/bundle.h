@@ -31,17 +31,20 @@ struct Bundle {
 /// Centre of the voxel that most lines of the bundle pass [metres].
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle);
 
+/// Whether the line passes within `radius` of `place` [metres].
+bool passes_near(const LightLine& line, const Vec3d& place, double radius);
+
 /// Mean direction of the lines that pass within `radius` of `place`; zero if there are none.
 Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radius);
 
 /// The lines that cross the tube's middle plane within the connected dense region around its `o`.
 /// `h`: cell size of the first histogram [metres].
-Bundle members(const Bundle& bundle, const Tube& tube, double h);
+Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits& limits);
 
 /// The plane near `start` that the lines cross within the least area: the waist of the bundle; in a
 /// thick wall, its middle. Outliers are left out, and planes that fewer lines cross are penalised.
 /// The area is that of the moments (square root of their determinant): fast and without local
 /// minima, but biased if light comes from one side.
-Plane waist(const Bundle& bundle, const Plane& start);
+Plane waist(const Bundle& bundle, const Plane& start, const FitLimits& limits);
 
 }  // namespace tdpt

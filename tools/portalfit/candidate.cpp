@@ -17,14 +17,7 @@
 namespace tdpt {
 namespace {
 
-constexpr double kFewestProbes = 30;   // to estimate the support
-constexpr double kSure = 0.8;          // support below which it may be several openings
-constexpr double kDenser = 1.3;        // lines per area, of a part over the whole
-constexpr double kLeastOfWhole = 0.1;  // share of its lines in such a part
-constexpr double kBeyond = 0.15;       // of an opening's size: how much farther a room reaches
-constexpr double kFewestVoxels = 4;    // across an opening whose surroundings the grid resolves
-constexpr int kPlaces = 16;            // along each side of an outline
-constexpr size_t kMostFitted = 2;      // of the places that promise a denser part
+constexpr int kPlaces = 16;  // along each side of an outline
 
 // Share of the lines through the middle of the tube that pass both its faces.
 double through_share(const Aperture& a) {
@@ -50,17 +43,17 @@ Bundle strip_of(const Aperture& a, Vec2d middle, Vec2d axis, double from, double
 
 }  // namespace
 
-std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a) {
+std::optional<double> support_of(const FitInput& in, const Aperture& a) {
   double tried = 0, joined = 0;
-  for (const Probe& probe : probes) {
+  for (const Probe& probe : in.grid.probes) {
     const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
-    auto at = clear_crossing(a.tube.middle, probe.line);
-    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back);
+    auto at = clear_crossing(a.tube.middle, probe.line, in.limits);
+    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back, in.limits);
     if (!at || !contains(a.polygon, *at)) continue;
     ++tried;
     joined += probe.joins;
   }
-  if (tried < kFewestProbes) return {};
+  if (tried < in.limits.fewest) return {};
   return std::min(1.0, joined / tried / through_share(a));
 }
 
@@ -79,10 +72,12 @@ bool sees_past(const LightGrid& grid, const Aperture& a, Vec2d middle, Vec2d edg
 
 }  // namespace
 
-std::optional<double> edge_share(const LightGrid& grid, const Aperture& a) {
+std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
+  const LightGrid& grid = in.grid;
   const double size = std::sqrt(area(a.polygon));
-  if (grid.air.empty() || size < kFewestVoxels * grid.voxel) return {};
-  const double beyond = std::max(2 * grid.voxel, kBeyond * size), far = a.tube.half + 0.5 * size;
+  if (grid.air.empty() || size < in.limits.coarse * grid.voxel) return {};
+  const double beyond = std::max(2 * grid.voxel, in.limits.beyond * size),
+               far = a.tube.half + 0.5 * size;
   const Vec2d middle = extents_of(a.polygon).mean;
   double before = 0, behind = 0, all = 0;
   for (size_t i = 0; i < a.polygon.size(); ++i) {
@@ -120,13 +115,13 @@ std::vector<Bundle> apart(const Bundle& lines) {
 }
 
 // A tube at the waist of a bundle, sought from where its light begins.
-Tube at_waist(const Bundle& bundle, const Vec3d& along, double voxel) {
+Tube at_waist(const FitInput& in, const Bundle& bundle, const Vec3d& along) {
   Vec3d sum{};
   for (const uint32_t l : bundle.which) sum += bundle.line(l).light;
-  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * voxel);
+  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * in.grid.voxel);
   Tube tube;
-  tube.middle = waist(bundle, {start, along});
-  tube.half = 0.5 * voxel;
+  tube.middle = waist(bundle, {start, along}, in.limits);
+  tube.half = 0.5 * in.grid.voxel;
   return tube;
 }
 
@@ -140,17 +135,18 @@ struct Promise {
 // The densest opening, among all `lines`, where one of the `promises` has it, if it is denser than
 // `most` and has at least `fewest` lines. Only the few that promise most, and more than `promised`,
 // are fitted.
-std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
+std::optional<Aperture> densest_of(const FitInput& in, const Bundle& lines,
                                    std::vector<Promise> promises, double promised, double most,
                                    double fewest) {
-  std::erase_if(promises, [&](const Promise& p) { return !(p.density > 0.8 * promised); });
+  std::erase_if(promises,
+                [&](const Promise& p) { return !(p.density > in.limits.promised * promised); });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.density > b.density; });
-  if (promises.size() > kMostFitted) promises.resize(kMostFitted);
+  promises.resize(std::min(promises.size(), static_cast<size_t>(in.limits.most_fitted)));
   std::optional<Aperture> best;
   for (const Promise& p : promises) {
-    auto part = outlined(grid, p.bundle, p.tube);
-    if (part) part = outlined(grid, lines, part->tube, true);
+    auto part = outlined(in, p.bundle, p.tube);
+    if (part) part = outlined(in, lines, part->tube, true);
     if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
       continue;
     most = density(*part);
@@ -161,7 +157,7 @@ std::optional<Aperture> densest_of(const LightGrid& grid, const Bundle& lines,
 
 }  // namespace
 
-std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
+std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lines,
                                            const Aperture& whole) {
   const Onb<double> frame(whole.tube.middle.n);
   const Extents e = extents_of(whole.polygon);
@@ -172,20 +168,20 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
     const Bundle along = whole.lines.where(
         [&](const LightLine& line) { return dot(line.camera - line.light, axis) > 0; });
     for (const Bundle& bundle : apart(along)) {
-      if (bundle.size() < kFewestLines) continue;
-      const Tube tube = find_waist(grid, bundle).value_or(at_waist(bundle, axis, grid.voxel));
-      promises.push_back({bundle, tube, density_near(bundle, tube, grid.voxel)});
+      if (in.limits.few(bundle.size())) continue;
+      const Tube tube = find_waist(in, bundle).value_or(at_waist(in, bundle, axis));
+      promises.push_back({bundle, tube, density_near(in, bundle, tube)});
     }
   }
-  return densest_of(grid, lines, std::move(promises),
-                    density_near(whole.lines, whole.tube, grid.voxel), kDenser * density(whole),
-                    kLeastOfWhole * static_cast<double>(whole.lines.size()));
+  return densest_of(in, lines, std::move(promises), density_near(in, whole.lines, whole.tube),
+                    in.limits.denser * density(whole),
+                    in.limits.least_of_whole * static_cast<double>(whole.lines.size()));
 }
 
-std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
+std::optional<Aperture> denser_part(const FitInput& in, const Bundle& lines,
                                     const Aperture& whole) {
-  const auto support = support_of(grid.probes, whole);
-  if (!support || *support >= kSure) return {};
+  const auto support = support_of(in, whole);
+  if (!support || *support >= in.limits.sure) return {};
   const Extents e = extents_of(whole.polygon);
   const double third = e.longer / 3, far = 2 * e.longer;
   std::vector<Promise> promises;
@@ -195,13 +191,13 @@ std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
                                  {-0.5 * third, 0.5 * third},
                                  {0.5 * third, far}}) {
     const Bundle strip = strip_of(whole, e.mean, e.axis, from, to);
-    if (const auto tube = find_waist(grid, strip))
-      promises.push_back({strip, *tube, density_near(strip, *tube, grid.voxel)});
+    if (const auto tube = find_waist(in, strip))
+      promises.push_back({strip, *tube, density_near(in, strip, *tube)});
   }
-  auto part = densest_of(
-      grid, lines, std::move(promises), density_near(whole.lines, whole.tube, grid.voxel),
-      kDenser * density(whole), kLeastOfWhole * static_cast<double>(whole.lines.size()));
-  if (part && support_of(grid.probes, *part).value_or(0) < *support) return {};
+  auto part = densest_of(in, lines, std::move(promises), density_near(in, whole.lines, whole.tube),
+                         in.limits.denser * density(whole),
+                         in.limits.least_of_whole * static_cast<double>(whole.lines.size()));
+  if (part && support_of(in, *part).value_or(0) < *support) return {};
   return part;
 }
 

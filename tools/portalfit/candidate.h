@@ -7,25 +7,24 @@
 
 namespace tdpt {
 
-/// Share of the `probes` through the outline that join the two sides, over that of a perfect
+/// Share of the grid's probes through the outline that join the two sides, over that of a perfect
 /// opening of the same depth; nothing if there are too few.
-std::optional<double> support_of(const std::vector<Probe>& probes, const Aperture& a);
+std::optional<double> support_of(const FitInput& in, const Aperture& a);
 
 /// Share of the outline that is an edge: a wall stands there, and half the aperture's size before
 /// it or behind it, whichever has more, the air goes on past it. So it is around an opening into a
 /// room; around a plane across a corridor or a long room the same walls go on, and around one in
 /// the open there are none. Nothing if the grid does not know its air, or is too coarse.
-std::optional<double> edge_share(const LightGrid& grid, const Aperture& a);
+std::optional<double> edge_share(const FitInput& in, const Aperture& a);
 
 /// A plane across several openings, such as the sides of a bay, has little support and fewer of the
 /// `lines` per area than one of them. Returns that one; nothing if there is none.
-std::optional<Aperture> denser_part(const LightGrid& grid, const Bundle& lines,
-                                    const Aperture& whole);
+std::optional<Aperture> denser_part(const FitInput& in, const Bundle& lines, const Aperture& whole);
 
 /// A plane before two windows at a corner lies in the open: most light of each window goes to one
 /// side of its normal. Returns the densest opening, among all `lines`, of those that go to one side
 /// of `whole`; nothing if none is denser than it.
-std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
+std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lines,
                                            const Aperture& whole);
 
 }  // namespace tdpt

@@ -62,7 +62,7 @@ Bay::Bay(double angle) {
 TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
   constexpr double kAngle = std::numbers::pi / 6;
   const Bay b(kAngle);
-  const auto part = denser_part(b.grid, b.all, b.mouth);
+  const auto part = denser_part({b.grid, {}}, b.all, b.mouth);
   ASSERT_TRUE(part);
   EXPECT_NEAR(area(part->polygon), 1, 0.1);
   EXPECT_NEAR(part->tube.middle.n.x, std::cos(kAngle), 0.05);
@@ -71,9 +71,9 @@ TEST(Candidate, OneWindowOfABayIsDenserThanItsMouth) {
 // Twin: a single window has no denser part.
 TEST(Candidate, APartOfOneOpeningIsNotDenser) {
   const Bay b(std::numbers::pi / 6);
-  const auto window = denser_part(b.grid, b.all, b.mouth);
+  const auto window = denser_part({b.grid, {}}, b.all, b.mouth);
   ASSERT_TRUE(window);
-  EXPECT_FALSE(denser_part(b.grid, b.all, *window));
+  EXPECT_FALSE(denser_part({b.grid, {}}, b.all, *window));
 }
 
 // A square of 1 m across x, with walls around it: of a corridor from -2 to 2 m, or of a hole in a
@@ -98,22 +98,22 @@ TEST(Edge, TellsAHoleFromACorridor) {
   LightGrid hole, corridor, end;
   const Aperture through = across_x(-0.1, 0.1, hole), along = across_x(-2, 2, corridor),
                  out_of = across_x(-2, 0.1, end);
-  EXPECT_EQ(edge_share(hole, through).value_or(0), 1);
-  EXPECT_EQ(edge_share(corridor, along).value_or(1), 0);
-  EXPECT_EQ(edge_share(end, out_of).value_or(0), 1);  // on one side
+  EXPECT_EQ(edge_share({hole, {}}, through).value_or(0), 1);
+  EXPECT_EQ(edge_share({corridor, {}}, along).value_or(1), 0);
+  EXPECT_EQ(edge_share({end, {}}, out_of).value_or(0), 1);  // on one side
   // A door in the corridor's wall is not enough.
   for (size_t v = 0; v < corridor.air.size(); ++v) {
     const Vec3d at = centre_of(corridor, v);
     if (at.x > 0.2 && at.y > 0.5 && std::abs(at.z) < 0.4) corridor.air[v] = 1;
   }
-  EXPECT_NEAR(edge_share(corridor, along).value_or(1), 0.2, 0.05);
+  EXPECT_NEAR(edge_share({corridor, {}}, along).value_or(1), 0.2, 0.05);
   // Nor is a place in the open.
   const Aperture apart{{{{1, 0, 0}, {1, 0, 0}}}, through.polygon, {}};
-  EXPECT_EQ(edge_share(hole, apart).value_or(1), 0);
+  EXPECT_EQ(edge_share({hole, {}}, apart).value_or(1), 0);
   corridor.voxel = 0.3;  // too coarse to tell
-  EXPECT_FALSE(edge_share(corridor, along));
+  EXPECT_FALSE(edge_share({corridor, {}}, along));
   corridor.air.clear();
-  EXPECT_FALSE(edge_share(corridor, along));
+  EXPECT_FALSE(edge_share({corridor, {}}, along));
 }
 
 // Beyond the grid, as under a sky, all is open.
@@ -121,7 +121,7 @@ TEST(Edge, OfAWindowGoesOnOutsideTheGrid) {
   LightGrid grid;
   const Aperture window = across_x(-2, 2, grid);
   grid.origin.x = 0;
-  EXPECT_EQ(edge_share(grid, window).value_or(0), 1);
+  EXPECT_EQ(edge_share({grid, {}}, window).value_or(0), 1);
 }
 
 }  // namespace tdpt::candidate_test

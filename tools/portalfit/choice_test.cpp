@@ -12,7 +12,7 @@ Portal portal(double conductance) {
 
 std::vector<bool> useless(const std::vector<Portal>& portals) {
   std::vector<bool> result;
-  for (const std::string& why : why_useless(portals)) result.push_back(!why.empty());
+  for (const std::string& why : why_useless(portals, {})) result.push_back(!why.empty());
   return result;
 }
 

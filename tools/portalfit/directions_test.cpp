@@ -53,7 +53,7 @@ int window_of(const Aperture& a, const std::vector<Window>& windows) {
 TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
   const RoomWithWindows room{{kOne, kOther}};
   const LightGrid grid = room.light(6000, 0);
-  const auto part = part_of_directions(grid, all_of(grid), rectangle(grid, diagonal()));
+  const auto part = part_of_directions({grid, {}}, all_of(grid), rectangle(grid, diagonal()));
   ASSERT_TRUE(part);
   EXPECT_GE(window_of(*part, room.windows), 0);
 }
@@ -61,19 +61,19 @@ TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
 // Twin: a window is no such plane.
 TEST(Directions, PartNoWindow) {
   const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
+  EXPECT_FALSE(part_of_directions({grid, {}}, all_of(grid), rectangle(grid, kOne)));
 }
 
 TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
   const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  const auto own = lines_beside(all_of(grid), {rectangle(grid, kOne)}).which;
+  const auto own = lines_beside(all_of(grid), {rectangle(grid, kOne)}, {}).which;
   const auto other = rectangle(grid, kOther).lines.which;
   std::vector<uint32_t> of_other;
   std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
                         std::back_inserter(of_other));
   EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // without the first window's grazing lines
   EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
-  EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
+  EXPECT_EQ(lines_beside(all_of(grid), {}, {}).size(), 6000u);
 }
 
 }  // namespace tdpt::directions_test

@@ -22,12 +22,12 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
   const std::string support =
       f.contains("support")
           ? fmt::format("; {} of the lines through it join the two sides, at least {}",
-                        percent(f.at("support")), percent(options.support))
+                        percent(f.at("support")), percent(options.limits.support))
           : "";
   return fmt::format(
       "it carries {} of the camera's light, at least {}{}; {}; {:.0f} degrees "
       "between its normal and the mean direction of the light",
-      percent(f.at("flux_share")), percent(options.threshold), support,
+      percent(f.at("flux_share")), percent(options.limits.threshold), support,
       worth_sentence(f, f.at("area")), f.at("direction_angle"));
 }
 

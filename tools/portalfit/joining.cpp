@@ -16,13 +16,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kMostlyOpen = 0.8;  // share of the joint outline: then also across mullions
-constexpr double kOpenEnough = 0.3;  // across thin bars, or if there are too many parts
-constexpr double kThinBar = 2;       // voxels
-constexpr double kMullion = 0.25;    // of the narrower part's shorter side: a wider bar is a pier
-constexpr double kFlat = 0.15;       // of the shorter side
-constexpr double kTurned = 0.97;     // cosine between normals
-
 std::vector<Vec3d> corners_of(const Aperture& a) {
   std::vector<Vec3d> corners;
   for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
@@ -73,32 +66,32 @@ Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
 
 // Merit of joining two groups of parts: the share left open; 0 if they stay apart.
 double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
-                     double voxel) {
+                     const FitInput& in) {
   std::vector<Aperture> both = a;
   both.insert(both.end(), b.begin(), b.end());
-  const Joint joint = joint_of(both, voxel);
-  if (!joint.flat || joint.open < kOpenEnough) return 0;
+  const Joint joint = joint_of(in, both);
+  if (!joint.flat || joint.open < in.limits.open_enough) return 0;
   if (too_many) return joint.open;
   const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
   const double bar = distance_between(one, other);
-  if (bar <= kThinBar * voxel) return joint.open;
+  if (bar <= in.limits.thin_bar * in.grid.voxel) return joint.open;
   // The corners of a rectangle spread like a larger rectangle.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
-  return joint.open >= kMostlyOpen && bar <= kMullion * side ? joint.open : 0;
+  return joint.open >= in.limits.mostly_open && bar <= in.limits.mullion * side ? joint.open : 0;
 }
 
 using Group = std::vector<Aperture>;
 
 // Joins the best pair; returns false if there is none.
 bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
-               double voxel) {
+               const FitInput& in) {
   size_t best_a = 0, best_b = 0;
   double best = 0;
   for (size_t a = 0; a < groups.size(); ++a)
     for (size_t b = a + 1; b < groups.size(); ++b) {
       double& w = worth[a][b];
-      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, voxel);
+      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, in);
       if (w > best) best = w, best_a = a, best_b = b;
     }
   if (!(best > 0)) return false;
@@ -115,19 +108,19 @@ std::vector<std::vector<double>> unknown(size_t groups) {
 }
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
-std::vector<Aperture> laid_again(const LightGrid& grid, const Bundle& all, const Group& parts) {
-  const Joint joint = joint_of(parts, grid.voxel);
+std::vector<Aperture> laid_again(const FitInput& in, const Bundle& all, const Group& parts) {
+  const Joint joint = joint_of(in, parts);
   std::vector<uint32_t> own;
   for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
   std::sort(own.begin(), own.end());
   own.erase(std::unique(own.begin(), own.end()), own.end());
   const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
-  Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
-  if (const auto square = tube_in_wall(lines, a.tube, grid.walls)) a.tube = *square;
+  Aperture a{holding_plane(lines, {joint.plane, 0}, in.limits), {}, {}};
+  if (const auto square = tube_in_wall(lines, a.tube, in.grid.walls, in.limits)) a.tube = *square;
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
-  a.polygon = outline_of(std::move(places));
+    if (const auto at = clear_crossing(a.tube.middle, line, in.limits)) places.push_back(*at);
+  a.polygon = outline_of(std::move(places), in.limits);
   if (a.polygon.empty()) return parts;
   a.lines = lines_across(all, a);
   return {a};
@@ -135,7 +128,7 @@ std::vector<Aperture> laid_again(const LightGrid& grid, const Bundle& all, const
 
 }  // namespace
 
-Joint joint_of(const std::vector<Aperture>& parts, double voxel) {
+Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts) {
   Plane first{{}, {}};
   std::vector<Vec3d> corners;
   double whole = 0;
@@ -162,11 +155,11 @@ Joint joint_of(const std::vector<Aperture>& parts, double voxel) {
   for (const Aperture& a : parts) {
     const double cosine = dot(a.tube.middle.n, joint.plane.n);
     open += area(a.polygon) * cosine;
-    faces = faces && cosine > kTurned;
+    faces = faces && cosine > in.limits.turned;
   }
   joint.open = open / area(joint.outline);
   const double side = extents_of(joint.outline).shorter;
-  joint.flat = faces && high <= std::max(voxel, kFlat * side);
+  joint.flat = faces && high <= std::max(in.grid.voxel, in.limits.flat * side);
   return joint;
 }
 
@@ -174,17 +167,17 @@ double distance_between(const Polygon& a, const Polygon& b) {
   return std::min(from_corners(a, b), from_corners(b, a));
 }
 
-std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
+std::vector<Aperture> joined_in_planes(const FitInput& in, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most) {
   const bool too_many = parts.size() > most;
   std::vector<Group> groups;
   for (Aperture& a : parts) groups.push_back({std::move(a)});
   auto worth = unknown(groups.size());
-  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, grid.voxel)) {
+  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, in)) {
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? laid_again(grid, all, group) : group;
+    const auto some = group.size() > 1 ? laid_again(in, all, group) : group;
     joined.insert(joined.end(), some.begin(), some.end());
   }
   return joined;

@@ -7,14 +7,14 @@
 
 namespace tdpt {
 
-/// Joint geometry of flat shapes. `voxel`: side of the grid's voxels [metres], its resolution.
+/// Joint geometry of flat shapes.
 struct Joint {
   Plane plane;        ///< least squares to all corners, along the mean normal
   Polygon outline;    ///< convex, around all of them
   double open = 0;    ///< share of the outline that the shapes leave open
   bool flat = false;  ///< whether they lie in that plane
 };
-Joint joint_of(const std::vector<Aperture>& parts, double voxel);
+Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts);
 
 /// The least distance between two convex outlines in one plane; 0 if they touch.
 double distance_between(const Polygon& a, const Polygon& b);
@@ -23,7 +23,7 @@ double distance_between(const Polygon& a, const Polygon& b);
 /// most of the joint outline is open; not across the pier between two windows. While there are more
 /// than `most` parts, it also joins those whose joint outline is open enough. Each joined opening
 /// is fitted again to its lines, which are those of `all`.
-std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
+std::vector<Aperture> joined_in_planes(const FitInput& in, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most);
 
 }  // namespace tdpt

@@ -27,17 +27,24 @@ Aperture pane(double x, double z = 0, double slope = 0) {
 
 constexpr double kVoxel = 0.05;
 
+LightGrid empty_grid() {
+  LightGrid grid;
+  grid.voxel = kVoxel;
+  return grid;
+}
+
 TEST(Joining, PanesInOnePlaneLeaveTheirShareOpen) {
-  const Joint joint = joint_of({pane(0), pane(1.25)}, kVoxel);
+  const Joint joint = joint_of({empty_grid(), {}}, {pane(0), pane(1.25)});
   EXPECT_TRUE(joint.flat);
   EXPECT_NEAR(area(joint.outline), 2.25, 1e-9);
   EXPECT_NEAR(joint.open, 2 / 2.25, 1e-9);
 }
 
 TEST(Joining, PanesOfABayAreNotFlat) {
-  EXPECT_FALSE(joint_of({pane(0, 0, -0.6), pane(1, 0, 0.6)}, kVoxel).flat);
-  EXPECT_FALSE(joint_of({pane(0), pane(1.25, 0.6)}, kVoxel).flat);  // one behind the other
-  EXPECT_FALSE(joint_of({pane(0), pane(1, 0.5, 1)}, kVoxel).flat);
+  EXPECT_FALSE(joint_of({empty_grid(), {}}, {pane(0, 0, -0.6), pane(1, 0, 0.6)}).flat);
+  EXPECT_FALSE(
+      joint_of({empty_grid(), {}}, {pane(0), pane(1.25, 0.6)}).flat);  // one behind the other
+  EXPECT_FALSE(joint_of({empty_grid(), {}}, {pane(0), pane(1, 0.5, 1)}).flat);
 }
 
 // Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both. Returns
@@ -54,9 +61,7 @@ size_t left_of_two(double gap) {
   }
   const Bundle all = testing::all_of(g);
   for (Aperture& a : panes) a.lines = lines_across(all, a);
-  LightGrid grid;
-  grid.voxel = kVoxel;
-  return joined_in_planes(grid, all, panes, 8).size();
+  return joined_in_planes({empty_grid(), {}}, all, panes, 8).size();
 }
 
 // Although 0.83 of the outline around both is open.

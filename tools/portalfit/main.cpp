@@ -16,6 +16,7 @@
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
+#include "tools/portalfit/limit_options.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/plan_preview.h"
 #include "tools/portalfit/portalfit.h"
@@ -37,8 +38,8 @@ constexpr cli::Program kProgram{"portalfit",
 struct Arguments {
   std::vector<std::string> grid{"-"};
   std::string method = "tube", renderer, preview, scene, debug_glb, debug_lines = "edges";
-  double threshold = PortalFitOptions{}.threshold;
   int64_t max_portals = 8;
+  FitLimits limits;
   bool require_portal = false, all = false;
 };
 
@@ -46,7 +47,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.arguments("grid", a.grid,
                     "The light grid (.vdb), or tables of it (.csv) with that of its lines among "
                     "them; default standard input");
-  options.option("--threshold,--set threshold", a.threshold, "T",
+  options.option("--threshold,--set threshold", a.limits.threshold, "T",
                  "Smallest share of a camera's light that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals,--set max-portals", a.max_portals, "N",
                  "Most portals for each camera; default 8", 1, 1000);
@@ -68,13 +69,14 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
+  declare_limits(options, a.limits);
 }
 
 constexpr const char* kNoOpening = "no planar opening fits the light";
 
 PortalFitOptions options_of(const Arguments& a) {
   PortalFitOptions how;
-  how.threshold = a.threshold;
+  how.limits = a.limits;
   how.max_portals = static_cast<size_t>(a.max_portals);
   how.by_paper = a.method == "paper";
   return how;
@@ -82,14 +84,14 @@ PortalFitOptions options_of(const Arguments& a) {
 
 FitResult fit(const Arguments& a, const LightGrid& grid) {
   FitResult result = fit_portals(grid, options_of(a));
-  appraise(grid, result.portals);
+  appraise({grid, a.limits}, result.portals);
   return result;
 }
 
 // Of each portal why it is not written; empty where it is.
 std::vector<std::string> left_out(const Arguments& a, const FitResult& found) {
   if (a.all) return std::vector<std::string>(found.portals.size());
-  return why_useless(found.portals);
+  return why_useless(found.portals, a.limits);
 }
 
 // The plans of the scene, for the first camera that the grid was made for, where it says so.
@@ -127,10 +129,8 @@ Written choose(const cli::Common& common, const std::vector<cli::Common::Input>&
   return out;
 }
 
-constexpr double kNearlyAll = 0.95;  // of the light, explained by the portals
-
 // Notes, and what the summary says of the portals that are written.
-nlohmann::json tell(const cli::Common& common, const FitResult& found,
+nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found,
                     const std::vector<std::string>& useless) {
   nlohmann::json written = nlohmann::json::array();
   std::vector<Portal> portals;
@@ -146,7 +146,7 @@ nlohmann::json tell(const cli::Common& common, const FitResult& found,
   }
   if (!portals.empty()) common.note(portals_sentence(portals));
   if (written.size() < found.portals.size()) common.note(left_out_sentence(useless));
-  if (!written.empty() && !found.refused.empty() && found.explained < kNearlyAll)
+  if (!written.empty() && !found.refused.empty() && found.explained < a.limits.plane_holds)
     common.note("no further opening: the rest of the light does not pass one narrow place");
   std::vector<std::string> refused;
   for (const FitResult::Refusal& r : found.refused) refused.push_back(r.why);
@@ -200,7 +200,7 @@ int run(const Arguments& a, const cli::Common& common) {
   phases.done("fit");
   const std::vector<std::string> useless = left_out(a, found);
   const Written written = choose(common, files, grid, found, useless);
-  nlohmann::json summary = tell(common, found, useless);
+  nlohmann::json summary = tell(a, common, found, useless);
   if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
   common.explain_by([&] { return decisions_of(grid, options_of(a), found, useless, phases); });
   deliver(a, common, grid, found, useless, written, phases);

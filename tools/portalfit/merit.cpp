@@ -18,8 +18,6 @@
 namespace tdpt {
 namespace {
 
-constexpr double kFewestInCone = 60;
-
 std::vector<LineCrossing> crossings_of(const std::vector<LightLine>& lines,
                                        const PortalShape& shape) {
   std::vector<LineCrossing> found;
@@ -47,7 +45,8 @@ size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of
 }  // namespace
 
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<LineCrossing>& crossings) {
+                                   const std::vector<LineCrossing>& crossings,
+                                   const FitLimits& limits) {
   if (crossings.empty()) return {};
   const auto in_the_middle = [&](const LineCrossing& c) { return contains(shape, c.at * 2); };
   const auto squared_sine = [&](const LineCrossing& c) {
@@ -61,7 +60,7 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
     const auto inside = static_cast<double>(std::count_if(
         crossings.begin(), crossings.end(),
         [&](const LineCrossing& c) { return in_the_middle(c) && squared_sine(c) <= sine2; }));
-    if (inside < kFewestInCone) break;
+    if (inside < 2 * limits.fewest) break;
     densest = std::max(densest, inside / (std::numbers::pi * sine2 * 0.25 * shape.area));
   }
   return std::min(1.0, n / (densest * std::numbers::pi * shape.area));
@@ -99,7 +98,8 @@ void appraise_cut(const LightGrid& grid, size_t c, size_t lines,
 
 }  // namespace
 
-void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
+void appraise(const FitInput& in, std::vector<Portal>& portals) {
+  const LightGrid& grid = in.grid;
   size_t cuts = 1;
   for (const LightLine& l : grid.lines) cuts = std::max<size_t>(cuts, l.cut + 1);
   std::vector<size_t> lines(cuts, 0);
@@ -110,7 +110,7 @@ void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
     std::vector<LineCrossing> crossings = crossings_of(grid.lines, shape);
     const size_t cut = cut_of(grid.lines, lines, crossings);
     std::erase_if(crossings, [&](const LineCrossing& c) { return grid.lines[c.line].cut != cut; });
-    const auto tightness = tightness_of(grid.lines, shape, crossings);
+    const auto tightness = tightness_of(grid.lines, shape, crossings, in.limits);
     portal.figures["cut"] = static_cast<double>(cut);
     if (tightness) portal.figures["tightness"] = *tightness;
     appraised.push_back({&portal, cut, std::move(crossings), tightness});

@@ -5,6 +5,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "tools/portalfit/limits.h"
 #include "tools/portalfit/polygon.h"
 #include "tools/portalfit/portal_shape.h"
 
@@ -19,12 +20,13 @@ struct LineCrossing {
 /// Share of a portal's lines that pass from one side to the other; nothing if none crosses.
 /// `crossings`: of one cut, by index into `lines`.
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<LineCrossing>& crossings);
+                                   const std::vector<LineCrossing>& crossings,
+                                   const FitLimits& limits);
 
 /// Adds figures of portal(5) to each portal: `cut` (the one that has the largest share of its lines
 /// cross the portal), `tightness` (share of the lines through the portal that pass from one side to
 /// the other: positions uniform, directions cosine-distributed), and `conductance` if the grid
 /// knows its cuts (of the cut, as far as its lines cross its portals).
-void appraise(const LightGrid& grid, std::vector<Portal>& portals);
+void appraise(const FitInput& in, std::vector<Portal>& portals);
 
 }  // namespace tdpt

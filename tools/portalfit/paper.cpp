@@ -53,8 +53,9 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
   return axes;
 }
 
-std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share) {
-  const VoxelAxes axes = axes_of_full_voxels(grid, share);
+std::optional<PaperPortal> portal_by_paper(const FitInput& in) {
+  const LightGrid& grid = in.grid;
+  const VoxelAxes axes = axes_of_full_voxels(grid, kMost);
   if (axes.centres.empty()) return {};
   Vec3d light{};
   for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);
@@ -69,7 +70,7 @@ std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share) 
   for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
   portal.triangles = triangulate(hull);
   for (uint32_t l = 0; l < grid.lines.size(); ++l)
-    if (const auto at = clear_crossing(plane, grid.lines[l]); at && contains(hull, *at))
+    if (const auto at = clear_crossing(plane, grid.lines[l], in.limits); at && contains(hull, *at))
       found.lines.push_back(l);
   portal.figures["area"] = area(hull);
   portal.figures["flux_share"] = static_cast<double>(found.lines.size()) /

@@ -5,6 +5,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "tools/portalfit/limits.h"
 
 namespace tdpt {
 
@@ -21,6 +22,6 @@ struct PaperPortal {
 };
 /// One portal: the convex hull of the full voxels' centres, projected along their main axis, which
 /// is turned the way the light goes. Nothing if they make no polygon.
-std::optional<PaperPortal> portal_by_paper(const LightGrid& grid, double share);
+std::optional<PaperPortal> portal_by_paper(const FitInput& in);
 
 }  // namespace tdpt

@@ -72,26 +72,26 @@ double through_neither(const std::vector<Aperture>& found, const Bundle& all) {
 }
 
 TEST(Parting, ASharedEdgeBoundsBoth) {
-  const auto of_slit = shared_edge(slit(0.3), gap());
+  const auto of_slit = shared_edge(slit(0.3), gap(), {});
   ASSERT_TRUE(of_slit);
   const Aperture a = slit(0.3);
   for (const Vec2d& p : clipped(a.polygon, of_slit->axis, of_slit->limit))
     EXPECT_LT(to_space(a.tube.middle, p).y, kHigh + 1e-9);
-  ASSERT_TRUE(shared_edge(gap(), slit(0.3)));
+  ASSERT_TRUE(shared_edge(gap(), slit(0.3), {}));
 }
 
 TEST(Parting, OpeningsApartShareNothing) {
   Aperture far = gap();
   far.tube.middle.o.x += 1;
-  EXPECT_FALSE(shared_edge(slit(0), far));  // beside it
+  EXPECT_FALSE(shared_edge(slit(0), far, {}));  // beside it
   far.tube.middle.o = gap().tube.middle.o + Vec3d{0, 1, 0};
-  EXPECT_FALSE(shared_edge(slit(0), far));  // above it
+  EXPECT_FALSE(shared_edge(slit(0), far, {}));  // above it
   far.tube.middle.o = gap().tube.middle.o - Vec3d{0, 1, 0};
-  EXPECT_FALSE(shared_edge(slit(0), far));  // across its middle
+  EXPECT_FALSE(shared_edge(slit(0), far, {}));  // across its middle
   Aperture same_wall = slit(0);
   same_wall.tube.middle.o.x += 0.3;
-  EXPECT_FALSE(shared_edge(slit(0), same_wall));
-  EXPECT_FALSE(shared_edge(slit(0), slit(0)));
+  EXPECT_FALSE(shared_edge(slit(0), same_wall, {}));
+  EXPECT_FALSE(shared_edge(slit(0), slit(0), {}));
 }
 
 // The slit has taken the gap's light near their edge: the gap gets it back.
@@ -107,7 +107,7 @@ TEST(Parting, EachGetsItsLines) {
   EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
   EXPECT_GT(through_neither(found, all), 0.02);
 
-  part_at_shared_edges({}, all, found);
+  part_at_shared_edges({LightGrid{}, {}}, all, found);
   EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
   EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
@@ -129,9 +129,9 @@ TEST(Parting, AThinCornerIsKept) {
     return std::count_if(places.begin(), places.end(),
                          [&](Vec2d p) { return p.x < 0.5 && !contains(outline, p); });
   };
-  EXPECT_EQ(left_out(whole_outline(places)), 0);
-  EXPECT_LT(area(whole_outline(places)), 1.1 * 0.06);
-  EXPECT_GT(left_out(outline_of(places)), 0);  // twin: with outliers removed
+  EXPECT_EQ(left_out(whole_outline(places, {})), 0);
+  EXPECT_LT(area(whole_outline(places, {})), 1.1 * 0.06);
+  EXPECT_GT(left_out(outline_of(places, {})), 0);  // twin: with outliers removed
 }
 
 // The slit's own lines are too few for another fit: it stays unchanged.
@@ -143,8 +143,8 @@ TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   });
   std::vector<Aperture> found{slit(0), gap()};
   for (Aperture& a : found) a.lines = lines_across(all, a);
-  ASSERT_LT(found[0].lines.size(), kFewestLines);
-  part_at_shared_edges({}, all, found);
+  ASSERT_TRUE(FitLimits{}.few(found[0].lines.size()));
+  part_at_shared_edges({LightGrid{}, {}}, all, found);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 

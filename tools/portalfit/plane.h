@@ -9,6 +9,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/vec.h"
+#include "tools/portalfit/limits.h"
 #include "tools/portalfit/polygon.h"
 
 namespace tdpt {
@@ -59,10 +60,9 @@ class Slab {
 
 /// Where `line` crosses the plane along n.
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line);
-/// Least cosine between a line and the normal; below it the crossing is ill-defined.
-inline constexpr double kGrazing = 0.05;
-/// The same, but nothing at grazing angles.
-std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line);
+/// The same, but nothing at grazing angles, where the crossing is ill-defined.
+std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line,
+                                    const FitLimits& limits);
 /// The point of `line` inside the slab nearest to the height `offset` above the middle: see
 /// Passage::at.
 std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset);

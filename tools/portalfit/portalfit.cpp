@@ -32,27 +32,15 @@
 namespace tdpt {
 namespace {
 
-constexpr double kLeastPart = 0.25;  // of the threshold, before parts are joined
-// Least share of the outline that is an edge: of most openings it is 0.4 to 1, of planes across a
-// room 0 to 0.2.
-constexpr double kLeastEdge = 0.3;
-constexpr size_t kMostTried = 48;  // candidates per cut
-// Least support of a single opening: a plane across a corner with windows on both sides has less.
-constexpr double kOneOpening = 0.9;
-// Of the light of either of two openings, through both: then they are one.
-constexpr double kSameOpening = 0.7;
-constexpr double kMostOfLight = 0.5;  // of one opening, with which a smaller one takes its place
-constexpr double kWider = 1.1;        // of an outline: its lines are few
-constexpr double kFull = 0.5;         // of the fullest voxel, for the paper's rule
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
-Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
-  const Polygon wider = enlarged(a.polygon, kWider);
+Bundle lines_not_at(const Bundle& lines, const Aperture& a, const FitLimits& limits) {
+  const Polygon wider = enlarged(a.polygon, limits.wider);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
-  deeper.half += 0.5 * e.shorter;
+  deeper.half += limits.deeper * e.shorter;
   const Slab slab(deeper);
   return lines.where([&](const LightLine& line) {
     const auto passage = slab.passage(line);
@@ -65,8 +53,8 @@ Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
 
 // Angles between n and the main and minor axis of the voxels with over half the fullest one's
 // count.
-std::pair<double, double> pca_angles(const LightGrid& grid, const Vec3d& n) {
-  const VoxelAxes axes = axes_of_full_voxels(grid, kFull);
+std::pair<double, double> pca_angles(const LightGrid& grid, double full, const Vec3d& n) {
+  const VoxelAxes axes = axes_of_full_voxels(grid, full);
   const auto angle = [&](const Vec3d& axis) {
     return kDegrees * std::acos(std::min(1.0, std::abs(dot(axis, n))));
   };
@@ -132,7 +120,12 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid), options_(options), shares_(shares_of(grid)), names_(names_of_cameras(grid)) {}
+      : grid_(grid),
+        options_(options),
+        limits_(options.limits),
+        in_{grid_, limits_},
+        shares_(shares_of(grid)),
+        names_(names_of_cameras(grid)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
@@ -193,14 +186,14 @@ class Fit {
     auto& f = portal.figures;
     f["area"] = area(a.polygon);
     f["flux_share"] = std::min(1.0, largest(opening.light));
-    if (const auto support = support_of(grid_.probes, a)) f["support"] = *support;
+    if (const auto support = support_of(in_, a)) f["support"] = *support;
     f["direction_x"] = mean.x;
     f["direction_y"] = mean.y;
     f["direction_z"] = mean.z;
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
-    if (const auto edge = edge_share(grid_, a)) f["edge"] = *edge;
+    if (const auto edge = edge_share(in_, a)) f["edge"] = *edge;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
-    const auto [main, minor] = pca_angles(grid_, a.tube.middle.n);
+    const auto [main, minor] = pca_angles(grid_, kMost, a.tube.middle.n);
     f["pca_main_angle"] = main;
     f["pca_minor_angle"] = minor;
     return portal;
@@ -212,25 +205,32 @@ class Fit {
     for (const Aperture& a : which) result_.refused.back().polygons.push_back(corners_of(a));
   }
 
+  // Without those that crowd where they have no waist, as at the corner of a room.
+  Bundle without_crowd(const Bundle& lines) const {
+    const Vec3d place = fullest_place(grid_, lines);
+    return lines.where(
+        [&](const LightLine& line) { return !passes_near(line, place, grid_.voxel); });
+  }
+
   // Openings that the lines of one cut pass, one by one, however little each carries: each
   // candidate removes its lines.
   std::vector<Aperture> parts_of(const Bundle& all) {
     Bundle rest = all;
     std::vector<Aperture> parts;
-    for (size_t tried = 0;
-         tried < kMostTried && rest.size() >= kFewestLines && light_of(rest) >= options_.threshold;
+    for (size_t tried = 0; static_cast<double>(tried) < limits_.most_tried &&
+                           !limits_.few(rest.size()) && light_of(rest) >= limits_.threshold;
          ++tried) {
-      auto found = find_aperture(grid_, rest);
+      auto found = find_aperture(in_, rest);
       if (!found || found->lines.empty()) {
-        refuse("the lines left have no common waist");
-        break;
+        rest = without_crowd(rest);
+        continue;
       }
       ++result_.candidates;
       if (auto part = part_of(rest, *found)) found = std::move(part);
-      if (is_opening(*found) && found->lines.size() >= kFewestLines &&
-          light_of(found->lines) >= kLeastPart * options_.threshold)
+      if (is_opening(*found) && !limits_.few(found->lines.size()) &&
+          light_of(found->lines) >= limits_.least_part * limits_.threshold)
         parts.push_back(*found);
-      Bundle left = lines_not_at(rest, *found);
+      Bundle left = lines_not_at(rest, *found, limits_);
       if (left.size() == rest.size()) break;
       rest = std::move(left);
     }
@@ -240,31 +240,31 @@ class Fit {
   // A better opening that is a part of the candidate: one of several side by side, or of two
   // windows at a corner, before which a plane has little support.
   std::optional<Aperture> part_of(const Bundle& rest, const Aperture& whole) const {
-    std::optional<Aperture> part = denser_part(grid_, rest, whole);
+    std::optional<Aperture> part = denser_part(in_, rest, whole);
     const Aperture& so_far = part ? *part : whole;
-    if (support_of(grid_.probes, so_far).value_or(1) >= kOneOpening) return part;
-    auto of_directions = part_of_directions(grid_, rest, so_far);
+    if (support_of(in_, so_far).value_or(1) >= limits_.one_opening) return part;
+    auto of_directions = part_of_directions(in_, rest, so_far);
     return of_directions ? of_directions : part;
   }
 
   // Whether a candidate lies between the two sides and bounds the light; otherwise refuses it.
   bool is_opening(const Aperture& a) {
-    const auto support = support_of(grid_.probes, a);
-    if (support && *support < options_.support) {
+    const auto support = support_of(in_, a);
+    if (support && *support < limits_.support) {
       refuse(fmt::format(
                  "a candidate lies within one side: only {:.0f} % of the lines through it join the "
                  "two",
                  100 * *support),
-             at_least(options_.support), {a});
+             at_least(limits_.support), {a});
       return false;
     }
-    const double edge = edge_share(grid_, a).value_or(1);
-    if (edge < kLeastEdge)
+    const double edge = edge_share(in_, a).value_or(1);
+    if (edge < limits_.least_edge)
       refuse(fmt::format("a candidate of {} m2 lies across a room: only {:.0f} % of its outline is "
                          "an edge",
                          number_words(area(a.polygon), 2), 100 * edge),
-             at_least(kLeastEdge), {a});
-    return edge >= kLeastEdge;
+             at_least(limits_.least_edge), {a});
+    return edge >= limits_.least_edge;
   }
 
   // Keeps the openings that carry enough light, the most first.
@@ -273,7 +273,7 @@ class Fit {
     std::vector<Aperture> enough, weak;
     double too_little = 0;
     for (Aperture& a : found)
-      if (const double share = light_of(a.lines); share < options_.threshold)
+      if (const double share = light_of(a.lines); share < limits_.threshold)
         too_little += share, weak.push_back(std::move(a));
       else
         enough.push_back(std::move(a));
@@ -281,7 +281,7 @@ class Fit {
       refuse(fmt::format("{} {} {:.1f} % of the camera's light only", weak.size(),
                          weak.size() == 1 ? "candidate carries" : "candidates together carry",
                          100 * too_little),
-             at_least(options_.threshold), weak);
+             at_least(limits_.threshold), weak);
     return enough;
   }
 
@@ -294,25 +294,25 @@ class Fit {
   // The openings of one cut with the lines `all`, those with most light first.
   std::vector<Aperture> fit_cut(const Bundle& all) {
     const double light = light_of(all);
-    if (light < options_.threshold) {
+    if (light < limits_.threshold) {
       refuse(fmt::format("{} of the camera's light crosses a cut: it is not fitted",
                          percent_words(light)),
-             at_least(options_.threshold));
+             at_least(limits_.threshold));
       return {};
     }
     std::vector<Aperture> found =
-        joined_in_planes(grid_, all, parts_of(all), std::numeric_limits<size_t>::max());
+        joined_in_planes(in_, all, parts_of(all), std::numeric_limits<size_t>::max());
     found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
-      found = enough_light(joined_in_planes(grid_, all, std::move(found), options_.max_portals));
-    part_from_each_other(grid_, all, found);
-    part_at_shared_edges(grid_, all, found);
+      found = enough_light(joined_in_planes(in_, all, std::move(found), options_.max_portals));
+    part_from_each_other(in_, all, found);
+    part_at_shared_edges(in_, all, found);
     return found;
   }
 
   // Share of the light of `a` that passes `b`, too.
   double passing(const Aperture& a, const Aperture& b) const {
-    const Polygon wider = enlarged(b.polygon, kWider);
+    const Polygon wider = enlarged(b.polygon, limits_.wider);
     const Bundle both = a.lines.where([&](const LightLine& line) {
       const auto at = crossing(b.tube.middle, line);
       return at && contains(wider, *at);
@@ -322,7 +322,7 @@ class Fit {
 
   // Whether two cuts, or one cut twice, have found one opening.
   bool same_opening(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kSameOpening;
+    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
   }
 
   // Of the openings of all cuts those with most light, each once: the smallest that passes most of
@@ -341,7 +341,7 @@ class Fit {
       ++result_.repeated;
       for (size_t k = 0; k < light.size(); ++k) same->light[k] = std::max(same->light[k], light[k]);
       if (area(a.polygon) < area(same->aperture.polygon) &&
-          largest(light) >= kMostOfLight * light_of(same->aperture.lines))
+          largest(light) >= kMost * light_of(same->aperture.lines))
         same->aperture = std::move(a);
     }
     limit_each_camera(kept);
@@ -356,7 +356,7 @@ class Fit {
     for (size_t k = 0; k < shares_.size(); ++k) {
       std::vector<Opening*> of_camera;
       for (size_t i = 0; i < kept.size(); ++i)
-        if (double& light = kept[i].light[k]; light >= std::min(options_.threshold, most[i]))
+        if (double& light = kept[i].light[k]; light >= std::min(limits_.threshold, most[i]))
           of_camera.push_back(&kept[i]);
         else
           light = 0;
@@ -372,6 +372,8 @@ class Fit {
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
+  const FitLimits& limits_;
+  const FitInput in_;
   const std::vector<std::vector<double>> shares_;  // of each camera, per line
   const std::vector<std::string> names_;           // of several cameras
   FitResult result_;
@@ -384,7 +386,7 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   if (!grid.bottleneck || grid.lines.empty()) return result;
   if (!options.by_paper) return Fit(grid, options).run();
   result.candidates = 1;
-  if (auto found = portal_by_paper(grid, kFull)) {
+  if (auto found = portal_by_paper({grid, options.limits})) {
     result.portals.push_back(std::move(found->portal));
     result.explained =
         static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());

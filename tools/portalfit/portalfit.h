@@ -5,14 +5,14 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "tools/portalfit/limits.h"
 
 namespace tdpt {
 
 struct PortalFitOptions {
-  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
-  size_t max_portals = 8;   ///< of each camera
-  bool by_paper = false;    ///< use the paper's rule instead [paper.h]
-  double support = 0.5;     ///< smallest support that makes a portal
+  size_t max_portals = 8;  ///< of each camera
+  bool by_paper = false;   ///< use the paper's rule instead [paper.h]
+  FitLimits limits{};
 };
 
 /// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that

@@ -38,24 +38,6 @@ namespace {
 constexpr int kSides = 16;          // of an outline
 constexpr double kInner = 0.97;     // of the nearest tangent: crossings within it are skipped
 constexpr double kRounding = 1e-9;  // relative tolerance of products of lengths
-constexpr double kThrough = 0.002;  // smallest share of the lines held that pass both faces
-constexpr double kLeastCosine = 0.1;
-constexpr double kMostTilt = 0.3;                       // per step: tangent
-constexpr size_t kMostRough = 2000;                     // lines in the first searches
-constexpr size_t kMostFine = 8192;                      // and in the others
-constexpr double kRoughStep = 0.3, kFineStep = 0.1;     // first step, in shorter sides
-constexpr double kRoughLast = 0.05, kFineLast = 0.004;  // and the last
-
-// Area of the outline on the faces over that in the middle: largest of a prism, and of any tube,
-// since a room is a tube, too, and all lines end in it.
-constexpr double kPrism = 1.08, kWidest = 1.5;
-constexpr double kDense = 0.6;        // least density of a tube over that of the narrowest plane
-constexpr double kShort = 0.5;        // form factor of the faces below which a tube is long
-constexpr double kPlaneHolds = 0.97;  // share of the tube's lines with which a plane may replace it
-constexpr double kBlindEnd = 0.1;     // of the depth, behind which lines end on the end of a room
-constexpr double kClearly = 0.04;     // of the area: a few per cent are noise
-constexpr double kNearWall = 0.966;   // cosine between a tube and a wall that it may lie in
-constexpr double kSquare = 0.15;      // of the objective, by which a wall may be the worse
 
 // Evaluation of a tube.
 struct Look {
@@ -81,26 +63,37 @@ enum class Shape { tube, plane };
 // Parameters of the objective, symbols as above.
 struct Goal {
   Shape shape;
-  double penalty;           // p
-  double outside = 0.0006;  // share of the crossings beyond each side
-  double slant = 0;         // s
+  double penalty;  // p
+  double outside;  // share of the crossings beyond each side
+  double slant;    // s
 };
-constexpr Goal kTube{Shape::tube, 2}, kNarrowest{Shape::plane, 2};
-// Planes: of fewer lines than kMany, whose mean(log cos) is noise; where there is no prism, as
-// beside a door ajar; and for lines that are known except for leaks.
-constexpr size_t kMany = 500;
-constexpr Goal kOfFew{Shape::plane, 0.3};
-constexpr Goal kInsteadOfTube{Shape::plane, 2, 0.002, 1}, kKnown{Shape::plane, 3, 0.002, 1};
+
+Goal of_tubes(const FitLimits& limits) {
+  return {Shape::tube, limits.missing, limits.outside, 0};
+}
+Goal of_narrowest(const FitLimits& limits) {
+  return {Shape::plane, limits.missing, limits.outside, 0};
+}
+// Planes: where there is no prism, as beside a door ajar, though not of few lines, whose mean(log
+// cos) is noise; and for lines that are known except for leaks.
+Goal instead_of_tube(size_t lines, const FitLimits& limits) {
+  if (static_cast<double>(lines) < limits.many)
+    return {Shape::plane, limits.missing_of_few, limits.outside, 0};
+  return {Shape::plane, limits.missing, limits.hardly_any, 1};
+}
+Goal of_known(const FitLimits& limits) {
+  return {Shape::plane, limits.missing_of_known, limits.hardly_any, 1};
+}
 
 // Coordinates of a tube: position along n, depth of both faces or of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
 
 // The tube moved by `by` [metres] along one coordinate; it turns about its middle's `o`.
-Tube moved(Tube tube, const Extents& e, Move move, double by) {
+Tube moved(Tube tube, const Extents& e, Move move, double by, double most_tilt) {
   const Vec3d n = tube.middle.n;
   const Onb<double> frame(n);
   const auto tilt = [&](const Vec3d& towards, double side) {
-    tube.middle.n = normalize(n + towards * std::clamp(by / side, -kMostTilt, kMostTilt));
+    tube.middle.n = normalize(n + towards * std::clamp(by / side, -most_tilt, most_tilt));
   };
   switch (move) {
     case slide:
@@ -130,7 +123,8 @@ Tube moved(Tube tube, const Extents& e, Move move, double by) {
 
 class Search {
  public:
-  Search(std::span<const LightLine> lines, const Goal& goal) : lines_(lines), goal_(goal) {
+  Search(std::span<const LightLine> lines, const Goal& goal, const FitLimits& limits)
+      : lines_(lines), goal_(goal), limits_(limits) {
     if (goal.slant > 0)
       for (const LightLine& line : lines) length_.push_back(length(line.camera - line.light));
   }
@@ -140,7 +134,8 @@ class Search {
     Look look;
     take_places(tube, faces, look);
     const auto held = static_cast<double>(look.held), all = static_cast<double>(lines_.size());
-    if (held < 0.5 * all || static_cast<double>(look.through) < std::max(8.0, kThrough * held))
+    if (held < 0.5 * all ||
+        static_cast<double>(look.through) < std::max(8.0, limits_.hardly_any * held))
       return look;
     look.extents = extents_of(places_);
     if (!(look.extents.shorter > 0) || !measure_outline(look)) return look;
@@ -185,7 +180,7 @@ class Search {
       if (const auto passage = slab.passage(lines_[i])) {
         look.through += passage->through(tube.half);
         if (goal_.slant > 0)
-          look.slant += std::log(std::max(kLeastCosine, passage->along / length_[i]));
+          look.slant += std::log(std::max(limits_.least_cosine, passage->along / length_[i]));
         for (const double face : faces) places_.push_back(passage->at(face * tube.half));
       }
     look.held = places_.size() / 2;
@@ -248,7 +243,7 @@ class Search {
     Tube from = best.tube;
     from.middle.o = to_space(best.tube.middle, e.mean);  // centre of rotation
     for (const double way : {by, -by}) {
-      const Tube next = moved(from, e, move, way);
+      const Tube next = moved(from, e, move, way, limits_.first_step);
       const Look there = look(next);
       if (!(there.cost < best.look.cost)) continue;
       best = {next, there};
@@ -259,6 +254,7 @@ class Search {
 
   std::span<const LightLine> lines_;
   Goal goal_;
+  const FitLimits& limits_;
   std::vector<double> length_;  // of the lines, if needed [m]
   std::vector<Vec2d> places_;   // crossings of the last look, both faces
   std::vector<Vec2d> outer_;    // those not within inner_, which may matter to the outline
@@ -266,15 +262,16 @@ class Search {
   std::vector<double> farthest_;
 };
 
-Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal) {
+Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal,
+                  const FitLimits& limits) {
   start.half = 0;
-  return Search(lines, goal).run(start, kRoughStep, kFineLast);
+  return Search(lines, goal, limits).run(start, limits.first_step, limits.fine_last);
 }
 
 // Whether the tube is a room and not an opening: its lines begin or end where it does.
-bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
+bool is_blind(std::span<const LightLine> lines, const Tube& tube, double blind_end) {
   const Slab slab(tube);
-  const double close = kBlindEnd * 2 * tube.half;
+  const double close = blind_end * 2 * tube.half;
   size_t through = 0, begin = 0, end = 0;
   for (const LightLine& line : lines)
     if (const auto p = slab.passage(line); p && p->through(tube.half)) {
@@ -293,27 +290,28 @@ struct Rough {
 using RoughTubes = std::array<Rough, 5>;
 
 // From several starts, since the objective has several valleys.
-RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start) {
-  constexpr double kTurn = 0.25;
-  constexpr std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
+RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start,
+                       const FitLimits& limits) {
+  const double turn = limits.turn;
+  const std::array<Vec2d, 5> turns{{{0, 0}, {turn, 0}, {-turn, 0}, {0, turn}, {0, -turn}}};
   const Onb<double> frame(start.middle.n);
   RoughTubes rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
-    Search search(some, kTube);
+    Search search(some, of_tubes(limits), limits);
     Tube from = start;
     from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
-    const Found found = search.run(from, kRoughStep, kRoughLast);
+    const Found found = search.run(from, limits.first_step, limits.rough_last);
     rough[k] = {found.tube, found.look.cost, search.density(found), search.waistedness(found)};
   });
   return rough;
 }
 
 // The best of those at least as dense as `enough`; `otherwise` if there is none.
-Tube best_of(const RoughTubes& rough, double enough, const Tube& otherwise) {
+Tube best_of(const RoughTubes& rough, double enough, double widest, const Tube& otherwise) {
   Tube best = otherwise;
   double least = INFINITY;
   for (const Rough& r : rough)
-    if (r.density >= enough && r.cost < least && r.waistedness < kWidest)
+    if (r.density >= enough && r.cost < least && r.waistedness < widest)
       least = r.cost, best = r.tube;
   return best;
 }
@@ -330,71 +328,82 @@ double facing_rectangles(double a, double b, double c) {
           y * p * std::atan(y / p) - x * std::atan(x) - y * std::atan(y));
 }
 
-Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
-  const std::vector<LightLine> fine = thinned(lines, kMostFine);
-  const Goal& flat = lines.size() < kMany ? kOfFew : kInsteadOfTube;
-  if (near && start.half == 0) return least_plane(fine, start, flat).tube;
-  const std::vector<LightLine> some = thinned(lines, kMostRough);
-  Search search(fine, kTube);
+Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near,
+                const FitLimits& limits) {
+  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
+  const Goal flat = instead_of_tube(lines.size(), limits);
+  if (near && start.half == 0) return least_plane(fine, start, flat, limits).tube;
+  const std::vector<LightLine> some = thinned(lines, static_cast<size_t>(limits.rough_lines));
+  Search search(fine, of_tubes(limits), limits);
   Found narrowest, found;
   RoughTubes rough;
   tbb::parallel_invoke(
       [&] {
-        narrowest = Search(some, kNarrowest).run({start.middle, 0}, kRoughStep, kRoughLast);
+        narrowest = Search(some, of_narrowest(limits), limits)
+                        .run({start.middle, 0}, limits.first_step, limits.rough_last);
       },
       [&] {
         if (near)
-          found = search.run(start, kFineStep, kFineLast);
+          found = search.run(start, limits.fine_step, limits.fine_last);
         else
-          rough = rough_tubes(some, start);
+          rough = rough_tubes(some, start, limits);
       });
   // If the whole tube passes light, its density of lines per etendue is that of its narrowest
   // plane.
-  const double enough = kDense * Search(some, kTube).density(narrowest);
+  const double enough =
+      limits.dense_tube * Search(some, of_tubes(limits), limits).density(narrowest);
   const auto narrow = [&] {
-    return Search(fine, kNarrowest).run(narrowest.tube, kFineStep, kFineLast).tube;
+    return Search(fine, of_narrowest(limits), limits)
+        .run(narrowest.tube, limits.fine_step, limits.fine_last)
+        .tube;
   };
-  if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
-  if (search.density(found) < enough || is_blind(fine, found.tube)) return narrow();
+  if (!near)
+    found = search.run(best_of(rough, enough, limits.widening, start), limits.fine_step,
+                       limits.fine_last);
+  if (search.density(found) < enough || is_blind(fine, found.tube, limits.blind_end))
+    return narrow();
   const double waistedness = search.waistedness(found);
-  if (!(waistedness < kWidest)) return narrow();
-  if (waistedness < kPrism || form_factor(found) <= kShort) return found.tube;
+  if (!(waistedness < limits.widening)) return narrow();
+  if (waistedness < limits.prism || form_factor(found) <= kMost) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  const Found plane = least_plane(fine, found.tube, flat);
-  const bool holds_too_few =
-      static_cast<double>(plane.look.held) < kPlaneHolds * static_cast<double>(found.look.held);
+  const Found plane = least_plane(fine, found.tube, flat, limits);
+  const bool holds_too_few = static_cast<double>(plane.look.held) <
+                             limits.plane_holds * static_cast<double>(found.look.held);
   return holds_too_few ? found.tube : plane.tube;
 }
 
-std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube) {
-  const Tube next = least_tube(lines, tube, false);
-  const std::vector<LightLine> fine = thinned(lines, kMostFine);
-  Search search(fine, kTube);
+std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube,
+                                const FitLimits& limits) {
+  const Tube next = least_tube(lines, tube, false, limits);
+  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
+  Search search(fine, of_tubes(limits), limits);
   const Look before = search.look(tube), after = search.look(next);
   // Depth alone lowers the cost, although beside a door ajar there is none: area must fall, too.
-  const bool lesser = after.cost < before.cost && after.size < (1 - kClearly) * before.size;
+  const bool lesser = after.cost < before.cost && after.size < (1 - limits.clearly) * before.size;
   return lesser ? std::optional(next) : std::nullopt;
 }
 
 std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
-                                 std::span<const Vec3d> walls) {
-  const std::vector<LightLine> fine = thinned(lines, kMostFine);
-  Search search(fine, tube.half > 0 ? kTube : kNarrowest);
-  double most = search.look(tube).cost + kSquare;
+                                 std::span<const Vec3d> walls, const FitLimits& limits) {
+  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
+  Search search(fine, tube.half > 0 ? of_tubes(limits) : of_narrowest(limits), limits);
+  double most = search.look(tube).cost + limits.square;
   std::optional<Tube> best;
   for (const Vec3d& wall : walls) {
     const double cosine = dot(wall, tube.middle.n);
-    if (std::abs(cosine) < kNearWall) continue;
+    if (std::abs(cosine) < limits.near_wall) continue;
     Tube start = tube;
     start.middle.n = cosine < 0 ? -wall : wall;
-    const Found found = search.run(start, kFineStep, kFineLast, false);
+    const Found found = search.run(start, limits.fine_step, limits.fine_last, false);
     if (found.look.cost < most) most = found.look.cost, best = found.tube;
   }
   return best;
 }
 
-Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
-  return least_plane(thinned(lines, kMostFine), start, kKnown).tube;
+Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start,
+                   const FitLimits& limits) {
+  const auto fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
+  return least_plane(fine, start, of_known(limits), limits).tube;
 }
 
 }  // namespace tdpt
