@@ -57,7 +57,21 @@ std::vector<Corners> triangles_of(const RoomPlan::Part& part, const Writing& wri
   return out;
 }
 
+int glass_of(GlbBuilder& b, const RoomPlan::Part& part) {
+  Json m = {{"name", part.name},
+            {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0}}},
+            {"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
+            {"doubleSided", part.stuff == RoomPlan::Stuff::sheet}};
+  if (part.stuff == RoomPlan::Stuff::glass)
+    m["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
+  for (const auto& [name, values] : m["extensions"].items())
+    b.json["extensionsUsed"].push_back(name);
+  return b.material(m);
+}
+
 int material_of(GlbBuilder& b, const RoomPlan::Part& part, const Writing& writing) {
+  using Stuff = RoomPlan::Stuff;
+  if (part.stuff == Stuff::sheet || part.stuff == Stuff::glass) return glass_of(b, part);
   const double grey = part.radiance > 0 ? 0 : 0.7;
   Json m = {
       {"name", part.name},
@@ -69,6 +83,10 @@ int material_of(GlbBuilder& b, const RoomPlan::Part& part, const Writing& writin
         {"emissiveStrength", part.radiance * writing.power}};
   } else {
     m["doubleSided"] = true;
+  }
+  if (part.stuff == Stuff::cloth) {
+    m["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.5;
+    m["alphaMode"] = "BLEND";
   }
   return b.material(m);
 }

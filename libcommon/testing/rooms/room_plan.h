@@ -54,10 +54,14 @@ struct Writing {
 
 struct RoomPlan {
   using Quad = testing::Quad;
+  /// Grey board; glass as one sheet for each pane, or as closed bodies; cloth that half of the
+  /// light passes.
+  enum class Stuff { board, sheet, glass, cloth };
   struct Part {
     std::string name;
     double radiance = 0;  ///< above 0: a lamp that emits on its front [W/m2/sr]
     std::vector<Quad> quads;
+    Stuff stuff = Stuff::board;
   };
   std::vector<Part> parts;
   Vec3d camera, look_at;
