@@ -83,7 +83,8 @@ def row_of(count, program, words, value, numbers):
     return [words, value, *(" / ".join(map(str, counts)) for counts in (less, same, more))], {less[0], same[0], more[0]}
 
 
-@settings(HOUSES=Setting((), "views, or houses; default all", ("five-zone-office",)))
+@settings(HOUSES=Setting((), "views, or houses; default all", ("five-zone-office",)),
+          ALONE=Setting(1, "0: groups as a whole only", 0))
 def sensitivity(bench):
     """Groups of numbers of mincut and portalfit are made smaller and larger by a fifth, on networks and grids that are
     kept; where the number of right openings changes, each number of the group alone. ONLY: groups or numbers. Three
@@ -92,7 +93,7 @@ def sensitivity(bench):
     for program, words, numbers in groups_of(bench):
         row, right = row_of(count, program, f"**{program}: {words}**", "", numbers)
         rows.append(row)
-        alone = len(numbers) > 1 and len(right) > 1
+        alone = bench.settings.alone and len(numbers) > 1 and len(right) > 1
         for name, value in numbers.items():
             rows.append(row_of(count, program, name, f"{value:g}", {name: value})[0] if alone else
                         [name, f"{value:g}", "", "", ""])

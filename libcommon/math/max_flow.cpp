@@ -121,4 +121,8 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   return result;
 }
 
+MaxFlow max_flow(const FlowNetwork& network) {
+  return FlowGraph(network).solve(network);
+}
+
 }  // namespace tdpt

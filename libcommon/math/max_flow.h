@@ -43,8 +43,6 @@ class FlowGraph {
 };
 
 /// The minimum cut nearest to the source.
-inline MaxFlow max_flow(const FlowNetwork& network) {
-  return FlowGraph(network).solve(network);
-}
+MaxFlow max_flow(const FlowNetwork& network);
 
 }  // namespace tdpt

@@ -75,7 +75,8 @@ bool sees_past(const LightGrid& grid, const Aperture& a, Vec2d middle, Vec2d edg
 std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
   const LightGrid& grid = in.grid;
   const double size = std::sqrt(area(a.polygon));
-  if (grid.air.empty() || size < in.limits.coarse * grid.voxel) return {};
+  const bool no_walls = std::find(grid.air.begin(), grid.air.end(), 0) == grid.air.end();
+  if (no_walls || size < in.limits.coarse * grid.voxel) return {};
   const double beyond = std::max(2 * grid.voxel, in.limits.beyond * size),
                far = a.tube.half + 0.5 * size;
   const Vec2d middle = extents_of(a.polygon).mean;

@@ -14,7 +14,8 @@ std::optional<double> support_of(const FitInput& in, const Aperture& a);
 /// Share of the outline that is an edge: a wall stands there, and half the aperture's size before
 /// it or behind it, whichever has more, the air goes on past it. So it is around an opening into a
 /// room; around a plane across a corridor or a long room the same walls go on, and around one in
-/// the open there are none. Nothing if the grid does not know its air, or is too coarse.
+/// the open there are none. Nothing if all of the grid is air, as in tables without it, or it is
+/// too coarse.
 std::optional<double> edge_share(const FitInput& in, const Aperture& a);
 
 /// A plane across several openings, such as the sides of a bay, has little support and fewer of the

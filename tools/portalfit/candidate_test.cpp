@@ -112,7 +112,8 @@ TEST(Edge, TellsAHoleFromACorridor) {
   EXPECT_EQ(edge_share({hole, {}}, apart).value_or(1), 0);
   corridor.voxel = 0.3;  // too coarse to tell
   EXPECT_FALSE(edge_share({corridor, {}}, along));
-  corridor.air.clear();
+  corridor.voxel = 0.1;
+  corridor.air.assign(corridor.air.size(), 1);
   EXPECT_FALSE(edge_share({corridor, {}}, along));
 }
 

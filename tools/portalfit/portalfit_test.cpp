@@ -97,6 +97,7 @@ LightGrid grid_of(const std::vector<LightLine>& lines, int resolution = 64) {
 // The same where all is air but the wall around the openings.
 LightGrid in_a_wall(LightGrid grid, const std::vector<Opening>& openings) {
   grid.air.assign(grid.count.size(), 1);
+  grid.air[0] = 0;  // there are walls somewhere
   for (size_t v = 0; v < grid.air.size(); ++v) {
     const Vec3d at = centre_of(grid, v);
     const double off = openings.empty() ? grid.voxel : dot(at - openings[0].middle, openings[0].n);
