@@ -53,6 +53,7 @@ void write_header(std::string& out, const LightGrid& grid) {
   fmt::format_to(to, "# bottleneck {}\n", grid.bottleneck ? "yes" : "no " + grid.reason);
   for (size_t c = 0; c < grid.cuts.size(); ++c)
     fmt::format_to(to, "# cut {} {} {}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept);
+  for (const Vec3d& n : grid.walls) fmt::format_to(to, "# wall {} {} {}\n", n.x, n.y, n.z);
 }
 
 void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
@@ -89,6 +90,7 @@ struct Header {
   std::vector<std::string> cameras;
   std::optional<Answer> answer;
   std::vector<CutFigures> cuts;
+  std::vector<Vec3d> walls;
   Provenance provenance;
 };
 
@@ -165,7 +167,7 @@ class TableReader {
   void read_header(Header& all) {
     Provenance provenance;
     bool versioned = false;
-    size_t cuts = 0, cameras = 0;
+    size_t cuts = 0, cameras = 0, walls = 0;
     while ((more_ = in_.next())) {
       TextLines ahead = in_;
       if (ahead.rest().front() != '#') break;
@@ -180,6 +182,8 @@ class TableReader {
         versioned = true;
       } else if (key == "cut") {
         read_cut(cuts++, all.cuts);
+      } else if (key == "wall") {
+        read_wall(walls++, all.walls);
       } else if (key == "camera") {
         read_camera(cameras++, all.cameras);
       } else if (key == "made" || key == "from") {
@@ -244,6 +248,19 @@ class TableReader {
     if (n == kMostCameras) in_.fail(fmt::format("one camera more than {}", kMostCameras));
     std::optional<std::string> known = cameras[n];
     same(known, camera, "camera");
+  }
+
+  // Number `n` of the walls.
+  void read_wall(size_t n, std::vector<Vec3d>& walls) {
+    Vec3d wall;
+    for (int c = 0; c < 3; ++c) wall[c] = in_.real("wall");
+    in_.end();
+    if (!(std::abs(length(wall) - 1) < 1e-6))
+      in_.fail(fmt::format("a wall that is {} long, expected a unit vector", length(wall)));
+    if (n == kMostWalls) in_.fail(fmt::format("one wall more than {}", kMostWalls));
+    if (n == walls.size()) walls.push_back(wall);
+    std::optional<Vec3d> known = walls[n];
+    same(known, wall, "wall");
   }
 
   // Line `n` of the table of cuts.
@@ -387,6 +404,7 @@ LightGrid grid_of(const Header& all) {
   grid.scene_hash = all.scene.value_or("");
   grid.cameras = all.cameras;
   grid.cuts = all.cuts;
+  grid.walls = all.walls;
   grid.provenance = all.provenance;
   return grid;
 }
