@@ -1,5 +1,9 @@
-// Method: areas are summed by normal, in cells of a degree; from the fullest cell on, each takes
-// those around it. Two at right angles give the third: the short walls of a long building are few.
+// Finds the directions in which the walls of a building face.
+//
+// Method: the peaks of an extended Gaussian image, the histogram of surface area over normals
+// (Horn 1984). Areas are summed in cells of a degree; from the fullest cell on, each takes those
+// within two degrees. Two peaks at right angles give the third axis of their frame: the short walls
+// of a long building are little surface.
 #include "tools/lightgrid/walls.h"
 
 #include <algorithm>

@@ -19,9 +19,9 @@ struct PortalFitOptions {
 /// crosses it, or of the lines of its cut if that is unknown; of several cameras the largest),
 /// `support` (share of the lines
 /// through it that join the two sides; omitted if unknown), `direction_x/y/z` (mean direction of
-/// its lines), `direction_angle` [deg] (between it and the normal), `concentration` (length of the
-/// mean of the unit directions), `pca_main_angle` and `pca_minor_angle` [deg] (between the normal
-/// and the axes of the paper's rule, for information).
+/// its lines), `edge` (edge_share(), omitted if unknown), `direction_angle` [deg] (between it and
+/// the normal), `concentration` (length of the mean of the unit directions), `pca_main_angle` and
+/// `pca_minor_angle` [deg] (between the normal and the axes of the paper's rule, for information).
 struct FitResult {
   /// A rejected candidate.
   struct Refusal {

@@ -384,6 +384,26 @@ std::vector<LightLine> lines_in_the_open(size_t n) {
   return lines;
 }
 
+// Lines in all directions crowd at a place where they have no waist: the opening beside it is found
+// all the same. Twin: of the crowd alone there is none.
+TEST(PortalFit, ACrowdWithoutAWaistHidesNoOpening) {
+  std::vector<LightLine> lines, crowd;
+  for (uint64_t i = 0; i < 50; ++i) {
+    Rng rng(11, 1, i);
+    const double u = rng.uniform(), v = rng.uniform();
+    const double z = 2 * u - 1, r = std::sqrt(1 - z * z), phi = 2 * std::numbers::pi * v;
+    const Vec3d w{r * std::cos(phi), r * std::sin(phi), z},
+        p = hole(0.5, 0.01).middle + Vec3d{1, 1, 1};
+    crowd.push_back({p - w, p + w});
+  }
+  lines = lines_through({hole(0.5, 0.01)}, 400, {}, 1);
+  lines.insert(lines.end(), crowd.begin(), crowd.end());
+  const FitResult fit = fit_portals(grid_of(lines), {});
+  ASSERT_EQ(fit.portals.size(), 1u);
+  EXPECT_NEAR(fit.portals[0].figures.at("area"), hole(0.5, 0.01).area(), 0.1);
+  EXPECT_TRUE(fit_portals(grid_of(crowd), {}).portals.empty());
+}
+
 TEST(PortalFit, RefusesAPlaneInTheOpen) {
   const FitResult fit = fit_portals(in_a_wall(grid_of(lines_in_the_open(8000)), {}), {});
   EXPECT_TRUE(fit.portals.empty());
