@@ -28,15 +28,10 @@ struct CutLimits {
   double same_opening = 0.8;
 
   // The sweep [potential_sweep.h].
-  double pinned = 0.5;     ///< grade from which a terminal pins a patch's potential
-  double faintest = 1e-5;  ///< least brightness and importance, of the mean
-  double hold = 0.3;       ///< conductance that holds a patch's potential, of its samples
-  double sky_hold = 1000;  ///< and the sky's
+  double hold = 0.3;  ///< conductance that holds a patch's potential, of its samples
   /// Smallest difference of log(importance / brightness) between two rooms; and between two with a
   /// wide opening.
   double least_drop = 0.7, least_wide_drop = 1;
-  /// The same of a potential from 0 to 1, where the light is not known.
-  double plain_drop = 0.01, plain_wide_drop = 0.1;
   /// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of
   /// largest_conductance.
   double loose = 2;

@@ -6,12 +6,8 @@
 // c_ij      half the capacity of the arcs between i and j, both directions
 // a_i, h_i  where the potential of patch i is held, and with which conductance
 //   sum_j c_ij (u_i - u_j) + h_i (u_i - a_i) = 0
-// Where the light is known, a_i = log(v_i / b_i), a little on every patch [PatchNetwork].
-// Else a_i = 0 with s_i, 1 with t_i, so that u_i is the probability that a random walk from i along
-// the arcs reaches the camera's patches first:
-// E_i, W_i  hits of light walks and of camera walks per sample, divided by their medians
-//   t_i - s_i = n_i (W_i - E_i) / (W_i + E_i)  on patches that one of them reaches well
-// So rooms are distinguished by which end reaches them better, even if both reach all of them.
+// a_i = log(v_i / b_i), a little on every patch [PatchNetwork]; so rooms are distinguished by which
+// end reaches them better, even if both reach all of them.
 #include "libcommon/math/potential_sweep.h"
 
 #include <algorithm>
@@ -23,6 +19,8 @@ namespace {
 
 constexpr int kMostIterations = 2000;
 constexpr double kResidual = 1e-9;  // relative, of the conjugate gradients
+constexpr double kFaintest = 1e-5;  // of the mean: less counts as this
+constexpr double kPinned = 1000;    // strength that leaves a potential where it is held
 
 // The resistors: conductances c_ij in compressed rows, and the arcs of the terminals.
 struct Links {
@@ -67,39 +65,19 @@ Links links_of(const PatchNetwork& p) {
   return l;
 }
 
-// Median of hits / sample, weighted by hits; 0 without hits.
-double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
-  std::vector<std::pair<double, double>> densities;  // with hits
-  double total = 0, below = 0;
-  for (size_t i = 0; i < hits.size(); ++i)
-    if (samples[i] > 0 && hits[i] > 0)
-      densities.emplace_back(hits[i] / samples[i], hits[i]), total += hits[i];
-  std::sort(densities.begin(), densities.end());
-  for (const auto& [density, n] : densities)
-    if ((below += n) >= 0.5 * total) return density;
-  return 0;
-}
+// Light and importance per sample of each node: where they are unknown, the walks that hit it, or
+// else the terminals' part of it.
+struct Ends {
+  std::vector<double> brightness, importance;
+};
 
-// Pull on each node's potential [share of its samples]: negative to the light, positive to the
-// camera. Only patches that one of them reaches well are pinned.
-std::vector<double> holds_of(const PatchNetwork& p, const Links& l, double pinned) {
-  std::vector<double> holds(p.network.nodes, 0);
-  const bool walks = !p.lit.empty();
-  const double lit = walks ? median_density(p.lit, p.samples) : 0;
-  const double viewed = walks ? median_density(p.viewed, p.samples) : 0;
-  for (uint32_t v = 0; v < p.network.nodes; ++v) {
-    const double whole = p.samples[v] * p.scale;
-    const double s = l.from_source[v], t = l.to_sink[v];
-    if (!(whole > 0) || std::max(s, t) < pinned * whole) continue;
-    holds[v] = (t - s) / whole;
-    // The sky pins the patches that it lights by itself.
-    if (!(lit > 0 && viewed > 0) || !p.sky.empty()) continue;
-    // Grades saturate at 1: where light and camera both reach a patch, compare which does so
-    // better.
-    const double e = p.lit[v] / lit, w = p.viewed[v] / viewed;
-    if (e + w > 0) holds[v] = (w - e) / (w + e);
-  }
-  return holds;
+Ends ends_of(const PatchNetwork& p, const Links& l) {
+  if (!p.brightness.empty()) return {p.brightness, p.importance};
+  Ends ends = p.lit.empty() ? Ends{l.from_source, l.to_sink} : Ends{p.lit, p.viewed};
+  for (uint32_t v = 0; v < p.network.nodes; ++v)
+    for (std::vector<double>* of : {&ends.brightness, &ends.importance})
+      (*of)[v] = p.samples[v] > 0 ? (*of)[v] / p.samples[v] : 0;
+  return ends;
 }
 
 // What holds the potential of a node: where, and how strongly [share of its samples].
@@ -107,41 +85,33 @@ struct Hold {
   double at = 0, strength = 0;
 };
 
-// log(v_i / b_i), a mean over the node's surroundings: from room to room light falls by a factor,
-// and the camera's part rises.
-std::vector<Hold> holds_by_light(const PatchNetwork& p, const CutLimits& limits) {
+// log(v_i / b_i), in units of their means, a mean over the node's surroundings: from room to room
+// light falls by a factor, and the camera's part rises. All of the sky is one light, bright or not.
+std::vector<Hold> holds_of(const PatchNetwork& p, const Links& l, double hold) {
+  const Ends ends = ends_of(p, l);
   double samples = 0, brightness = 0, importance = 0;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
     samples += p.samples[v];
-    brightness += p.samples[v] * p.brightness[v], importance += p.samples[v] * p.importance[v];
+    brightness += p.samples[v] * ends.brightness[v];
+    importance += p.samples[v] * ends.importance[v];
   }
   std::vector<Hold> holds(p.network.nodes);
   if (!(brightness > 0 && importance > 0)) return holds;
-  const double least_b = limits.faintest * brightness / samples,
-               least_v = limits.faintest * importance / samples;
-  const double lowest =
-      std::log(limits.faintest) - std::log(brightness / importance / limits.faintest);
-  for (uint32_t v = 0; v < p.network.nodes; ++v)
-    if (p.is_sky(v))  // one light, bright or not
-      holds[v] = {lowest, limits.sky_hold};
-    else if (p.brightness[v] > 0 || p.importance[v] > 0)
-      holds[v] = {std::log(std::max(p.importance[v], least_v) / std::max(p.brightness[v], least_b)),
-                  limits.hold};
-  return holds;
-}
-
-std::vector<Hold> all_holds(const PatchNetwork& p, const Links& l, const CutLimits& limits) {
-  if (!p.brightness.empty()) return holds_by_light(p, limits);
-  std::vector<Hold> holds;
-  for (const double hold : holds_of(p, l, limits.pinned))
-    holds.push_back({hold > 0 ? 1.0 : 0.0, std::abs(hold)});
+  for (uint32_t v = 0; v < p.network.nodes; ++v) {
+    const double b = ends.brightness[v] * samples / brightness,
+                 i = ends.importance[v] * samples / importance;
+    if (p.is_sky(v))
+      holds[v] = {2 * std::log(kFaintest), kPinned};
+    else if (b > 0 || i > 0)
+      holds[v] = {std::log(std::max(i, kFaintest) / std::max(b, kFaintest)), hold};
+  }
   return holds;
 }
 
 // Solves for u with diagonally preconditioned conjugate gradients.
 std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const CutLimits& limits) {
   const uint32_t n = p.network.nodes;
-  const std::vector<Hold> holds = all_holds(p, l, limits);
+  const std::vector<Hold> holds = holds_of(p, l, limits.hold);
   std::vector<double> diagonal(n), right(n, 0), u(n, 0.5);
   for (uint32_t v = 0; v < n; ++v) {
     const double whole = p.samples[v] * p.scale;
@@ -182,13 +152,24 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const Cu
   return u;
 }
 
+// Median of hits / sample, weighted by hits; 0 without hits.
+double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
+  std::vector<std::pair<double, double>> densities;  // with hits
+  double total = 0, below = 0;
+  for (size_t i = 0; i < hits.size(); ++i)
+    if (samples[i] > 0 && hits[i] > 0)
+      densities.emplace_back(hits[i] / samples[i], hits[i]), total += hits[i];
+  std::sort(densities.begin(), densities.end());
+  for (const auto& [density, n] : densities)
+    if ((below += n) >= 0.5 * total) return density;
+  return 0;
+}
+
 }  // namespace
 
 Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
   const Links links = links_of(p);
   Sweep s;
-  s.least_drop = p.brightness.empty() ? limits.plain_drop : limits.least_drop;
-  s.least_wide_drop = p.brightness.empty() ? limits.plain_wide_drop : limits.least_wide_drop;
   s.u = potential_of(p, links, limits);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
     if (!p.terminal(v)) s.order.push_back(v);

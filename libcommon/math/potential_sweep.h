@@ -1,12 +1,11 @@
 // Orders patches by whether the light or the camera reaches them better, and makes sweep cuts in
 // that order.
 //
-// Where the light of patches is known, the potential u of a patch is log(v / b), the ratio of what
-// it means to the camera and of how bright it is: both are even within a room, and from room to
-// room towards the camera b falls and v rises by a factor. A closet has the ratio of its room. Else
-// u is 0 where the light reaches a patch well and 1 where the camera does. Either way it is
-// smoothed or continued as the potential of a resistor network whose conductances are the arcs'
-// capacities (random-walker segmentation).
+// The potential u of a patch is log(v / b), the ratio of what it means to the camera and of how
+// bright it is: both are even within a room, and from room to room towards the camera b falls and v
+// rises by a factor. A closet has the ratio of its room. Where they are unknown, the walks that hit
+// a patch stand for them, or the terminals' arcs. It is smoothed and continued as the potential of
+// a resistor network whose conductances are the arcs' capacities (random-walker segmentation).
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -23,8 +22,6 @@ struct Sweep {
   std::vector<double> volume;    ///< likewise, capacity of arcs to other patches
   std::vector<double> weight;    ///< likewise, PatchNetwork::weight
   std::vector<double> crossing;  ///< capacity across the cut after this node
-  /// Smallest difference of u between two rooms; and between two with a wide opening.
-  double least_drop = 0, least_wide_drop = 0;
 
   size_t size() const { return order.size(); }
   /// The part of one of the sums that belongs to nodes low .. high (exclusive).

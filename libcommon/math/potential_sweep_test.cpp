@@ -24,9 +24,22 @@ PatchNetwork row() {
 TEST(potential_sweep, is_that_of_resistors_in_a_row) {
   const Sweep s = sweep_of(row(), {});
   ASSERT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
-  // Resistances: 1/1000 at either end, 1/400, 1/40, 1/400 between; 0.032 in total.
-  const double u[] = {0.001 / 0.032, 0.0035 / 0.032, 0.0285 / 0.032, 0.031 / 0.032};
-  for (uint32_t i = 0; i < 4; ++i) EXPECT_NEAR(s.u[2 + i], u[i], 1e-6) << i;
+  // Held at either end, through 1/300, where one terminal has four times its mean and the other
+  // nothing; 1/400, 1/40, 1/400 between.
+  const double end = std::log(4 / 1e-5), whole = 2 / 300.0 + 0.03;
+  const double from_first[] = {1 / 300.0, 1 / 300.0 + 0.0025, 1 / 300.0 + 0.0275, 1 / 300.0 + 0.03};
+  for (uint32_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(s.u[2 + i], end * (2 * from_first[i] / whole - 1), 1e-5) << i;
+}
+
+// Walks that hit the patches stand for light that is not known.
+TEST(potential_sweep, takes_walks_for_light) {
+  PatchNetwork lit = row(), known = row();
+  lit.lit = {0, 0, 80, 40, 20, 10}, lit.viewed = {0, 0, 10, 20, 40, 80};
+  known.brightness = {0, 0, 8, 4, 2, 1}, known.importance = {0, 0, 1, 2, 4, 8};
+  const Sweep walks = sweep_of(lit, {}), light = sweep_of(known, {});
+  for (uint32_t v = 2; v < 6; ++v) EXPECT_NEAR(walks.u[v], light.u[v], 1e-9);
+  EXPECT_GT(std::abs(sweep_of(row(), {}).u[2] - light.u[2]), 1);  // twin: terminals alone
 }
 
 TEST(potential_sweep, has_its_narrowest_cut_where_the_potential_drops) {
@@ -47,7 +60,7 @@ TEST(potential_sweep, follows_the_light_that_reaches_the_camera) {
   EXPECT_EQ(s.order, (std::vector<uint32_t>{2, 3, 4, 5}));
   EXPECT_NEAR(s.u[2], std::log(1.0 / 8), 0.8);
   EXPECT_NEAR(s.u[5], std::log(8.0), 0.8);
-  EXPECT_GT(s.u[4] - s.u[3], s.least_drop);  // across the narrow arc, by a factor of four
+  EXPECT_GT(s.u[4] - s.u[3], CutLimits{}.least_drop);  // across the narrow arc, by a factor of four
   // Twin: the camera where the light was.
   std::swap(p.brightness, p.importance);
   EXPECT_EQ(sweep_of(p, {}).order, (std::vector<uint32_t>{5, 4, 3, 2}));

@@ -170,7 +170,7 @@ class SeriesCutter {
   std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
     const std::vector<double>& u = sweep_.u;
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
-    if (high - low < (loose ? sweep_.least_wide_drop : sweep_.least_drop)) return {};
+    if (high - low < (loose ? limits_.least_wide_drop : limits_.least_drop)) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net = all_arcs_;
     size_t next = 1;

@@ -209,8 +209,8 @@ TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
   p.viewed = p.lit;
   for (uint32_t v = 2; v < p.network.nodes; ++v) {
     const bool beyond = v < 2 + kPatches;
-    p.lit[v] = beyond ? 700 : 1000;
-    p.viewed[v] = beyond ? 1000 : 700;
+    p.lit[v] = beyond ? 500 : 1000;
+    p.viewed[v] = beyond ? 1000 : 500;
   }
   const SeriesCut cut = series_cut(p, 8, {});
   ASSERT_TRUE(cut.bottleneck) << cut.reason;
