@@ -181,9 +181,8 @@ class CyclesPortals(Stamp):
         import cycles
         bench = common.Bench("cycles", cycles.equal_time, BIN, self.cache, self.doc)
         for room in ("window", "door-ajar"):
-            found = bench.portals(SCENES / f"{room}.glb", options={"portalfit": ("--all",)}.get)
-            script = bench.store.run("portalfit", found.runs["lightgrid"].out,
-                                     "--all", "--for", "cycles", threads=0).out
+            found = bench.portals(SCENES / f"{room}.glb")
+            script = bench.store.run("portalfit", found.runs["lightgrid"].out, "--for", "cycles", threads=0).out
             self.assertIn(" lamps for ", cycles.blender("check", found.file, script).said)
         text, wrong = script.read_text(), self.work / "wrong.py"
         placed = "portal.matrix_world = Matrix(matrix)"

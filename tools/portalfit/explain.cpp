@@ -22,7 +22,7 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
   const std::string support =
       f.contains("support")
           ? fmt::format("; {} of the lines through it join the two sides, at least {}",
-                        percent(f.at("support")), percent(options.limits.support))
+                        percent(f.at("support")), percent(kMost))
           : "";
   return fmt::format(
       "it carries {} of the camera's light, at least {}{}; {}; {:.0f} degrees "
@@ -44,23 +44,16 @@ Decision of_search(const LightGrid& grid, const FitResult& found, const Phases& 
 }  // namespace
 
 Decisions decisions_of(const LightGrid& grid, const PortalFitOptions& options,
-                       const FitResult& found, const std::vector<std::string>& useless,
-                       const Phases& phases) {
+                       const FitResult& found, const Phases& phases) {
   if (!grid.bottleneck || grid.lines.empty())
     return {{"search", "left out",
              grid.bottleneck ? "the grid holds no line of light" : grid.reason,
              cli::price_of(phases, {"fit"})}};
   Decisions all{of_search(grid, found, phases)};
   size_t written = 0;
-  for (size_t i = 0; i < found.portals.size(); ++i) {
-    const Portal& portal = found.portals[i];
-    const std::string area = number_words(portal.figures.at("area")) + " m2";
-    if (useless[i].empty())
-      all.push_back(
-          {fmt::format("portal.{}", written++), "written", merits(portal, options), area});
-    else
-      all.push_back({"a portal", "left out", useless[i] + "; --all writes it", area});
-  }
+  for (const Portal& portal : found.portals)
+    all.push_back({fmt::format("portal.{}", written++), "written", merits(portal, options),
+                   number_words(portal.figures.at("area")) + " m2"});
   for (const FitResult::Refusal& r : found.refused)
     all.push_back(
         {"candidate", "refused", r.why + (r.limit.empty() ? "" : "; asked for: " + r.limit), ""});

@@ -1,5 +1,5 @@
-// The text of --explain for fitted portals: each that is written, left out or refused, with its
-// figure and the limit.
+// The text of --explain for fitted portals: each that is written or refused, with its figure and
+// the limit.
 #pragma once
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/decision.h"
@@ -7,10 +7,8 @@
 
 namespace tdpt {
 
-/// `useless`: for each portal why it is not written; empty if it is. Of the phases only `fit` is
-/// used.
+/// Of the phases only `fit` is used.
 cli::Decisions decisions_of(const LightGrid& grid, const PortalFitOptions& options,
-                            const FitResult& found, const std::vector<std::string>& useless,
-                            const Phases& phases);
+                            const FitResult& found, const Phases& phases);
 
 }  // namespace tdpt

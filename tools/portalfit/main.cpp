@@ -14,7 +14,6 @@
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tools/portalfit/choice.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/limit_options.h"
 #include "tools/portalfit/merit.h"
@@ -40,7 +39,7 @@ struct Arguments {
   std::string method = "tube", renderer, preview, scene, debug_glb, debug_lines = "edges";
   int64_t max_portals = 8;
   FitLimits limits;
-  bool require_portal = false, all = false;
+  bool require_portal = false;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -59,7 +58,6 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.result_is_text([&a] { return !a.renderer.empty(); });
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
                cli::Shapes::nothing);
-  options.flag("--all", a.all, "Write portals that are useless for certain, too");
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
                       "front and from above; with --scene the plans instead");
@@ -88,16 +86,9 @@ FitResult fit(const Arguments& a, const LightGrid& grid) {
   return result;
 }
 
-// Of each portal why it is not written; empty where it is.
-std::vector<std::string> left_out(const Arguments& a, const FitResult& found) {
-  if (a.all) return std::vector<std::string>(found.portals.size());
-  return why_useless(found.portals, a.limits);
-}
-
 // The plans of the scene, for the first camera that the grid was made for, where it says so.
 std::string plan_of(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-                    const FitResult& found, const std::vector<std::string>& useless,
-                    const std::string& why_none) {
+                    const FitResult& found, const std::string& why_none) {
   Scene scene = read_gltf(a.scene);
   common.also_read(scene.files);
   if (!scene.is_scene_of(grid.scene_hash))
@@ -105,63 +96,30 @@ std::string plan_of(const Arguments& a, const cli::Common& common, const LightGr
                      "was made from another scene than " + a.scene);
   const auto made_for = parse_viewpoint(grid.cameras.empty() ? "" : grid.cameras[0]);
   const Camera camera = made_for ? camera_of(scene.frame, *made_for) : scene.camera("");
-  return plan_preview(scene, camera, found, useless, why_none).file_named(a.preview);
+  return plan_preview(scene, camera, found, why_none).file_named(a.preview);
 }
 
-// The portals to write, and the lines that each counts.
-struct Written {
-  PortalFile file;
-  std::vector<std::vector<uint32_t>> lines;
-};
-
-Written choose(const cli::Common& common, const std::vector<cli::Common::Input>& files,
-               const LightGrid& grid, const FitResult& found,
-               const std::vector<std::string>& useless) {
-  Written out;
-  for (size_t i = 0; i < found.portals.size(); ++i)
-    if (useless[i].empty()) {
-      out.file.portals.push_back(found.portals[i]);
-      out.lines.push_back(found.lines[i]);
-    }
-  out.file.scene_hash = grid.scene_hash;
-  out.file.made_for = grid.cameras;
-  out.file.provenance = common.provenance(files);
-  return out;
-}
-
-// Notes, and what the summary says of the portals that are written.
-nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found,
-                    const std::vector<std::string>& useless) {
+// Notes, and what the summary says of the portals.
+nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found) {
   nlohmann::json written = nlohmann::json::array();
-  std::vector<Portal> portals;
-  for (size_t i = 0; i < found.portals.size(); ++i) {
-    const auto& f = found.portals[i].figures;
-    if (!useless[i].empty()) continue;
-    nlohmann::json entry = f;
+  for (const Portal& portal : found.portals) {
+    nlohmann::json entry = portal.figures;
     entry["name"] = fmt::format("portal.{}", written.size());
-    entry["drawback"] = drawback_of(f);
-    if (!found.portals[i].cameras.empty()) entry["cameras"] = found.portals[i].cameras;
+    entry["drawback"] = drawback_of(portal.figures);
+    if (!portal.cameras.empty()) entry["cameras"] = portal.cameras;
     written.push_back(entry);
-    portals.push_back(found.portals[i]);
   }
-  if (!portals.empty()) common.note(portals_sentence(portals));
-  if (written.size() < found.portals.size()) common.note(left_out_sentence(useless));
+  if (!found.portals.empty()) common.note(portals_sentence(found.portals));
   if (!written.empty() && !found.refused.empty() && found.explained < a.limits.plane_holds)
     common.note("no further opening: the rest of the light does not pass one narrow place");
   std::vector<std::string> refused;
   for (const FitResult::Refusal& r : found.refused) refused.push_back(r.why);
-  return {{"portals", written},
-          {"explained", found.explained},
-          {"refused", refused},
-          {"left_out", found.portals.size() - written.size()}};
+  return {{"portals", written}, {"explained", found.explained}, {"refused", refused}};
 }
 
 // Nothing is written: says why, or throws where a portal is required.
-std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-                     const FitResult& found) {
-  const std::string why = !found.portals.empty() ? "each that was found is useless"
-                          : grid.bottleneck      ? kNoOpening
-                                                 : grid.reason;
+std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid) {
+  const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
   if (a.require_portal)
     throw InputError(display_name(a.grid.front()), "", "gives no portal: " + why);
   common.note("no portal: " + why);
@@ -169,24 +127,19 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
 }
 
 void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-             const FitResult& found, const std::vector<std::string>& useless,
-             const Written& written, Phases& phases) {
+             const FitResult& found, const PortalFile& file, Phases& phases) {
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  cli::deliver({{common.output,
-                 [&] {
-                   return a.renderer.empty() ? portal_bytes(written.file)
-                                             : portals_for(a.renderer, written.file);
-                 }},
-                {a.preview,
-                 [&] {
-                   if (!a.scene.empty()) return plan_of(a, common, grid, found, useless, why);
-                   return portal_preview(grid, written.file.portals, written.lines, a.grid.front(),
-                                         why)
-                       .file_named(a.preview);
-                 }},
-                {a.debug_glb,
-                 [&] { return portal_debug_glb(grid, written.file, debug_lines(a.debug_lines)); }}},
-               common, phases);
+  cli::deliver(
+      {{common.output,
+        [&] { return a.renderer.empty() ? portal_bytes(file) : portals_for(a.renderer, file); }},
+       {a.preview,
+        [&] {
+          if (!a.scene.empty()) return plan_of(a, common, grid, found, why);
+          return portal_preview(grid, found.portals, found.lines, a.grid.front(), why)
+              .file_named(a.preview);
+        }},
+       {a.debug_glb, [&] { return portal_debug_glb(grid, file, debug_lines(a.debug_lines)); }}},
+      common, phases);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
@@ -198,12 +151,15 @@ int run(const Arguments& a, const cli::Common& common) {
   phases.done("load");
   const FitResult found = fit(a, grid);
   phases.done("fit");
-  const std::vector<std::string> useless = left_out(a, found);
-  const Written written = choose(common, files, grid, found, useless);
-  nlohmann::json summary = tell(a, common, found, useless);
-  if (written.file.portals.empty()) summary["reason"] = why_none(a, common, grid, found);
-  common.explain_by([&] { return decisions_of(grid, options_of(a), found, useless, phases); });
-  deliver(a, common, grid, found, useless, written, phases);
+  PortalFile file;
+  file.portals = found.portals;
+  file.scene_hash = grid.scene_hash;
+  file.made_for = grid.cameras;
+  file.provenance = common.provenance(files);
+  nlohmann::json summary = tell(a, common, found);
+  if (found.portals.empty()) summary["reason"] = why_none(a, common, grid);
+  common.explain_by([&] { return decisions_of(grid, options_of(a), found, phases); });
+  deliver(a, common, grid, found, file, phases);
   cli::report(common, summary, phases);
   return 0;
 }

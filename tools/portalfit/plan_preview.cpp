@@ -30,7 +30,7 @@ Opening opening_of(const Portal& portal) {
   return o;
 }
 
-// What was found, refused and left out, and the reasons of the grey ones.
+// What was found and refused, and the reasons of the refused.
 struct Shown {
   std::vector<Opening> openings;
   std::vector<Vec3d> places;  // of the portals
@@ -66,22 +66,17 @@ void add_grey(Shown& shown, const std::vector<std::vector<Vec3d>>& polygons,
       shown.openings.push_back({p, normalize(cross(p[1] - p[0], p[2] - p[0])), letter, true});
 }
 
-Shown shown_of(const FitResult& found, const std::vector<std::string>& left_out) {
+Shown shown_of(const FitResult& found) {
   Shown shown;
-  size_t written = 0;
-  for (size_t i = 0; i < found.portals.size(); ++i) {
-    const Portal& portal = found.portals[i];
-    if (!left_out[i].empty()) continue;
+  for (const Portal& portal : found.portals) {
     Opening o = opening_of(portal);
-    o.label = fmt::format("portal.{}", written++);
+    o.label = fmt::format("portal.{}", shown.places.size());
     if (const auto share = portal.figures.find("flux_share"); share != portal.figures.end())
       o.label += "  " + percent_words(share->second);
     if (std::abs(o.way.y) > 0.7) o.label += o.way.y > 0 ? ", up" : ", down";
     shown.openings.push_back(std::move(o));
     shown.places.push_back(middle_of(portal.vertices));
   }
-  for (size_t i = 0; i < found.portals.size(); ++i)
-    if (!left_out[i].empty()) add_grey(shown, {found.portals[i].vertices}, left_out[i]);
   for (const FitResult::Refusal& r : found.refused)
     if (!r.polygons.empty()) add_grey(shown, r.polygons, r.why);
   return shown;
@@ -126,8 +121,8 @@ bool has_lamps(const Scene& scene) {
 }  // namespace
 
 draw::Canvas plan_preview(const Scene& scene, const Camera& camera, const FitResult& found,
-                          const std::vector<std::string>& left_out, const std::string& why_none) {
-  const Shown shown = shown_of(found, left_out);
+                          const std::string& why_none) {
+  const Shown shown = shown_of(found);
   const Tracer tracer(scene);
   const Vec3d eye = scene.frame.to_metres(camera.position);
   std::vector<Storey> storeys = storeys_to_draw(scene, tracer, eye, shown.places);

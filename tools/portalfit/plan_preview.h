@@ -10,9 +10,8 @@
 
 namespace tdpt {
 
-/// `why_none`: the reason if no portal is written. `found`, and of each of its portals why it is
-/// left out, empty where it is written: what is left out or refused is grey, with its reason.
+/// What was refused is grey, with its reason. `why_none`: the reason if there is no portal.
 draw::Canvas plan_preview(const Scene& scene, const Camera& camera, const FitResult& found,
-                          const std::vector<std::string>& left_out, const std::string& why_none);
+                          const std::string& why_none);
 
 }  // namespace tdpt

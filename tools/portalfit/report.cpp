@@ -1,7 +1,5 @@
 #include "tools/portalfit/report.h"
 
-#include <set>
-
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
@@ -30,15 +28,6 @@ std::string portals_sentence(const std::vector<Portal>& portals) {
   }
   if (named.size() < n) named.push_back(fmt::format("and {} more", n - named.size()));
   return fmt::format("{}: {}", counted(n, "portal"), fmt::join(named, ", "));
-}
-
-std::string left_out_sentence(const std::vector<std::string>& why) {
-  std::set<std::string> reasons;
-  size_t n = 0;
-  for (const std::string& w : why)
-    if (!w.empty()) ++n, reasons.insert(w);
-  return fmt::format("left out {}: {}; --all writes {}", counted(n, "portal"),
-                     fmt::join(reasons, "; "), n == 1 ? "it" : "them");
 }
 
 }  // namespace tdpt

@@ -11,8 +11,4 @@ namespace tdpt {
 /// There is at least one; each has its figures.
 std::string portals_sentence(const std::vector<Portal>& portals);
 
-/// How many portals are not written, and each reason once. `why`: of every portal found why it is
-/// useless, empty where it is not [choice.h].
-std::string left_out_sentence(const std::vector<std::string>& why);
-
 }  // namespace tdpt

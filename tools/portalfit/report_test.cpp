@@ -25,10 +25,4 @@ TEST(portalfit_report, portals_are_one_line_however_many_there_are) {
   EXPECT_NE(portals_sentence({wide}).find("light (a wide way, "), std::string::npos);
 }
 
-TEST(portalfit_report, what_is_left_out_is_one_line_with_each_reason_once) {
-  EXPECT_EQ(left_out_sentence({"", "dim"}), "left out 1 portal: dim; --all writes it");
-  EXPECT_EQ(left_out_sentence({"wide", "", "dim", "dim"}),
-            "left out 3 portals: dim; wide; --all writes them");
-}
-
 }  // namespace tdpt::report_test
