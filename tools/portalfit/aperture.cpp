@@ -34,7 +34,7 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points, const FitLimits& limit
       Polygon kept;
     };
     std::array<Cut, kDirections> cuts;
-    cuts.fill({limits.worth_trimming, {}});
+    cuts.fill({limits.slight, {}});
     tbb::parallel_for(0, kDirections, [&](int k) {
       Cut& cut_here = cuts[static_cast<size_t>(k)];
       const double angle = 2 * std::numbers::pi * k / kDirections;
@@ -68,21 +68,6 @@ Polygon completed(const Polygon& hull, size_t points) {
   return enlarged(hull, 1 + 8.0 / 3 * std::log(n) / n);
 }
 
-// Lines that neither begin nor end in the tube or close to it. The others may end on something
-// before an opening, such as slats or a sill, and would locate that instead of the wall.
-Bundle clear_of(const Bundle& bundle, const Tube& tube, double clear) {
-  const Slab slab(tube);
-  std::vector<Vec2d> places;
-  for (const uint32_t l : bundle.which)
-    if (const auto p = slab.passage(bundle.line(l))) places.push_back(p->at(0));
-  if (places.empty()) return {bundle.of};
-  const double far = tube.half + clear * extents_of(places).shorter;
-  return bundle.where([&](const LightLine& line) {
-    const auto p = slab.passage(line);
-    return p && p->through(far);
-  });
-}
-
 }  // namespace
 
 Bundle lines_across(const Bundle& lines, const Aperture& a) {
@@ -98,14 +83,14 @@ Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits) {
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
   hull = trimmed(std::move(hull), points, limits);
   return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
-                    limits.corner);
+                    limits.slight);
 }
 
 Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits) {
   const Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
   return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
-                    limits.whole_corner);
+                    limits.slight);
 }
 
 std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const Tube& tube,
@@ -117,14 +102,6 @@ std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const 
     bundle = members(lines, a.tube, in.grid.voxel, in.limits);
     if (in.limits.few(bundle.size())) return {};
   }
-  const Bundle clear = clear_of(bundle, a.tube, in.limits.clear);
-  if (static_cast<double>(clear.size()) >
-      in.limits.least_clear * static_cast<double>(bundle.size()))
-    if (const auto lesser = lesser_tube(clear.lines(), a.tube, in.limits)) {
-      a.tube = *lesser;
-      bundle = members(lines, a.tube, in.grid.voxel, in.limits);
-      if (in.limits.few(bundle.size())) return {};
-    }
   if (const auto square = tube_in_wall(bundle.lines(), a.tube, in.grid.walls, in.limits)) {
     a.tube = *square;
     bundle = members(lines, a.tube, in.grid.voxel, in.limits);

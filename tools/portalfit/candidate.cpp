@@ -1,7 +1,7 @@
 // Distinguishes an opening from a plane in the air.
 //
-// Method: a plane across several openings has fewer lines per area than a single opening (minimum
-// etendue again); so a denser aperture is sought among the lines through a half and a third of it.
+// Method: a plane across two windows at a corner has fewer lines per area than either of them
+// (minimum etendue again); so a denser aperture is sought among its lines to one side.
 #include "tools/portalfit/candidate.h"
 
 #include <algorithm>
@@ -29,16 +29,6 @@ double through_share(const Aperture& a) {
 
 double density(const Aperture& a) {
   return static_cast<double>(a.lines.size()) / area(a.polygon);
-}
-
-// Its lines that cross `a` between these positions along `axis`, measured from `middle`.
-Bundle strip_of(const Aperture& a, Vec2d middle, Vec2d axis, double from, double to) {
-  return a.lines.where([&](const LightLine& line) {
-    const auto at = crossing(a.tube.middle, line);
-    if (!at) return false;
-    const double along = dot(*at - middle, axis);
-    return along >= from && along < to;
-  });
 }
 
 }  // namespace
@@ -76,8 +66,8 @@ std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
   const LightGrid& grid = in.grid;
   const double size = std::sqrt(area(a.polygon));
   const bool no_walls = std::find(grid.air.begin(), grid.air.end(), 0) == grid.air.end();
-  if (no_walls || size < in.limits.coarse * grid.voxel) return {};
-  const double beyond = std::max(2 * grid.voxel, in.limits.beyond * size),
+  if (no_walls || size < 2 * in.limits.resolved * grid.voxel) return {};
+  const double beyond = std::max(in.limits.resolved * grid.voxel, in.limits.beside * size),
                far = a.tube.half + 0.5 * size;
   const Vec2d middle = extents_of(a.polygon).mean;
   double before = 0, behind = 0, all = 0;
@@ -134,13 +124,10 @@ struct Promise {
 };
 
 // The densest opening, among all `lines`, where one of the `promises` has it, if it is denser than
-// `most` and has at least `fewest` lines. Only the few that promise most, and more than `promised`,
-// are fitted.
+// `most`. Only the few that promise most, and at least `promised`, are fitted.
 std::optional<Aperture> densest_of(const FitInput& in, const Bundle& lines,
-                                   std::vector<Promise> promises, double promised, double most,
-                                   double fewest) {
-  std::erase_if(promises,
-                [&](const Promise& p) { return !(p.density > in.limits.promised * promised); });
+                                   std::vector<Promise> promises, double promised, double most) {
+  std::erase_if(promises, [&](const Promise& p) { return !(p.density > promised); });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.density > b.density; });
   promises.resize(std::min(promises.size(), static_cast<size_t>(in.limits.most_fitted)));
@@ -148,8 +135,7 @@ std::optional<Aperture> densest_of(const FitInput& in, const Bundle& lines,
   for (const Promise& p : promises) {
     auto part = outlined(in, p.bundle, p.tube);
     if (part) part = outlined(in, lines, part->tube, true);
-    if (!part || density(*part) < most || static_cast<double>(part->lines.size()) < fewest)
-      continue;
+    if (!part || density(*part) < most) continue;
     most = density(*part);
     best = std::move(part);
   }
@@ -174,32 +160,10 @@ std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lin
       promises.push_back({bundle, tube, density_near(in, bundle, tube)});
     }
   }
-  return densest_of(in, lines, std::move(promises), density_near(in, whole.lines, whole.tube),
-                    in.limits.denser * density(whole),
-                    in.limits.least_of_whole * static_cast<double>(whole.lines.size()));
-}
-
-std::optional<Aperture> denser_part(const FitInput& in, const Bundle& lines,
-                                    const Aperture& whole) {
-  const auto support = support_of(in, whole);
-  if (!support || *support >= in.limits.sure) return {};
-  const Extents e = extents_of(whole.polygon);
-  const double third = e.longer / 3, far = 2 * e.longer;
-  std::vector<Promise> promises;
-  for (const auto& [from, to] : {std::pair{-far, 0.0},
-                                 {0.0, far},
-                                 {-far, -0.5 * third},
-                                 {-0.5 * third, 0.5 * third},
-                                 {0.5 * third, far}}) {
-    const Bundle strip = strip_of(whole, e.mean, e.axis, from, to);
-    if (const auto tube = find_waist(in, strip))
-      promises.push_back({strip, *tube, density_near(in, strip, *tube)});
-  }
-  auto part = densest_of(in, lines, std::move(promises), density_near(in, whole.lines, whole.tube),
-                         in.limits.denser * density(whole),
-                         in.limits.least_of_whole * static_cast<double>(whole.lines.size()));
-  if (part && support_of(in, *part).value_or(0) < *support) return {};
-  return part;
+  // The guess of a density may be too low by as much as the opening must be denser.
+  return densest_of(in, lines, std::move(promises),
+                    density_near(in, whole.lines, whole.tube) / in.limits.denser,
+                    in.limits.denser * density(whole));
 }
 
 }  // namespace tdpt

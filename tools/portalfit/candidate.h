@@ -18,10 +18,6 @@ std::optional<double> support_of(const FitInput& in, const Aperture& a);
 /// too coarse.
 std::optional<double> edge_share(const FitInput& in, const Aperture& a);
 
-/// A plane across several openings, such as the sides of a bay, has little support and fewer of the
-/// `lines` per area than one of them. Returns that one; nothing if there is none.
-std::optional<Aperture> denser_part(const FitInput& in, const Bundle& lines, const Aperture& whole);
-
 /// A plane before two windows at a corner lies in the open: most light of each window goes to one
 /// side of its normal. Returns the densest opening, among all `lines`, of those that go to one side
 /// of `whole`; nothing if none is denser than it.

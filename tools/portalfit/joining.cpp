@@ -70,15 +70,15 @@ double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>
   std::vector<Aperture> both = a;
   both.insert(both.end(), b.begin(), b.end());
   const Joint joint = joint_of(in, both);
-  if (!joint.flat || joint.open < in.limits.open_enough) return 0;
+  if (!joint.flat || joint.open < kMost) return 0;
   if (too_many) return joint.open;
   const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
   const double bar = distance_between(one, other);
-  if (bar <= in.limits.thin_bar * in.grid.voxel) return joint.open;
+  if (bar <= in.limits.resolved * in.grid.voxel) return joint.open;
   // The corners of a rectangle spread like a larger rectangle.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
-  return joint.open >= in.limits.mostly_open && bar <= in.limits.mullion * side ? joint.open : 0;
+  return joint.open >= in.limits.mostly_open && bar <= in.limits.beside * side ? joint.open : 0;
 }
 
 using Group = std::vector<Aperture>;
@@ -155,11 +155,11 @@ Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts) {
   for (const Aperture& a : parts) {
     const double cosine = dot(a.tube.middle.n, joint.plane.n);
     open += area(a.polygon) * cosine;
-    faces = faces && cosine > in.limits.turned;
+    faces = faces && cosine > in.limits.parallel;
   }
   joint.open = open / area(joint.outline);
   const double side = extents_of(joint.outline).shorter;
-  joint.flat = faces && high <= std::max(in.grid.voxel, in.limits.flat * side);
+  joint.flat = faces && high <= std::max(in.grid.voxel, in.limits.beside * side);
   return joint;
 }
 

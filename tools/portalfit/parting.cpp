@@ -44,7 +44,7 @@ bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all,
 // Lines through `plane` near `polygon`, except those in `taken`, which is sorted.
 std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
                                   const std::vector<uint32_t>& taken, const FitLimits& limits) {
-  const Polygon reach = enlarged(polygon, limits.reach_of_lines);
+  const Polygon reach = enlarged(polygon, limits.widening);
   std::vector<LightLine> lines;
   for (const uint32_t l : all.which)
     if (const auto at = clear_crossing(plane, all.line(l), limits);
@@ -95,12 +95,11 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b,
   const Onb<double> frame(own.n);
   const Vec2d axis{dot(other.n, frame.x), dot(other.n, frame.y)};
   const double slant = std::hypot(axis.x, axis.y);
-  if (slant < limits.slant) return {};
+  if (slant * slant < 1 - limits.parallel * limits.parallel) return {};
   HalfPlane half{axis * (1 / slant), dot(other.o - own.o, other.n) / slant};
   const double whole = area(a.polygon);
   double kept = area(clipped(a.polygon, half.axis, half.limit));
   if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
-  if (kept < (1 - limits.most_clipped) * whole) return {};
   const auto middle = middle_of_border(enlarged(a.polygon, limits.widening), half);
   if (!middle) return {};
   const Vec2d there = in_plane(other, to_space(own, *middle));
@@ -110,7 +109,7 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b,
 
 void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
   if (found.size() < 2) return;
-  for (const double growth : {in.limits.widening, in.limits.next_growth, 1.0}) {
+  for (const double growth : {in.limits.widening, std::sqrt(in.limits.widening), 1.0}) {
     for (Aperture& a : found) {
       std::vector<uint32_t> others;
       for (const Aperture& b : found) {
@@ -129,7 +128,7 @@ void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Ape
       };
       const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
       const auto size = static_cast<double>(a.lines.size());
-      if (shared < in.limits.shared * size || shared > 0.5 * size) continue;
+      if (shared < in.limits.slight * size || shared > 0.5 * size) continue;
       auto again = outlined(in, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(all, *again);

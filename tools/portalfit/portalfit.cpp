@@ -40,7 +40,7 @@ Bundle lines_not_at(const Bundle& lines, const Aperture& a, const FitLimits& lim
   const Polygon wider = enlarged(a.polygon, limits.wider);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
-  deeper.half += limits.deeper * e.shorter;
+  deeper.half += limits.beside * e.shorter;
   const Slab slab(deeper);
   return lines.where([&](const LightLine& line) {
     const auto passage = slab.passage(line);
@@ -217,45 +217,32 @@ class Fit {
   std::vector<Aperture> parts_of(const Bundle& all) {
     Bundle rest = all;
     std::vector<Aperture> parts;
-    for (size_t tried = 0; static_cast<double>(tried) < limits_.most_tried &&
-                           !limits_.few(rest.size()) && light_of(rest) >= limits_.threshold;
-         ++tried) {
+    for (size_t before = 0; rest.size() != before && !limits_.few(rest.size()) &&
+                            light_of(rest) >= limits_.threshold;) {
+      before = rest.size();
       auto found = find_aperture(in_, rest);
       if (!found || found->lines.empty()) {
         rest = without_crowd(rest);
         continue;
       }
       ++result_.candidates;
-      if (auto part = part_of(rest, *found)) found = std::move(part);
-      if (is_opening(*found) && !limits_.few(found->lines.size()) &&
-          light_of(found->lines) >= limits_.least_part * limits_.threshold)
-        parts.push_back(*found);
-      Bundle left = lines_not_at(rest, *found, limits_);
-      if (left.size() == rest.size()) break;
-      rest = std::move(left);
+      if (support_of(in_, *found).value_or(1) < limits_.one_opening)
+        if (auto part = part_of_directions(in_, rest, *found)) found = std::move(part);
+      if (is_opening(*found) && !limits_.few(found->lines.size())) parts.push_back(*found);
+      rest = lines_not_at(rest, *found, limits_);
     }
     return parts;
-  }
-
-  // A better opening that is a part of the candidate: one of several side by side, or of two
-  // windows at a corner, before which a plane has little support.
-  std::optional<Aperture> part_of(const Bundle& rest, const Aperture& whole) const {
-    std::optional<Aperture> part = denser_part(in_, rest, whole);
-    const Aperture& so_far = part ? *part : whole;
-    if (support_of(in_, so_far).value_or(1) >= limits_.one_opening) return part;
-    auto of_directions = part_of_directions(in_, rest, so_far);
-    return of_directions ? of_directions : part;
   }
 
   // Whether a candidate lies between the two sides and bounds the light; otherwise refuses it.
   bool is_opening(const Aperture& a) {
     const auto support = support_of(in_, a);
-    if (support && *support < limits_.support) {
+    if (support && *support < kMost) {
       refuse(fmt::format(
                  "a candidate lies within one side: only {:.0f} % of the lines through it join the "
                  "two",
                  100 * *support),
-             at_least(limits_.support), {a});
+             at_least(kMost), {a});
       return false;
     }
     const double edge = edge_share(in_, a).value_or(1);

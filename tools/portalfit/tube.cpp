@@ -180,7 +180,7 @@ class Search {
       if (const auto passage = slab.passage(lines_[i])) {
         look.through += passage->through(tube.half);
         if (goal_.slant > 0)
-          look.slant += std::log(std::max(limits_.least_cosine, passage->along / length_[i]));
+          look.slant += std::log(std::max(limits_.grazing, passage->along / length_[i]));
         for (const double face : faces) places_.push_back(passage->at(face * tube.half));
       }
     look.held = places_.size() / 2;
@@ -350,8 +350,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
       });
   // If the whole tube passes light, its density of lines per etendue is that of its narrowest
   // plane.
-  const double enough =
-      limits.dense_tube * Search(some, of_tubes(limits), limits).density(narrowest);
+  const double enough = kMost * Search(some, of_tubes(limits), limits).density(narrowest);
   const auto narrow = [&] {
     return Search(fine, of_narrowest(limits), limits)
         .run(narrowest.tube, limits.fine_step, limits.fine_last)
@@ -372,17 +371,6 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   return holds_too_few ? found.tube : plane.tube;
 }
 
-std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube,
-                                const FitLimits& limits) {
-  const Tube next = least_tube(lines, tube, false, limits);
-  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
-  Search search(fine, of_tubes(limits), limits);
-  const Look before = search.look(tube), after = search.look(next);
-  // Depth alone lowers the cost, although beside a door ajar there is none: area must fall, too.
-  const bool lesser = after.cost < before.cost && after.size < (1 - limits.clearly) * before.size;
-  return lesser ? std::optional(next) : std::nullopt;
-}
-
 std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
                                  std::span<const Vec3d> walls, const FitLimits& limits) {
   const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
@@ -391,7 +379,7 @@ std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube
   std::optional<Tube> best;
   for (const Vec3d& wall : walls) {
     const double cosine = dot(wall, tube.middle.n);
-    if (std::abs(cosine) < limits.near_wall) continue;
+    if (std::abs(cosine) < limits.parallel) continue;
     Tube start = tube;
     start.middle.n = cosine < 0 ? -wall : wall;
     const Found found = search.run(start, limits.fine_step, limits.fine_last, false);

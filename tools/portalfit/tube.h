@@ -26,11 +26,6 @@ double facing_rectangles(double a, double b, double c);
 Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near,
                 const FitLimits& limits);
 
-/// A tube near `tube` that holds `lines` in clearly less area, and less etendue; nothing if there
-/// is none.
-std::optional<Tube> lesser_tube(const std::vector<LightLine>& lines, const Tube& tube,
-                                const FitLimits& limits);
-
 /// The tube moved and turned into one of the walls that face nearly as it does; nothing if they
 /// hold `lines` in clearly more etendue. Lines that come from one side leave the tilt nearly open,
 /// and openings lie in walls.

@@ -113,17 +113,6 @@ TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
   EXPECT_GT(degrees_from_z(least_tube(lines, start, true, {})), 4);
 }
 
-TEST(Tube, ALesserOneHasClearlyLessArea) {
-  const auto lines = testing::lines_of_tube(1, 1, 0.01, 6000);
-  const Tube wall{{{0, 0, 0}, {1, 0, 0}}, 0};
-  EXPECT_FALSE(lesser_tube(lines, wall, {}));
-  Tube tilted = wall;
-  tilted.middle.n = normalize(Vec3d{1, 0.15, 0});
-  const auto lesser = lesser_tube(lines, tilted, {});
-  ASSERT_TRUE(lesser);
-  EXPECT_LT(degrees_from_x(*lesser), 1.5);
-}
-
 // Light that leans tilts the plane; the wall that it lies in does not lean.
 TEST(Tube, LiesInAWallThatFacesNearlyAsItDoes) {
   const std::vector<Vec3d> walls{{1, 0, 0}, {0, 0, -1}};
