@@ -29,9 +29,7 @@ struct CutLimits {
 
   // The sweep [potential_sweep.h].
   double hold = 0.3;  ///< conductance that holds a patch's potential, of its samples
-  /// Smallest difference of log(importance / brightness) between two rooms; and between two with a
-  /// wide opening.
-  double least_drop = 0.7, least_wide_drop = 1;
+  double least_drop = 0.7;  ///< smallest difference of log(importance / brightness) of two rooms
   /// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of
   /// largest_conductance.
   double loose = 2;

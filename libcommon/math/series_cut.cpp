@@ -167,10 +167,10 @@ class SeriesCutter {
   // The minimum cut at a drop between nodes low .. high of the sweep. Empty if both sides have the
   // same potential: the door of a closet, which no light passes on its way. Data term: the distance
   // of a patch's potential from the drop, relative to that of the plateau, pulls it to its side.
-  std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end, bool loose) const {
+  std::optional<Candidate> cut_at(size_t drop, size_t low_end, size_t high_end) const {
     const std::vector<double>& u = sweep_.u;
     const double low = plateau(low_end, drop), high = plateau(drop, high_end);
-    if (high - low < (loose ? limits_.least_wide_drop : limits_.least_drop)) return {};
+    if (high - low < limits_.least_drop) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net = all_arcs_;
     size_t next = 1;
@@ -196,7 +196,7 @@ class SeriesCutter {
       if (k == c || !counts(k)) continue;
       (k < c ? low : high) = k < c ? drops[k].at : std::min(high, drops[k].at);
     }
-    return cut_at(drops[c].at, low, high, drops[c].conductance > limits_.largest_conductance);
+    return cut_at(drops[c].at, low, high);
   }
 
   std::vector<Drop> drops_to_look_at() {

@@ -19,7 +19,6 @@ inline constexpr CutLimit kCutLimits[]{
     {"same-opening", &CutLimits::same_opening, 0, 1},
     {"hold", &CutLimits::hold, 0, 1},
     {"least-drop", &CutLimits::least_drop, 0, 1},
-    {"least-wide-drop", &CutLimits::least_wide_drop, 0, 1e9},
     {"loose", &CutLimits::loose, 0, 1e9},
     {"most-drops", &CutLimits::most_drops, 0, 1e9},
 };

@@ -82,15 +82,13 @@ Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
   hull = trimmed(std::move(hull), points, limits);
-  return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
-                    limits.slight);
+  return simplified(completed(hull, points.size()), limits.slight);
 }
 
 Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits) {
   const Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  return simplified(completed(hull, points.size()), static_cast<size_t>(limits.most_corners),
-                    limits.slight);
+  return simplified(completed(hull, points.size()), limits.slight);
 }
 
 std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const Tube& tube,

@@ -116,32 +116,6 @@ Tube at_waist(const FitInput& in, const Bundle& bundle, const Vec3d& along) {
   return tube;
 }
 
-// A place for an opening of a bundle, with the density that it promises.
-struct Promise {
-  Bundle bundle;
-  Tube tube;
-  double density = 0;
-};
-
-// The densest opening, among all `lines`, where one of the `promises` has it, if it is denser than
-// `most`. Only the few that promise most, and at least `promised`, are fitted.
-std::optional<Aperture> densest_of(const FitInput& in, const Bundle& lines,
-                                   std::vector<Promise> promises, double promised, double most) {
-  std::erase_if(promises, [&](const Promise& p) { return !(p.density > promised); });
-  std::stable_sort(promises.begin(), promises.end(),
-                   [](const Promise& a, const Promise& b) { return a.density > b.density; });
-  promises.resize(std::min(promises.size(), static_cast<size_t>(in.limits.most_fitted)));
-  std::optional<Aperture> best;
-  for (const Promise& p : promises) {
-    auto part = outlined(in, p.bundle, p.tube);
-    if (part) part = outlined(in, lines, part->tube, true);
-    if (!part || density(*part) < most) continue;
-    most = density(*part);
-    best = std::move(part);
-  }
-  return best;
-}
-
 }  // namespace
 
 std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lines,
@@ -150,20 +124,25 @@ std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lin
   const Extents e = extents_of(whole.polygon);
   const Vec3d longer = frame.x * e.axis.x + frame.y * e.axis.y;
   const Vec3d shorter = cross(whole.tube.middle.n, longer);
-  std::vector<Promise> promises;
+  // The cheap guess of a density may be too low by as much as the opening must be denser.
+  const double promised = density_near(in, whole.lines, whole.tube) / in.limits.denser;
+  double most = in.limits.denser * density(whole);
+  std::optional<Aperture> densest;
   for (const Vec3d& axis : {longer, -longer, shorter, -shorter}) {
     const Bundle along = whole.lines.where(
         [&](const LightLine& line) { return dot(line.camera - line.light, axis) > 0; });
     for (const Bundle& bundle : apart(along)) {
       if (in.limits.few(bundle.size())) continue;
       const Tube tube = find_waist(in, bundle).value_or(at_waist(in, bundle, axis));
-      promises.push_back({bundle, tube, density_near(in, bundle, tube)});
+      if (!(density_near(in, bundle, tube) > promised)) continue;
+      auto part = outlined(in, bundle, tube);
+      if (part) part = outlined(in, lines, part->tube, true);
+      if (!part || density(*part) < most) continue;
+      most = density(*part);
+      densest = std::move(part);
     }
   }
-  // The guess of a density may be too low by as much as the opening must be denser.
-  return densest_of(in, lines, std::move(promises),
-                    density_near(in, whole.lines, whole.tube) / in.limits.denser,
-                    in.limits.denser * density(whole));
+  return densest;
 }
 
 }  // namespace tdpt

@@ -19,6 +19,9 @@ struct FitLimits {
   /// a room 0 to 0.2.
   double least_edge = 0.3;
   double resolved = 2;  ///< voxels: narrower bars, and edges half as long, do not show
+  /// Ratio of areas up to which they are alike: of a prism's faces and middle, of an outline and
+  /// one that takes all of its lines.
+  double alike = 1.08;
   /// Ratio of areas from which one is clearly the wider: of a tube's faces over its middle, of what
   /// is near an outline over the outline.
   double widening = 1.5;
@@ -27,7 +30,6 @@ struct FitLimits {
   double dense_cell = 0.1;     ///< of the mean density: least of a cell in the bundle
   double points_per_cell = 8;  ///< of its finer histograms
   double grazing = 0.05;       ///< cosine with the normal: less is not clear, nor counted as less
-  double wider = 1.1;          ///< growth of an outline that takes all of its lines
 
   // The tube that an opening cuts into its wall.
   double missing = 2;           ///< worth of a line against area, in logarithms
@@ -45,7 +47,6 @@ struct FitLimits {
   double fine_step = 0.1;     ///< of a search that goes on
   double rough_last = 0.05;   ///< last step of the first searches
   double fine_last = 0.004;   ///< of the others
-  double prism = 1.08;        ///< area of a tube's faces over its middle's, up to which it is one
   double plane_holds = 0.97;  ///< share of a tube's lines with which a plane takes its place
   double blind_end = 0.1;     ///< of its depth, behind which lines end on the end of a room
   /// Cosine between planes that may be one, such as a tube's and a wall's; others bound each other.
@@ -53,7 +54,6 @@ struct FitLimits {
   double square = 0.15;  ///< of the etendue, by which it may be the larger there
 
   // Its outline.
-  double most_corners = 12;  ///< of a portal
   /// Of an area or of lines, what does not matter: what one corner fewer adds, or strays; and lines
   /// that two openings share.
   double slight = 0.01;
@@ -67,7 +67,6 @@ struct FitLimits {
 
   // Several openings.
   double denser = 1.3;       ///< lines per area of a part over those of the whole
-  double most_fitted = 2;    ///< parts, those that promise most
   double mostly_open = 0.8;  ///< of a joint outline: then panes are joined across mullions
 
   /// Whether so few lines tell nothing.

@@ -57,7 +57,7 @@ Polygon clipped(const Polygon& polygon, Vec2d axis, double limit) {
   return clean;
 }
 
-Polygon simplified(const Polygon& polygon, size_t corners, double tolerance) {
+Polygon simplified(const Polygon& polygon, double tolerance) {
   Polygon p = polygon;
   const double whole = area(polygon);
   while (p.size() > 3) {
@@ -77,7 +77,7 @@ Polygon simplified(const Polygon& polygon, size_t corners, double tolerance) {
       const double added = 0.5 * cross(meet - b, c - b);
       if (std::abs(added) < least) least = std::abs(added), edge = i, corner = meet;
     }
-    if (edge == n || (n <= corners && least > tolerance * whole)) break;
+    if (edge == n || least > tolerance * whole) break;
     p[edge] = corner;
     p.erase(p.begin() + static_cast<std::ptrdiff_t>((edge + 1) % n));
   }

@@ -36,8 +36,8 @@ Polygon enlarged(const Polygon& polygon, double growth);
 /// The part of the convex polygon with dot(axis, p) <= limit.
 Polygon clipped(const Polygon& polygon, Vec2d axis, double limit);
 /// A convex polygon around `polygon` with fewer corners: edges are removed by extending their
-/// neighbours, the one that adds least area first, until at most `corners` are left and the next
-/// would add more than `tolerance` of the area.
-Polygon simplified(const Polygon& polygon, std::size_t corners, double tolerance);
+/// neighbours, the one that adds least area first, until the next would add more than `tolerance`
+/// of the area.
+Polygon simplified(const Polygon& polygon, double tolerance);
 
 }  // namespace tdpt

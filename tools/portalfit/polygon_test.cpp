@@ -33,7 +33,7 @@ TEST(Polygon, HullOfRandomPointsHoldsThemAll) {
 
 TEST(Polygon, SimplifyingOnlyAdds) {
   const Polygon round = circle(200);
-  const Polygon few = simplified(round, 12, 0.003);
+  const Polygon few = simplified(round, 0.01);
   EXPECT_LE(few.size(), 12u);
   EXPECT_GT(area(few), area(round));
   EXPECT_LT(area(few), 1.05 * area(round));
@@ -44,7 +44,7 @@ TEST(Polygon, SimplifyingFindsTheRectangle) {
   // A rectangle with slightly cut corners.
   const double e = 0.01;
   const Polygon cut{{e, 0}, {2 - e, 0}, {2, e}, {2, 1 - e}, {2 - e, 1}, {e, 1}, {0, 1 - e}, {0, e}};
-  const Polygon p = simplified(cut, 12, 0.003);
+  const Polygon p = simplified(cut, 0.003);
   ASSERT_EQ(p.size(), 4u);
   EXPECT_NEAR(area(p), 2, 1e-12);
 }

@@ -37,7 +37,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
 Bundle lines_not_at(const Bundle& lines, const Aperture& a, const FitLimits& limits) {
-  const Polygon wider = enlarged(a.polygon, limits.wider);
+  const Polygon wider = enlarged(a.polygon, limits.alike);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
   deeper.half += limits.beside * e.shorter;
@@ -299,7 +299,7 @@ class Fit {
 
   // Share of the light of `a` that passes `b`, too.
   double passing(const Aperture& a, const Aperture& b) const {
-    const Polygon wider = enlarged(b.polygon, limits_.wider);
+    const Polygon wider = enlarged(b.polygon, limits_.alike);
     const Bundle both = a.lines.where([&](const LightLine& line) {
       const auto at = crossing(b.tube.middle, line);
       return at && contains(wider, *at);

@@ -363,7 +363,7 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
     return narrow();
   const double waistedness = search.waistedness(found);
   if (!(waistedness < limits.widening)) return narrow();
-  if (waistedness < limits.prism || form_factor(found) <= kMost) return found.tube;
+  if (waistedness < limits.alike || form_factor(found) <= kMost) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
   const Found plane = least_plane(fine, found.tube, flat, limits);
   const bool holds_too_few = static_cast<double>(plane.look.held) <
