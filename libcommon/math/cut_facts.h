@@ -28,7 +28,7 @@ struct CutLimits {
   double same_opening = 0.8;
 
   // The sweep [potential_sweep.h].
-  double hold = 0.3;  ///< conductance that holds a patch's potential, of its samples
+  double hold = 0.3;        ///< conductance that holds a patch's potential, of its samples
   double least_drop = 0.7;  ///< smallest difference of log(importance / brightness) of two rooms
   /// The sweep cut at a drop is worse than the minimum cut there: its largest conductance, of
   /// largest_conductance.
