@@ -24,9 +24,9 @@ Bundle lines_across(const Bundle& lines, const Aperture& a);
 /// The convex outline of an opening with these crossings, without outliers; empty if there is none.
 Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits);
 
-/// The same for crossings known to belong to the opening: none is an outlier. It has few corners,
-/// which makes it larger: where a gap narrows to nothing few lines pass, and light that misses its
-/// portal costs a render more than a portal that is slightly too large.
+/// The same for crossings known to belong to the opening: none is an outlier. Where a gap
+/// narrows to nothing few lines pass, and light that misses its portal costs a render more than a
+/// portal that is slightly too large.
 Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits);
 
 /// The aperture among `lines` close to `tube`, with its tube and outline. `again`: `tube` is the

@@ -18,7 +18,8 @@ struct FitLimits {
   /// Least share of its outline that is an edge: of most openings it is 0.4 to 1, of planes across
   /// a room 0 to 0.2.
   double least_edge = 0.3;
-  double resolved = 2;  ///< voxels: narrower bars, and edges half as long, do not show
+  /// Voxels: narrower bars do not show, nor do edges of what is less than twice as wide.
+  double resolved = 2;
   /// Ratio of areas up to which they are alike: of a prism's faces and middle, of an outline and
   /// one that takes all of its lines.
   double alike = 1.08;
@@ -29,7 +30,9 @@ struct FitLimits {
   // The lines of an opening.
   double dense_cell = 0.1;     ///< of the mean density: least of a cell in the bundle
   double points_per_cell = 8;  ///< of its finer histograms
-  double grazing = 0.05;       ///< cosine with the normal: less is not clear, nor counted as less
+  /// Cosine with the normal: a crossing with less is not clear, and counts as this where slants are
+  /// averaged.
+  double grazing = 0.05;
 
   // The tube that an opening cuts into its wall.
   double missing = 2;           ///< worth of a line against area, in logarithms
