@@ -88,12 +88,14 @@ Goal of_known(const FitLimits& limits) {
 // Coordinates of a tube: position along n, depth of both faces or of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
 
-// The tube moved by `by` [metres] along one coordinate; it turns about its middle's `o`.
+// The tube moved by `by` [metres] along one coordinate; a tilt about its middle's `o` moves its far
+// ends by that.
 Tube moved(Tube tube, const Extents& e, Move move, double by, double most_tilt) {
   const Vec3d n = tube.middle.n;
   const Onb<double> frame(n);
-  const auto tilt = [&](const Vec3d& towards, double side) {
-    tube.middle.n = normalize(n + towards * std::clamp(by / side, -most_tilt, most_tilt));
+  const auto tilt = [&, depth = tube.half](const Vec3d& towards, double side) {
+    tube.middle.n = normalize(
+        n + towards * std::clamp(by / std::hypot(side, 2 * depth), -most_tilt, most_tilt));
   };
   switch (move) {
     case slide:
