@@ -126,6 +126,10 @@ std::string key_of_wall(size_t w) {
   return fmt::format("tdpt_wall_{}", w + 1);
 }
 
+std::string key_of_pane(size_t p, const char* face) {
+  return fmt::format("tdpt_pane_{}_{}", p + 1, face);
+}
+
 // Attribute of lines with the shares of camera `k` of `cameras`.
 std::string name_of_share(size_t k, size_t cameras) {
   return cameras == 1 ? "share" : fmt::format("share_{}", k + 1);
@@ -288,6 +292,7 @@ class Reader {
     if (!std::isfinite(light.flux_share)) fail("tdpt_flux_share", "is not finite");
     read_cuts(meta, light);
     read_walls(meta, light);
+    read_panes(meta, light);
     if (const auto lines = meta.getMetadata<vdb::StringMetadata>("tdpt_provenance")) {
       std::istringstream text(lines->value());
       for (std::string line; std::getline(text, line);) light.provenance.lines.push_back(line);
@@ -329,6 +334,19 @@ class Reader {
       if (light.walls.size() == kMostWalls)
         fail(key, fmt::format("is one wall more than {}, expected no more", kMostWalls));
       light.walls.push_back(wall);
+    }
+  }
+
+  // Nor need it tell of panes.
+  void read_panes(const vdb::MetaMap& meta, LightGrid& light) const {
+    for (std::string key; meta[key = key_of_pane(light.panes.size(), "front")];) {
+      const vdb::Vec3d f = value<vdb::Vec3d>(meta, key.c_str());
+      const vdb::Vec3d b = value<vdb::Vec3d>(meta, key_of_pane(light.panes.size(), "back").c_str());
+      const Pane pane{{f.x(), f.y(), f.z()}, {b.x(), b.y(), b.z()}};
+      if (!is_pane(pane)) fail(key, "has no thickness, expected two places apart from each other");
+      if (light.panes.size() == kMostPanes)
+        fail(key, fmt::format("is one pane more than {}, expected no more", kMostPanes));
+      light.panes.push_back(pane);
     }
   }
 
@@ -505,6 +523,11 @@ std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   for (size_t w = 0; w < light.walls.size(); ++w) {
     const Vec3d& n = light.walls[w];
     meta.insertMeta(key_of_wall(w), vdb::Vec3DMetadata({n.x, n.y, n.z}));
+  }
+  for (size_t p = 0; p < light.panes.size(); ++p) {
+    const auto& [f, b] = light.panes[p];
+    meta.insertMeta(key_of_pane(p, "front"), vdb::Vec3DMetadata({f.x, f.y, f.z}));
+    meta.insertMeta(key_of_pane(p, "back"), vdb::Vec3DMetadata({b.x, b.y, b.z}));
   }
   if (!light.provenance.empty()) {
     std::string text;

@@ -32,6 +32,13 @@ struct Probe {
   bool joins = false;  ///< whether it connects the two sides
 };
 
+/// A sheet of solid glass, between two parallel planes: a point of one face and that of the other
+/// which is opposite [metres]. Panes in one plane are one.
+struct Pane {
+  Vec3d front, back;
+  bool operator==(const Pane&) const = default;
+};
+
 /// How narrow the passage through one cut is.
 struct CutFigures {
   double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
@@ -60,6 +67,8 @@ struct LightGrid {
   /// Unit normals, either side's, of the directions in which many of the building's surfaces face,
   /// the most frequent first; at most kMostWalls; empty: unknown.
   std::vector<Vec3d> walls{};
+  /// The largest first; at most kMostPanes; empty: none, or unknown.
+  std::vector<Pane> panes{};
   std::string scene_hash;
   std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   Provenance provenance;
@@ -108,6 +117,13 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
 constexpr double kMostShare = 1e6;
 
 constexpr size_t kMostWalls = 16;
+constexpr size_t kMostPanes = 64;
+
+/// Whether its faces are finite places apart from each other.
+inline bool is_pane(const Pane& pane) {
+  const double thick = length(pane.back - pane.front);
+  return is_finite(pane.front) && thick > 0 && std::isfinite(thick);
+}
 
 /// Largest number of voxels in a grid.
 constexpr size_t kMostVoxels = size_t{1} << 27;

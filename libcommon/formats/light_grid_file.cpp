@@ -18,10 +18,10 @@ namespace {
 template <class Grid, class Each>
 void each_field(Grid& grid, const Each& each) {
   auto& [origin, voxel, dim, count, air, direction, lines, shares, probes, bottleneck, reason,
-         flux_share, cuts, walls, scene_hash, cameras, provenance, hash] = grid;
+         flux_share, cuts, walls, panes, scene_hash, cameras, provenance, hash] = grid;
   each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
   each(shares), each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts);
-  each(walls), each(scene_hash), each(cameras);
+  each(walls), each(panes), each(scene_hash), each(cameras);
   each(provenance.lines), each(hash);
 }
 

@@ -57,6 +57,7 @@ LightGrid small() {
   g.flux_share = 0.75;
   g.cuts = {{0.01, 0.5}, {0.25, 1}};
   g.walls = {{0, 1, 0}, {0.6, 0, -0.8}};
+  g.panes = {{{0, 1.0 / 3, 0}, {0, 0.3, 0}}, {{1, 2, 3}, {1, 2, 3.01}}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b"};
   return g;
 }
@@ -98,6 +99,7 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_EQ(back.cuts[1].conductance, 0.25);
   EXPECT_EQ(back.cuts[1].kept, 1);
   EXPECT_EQ(back.walls, g.walls);
+  EXPECT_EQ(back.panes, g.panes);
   EXPECT_TRUE(back.bottleneck);
   EXPECT_EQ(back.provenance.lines, g.provenance.lines);
   expect_same_lines(back, g, 1e-6);
@@ -197,6 +199,13 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g.walls.assign(17, {1, 0, 0});
   EXPECT_EQ(error_of(light_grid_bytes(g)),
             "tdpt_wall_17: is one wall more than 16, expected no more");
+  g = small();
+  g.panes[1].back = g.panes[1].front;
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_pane_2_front: has no thickness, expected two places apart from each other");
+  g.panes.assign(65, {{1, 0, 0}, {1, 0, 1}});
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_pane_65_front: is one pane more than 64, expected no more");
   g = small();
   g.cameras = {"1 2 3"};
   EXPECT_EQ(error_of(light_grid_bytes(g)),

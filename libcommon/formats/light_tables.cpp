@@ -54,6 +54,8 @@ void write_header(std::string& out, const LightGrid& grid) {
   for (size_t c = 0; c < grid.cuts.size(); ++c)
     fmt::format_to(to, "# cut {} {} {}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept);
   for (const Vec3d& n : grid.walls) fmt::format_to(to, "# wall {} {} {}\n", n.x, n.y, n.z);
+  for (const auto& [f, b] : grid.panes)
+    fmt::format_to(to, "# pane {} {} {} {} {} {}\n", f.x, f.y, f.z, b.x, b.y, b.z);
 }
 
 void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
@@ -91,6 +93,7 @@ struct Header {
   std::optional<Answer> answer;
   std::vector<CutFigures> cuts;
   std::vector<Vec3d> walls;
+  std::vector<Pane> panes;
   Provenance provenance;
 };
 
@@ -167,7 +170,7 @@ class TableReader {
   void read_header(Header& all) {
     Provenance provenance;
     bool versioned = false;
-    size_t cuts = 0, cameras = 0, walls = 0;
+    size_t cuts = 0, cameras = 0, walls = 0, panes = 0;
     while ((more_ = in_.next())) {
       TextLines ahead = in_;
       if (ahead.rest().front() != '#') break;
@@ -184,6 +187,8 @@ class TableReader {
         read_cut(cuts++, all.cuts);
       } else if (key == "wall") {
         read_wall(walls++, all.walls);
+      } else if (key == "pane") {
+        read_pane(panes++, all.panes);
       } else if (key == "camera") {
         read_camera(cameras++, all.cameras);
       } else if (key == "made" || key == "from") {
@@ -261,6 +266,20 @@ class TableReader {
     if (n == walls.size()) walls.push_back(wall);
     std::optional<Vec3d> known = walls[n];
     same(known, wall, "wall");
+  }
+
+  // Number `n` of the panes.
+  void read_pane(size_t n, std::vector<Pane>& panes) {
+    Pane pane;
+    for (Vec3d* const face : {&pane.front, &pane.back})
+      for (int c = 0; c < 3; ++c) (*face)[c] = in_.real("pane");
+    in_.end();
+    if (!is_pane(pane))
+      in_.fail("a pane without thickness, expected two places apart from each other");
+    if (n == kMostPanes) in_.fail(fmt::format("one pane more than {}", kMostPanes));
+    if (n == panes.size()) panes.push_back(pane);
+    std::optional<Pane> known = panes[n];
+    same(known, pane, "pane");
   }
 
   // Line `n` of the table of cuts.
@@ -405,6 +424,7 @@ LightGrid grid_of(const Header& all) {
   grid.cameras = all.cameras;
   grid.cuts = all.cuts;
   grid.walls = all.walls;
+  grid.panes = all.panes;
   grid.provenance = all.provenance;
   return grid;
 }

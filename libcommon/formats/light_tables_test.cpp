@@ -33,6 +33,7 @@ LightGrid small() {
   g.cameras = {"1.5 -2 0 0 0 -1 0 1 0 0.9 1.5 fronts the eye"};
   g.cuts = {{0.01, 0.5}, {1.0 / 3, 1}};
   g.walls = {{0, 1, 0}, {0.6, 0, -0.8}};
+  g.panes = {{{0, 1.0 / 3, 0}, {0, 0.3, 0}}, {{1, 2, 3}, {1, 2, 3.01}}};
   g.provenance.lines = {"made by lightgrid 1: lightgrid", "from a b", "made by x 1: x", "from a b"};
   return g;
 }
@@ -73,6 +74,7 @@ TEST(light_tables, come_back_to_the_last_bit_in_any_order) {
     EXPECT_EQ(back.cameras, g.cameras);
     EXPECT_EQ(back.cuts, g.cuts);
     EXPECT_EQ(back.walls, g.walls);
+    EXPECT_EQ(back.panes, g.panes);
     EXPECT_EQ(back.bottleneck, g.bottleneck);
     std::rotate(tables.begin(), tables.begin() + 1, tables.end());
   }
@@ -162,13 +164,15 @@ std::string of_rows(const std::string& name, const std::string& rows, const std:
   g.lines.clear(), g.probes.clear();
   g.air.assign(60, 0), g.count.assign(60, 0);
   g.provenance.lines.clear(), g.cameras.clear(), g.scene_hash.clear(), g.cuts.clear();
-  g.walls.clear();
+  g.walls.clear(), g.panes.clear();
   return complaint({{name, replaced(light_table_text(g, name), was, is) + rows}});
 }
 
 TEST(light_tables, say_what_is_wrong_and_where_in_the_header) {
   EXPECT_EQ(complaint("lines", "# wall 0 1 0", "# wall 0 2 0"),
             "lines:line 13: a wall that is 2 long, expected a unit vector");
+  EXPECT_EQ(complaint("lines", "# pane 1 2 3 1 2 3.01", "# pane 1 2 3 1 2 3"),
+            "lines:line 16: a pane without thickness, expected two places apart from each other");
   EXPECT_EQ(
       complaint("lines", "light_x", "x"),
       "lines:line 1: 'cut,x,light_y,light_z,camera_x,camera_y,...' as columns, expected those "

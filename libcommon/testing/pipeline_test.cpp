@@ -130,6 +130,33 @@ TEST(pipeline, a_glass_pane_does_not_wall_the_hole_up) {
   EXPECT_TRUE(rooms_with_pane(0).empty());  // twin: a board
 }
 
+// A pane of solid glass, 2 cm thick, in the middle of the hole.
+TEST(pipeline, a_portal_stands_in_the_air_before_solid_glass) {
+  RoomScene s;
+  for (const char* name : {"KHR_materials_transmission", "KHR_materials_volume"})
+    s.b.json["extensionsUsed"].push_back(name);
+  s.row(2, {0.875, 1.125, -0.125, 0.125});
+  s.ceiling_lamp(3.1, 20);
+  s.b.camera("camera", {0.15, 1.25, 0.75}, {2, 0.8, -0.25}, kFov, kAspect);
+  const int glass = s.b.material({{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                                  {"extensions",
+                                   {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                    {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}});
+  constexpr double kFront = 2.04, kBack = 2.06;
+  Quads pane;
+  for (const RoomPlan::Quad& q : box({kFront, 0.875, -0.125}, {kBack, 1.125, 0.125}))
+    pane.add(q[0], q[1], q[2], q[3]);
+  s.part("pane", glass, pane);
+  const TempFolder folder;
+  const std::vector<Portal> portals = find_portals(folder.write("pane.glb", s.b.glb()));
+  const KnownAperture hole =
+      rectangle({2.05, 0.875, -0.125}, {0, 0.25, 0}, {0, 0, 0.25}, {-1, 0, 0}, 0.1);
+  ASSERT_EQ(portals.size(), 1u);
+  EXPECT_GE(coverage(hole, portals), 0.95);
+  for (const Vec3d& corner : portals[0].vertices)
+    EXPECT_TRUE(corner.x < kFront || corner.x > kBack) << corner.x;
+}
+
 TEST(pipeline, rooms_in_a_row_have_a_portal_in_each_of_their_doors) {
   const KnownAperture first =
       rectangle({2.05, 0.75, -0.25}, {0, 0.5, 0}, {0, 0, 0.5}, {-1, 0, 0}, 0.1);

@@ -20,6 +20,7 @@
 #include "tools/lightgrid/air.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
+#include "tools/lightgrid/panes.h"
 #include "tools/lightgrid/sky_dome.h"
 #include "tools/lightgrid/walls.h"
 
@@ -268,6 +269,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
 
   LightGrid grid = empty_grid(scene, reach_of_cut(scene, cut), options.resolution);
   grid.walls = wall_directions(scene, grid);
+  grid.panes = solid_panes(scene);
   mark_air(scene, grid);
   report.air = static_cast<size_t>(std::count(grid.air.begin(), grid.air.end(), 1));
   report.phases.done("air");

@@ -33,6 +33,7 @@ namespace tdpt {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kBeforeGlass = 0.1;  // of its thickness: how far before it a portal stands
 
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
@@ -66,6 +67,31 @@ std::vector<Vec3d> corners_of(const Aperture& a) {
   std::vector<Vec3d> corners;
   for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
   return corners;
+}
+
+// How far towards the camera the opening's plane is moved to lie before the solid glass that holds
+// it, in the air [metres]; 0 where none does.
+double way_out_of_glass(const FitInput& in, const Aperture& a) {
+  const Vec3d n = a.tube.middle.n;
+  const double most = in.limits.beside * extents_of(a.polygon).shorter;
+  double way = 0;
+  // Two sheets may stand one behind the other.
+  for (size_t again = 0; again < 2; ++again)
+    for (const Pane& pane : in.grid.panes) {
+      const double thick = length(pane.back - pane.front);
+      const Vec3d across = (pane.back - pane.front) / thick;
+      const double cosine = dot(across, n);
+      if (std::abs(cosine) < in.limits.parallel) continue;
+      double low = INFINITY, high = -INFINITY;
+      for (const Vec3d& corner : corners_of(a)) {
+        const double depth = dot(corner + n * way - pane.front, across);
+        low = std::min(low, depth), high = std::max(high, depth);
+      }
+      if (!(low < thick && high > 0)) continue;
+      const double out = (cosine > 0 ? thick - low : high) + kBeforeGlass * thick;
+      if (way + out / std::abs(cosine) <= most) way += out / std::abs(cosine);
+    }
+  return way;
 }
 
 // Whether they stand so near each other that they may be one opening, like the two narrow places
@@ -179,6 +205,8 @@ class Fit {
     for (size_t k = 0; k < names_.size(); ++k)
       if (opening.light[k] > 0) portal.cameras[names_[k]] = std::min(1.0, opening.light[k]);
     portal.vertices = corners_of(a);
+    const Vec3d out = a.tube.middle.n * way_out_of_glass(in_, a);
+    for (Vec3d& corner : portal.vertices) corner += out;
     portal.triangles = triangulate(a.polygon);
     Vec3d sum{};
     for (const LightLine& line : a.lines.lines()) sum += normalize(line.camera - line.light);

@@ -445,6 +445,32 @@ double median_angle(size_t lines) {
 
 // A single seed says little. With 400 lines the median is 2.9 degrees; a quarter of them is not
 // enough.
+// Depths of a portal's corners before a pane of 2 cm in the hole's middle that faces along `face`
+// [thicknesses of the pane]; it starts at 0 and ends at 1.
+std::vector<double> depths_before_glass(const Vec3d& face, bool told) {
+  Opening deep = hole();
+  deep.thickness = 0.2;
+  LightGrid grid = in_a_wall(grid_of(lines_through({deep}, 8000, {}, 1)), {deep});
+  const Vec3d front = deep.middle - face * 0.01 + deep.u;
+  if (told) grid.panes = {{front, front + face * 0.02}};
+  const FitResult fit = fit_portals(grid, {});
+  EXPECT_EQ(fit.portals.size(), 1u);
+  EXPECT_GT(score(fit.portals[0], deep, {}).coverage, 0.97);
+  std::vector<double> depths;
+  for (const Vec3d& corner : fit.portals[0].vertices)
+    depths.push_back(dot(corner - front, deep.n) / 0.02 * dot(deep.n, face));
+  return depths;
+}
+
+TEST(PortalFit, APortalStandsBeforeSolidGlass) {
+  for (const double depth : depths_before_glass(hole().n, true)) EXPECT_GT(depth, 1);
+  for (const double depth : depths_before_glass(-hole().n, true)) EXPECT_LT(depth, 0);
+  // Twin: it would stand in it.
+  const std::vector<double> untold = depths_before_glass(hole().n, false);
+  EXPECT_LT(*std::min_element(untold.begin(), untold.end()), 1);
+  EXPECT_GT(*std::max_element(untold.begin(), untold.end()), 0);
+}
+
 TEST(PortalFit, FewLinesGiveAFewDegrees) {
   EXPECT_LT(median_angle(400), 4);
   EXPECT_GT(median_angle(100), 4);
