@@ -161,17 +161,21 @@ def worth_table(rows):
 @settings(WIDTH=Setting(160, "of the pictures that tell what portals are worth", 96),
           SECONDS_EACH=Setting(5.0, "CPU seconds of a picture", 0.5), SEEDS=Setting(4, "pictures of each kind", 2),
           REFERENCE=Setting(120.0, "CPU seconds of a reference, in two halves", 2.0),
+          QUALITY=Setting("normal", "of the stages: draft, normal or high; doc/portals.md takes normal alone"),
           WORTH=Setting((), "names of views whose portals' worth is measured, too; default all; 0: none"))
 def houses(bench):
     """Real buildings with known openings. Light paths drawn by plain path tracing say how much of a camera's light
     passes each opening; portals are right that cover those of 2 % of it. Then pictures by auto through the portals
     found, through such drawn into the openings, and without any. Two hours on two cores; WORTH=0: twenty minutes."""
     views = views_of(bench)
-    portals = [found(bench, view) for view in views]
+    quality = ("--quality", bench.settings.quality)
+    portals = [found(bench, view, options={"ffgraph": ("--camera", view.camera, *quality), "lightgrid": quality})
+               for view in views]
     parts = {"right": right_table(bench, views, portals)}
     print(parts["right"])
     worth = [(v, p) for v, p in zip(views, portals) if not bench.settings.worth or v.name in bench.settings.worth]
     if worth:
         parts["worth"] = worth_table(worth_rows(bench, *zip(*worth)))
         print(parts["worth"])
-    bench.page("portals", parts, EVERYTHING, "portalfit")
+    if bench.settings.quality == "normal":
+        bench.page("portals", parts, EVERYTHING, "portalfit")

@@ -29,7 +29,7 @@ std::vector<RoomKind> those_of(const std::string& names, const std::vector<RoomK
 RoomBench::RoomBench(int argc, char** argv, std::vector<RoomKind> kinds, uint64_t rooms,
                      std::map<std::string, std::string> own)
     : own_(std::move(own)), jobs_(std::max(1u, std::thread::hardware_concurrency())) {
-  if (argc < 2 || argc % 2 != 0)
+  if (argc < 2 || argc % 2 != 0 || argv[1][0] == '-')
     throw std::invalid_argument("expected the folder of the programs, then options with values");
   bin_ = argv[1];
   uint64_t seed = 1;
