@@ -1,3 +1,7 @@
+// Finds the sheets of solid glass: pairs of flat faces that look away from each other.
+//
+// Method: triangles of glass are summed by plane, in cells of a degree and a tenth of a millimetre;
+// each face, the largest first, is paired with the nearest face behind it that looks the other way.
 #include "tools/lightgrid/panes.h"
 
 #include <algorithm>
