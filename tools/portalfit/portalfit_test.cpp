@@ -462,6 +462,15 @@ std::vector<double> depths_before_glass(const Vec3d& face, bool told) {
   return depths;
 }
 
+// What a pane of 2 cm about the hole's middle that faces along `face` moves the portal by.
+Vec3d moved_by_glass(const Vec3d& face) {
+  const Opening o = hole();
+  LightGrid grid = in_a_wall(grid_of(lines_through({o}, 8000, {}, 1)), {o});
+  const Portal without = fit_portals(grid, {}).portals.at(0);
+  grid.panes = {{o.middle - face * 0.01, o.middle + face * 0.01}};
+  return fit_portals(grid, {}).portals.at(0).vertices[0] - without.vertices[0];
+}
+
 TEST(PortalFit, APortalStandsBeforeSolidGlass) {
   for (const double depth : depths_before_glass(hole().n, true)) EXPECT_GT(depth, 1);
   for (const double depth : depths_before_glass(-hole().n, true)) EXPECT_LT(depth, 0);
@@ -469,6 +478,9 @@ TEST(PortalFit, APortalStandsBeforeSolidGlass) {
   const std::vector<double> untold = depths_before_glass(hole().n, false);
   EXPECT_LT(*std::min_element(untold.begin(), untold.end()), 1);
   EXPECT_GT(*std::max_element(untold.begin(), untold.end()), 0);
+  // Glass in another wall, at right angles, moves nothing.
+  EXPECT_EQ(moved_by_glass(hole().u * 4), Vec3d{});
+  EXPECT_GT(length(moved_by_glass(hole().n)), 0.001);  // twin
 }
 
 TEST(PortalFit, FewLinesGiveAFewDegrees) {
