@@ -7,7 +7,7 @@ from houses import Truth, found, right_row, views_of
 
 # Numbers that are varied together first; those that no group names make one of their own.
 GROUPS = (
-    ("mincut", "rooms", ("least-area", "largest-conductance", "least-carried", "same-opening")),
+    ("mincut", "rooms", ("least-area", "largest-conductance", "least-carried")),
     ("mincut", "lamps in their own opening", ("straight", "seen")),
     ("mincut", "the sweep", ("hold", "least-drop", "loose", "most-drops")),
     ("portalfit", "openings", ("threshold", "one-opening", "fewest", "least-edge", "resolved", "widening")),

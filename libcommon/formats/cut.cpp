@@ -46,16 +46,11 @@ class CutReader {
     if (cut.flow < 0) in_.fail("a negative cut, expected a value of 0 or more");
     cut.conductance = in_.real("conductance of the cut");
     if (cut.conductance < 0) in_.fail("a negative conductance, expected 0 or more");
-    while (in_.more()) serve(cut);
+    if (in_.more())
+      cut.camera = static_cast<uint32_t>(
+          in_.integer("camera of the cut", 1, static_cast<int64_t>(out_.number_of_cameras())) - 1);
+    in_.end();
     out_.cuts.push_back(cut);
-  }
-
-  // A camera of a cut: a number from 1 in the order of the 'c camera' lines.
-  void serve(Bottleneck& cut) {
-    const int64_t lowest = cut.cameras.empty() ? 1 : int64_t{cut.cameras.back()} + 2;
-    cut.cameras.push_back(static_cast<uint32_t>(
-        in_.integer("camera of the cut", lowest, static_cast<int64_t>(out_.number_of_cameras())) -
-        1));
   }
 
   // One digit for each cut.
@@ -172,8 +167,7 @@ std::string cut_text(const CutFile& file) {
   fmt::format_to(to, "c bottleneck {}\n", file.bottleneck ? "yes" : "no " + file.reason);
   for (const Bottleneck& cut : file.cuts) {
     fmt::format_to(to, "s {} {}", cut.flow, cut.conductance);
-    for (const uint32_t camera : cut.cameras) fmt::format_to(to, " {}", camera + 1);
-    out += '\n';
+    out += file.cameras.size() > 1 ? fmt::format(" {}\n", cut.camera + 1) : "\n";
   }
   for (size_t i = 0; i < file.patches.size(); ++i) {
     const bool sky = file.patches[i].is_sky();

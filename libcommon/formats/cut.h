@@ -1,7 +1,6 @@
 // Cut files (.cut): the minimum cuts of a flow network with the geometry of its patches. Written by
 // mincut; read by lightgrid and by ffgraph --refine. Self-contained together with the scene.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -54,10 +53,7 @@ struct CutArc {
 struct Bottleneck {
   double flow = 0;         ///< value of the cut, terminals included [etendue samples]
   double conductance = 0;  ///< patch-to-patch part / smaller side's total; small for a bottleneck
-  std::vector<uint32_t> cameras{};  ///< those whose light it lets through, ascending; empty: all
-  bool serves(size_t camera) const {
-    return cameras.empty() || std::find(cameras.begin(), cameras.end(), camera) != cameras.end();
-  }
+  uint32_t camera = 0;     ///< index of the one whose light it lets through
 };
 
 inline constexpr uint32_t kMostCuts = 64;     ///< of one file

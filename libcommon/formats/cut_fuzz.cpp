@@ -23,7 +23,7 @@ void expect_same(const CutFile& a, const CutFile& b) {
             "a patch comes back");
   for (size_t c = 0; c < a.cuts.size(); ++c)
     require(a.cuts[c].flow == b.cuts[c].flow && a.cuts[c].conductance == b.cuts[c].conductance &&
-                a.cuts[c].cameras == b.cuts[c].cameras,
+                a.cuts[c].camera == b.cuts[c].camera,
             "figures come back");
 }
 

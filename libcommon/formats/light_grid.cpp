@@ -130,19 +130,8 @@ std::string key_of_pane(size_t p, const char* face) {
   return fmt::format("tdpt_pane_{}_{}", p + 1, face);
 }
 
-// Attribute of lines with the shares of camera `k` of `cameras`.
-std::string name_of_share(size_t k, size_t cameras) {
-  return cameras == 1 ? "share" : fmt::format("share_{}", k + 1);
-}
-
-void append_shares(PointGrid& grid, const vdb::tools::PointIndexGrid& index,
-                   const LightGrid& light) {
-  for (size_t k = 0; k < light.number_of_cameras(); ++k) {
-    std::vector<float> share;
-    for (size_t i = 0; i < light.lines.size(); ++i)
-      share.push_back(static_cast<float>(light.share_of(k, i)));
-    append(grid, index, name_of_share(k, light.number_of_cameras()).c_str(), share);
-  }
+std::string key_of_cut_camera(size_t c) {
+  return fmt::format("tdpt_cut_camera_{}", c);
 }
 
 // `joins`: per line, or null for those of light.lines.
@@ -158,15 +147,17 @@ PointGrid::Ptr points_of(const LightGrid& light, const char* name,
   grid->setName(name);
   std::vector<vdb::Vec3f> along;
   std::vector<int32_t> cut;
+  std::vector<float> share;
   for (const LightLine& l : lines) {
     Vec3f d(l.camera - l.light);
     if (z_up) d = upright(d);
     along.emplace_back(d.x, d.y, d.z);
     cut.push_back(static_cast<int32_t>(l.cut));
+    share.push_back(static_cast<float>(l.share));
   }
   append(*grid, *index, "along", along);
   append(*grid, *index, "cut", cut);
-  if (!joins) append_shares(*grid, *index, light);
+  if (!joins) append(*grid, *index, "share", share);
   if (joins) append(*grid, *index, "joins", *joins);
   return grid;
 }
@@ -224,16 +215,11 @@ class Reader {
       if (grid == "air") dense(cast<vdb::MaskGrid>(base), light, light.air);
       if (grid == "lines")
         lines(cast<PointGrid>(base), light, grid,
-              [&](const LightLine& line, bool, const std::vector<double>& shares) {
-                light.lines.push_back(line);
-                for (size_t k = 0; k < light.shares.size(); ++k)
-                  light.shares[k].push_back(shares[k]);
-              });
+              [&](const LightLine& line, bool) { light.lines.push_back(line); });
       if (grid == "probes")
-        lines(cast<PointGrid>(base), light, grid,
-              [&](const LightLine& line, bool joins, const std::vector<double>&) {
-                light.probes.push_back({line, joins});
-              });
+        lines(cast<PointGrid>(base), light, grid, [&](const LightLine& line, bool joins) {
+          light.probes.push_back({line, joins});
+        });
     }
     return light;
   }
@@ -321,7 +307,6 @@ class Reader {
       if (light.cameras.size() > kMostCameras)
         fail(key, fmt::format("is one camera more than {}, expected no more", kMostCameras));
     }
-    if (light.cameras.size() > 1) light.shares.resize(light.cameras.size());
   }
 
   // A file without walls is valid; they are unknown.
@@ -350,6 +335,14 @@ class Reader {
     }
   }
 
+  // From 1 in the file.
+  uint32_t camera_at(const vdb::MetaMap& meta, const std::string& key, size_t cameras) const {
+    const int32_t k = value<int32_t>(meta, key.c_str());
+    if (k < 1 || k > static_cast<int32_t>(cameras))
+      fail(key, fmt::format("is {}, expected a camera of 1 to {}", k, cameras));
+    return static_cast<uint32_t>(k) - 1;
+  }
+
   // A file without figures of cuts is valid; they are unknown.
   void read_cuts(const vdb::MetaMap& meta, LightGrid& light) {
     if (!meta["tdpt_cuts"]) return;
@@ -366,6 +359,8 @@ class Reader {
       CutFigures figures;
       figures.conductance = share(c, "conductance");
       figures.kept = share(c, "kept");
+      if (const std::string key = key_of_cut_camera(static_cast<size_t>(c)); meta[key])
+        figures.camera = camera_at(meta, key, light.number_of_cameras());
       light.cuts.push_back(figures);
     }
   }
@@ -401,8 +396,8 @@ class Reader {
     }
   }
 
-  // Calls add(line, joins, shares) for each line; in a grid without that attribute all lines join,
-  // and without shares they are 0.
+  // Calls add(line, joins) for each line; in a grid without that attribute all lines join, and
+  // without shares they are 0.
   template <class Add>
   void lines(const PointGrid::Ptr& grid, const LightGrid& light, const std::string& name,
              const Add& add) const {
@@ -422,21 +417,15 @@ class Reader {
       vdb::points::AttributeHandle<vdb::Vec3f> place(leaf->constAttributeArray("P"));
       vdb::points::AttributeHandle<vdb::Vec3f> along(leaf->constAttributeArray("along"));
       vdb::points::AttributeHandle<int32_t> cut(leaf->constAttributeArray("cut"));
-      std::vector<std::optional<vdb::points::AttributeHandle<float>>> share(
-          light.number_of_cameras());
-      std::vector<double> shares(share.size(), 0);
-      for (size_t k = 0; k < share.size(); ++k)
-        if (const std::string own = name_of_share(k, share.size());
-            attributes.find(own) != vdb::points::AttributeSet::INVALID_POS)
-          share[k].emplace(leaf->constAttributeArray(own));
+      std::optional<vdb::points::AttributeHandle<float>> share;
+      if (attributes.find("share") != vdb::points::AttributeSet::INVALID_POS)
+        share.emplace(leaf->constAttributeArray("share"));
       const bool has_joins = attributes.find("joins") != vdb::points::AttributeSet::INVALID_POS;
       vdb::points::AttributeHandle<int32_t> joins(
           leaf->constAttributeArray(has_joins ? "joins" : "cut"));
       for (auto it = leaf->beginIndexOn(); it; ++it) {
         if (*it >= place.size() || *it >= along.size() || *it >= cut.size() ||
-            *it >= joins.size() || std::any_of(share.begin(), share.end(), [&](const auto& s) {
-              return s && *it >= s->size();
-            }))
+            *it >= joins.size() || (share && *it >= share->size()))
           fail(at, "names a point that does not exist");
         const vdb::Vec3d p =
             transform->indexToWorld(vdb::Vec3d(place.get(*it)) + it.getCoord().asVec3d()) / unit;
@@ -447,14 +436,11 @@ class Reader {
           fail(at, fmt::format("holds a line of cut {}, expected one of 0 to {}", cut.get(*it),
                                kMostCuts - 1));
         line.cut = static_cast<uint32_t>(cut.get(*it));
-        for (size_t k = 0; k < share.size(); ++k) {
-          if (share[k]) shares[k] = double{share[k]->get(*it)};
-          if (!(shares[k] >= 0 && shares[k] <= kMostShare))
-            fail(at, fmt::format("holds a line with the share {}, expected 0 to {}", shares[k],
-                                 kMostShare));
-        }
-        line.share = *std::max_element(shares.begin(), shares.end());
-        add(line, !has_joins || joins.get(*it) != 0, shares);
+        if (share) line.share = double{share->get(*it)};
+        if (!(line.share >= 0 && line.share <= kMostShare))
+          fail(at, fmt::format("holds a line with the share {}, expected 0 to {}", line.share,
+                               kMostShare));
+        add(line, !has_joins || joins.get(*it) != 0);
       }
     }
   }
@@ -518,6 +504,9 @@ std::string light_grid_bytes(const LightGrid& light, bool z_up) {
       meta.insertMeta(fmt::format("tdpt_conductance_{}", c),
                       vdb::DoubleMetadata(light.cuts[c].conductance));
       meta.insertMeta(fmt::format("tdpt_kept_{}", c), vdb::DoubleMetadata(light.cuts[c].kept));
+      if (light.cameras.size() > 1)
+        meta.insertMeta(key_of_cut_camera(c),
+                        vdb::Int32Metadata(static_cast<int32_t>(light.cuts[c].camera) + 1));
     }
   }
   for (size_t w = 0; w < light.walls.size(); ++w) {

@@ -21,7 +21,7 @@ struct LightLine {
   Vec3d light, camera;
   uint32_t cut = 0;  ///< index of the cut in the .cut file, from the light to the camera
   /// Share of the camera's light that the line stands for; 0: unknown. All lines of a cut together
-  /// have the share that crosses it. Of several cameras, the largest of its shares.
+  /// have the share that crosses it.
   double share = 0;
 };
 
@@ -43,6 +43,7 @@ struct Pane {
 struct CutFigures {
   double conductance = 0;  ///< of the cut, see cut(5): 0 to 1
   double kept = 0;         ///< share of the visible segments that are not leaks: 0 to 1
+  uint32_t camera = 0;     ///< index of the one whose light crosses it
   bool operator==(const CutFigures&) const = default;
 };
 
@@ -56,10 +57,7 @@ struct LightGrid {
   std::vector<uint8_t> air;      ///< 1: free of geometry
   std::vector<Vec3f> direction;  ///< sum of unit directions towards the camera / count
   std::vector<LightLine> lines;  ///< a sample of the segments themselves
-  /// Of each camera its share of each line, 0 where the cut does not serve it; empty: there is one
-  /// camera.
-  std::vector<std::vector<double>> shares{};
-  std::vector<Probe> probes;  ///< empty: unknown
+  std::vector<Probe> probes;     ///< empty: unknown
   bool bottleneck = true;
   std::string reason;            ///< why not
   double flux_share = 1;         ///< share of the drawn segments that were kept, see lightgrid(1)
@@ -74,10 +72,9 @@ struct LightGrid {
   Provenance provenance;
   std::string hash;  ///< content hash of the file read
 
-  size_t number_of_cameras() const { return std::max<size_t>(1, shares.size()); }
-  double share_of(size_t camera, size_t line) const {
-    return shares.empty() ? lines[line].share : shares[camera][line];
-  }
+  size_t number_of_cameras() const { return std::max<size_t>(1, cameras.size()); }
+  /// Index of the camera of a cut; the first, where that is unknown.
+  size_t camera_of(uint32_t cut) const { return cut < cuts.size() ? cuts[cut].camera : 0; }
   size_t index(int i, int j, int k) const {
     return static_cast<size_t>(i) +
            static_cast<size_t>(dim[0]) *

@@ -17,10 +17,10 @@ namespace {
 // Calls each(field). Adding a field to Grid breaks compilation here, so none is forgotten.
 template <class Grid, class Each>
 void each_field(Grid& grid, const Each& each) {
-  auto& [origin, voxel, dim, count, air, direction, lines, shares, probes, bottleneck, reason,
-         flux_share, cuts, walls, panes, scene_hash, cameras, provenance, hash] = grid;
+  auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
+         cuts, walls, panes, scene_hash, cameras, provenance, hash] = grid;
   each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
-  each(shares), each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts);
+  each(probes), each(bottleneck), each(reason), each(flux_share), each(cuts);
   each(walls), each(panes), each(scene_hash), each(cameras);
   each(provenance.lines), each(hash);
 }
@@ -102,10 +102,8 @@ class In {
   std::FILE* file_;
 };
 
-// Whether each voxel has all three values, and each line its shares.
+// Whether each voxel has all three values.
 bool is_whole(const LightGrid& grid) {
-  for (const std::vector<double>& of_camera : grid.shares)
-    if (of_camera.size() != grid.lines.size()) return false;
   size_t n = 1;
   for (const int side : grid.dim) n *= static_cast<size_t>(side);
   return grid.count.size() == n && grid.air.size() == n && grid.direction.size() == n;

@@ -106,27 +106,21 @@ TEST_F(LightGridFormat, ComesBackAsItWasWritten) {
   EXPECT_TRUE(light_grid_bytes(g) == bytes) << "two writings differ";
 }
 
-TEST_F(LightGridFormat, KeepsTheSharesOfSeveralCameras) {
+TEST_F(LightGridFormat, KeepsTheCameraOfEachCut) {
   LightGrid g = small();
   g.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
-  g.lines[0].share = 0.5, g.lines[1].share = 0.25;
-  g.shares = {{0.5, 0}, {0.125, 0.25}};
+  g.cuts[1].camera = 1;
   const LightGrid back = read_light_grid(write(light_grid_bytes(g)));
   EXPECT_EQ(back.cameras, g.cameras);
   EXPECT_EQ(back.number_of_cameras(), 2u);
+  EXPECT_EQ(back.cuts, g.cuts);
+  EXPECT_EQ(back.camera_of(1), 1u);
+  EXPECT_EQ(back.camera_of(7), 0u) << "unknown";
   expect_same_lines(back, g, 1e-6);
-  for (size_t i = 0; i < 2; ++i) {  // in any order
-    const size_t k = back.lines[i].share == 0.5 ? 0 : 1;
-    EXPECT_EQ(back.lines[i].share, g.lines[k].share);
-    for (const size_t camera : {0, 1})
-      EXPECT_EQ(back.share_of(camera, i), g.shares[camera][k]) << camera;
-  }
-  g.shares[1][0] = 1e7;
-  EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "grid lines: holds a line with the share 10000000, expected 0 to 1000000");
+  g.cuts[1].camera = 2;
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cut_camera_1: is 3, expected a camera of 1 to 2");
 }
 
-// The same bits except for the order of lines; only viewers see another orientation.
 TEST_F(LightGridFormat, StandsUprightOnDemandAndIsReadAsTheSame) {
   const LightGrid g = small();
   const std::string lying = light_grid_bytes(g), upright = light_grid_bytes(g, true);

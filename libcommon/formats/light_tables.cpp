@@ -52,7 +52,8 @@ void write_header(std::string& out, const LightGrid& grid) {
                  grid.voxel, grid.dim[0], grid.dim[1], grid.dim[2]);
   fmt::format_to(to, "# bottleneck {}\n", grid.bottleneck ? "yes" : "no " + grid.reason);
   for (size_t c = 0; c < grid.cuts.size(); ++c)
-    fmt::format_to(to, "# cut {} {} {}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept);
+    fmt::format_to(to, "# cut {} {} {}{}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept,
+                   grid.cameras.size() > 1 ? fmt::format(" {}", grid.cuts[c].camera + 1) : "");
   for (const Vec3d& n : grid.walls) fmt::format_to(to, "# wall {} {} {}\n", n.x, n.y, n.z);
   for (const auto& [f, b] : grid.panes)
     fmt::format_to(to, "# pane {} {} {} {} {} {}\n", f.x, f.y, f.z, b.x, b.y, b.z);
@@ -97,22 +98,6 @@ struct Header {
   Provenance provenance;
 };
 
-// Columns of a table of lines with the shares of several cameras.
-std::string columns_of_lines(size_t cameras) {
-  std::string columns(kOwnLines);
-  for (size_t k = 0; k < cameras; ++k) columns += fmt::format(",share_{}", k + 1);
-  return columns;
-}
-
-// The number of cameras whose shares a table with these columns has; 0 without shares.
-std::optional<size_t> cameras_of(std::string_view columns) {
-  if (columns == kOwnLines) return 0;
-  if (columns == kColumns[kLines]) return 1;
-  for (size_t cameras = 2; cameras <= kMostCameras; ++cameras)
-    if (columns == columns_of_lines(cameras)) return cameras;
-  return {};
-}
-
 std::string_view columns_of(std::string_view text) {
   TextLines in(text, "");
   return in.next() ? in.rest() : std::string_view();
@@ -135,12 +120,11 @@ class TableReader {
     in_.next();
     all_columns_ = in_.rest();
     const auto known = std::find(kColumns.begin(), kColumns.end(), all_columns_);
-    const std::optional<size_t> cameras = cameras_of(all_columns_);
-    if (known == kColumns.end() && !cameras)
+    has_shares_ = all_columns_ != kOwnLines;
+    if (known == kColumns.end() && has_shares_)
       in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(all_columns_),
                            fmt::join(kNames, ", ")));
-    table = cameras ? kLines : static_cast<Table>(known - kColumns.begin());
-    shares_ = cameras.value_or(0);
+    table = has_shares_ ? static_cast<Table>(known - kColumns.begin()) : kLines;
     read_header(all);
   }
 
@@ -184,7 +168,7 @@ class TableReader {
         in_.expect_version(format_version::light_table);
         versioned = true;
       } else if (key == "cut") {
-        read_cut(cuts++, all.cuts);
+        read_cut(cuts++, std::max<size_t>(1, cameras), all.cuts);
       } else if (key == "wall") {
         read_wall(walls++, all.walls);
       } else if (key == "pane") {
@@ -197,9 +181,6 @@ class TableReader {
         read_fact(key, all);
       }
     }
-    if (shares_ > 0 && std::max<size_t>(1, cameras) != shares_)
-      fail(fmt::format("{} cameras for {} columns of shares, expected one for each", cameras,
-                       shares_));
     if (!versioned)
       fail(fmt::format("no '# tdpt {} {}' line before the first row", kFormat,
                        format_version::light_table));
@@ -283,7 +264,7 @@ class TableReader {
   }
 
   // Line `n` of the table of cuts.
-  void read_cut(size_t n, std::vector<CutFigures>& cuts) {
+  void read_cut(size_t n, size_t cameras, std::vector<CutFigures>& cuts) {
     in_.integer("cut", static_cast<int64_t>(n),
                 static_cast<int64_t>(std::min<size_t>(n, kMostCuts - 1)));
     CutFigures figures;
@@ -292,6 +273,9 @@ class TableReader {
       if (!(*share >= 0 && *share <= 1))
         in_.fail(fmt::format("{} as share, expected 0 to 1", *share));
     }
+    if (in_.more())
+      figures.camera = static_cast<uint32_t>(
+          in_.integer("camera of the cut", 1, static_cast<int64_t>(cameras)) - 1);
     in_.end();
     if (n == cuts.size()) cuts.push_back(figures);
     std::optional<CutFigures> known = cuts[n];
@@ -347,12 +331,7 @@ class TableReader {
   void read_row(LightGrid& grid, const LineLimits& limits) {
     if (table == kLines) {
       grid.lines.push_back(line(limits));
-      if (shares_ > 1) grid.shares.resize(shares_);
-      for (size_t k = 0; k < shares_; ++k) {
-        const double share{number<float>(0, kMostShare)};
-        grid.lines.back().share = std::max(grid.lines.back().share, share);
-        if (shares_ > 1) grid.shares[k].push_back(share);
-      }
+      if (has_shares_) grid.lines.back().share = double{number<float>(0, kMostShare)};
     } else if (table == kProbes) {
       const LightLine l = line(limits);
       grid.probes.push_back({l, whole(2) == 1});
@@ -368,7 +347,7 @@ class TableReader {
   std::string_view text_;
   TextLines in_;
   std::string_view all_columns_;
-  size_t shares_ = 0;                 // of each line
+  bool has_shares_ = false;           // of lines
   bool more_ = false;                 // in_ is at a row
   std::string_view cells_, columns_;  // the rest of the row
 };
@@ -443,17 +422,13 @@ std::vector<std::string> light_table_names() {
 
 std::string light_table_text(const LightGrid& grid, const std::string& table) {
   const auto which = std::find(kNames.begin(), kNames.end(), table) - kNames.begin();
-  const size_t cameras = grid.number_of_cameras();
   std::string out(kColumns[static_cast<size_t>(which)]);
-  if (which == kLines && cameras > 1) out = columns_of_lines(cameras);
   out += '\n';
   write_header(out, grid);
   if (which == kLines)
-    for (size_t i = 0; i < grid.lines.size(); ++i) {
-      write_ends(out, grid.lines[i]);
-      for (size_t k = 0; k < cameras; ++k)
-        out += fmt::format(",{}", static_cast<float>(grid.share_of(k, i)));
-      out += '\n';
+    for (const LightLine& line : grid.lines) {
+      write_ends(out, line);
+      out += fmt::format(",{}\n", static_cast<float>(line.share));
     }
   else if (which == kProbes)
     for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
@@ -502,7 +477,7 @@ LightGrid read_light(const std::vector<std::string>& paths,
   for (const std::string& path : paths) {
     texts.push_back({display_name(path), read_file(path)});
     const std::string_view columns = columns_of(texts.back().text);
-    lines = lines || cameras_of(columns);
+    lines = lines || columns == kOwnLines || columns == kColumns[kLines];
   }
   const bool tables =
       texts.size() > 1 || (columns_of(texts[0].text).find(',') != std::string_view::npos &&

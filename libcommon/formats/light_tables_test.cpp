@@ -91,26 +91,24 @@ TEST(light_tables, of_a_scene_without_a_bottleneck_say_why) {
   EXPECT_TRUE(back.lines.empty());
 }
 
-TEST(light_tables, have_a_column_for_each_camera) {
+TEST(light_tables, tell_the_camera_of_each_cut) {
   LightGrid g = small();
   g.cameras.push_back("0 0 0 0 0 -1 0 1 0 0.9 1.5 all yard");
-  g.shares.assign(2, std::vector<double>(g.lines.size(), 0.25));
-  for (LightLine& line : g.lines) line.share = 0.5;
-  g.shares[1].assign(g.lines.size(), 0.5);
+  g.cuts.back().camera = 1;
   const std::string text = light_table_text(g, "lines");
-  EXPECT_EQ(text.substr(0, text.find('\n')),
-            "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z,share_1,share_2");
   const LightGrid back = parse_light_tables({{"lines", text}});
   EXPECT_EQ(back.cameras, g.cameras);
-  EXPECT_EQ(back.shares, g.shares);
-  EXPECT_EQ(back.lines[0].share, 0.5);
+  EXPECT_EQ(back.cuts, g.cuts);
   LightGrid one = g;
-  one.cameras.pop_back();
+  one.cuts.back().camera = 2;
   try {
     parse_light_tables({{"lines", light_table_text(one, "lines")}});
     ADD_FAILURE() << "accepted";
   } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "lines: 1 cameras for 2 columns of shares, expected one for each");
+    EXPECT_NE(std::string(e.what()).find(
+                  "'3' as camera of the cut, expected a whole number from 1 to 2"),
+              std::string::npos)
+        << e.what();
   }
 }
 

@@ -51,21 +51,6 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   return f;
 }
 
-double shared_light(const PatchNetwork& p, const std::vector<uint8_t>& a,
-                    const std::vector<uint8_t>& b) {
-  double both = 0, of_a = 0, of_b = 0;
-  for (const FlowArc& arc : p.network.arcs) {
-    if (p.terminal(arc.from) || p.terminal(arc.to)) continue;
-    const bool in_a = a[arc.from] && !a[arc.to], in_b = b[arc.from] && !b[arc.to];
-    if (!in_a && !in_b) continue;
-    double light = static_cast<double>(arc.capacity);
-    if (!p.brightness.empty()) light *= p.brightness[arc.from] * p.importance[arc.to];
-    of_a += in_a * light, of_b += in_b * light, both += (in_a && in_b) * light;
-  }
-  const double more = std::max(of_a, of_b);
-  return more > 0 ? both / more : 0;
-}
-
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
   const bool small = f.smaller_side() < limits.least_area;
   if (f.crossing <= 0 && !small)

@@ -24,8 +24,6 @@ struct CutLimits {
   /// Shares of what crosses, straight from lamps, and of what lamps emit, straight across, from
   /// which sampling the lamp finds the opening as well as a portal would.
   double straight = 0.25, seen = 0.1;
-  /// Of the camera's light, across both of two cuts that pass the same opening.
-  double same_opening = 0.8;
 
   // The sweep [potential_sweep.h].
   double hold = 0.3;        ///< conductance that holds a patch's potential, of its samples
@@ -83,11 +81,6 @@ struct CutFacts {
 
 /// `source_side`: per node.
 CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& source_side);
-
-/// Of the camera's light that crosses one of two cuts the share that crosses both without a surface
-/// in between; of the one with more. The sides are per node: 1 on the light's.
-double shared_light(const PatchNetwork& problem, const std::vector<uint8_t>& a,
-                    const std::vector<uint8_t>& b);
 
 /// A plain sentence why the cut is no bottleneck; empty if it is one.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);

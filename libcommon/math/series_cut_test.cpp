@@ -187,16 +187,6 @@ TEST(cut_facts, a_lamp_that_shines_through_its_opening_needs_no_portal) {
   EXPECT_EQ(why_refused(dark, limits).find("only 0.5 % of the light that the camera sees"), 0u);
 }
 
-TEST(cut_facts, cuts_at_two_doors_share_little_light_and_a_cut_all_with_itself) {
-  const PatchNetwork p = rooms_in_row({400, 400});
-  std::vector<uint8_t> first(p.network.nodes, 0), second = first;
-  first[0] = second[0] = 1;
-  for (uint32_t v = 2 + kPatches; v < p.network.nodes; ++v)
-    first[v] = 1, second[v] = v >= 2 + 2 * kPatches;
-  EXPECT_EQ(shared_light(p, first, first), 1);
-  EXPECT_EQ(shared_light(p, first, second), 0);
-}
-
 TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {
   // A wide arch: the arcs of all terminals are saturated.
   PatchNetwork p = rooms_in_row({40000}, 50000 / kPatches);

@@ -1,12 +1,14 @@
 #include "tools/ffgraph/patch_grid.h"
 
+#include <algorithm>
+
 #include "libcommon/math/reach.h"
 
 namespace tdpt {
 namespace {
 
 constexpr double kAround = 0.5;  // of the diagonal: fine cells extend this far around the region
-// Of the diagonal of the region: a camera in a closet does not make the whole house fine.
+// Of the diagonal of all regions: a camera in a closet does not make the whole house fine.
 constexpr double kSmallest = 0.5;
 constexpr int kMostLevels = 6;         // of cells between the region and the whole scene
 constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the region
@@ -31,19 +33,21 @@ GridOfWalks grid_for(const Scene& scene, const Walks& light, const std::vector<W
   // Sky light matters only where it reaches rooms, wherever else it falls.
   const Extent of_light = lit_from_infinity(scene) ? Extent() : reach_of_walks(scene, light);
   Extent region;
-  double shortest = length(whole.size());  // diagonal
+  std::vector<double> diagonals;
   for (const Walks& camera : cameras) {
     Extent own = reach_of_walks(scene, camera);
     own.add(of_light);
     if (own.empty()) continue;
     own = own.within(whole);
-    shortest = std::min(shortest, length(own.size()));
+    diagonals.push_back(length(own.size()));
     region.add(own);
   }
-  if (region.empty()) region = whole;
+  if (region.empty()) region = whole, diagonals = {length(whole.size())};
 
-  const double least = 1e-6 / scene.frame.scale;
-  const double diagonal = std::max({shortest, kSmallest * length(region.size()), least});
+  const auto median = diagonals.begin() + static_cast<std::ptrdiff_t>((diagonals.size() - 1) / 2);
+  std::nth_element(diagonals.begin(), median, diagonals.end());
+  const double diagonal =
+      std::max({*median, kSmallest * length(region.size()), 1e-6 / scene.frame.scale});
   GridOfWalks g;
   g.grid.base_cell = diagonal / cells;
   while (cells * g.grid.base_cell < (1 - 1e-9) * length(whole.size()) &&

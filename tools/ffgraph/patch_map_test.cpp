@@ -134,13 +134,14 @@ TEST(patch_grid, a_wide_ground_does_not_enlarge_the_patches_of_a_room) {
   EXPECT_GT(fine_cell(grid_for(both, home, {half_far}, 24)), 20 * fine_cell(room));
 }
 
-// The smaller region of two cameras decides, as far as half of both together.
+// The median of the cameras' regions decides, as far as half of all together.
 TEST(patch_grid, a_second_camera_hardly_enlarges_the_patches) {
   const Scene s = sheet_on_a_ground(true);
   const Walks home = walks_on(sheet_on_a_ground(false), 20001), far = walks_on(s, 2);
   const double wide = fine_cell(grid_for(s, home, {far}, 24));
   EXPECT_NEAR(fine_cell(grid_for(s, home, {home, far}, 24)), 0.5 * wide, 0.01 * wide);
   EXPECT_NEAR(fine_cell(grid_for(s, home, {far, far}, 24)), wide, 0.01 * wide);  // twin
+  EXPECT_NEAR(fine_cell(grid_for(s, home, {far, home, far}, 24)), wide, 0.01 * wide);
 }
 
 TEST(patch_grid, cells_are_small_about_the_region_and_large_far_away) {

@@ -22,8 +22,8 @@ constexpr uint64_t kLookSeed = 0x5eed;
 // Maximum number of openings in series that ffgraph itself looks for.
 constexpr size_t kMostCuts = 8;
 
-// Cameras that share the walks of one; with more of them there are more walks.
-constexpr size_t kMostSharing = 6;
+// Of the walks of one camera that each of several has: they also see what others' walks see.
+constexpr double kOfSeveral = 0.5;
 
 // Of the camera's hits: walks that have passed several openings reach few places.
 constexpr double kSeldomShare = 0.001;
@@ -128,9 +128,9 @@ Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
   return reach;
 }
 
-// Several cameras share the walks of one: the etendue is estimated from all of them together.
+// The etendue is estimated from the walks of all together.
 uint32_t walks_of_each(uint32_t walks, size_t cameras) {
-  return walks / static_cast<uint32_t>(std::clamp<size_t>(cameras, 1, kMostSharing));
+  return cameras > 1 ? static_cast<uint32_t>(kOfSeveral * walks) : walks;
 }
 
 BothWalks both_walks(const Scene& scene, const std::vector<Camera>& cameras, const Tracer& tracer,

@@ -63,11 +63,11 @@ struct CoarseReport : LightGridReport::OfCut {
 // Samples segments between pivot patches of cut `c` until the counts settle; returns the first
 // kMostKept of those that connect the two sides. Sets `count` to this cut's counts; adds its lines
 // to `direction`, in air or not.
-std::vector<DrawnLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
+std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
                                    const LightGrid& grid, const LightGridOptions& options,
                                    const LightGridWatch& watch, std::vector<uint32_t>& count,
                                    std::vector<Vec3d>& direction, CoarseReport& report) {
-  std::vector<DrawnLine> kept;
+  std::vector<LightLine> kept;
   TracedLines line;
   uint64_t summed = 0;
   tracer.clear();
@@ -101,13 +101,13 @@ std::vector<DrawnLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_
 }
 
 // The same for the user's lines: those of cut `c`, counted unchanged.
-std::vector<DrawnLine> own_pass(size_t c, const LightGrid& grid, const std::vector<LightLine>& own,
+std::vector<LightLine> own_pass(size_t c, const LightGrid& grid, const std::vector<LightLine>& own,
                                 std::vector<uint32_t>& count, std::vector<Vec3d>& direction,
                                 CoarseReport& report) {
-  std::vector<DrawnLine> kept;
+  std::vector<LightLine> kept;
   for (LightLine line : own) {
     if (line.cut != c || !clip_to(grid, line)) continue;
-    kept.push_back({line});
+    kept.push_back(line);
     walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
       count[voxel] += grid.air[voxel];
       direction[voxel] += normalize(line.camera - line.light);
@@ -177,48 +177,23 @@ LightGrid no_light_grid(const Scene& scene, const std::string& reason) {
   return none;
 }
 
-// Share of camera k's light that crosses cut `c`; 1 if unknown.
-double carried_by(const CutFile& cut, size_t c, size_t k) {
+// Share of its camera's light that crosses cut `c`; 1 if unknown.
+double carried_by(const CutFile& cut, size_t c) {
   if (cut.light.empty()) return 1;
   double sum = 0;
   for (const CutArc& a : cut.arcs)
     if (cut.crosses(a, c))
-      sum += a.capacity * cut.light[a.from].brightness * cut.light[a.to].importance[k];
+      sum += a.capacity * cut.light[a.from].brightness *
+             cut.light[a.to].importance[cut.cuts[c].camera];
   return sum;
 }
 
-// Of what a line of cut `c` towards `patch` brings the cameras together, camera k's part.
-double part_of(const CutFile& cut, size_t c, size_t k, uint32_t patch) {
-  if (cut.light.empty() || patch == UINT32_MAX) return 1;
-  const std::vector<double>& importance = cut.light[patch].importance;
-  double all = 0;
-  for (size_t other = 0; other < importance.size(); ++other)
-    if (cut.cuts[c].serves(other)) all += importance[other];
-  return all > 0 ? importance[k] / all : 0;
-}
-
-void scale_to(double sum, std::vector<double>& shares) {
-  const double now = std::accumulate(shares.begin(), shares.end(), 0.0);
-  if (!(now > 0)) return;
-  for (double& share : shares) share *= sum / now;
-}
-
-// Divides the light of cut `c`, camera by camera, among its lines, which are the last of the grid.
-// `to`: the patch at the end of each.
-void share_out(const CutFile& cut, size_t c, const std::vector<uint32_t>& to, LightGrid& grid) {
-  const std::span lines = std::span(grid.lines).last(to.size());
-  std::vector<double> drawn;
-  for (LightLine& line : lines) drawn.push_back(std::exchange(line.share, 0));
-  for (size_t k = 0; k < cut.number_of_cameras(); ++k) {
-    std::vector<double> shares(to.size(), 0);
-    if (cut.cuts[c].serves(k)) {
-      for (size_t i = 0; i < to.size(); ++i) shares[i] = drawn[i] * part_of(cut, c, k, to[i]);
-      scale_to(carried_by(cut, c, k), shares);
-    }
-    for (size_t i = 0; i < to.size(); ++i) lines[i].share = std::max(lines[i].share, shares[i]);
-    if (!grid.shares.empty())
-      grid.shares[k].insert(grid.shares[k].end(), shares.begin(), shares.end());
-  }
+// Divides `light` among lines in proportion to what they were drawn with.
+void share_out(double light, std::span<LightLine> lines) {
+  double drawn = 0;
+  for (const LightLine& line : lines) drawn += line.share;
+  if (!(drawn > 0)) return;
+  for (LightLine& line : lines) line.share *= light / drawn;
 }
 
 // Both passes for cut `c`; adds their results to grid, direction and report.
@@ -227,7 +202,7 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
              std::vector<Vec3d>& direction, LightGridReport& report) {
   std::vector<uint32_t> count(grid.count.size(), 0);
   CoarseReport coarse;
-  const std::vector<DrawnLine> kept =
+  const std::vector<LightLine> kept =
       options.own.empty()
           ? coarse_pass(scene, tracer, c, grid, options, watch, count, direction, coarse)
           : own_pass(c, grid, options.own, count, direction, coarse);
@@ -245,13 +220,14 @@ void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOp
   for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
   const LineWalk walk =
       walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
-  std::vector<uint32_t> to;
-  for (DrawnLine line : options.own.empty() ? walk.lines : kept)
-    if (clip_to(grid, line)) grid.lines.push_back(line), to.push_back(line.to);
-  share_out(cut, c, to, grid);
+  const size_t before = grid.lines.size();
+  for (LightLine line : options.own.empty() ? walk.lines : kept)
+    if (clip_to(grid, line)) grid.lines.push_back(line);
+  const std::span lines = std::span(grid.lines).subspan(before);
+  share_out(carried_by(cut, c), lines);
   for (Probe probe : walk.probes)
     if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
-  of_cut.lines = to.size();
+  of_cut.lines = lines.size();
   report.tried += of_cut.tried = walk.tried;
   report.joined += of_cut.joined = walk.joined;
   report.phases.done("fine");
@@ -282,8 +258,7 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.cuts.resize(cut.cuts.size());
   std::vector<Vec3d> direction(grid.count.size());
   for (const Bottleneck& b : cut.cuts)
-    grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0});
-  if (cut.number_of_cameras() > 1) grid.shares.resize(cut.number_of_cameras());
+    grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0, b.camera});
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c)
     if (tables.cuts[c].count > 0 || !options.own.empty())
       add_cut(scene, *tracer, c, options, watch, cut, grid, direction, report);

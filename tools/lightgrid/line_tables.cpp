@@ -105,11 +105,8 @@ void add_pairs(const CutFile& cut, LineTables& tables) {
       tables.pivot_arcs.push_back({arc.from, arc.to, 0, 0});
       capacities.push_back(arc.capacity);
     }
-    std::vector<uint32_t> cameras;
-    for (uint32_t k = 0; k < cut.number_of_cameras(); ++k)
-      if (cut.cuts[c].serves(k)) cameras.push_back(k);
     tables.cuts.push_back({static_cast<uint32_t>(first), static_cast<uint32_t>(capacities.size()),
-                           std::move(cameras)});
+                           cut.cuts[c].camera});
     if (!capacities.empty()) fill_alias(tables.pivot_arcs, first, capacities);
   }
 }

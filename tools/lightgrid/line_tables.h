@@ -14,7 +14,7 @@ namespace tdpt {
 struct LineTables {
   struct PairsOfCut {
     uint32_t first = 0, count = 0;  ///< range in `pivot_arcs`
-    std::vector<uint32_t> cameras;  ///< those that it serves
+    uint32_t camera = 0;            ///< whose light crosses it
   };
   std::vector<PairsOfCut> cuts;
   std::vector<shader::PivotArc> pivot_arcs;

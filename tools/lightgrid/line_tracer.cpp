@@ -40,19 +40,18 @@ bool clip_to(const LightGrid& grid, LightLine& line) {
   return true;
 }
 
-DrawnLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
+LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
                     const shader::LineEnds& ends) {
-  DrawnLine line{
-      {scene.frame.to_metres(Vec3d(ends.light)), scene.frame.to_metres(Vec3d(ends.camera))}};
+  LightLine line{scene.frame.to_metres(Vec3d(ends.light)),
+                 scene.frame.to_metres(Vec3d(ends.camera))};
   line.share = 1;
   if (!tables.light.empty()) {
     const uint32_t from = patch_at(tables, ends.light_face, ends.light);
-    line.to = patch_at(tables, ends.camera_face, ends.camera);
-    double importance = 0;
-    if (from != UINT32_MAX && line.to != UINT32_MAX)
-      for (const uint32_t k : tables.cuts[c].cameras)
-        importance += tables.light[line.to].importance[k];
-    line.share = importance > 0 ? tables.light[from].brightness * importance : 0;
+    const uint32_t to = patch_at(tables, ends.camera_face, ends.camera);
+    const bool known = from != UINT32_MAX && to != UINT32_MAX;
+    line.share =
+        known ? tables.light[from].brightness * tables.light[to].importance[tables.cuts[c].camera]
+              : 0;
   }
   if (std::max(ends.light_face, ends.camera_face) / 2 >= scene.dome) clip_to(grid, line);
   return line;

@@ -28,17 +28,12 @@ struct TracedLines {
   size_t size() const { return ends.size(); }
 };
 
-/// A line between two patches of a cut.
-struct DrawnLine : LightLine {
-  uint32_t to = UINT32_MAX;  ///< patch at its camera's end; UINT32_MAX: unknown
-};
-
 /// Clips a line to the grid; false if no part of it lies within.
 bool clip_to(const LightGrid& grid, LightLine& line);
 /// Canonical line of cut `c` -> metres. A line from or to the sky is clipped to the grid. `share`:
 /// brightness of the patch at its one end times importance of that at the other, in the direction
-/// of the light, summed over the cameras that the cut serves; 1 where no patch has light.
-DrawnLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
+/// of the light; 1 where no patch has light.
+LightLine in_metres(const Scene& scene, const LightGrid& grid, const LineTables& tables, size_t c,
                     const shader::LineEnds& line);
 
 class LineTracer {

@@ -105,7 +105,7 @@ struct ChainWeights {
 };
 
 ChainWeights weights_of(const LightGrid& grid, const std::vector<double>& w,
-                        const std::vector<DrawnLine>& chain) {
+                        const std::vector<LightLine>& chain) {
   ChainWeights weights;
   weights.of.resize(chain.size());
   tbb::parallel_for(size_t{0}, chain.size(),
@@ -134,7 +134,7 @@ Vec3d nearest_to(const LightLine& line, const LightLine& other, double off_ends)
 
 // Counts of the target distribution, estimated from chains that have settled.
 std::vector<double> recount(const LightGrid& grid, const std::vector<double>& w,
-                            const std::vector<DrawnLine>& chain) {
+                            const std::vector<LightLine>& chain) {
   std::vector<double> count(w.size(), 0);
   const ChainWeights weights = weights_of(grid, w, chain);
   for (size_t i = 0; i < chain.size(); ++i)
@@ -154,7 +154,7 @@ Vec3d turned_from_axis(double u, double v, double exponent) {
 class Chains {
  public:
   Chains(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
-         const std::vector<uint32_t>& count, const std::vector<DrawnLine>& kept, size_t chains,
+         const std::vector<uint32_t>& count, const std::vector<LightLine>& kept, size_t chains,
          uint64_t seed)
       : scene_(scene),
         tracer_(tracer),
@@ -220,7 +220,7 @@ class Chains {
       }
     }
     for (Probe& p : walk.probes) p.line.cut = static_cast<uint32_t>(cut_);
-    for (DrawnLine& line : walk.lines)
+    for (LightLine& line : walk.lines)
       line.cut = static_cast<uint32_t>(cut_), line.share /= lit_share(line);
     return walk;
   }
@@ -259,7 +259,7 @@ class Chains {
   void step(size_t i, uint32_t round) {
     if (found_.fate[i] == LineFate::none) return;
     const bool joins = found_.fate[i] == LineFate::joins;
-    const DrawnLine line = in_metres(scene_, grid_, tracer_.tables(), cut_, found_.ends[i]);
+    const LightLine line = in_metres(scene_, grid_, tracer_.tables(), cut_, found_.ends[i]);
     if (joins) {
       const double ratio = lit_share(line) / lit_share(line_[i]);
       Rng rng(seed_, stream_, i, kMostSteps + 2 + round);
@@ -279,9 +279,9 @@ class Chains {
   const LightGrid& grid_;
   const uint64_t seed_, stream_;
   std::vector<double> w_;         // per voxel
-  std::vector<DrawnLine> start_;  // from the coarse pass
+  std::vector<LightLine> start_;  // from the coarse pass
   double faint_ = 0;              // light of a line below which it is thinned
-  std::vector<DrawnLine> line_;   // per chain, as are the following
+  std::vector<LightLine> line_;   // per chain, as are the following
   std::vector<shader::LineTry> tries_;
   std::vector<uint8_t> wide_;  // whether the try is a probe of the portals' support
   std::vector<std::optional<Probe>> probe_;
@@ -292,7 +292,7 @@ class Chains {
 }  // namespace
 
 LineWalk walk_among_lines(const Scene& scene, LineTracer& tracer, size_t c, const LightGrid& grid,
-                          const std::vector<uint32_t>& count, const std::vector<DrawnLine>& kept,
+                          const std::vector<uint32_t>& count, const std::vector<LightLine>& kept,
                           size_t most, uint64_t seed) {
   Chains chains(scene, tracer, c, grid, count, kept, 2 * most, seed);
   chains.run();

@@ -83,7 +83,7 @@ double share_in_stripes(const TwoHalves::Votes& votes, double start) {
   grid.voxel = 0.05;
   grid.count.assign(64000, 0);
   std::vector<uint32_t> count(64000, 0);
-  std::vector<DrawnLine> kept;
+  std::vector<LightLine> kept;
   for (uint64_t i = 0; i < 4000; ++i) {
     Rng rng(kSeed, 2, i);
     const double y = kHole * (2 * rng.uniform() - 1);

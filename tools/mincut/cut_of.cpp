@@ -8,7 +8,6 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/formats/format_version.h"
-#include "tools/mincut/shared_cuts.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
@@ -64,6 +63,41 @@ std::vector<CutArc> pivot_pairs(const DimacsFile& problem, const CutFile& cut) {
   return pairs;
 }
 
+// Cut number `cut` of one camera's.
+struct CutOf {
+  uint32_t camera;
+  size_t cut;
+};
+
+// The bottlenecks camera by camera, of each from the light to it; without any, the first camera's
+// cut.
+std::vector<CutOf> cuts_of_all(const std::vector<SeriesCut>& series) {
+  std::vector<CutOf> all;
+  for (uint32_t k = 0; k < series.size(); ++k)
+    for (size_t c = 0; series[k].bottleneck && c < series[k].cuts.size(); ++c)
+      all.push_back({k, c});
+  if (all.empty()) all.push_back({0, 0});
+  return all;
+}
+
+// Leaves at most `most` of them, in their order: the camera with most loses what promises least.
+void keep_most_promising(std::vector<CutOf>& cuts, const std::vector<SeriesCut>& series,
+                         size_t most) {
+  std::vector<size_t> count(series.size(), 0);
+  for (const CutOf& c : cuts) ++count[c.camera];
+  const auto rank = [&](const CutOf& c) {
+    return std::pair(-static_cast<double>(count[c.camera]),
+                     promise_of(series[c.camera].cuts[c.cut].facts));
+  };
+  while (cuts.size() > most) {
+    const auto least =
+        std::min_element(cuts.begin(), cuts.end(),
+                         [&](const CutOf& a, const CutOf& b) { return rank(a) < rank(b); });
+    --count[least->camera];
+    cuts.erase(least);
+  }
+}
+
 }  // namespace
 
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
@@ -86,18 +120,18 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.grid = problem.grid;
   cut.patches = problem.patches;
   cut.light = problem.light;
-  std::vector<SharedCut> shared = shared_cuts(networks, series, limits);
-  found.left_out = shared.size() - std::min<size_t>(shared.size(), kMostCuts);
-  keep_most_promising(shared, kMostCuts);
+  std::vector<CutOf> cuts = cuts_of_all(series);
+  found.left_out = cuts.size() - std::min<size_t>(cuts.size(), kMostCuts);
+  keep_most_promising(cuts, series, kMostCuts);
   cut.sides.assign(cut.patches.size(), 0);
-  for (size_t c = 0; c < shared.size(); ++c) {
-    const SharedCut& s = shared[c];
-    found.facts.push_back(s.facts);
-    cut.cuts.push_back(
-        {static_cast<double>(s.flow) / problem.scale, s.facts.conductance, s.cameras});
-    if (cameras == 1) cut.cuts.back().cameras.clear();
+  for (const auto& [camera, c] : cuts) {
+    const SeriesCut& of_camera = series[camera];
+    const size_t bit = cut.cuts.size();
     for (size_t i = 0; i < cut.patches.size(); ++i)
-      cut.sides[i] |= uint64_t{!s.source_side[cut.patches[i].node - 1]} << c;
+      cut.sides[i] |= uint64_t{of_camera.region[cut.patches[i].node - 1] > c} << bit;
+    const auto& [flow, facts] = of_camera.cuts[c];
+    found.facts.push_back(facts);
+    cut.cuts.push_back({static_cast<double>(flow) / problem.scale, facts.conductance, camera});
   }
   cut.arcs = pivot_pairs(problem, cut);
   for (SeriesCut& s : series) {

@@ -20,8 +20,9 @@ struct FoundCuts {
   size_t flows = 0;     ///< maximum flows, each verified
 };
 
-/// At most `most` cuts for each camera of a network with patches, each verified. Cuts of several
-/// cameras that pass the same opening are one [shared_cuts.h].
+/// At most `most` cuts for each camera of a network with patches, each verified. Cameras are cut
+/// one by one and not as one sink of all: a lamp in room B that lights room A through their door
+/// would lose that door as soon as a camera stands in B, too.
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits);
 
 /// The cut of a plain network as text: `s` value, `n` side of each node, `a` arcs of the cut.

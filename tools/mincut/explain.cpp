@@ -75,9 +75,10 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
                last ? flows + ": " + cli::price_of(phases, {"flow"}) : "", all);
   }
   if (found.left_out > 0)
-    all.push_back({plural(found.left_out, "cut"), "left out",
-                   fmt::format("a file has {} at most, and others serve more cameras", kMostCuts),
-                   ""});
+    all.push_back(
+        {plural(found.left_out, "cut"), "left out",
+         fmt::format("a file has {} at most, and others of the camera promise more", kMostCuts),
+         ""});
   if (!found.file.bottleneck)
     all.push_back({"bottleneck", "none", found.file.reason, "the next stages have nothing to do"});
   return all;

@@ -16,7 +16,6 @@ inline constexpr CutLimit kCutLimits[]{
     {"least-carried", &CutLimits::least_carried, 0, 1},
     {"straight", &CutLimits::straight, 0, 1},
     {"seen", &CutLimits::seen, 0, 1},
-    {"same-opening", &CutLimits::same_opening, 0, 1},
     {"hold", &CutLimits::hold, 0, 1},
     {"least-drop", &CutLimits::least_drop, 0, 1},
     {"loose", &CutLimits::loose, 0, 1e9},

@@ -161,8 +161,8 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
                                      [&](const CutArc& arc) { return cut.crosses(arc, c); });
     summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs}});
     summary["cuts"].back().update(json_of(found.facts[c]));
-    for (const uint32_t k : cut.cuts[c].cameras)
-      summary["cuts"].back()["cameras"].push_back(cut.name_if_several(k));
+    if (const std::string name = cut.name_if_several(cut.cuts[c].camera); !name.empty())
+      summary["cuts"].back()["camera"] = name;
   }
   summary["refused"] = Json::array();
   for (size_t k = 0; k < found.cameras.size(); ++k) {
@@ -174,7 +174,7 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
     }
     std::vector<CutFacts> own;
     for (size_t c = 0; c < cut.cuts.size(); ++c)
-      if (cut.cuts[c].serves(k)) own.push_back(found.facts[c]);
+      if (cut.cuts[c].camera == k) own.push_back(found.facts[c]);
     common.note((name.empty() ? "" : name + ": ") + sentence_of(found.cameras[k], own));
   }
   if (!cut.bottleneck) summary["reason"] = cut.reason;

@@ -8,7 +8,6 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/math/rng.h"
 #include "tools/mincut/cut_of.h"
-#include "tools/mincut/shared_cuts.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt::mincut_test {
@@ -179,14 +178,14 @@ TEST(cut_of, a_camera_beside_the_lamp_takes_no_door_from_another) {
   const FoundCuts found = cut_of(camera_in_each_room(false), 8, {});
   EXPECT_TRUE(found.file.bottleneck);
   ASSERT_EQ(found.file.cuts.size(), 1u);
-  EXPECT_EQ(found.file.cuts[0].cameras, std::vector<uint32_t>{0});
+  EXPECT_EQ(found.file.cuts[0].camera, 0u);
   EXPECT_EQ(found.file.sides, (std::vector<uint64_t>{0, 0, 1, 1}));
   EXPECT_EQ(found.cameras[0].reason, "");
   EXPECT_NE(found.cameras[1].reason, "");
 }
 
-// The second camera has the same door as a third one beside it: one cut serves both.
-TEST(cut_of, cameras_in_one_room_share_its_door) {
+// A third camera beside the first: each has a cut of its own through the same door.
+TEST(cut_of, each_camera_has_its_own_cuts) {
   DimacsFile f = camera_in_each_room(false);
   f.cameras.push_back("2 0 0 0 0 -1 0 1 0 0.9 1.5 all far too");
   f.network.nodes = 8;
@@ -194,39 +193,25 @@ TEST(cut_of, cameras_in_one_room_share_its_door) {
   f.network.arcs.push_back({4, 7, 700});
   f.network.arcs.push_back({5, 7, 900});
   const FoundCuts found = cut_of(f, 8, {});
-  ASSERT_EQ(found.file.cuts.size(), 1u);
-  EXPECT_EQ(found.file.cuts[0].cameras, (std::vector<uint32_t>{0, 2}));
+  ASSERT_EQ(found.file.cuts.size(), 2u);
+  EXPECT_EQ(found.file.cuts[0].camera, 0u);
+  EXPECT_EQ(found.file.cuts[1].camera, 2u);
+  EXPECT_EQ(found.file.sides, (std::vector<uint64_t>{0, 0, 3, 3}));
 }
 
-SharedCut half(uint32_t nodes, uint32_t first_beyond, double conductance, uint32_t cameras) {
-  SharedCut cut;
-  for (uint32_t v = 0; v < nodes; ++v) cut.source_side.push_back(v < first_beyond);
-  cut.facts.conductance = conductance;
-  for (uint32_t k = 0; k < cameras; ++k) cut.cameras.push_back(k);
-  return cut;
-}
-
-TEST(shared_cuts, those_that_serve_most_cameras_stay) {
-  std::vector<SharedCut> cuts{half(4, 2, 0.01, 1), half(4, 3, 0.1, 2), half(4, 2, 0.1, 1)};
-  keep_most_promising(cuts, 2);
-  ASSERT_EQ(cuts.size(), 2u);
-  EXPECT_EQ(cuts[0].facts.conductance, 0.01);
-  EXPECT_EQ(cuts[1].cameras.size(), 2u);
-}
-
-// The same door passed the other way is another cut.
-TEST(shared_cuts, the_way_of_the_light_counts) {
-  PatchNetwork there;
-  there.network = {4, 0, 1, {{2, 3, 10}, {3, 2, 10}}};
-  there.samples = {0, 0, 10, 10};
-  SeriesCut to_second, to_first;
-  to_second.bottleneck = to_first.bottleneck = true;
-  to_second.cuts.push_back({10, {}});
-  to_first.cuts.push_back({10, {}});
-  to_second.region = {0, 1, 0, 1};
-  to_first.region = {0, 1, 1, 0};
-  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_first}, {}).size(), 2u);
-  EXPECT_EQ(shared_cuts({there, there}, {to_second, to_second}, {}).size(), 1u);  // twin
+// More cameras than a file has room for: as many have their door.
+TEST(cut_of, a_file_holds_no_more_cuts_than_it_has_sides_for) {
+  DimacsFile f = two_rooms(20);
+  f.cameras.assign(kMostCuts + 3, "0 0 0 0 0 -1 0 1 0 0.9 1.5 all far");
+  for (uint32_t k = 1; k < f.cameras.size(); ++k) {
+    f.more_sinks.push_back(f.network.nodes);
+    for (const uint32_t node : {4, 5}) f.network.arcs.push_back({node, f.network.nodes, 900});
+    ++f.network.nodes;
+  }
+  const FoundCuts found = cut_of(f, 8, {});
+  EXPECT_EQ(found.file.cuts.size(), kMostCuts);
+  EXPECT_EQ(found.facts.size(), kMostCuts);
+  EXPECT_EQ(found.left_out, 3u);
 }
 
 TEST(plain_cut, names_value_sides_and_arcs) {

@@ -95,7 +95,7 @@ CutFile cuts_for(const FoundCuts& found, size_t camera) {
   own.cuts.clear();
   own.sides.assign(cut.patches.size(), 0);
   for (size_t c = 0; c < cut.cuts.size(); ++c) {
-    if (!cut.cuts[c].serves(camera)) continue;
+    if (cut.cuts[c].camera != camera) continue;
     for (size_t i = 0; i < cut.patches.size(); ++i)
       own.sides[i] |= uint64_t{cut.side_of(i, c) == Side::sink} << own.cuts.size();
     own.cuts.push_back(cut.cuts[c]);

@@ -120,7 +120,7 @@ TEST(cut_preview, is_a_png_and_refuses_another_scene) {
 TEST(cuts_for, are_those_that_serve_the_camera) {
   FoundCuts found;
   found.file = cut_at_the_wall(0b001, 0b110);
-  found.file.cuts = {{1, 0.1, {0}}, {2, 0.2, {1}}, {3, 0.3, {0, 1}}};
+  found.file.cuts = {{1, 0.1, 0}, {2, 0.2, 1}, {3, 0.3, 1}};
   found.file.arcs.push_back({found.file.arcs[0].to, found.file.arcs[0].from, 1});
   found.cameras.resize(3);
   const CutFile second = cuts_for(found, 1);

@@ -4,8 +4,9 @@
 // whose lines are deleted, until few are left. A candidate needs support (few of the probes through
 // it may join one side with itself) and an edge (a wall, past which the air goes on before or
 // behind). Openings beside each other in one plane are joined, as panes; then each needs a share of
-// the camera's light; then those that stand beside each other are separated. What several cuts
-// found is one opening if most of the light of either passes both.
+// the camera's light; then those that stand beside each other are separated. What several cuts of a
+// camera found is one opening if most of the light of either passes both; what several cameras
+// found is one if that holds for both.
 #include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
@@ -110,32 +111,22 @@ bool near(const Aperture& a, const Aperture& b) {
   return length(centre_a - centre_b) <= std::max(radius_a, radius_b);
 }
 
-// Share of each camera's light that each line stands for; without knowledge of it all lines of a
-// cut have the same.
-std::vector<std::vector<double>> shares_of(const LightGrid& grid) {
-  std::vector<double> of_cut(kMostCuts, 0), count(kMostCuts, 0);
+// Share of its camera's light that each line stands for; without knowledge of it all lines of a cut
+// have the same.
+std::vector<double> shares_of(const LightGrid& grid) {
+  std::vector<double> of_cut(kMostCuts, 0), count(kMostCuts, 0), shares;
   for (const LightLine& line : grid.lines) of_cut[line.cut] += line.share, count[line.cut] += 1;
-  std::vector<std::vector<double>> shares(grid.number_of_cameras());
-  for (size_t k = 0; k < shares.size(); ++k)
-    for (size_t i = 0; i < grid.lines.size(); ++i) {
-      const uint32_t cut = grid.lines[i].cut;
-      shares[k].push_back(of_cut[cut] > 0 ? grid.share_of(k, i) : 1 / count[cut]);
-    }
+  for (const LightLine& line : grid.lines)
+    shares.push_back(of_cut[line.cut] > 0 ? line.share : 1 / count[line.cut]);
   return shares;
 }
 
 // The names by which portals list the cameras that they serve; none for one camera.
 std::vector<std::string> names_of_cameras(const LightGrid& grid) {
   std::vector<std::string> names;
-  for (size_t k = 0; k < grid.shares.size(); ++k) {
-    const auto viewpoint = parse_viewpoint(k < grid.cameras.size() ? grid.cameras[k] : "");
-    names.push_back(viewpoint ? viewpoint->name : "");
-  }
+  for (size_t k = 0; grid.cameras.size() > 1 && k < grid.cameras.size(); ++k)
+    names.push_back(parse_viewpoint(grid.cameras[k]).value_or(Viewpoint{}).name);
   return names;
-}
-
-double largest(const std::vector<double>& shares) {
-  return *std::max_element(shares.begin(), shares.end());
 }
 
 std::string at_least(double share) {
@@ -160,18 +151,23 @@ class Fit {
       if (c >= of_cut.size()) of_cut.resize(c + 1, {&grid_.lines});
       of_cut[c].which.push_back(l);
     }
-    std::vector<Aperture> found;
+    std::vector<std::vector<Aperture>> found(grid_.number_of_cameras());
     size_t explained = 0;
     for (const Bundle& lines : of_cut) {
       if (lines.empty()) continue;
       std::set<uint32_t> crossed;
       for (Aperture& a : fit_cut(lines)) {
         crossed.insert(a.lines.which.begin(), a.lines.which.end());
-        found.push_back(std::move(a));
+        found[grid_.camera_of(grid_.lines[lines.which[0]].cut)].push_back(std::move(a));
       }
       explained += crossed.size();
     }
-    for (const Opening& opening : chosen(std::move(found))) {
+    std::vector<Opening> openings;
+    for (size_t k = 0; k < found.size(); ++k) add(chosen(std::move(found[k])), k, openings);
+    std::stable_sort(openings.begin(), openings.end(), [](const Opening& a, const Opening& b) {
+      return a.most_light() > b.most_light();
+    });
+    for (const Opening& opening : openings) {
       result_.portals.push_back(portal_of(opening));
       result_.lines.push_back(opening.aperture.lines.which);
     }
@@ -180,24 +176,25 @@ class Fit {
   }
 
  private:
-  // An opening, found by the light of one or several cuts.
-  struct Opening {
+  // An opening, found by the light of one or several cuts of a camera.
+  struct OfCamera {
     Aperture aperture;
-    std::vector<double> light;  // share of each camera's that passes it; 0: it does not serve it
+    double light;  // share of the camera's that passes it
   };
 
-  // Share of each camera's light.
-  std::vector<double> lights_of(const Bundle& bundle) const {
-    std::vector<double> sums;
-    for (const std::vector<double>& of_camera : shares_) {
-      double sum = 0;
-      for (const uint32_t l : bundle.which) sum += of_camera[l];
-      sums.push_back(sum);
-    }
-    return sums;
+  // One that several cameras may have found.
+  struct Opening {
+    Aperture aperture;
+    std::vector<double> light;  // of each camera's; 0: it does not serve it
+    double most_light() const { return *std::max_element(light.begin(), light.end()); }
+  };
+
+  // Share of the light of the camera whose lines they are.
+  double light_of(const Bundle& bundle) const {
+    double sum = 0;
+    for (const uint32_t l : bundle.which) sum += shares_[l];
+    return sum;
   }
-  // Of the camera to which it means most.
-  double light_of(const Bundle& bundle) const { return largest(lights_of(bundle)); }
 
   Portal portal_of(const Opening& opening) const {
     const Aperture& a = opening.aperture;
@@ -213,7 +210,7 @@ class Fit {
     const Vec3d mean = normalize(sum);
     auto& f = portal.figures;
     f["area"] = area(a.polygon);
-    f["flux_share"] = std::min(1.0, largest(opening.light));
+    f["flux_share"] = std::min(1.0, opening.most_light());
     if (const auto support = support_of(in_, a)) f["support"] = *support;
     f["direction_x"] = mean.x;
     f["direction_y"] = mean.y;
@@ -335,62 +332,62 @@ class Fit {
     return light_of(both) / std::max(light_of(a.lines), 1e-300);
   }
 
-  // Whether two cuts, or one cut twice, have found one opening.
+  // Whether two cuts of a camera, or one cut twice, have found one opening.
   bool same_opening(const Aperture& a, const Aperture& b) const {
     return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
   }
 
-  // Of the openings of all cuts those with most light, each once: the smallest that passes most of
-  // its light.
-  std::vector<Opening> chosen(std::vector<Aperture> found) {
+  // Whether each could stand for the other.
+  bool interchangeable(const Aperture& a, const Aperture& b) const {
+    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= limits_.mostly_open;
+  }
+
+  // Of the openings of all cuts of a camera those with most light, each once: the smallest that
+  // passes most of its light.
+  std::vector<OfCamera> chosen(std::vector<Aperture> found) {
     sort_by_light(found);
-    std::vector<Opening> kept;
+    std::vector<OfCamera> kept;
     for (Aperture& a : found) {
-      const std::vector<double> light = lights_of(a.lines);
-      const auto same = std::find_if(kept.begin(), kept.end(),
-                                     [&](const Opening& b) { return same_opening(a, b.aperture); });
+      const double light = light_of(a.lines);
+      const auto same = std::find_if(
+          kept.begin(), kept.end(), [&](const OfCamera& b) { return same_opening(a, b.aperture); });
       if (same == kept.end()) {
         kept.push_back({std::move(a), light});
         continue;
       }
       ++result_.repeated;
-      for (size_t k = 0; k < light.size(); ++k) same->light[k] = std::max(same->light[k], light[k]);
       if (area(a.polygon) < area(same->aperture.polygon) &&
-          largest(light) >= kMost * light_of(same->aperture.lines))
+          light >= kMost * light_of(same->aperture.lines))
         same->aperture = std::move(a);
     }
-    limit_each_camera(kept);
+    if (kept.size() > options_.max_portals) {
+      result_.repeated += kept.size() - options_.max_portals;
+      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(options_.max_portals), kept.end());
+    }
     return kept;
   }
 
-  // Leaves of each camera the openings with most of its light. An opening serves the camera to
-  // which it means most, and others from the threshold on.
-  void limit_each_camera(std::vector<Opening>& kept) {
-    std::vector<double> most;
-    for (const Opening& opening : kept) most.push_back(largest(opening.light));
-    for (size_t k = 0; k < shares_.size(); ++k) {
-      std::vector<Opening*> of_camera;
-      for (size_t i = 0; i < kept.size(); ++i)
-        if (double& light = kept[i].light[k]; light >= std::min(limits_.threshold, most[i]))
-          of_camera.push_back(&kept[i]);
-        else
-          light = 0;
-      std::stable_sort(of_camera.begin(), of_camera.end(), [&](const Opening* a, const Opening* b) {
-        return a->light[k] > b->light[k];
+  // Adds those of camera k to those of the cameras before it.
+  void add(std::vector<OfCamera> of_camera, size_t k, std::vector<Opening>& all) {
+    for (OfCamera& opening : of_camera) {
+      auto same = std::find_if(all.begin(), all.end(), [&](const Opening& other) {
+        return other.light[k] == 0 && interchangeable(opening.aperture, other.aperture);
       });
-      for (size_t i = options_.max_portals; i < of_camera.size(); ++i) of_camera[i]->light[k] = 0;
+      if (same == all.end())
+        same = all.insert(
+            same, {std::move(opening.aperture), std::vector<double>(grid_.number_of_cameras(), 0)});
+      else
+        ++result_.repeated;
+      same->light[k] = opening.light;
     }
-    const size_t before = kept.size();
-    std::erase_if(kept, [](const Opening& opening) { return !(largest(opening.light) > 0); });
-    result_.repeated += before - kept.size();
   }
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
   const FitLimits& limits_;
   const FitInput in_;
-  const std::vector<std::vector<double>> shares_;  // of each camera, per line
-  const std::vector<std::string> names_;           // of several cameras
+  const std::vector<double> shares_;      // per line
+  const std::vector<std::string> names_;  // of several cameras
   FitResult result_;
 };
 

@@ -209,34 +209,53 @@ TEST(PortalFit, IsRobustToStrays) {
   expect_good(grid_of(lines_through({hole()}, 8000, light, 1)), hole(), light);
 }
 
-// Two windows in one wall; the first brings the first camera most of its light, the second one's
-// all.
+// Cuts of two cameras, "hall" and "yard": `through` holds the openings that the light of each cut
+// passes.
+LightGrid grid_of_cameras(const std::vector<std::vector<Opening>>& through) {
+  std::vector<LightLine> lines;
+  for (uint32_t cut = 0; cut < through.size(); ++cut)
+    for (LightLine line : lines_through(through[cut], 8000, {}, 1 + cut)) {
+      line.cut = cut;
+      lines.push_back(line);
+    }
+  LightGrid grid = grid_of(lines);
+  grid.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all hall", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all yard"};
+  grid.cuts = {{0.01, 1, 0}, {0.01, 1, 1}};
+  return grid;
+}
+
+// Of two windows in one wall the first brings the hall most of its light, the second the yard all.
 TEST(PortalFit, ListsTheCamerasThatEachPortalServes) {
   Opening a = hole(0.2), b = hole(0.2);
   b.middle.z += 0.8;
-  a.share = 0.5;
-  LightGrid grid = grid_of(lines_through({a, b}, 10000, {}, 1));
-  grid.cameras = {"0 0 0 0 0 -1 0 1 0 0.9 1.5 all hall", "1 0 0 0 0 -1 0 1 0 0.9 1.5 all yard"};
-  grid.shares.resize(2);
-  const double n = static_cast<double>(grid.lines.size());
-  for (LightLine& line : grid.lines) {
-    const bool through_a = a.holds(at_plane(a, 0, line.light, line.camera));
-    grid.shares[0].push_back(through_a ? 0.9 / (0.5 * n) : 0.1 / (0.5 * n));
-    grid.shares[1].push_back(through_a ? 0 : 1 / (0.5 * n));
-    line.share = std::max(grid.shares[0].back(), grid.shares[1].back());
-  }
+  a.share = 0.9, b.share = 0.1;
+  Opening alone = b;
+  alone.share = 1;
+  LightGrid grid = grid_of_cameras({{a, b}, {alone}});
   const FitResult fit = fit_portals(grid, {});
   ASSERT_EQ(fit.portals.size(), 2u);
-  const bool a_first = fit.portals[0].cameras.size() == 1;
-  const Portal &of_a = fit.portals[a_first ? 0 : 1], &of_b = fit.portals[a_first ? 1 : 0];
+  const Portal &of_b = fit.portals[0], &of_a = fit.portals[1];
   ASSERT_EQ(of_a.cameras.size(), 1u);
   EXPECT_NEAR(of_a.cameras.at("hall"), 0.9, 0.05);
   ASSERT_EQ(of_b.cameras.size(), 2u);
   EXPECT_NEAR(of_b.cameras.at("hall"), 0.1, 0.02);
   EXPECT_NEAR(of_b.cameras.at("yard"), 1, 0.05);
   EXPECT_EQ(of_b.figures.at("flux_share"), of_b.cameras.at("yard"));
-  grid.shares.clear(), grid.cameras.pop_back();
+  grid.cuts.clear(), grid.cameras.clear();
   for (const Portal& portal : fit_portals(grid, {}).portals) EXPECT_TRUE(portal.cameras.empty());
+}
+
+// One camera's light passes the whole window, the other's only a part of it: neither's portal could
+// stand for the other's.
+TEST(PortalFit, LeavesEachCameraThePortalOfItsOwnLight) {
+  const Opening whole = hole(0.4), part = hole(0.15);
+  const FitResult fit = fit_portals(grid_of_cameras({{whole}, {part}}), {});
+  ASSERT_EQ(fit.portals.size(), 2u);
+  for (const Portal& portal : fit.portals) {
+    ASSERT_EQ(portal.cameras.size(), 1u);
+    const bool hall = portal.cameras.contains("hall");
+    EXPECT_NEAR(portal.figures.at("area") / (hall ? whole : part).area(), 1, 0.1);
+  }
 }
 
 TEST(PortalFit, FindsTwoWindows) {
