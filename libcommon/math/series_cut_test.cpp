@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libcommon/math/camera_cut.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt::series_cut_test {
@@ -185,6 +186,34 @@ TEST(cut_facts, a_lamp_that_shines_through_its_opening_needs_no_portal) {
   CutFacts dark = others;
   dark.carried = 0.005;
   EXPECT_EQ(why_refused(dark, limits).find("only 0.5 % of the light that the camera sees"), 0u);
+}
+
+// Two rooms are the light's and this camera's; a third, on the other side of either, is only
+// another camera's.
+TEST(camera_cut, finds_what_a_network_of_this_camera_alone_gives) {
+  for (const bool behind_the_lamp : {true, false}) {
+    const SeriesCut alone = series_cut(rooms_in_row({behind_the_lamp ? 400 : 300}), 8, {});
+    PatchNetwork p = rooms_in_row({400, 300});
+    p.begun = p.lit = p.viewed = std::vector<double>(p.network.nodes, 0);
+    const auto in_room = [](uint32_t v, uint32_t r) {
+      return v >= 2 + r * kPatches && v < 2 + (r + 1) * kPatches;
+    };
+    const uint32_t camera = behind_the_lamp ? 0 : 1, lamp = camera + 1;
+    std::erase_if(p.network.arcs, [](const FlowArc& a) { return a.from == 0 || a.to == 1; });
+    for (uint32_t v = 2; v < p.network.nodes; ++v) {
+      if (in_room(v, camera)) p.viewed[v] = 1, p.network.arcs.push_back({v, 1, 50000});
+      if (in_room(v, lamp)) p.lit[v] = 1, p.network.arcs.push_back({0, v, 50000});
+    }
+    const SeriesCut cut = camera_cut(p, 8, {});
+    ASSERT_EQ(cut.cuts.size(), alone.cuts.size());
+    EXPECT_EQ(cut.cuts[0].flow, alone.cuts[0].flow);
+    EXPECT_NEAR(cut.cuts[0].facts.conductance, alone.cuts[0].facts.conductance, 1e-12);
+    EXPECT_NEAR(cut.cuts[0].facts.area[0], 0.5, 1e-12);
+    EXPECT_EQ(regions(p, cut), behind_the_lamp ? (std::vector<uint32_t>{1, 0, 0})
+                                               : (std::vector<uint32_t>{1, 1, 0}));
+    // Twin: to the whole network the third room belongs.
+    EXPECT_GT(std::abs(series_cut(p, 8, {}).cuts[0].facts.area[0] - 0.5), 0.1);
+  }
 }
 
 TEST(series_cut, tells_rooms_apart_that_light_and_camera_both_reach) {

@@ -6,7 +6,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
-#include "libcommon/math/series_cut.h"
+#include "libcommon/math/camera_cut.h"
 #include "tools/ffgraph/connectivity.h"
 #include "tools/ffgraph/patch_grid.h"
 
@@ -69,7 +69,9 @@ OwnCuts own_cuts(const LightFlow& f) {
   limits.largest_conductance *= kLeaks;
   std::vector<SeriesCut> of_camera(f.hits_cameras.size());
   tbb::parallel_for(size_t{0}, of_camera.size(), [&](size_t k) {
-    of_camera[k] = series_cut(network_between(f, k), kMostCuts, limits);
+    const PatchNetwork network = network_between(f, k);
+    of_camera[k] = of_camera.size() > 1 ? camera_cut(network, kMostCuts, limits)
+                                        : series_cut(network, kMostCuts, limits);
   });
   OwnCuts own;
   std::vector<CutFacts> facts;

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/formats/format_version.h"
+#include "libcommon/math/camera_cut.h"
 #include "tools/mincut/verify.h"
 
 namespace tdpt {
@@ -102,7 +103,6 @@ void keep_most_promising(std::vector<CutOf>& cuts, const std::vector<SeriesCut>&
 
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
   const size_t cameras = problem.number_of_cameras();
-  std::vector<PatchNetwork> networks(cameras);
   std::vector<SeriesCut> series(cameras);
   std::atomic<size_t> flows = 0;
   const auto verify = [&](const FlowNetwork& network, const MaxFlow& flow) {
@@ -110,8 +110,9 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     verify_max_flow(network, flow);
   };
   tbb::parallel_for(size_t{0}, cameras, [&](size_t k) {
-    networks[k] = network_between(problem, k);
-    series[k] = series_cut(networks[k], most, limits, verify);
+    const PatchNetwork network = network_between(problem, k);
+    series[k] = cameras > 1 && !problem.walks.empty() ? camera_cut(network, most, limits, verify)
+                                                      : series_cut(network, most, limits, verify);
   });
   FoundCuts found;
   CutFile& cut = found.file;

@@ -78,7 +78,7 @@ double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>
   // The corners of a rectangle spread like a larger rectangle.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
-  return joint.open >= in.limits.mostly_open && bar <= in.limits.beside * side ? joint.open : 0;
+  return joint.open >= in.limits.mostly && bar <= in.limits.beside * side ? joint.open : 0;
 }
 
 using Group = std::vector<Aperture>;

@@ -12,7 +12,6 @@ struct FitLimit {
   double lowest, highest;
 };
 inline constexpr FitLimit kFitLimits[]{
-    {"one-opening", &FitLimits::one_opening, 0, 1},
     {"fewest", &FitLimits::fewest, 8, 1e6},
     {"least-edge", &FitLimits::least_edge, 0, 1},
     {"resolved", &FitLimits::resolved, 0, 1000},
@@ -44,7 +43,7 @@ inline constexpr FitLimit kFitLimits[]{
     {"sparse", &FitLimits::sparse, 1, 1000},
     {"beside", &FitLimits::beside, 0, 10},
     {"denser", &FitLimits::denser, 0.5, 100},
-    {"mostly-open", &FitLimits::mostly_open, 0, 1},
+    {"mostly", &FitLimits::mostly, 0, 1},
 };
 
 inline void declare_limits(cli::Options& options, FitLimits& limits) {

@@ -12,9 +12,8 @@ inline constexpr double kMost = 0.5;
 /// Each is a ratio unless a unit is given.
 struct FitLimits {
   // What makes an opening.
-  double threshold = 0.02;   ///< smallest share of a camera's light that makes a portal
-  double one_opening = 0.9;  ///< support below which one of two windows may be the opening
-  double fewest = 30;        ///< lines, or probes, that tell anything
+  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
+  double fewest = 30;       ///< lines, or probes, that tell anything
   /// Least share of its outline that is an edge: of most openings it is 0.4 to 1, of planes across
   /// a room 0 to 0.2.
   double least_edge = 0.3;
@@ -69,8 +68,11 @@ struct FitLimits {
   double beside = 0.2;
 
   // Several openings.
-  double denser = 1.3;       ///< lines per area of a part over those of the whole
-  double mostly_open = 0.8;  ///< of a joint outline: then panes are joined across mullions
+  double denser = 1.3;  ///< lines per area of a part over those of the whole
+  /// Share that stands for the whole: open of a joint outline, then panes are joined across
+  /// mullions; light of two cameras that passes both portals, then they are one; support, and with
+  /// less one of two windows may be the opening.
+  double mostly = 0.8;
 
   /// Whether so few lines tell nothing.
   bool few(size_t lines) const { return static_cast<double>(lines) < fewest; }

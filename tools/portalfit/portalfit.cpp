@@ -251,7 +251,7 @@ class Fit {
         continue;
       }
       ++result_.candidates;
-      if (support_of(in_, *found).value_or(1) < limits_.one_opening)
+      if (support_of(in_, *found).value_or(1) < limits_.mostly)
         if (auto part = part_of_directions(in_, rest, *found)) found = std::move(part);
       if (is_opening(*found) && !limits_.few(found->lines.size())) parts.push_back(*found);
       rest = lines_not_at(rest, *found, limits_);
@@ -339,7 +339,7 @@ class Fit {
 
   // Whether each could stand for the other.
   bool interchangeable(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= limits_.mostly_open;
+    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= limits_.mostly;
   }
 
   // Of the openings of all cuts of a camera those with most light, each once: the smallest that
