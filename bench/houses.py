@@ -179,3 +179,47 @@ def houses(bench):
         print(parts["worth"])
     if bench.settings.quality == "normal":
         bench.page("portals", parts, EVERYTHING, "portalfit")
+
+
+# ---- Several cameras ----
+def cameras_row(bench, views):
+    """Of one house, portals found for all cameras together beside those that each finds alone."""
+    s, scene, sky = bench.settings, views[0].scene, views[0].sky
+    together = found(bench, views[0]._replace(camera="all"))
+    alone = [found(bench, view) for view in views]
+    ratios = []
+    for view, own in zip(views, alone):
+        common = ("--camera", view.camera, *sky, "--width", s.width, "--height", s.width * 9 // 16)
+        files = {"together": together, "alone": own}
+        portals = {way: ("--portal", of.file) if of.count else () for way, of in files.items()}
+        # Neither way's portals make both halves of the reference.
+        reference = Halves(bench, *(bench.render(
+            scene, *common, "--integrator", "auto", *portals[way], "--time", f"{s.reference / 2:g}", "--seed",
+            1000000 + half).out for half, way in enumerate(portals, 1)))
+        costs = {way: [] for way in portals}
+        for seed, way in turns(range(1, s.seeds + 1), portals):
+            run = bench.render(scene, *common, "--integrator", "auto", *portals[way], "--time", f"{s.seconds_each:g}",
+                               "--seed", seed)
+            costs[way].append(reference.off(run.out)["relmse"] * run.said["cpu_seconds"])
+        ratios.append(stats.ratio(costs["alone"], costs["together"]))
+        bench.say(f"{view.name}: {ratios[-1].text(pages.hundredths)} of its own portals")
+    cpu = [own.cpu for own in alone]
+    return [views[0].name.split(".")[0], len(views), *("%.1f" % c for c in (together.cpu, max(cpu), sum(cpu))),
+            "%.1f" % (together.cpu / max(cpu)), pages.hundredths(math.exp(np.mean(np.log([r.value for r in ratios])))),
+            " ".join(f"{v.camera} {r.text(pages.hundredths)}" for v, r in zip(views, ratios))]
+
+
+@settings(WIDTH=Setting(160, "of the pictures", 96), SECONDS_EACH=Setting(3.0, "CPU seconds of a picture", 0.5),
+          SEEDS=Setting(4, "pictures of each kind", 2),
+          REFERENCE=Setting(24.0, "CPU seconds of a reference, in two halves", 2.0))
+def cameras(bench):
+    """Real buildings through all their cameras: what the four stages take for all together and for each alone, and the
+    efficiency of auto with the portals found together over that with a camera's own. A house takes five minutes."""
+    houses_of = {}
+    for view in views_of(bench):
+        houses_of.setdefault(view.scene, []).append(view)
+    heads = ("building", "cameras", "together, CPU s", "slowest alone", "all alone", "together / slowest",
+             "efficiency over own portals", "camera by camera")
+    table = pages.table(heads, [cameras_row(bench, views) for views in houses_of.values()])
+    print(table)
+    bench.page("portals", {"cameras": table}, EVERYTHING, "portalfit")

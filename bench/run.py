@@ -32,6 +32,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
                 "hour)"),
     "houses": ("houses", "houses", "how right portals are in real buildings, and what they are worth: in doc/portals.md "
                "(two hours; WORTH=0: half an hour)"),
+    "cameras": ("houses", "cameras", "portals of real buildings found for all cameras together: in doc/portals.md (half an "
+                "hour)"),
     "sensitivity": ("sensitivity", "sensitivity", "what hangs on each number of mincut and portalfit: doc/sensitivity.md "
                     "(three hours; ONLY=GROUP or NUMBER)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
