@@ -105,9 +105,9 @@ TEST(light_tables, tell_the_camera_of_each_cut) {
     parse_light_tables({{"lines", light_table_text(one, "lines")}});
     ADD_FAILURE() << "accepted";
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find(
-                  "'3' as camera of the cut, expected a whole number from 1 to 2"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(e.what()).find("'3' as camera of the cut, expected a whole number from 1 to 2"),
+        std::string::npos)
         << e.what();
   }
 }
