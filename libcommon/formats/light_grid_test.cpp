@@ -121,6 +121,14 @@ TEST_F(LightGridFormat, KeepsTheCameraOfEachCut) {
   EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cut_camera_1: is 3, expected a camera of 1 to 2");
 }
 
+TEST_F(LightGridFormat, RefusesAShareThatNoLightHas) {
+  LightGrid g = small();
+  g.lines[0].share = 1e7;
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "grid lines: holds a line with the share 10000000, expected 0 to 1000000");
+}
+
+// The same bits except for the order of lines; only viewers see another orientation.
 TEST_F(LightGridFormat, StandsUprightOnDemandAndIsReadAsTheSame) {
   const LightGrid g = small();
   const std::string lying = light_grid_bytes(g), upright = light_grid_bytes(g, true);

@@ -11,9 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <span>
-#include <utility>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
