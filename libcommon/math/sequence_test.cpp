@@ -56,6 +56,28 @@ TEST(sequence, twin_runs_above_2_to_the_32_are_new_ones) {
   EXPECT_FALSE(every_interval_has_its_sample(number, (uint64_t{1} << 32) - 1));
 }
 
+template <uint64_t half>
+double number_of_half(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t sample, uint32_t d) {
+  return number(seed, stream, pixel, shader::number_in_half(2 * sample + half), d);
+}
+double number_of_both(uint64_t seed, uint64_t stream, uint64_t pixel, uint64_t sample, uint32_t d) {
+  return number(seed, stream, pixel, shader::number_in_half(sample), d);
+}
+TEST(sequence, even_and_odd_samples_are_stratified_each) {
+  EXPECT_TRUE(every_interval_has_its_sample(number_of_half<0>, 0));
+  EXPECT_TRUE(every_interval_has_its_sample(number_of_half<1>, 0));
+}
+TEST(sequence, twin_both_together_are_not) {
+  EXPECT_FALSE(every_interval_has_its_sample(number_of_both, 0));
+}
+TEST(sequence, no_two_samples_of_a_pixel_have_the_same_number) {
+  for (const uint64_t s :
+       {0ull, 1ull, 6ull, 7ull, (1ull << 32) - 1, 1ull << 32, (5ull << 32) + 11}) {
+    const uint64_t n = shader::number_in_half(s);
+    EXPECT_EQ(n >> 33 << 32 | (n & 0xffffffff) << 1 | (n >> 32 & 1), s);
+  }
+}
+
 bool every_rectangle_has_its_sample(Numbers numbers, uint32_t other) {
   for (int k = 0; k <= 10; ++k)
     for (int a = 0; a <= k; ++a)
@@ -147,6 +169,9 @@ TEST(sequence, pixels_streams_and_seeds_are_uncorrelated) {
       pairs.push_back({here, {.seed = 1, .sample = sample, .d = d}});
       pairs.push_back({here, {.sample = sample + (uint64_t{1} << 32), .d = d}});
       pairs.push_back({here, {.pixel = 1, .sample = sample + 1, .d = d}});
+      for (const uint64_t other : {sample ^ 1, sample + (uint64_t{1} << 32)})  // half, run
+        pairs.push_back({{.sample = shader::number_in_half(sample), .d = d},
+                         {.sample = shader::number_in_half(other), .d = d}});
     }
   EXPECT_GT(least_p_of_pairs(pairs), sidak(1e-3, 2 * pairs.size()));
 }

@@ -39,7 +39,8 @@ SHARED SampleName sample_of_group(uint group, uint i) MEMBER_CONST {
 
 SHARED Sequence numbers_of(SampleName s, uint purpose) MEMBER_CONST {
   word64 pixel = word64_of(s.pixel / render.width, s.pixel % render.width);
-  return sequence_of(render.seed, sum64(render.stream, word64_of(0u, purpose)), pixel, s.number);
+  return sequence_of(render.seed, sum64(render.stream, word64_of(0u, purpose)), pixel,
+                     number_in_half(s.number));
 }
 SHARED float uniform_of(INOUT(Sequence) numbers) MEMBER_CONST {
   return unit_float(high_word(random_bits(numbers)));

@@ -16,7 +16,8 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, con
 
 Sequence PathSampler::numbers(uint32_t purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
-  return Sequence(settings_.seed, settings_.stream * kPurposes + purpose, pixel, sample_);
+  return Sequence(settings_.seed, settings_.stream * kPurposes + purpose, pixel,
+                  shader::number_in_half(sample_));
 }
 
 void PathSampler::begin(int x, int y, uint64_t sample) {
