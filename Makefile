@@ -35,7 +35,7 @@ TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
-PROGRAMS = $(DEMO_PROGRAMS) exrmerge tdpt-info tdpt
+PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt
 
 .PHONY: all help build programs demo figures stages bench stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build

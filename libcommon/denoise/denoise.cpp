@@ -1,0 +1,299 @@
+#include "libcommon/denoise/denoise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "libcommon/denoise/outliers.h"
+
+namespace tdpt::denoise {
+namespace {
+
+constexpr std::array kPilotBandwidth{0.5f};
+constexpr std::array kBandwidths{0.25f, 0.5f, 1.0f};
+constexpr int kPilotPatch = 3, kPatch = 1;
+// The light is filtered after division by the albedo plus this.
+constexpr float kAlbedoOffset = 0.5f;
+// Deviations of filters [pixels]: of variances, of errors, of what is chosen, of brightness.
+constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing = 2,
+                 kBrightnessSmoothing = 2;
+// The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
+constexpr double kCertain = 2;
+constexpr double kDark = 0.01;  // as in relMSE
+
+struct Halves {
+  Colour a, b;
+};
+
+Colour mean(const Halves& h, float share_a) {
+  Colour all;
+  for (size_t c = 0; c < 3; ++c) {
+    all[c].resize(h.a[c].size());
+    for (size_t i = 0; i < all[c].size(); ++i)
+      all[c][i] = share_a * h.a[c][i] + (1 - share_a) * h.b[c][i];
+  }
+  return all;
+}
+
+// Smoothed squared differences, times a factor.
+Colour differences(Size size, const Halves& h, float factor) {
+  Colour all;
+  for (size_t c = 0; c < 3; ++c) {
+    Plane plane(size.pixels());
+    for (size_t i = 0; i < plane.size(); ++i) {
+      const float d = h.a[c][i] - h.b[c][i];
+      plane[i] = factor * (d * d);
+    }
+    all[c] = smooth(plane, size, kVarianceSmoothing);
+  }
+  return all;
+}
+
+double mean_of(const Plane& plane) {
+  double sum = 0;
+  for (const float v : plane) sum += static_cast<double>(v);
+  return sum / static_cast<double>(plane.size());
+}
+double mean_of(const Colour& colour) {
+  return (mean_of(colour[0]) + mean_of(colour[1]) + mean_of(colour[2])) / 3;
+}
+
+class Filter {
+ public:
+  Filter(Input in, double light)
+      : noise_{std::move(in.a), std::move(in.b)},
+        features_(std::move(in.features)),
+        size_(in.size),
+        share_a_(static_cast<float>(in.share_a)),
+        light_(light) {}
+
+  Colour run() {
+    weigh_errors();
+    make_candidates();
+    Halves best = choose();
+    mix_with_noisy(best);
+    return mean(best, share_a_);
+  }
+
+ private:
+  // Squared errors are relative to the brightness around, as in relMSE.
+  void weigh_errors() {
+    per_ = mean(noise_, share_a_);
+    for (Plane& plane : per_) {
+      plane = smooth(plane, size_, kBrightnessSmoothing);
+      for (float& v : plane) {
+        const auto bright = static_cast<double>(v);
+        v = static_cast<float>(1 / (3 * (bright * bright + kDark * light_ * light_)));
+      }
+    }
+  }
+
+  // Division by the albedo leaves the light, which is smoother. Multiplication restores it.
+  enum class Albedo : uint8_t { divide, multiply };
+  void by_albedo(Colour& colour, Albedo how) const {
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < size_.pixels(); ++i) {
+        const float factor = features_[c][i] + kAlbedoOffset;
+        colour[c][i] = how == Albedo::divide ? colour[c][i] / factor : colour[c][i] * factor;
+      }
+  }
+
+  // Estimates of both halves with all bandwidths.
+  void make_candidates() {
+    Halves light = noise_;
+    by_albedo(light.a, Albedo::divide);
+    by_albedo(light.b, Albedo::divide);
+    const Colour variance_a = differences(size_, light, 1 - share_a_);
+    const Colour variance_b = differences(size_, light, share_a_);
+    const auto least = static_cast<float>(1e-10 * light_ * light_);
+    const Halves pilot{std::move(regressions(size_, light.a, features_,
+                                             {light.b, variance_b, variance_a, least, kPilotPatch},
+                                             kPilotBandwidth)[0]),
+                       std::move(regressions(size_, light.b, features_,
+                                             {light.a, variance_a, variance_b, least, kPilotPatch},
+                                             kPilotBandwidth)[0])};
+    const Colour rest = differences(size_, pilot, 0.5f);
+    auto a = regressions(size_, light.a, features_, {pilot.a, rest, variance_a, least, kPatch},
+                         kBandwidths);
+    auto b = regressions(size_, light.b, features_, {pilot.b, rest, variance_b, least, kPatch},
+                         kBandwidths);
+    for (size_t k = 0; k < kBandwidths.size(); ++k) {
+      by_albedo(a[k], Albedo::multiply);
+      by_albedo(b[k], Albedo::multiply);
+      candidates_.push_back({std::move(a[k]), std::move(b[k])});
+    }
+  }
+
+  // Unbiased, of each pixel.
+  Plane squared_error(const Halves& f) const {
+    Plane error(size_.pixels());
+    const float s_a = share_a_, s_b = 1 - share_a_;
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < error.size(); ++i) {
+        const float noise = noise_.a[c][i] - noise_.b[c][i];
+        const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
+        const float off_a = f.a[c][i] - noise_.b[c][i], off_b = f.b[c][i] - noise_.a[c][i];
+        const float apart = f.a[c][i] - f.b[c][i];
+        error[i] += per_[c][i] * (s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) -
+                                  s_a * s_b * (apart * apart));
+      }
+    return error;
+  }
+  // The same of the noisy picture.
+  Plane noise_error() const {
+    Plane error(size_.pixels());
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < error.size(); ++i) {
+        const float noise = noise_.a[c][i] - noise_.b[c][i];
+        error[i] += per_[c][i] * (share_a_ * (1 - share_a_) * (noise * noise));
+      }
+    return error;
+  }
+
+  // The bandwidth with the least error around each pixel, itself left out: its own noise would
+  // favour the estimate that happens to be near it.
+  Halves choose() {
+    std::vector<Plane> errors, chosen(candidates_.size(), Plane(size_.pixels()));
+    for (const Halves& candidate : candidates_)
+      errors.push_back(smooth_others(squared_error(candidate), size_, kErrorSmoothing));
+    for (size_t i = 0; i < size_.pixels(); ++i) {
+      size_t best = 0;
+      for (size_t k = 1; k < errors.size(); ++k)
+        if (errors[k][i] < errors[best][i]) best = k;
+      chosen[best][i] = 1;
+    }
+    Halves all;
+    for (size_t c = 0; c < 3; ++c) {
+      all.a[c].resize(size_.pixels());
+      all.b[c].resize(size_.pixels());
+    }
+    for (size_t k = 0; k < candidates_.size(); ++k) {
+      const Plane share = smooth(chosen[k], size_, kChoiceSmoothing);
+      for (size_t c = 0; c < 3; ++c)
+        for (size_t i = 0; i < size_.pixels(); ++i) {
+          all.a[c][i] += share[i] * candidates_[k].a[c][i];
+          all.b[c][i] += share[i] * candidates_[k].b[c][i];
+        }
+      candidates_[k] = {};
+    }
+    return all;
+  }
+
+  // The combination of filter and noisy pixel with the least error, where the filter's error is
+  // certain.
+  void mix_with_noisy(Halves& f) const {
+    Plane squares = squared_error(f);
+    const Plane error = smooth(squares, size_, kErrorSmoothing);
+    for (float& v : squares) v *= v;
+    squares = smooth(squares, size_, kErrorSmoothing);
+    const Plane noise = smooth(noise_error(), size_, kErrorSmoothing);
+    // Number of pixels that the smoothing averages.
+    const double n = 4 * std::numbers::pi * kErrorSmoothing * kErrorSmoothing;
+    for (size_t i = 0; i < error.size(); ++i) {
+      const auto e = static_cast<double>(error[i]), v = static_cast<double>(noise[i]);
+      const double deviation =
+          std::sqrt(std::max(0.0, static_cast<double>(squares[i]) - e * e) / n);
+      const double sure = e - kCertain * deviation;
+      if (!(sure > 0)) continue;
+      const auto share = static_cast<float>(sure / (sure + v));
+      for (size_t c = 0; c < 3; ++c) {
+        f.a[c][i] += share * (noise_.a[c][i] - f.a[c][i]);
+        f.b[c][i] += share * (noise_.b[c][i] - f.b[c][i]);
+      }
+    }
+  }
+
+  const Halves noise_;
+  const Features features_;
+  Size size_;
+  float share_a_;
+  double light_;  // mean radiance of the picture
+  Colour per_;    // factors of squared errors
+  std::vector<Halves> candidates_;
+};
+
+// How far apart two pixels can be that affect each other: filters reach three deviations.
+constexpr int kHalo = 2 * 5 + (kReach + kPilotPatch) + (kReach + kPatch) + 2 * 9 + 6;
+
+// A part of the input, with its halo as far as the picture goes.
+struct Block {
+  int x, y, width, height;       // in the picture
+  int left, top, right, bottom;  // the same with the halo
+  Size size() const { return {right - left, bottom - top}; }
+};
+
+Block block_of(Size size, int x, int y, int width, int height) {
+  return {x,
+          y,
+          width,
+          height,
+          std::max(0, x - kHalo),
+          std::max(0, y - kHalo),
+          std::min(size.width, x + width + kHalo),
+          std::min(size.height, y + height + kHalo)};
+}
+
+Plane part(const Plane& plane, Size size, const Block& block) {
+  Plane some;
+  some.reserve(block.size().pixels());
+  for (int y = block.top; y < block.bottom; ++y) {
+    const auto row = plane.begin() + static_cast<std::ptrdiff_t>(y) * size.width;
+    some.insert(some.end(), row + block.left, row + block.right);
+  }
+  return some;
+}
+
+Input part(const Input& input, const Block& block) {
+  Input some{block.size(), {}, {}, input.share_a, {}};
+  for (size_t c = 0; c < 3; ++c) {
+    some.a[c] = part(input.a[c], input.size, block);
+    some.b[c] = part(input.b[c], input.size, block);
+  }
+  for (size_t f = 0; f < kFeatures; ++f)
+    some.features[f] = part(input.features[f], input.size, block);
+  return some;
+}
+
+// Copies what is not halo.
+void put(const Colour& from, const Block& block, Colour& picture, Size size) {
+  for (size_t c = 0; c < 3; ++c)
+    for (int y = block.y; y < block.y + block.height; ++y) {
+      const auto row = from[c].begin() +
+                       static_cast<std::ptrdiff_t>(y - block.top) * (block.right - block.left) +
+                       (block.x - block.left);
+      std::copy(row, row + block.width,
+                picture[c].begin() + static_cast<std::ptrdiff_t>(y) * size.width + block.x);
+    }
+}
+
+}  // namespace
+
+Result denoise(Input input, int block) {
+  const Size size = input.size;
+  const auto share_a = static_cast<float>(input.share_a);
+  Result result;
+  result.picture = mean({input.a, input.b}, share_a);
+  const double light = mean_of(result.picture);
+  if (!(light > 0)) return result;
+  Outliers a = cut_outliers(size, input.a, input.b), b = cut_outliers(size, input.b, input.a);
+  input.a = std::move(a.rest);
+  input.b = std::move(b.rest);
+  const int across = (size.width + block - 1) / block, down = (size.height + block - 1) / block;
+  for (int i = 0; i < across * down; ++i) {
+    const auto edge = [](int64_t k, int of, int length) {
+      return static_cast<int>(k * length / of);
+    };
+    const int x = edge(i % across, across, size.width), y = edge(i / across, down, size.height);
+    const Block some = block_of(size, x, y, edge(i % across + 1, across, size.width) - x,
+                                edge(i / across + 1, down, size.height) - y);
+    put(Filter(part(input, some), light).run(), some, result.picture, size);
+  }
+  const Colour energy = mean({std::move(a.energy), std::move(b.energy)}, share_a);
+  give_back(size, energy, result.picture);
+  result.outliers = a.pixels + b.pixels;
+  result.outlier_energy = mean_of(energy) / light;
+  return result;
+}
+
+}  // namespace tdpt::denoise

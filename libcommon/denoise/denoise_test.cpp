@@ -1,0 +1,117 @@
+#include "libcommon/denoise/denoise.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "libcommon/denoise/test_picture.h"
+
+namespace tdpt::denoise {
+namespace {
+
+// How many times the filter makes the squared error smaller.
+double gain(const TestPicture& picture, const Input& input) {
+  const double before = picture.error(TestPicture::noisy(input));
+  return before / picture.error(denoise(input).picture);
+}
+
+TEST(Denoise, NoiseFalls) {
+  const TestPicture picture;
+  EXPECT_GT(gain(picture, picture.halves(0.5)), 20);
+  EXPECT_GT(gain(picture, picture.halves(0.1)), 10);
+}
+
+TEST(Denoise, HalvesThatShareTheirNoiseAreNotFiltered) {
+  const TestPicture picture;
+  Input input = picture.halves(0.5);
+  input.b = input.a;
+  EXPECT_LT(gain(picture, input), 1.1);
+}
+
+TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
+  const TestPicture picture;
+  Input input = picture.halves(0.2);
+  const double right = gain(picture, input);
+  for (Plane& plane : input.features) std::rotate(plane.begin(), plane.begin() + 5, plane.end());
+  EXPECT_LT(gain(picture, input), right / 1.3);
+}
+
+TEST(Denoise, TheMeanStays) {
+  const TestPicture picture;
+  for (const double noise : {0.1, 0.5, 1.0}) {
+    const Input input = picture.halves(noise);
+    const double before = TestPicture::mean(TestPicture::noisy(input));
+    EXPECT_NEAR(TestPicture::mean(denoise(input).picture) / before, 1, 0.003) << noise;
+  }
+}
+
+// A pattern that no feature shows.
+Input hidden_pattern(TestPicture& picture, double noise) {
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < picture.truth[c].size(); ++i)
+      picture.truth[c][i] *= mix64(i) % 2 == 0 ? 0.8f : 1.2f;
+  return picture.halves(noise);
+}
+
+TEST(Denoise, TheNoisyPictureReturnsAsNoiseVanishes) {
+  for (const double noise : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001}) {
+    TestPicture picture;
+    const Input input = hidden_pattern(picture, noise);
+    EXPECT_GT(gain(picture, input), 0.95) << noise;
+  }
+}
+
+TEST(Denoise, AnOutlierIsSpreadAndItsEnergyKept) {
+  const TestPicture picture;
+  Input input = picture.halves(0.1);
+  const size_t pixel = 20 * 96 + 50;
+  for (Plane& plane : input.a) plane[pixel] *= 400;
+  const Result result = denoise(input);
+  EXPECT_EQ(result.outliers, 1);
+  EXPECT_GT(result.outlier_energy, 0.01);  // a filter that lost it would miss the mean below
+  const double before = TestPicture::mean(TestPicture::noisy(input));
+  EXPECT_NEAR(TestPicture::mean(result.picture) / before, 1, 0.003);
+  EXPECT_LT(result.picture[1][pixel], 2 * picture.truth[1][pixel]);
+}
+
+TEST(Denoise, AHighlightStays) {
+  TestPicture picture;
+  const size_t pixel = 20 * 96 + 50;
+  for (Plane& plane : picture.truth) plane[pixel] *= 40;
+  const Result result = denoise(picture.halves(0.1));
+  EXPECT_EQ(result.outliers, 0);
+  EXPECT_NEAR(result.picture[1][pixel] / picture.truth[1][pixel], 1, 0.3);
+}
+
+TEST(Denoise, BlocksAndThreadsDoNotShow) {
+  const TestPicture picture;
+  const Input input = picture.halves(0.5);
+  const Colour whole = denoise(input).picture;
+  EXPECT_EQ(denoise(input, 31).picture, whole);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(denoise(input).picture, whole);
+}
+
+TEST(Denoise, UnequalHalves) {
+  const TestPicture picture;
+  // As 3 samples: the second half has twice the variance.
+  Input input = picture.halves(0.2);
+  input.b = picture.halves(0.2 * std::sqrt(2.0), 2).b;
+  input.share_a = 2.0 / 3;
+  Colour noisy = input.a;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < noisy[c].size(); ++i)
+      noisy[c][i] = (2 * input.a[c][i] + input.b[c][i]) / 3;
+  EXPECT_GT(picture.error(noisy) / picture.error(denoise(input).picture), 10);
+}
+
+TEST(Denoise, SmallAndBlackPictures) {
+  Input input{{1, 1}, {}, {}, 0.5, {}};
+  for (size_t c = 0; c < 3; ++c) input.a[c] = input.b[c] = {0.0f};
+  for (Plane& plane : input.features) plane = {0.0f};
+  EXPECT_EQ(denoise(input).picture[0][0], 0);
+  input.a[0][0] = input.b[0][0] = 2;
+  EXPECT_FLOAT_EQ(denoise(input).picture[0][0], 2);
+}
+
+}  // namespace
+}  // namespace tdpt::denoise

@@ -1,0 +1,117 @@
+#include "libcommon/denoise/filter_picture.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/denoise/test_picture.h"
+
+namespace tdpt::denoise {
+namespace {
+
+Picture picture_of(const Colour& colour) {
+  Picture picture{TestPicture::kSize.width, TestPicture::kSize.height, {}};
+  for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
+    picture.pixels.push_back({colour[0][i], colour[1][i], colour[2][i]});
+  return picture;
+}
+
+ExrFile file_of(const TestPicture& test, double noise, double share_a = 0.5) {
+  const Input input = test.halves(noise);
+  ExrFile file;
+  file.layers["halfA"] = picture_of(input.a);
+  file.layers["halfB"] = picture_of(input.b);
+  file.picture = file.layers["halfA"];
+  for (size_t i = 0; i < file.picture.pixels.size(); ++i)
+    file.picture.pixels[i] = file.layers["halfA"].pixels[i] * static_cast<float>(share_a) +
+                             file.layers["halfB"].pixels[i] * static_cast<float>(1 - share_a);
+  constexpr std::array names{"albedo.R", "albedo.G", "albedo.B",
+                             "normal.X", "normal.Y", "normal.Z"};
+  for (size_t f = 0; f < names.size(); ++f) file.channels[names[f]] = test.features[f];
+  file.channels["depth.Z"].assign(TestPicture::kSize.pixels(), 3);
+  return file;
+}
+
+double error_of(const TestPicture& test, const Picture& picture) {
+  Colour colour;
+  for (size_t c = 0; c < 3; ++c)
+    for (const Rgb& p : picture.pixels) colour[c].push_back(p[static_cast<int>(c)]);
+  return test.error(colour);
+}
+
+std::string message(ExrFile file) {
+  try {
+    filter_picture(file, "a.exr");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(FilterPicture, KeepsWhatWasRenderedBeside) {
+  const TestPicture test;
+  ExrFile file = file_of(test, 0.3);
+  const Picture noisy = file.picture;
+  const Filtered filtered = filter_picture(file, "a.exr");
+  EXPECT_TRUE(filtered.has_features);
+  EXPECT_EQ(file.layers["noisy"].pixels, noisy.pixels);
+  EXPECT_LT(error_of(test, file.picture), error_of(test, noisy) / 10);
+  EXPECT_EQ(file.attributes[kAttribute], "regression");
+}
+
+TEST(FilterPicture, ASecondTimeChangesNothing) {
+  ExrFile once = file_of(TestPicture(), 0.3);
+  filter_picture(once, "a.exr");
+  ExrFile twice = once;
+  filter_picture(twice, "a.exr");
+  EXPECT_EQ(once.picture.pixels, twice.picture.pixels);
+  EXPECT_EQ(once.layers["noisy"].pixels, twice.layers["noisy"].pixels);
+}
+
+TEST(FilterPicture, ThroughAFile) {
+  ExrFile file = file_of(TestPicture(), 0.3);
+  file.picture.alpha.assign(TestPicture::kSize.pixels(), 0.5f);
+  ExrFile read = parse_with_channels(exr_bytes(file), "a.exr");
+  filter_picture(file, "a.exr");
+  filter_picture(read, "a.exr");
+  EXPECT_EQ(exr_bytes(read), exr_bytes(file));
+}
+
+TEST(FilterPicture, FindsTheShareOfTheHalves) {
+  ExrFile file = file_of(TestPicture(), 0.3, 2.0 / 3);
+  EXPECT_NEAR(filter_picture(file, "a.exr").share_a, 2.0 / 3, 1e-6);
+}
+
+TEST(FilterPicture, WithoutFeatures) {
+  const TestPicture test;
+  ExrFile file = file_of(test, 0.3);
+  file.channels.clear();
+  const Picture noisy = file.picture;
+  EXPECT_FALSE(filter_picture(file, "a.exr").has_features);
+  EXPECT_LT(error_of(test, file.picture), error_of(test, noisy));
+}
+
+TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
+  const ExrFile good = file_of(TestPicture(), 0.3);
+  EXPECT_EQ(message(good), "");
+  ExrFile bad = good;
+  bad.layers.erase("halfB");
+  EXPECT_EQ(message(bad),
+            "a.exr:channel halfB.R: is missing; tdpt-render --aov halves,albedo,normal,depth makes "
+            "what a filter needs");
+  bad = good;
+  bad.layers["halfA"].pixels[96 * 2 + 7].y = std::nanf("");
+  EXPECT_EQ(message(bad), "a.exr:channel halfA.G at pixel 7 2: is no finite number");
+  bad = good;
+  bad.channels["normal.Y"][3] = INFINITY;
+  EXPECT_EQ(message(bad), "a.exr:channel normal.Y at pixel 3 0: is no finite number");
+  bad = good;
+  bad.picture.pixels[5] = bad.picture.pixels[5] * 2;
+  EXPECT_EQ(message(bad), "a.exr:channel halfA.R: is not half of this picture's samples");
+  bad = good;
+  bad.picture = bad.layers["halfA"];
+  EXPECT_EQ(message(bad),
+            "a.exr:channel halfB.R: is empty: a filter needs two samples per pixel or more");
+}
+
+}  // namespace
+}  // namespace tdpt::denoise

@@ -1,0 +1,75 @@
+#include "libcommon/denoise/planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace tdpt::denoise {
+
+namespace {
+
+// One dimension of the filter.
+class Bell {
+ public:
+  explicit Bell(double deviation) : reach_(static_cast<int>(std::ceil(3 * deviation))) {
+    for (int i = 0; i <= reach_; ++i)
+      weights_.push_back(static_cast<float>(std::exp(-i * i / (2 * deviation * deviation))));
+  }
+  float operator()(int d) const { return weights_[static_cast<size_t>(std::abs(d))]; }
+  int first(int at) const { return std::max(0, at - reach_); }
+  int last(int at, int count) const { return std::min(count - 1, at + reach_); }
+  /// At place `at` of `count`; the middle weight is 1.
+  float sum(int at, int count) const {
+    float all = 0;
+    for (int k = first(at); k <= last(at, count); ++k) all += (*this)(k - at);
+    return all;
+  }
+
+ private:
+  int reach_;
+  std::vector<float> weights_;
+};
+
+}  // namespace
+
+Plane smooth(const Plane& plane, Size size, double deviation) {
+  const Bell bell(deviation);
+  const auto width = static_cast<size_t>(size.width);
+  Plane rows(plane.size()), all(plane.size());
+  tbb::parallel_for(0, size.height, [&](int y) {
+    const float* from = plane.data() + static_cast<size_t>(y) * width;
+    float* to = rows.data() + static_cast<size_t>(y) * width;
+    for (int x = 0; x < size.width; ++x) {
+      float sum = 0;
+      for (int k = bell.first(x); k <= bell.last(x, size.width); ++k) sum += bell(k - x) * from[k];
+      to[x] = sum / bell.sum(x, size.width);
+    }
+  });
+  tbb::parallel_for(0, size.height, [&](int y) {
+    float* to = all.data() + static_cast<size_t>(y) * width;
+    for (int k = bell.first(y); k <= bell.last(y, size.height); ++k) {
+      const float* from = rows.data() + static_cast<size_t>(k) * width;
+      const float w = bell(k - y);
+      for (size_t x = 0; x < width; ++x) to[x] += w * from[x];
+    }
+    const float per = 1 / bell.sum(y, size.height);
+    for (size_t x = 0; x < width; ++x) to[x] *= per;
+  });
+  return all;
+}
+
+Plane smooth_others(const Plane& plane, Size size, double deviation) {
+  Plane all = smooth(plane, size, deviation);
+  const Bell bell(deviation);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const size_t i =
+          static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x);
+      const float weights = bell.sum(x, size.width) * bell.sum(y, size.height);
+      if (weights > 1) all[i] = (all[i] * weights - plane[i]) / (weights - 1);
+    }
+  return all;
+}
+
+}  // namespace tdpt::denoise

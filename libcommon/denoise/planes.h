@@ -1,0 +1,23 @@
+// Pictures as planes, one number per pixel, row by row from the top left.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace tdpt::denoise {
+
+struct Size {
+  int width = 0, height = 0;
+  size_t pixels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
+};
+
+using Plane = std::vector<float>;
+using Colour = std::array<Plane, 3>;
+
+/// Gaussian filter of that standard deviation [pixels], cut off at three of them and normalised, at
+/// the borders too.
+Plane smooth(const Plane& plane, Size size, double deviation);
+/// The same of a pixel's neighbours, without itself.
+Plane smooth_others(const Plane& plane, Size size, double deviation);
+
+}  // namespace tdpt::denoise

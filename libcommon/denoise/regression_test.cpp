@@ -1,0 +1,91 @@
+#include "libcommon/denoise/regression.h"
+
+#include <gtest/gtest.h>
+
+#include "libcommon/denoise/test_picture.h"
+
+namespace tdpt::denoise {
+namespace {
+
+struct Case {
+  TestPicture picture;
+  Colour flat, none, wide;
+  Case() {
+    for (size_t c = 0; c < 3; ++c) {
+      flat[c].assign(TestPicture::kSize.pixels(), 1);
+      none[c].assign(TestPicture::kSize.pixels(), 0);
+      wide[c].assign(TestPicture::kSize.pixels(), 1);
+    }
+  }
+  Colour estimate(const Colour& data, const Colour& guide) const {
+    const std::array bandwidth{1.0f};
+    return regressions(TestPicture::kSize, data, picture.features, {guide, none, wide, 1e-9f, 1},
+                       bandwidth)[0];
+  }
+};
+
+TEST(Regression, ALinearFunctionOfFeaturesIsItsOwnEstimate) {
+  Case all;
+  Colour data;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
+      data[c].push_back(1 + 2 * all.picture.features[c][i] + all.picture.features[3][i]);
+  const Colour estimate = all.estimate(data, all.flat);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < data[c].size(); ++i) ASSERT_NEAR(estimate[c][i], data[c][i], 5e-3) << i;
+}
+
+// The same estimates by loops over the definition, in double.
+double slow_estimate(const Case& all, const Colour& data, const Colour& guide, int px, int py) {
+  constexpr int kTerms = 8;
+  const int width = TestPicture::kSize.width, height = TestPicture::kSize.height;
+  const auto at = [&](const Plane& plane, int x, int y) {
+    x = std::clamp(x, 0, width - 1);
+    y = std::clamp(y, 0, height - 1);
+    return static_cast<double>(plane[static_cast<size_t>(y * width + x)]);
+  };
+  double m[kTerms][kTerms + 1] = {}, weights = 0;
+  for (int dy = -kReach; dy <= kReach; ++dy)
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      const int qx = px + dx, qy = py + dy;
+      if (qx < 0 || qy < 0 || qx >= width || qy >= height) continue;
+      double d = 0;
+      for (int v = -1; v <= 1; ++v)
+        for (int u = -1; u <= 1; ++u)
+          for (size_t c = 0; c < 3; ++c) {
+            const double off = at(guide[c], px + u, py + v) - at(guide[c], qx + u, qy + v);
+            d += off * off / 2 / 27;
+          }
+      const double w = d < 8 ? std::pow(1 - d / 8, 8) : 0;
+      double f[kTerms] = {1};
+      for (size_t j = 0; j < kFeatures; ++j)
+        f[j + 1] = at(all.picture.features[j], qx, qy) - at(all.picture.features[j], px, py);
+      for (int r = 0; r < kTerms; ++r) {
+        for (int s = 0; s < kTerms; ++s) m[r][s] += w * f[r] * f[s];
+        m[r][kTerms] += w * f[r] * at(data[0], qx, qy);
+      }
+      weights += w;
+    }
+  for (int r = 1; r < kTerms; ++r) m[r][r] += 1e-4 * weights;
+  for (int r = kTerms - 1; r > 0; --r)  // Gauss, from the last term up
+    for (int s = 0; s < r; ++s) {
+      const double factor = m[s][r] / m[r][r];
+      for (int k = 0; k <= kTerms; ++k) m[s][k] -= factor * m[r][k];
+    }
+  return std::max(0.0, m[0][kTerms] / m[0][0]);
+}
+
+TEST(Regression, AgreesWithTheDefinition) {
+  const Case all;
+  const Input noisy = all.picture.halves(0.7);
+  const Colour estimate = all.estimate(noisy.a, noisy.b);
+  for (const int y : {0, 1, 15, 16, 35, 36, 63})
+    for (const int x : {0, 3, 31, 32, 50, 94, 95}) {
+      const double slow = slow_estimate(all, noisy.a, noisy.b, x, y);
+      EXPECT_NEAR(estimate[0][static_cast<size_t>(y * 96 + x)], slow, 2e-3 * (slow + 0.1))
+          << x << ' ' << y;
+    }
+}
+
+}  // namespace
+}  // namespace tdpt::denoise

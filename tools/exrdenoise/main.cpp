@@ -1,0 +1,66 @@
+// exrdenoise: filters the noise of a picture by the buffers that tdpt-render puts beside it.
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/hash.h"
+#include "libcommon/cli/built_with.h"
+#include "libcommon/cli/cli.h"
+#include "libcommon/cli/ending.h"
+#include "libcommon/cli/outputs.h"
+#include "libcommon/denoise/filter_picture.h"
+#include "tools/exrdenoise/report.h"
+
+namespace tdpt {
+namespace {
+
+constexpr cli::Program kProgram{
+    "exrdenoise",
+    "Filters the noise of a rendered picture. The result is smoother, but no longer unbiased.",
+    "Picture to write (OpenEXR); default standard output",
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit,
+    cli::kThreads | cli::kQuiet};
+
+struct Arguments {
+  std::string picture, preview;
+};
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("picture", a.picture,
+                   "Picture with the channels of --aov halves,albedo,normal,depth (.exr); - is "
+                   "standard input");
+  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  const std::string bytes = read_file(a.picture), name = display_name(a.picture);
+  ExrFile file = denoise::parse_with_channels(bytes, name);
+  if (file.pixels_without_data > 0)
+    common.warn(fmt::format("{}: {} without data, taken as black", name,
+                            counted(file.pixels_without_data, "pixel")));
+  const auto start = std::chrono::steady_clock::now();
+  const denoise::Filtered filtered = denoise::filter_picture(file, name);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  set_provenance(file, common.provenance({{a.picture, content_hash(bytes), provenance_of(file)}}));
+  cli::deliver({{common.output, [&] { return exr_bytes(file); }},
+                {a.preview, [&] { return png_bytes(file.picture, auto_exposure(file.picture)); }}},
+               common);
+  if (common.json) common.summary(summary_json(file.picture, filtered, took.count()));
+  if (!filtered.has_features)
+    common.warn(name + ": has no albedo, normal and depth: edges of textures and things may blur");
+  common.note(fmt::format("{}; {:.1f} s", denoise::sentence_of(filtered), took.count()));
+  common.explain_by([&] { return decisions_of(filtered); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
+}

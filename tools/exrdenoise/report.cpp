@@ -1,0 +1,40 @@
+#include "tools/exrdenoise/report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/number_words.h"
+#include "libcommon/base/threads.h"
+
+namespace tdpt {
+
+std::string summary_json(const Picture& picture, const denoise::Filtered& filtered,
+                         double seconds) {
+  Vec3d sum;
+  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
+  const Vec3d mean = sum / static_cast<double>(picture.pixels.size());
+  return nlohmann::ordered_json{{"width", picture.width},
+                                {"height", picture.height},
+                                {"mean", {mean.x, mean.y, mean.z}},
+                                {"outliers", filtered.outliers},
+                                {"outlier_energy", filtered.outlier_energy},
+                                {"features", filtered.has_features},
+                                {"seconds", seconds}}
+      .dump();
+}
+
+cli::Decisions decisions_of(const denoise::Filtered& filtered) {
+  const std::string energy = number_words(100 * filtered.outlier_energy, 2);
+  return {{"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
+           "the picture is that mean of the two", ""},
+          {"outliers", counted(filtered.outliers, "pixel") + " darkened",
+           "they were more than twice as bright as all around them, in one half alone",
+           fmt::format("{} % of the light, spread around them", energy)},
+          {"features", filtered.has_features ? "used" : "none",
+           filtered.has_features ? "the picture has albedo, normal or depth"
+                                 : "the picture has no albedo, normal and depth",
+           cli::price_of(cpu_seconds()) + " in all"}};
+}
+
+}  // namespace tdpt
