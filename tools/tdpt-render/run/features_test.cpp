@@ -1,7 +1,9 @@
 #include "tools/tdpt-render/run/features.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -11,6 +13,7 @@
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
+#include "tools/tdpt-render/testing/sheets.h"
 
 namespace tdpt::features_test {
 
@@ -95,7 +98,212 @@ TEST_F(seen, depends_on_no_thread_and_on_nothing_else_that_is_asked_for) {
   const Channels depth = features(world_, {"depth"}, 1);
   EXPECT_EQ(depth.size(), 1u);
   EXPECT_EQ(depth.at("depth.Z"), channels_.at("depth.Z"));
+  EXPECT_EQ(features(world_, {"normal"}, 1).at("normal.X"), channels_.at("normal.X"));
   EXPECT_TRUE(features(world_, {"variance"}, 1).empty());
+}
+
+// Sheets across the view and beside it. The camera looks along -z; at z = 0 it sees a sheet or a
+// slab, upright or turned by 45 degrees, so that reflection leads to +x.
+class through : public ::testing::Test {
+ protected:
+  static constexpr double kHalf = 0.3;  // half the width of sheets [m]
+  // Albedos of the wall behind what is looked at, and of that to which it reflects.
+  const Vec3d behind_{0.8, 0.4, 0.2}, beside_{0.1, 0.3, 0.6};
+
+  through() {
+    scene_ = read_gltf(furnace_path());
+    scene_.triangles.clear();
+    add(plain(behind_), {0, 1, -0.8}, {1, 0, 0}, 0.9);
+  }
+  static Material plain(const Vec3d& colour) {
+    Material m;
+    m.base_color = Rgb(Vec3f(colour));
+    return m;
+  }
+  static Material metal(float roughness) {
+    Material m = plain({0.9, 0.7, 0.5});
+    m.plain = false;
+    m.metallic = 1;
+    m.roughness = roughness;
+    return m;
+  }
+  /// Of index 2.4; coloured, and so not one that rays pass [pane.h].
+  static Material tinted_pane() {
+    Material m = clear_pane();
+    m.base_color = Rgb(1, 1, 0.999f);
+    m.ior = 2.4f;
+    return m;
+  }
+  /// An upright sheet about `centre` [m]; its normal is cross(u, y).
+  void add(const Material& m, const Vec3d& centre, const Vec3d& u, double half = kHalf) {
+    const Vec3d y(0, 1, 0);
+    scene_ = with_sheet(scene_, m, centre - u * half - y * half, u * (2 * half), y * (2 * half));
+  }
+  /// What is looked at, turned so that its reflection is the wall beside.
+  void add_turned(const Material& m) {
+    add(m, {0, 1, 0}, normalize(Vec3d(1, 0, -1)));
+    add(plain(beside_), {0.8, 1, 0}, {0, 0, 1});
+  }
+  /// A slab of glass 0.1 m thick; the wall that it reflects is behind the camera.
+  void add_slab(const Material& m) {
+    add(m, {0, 1, 0.05}, {1, 0, 0});
+    add(m, {0, 1, -0.05}, {-1, 0, 0});
+    add(plain(beside_), {0, 1, 0.95}, {1, 0, 0});
+  }
+
+  // Means over the picture, and the largest deviation from them.
+  struct Means {
+    Vec3d albedo, normal, position;
+    double depth = 0, spread = 0;
+  };
+  Means means(uint64_t seed = 1) const {
+    Camera camera;
+    camera.position = scene_.frame.to_canonical({0, 1, 0.9});
+    camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
+    camera.yfov = 1e-3;
+    const World world(scene_, camera, kWidth, kHeight, {});
+    const Channels all = features(world, kAll, seed);
+    const auto three = [&](const std::string& name, const char* parts, size_t i) {
+      Vec3d v;
+      for (int c = 0; c < 3; ++c) v[c] = static_cast<double>(all.at(name + "." + parts[c])[i]);
+      return v;
+    };
+    constexpr size_t kPixels = size_t{kWidth} * kHeight;
+    Means m;
+    for (size_t i = 0; i < kPixels; ++i) {
+      m.albedo += three("albedo", "RGB", i) / kPixels;
+      m.normal += three("normal", "XYZ", i) / kPixels;
+      m.position += three("position", "XYZ", i) / kPixels;
+      m.depth += static_cast<double>(all.at("depth.Z")[i]) / kPixels;
+    }
+    for (size_t i = 0; i < kPixels; ++i)
+      m.spread = std::max({m.spread, length(three("albedo", "RGB", i) - m.albedo),
+                           length(three("normal", "XYZ", i) - m.normal)});
+    return m;
+  }
+  static bool shows(const Means& m, const Vec3d& albedo, const Vec3d& normal, double tolerance) {
+    return length(m.albedo - albedo) < tolerance && length(m.normal - normal) < tolerance;
+  }
+  static std::string text(const Means& m) {
+    return fmt::format("albedo {} {} {}, normal {} {} {}, spread {}", m.albedo.x, m.albedo.y,
+                       m.albedo.z, m.normal.x, m.normal.y, m.normal.z, m.spread);
+  }
+
+  Scene scene_;
+};
+
+const Vec3d kTowardsCamera{0, 0, 1}, kFromBeside{-1, 0, 0};
+const Vec3d kTurned = normalize(Vec3d(1, 0, 1));
+/// Reflectance at 45 degrees for index 2.4: Fresnel's and Schlick's.
+constexpr double kFresnel = 0.17882, kSchlick = 0.17134;
+
+TEST_F(through, a_mirror_shows_what_it_reflects_tinted) {
+  const Vec3d tint = Vec3d(0.9, 0.7, 0.5) + Vec3d(0.1, 0.3, 0.5) * std::pow(1 - std::sqrt(0.5), 5);
+  const auto with = [&](float roughness) {
+    scene_.triangles.resize(2);
+    add_turned(metal(roughness));
+    return means();
+  };
+  const Means mirror = with(0), rough = with(0.5f);
+  EXPECT_TRUE(shows(mirror, tint * beside_, kFromBeside, 1e-3)) << text(mirror);
+  EXPECT_LT(mirror.spread, 1e-3);
+  // Twin: a surface at which rays end shows itself.
+  EXPECT_FALSE(shows(rough, tint * beside_, kFromBeside, 0.1)) << text(rough);
+  EXPECT_LT(length(rough.normal - kTurned), 1e-6);
+  for (const Means& m : {mirror, rough}) {
+    EXPECT_NEAR(m.depth, 0.9, 1e-5);
+    EXPECT_LT(length(m.position - Vec3d(0, 1, 0)), 1e-4);
+  }
+}
+
+TEST_F(through, a_pane_blends_what_it_reflects_and_what_is_behind) {
+  const auto blend = [](double reflected, const Vec3d& there, const Vec3d& here) {
+    return there * reflected + here * (1 - reflected);
+  };
+  const Scene empty = scene_;
+  // One that rays pass with the probability of transmission: by Schlick's curve, in a binomial
+  // share of 24576 rays.
+  Material clear = tinted_pane();
+  clear.base_color = Rgb(1);
+  add_turned(clear);
+  const Means passed = means();
+  EXPECT_TRUE(shows(passed, blend(kSchlick, beside_, behind_),
+                    blend(kSchlick, kFromBeside, kTowardsCamera), 0.016))
+      << text(passed);
+  // Twin: the pane's own albedo is 1.
+  EXPECT_FALSE(shows(passed, blend(kSchlick, Vec3d(1), behind_),
+                     blend(kSchlick, kTurned, kTowardsCamera), 0.1));
+
+  scene_ = empty;
+  add_turned(tinted_pane());
+  const Means lobes = means();
+  EXPECT_TRUE(shows(lobes, blend(kFresnel, beside_, behind_),
+                    blend(kFresnel, kFromBeside, kTowardsCamera), 3e-3))
+      << text(lobes);
+  // Of each pixel's 32 rays, 5 or 6 are reflected: less noise than by chance.
+  EXPECT_LT(lobes.spread, 1.0 / 32 * length(kFromBeside - kTowardsCamera));
+  EXPECT_NEAR(lobes.depth, 0.9, 1e-5);
+}
+
+TEST_F(through, solid_glass_refracts_and_tints) {
+  Material glass = clear_pane();
+  glass.solid = true;
+  const Scene empty = scene_;
+  add_slab(glass);
+  // Two interfaces, with all reflections between them.
+  const double f = 0.04, reflected = f + (1 - f) * (1 - f) * f / (1 - f * f);
+  const Means slab = means();
+  EXPECT_TRUE(shows(slab, beside_ * reflected + behind_ * (1 - reflected),
+                    kTowardsCamera * (1 - 2 * reflected), 6e-3))
+      << text(slab);
+
+  // A sheet in its middle is tinted by 0.05 m of glass, and by no n^2.
+  scene_ = empty;
+  glass.absorption = Rgb(0, 5, 20) * static_cast<float>(1 / scene_.frame.scale);
+  add_slab(glass);
+  add(plain({0.5, 0.5, 0.5}), {0, 1, 0}, {1, 0, 0});
+  const Vec3d tint(1, std::exp(-0.25), std::exp(-1));
+  const Means inside = means();
+  EXPECT_TRUE(
+      shows(inside, beside_ * f + tint * (0.5 * (1 - f)), kTowardsCamera * (1 - 2 * f), 3e-3))
+      << text(inside);
+}
+
+TEST_F(through, a_veil_counts_in_proportion) {
+  add_turned(metal(0));
+  const Means mirror = means();
+  add(veil(0.3f), {0, 1, 0.5}, {1, 0, 0});
+  const Means veiled = means();
+  EXPECT_TRUE(shows(veiled, Vec3d(0.8) * 0.3 + mirror.albedo * 0.7,
+                    kTowardsCamera * 0.3 + kFromBeside * 0.7, 0.02))
+      << text(veiled);
+  EXPECT_NEAR(veiled.depth, 0.3 * 0.4 + 0.7 * 0.9, 0.01);
+}
+
+TEST_F(through, a_lamp_shows_its_albedo_and_is_not_passed) {
+  add_turned(metal(0));
+  const Means dark = means();
+  for (Material& m : scene_.materials)
+    if (m.plain) m.emission = Rgb(3);
+  const Means lit = means();
+  EXPECT_EQ(lit.albedo, dark.albedo);
+  EXPECT_EQ(lit.normal, dark.normal);
+  for (Material& m : scene_.materials) m.emission = Rgb(3);
+  EXPECT_LT(length(means().normal - kTurned), 1e-6);
+}
+
+TEST_F(through, nothing_behind_mirrors_is_black_with_their_normal) {
+  // Into the open.
+  add(metal(0), {0, 1, 0}, normalize(Vec3d(1, 0, -1)));
+  const Means open = means();
+  EXPECT_TRUE(shows(open, {}, kTurned, 1e-6)) << text(open);
+  EXPECT_NEAR(open.depth, 0.9, 1e-5);
+  EXPECT_LT(length(open.position - Vec3d(0, 1, 0)), 1e-4);
+  // Between two mirrors for ever.
+  scene_.triangles.resize(2);
+  add(metal(0), {0, 1, 0}, {1, 0, 0});
+  add(metal(0), {0, 1, 0.95}, {1, 0, 0});
+  EXPECT_TRUE(shows(means(), {}, kTowardsCamera, 1e-6)) << text(means());
 }
 
 TEST(aov, names_are_known_or_refused) {
