@@ -30,7 +30,8 @@ layout(constant_id = 20) const bool camera_culls = true;
 layout(constant_id = 21) const uint mixture_techniques = 31u;  // bits
 layout(constant_id = 22) const bool power_heuristic = true;
 layout(constant_id = 23) const bool film_has_layers = true;
-layout(constant_id = 24) const bool film_is_transparent = true;
+layout(constant_id = 24) const bool film_has_halves = true;
+layout(constant_id = 25) const bool film_is_transparent = true;
 
 layout(std140, binding = 2) uniform Settings { AllSettings all_settings[1]; };
 RenderParameters render;

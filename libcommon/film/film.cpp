@@ -6,14 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "libcommon/math/rng.h"
-
 namespace tdpt {
 namespace {
-
-// The unit of squared luminance is 2^-60 of the power squared: it covers luminance from 2^-30 to
-// 2^24 times the power. Larger values saturate: then the variance is unknown.
-constexpr double kSquareUnit = 0x1p-60, kMostSquared = 0x1p109;
 
 double luminance_of(const Vec3d& c) {
   return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
@@ -30,7 +24,6 @@ Film::Film(int width, int height, double power, Options options)
       height_(height),
       unit_(power_of_two(power) * 0x1p-64),
       per_unit_(1 / unit_),
-      square_unit_(power_of_two(power) * power_of_two(power) * kSquareUnit),
       options_(std::move(options)) {
   if (options_.layers.size() > kMostLayers) throw std::invalid_argument("too many layers");
   clear();
@@ -40,11 +33,9 @@ void Film::clear() {
   picture_ = std::make_unique<FixedSum[]>(3 * pixels());
   for (size_t i = 0; i < options_.layers.size(); ++i)
     if (!options_.layers[i].empty()) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
+  if (options_.halves) odd_ = std::make_unique<FixedSum[]>(3 * pixels());
   if (options_.alpha) met_ = std::make_unique<std::atomic<uint64_t>[]>(pixels());
   ranges_.clear();
-  if (options_.error_block == 0) return;
-  before_.assign(3 * pixels(), 0);
-  squares_ = std::make_unique<FixedSum[]>(pixels());
 }
 
 bool Film::add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin) {
@@ -53,8 +44,7 @@ bool Film::add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin)
     if (!to_units(radiance[static_cast<int>(c)], per_unit_,
                   std::rotl(coin, 21 * static_cast<int>(c)), units[c]))
       return false;
-  FixedSum* sums =
-      &plane[3 * (static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x))];
+  FixedSum* sums = &plane[3 * index(x, y)];
   bool held = true;
   for (size_t c = 0; c < 3; ++c) held &= units[c] == 0 || sums[c].add(units[c]);
   return held;
@@ -84,7 +74,7 @@ uint64_t Film::samples() const {
   return n;
 }
 
-void Film::add_range(const SampleRange& range) {
+void Film::complete(const SampleRange& range) {
   if (range.count == 0) return;
   const auto after = std::find_if(ranges_.begin(), ranges_.end(),
                                   [&](const SampleRange& r) { return r.end() > range.first; });
@@ -111,28 +101,8 @@ void Film::add_sums(const std::function<Units(size_t plane, size_t i)>& sum,
   };
   add(picture_, 0);
   for (size_t i = 0; i < kMostLayers; ++i) add(layers_[i], 1 + i);
+  add(odd_, kOddPlane);
   for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += met(i);
-}
-
-void Film::complete(const SampleRange& range) {
-  const uint64_t block = options_.error_block;
-  if (block > 0 && (range.count != block || range.first % block != 0))
-    throw std::invalid_argument("not a block of samples");
-  add_range(range);
-  if (block == 0) return;
-  for (size_t i = 0; i < pixels(); ++i) {
-    Vec3d brought;
-    for (size_t c = 0; c < 3; ++c) {
-      const Units now = picture_[3 * i + c].units();
-      brought[static_cast<int>(c)] = from_units(now - before_[3 * i + c], unit_);
-      before_[3 * i + c] = now;
-    }
-    const double y = luminance_of(brought);
-    Units units;
-    if (to_units(std::min(y * y, kMostSquared * square_unit_), 1 / square_unit_,
-                 mix64(mix64(i) + range.first), units))
-      squares_[i].add(units);
-  }
 }
 
 void Film::merge(const Film& other) {
@@ -141,7 +111,7 @@ void Film::merge(const Film& other) {
     throw std::invalid_argument("films of different pictures");
   std::vector<SampleRange> ranges = ranges_;
   try {
-    for (const SampleRange& range : other.ranges_) add_range(range);
+    for (const SampleRange& range : other.ranges_) complete(range);
   } catch (const std::invalid_argument&) {
     ranges_ = std::move(ranges);
     throw;
@@ -153,9 +123,8 @@ void Film::merge(const Film& other) {
   };
   merge_plane(picture_, other.picture_, 3 * pixels());
   for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
+  merge_plane(odd_, other.odd_, 3 * pixels());
   for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += other.met_[i];
-  merge_plane(squares_, other.squares_, pixels());
-  for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
 }
 
 Picture Film::mean(const Plane& plane) const {
@@ -181,7 +150,7 @@ std::vector<Film::Numbers> Film::numbers() {
   };
   keep("", picture_.get(), 3);
   for (size_t i = 0; i < options_.layers.size(); ++i) keep(options_.layers[i], layers_[i].get(), 3);
-  keep("squares", squares_.get(), 1);
+  keep("odd", odd_.get(), 3);
   keep("met", met_.get(), 1);
   return all;
 }
@@ -192,7 +161,6 @@ void Film::restore(const std::vector<SampleRange>& ranges) {
         (i > 0 && ranges[i].first <= ranges[i - 1].end()))
       throw std::invalid_argument("ranges that are not apart and in order");
   ranges_ = ranges;
-  for (size_t i = 0; i < before_.size(); ++i) before_[i] = picture_[i].units();
 }
 
 std::vector<float> Film::alpha() const {
@@ -203,22 +171,49 @@ std::vector<float> Film::alpha() const {
   return shares;
 }
 
+uint64_t Film::samples_of_half(uint64_t half) const {
+  uint64_t n = 0;
+  for (const SampleRange& r : ranges_) n += (r.end() + 1 - half) / 2 - (r.first + 1 - half) / 2;
+  return n;
+}
+
+Vec3d Film::sum_of_half(uint64_t half, size_t pixel) const {
+  const auto channel = [&](size_t c) {
+    const Units odd = odd_[3 * pixel + c].units();
+    return from_units(half == 1 ? odd : picture_[3 * pixel + c].units() - odd, unit_);
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+Picture Film::half(uint64_t half) const {
+  std::vector<Vec3d> sums(pixels());
+  for (size_t i = 0; odd_ && i < pixels(); ++i) sums[i] = sum_of_half(half, i);
+  return scaled_picture(width_, height_, sums,
+                        1 / static_cast<double>(std::max<uint64_t>(samples_of_half(half), 1)));
+}
+
+// Half 0 has the mean A of a samples, half 1 the mean B of b. The halves are independent, so the
+// expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all.
 std::vector<double> Film::variance() const {
-  std::vector<double> variance(pixels());
-  if (options_.error_block == 0) return variance;
-  const auto n = static_cast<double>(samples() / options_.error_block);
-  if (n < 2) return variance;
-  const double all = n * static_cast<double>(options_.error_block);
+  std::vector<double> alone(pixels()), variance(pixels());
+  const auto a = static_cast<double>(samples_of_half(0)),
+             b = static_cast<double>(samples_of_half(1));
+  if (!odd_ || a == 0 || b == 0) return variance;
   for (size_t i = 0; i < pixels(); ++i) {
-    const Vec3d s = sum(picture_, i);
-    const double y = luminance_of(s);
-    const double squares = from_units(squares_[i].units(), square_unit_);
-    if (squares >= kMostSquared * square_unit_) {
-      variance[i] = std::numeric_limits<double>::infinity();
-      continue;
-    }
-    variance[i] = std::max(0.0, squares - y * y / n) * n / ((n - 1) * all * all);
+    const double difference =
+        luminance_of(sum_of_half(0, i)) / a - luminance_of(sum_of_half(1, i)) / b;
+    alone[i] = difference * difference * a * b / ((a + b) * (a + b));
   }
+  constexpr int kReach = 2;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      double sum = 0;
+      int n = 0;
+      for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, height_ - 1); ++v)
+        for (int u = std::max(x - kReach, 0); u <= std::min(x + kReach, width_ - 1); ++u, ++n)
+          sum += alone[index(u, v)];
+      variance[index(x, y)] = sum / n;
+    }
   return variance;
 }
 

@@ -29,17 +29,15 @@ struct SampleRange {
 
 class Film {
  public:
-  static constexpr size_t kMostLayers = 8;
+  static constexpr size_t kMostLayers = 8, kOddPlane = 1 + kMostLayers;
 
   struct Options {
     /// Names of the layers. A layer accumulates a part of the light separately, at the cost of
     /// another film; a layer with an empty name is not kept. Layers do not affect the picture. At
     /// most kMostLayers.
-    std::vector<std::string> layers;
-    /// Errors are estimated from the squared sums of aligned blocks of this many samples; 0: no
-    /// errors.
-    uint64_t error_block = 0;
-    bool alpha = false;  ///< keep what alpha() needs
+    std::vector<std::string> layers{};
+    bool alpha = false;   ///< keep what alpha() needs
+    bool halves = false;  ///< keep what half() and variance() need
     friend bool operator==(const Options&, const Options&) = default;
   };
 
@@ -54,10 +52,12 @@ class Film {
   double unit() const { return unit_; }
   const Options& options() const { return options_; }
 
-  // Adds a sample's radiance [W/m2/sr] to a pixel. Thread-safe; `coin`: 64 random bits of its own.
-  // False if it cannot be represented: then it is left out, or the sum has wrapped round.
-  bool add(int x, int y, const Vec3d& radiance, uint64_t coin) {
-    return add(picture_, x, y, radiance, coin);
+  // Adds radiance [W/m2/sr] of a sample to a pixel. Thread-safe; `coin`: 64 random bits of its own;
+  // `sample`: its number. False if it cannot be represented: then it is left out, or the sum has
+  // wrapped round.
+  bool add(int x, int y, const Vec3d& radiance, uint64_t coin, uint64_t sample) {
+    return add(picture_, x, y, radiance, coin) &&
+           (!odd_ || sample % 2 == 0 || add(odd_, x, y, radiance, coin));
   }
   /// Adds the part of it that belongs to one layer; ignored if the layer is not kept.
   bool add_to_layer(size_t layer, int x, int y, const Vec3d& radiance, uint64_t coin) {
@@ -66,25 +66,22 @@ class Film {
 
   bool has_alpha() const { return options_.alpha; }
   /// The camera ray of a sample of this pixel hits something. Thread-safe.
-  void meet(int x, int y) {
-    met_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)].fetch_add(
-        1, std::memory_order_relaxed);
-  }
+  void meet(int x, int y) { met_[index(x, y)].fetch_add(1, std::memory_order_relaxed); }
 
-  /// Adds sums made elsewhere in this film's unit: sum i, three per pixel, of the picture (plane 0)
-  /// or of layer plane - 1, and the number of each pixel's samples that hit something, if that is
-  /// kept. Throws std::overflow_error if a sum wraps round.
+  /// Adds sums made elsewhere in this film's unit: sum i, three per pixel, of the picture (plane
+  /// 0), of layer plane - 1, or of the samples with odd numbers (kOddPlane), and the number of each
+  /// pixel's samples that hit something, as far as they are kept. Throws std::overflow_error if a
+  /// sum wraps round.
   void add_sums(const std::function<Units(size_t plane, size_t i)>& sum,
                 const std::function<uint64_t(size_t pixel)>& met);
-  /// All contributions of a range of samples have been added. If errors are kept, the range must be
-  /// one aligned block, and the only one added to since the last call.
+  /// All contributions of a range of samples have been added.
   void complete(const SampleRange& range);
   /// In order; adjacent ranges are merged.
   const std::vector<SampleRange>& ranges() const { return ranges_; }
   uint64_t samples() const;
 
-  /// Adds the samples of another film. Throws std::invalid_argument if size, unit, layers or blocks
-  /// differ or if both hold the same samples, and std::overflow_error if a sum wraps round: then
+  /// Adds the samples of another film. Throws std::invalid_argument if size, unit or options differ
+  /// or if both hold the same samples, and std::overflow_error if a sum wraps round: then
   /// neither film is usable.
   void merge(const Film& other);
   /// Back to the state after construction.
@@ -101,14 +98,20 @@ class Film {
   Picture layer(size_t layer) const;
   /// Share of each pixel's samples that hit something; empty if it is not kept.
   std::vector<float> alpha() const;
-  /// Variance of each pixel's mean luminance, estimated from blocks; 0 for fewer than two, infinite
-  /// if a block was too bright to represent.
+  /// Number of samples with even (0) or odd (1) numbers.
+  uint64_t samples_of_half(uint64_t half) const;
+  /// Mean over the samples with even (0) or odd (1) numbers, which are independent of each other in
+  /// a rendering; black without any, or if halves are not kept.
+  Picture half(uint64_t half) const;
+  /// Variance of each pixel's mean luminance, from the difference of the halves; the mean over 5 x
+  /// 5 pixels, because a single difference is as uncertain as it is large. 0 if a half has no
+  /// samples.
   std::vector<double> variance() const;
 
   /// All sums, as they lie in memory, to be saved in a file and restored; while no thread adds. Per
   /// pixel `each` consecutive numbers of 128 bits (Units) or of 64.
   struct Numbers {
-    std::string name;  ///< "" for the picture, a layer's name, "squares" or "met"
+    std::string name;  ///< "" for the picture, a layer's name, "odd" or "met"
     unsigned char* first;
     size_t each, bytes;  ///< numbers per pixel, bytes per number
   };
@@ -121,22 +124,23 @@ class Film {
   using Plane = std::unique_ptr<FixedSum[]>;  // three per pixel; null: not kept
 
   size_t pixels() const { return static_cast<size_t>(width_) * static_cast<size_t>(height_); }
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+  }
   bool add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin);
   Vec3d sum(const Plane& plane, size_t pixel) const;
   Picture mean(const Plane& plane) const;
+  Vec3d sum_of_half(uint64_t half, size_t pixel) const;
   std::vector<Vec3d> sums(const Plane& plane) const;
-  void add_range(const SampleRange& range);
 
   int width_, height_;
-  double unit_, per_unit_, square_unit_;
+  double unit_, per_unit_;
   Options options_;
   Plane picture_;
   std::array<Plane, kMostLayers> layers_;
+  Plane odd_;                                     // of the samples with odd numbers
   std::unique_ptr<std::atomic<uint64_t>[]> met_;  // number of samples per pixel; null: not kept
   std::vector<SampleRange> ranges_;
-  // For errors: sums before the current block, and sums of squared luminance of blocks.
-  std::vector<Units> before_;
-  Plane squares_;  // one per pixel
 };
 
 /// `sums` times `factor`: the mean for 1 / number of samples.

@@ -101,7 +101,7 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
          {"unit", std::ilogb(film.unit())},
          {"layers", film.options().layers},
          {"alpha", film.options().alpha},
-         {"error_block", film.options().error_block},
+         {"halves", film.options().halves},
          {"blocks", blocks.blocks.size()},
          {"before", !blocks.before.empty()},
          {"channels", names},
@@ -208,7 +208,7 @@ FilmFacts facts_of(const Reader& in) {
 Film::Options options_of(const Reader& in) {
   Film::Options options;
   options.alpha = in.flag("alpha");
-  options.error_block = static_cast<uint64_t>(in.whole("error_block", 0, kMostSamples));
+  options.halves = in.flag("halves");
   options.layers = in.texts("layers", Film::kMostLayers);
   return options;
 }
@@ -226,9 +226,8 @@ void check_sums(const Film::Options& options, bool has_before, const ExrFile& ex
   for (const WordChannel& word : words)
     if (!there.contains(word.name))
       throw InputError(name, "channel " + shown(word.name, 80), "is missing");
-  const size_t of_block = options.error_block > 0 ? 3 * sizeof(Units) : 0;
   const size_t of_pictures = sizeof(Rgb) * (1 + exr.layers.size());
-  const size_t of_pixel = 4 * words.size() + of_block + of_pictures;
+  const size_t of_pixel = 4 * words.size() + of_pictures;
   expect_memory(
       name, "film",
       fmt::format("{} x {} pixels of {} bytes", exr.picture.width, exr.picture.height, of_pixel),
@@ -433,10 +432,14 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.channels = std::move(channels);
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
+    if (name == "halves") {
+      for (uint64_t half : {0, 1}) exr.layers[kHalves[half]] = film.half(half);
+      continue;
+    }
     std::vector<float>& values = exr.channels[name + ".Y"];
     values.assign(pixels, static_cast<float>(film.samples()));
     if (name != "variance") continue;
-    // A saturated variance becomes the largest float, since pictures must not contain infinities.
+    // Pictures must not contain infinities.
     const std::vector<double> variance = film.variance();
     for (size_t i = 0; i < pixels; ++i)
       values[i] = static_cast<float>(

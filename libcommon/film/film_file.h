@@ -55,8 +55,11 @@ struct FilmBlocks {
   std::vector<Vec3d> before;  ///< sums at the end of the last block; empty: none yet
 };
 
-/// "variance": of the mean luminance, in a film that keeps errors; "samples": number per pixel.
-inline constexpr std::array kDerived{"variance", "samples"};
+/// "variance": of the mean luminance, "halves": the means of even and of odd samples, both of a
+/// film that keeps halves; "samples": number per pixel.
+inline constexpr std::array kDerived{"variance", "halves", "samples"};
+/// The layers of "halves".
+inline constexpr std::array kHalves{"halfA", "halfB"};
 
 struct FilmFile {
   Film film;

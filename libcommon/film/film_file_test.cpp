@@ -16,7 +16,7 @@ constexpr int kWidth = 3, kHeight = 2;
 Film::Options all_options() {
   Film::Options options;
   options.layers = {"camera", "", "light"};
-  options.alpha = true;
+  options.alpha = options.halves = true;
   return options;
 }
 
@@ -28,7 +28,7 @@ Film film_with(const SampleRange& range, const Film::Options& options = all_opti
       for (int x = 0; x < kWidth; ++x) {
         Rng rng(7, static_cast<uint64_t>(x + 8 * y), s);
         const Vec3d light(rng.uniform(), 1e9 * rng.uniform(), 1e-9 * rng.uniform());
-        film.add(x, y, light, mix64(s));
+        film.add(x, y, light, mix64(s), s);
         if (!options.layers.empty()) film.add_to_layer(2, x, y, light * 0.5, mix64(s));
         if (options.alpha && x == 1) film.meet(x, y);
       }
@@ -70,16 +70,14 @@ void expect_same(const Film& a, const Film& b) {
   EXPECT_EQ(a.sums(), b.sums());
   EXPECT_EQ(a.ranges(), b.ranges());
   EXPECT_EQ(a.alpha(), b.alpha());
-  EXPECT_EQ(a.variance(), b.variance());
+  for (const uint64_t half : {0, 1}) EXPECT_EQ(a.half(half).pixels, b.half(half).pixels);
   EXPECT_EQ(a.options(), b.options());
   for (size_t layer = 0; layer < Film::kMostLayers; ++layer)
     EXPECT_EQ(a.layer_sums(layer), b.layer_sums(layer));
 }
 
 TEST(film_file, comes_back_as_it_was_kept) {
-  Film::Options blocks;
-  blocks.error_block = 4;
-  for (const Film::Options& options : {all_options(), blocks, Film::Options()}) {
+  for (const Film::Options& options : {all_options(), Film::Options()}) {
     Film film = film_with({4, 4}, options);
     const FilmFile back = parse_film(film_bytes(film, facts()), "a.exr");
     expect_same(back.film, film);
@@ -109,6 +107,24 @@ TEST(film_file, is_a_picture_of_its_samples_that_any_reader_shows) {
   EXPECT_EQ(provenance_of(exr).lines.size(), 2u);
   EXPECT_TRUE(is_film(exr));
   EXPECT_FALSE(is_film(finished_picture(film, facts())));
+}
+
+TEST(film_file, finishes_a_picture_with_what_derives_from_its_sums) {
+  FilmFacts asked = facts();
+  asked.derived = {"variance", "halves", "samples"};
+  const Film film = film_with({1, 4});
+  const ExrFile exr = finished_picture(film, asked);
+  EXPECT_EQ(exr.channels.at("samples.Y"), std::vector<float>(6, 4));
+  EXPECT_EQ(exr.layers.at("halfA").pixels, film.half(0).pixels);
+  EXPECT_EQ(exr.layers.at("halfB").pixels, film.half(1).pixels);
+  EXPECT_EQ(exr.channels.at("variance.Y")[4], static_cast<float>(film.variance()[4]));
+  EXPECT_GT(exr.channels.at("variance.Y")[4], 0);
+  // A variance beyond the largest float.
+  Film bright(1, 1, 1e30, {.halves = true});
+  bright.add(0, 0, {1e30, 1e30, 1e30}, 0, 0);
+  bright.complete({0, 2});
+  EXPECT_EQ(finished_picture(bright, asked).channels.at("variance.Y"),
+            std::vector<float>(1, std::numeric_limits<float>::max()));
 }
 
 TEST(film_file, without_samples_is_black_and_comes_back) {
@@ -180,7 +196,7 @@ TEST(film_file, that_takes_more_than_the_limit_of_memory_is_refused) {
   const uint64_t machine = memory_limit();
   limit_memory(1 << 20);
   EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }),
-            "a.exr:film: 40 x 200 pixels of 164 bytes take 1.25 MiB of memory, expected at most "
+            "a.exr:film: 40 x 200 pixels of 212 bytes take 1.62 MiB of memory, expected at most "
             "the 1 MiB of --max-memory");
   limit_memory(machine);
   EXPECT_EQ(complaint([&] { parse_film(bytes, "a.exr"); }), "");

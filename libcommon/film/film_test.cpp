@@ -72,9 +72,9 @@ TEST(film, does_not_depend_on_the_order_of_contributions) {
   const std::vector<double> values{1e-6, 3.7, 123.4, 0.001, 7e5};
   Film a(1, 1, 10), b(1, 1, 10);
   for (size_t i = 0; i < values.size(); ++i) {
-    EXPECT_TRUE(a.add(0, 0, grey(values[i]), i));
+    EXPECT_TRUE(a.add(0, 0, grey(values[i]), i, i));
     const size_t j = values.size() - 1 - i;
-    EXPECT_TRUE(b.add(0, 0, grey(values[j]), j));
+    EXPECT_TRUE(b.add(0, 0, grey(values[j]), j, j));
   }
   EXPECT_EQ(a.sums(), b.sums());
   EXPECT_NEAR(a.sums()[0].x, 700127.101001, 1e-9);
@@ -83,8 +83,8 @@ TEST(film, does_not_depend_on_the_order_of_contributions) {
 TEST(film, a_dark_room_beside_a_bright_one_keeps_its_digits) {
   Film film(2, 1, 1e6);
   for (uint64_t i = 0; i < 1000; ++i) {
-    film.add(0, 0, grey(1e-6), mix64(i));
-    film.add(1, 0, grey(1e9), mix64(i + 1000));
+    film.add(0, 0, grey(1e-6), mix64(i), i);
+    film.add(1, 0, grey(1e9), mix64(i + 1000), i);
   }
   EXPECT_NEAR(film.sums()[0].x, 1e-3, 1e-9);
   EXPECT_EQ(film.sums()[1].x, 1e12);
@@ -92,11 +92,11 @@ TEST(film, a_dark_room_beside_a_bright_one_keeps_its_digits) {
 
 TEST(film, holds_contributions_from_close_to_the_camera_and_refuses_larger_ones) {
   Film film(1, 1, 1);
-  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0));
-  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0));
-  EXPECT_TRUE(film.add(0, 0, grey(0x1p13), 0));
-  EXPECT_FALSE(film.add(0, 0, grey(1e30), 0));
-  EXPECT_FALSE(film.add(0, 0, grey(-1), 0));
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0, 0));
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p45), 0, 0));
+  EXPECT_TRUE(film.add(0, 0, grey(0x1p13), 0, 0));
+  EXPECT_FALSE(film.add(0, 0, grey(1e30), 0, 0));
+  EXPECT_FALSE(film.add(0, 0, grey(-1), 0, 0));
   EXPECT_EQ(film.sums()[0].x, 0x1p46 + 0x1p13);
 }
 
@@ -139,35 +139,62 @@ TEST(film, counts_what_rays_meet_and_merges_it) {
   EXPECT_EQ(film.alpha(), (std::vector<float>{0, 0}));
 }
 
-// Variance of the means of many pictures / the variance that each estimates for itself.
-double ratio_of_variances(double fault, double scale = 1) {
-  constexpr int kPictures = 400, kBlocks = 8;
-  double said = 0, sum = 0, square = 0;
+TEST(film, has_two_halves_whichever_samples_are_there) {
+  Film film(1, 1, 1, {.halves = true}), later(1, 1, 1, {.halves = true}), plain(1, 1, 1);
+  for (const uint64_t s : {1, 2}) film.add(0, 0, grey(static_cast<double>(s)), 0, s);
+  for (const uint64_t s : {4, 5, 6}) later.add(0, 0, grey(static_cast<double>(s)), 0, s);
+  film.complete({1, 2});
+  later.complete({4, 3});
+  film.merge(later);
+  EXPECT_EQ(film.half(0).pixels, std::vector<Rgb>{Rgb(4)});
+  EXPECT_EQ(film.half(1).pixels, std::vector<Rgb>{Rgb(3)});
+  EXPECT_EQ(film.picture().pixels, std::vector<Rgb>{Rgb(18.0f / 5)});
+  EXPECT_DOUBLE_EQ(film.variance()[0], 1.0 * 3 * 2 / 25);
+  EXPECT_THROW(film.merge(plain), std::invalid_argument);
+  film.clear();
+  EXPECT_EQ(film.half(1).pixels, std::vector<Rgb>{Rgb(0)});
+  film.add(0, 0, grey(1), 0, 2);
+  film.complete({2, 1});
+  EXPECT_EQ(film.half(0).pixels, std::vector<Rgb>{Rgb(1)});
+  EXPECT_EQ(film.half(1).pixels, std::vector<Rgb>{Rgb(0)});
+  EXPECT_EQ(film.variance()[0], 0);
+}
+
+TEST(film, spreads_its_variance_over_5_x_5_pixels) {
+  Film film(7, 6, 1, {.halves = true});
+  film.add(0, 0, grey(2), 0, 0);
+  film.complete({0, 2});
+  const std::vector<double> variance = film.variance();
+  EXPECT_DOUBLE_EQ(variance[0], 1.0 / 9);
+  EXPECT_DOUBLE_EQ(variance[1], 1.0 / 12);
+  EXPECT_DOUBLE_EQ(variance[7 * 2 + 2], 1.0 / 25);
+  EXPECT_EQ(variance[3], 0);
+  EXPECT_EQ(variance[7 * 3], 0);
+}
+
+// The variance that pictures tell of themselves / the variance of their means. `share`: of the odd
+// samples that repeat the even one before, a fault.
+double ratio_of_variances(double share, double scale = 1) {
+  constexpr int kPictures = 1000, kSamples = 7;
+  double told = 0, sum = 0, square = 0;
   for (uint64_t p = 0; p < kPictures; ++p) {
-    Film::Options options;
-    options.error_block = 2;
-    Film film(1, 1, 1, options);
-    for (uint64_t b = 0; b < kBlocks; ++b) {
-      for (uint64_t s = 2 * b; s < 2 * b + 2; ++s) {
-        Rng rng(1, p, s);
-        const double u = rng.uniform();
-        film.add(0, 0, grey(scale * (u < 0.1 ? 10 : u)), mix64(s));
-      }
-      film.complete({2 * b, 2});
+    Film film(1, 1, 1, {.halves = true});
+    for (uint64_t s = 0; s < kSamples; ++s) {
+      const bool repeats = s % 2 == 1 && Rng(2, p, s).uniform() < share;
+      const double u = Rng(1, p, repeats ? s - 1 : s).uniform();
+      film.add(0, 0, grey(scale * (u < 0.1 ? 10 : u)), mix64(s), s);
     }
-    const double mean = film.sums()[0].x / (2 * kBlocks);
-    said += film.variance()[0] / kPictures * fault;
+    film.complete({0, kSamples});
+    const double mean = film.sums()[0].x / kSamples;
+    told += film.variance()[0] / kPictures;
     sum += mean / kPictures;
     square += mean * mean / kPictures;
   }
-  return said / (square - sum * sum);
+  return told / (square - sum * sum);
 }
 TEST(film, tells_its_variance) {
-  // At power 1: blocks as dark as a shadow and as bright as a small lamp.
-  for (double scale : {1e-7, 1e-3, 1.0, 1e5})
-    EXPECT_NEAR(ratio_of_variances(1, scale), 1, 0.2) << scale;
-  EXPECT_GT(std::abs(ratio_of_variances(2) - 1), 0.2);  // twin: variance of single samples
-  EXPECT_EQ(ratio_of_variances(1, 1e9), std::numeric_limits<double>::infinity());
+  for (double scale : {1e-7, 1.0, 1e9}) EXPECT_NEAR(ratio_of_variances(0, scale), 1, 0.2) << scale;
+  EXPECT_LT(ratio_of_variances(0.3), 0.8);  // twin: halves that share samples
 }
 
 }  // namespace tdpt::film_test

@@ -119,8 +119,9 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
                "it");
   options.flag("--layers", a.layers,
                "Add each technique's contribution as layers <technique>.R .G .B");
-  options.option("--aov", a.aov, "LIST",
-                 "Add channels: albedo, normal, position, depth, variance, samples, or all");
+  options.option(
+      "--aov", a.aov, "LIST",
+      "Add channels: albedo, normal, position, depth, variance, halves, samples, or all");
 }
 
 }  // namespace

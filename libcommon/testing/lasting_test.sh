@@ -73,7 +73,7 @@ portal() {
     portalfit --quiet --require-portal -o portal.glb || fail "no portal"
 }
 room() {
-  $run tdpt-render "$scene" --quiet --portal portal.glb --width 40 --height 30 --layers --alpha "$@"
+  $run tdpt-render "$scene" --quiet --portal portal.glb --width 40 --height 30 --layers --alpha --aov variance,halves "$@"
 }
 shards() {
   i=0
@@ -231,12 +231,15 @@ traps() {
   few() { $run tdpt-render "$room" --quiet --width 40 --height 30 --integrator bdpt "$@"; }
   few --spp 16 -o whole.exr || fail "no picture"
 
-  # With errors kept, a checkpoint can be resumed; when merged it becomes the picture, including channels that do not
+  # With halves kept, a checkpoint can be resumed; when merged it becomes the picture, including channels that do not
   # depend on samples.
   few --spp 16 --aov all --checkpoint v.exr -o v1.exr && few --spp 16 --aov all --resume v.exr -o v2.exr || fail "variance"
-  same v1.exr v2.exr "what kept errors goes on otherwise"
+  same v1.exr v2.exr "what kept halves goes on otherwise"
   exrmerge --quiet v.exr -o v3.exr
   same v1.exr v3.exr "a checkpoint with channels is no picture"
+  few --spp 5 --aov all --checkpoint w.exr -o w1.exr && few --aov all --resume w.exr --add-samples 11 --no-provenance -o w2.exr || fail "more samples"
+  few --spp 16 --aov all --no-provenance -o w3.exr
+  same w2.exr w3.exr "added samples are others"
   few --target-error 0.3 --checkpoint t.exr -o t1.exr && exrmerge --quiet t.exr -o t2.exr
   same t1.exr t2.exr "a checkpoint of a given error is no picture"
 

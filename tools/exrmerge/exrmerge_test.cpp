@@ -13,7 +13,7 @@ class films : public ::testing::Test {
   // A film of some of a picture's 8 samples, each of which adds 1 to its only pixel.
   std::string film(const SampleRange& range) {
     Film film(1, 1, 1);
-    for (uint64_t s = 0; s < range.count; ++s) film.add(0, 0, {1, 1, 1}, 0);
+    for (uint64_t s = 0; s < range.count; ++s) film.add(0, 0, {1, 1, 1}, 0, s);
     film.complete(range);
     FilmFacts facts;
     facts.spp = 8;

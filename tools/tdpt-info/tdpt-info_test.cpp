@@ -79,15 +79,16 @@ TEST_F(files, of_pictures_tell_every_layer) {
 TEST_F(files, of_films_tell_every_layer) {
   Film::Options options;
   options.layers = {"bi", ""};
-  options.error_block = 1;
+  options.halves = true;
   Film film(1, 1, 1, options);
   film.complete({0, 1});
   FilmFacts facts;
   facts.spp = 1;
-  facts.derived = {"variance"};
+  facts.derived = {"variance", "halves"};
   const std::string text =
       told("a.exr", film_bytes(film, facts, {}, {{"depth.Z", std::vector<float>{2}}}));
-  EXPECT_TRUE(says(text, "  layers: [\"bi\",\"depth\",\"variance\"]\n")) << text;
+  EXPECT_TRUE(says(text, "  layers: [\"bi\",\"depth\",\"halfA\",\"halfB\",\"variance\"]\n"))
+      << text;
 }
 
 TEST_F(files, that_are_damaged_or_none_of_ours_are_refused) {

@@ -81,8 +81,7 @@ RenderSettings settings_of(const Arguments& a, const cli::Common& common) {
   settings.quiet = common.quiet;
   settings.alpha = a.alpha;
   settings.layers = a.layers;
-  const std::vector<std::string> aovs = aovs_of(a);
-  settings.variance = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
+  settings.halves = keeps_halves(a);
   settings.frames = !a.stats.empty();
   settings.fixed = !a.plan.empty();
   return settings;
@@ -246,7 +245,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (open.uncovered > 0) common.warn(uncovered_sentence(open.uncovered, in.scene.frame));
   World& world = *open.world;
   std::optional<GpuUpload> upload;
-  if (device) upload.emplace(*device, world, job.settings.layers);
+  if (device) upload.emplace(*device, world, FilmPlanes{job.settings.layers, job.settings.halves});
   if (const std::string sentence = backs_sentence(seen_backs(world)); !sentence.empty())
     common.warn(sentence);
   if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
@@ -271,7 +270,7 @@ int run(const Arguments& a, const cli::Common& common) {
       device ? upload->renderer() : std::make_shared<CpuRenderer>(world);
   upload.reset();
   if (device) common.note("samples are rendered by " + words_of(device->info()) + ".");
-  check_film(job.given, film_options(world, choice.candidates, job.settings));
+  check_film(job.given, film_options(choice.candidates, job.settings));
   if (job.only_plans()) return write_plan(job, *renderer, choice);
   return render(job, *renderer, choice, std::move(job.given.schedule));
 }

@@ -77,7 +77,7 @@ def film_channels():
 
 def film_facts(width, height):
     facts = {"format": 1, "width": width, "height": height, "unit": -62, "layers": FILM_LAYERS, "alpha": False,
-             "error_block": 0, "blocks": 0, "before": False, "channels": [], "derived": [], "spp": 4, "processor": "",
+             "halves": False, "blocks": 0, "before": False, "channels": [], "derived": [], "spp": 4, "processor": "",
              "plan": "", "state": "", "ranges": [[0, 4]], "shape": {}, "counts": {}}
     return attribute("film", "string", json.dumps({"hash": "", "facts": json.dumps(facts)}).encode())
 

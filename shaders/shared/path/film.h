@@ -56,6 +56,8 @@ SHARED float add_found(uint technique, uint pixel, uint k, word64 number, vec3 v
   }
   if (film_has_layers)
     film_add(12u * (render.width * render.height * (1u + technique) + pixel), found, mix64(coin));
+  if (film_has_halves && (low_word(number) & 1u) != 0u)
+    film_add(render.odd_first + 12u * pixel, found, coin);
   float brought = luminance(found);
   uint energies = render.tally_first + tally_bucket() * kTallyWords + TALLY_ENERGIES;
   add_energy(energies + 4u * technique, brought);

@@ -61,13 +61,17 @@ struct RenderParameters {
   uint culls;        ///< 1: camera rays pass back faces
   uint transparent;  ///< 1: the sky behind everything is left out
   uint layers;       ///< 1: each technique also has its own layer
+  uint halves;       ///< 1: the samples with odd numbers also have their own sums
   // Offsets in the film's words, behind the sums of the picture and its layers.
+  uint odd_first;
   uint met_first;
   uint tally_first;
   uint portals_first;
   uint segments_first;  ///< slot of x_l of the first segment; x_c follows
   uint ray_counts_as;   ///< 1, or 2^32 - 1 to subtract what was counted
   uint first_number;    ///< low word of the film's first sample number
+  uint pad0;
+  uint pad1;
 };
 
 // Tally words of each bucket: counts of rays, then sums of four words: energy by technique, by
@@ -265,7 +269,7 @@ const uint kNoVertex = 0xFFFFFFFFu;
 static_assert(sizeof(PathVertex) == 144 && sizeof(PathBsdf) == 128 && sizeof(PathDensity) == 32);
 static_assert(sizeof(ConnectionEnd) == 112 && sizeof(WalkRay) == 64 && sizeof(Scattering) == 48);
 static_assert(sizeof(Connection) == 96 && sizeof(PortalSegment) == 32 && sizeof(SegmentSide) == 48);
-static_assert(sizeof(RenderParameters) == 208);
+static_assert(sizeof(RenderParameters) == 224);
 #endif
 
 SHARED_END

@@ -109,7 +109,7 @@ struct Stage {
         world(scene, scene.camera(""), size.width, size.height, portals_of(o)),
         tables(world),
         of_cores(device.info().kind == "cpu") {
-    const FilmPlaces places(pixels(), false, world.portals.portals());
+    const FilmPlaces places(pixels(), {}, world.portals.portals());
     renderer = std::make_shared<WavefrontRenderer>(
         world,
         make_gpu_machine(device, tables, capacity_on(device, tables, places.words), places.words,

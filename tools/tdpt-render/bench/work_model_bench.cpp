@@ -46,7 +46,7 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
   const World world(scene, scene.camera(""), o.width, o.height, portals);
   const std::optional<gpu::Device> device = device_asked(o.device);
   const std::shared_ptr<SampleRenderer> renderer =
-      device ? GpuUpload(*device, world, false).renderer() : std::make_shared<CpuRenderer>(world);
+      device ? GpuUpload(*device, world, {}).renderer() : std::make_shared<CpuRenderer>(world);
   const bool by_clock = device && device->info().kind != "cpu";
 
   for (int depth : kDepths)

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <optional>
 
 #include "libcommon/testing/statistics/power.h"
 #include "libcommon/testing/statistics/z_failure.h"
@@ -19,6 +20,7 @@ struct Runs {
   uint64_t first_seed = 1, runs = 16, spp = 8;
   int max_depth = 8;
   double beta = 1;
+  std::optional<uint64_t> half{};  ///< of the samples; none: all
 };
 
 RenderResult render_once(const Integrator& integrator, const Runs& runs, uint64_t seed,
@@ -27,6 +29,7 @@ RenderResult render_once(const Integrator& integrator, const Runs& runs, uint64_
   settings.spp = runs.spp;
   settings.max_depth = runs.max_depth;
   settings.beta = runs.beta;
+  settings.halves = runs.half.has_value();
   settings.seed = testing::fresh(seed);
   return render(renderer, integrator, settings);
 }
@@ -37,11 +40,12 @@ testing::BlockRuns blocks(SampleRenderer& renderer, const Integrator& integrator
   for (uint64_t seed = runs.first_seed; seed < runs.first_seed + runs.runs; ++seed) {
     const RenderResult r = render_once(integrator, runs, seed, renderer);
     EXPECT_EQ(r.tally.not_finite, 0u);
+    const Picture picture = runs.half ? r.render_state->film.half(*runs.half) : r.picture;
     std::vector<double> run(size_t{kWidth / kBlock} * (kHeight / kBlock));
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
         run[static_cast<size_t>(y / kBlock * (kWidth / kBlock) + x / kBlock)] +=
-            luminance(r.picture.pixels[static_cast<size_t>(y * kWidth + x)]) / (kBlock * kBlock);
+            luminance(picture.pixels[static_cast<size_t>(y * kWidth + x)]) / (kBlock * kBlock);
     all.add(run);
   }
   return all;
@@ -86,6 +90,10 @@ void expect_agreement(const Stage& stage, const Runs& runs,
 
 TEST(device_agreement, rooms_with_crossing_portals) {
   expect_agreement(two_rooms_stage(), {}, {&bdpt, &tdpt_ref, &tdpt_guided}, true);
+}
+TEST(device_agreement, of_both_halves_of_the_samples) {
+  for (const uint64_t half : {0, 1})
+    expect_agreement(two_rooms_stage(), {.half = half}, {&bdpt, &tdpt_guided});
 }
 TEST(device_agreement, for_every_limit_of_depth) {
   for (const int depth : {2, 3, 4})

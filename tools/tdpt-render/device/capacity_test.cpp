@@ -83,9 +83,9 @@ TEST(capacity, that_is_too_little_is_refused_with_both_numbers) {
 
 TEST(capacity, of_a_film_that_words_cannot_count_is_refused) {
   const uint64_t pixels = uint64_t{1} << 32;
-  const uint64_t words = FilmPlaces(1, false, 0).words + 13 * (pixels - 1);
+  const uint64_t words = FilmPlaces(1, {}, 0).words + 13 * (pixels - 1);
   try {
-    FilmPlaces(pixels, false, 0);
+    FilmPlaces(pixels, {}, 0);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code, Exit::no_device);

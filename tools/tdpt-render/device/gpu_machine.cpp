@@ -129,6 +129,7 @@ class GpuMachine : public Machine {
              p.techniques,
              p.beta == 2,
              p.layers != 0,
+             p.halves != 0,
              p.transparent != 0};
   }
 
@@ -237,11 +238,14 @@ class GpuMachine : public Machine {
   Kernel kernel(std::span<const uint32_t> program, const std::vector<uint32_t>& constants) const {
     return {device_, program, memory_, sizeof(shader::StepParameters), constants};
   }
+  // Of a film and a mixture: the constants after features_of().
+  using Kind = std::array<uint32_t, 7>;
+
   // Compiled when first run. Kinds that differ only in constants the program does not read share a
   // kernel.
   const Kernel& kernel_of(size_t step) {
     const std::set<uint32_t> read = gpu::constants_of(kPrograms[step]);
-    std::array<uint32_t, 6> kind = kind_;
+    Kind kind = kind_;
     for (uint32_t i = 0; i < kind.size(); ++i)
       if (!read.contains(static_cast<uint32_t>(features_.size()) + i)) kind[i] = 0;
     const auto key = std::pair(step, kind);
@@ -270,8 +274,8 @@ class GpuMachine : public Machine {
   DeviceWork* const work_;  // may be null
   shader::AllSettings settings_host_;
   const std::vector<uint32_t> features_;
-  // Guided walks, culling camera, techniques, power heuristic, layers, transparent.
-  std::array<uint32_t, 6> kind_{};
+  // Guided walks, culling camera, techniques, power heuristic, layers, halves, transparent.
+  Kind kind_{};
   const uint32_t film_words_;
   gpu::Tables scene_, path_;
   Buffer settings_;
@@ -279,7 +283,7 @@ class GpuMachine : public Machine {
   Buffer totals_;
   const std::vector<Memory> memory_;
   const Kernel flag_light_, flag_camera_, gather_, scan_flags_, scan_walks_;
-  std::map<std::pair<size_t, std::array<uint32_t, 6>>, Kernel> kernels_;
+  std::map<std::pair<size_t, Kind>, Kernel> kernels_;
 };
 
 }  // namespace
@@ -291,7 +295,7 @@ std::array<std::vector<gpu::Statistic>, kOfSteps> step_statistics(const gpu::Dev
   if (least) {
     constants.assign(19, 0);
     constants[17] = 1;  // portals
-    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0});
+    constants.insert(constants.end(), {1, 0, 31, 0, 0, 0, 0});
   }
   std::array<std::vector<gpu::Statistic>, kOfSteps> all;
   for (size_t i = 0; i < kOfSteps; ++i)

@@ -40,7 +40,7 @@ class lost_device : public ::testing::Test {
   // The machine fails at step number `steps`; -1: never.
   std::shared_ptr<SampleRenderer> lost_after(int steps) {
     left_ = steps;
-    const FilmPlaces places(24 * 18, true, world_.portals.portals());
+    const FilmPlaces places(24 * 18, {.layers = true}, world_.portals.portals());
     return std::make_shared<WavefrontRenderer>(
         world_,
         std::make_unique<LostMachine>(
@@ -100,7 +100,7 @@ class Careless : public SampleRenderer {
               const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
     if (left_-- > 0)
       return sound_->render(integrator, rules, round, samples, film, tally, progress);
-    film.add(3, 3, Vec3d(1, 1, 1), 0);
+    film.add(3, 3, Vec3d(1, 1, 1), 0, 0);
     throw Error(Exit::no_device, "lost");
   }
   uint64_t samples_of_pass() const override { return 1; }

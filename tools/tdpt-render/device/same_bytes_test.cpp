@@ -39,7 +39,7 @@ class Pair {
  public:
   Pair(const gpu::Device& device, const Stage& stage)
       : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_) {
-    const uint32_t words = film_words(*largest_, true);
+    const uint32_t words = film_words(*largest_);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
     twin_ = make_scalar_machine(tables_, kEnough, words);
   }
@@ -79,7 +79,8 @@ const std::vector<const Integrator*> kFew{&nee, &bdpt, &tdpt_guided};
 Samples samples_of(const Integrator& integrator, const SampleRange& range, int depth,
                    const Stage& stage) {
   const double beta = tdpt_guided.name == std::string_view(integrator.name) ? 2 : 1;
-  return {range, {depth, beta, range.first}, stage.alpha, &integrator != &bdpt};
+  return {
+      range, {depth, beta, range.first}, stage.alpha, &integrator != &bdpt, &integrator != &nee};
 }
 
 void expect_all_same(const gpu::Device& device, const Stage& stage,
@@ -149,8 +150,8 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   RenderSettings settings;
   settings.spp = 5;
   settings.max_depth = 6;
-  settings.alpha = settings.layers = settings.variance = true;
-  const auto by_device = GpuUpload(device(), *world, true).renderer();
+  settings.alpha = settings.layers = settings.halves = true;
+  const auto by_device = GpuUpload(device(), *world, {true, true}).renderer();
   ScalarRenderer by_scalar(*world);
   std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
   all.push_back({{tdpt_guided, ""}});

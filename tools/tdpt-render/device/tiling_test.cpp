@@ -25,9 +25,9 @@ void expect_same_in_all_rooms(const Stage& stage, int width, int height, const S
 }
 
 TEST(tiling, in_any_room_is_the_same) {
-  expect_same_in_all_rooms(two_rooms_stage(), 33, 17, {{0, 3}, {8}, false, true});
+  expect_same_in_all_rooms(two_rooms_stage(), 33, 17, {{0, 3}, {8}, false, true, true});
   expect_same_in_all_rooms(everything_stage(), 33, 17, {{0, 2}, {6}, true, true});
-  expect_same_in_all_rooms(sky_stage(), 40, 30, {{5, 2}, {3}, true});
+  expect_same_in_all_rooms(sky_stage(), 40, 30, {{5, 2}, {3}, true, false, true});
   expect_same_in_all_rooms(culling_stage(), 40, 30, {{0, 2}, {8}, true});
 }
 
@@ -58,12 +58,12 @@ TEST(tiling, in_any_calls_is_the_same) {
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_guided}) {
     Integrator expecting = *integrator;
     expecting.mixture = expecting_connections(*world, integrator->mixture, 5);
-    Film film = film_for(*world, TechniqueSet(), true);
+    Film film = film_for(*world, TechniqueSet(), true, true);
     Tally tally(film.unit());
     Progress progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
       scalar.render(expecting, {5}, 0, range, film, tally, progress);
-    EXPECT_EQ(rendered_by(scalar, *world, *integrator, {{0, 6}, {5}, true}),
+    EXPECT_EQ(rendered_by(scalar, *world, *integrator, {{0, 6}, {5}, true, false, true}),
               outcome_of(film, tally))
         << integrator->name;
   }

@@ -14,15 +14,17 @@ namespace tdpt {
 using shader::RenderParameters;
 using shader::StepParameters;
 
-FilmPlaces::FilmPlaces(uint64_t pixels, bool layers, size_t portals_) {
-  const uint64_t planes = layers ? 1 + kTechniques : 1;
-  const uint64_t met_first = 12 * planes * pixels, tally_first = met_first + pixels;
+FilmPlaces::FilmPlaces(uint64_t pixels, const FilmPlanes& planes, size_t portals_) {
+  const uint64_t odd_first = 12 * pixels * (planes.layers ? 1 + kTechniques : 1);
+  const uint64_t met_first = odd_first + (planes.halves ? 12 * pixels : 0);
+  const uint64_t tally_first = met_first + pixels;
   const uint64_t portals_first =
       tally_first + shader::kTallyBuckets * shader::kTallyWords + shader::kLeftOutWords;
   const uint64_t all = portals_first + shader::kPortalWords * portals_;
   if (all > UINT32_MAX)
     throw Error(Exit::no_device,
                 fmt::format("the film takes {} words, kernels count {}", all, UINT32_MAX));
+  odd = static_cast<uint32_t>(odd_first);
   met = static_cast<uint32_t>(met_first);
   tally = static_cast<uint32_t>(tally_first);
   portals = static_cast<uint32_t>(portals_first);
@@ -88,7 +90,10 @@ Units units_at(const std::vector<uint32_t>& words, size_t first) {
 void add_to_film(const std::vector<uint32_t>& words, const FilmPlaces& places, Film& film) {
   const auto pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   film.add_sums(
-      [&](size_t plane, size_t i) { return units_at(words, 4 * (3 * pixels * plane + i)); },
+      [&](size_t plane, size_t i) {
+        return units_at(words,
+                        (plane == Film::kOddPlane ? places.odd : 12 * pixels * plane) + 4 * i);
+      },
       [&](size_t pixel) { return words[places.met + pixel]; });
 }
 
@@ -164,6 +169,10 @@ WavefrontRenderer::WavefrontRenderer(const World& world_, std::unique_ptr<Machin
       samples_(std::min(machine_->room().samples, kFirstSubmission)),
       most_samples_(machine_->room().samples) {}
 
+FilmPlaces WavefrontRenderer::places_of(const RenderParameters& p) const {
+  return {uint64_t{p.width} * p.height, {p.layers != 0, p.halves != 0}, world.portals.portals()};
+}
+
 RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
                                                   const SampleRules& rules, uint64_t round,
                                                   const Film& film) const {
@@ -178,7 +187,9 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
   p.culls = world.tracer.culls();
   p.transparent = film.has_alpha();
   for (size_t i = 0; i < kTechniques; ++i) p.layers |= film.has_layer(i);
-  const FilmPlaces places(uint64_t{p.width} * p.height, p.layers != 0, world.portals.portals());
+  p.halves = film.options().halves;
+  const FilmPlaces places = places_of(p);
+  p.odd_first = places.odd;
   p.met_first = places.met;
   p.tally_first = places.tally;
   p.portals_first = places.portals;
@@ -192,7 +203,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
                                Progress& progress) {
   const RenderParameters p = parameters_of(integrator, rules, round, film);
   const uint64_t pixels = uint64_t{p.width} * p.height;
-  const FilmPlaces places(pixels, p.layers != 0, world.portals.portals());
+  const FilmPlaces places = places_of(p);
   const bool drawn = integrator.mixture.has(Technique::portal) && !world.portals.empty();
   const auto start = std::chrono::steady_clock::now();
   const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);

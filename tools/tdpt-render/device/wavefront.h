@@ -9,6 +9,17 @@
 
 namespace tdpt {
 
+/// What a device's film keeps besides the picture.
+struct FilmPlanes {
+  bool layers = false, halves = false;
+};
+
+/// Offsets in the words of a film of so many pixels; `words`: the total.
+struct FilmPlaces {
+  uint32_t odd = 0, met = 0, tally = 0, portals = 0, words = 0;
+  FilmPlaces(uint64_t pixels, const FilmPlanes& planes, size_t portals);
+};
+
 class WavefrontRenderer : public SampleRenderer {
  public:
   /// The world must outlive it; its portals must not change.
@@ -28,6 +39,7 @@ class WavefrontRenderer : public SampleRenderer {
   /// Everything except the range of samples.
   shader::RenderParameters parameters_of(const Integrator& integrator, const SampleRules& rules,
                                          uint64_t round, const Film& film) const;
+  FilmPlaces places_of(const shader::RenderParameters& parameters) const;
   bool crosses(const shader::RenderParameters& parameters) const;
   /// Until the machine's film holds all of them.
   void submit_all(shader::RenderParameters parameters, const SampleRange& samples,
@@ -40,12 +52,6 @@ class WavefrontRenderer : public SampleRenderer {
   uint32_t samples_;       // in a submission: as many as fit and finish soon
   uint32_t most_samples_;  // the most that have fitted
   uint64_t of_pass_ = 0;
-};
-
-/// Offsets in the words of a film of so many pixels; `words`: the total.
-struct FilmPlaces {
-  uint32_t met = 0, tally = 0, portals = 0, words = 0;
-  FilmPlaces(uint64_t pixels, bool layers, size_t portals);
 };
 
 }  // namespace tdpt

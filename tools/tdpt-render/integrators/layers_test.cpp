@@ -94,7 +94,7 @@ TEST(layers, a_contribution_goes_to_its_own_layer) {
   Film film(2, 1, 1, options);
   EXPECT_TRUE(film.add_to_layer(2, 1, 0, Vec3d(2, 2, 2), 0));
   EXPECT_TRUE(film.add_to_layer(1, 1, 0, Vec3d(4, 4, 4), 0));  // is dropped
-  EXPECT_TRUE(film.add(0, 0, Vec3d(1, 1, 1), 0));
+  EXPECT_TRUE(film.add(0, 0, Vec3d(1, 1, 1), 0, 0));
   EXPECT_EQ(film.sums(), (std::vector<Vec3d>{{1, 1, 1}, {}}));
   EXPECT_EQ(film.layer_sums(2), (std::vector<Vec3d>{{}, {2, 2, 2}}));
   for (size_t layer : {0, 1}) EXPECT_EQ(film.layer_sums(layer), (std::vector<Vec3d>{{}, {}}));

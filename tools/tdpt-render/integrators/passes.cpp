@@ -61,18 +61,18 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   film.complete(samples);
 }
 
-Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block) {
+Film::Options film_options(const TechniqueSet& layers, bool alpha, bool halves) {
   Film::Options options;
   for (size_t t = 0; t < kTechniques; ++t)
     options.layers.push_back(layers.has(static_cast<Technique>(t)) ? kTechniqueNames[t] : "");
   options.alpha = alpha;
-  options.error_block = error_block;
+  options.halves = halves;
   return options;
 }
 
-Film film_for(const World& world, const TechniqueSet& layers, bool alpha, uint64_t error_block) {
+Film film_for(const World& world, const TechniqueSet& layers, bool alpha, bool halves) {
   return Film(world.film.width(), world.film.height(), world.lights.power(),
-              film_options(layers, alpha, error_block));
+              film_options(layers, alpha, halves));
 }
 
 void RenderTally::add(const Tally& tally) {

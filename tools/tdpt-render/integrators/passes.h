@@ -21,11 +21,11 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
                     Progress& progress);
 
 /// Options of a film: a layer for each technique in `layers`, a transparent background if `alpha`,
-/// and error estimates from blocks of `error_block` samples.
-Film::Options film_options(const TechniqueSet& layers, bool alpha, uint64_t error_block);
+/// and two halves of the samples if `halves`.
+Film::Options film_options(const TechniqueSet& layers, bool alpha, bool halves);
 /// A film for pictures of that world.
 Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
-              uint64_t error_block = 0);
+              bool halves = false);
 
 /// The counts of a whole rendering.
 struct RenderTally {

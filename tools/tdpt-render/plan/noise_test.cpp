@@ -24,7 +24,8 @@ void add_samples(Film& film, uint64_t n, uint64_t seed, bool again) {
     for (size_t i = 0; i < kWidth * kHeight; ++i) {
       Rng rng(seed, i, again ? s % 4 : s);
       const double x = 2 * rng.uniform() * mean_of(i);
-      film.add(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth), {x, x, x}, mix64(s + i));
+      film.add(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth), {x, x, x}, mix64(s + i),
+               s);
     }
   film.complete({first, n});
 }
@@ -111,7 +112,7 @@ TEST(noise, is_told_where_light_falls_into_one_column_alone) {
     Film film(width, 1024, 1);
     NoiseWatch watch(film);
     for (uint64_t s = 0; s < 4; ++s) {
-      for (int y = 0; y < 1024; ++y) film.add(7, y, {1, 1, 1}, 0);
+      for (int y = 0; y < 1024; ++y) film.add(7, y, {1, 1, 1}, 0, 0);
       film.complete({s, 1});
       watch.look(film);
     }

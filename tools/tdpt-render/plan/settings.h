@@ -20,11 +20,11 @@ struct RenderSettings : Limits {
   double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
-  bool alpha = false;     ///< transparent film: the sky in the background is left out
-  bool layers = false;    ///< keep each technique's contribution apart
-  bool variance = false;  ///< keep what each pixel's variance is computed from
-  bool frames = false;    ///< measure the unfinished picture
-  bool fixed = false;     ///< turn a time limit into a number of samples before the first
+  bool alpha = false;   ///< transparent film: the sky in the background is left out
+  bool layers = false;  ///< keep each technique's contribution apart
+  bool halves = false;  ///< keep the samples with odd numbers apart
+  bool frames = false;  ///< measure the unfinished picture
+  bool fixed = false;   ///< turn a time limit into a number of samples before the first
 };
 
 }  // namespace tdpt

@@ -66,6 +66,13 @@ std::vector<std::string> aovs_of(const Arguments& a) {
   return names;
 }
 
+bool keeps_halves(const Arguments& a) {
+  const std::vector<std::string> aovs = aovs_of(a);
+  return std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
+    return name == "variance" || name == "halves";
+  });
+}
+
 bool prints_shards(const Arguments& a) {
   return a.shard.starts_with("all/");
 }

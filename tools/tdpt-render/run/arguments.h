@@ -17,6 +17,8 @@ struct Arguments : RenderArguments {
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an
 /// unknown one.
 std::vector<std::string> aovs_of(const Arguments& a);
+/// Whether some of them need the halves of the film.
+bool keeps_halves(const Arguments& a);
 
 /// --shard all/N: only prints commands.
 bool prints_shards(const Arguments& a);

@@ -253,11 +253,10 @@ Shape shape_of(const Arguments& a, const Shaping& by) {
 Shape film_shape_of(const Arguments& a, const Shaping& by) {
   Shape shape = shape_of(a, by);
   shape.emplace_back("film", a.alpha ? "transparent" : "opaque");
-  const std::vector<std::string> aovs = aovs_of(a);
-  const bool varies = std::find(aovs.begin(), aovs.end(), "variance") != aovs.end();
+  const bool halves = keeps_halves(a);
   shape.emplace_back("set of layers",
                      fmt::format("{}{}{}", a.layers ? "techniques" : "",
-                                 a.layers && varies ? " " : "", varies ? "variance" : ""));
+                                 a.layers && halves ? " " : "", halves ? "halves" : ""));
   return shape;
 }
 

@@ -10,10 +10,10 @@ namespace tdpt::parts_test {
 
 class parts : public ::testing::Test {
  protected:
-  Film part(const SampleRange& samples, uint64_t step, uint64_t error_block = 0) {
+  Film part(const SampleRange& samples, uint64_t step) {
     Film::Options options;
     options.layers = {"camera", "direct", "light", "bi", "portal"};
-    options.error_block = error_block;
+    options.halves = true;
     Film film(world_.film.width(), world_.film.height(), world_.lights.power(), options);
     Tally tally(film.unit());
     Progress progress("", "", 0, true);
@@ -25,6 +25,7 @@ class parts : public ::testing::Test {
   static void expect_same(const Film& a, const Film& b) {
     EXPECT_EQ(a.sums(), b.sums());
     EXPECT_EQ(a.ranges(), b.ranges());
+    for (const uint64_t half : {0, 1}) EXPECT_EQ(a.half(half).pixels, b.half(half).pixels);
     EXPECT_EQ(a.variance(), b.variance());
     for (size_t layer = 0; layer < kTechniques; ++layer)
       EXPECT_EQ(a.layer_sums(layer), b.layer_sums(layer));
@@ -38,16 +39,16 @@ class parts : public ::testing::Test {
 };
 
 TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the_threads) {
-  const Film whole = part({0, 16}, 4, 4);
+  const Film whole = part({0, 16}, 4);
   const double energy = energy_;
   for (size_t threads : {1, 2, 3}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     // Merged as a tree, out of order.
-    Film left = part({8, 8}, 4, 4);
+    Film left = part({7, 9}, 3);
     double sum = energy_;
-    Film right = part({4, 4}, 4, 4);
+    Film right = part({3, 4}, 4);
     sum += energy_;
-    right.merge(part({0, 4}, 4, 4));
+    right.merge(part({0, 3}, 3));
     sum += energy_;
     left.merge(right);
     expect_same(left, whole);

@@ -26,13 +26,11 @@ uint64_t next_frame(uint64_t spp) {
   return spp + std::max<uint64_t>(1, spp < 256 ? 1 : spp / 16);
 }
 
-Film::Options film_options(const World& world, const std::vector<Candidate>& candidates,
+Film::Options film_options(const std::vector<Candidate>& candidates,
                            const RenderSettings& settings) {
   TechniqueSet all;
   for (const Candidate& c : candidates) all = all | c.integrator.mixture.techniques;
-  const bool varies = longest_path(world, settings.max_depth, settings.alpha) > 0;
-  return film_options(settings.layers ? all : TechniqueSet(), settings.alpha,
-                      settings.variance && varies ? 1 : 0);
+  return film_options(settings.layers ? all : TechniqueSet(), settings.alpha, settings.halves);
 }
 
 namespace {
@@ -110,7 +108,6 @@ uint64_t Rendering::next_pass() const {
   const uint64_t most =
       std::max<uint64_t>(session_.renderer.samples_of_pass() / session_.pixels, 1);
   uint64_t n = goal == 0 ? most : std::min(most, goal - done);
-  if (film_.options().error_block > 0) n = 1;  // of a block
   n = std::min(n, (render_state_.target ? render_state_.blocks.next() : watch_.next()) - done);
   if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (session_.longest == 0) return 0;
@@ -204,7 +201,7 @@ std::shared_ptr<RenderState> beginning(const Session& session,
   const FilmPlane& film = session.world.film;
   return std::make_shared<RenderState>(
       Film(film.width(), film.height(), session.world.lights.power(),
-           film_options(session.world, candidates, session.settings)),
+           film_options(candidates, session.settings)),
       session.settings);
 }
 

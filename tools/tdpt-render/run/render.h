@@ -14,7 +14,7 @@
 namespace tdpt {
 
 /// The sums that the film of such a rendering keeps.
-Film::Options film_options(const World& world, const std::vector<Candidate>& candidates,
+Film::Options film_options(const std::vector<Candidate>& candidates,
                            const RenderSettings& settings);
 
 /// What a rendering obeys, resumes, or is a part of.

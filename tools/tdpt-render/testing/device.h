@@ -47,7 +47,7 @@ inline Outcome outcome_of(Film& film, const Tally& tally) {
 struct Samples {
   SampleRange range{0, 2};
   SampleRules rules{8};
-  bool alpha = false, layers = false;
+  bool alpha = false, layers = false, halves = false;
 };
 
 inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
@@ -56,7 +56,7 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
   Integrator expecting = integrator;
   expecting.mixture = expecting_connections(world, integrator.mixture, depth);
   Film film = film_for(world, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
-                       samples.alpha);
+                       samples.alpha, samples.halves);
   Tally tally(film.unit());
   Progress progress("rendering", "samples", 0, true);
   renderer.render(expecting, samples.rules, 0, samples.range, film, tally, progress);
@@ -99,11 +99,11 @@ class Borrowed : public Machine {
   const Faults faults_;
 };
 
-/// Number of words of films of the world's size.
-inline uint32_t film_words(const World& world, bool layers) {
+/// Number of words of films of the world's size that keep everything.
+inline uint32_t film_words(const World& world) {
   const auto pixels =
       static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
-  return FilmPlaces(pixels, layers, world.portals.portals()).words;
+  return FilmPlaces(pixels, {true, true}, world.portals.portals()).words;
 }
 
 constexpr Capacity kEnough{1u << 17, 1u << 12};
@@ -115,7 +115,7 @@ class ScalarRenderer : public SampleRenderer {
                           const Faults& faults = {})
       : SampleRenderer(world_), tables_(world_) {
     if (faults.tables) faults.tables(tables_);
-    machine_ = make_scalar_machine(tables_, room, film_words(world, true));
+    machine_ = make_scalar_machine(tables_, room, film_words(world));
     renderer_ = std::make_unique<WavefrontRenderer>(
         world, std::make_unique<Borrowed>(*machine_, room, faults), "scalar build");
   }

@@ -30,7 +30,7 @@ struct ScalarKernels {
   bool scene_has_sky, scene_has_sky_map, scene_has_lamps, scene_has_rect_lights, scene_has_windows,
       scene_prefers;
   bool scene_has_portals, portals_have_pairs, guide_active, camera_culls, power_heuristic,
-      film_has_layers, film_is_transparent;
+      film_has_layers, film_has_halves, film_is_transparent;
   uint mixture_techniques;
   // The submission.
   RenderParameters render;
@@ -133,6 +133,7 @@ class ScalarMachine : public Machine {
     kernels_.mixture_techniques = p.techniques;
     kernels_.power_heuristic = p.beta == 2;
     kernels_.film_has_layers = p.layers != 0;
+    kernels_.film_has_halves = p.halves != 0;
     kernels_.film_is_transparent = p.transparent != 0;
     kernels_.guide_active = p.guide_light > 0 || p.guide_camera > 0;
   }

@@ -71,7 +71,7 @@ void PathSampler::run(Technique technique) {
 }
 
 void PathSampler::end() {
-  if (pixel_ != Vec3d() && !film_.add(x_, y_, pixel_, coin())) leave_out();
+  if (pixel_ != Vec3d() && !film_.add(x_, y_, pixel_, coin(), sample_)) leave_out();
 }
 
 void PathSampler::walk_from_camera() {
@@ -130,7 +130,7 @@ double PathSampler::to_film(const Contribution& found, double raster_x, double r
   if (!weigh(found, weighted)) return 0;
   const auto technique = static_cast<size_t>(found.strategy.technique);
   const int x = static_cast<int>(raster_x), y = static_cast<int>(raster_y);
-  if (!film_.add(x, y, Vec3d(weighted), coin())) {
+  if (!film_.add(x, y, Vec3d(weighted), coin(), sample_)) {
     leave_out();
     return 0;
   }
