@@ -206,7 +206,7 @@ inline int weighed_as_others(const Scene& scene, const Integrator& made, const M
     off += std::abs(sums.used * per_sample / sums.counted - weight) > 1e-4;
   };
   PathSampler sampler(world, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
-  for (uint64_t s = 0; s < 2000; ++s) sampler.sample(8, 6, s);
+  for (uint64_t s = 0; s < 3000; ++s) sampler.sample(8, 6, s);
   EXPECT_GT(all, 25);
   return off;
 }
