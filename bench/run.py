@@ -51,6 +51,7 @@ BENCHMARKS = {  # name: (module, function, what it does)
                      "doc/cycles.md"),
     "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
                      "of an hour)"),
+    "denoise": ("denoise", "denoise", "what the filter is worth, and what it costs: doc/denoise.md (two hours)"),
     "peers": ("peers", "peers", "rooms of real buildings beside Cycles, LuxCore and Mitsuba from PyPI: doc/peers.md (half "
               "an hour; PEERS_PYTHON=PYTHON: one that has them)"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "

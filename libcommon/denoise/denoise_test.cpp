@@ -6,6 +6,7 @@
 #include "libcommon/denoise/test_picture.h"
 
 namespace tdpt::denoise {
+namespace denoise_test {
 namespace {
 
 // How many times the filter makes the squared error smaller.
@@ -114,4 +115,5 @@ TEST(Denoise, SmallAndBlackPictures) {
 }
 
 }  // namespace
+}  // namespace denoise_test
 }  // namespace tdpt::denoise

@@ -172,7 +172,7 @@ Filtered filter_picture(ExrFile& file, const std::string& name) {
     file.layers[kNoisyLayer] = {file.picture.width, file.picture.height, file.picture.pixels};
   for (size_t i = 0; i < file.picture.pixels.size(); ++i)
     file.picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
-  file.attributes[kAttribute] = "regression";
+  file.attributes[denoiser_attribute] = "regression";
   filtered.outliers = result.outliers;
   filtered.outlier_energy = result.outlier_energy;
   return filtered;

@@ -8,8 +8,6 @@ namespace tdpt::denoise {
 
 /// Layer with the picture as it was rendered, beside the filtered one.
 inline constexpr const char* kNoisyLayer = "noisy";
-/// Name of the string attribute that marks filtered pictures.
-inline constexpr const char* kAttribute = "denoiser";
 
 struct Filtered {
   size_t outliers = 0;        ///< as in Result
@@ -23,7 +21,7 @@ std::string sentence_of(const Filtered& filtered);
 /// Reads a file with all its channels. Throws InputError.
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 
-/// Replaces R G B by the filtered picture, sets the attribute and keeps what was there as the layer
+/// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the layer
 /// kNoisyLayer. Needs layers halfA and halfB, of which the picture is a weighted mean; uses albedo,
 /// normal and depth. A picture that is filtered already is filtered again from its noisy layer.
 /// Throws InputError, `name` in its place, if buffers are missing or no numbers.

@@ -6,6 +6,7 @@
 #include "libcommon/denoise/test_picture.h"
 
 namespace tdpt::denoise {
+namespace filter_picture_test {
 namespace {
 
 Picture picture_of(const Colour& colour) {
@@ -55,7 +56,7 @@ TEST(FilterPicture, KeepsWhatWasRenderedBeside) {
   EXPECT_TRUE(filtered.has_features);
   EXPECT_EQ(file.layers["noisy"].pixels, noisy.pixels);
   EXPECT_LT(error_of(test, file.picture), error_of(test, noisy) / 10);
-  EXPECT_EQ(file.attributes[kAttribute], "regression");
+  EXPECT_EQ(file.attributes[denoiser_attribute], "regression");
 }
 
 TEST(FilterPicture, ASecondTimeChangesNothing) {
@@ -114,4 +115,5 @@ TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
 }
 
 }  // namespace
+}  // namespace filter_picture_test
 }  // namespace tdpt::denoise

@@ -5,6 +5,7 @@
 #include "libcommon/denoise/test_picture.h"
 
 namespace tdpt::denoise {
+namespace regression_test {
 namespace {
 
 struct Case {
@@ -88,4 +89,5 @@ TEST(Regression, AgreesWithTheDefinition) {
 }
 
 }  // namespace
+}  // namespace regression_test
 }  // namespace tdpt::denoise

@@ -195,7 +195,7 @@ FilmFacts facts_of(const Reader& in) {
   facts.processor = in.text("processor");
   facts.plan = in.text("plan");
   facts.state = in.text("state");
-  facts.derived = in.texts("derived", kDerived.size());
+  facts.derived = in.texts("derived", kDerived.size() + 1);
   for (const auto& [name, value] : in.at("shape", Json::value_t::object).items())
     facts.shape.emplace_back(name, in.text(name, value));
   for (const auto& [name, values] : in.at("counts", Json::value_t::object).items()) {
@@ -432,7 +432,7 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.channels = std::move(channels);
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
-    if (name == "halves") {
+    if (name == "halves" || name == kDenoised) {
       for (uint64_t half : {0, 1}) exr.layers[kHalves[half]] = film.half(half);
       continue;
     }
@@ -452,6 +452,20 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.attributes = facts.attributes;
   exr.attributes["spp"] = std::to_string(film.samples());
   return exr;
+}
+
+std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& film,
+                                                 const FilmFacts& facts) {
+  const auto asks = [&](const char* name) {
+    return std::find(facts.derived.begin(), facts.derived.end(), name) != facts.derived.end();
+  };
+  if (!asks(kDenoised)) return {};
+  std::optional<denoise::Filtered> filtered;
+  if (film.samples_of_half(0) > 0 && film.samples_of_half(1) > 0)
+    filtered = denoise::filter_picture(picture, "picture");
+  if (!asks("halves"))
+    for (const char* half : kHalves) picture.layers.erase(half);
+  return filtered;
 }
 
 }  // namespace tdpt

@@ -4,11 +4,13 @@
 #pragma once
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/film/film.h"
 
 namespace tdpt {
@@ -58,6 +60,8 @@ struct FilmBlocks {
 /// "variance": of the mean luminance, "halves": the means of even and of odd samples, both of a
 /// film that keeps halves; "samples": number per pixel.
 inline constexpr std::array kDerived{"variance", "halves", "samples"};
+/// Also in FilmFacts::derived: the picture itself is filtered [filter_as_asked()].
+inline constexpr const char* kDenoised = "denoise";
 /// The layers of "halves".
 inline constexpr std::array kHalves{"halfA", "halfB"};
 
@@ -84,7 +88,11 @@ FilmFile read_film(const std::string& path);
 /// Whether a picture has the attribute that marks films.
 bool is_film(const ExrFile& file);
 
-/// The finished picture, identical to that of a rendering that was not split.
+/// The finished picture, before filtering, identical to that of a rendering that was not split.
 ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels = {});
+/// Filters it if the facts ask for that and each half has a sample: then it has no halves if they
+/// are not asked for. Nothing if it is not filtered.
+std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& film,
+                                                 const FilmFacts& facts);
 
 }  // namespace tdpt

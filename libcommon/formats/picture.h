@@ -41,6 +41,8 @@ struct ExrFile {
 
 /// Name of the string attribute with the provenance, its lines separated by '\n'.
 inline constexpr const char* provenance_attribute = "provenance";
+/// Name of the string attribute that filtered pictures have: the kind of filter.
+inline constexpr const char* denoiser_attribute = "denoiser";
 /// The provenance of `file`; empty if it has none.
 Provenance provenance_of(const ExrFile& file);
 /// Sets it; an empty provenance adds no attribute.

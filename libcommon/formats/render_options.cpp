@@ -122,11 +122,16 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
   options.option(
       "--aov", a.aov, "LIST",
       "Add channels: albedo, normal, position, depth, variance, halves, samples, or all");
+  options.flag("--denoise", a.denoise,
+               "Filter the noise, with a bias that more samples reduce; add what was rendered as "
+               "noisy.R .G .B");
 }
 
 }  // namespace
 
 void check_render_arguments(const RenderArguments& a) {
+  if (a.denoise && a.spp == 1)
+    throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
   check_name_of_png("--set nonzero", a.nonzero);
   check_no_portal_twice(a.portals);
 }

@@ -41,6 +41,7 @@ struct RenderArguments {
   std::string stats, nonzero, preview;  ///< paths; empty: not asked for
   bool layers = false, alpha = false;
   std::string aov;  ///< names, separated by commas
+  bool denoise = false;
 };
 
 /// All of them except the scene, --device, and the options that split a picture among machines.

@@ -44,9 +44,9 @@ struct Sequence {
   uvec4 point;  ///< of the block; bit 31 of a coordinate stands for 1/2
 };
 
-/// The number that sequence_of() takes for a sample, less than 2^63, of a pixel: of each run of 2^32
-/// samples, 0, 2, 4, ... and 1, 3, 5, ... are two halves, each a run of its own. So each half is
-/// stratified, and the two are independent.
+/// The number that sequence_of() takes for a sample, less than 2^63, of a pixel: of each run of
+/// 2^32 samples, 0, 2, 4, ... and 1, 3, 5, ... are two halves, each a run of its own. So each half
+/// is stratified, and the two are independent.
 SHARED word64 number_in_half(word64 number) {
   return word64_of(high_word(number) << 1 | (low_word(number) & 1u), low_word(number) >> 1);
 }

@@ -75,6 +75,8 @@ int run(const Arguments& a, const cli::Common& common) {
   const Input picture = load(a.picture, common), reference = load(a.reference, common);
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
+  if (reference.file.attributes.contains(denoiser_attribute))
+    common.warn(reference.name + ": is filtered, so it is biased and no good reference");
   const Comparison comparison = compare(p, picture.name, r, reference.name);
   cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
                 {a.beside, [&] { return png_bytes(side_by_side(p, r), 0); }}},

@@ -35,9 +35,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
 }
 
-std::string picture_bytes(const Arguments& a, FilmFile& film) {
-  return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
-                : exr_bytes(finished_picture(film.film, film.facts, film.channels));
+std::string picture_bytes(const Arguments& a, FilmFile& film, const ExrFile& picture) {
+  return a.film ? film_bytes(film.film, film.facts, {}, film.channels) : exr_bytes(picture);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
@@ -52,14 +51,18 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(mixed_code_sentence(film.facts.processor));
   if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
-  const Picture picture = film.film.picture();
-  cli::deliver({{common.output, [&] { return picture_bytes(a, film); }},
+  ExrFile file = a.film ? ExrFile{film.film.picture(), {}, {}, {}, {}}
+                        : finished_picture(film.film, film.facts, film.channels);
+  const auto filtered = a.film ? std::nullopt : filter_as_asked(file, film.film, film.facts);
+  const Picture& picture = file.picture;
+  cli::deliver({{common.output, [&] { return picture_bytes(a, film, file); }},
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}},
                common);
   if (common.json) common.summary(summary_json(film, a.films.size()));
   common.note(fmt::format("{} per pixel of {} at {} x {} from {}",
                           counted(film.film.samples(), "sample"), film.facts.spp, picture.width,
                           picture.height, cli::plural(a.films.size(), "film")));
+  if (filtered) common.note(sentence_of(*filtered));
   common.explain_by([&] { return decisions_of(film, a.films.size(), a.film); });
   return 0;
 }

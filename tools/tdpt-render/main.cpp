@@ -124,7 +124,9 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (result.cut_short && !(job.checkpoint() + job.a.plan).empty())
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
-  if (result.noise) common.note(noise_sentence(*result.noise, result.seconds));
+  if (result.noise)
+    common.note((job.a.denoise ? "before filtering " : "") +
+                noise_sentence(*result.noise, result.seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
 }
@@ -214,9 +216,11 @@ int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return static_cast<int>(Exit::interrupted);
   }
-  deliver({job, choice, *result.render_state, result.plan, result.target, channels_of(job, world)},
-          result);
+  const std::string filtered = deliver(
+      {job, choice, *result.render_state, result.plan, result.target, channels_of(job, world)},
+      result);
   report(job, world, choice, result);
+  if (!filtered.empty()) job.common.note(filtered);
   job.common.explain_by([&] {
     return decisions_of({world, portals, job.request, choice, job.settings, result});
   });

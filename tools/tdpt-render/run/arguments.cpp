@@ -68,7 +68,7 @@ std::vector<std::string> aovs_of(const Arguments& a) {
 
 bool keeps_halves(const Arguments& a) {
   const std::vector<std::string> aovs = aovs_of(a);
-  return std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
+  return a.denoise || std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
     return name == "variance" || name == "halves";
   });
 }

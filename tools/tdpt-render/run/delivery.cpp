@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/run/delivery.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <new>
 
@@ -42,6 +43,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
   for (const std::string& name : aovs_of(a))
     if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
       derived.push_back(name);
+  if (a.denoise) derived.push_back(kDenoised);
   return derived;
 }
 
@@ -51,21 +53,40 @@ std::string film_of(const Outcome& r) {
                     attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
 }
 
-std::string picture_of(const Outcome& r) {
-  if (r.job.is_shard()) return film_of(r);
+// The finished picture, and what its filter did, in a sentence.
+struct Finished {
+  ExrFile file;
+  std::string filtered;
+};
+
+Finished finished(const Outcome& r, const RenderResult& result) {
+  if (r.job.is_shard()) return {{result.picture, {}, {}, {}, {}}, ""};
   FilmFacts facts;
   facts.derived = derived_of(r.job.a);
   facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
-  return exr_bytes(finished_picture(r.render_state.film, facts, r.channels));
+  const Film& film = r.render_state.film;
+  Finished all{finished_picture(film, facts, r.channels), ""};
+  if (!r.job.a.denoise) return all;
+  const auto start = std::chrono::steady_clock::now();
+  const auto filtered = filter_as_asked(all.file, film, facts);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  all.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
+                          : "not filtered: there is one sample per pixel";
+  return all;
 }
 
-void write_all(const Outcome& r, const RenderResult& result) {
+// The bytes of the result; of a shard those of a film.
+std::string bytes_of(const Outcome& r, const ExrFile& picture) {
+  return r.job.is_shard() ? film_of(r) : exr_bytes(picture);
+}
+
+void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done) {
   const Job& job = r.job;
   const Arguments& a = job.a;
-  const Picture& picture = result.picture;
-  cli::deliver({{job.common.output, [&] { return picture_of(r); }},
+  const Picture& picture = done.picture;
+  cli::deliver({{job.common.output, [&] { return bytes_of(r, done); }},
                 {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(picture), 0); }},
+                {a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture), 0); }},
                 {job.writes_plan() && !result.cut_short ? a.plan : "",
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
@@ -79,20 +100,23 @@ void write_all(const Outcome& r, const RenderResult& result) {
 }
 
 // Where everything rendered is kept after a failed write.
-std::string kept_sentence(const Outcome& r, bool saved) {
+std::string kept_sentence(const Outcome& r, const ExrFile& picture, bool saved) {
   if (saved)
     return fmt::format("all samples are in {}: --resume writes the picture",
                        display_name(r.job.checkpoint()));
   const std::string& output = r.job.common.output;
-  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, picture_of(r));
+  const std::string path =
+      keep_elsewhere(output == "-" ? "picture.exr" : output, bytes_of(r, picture));
   return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
 }
 
 }  // namespace
 
 Channels channels_of(const Job& job, const World& world) {
-  if (job.a.aov.empty() || (job.is_shard() && shard_of(job.a.shard).index > 0)) return {};
-  return features(world, aovs_of(job.a), job.common.seed);
+  if (job.is_shard() && shard_of(job.a.shard).index > 0) return {};
+  std::vector<std::string> names = aovs_of(job.a);
+  if (job.a.denoise) names.insert(names.end(), {"albedo", "normal", "depth"});
+  return features(world, names, job.common.seed);
 }
 
 bool save(const Outcome& r) {
@@ -120,13 +144,15 @@ void show(const Job& job, const Picture& picture) {
   }
 }
 
-void deliver(const Outcome& r, const RenderResult& result) {
+std::string deliver(const Outcome& r, const RenderResult& result) {
   const bool saved = !r.job.checkpoint().empty() && !result.cut_short && save(r);
+  const Finished all = finished(r, result);
   try {
-    write_all(r, result);
+    write_all(r, result, all.file);
   } catch (const OutputError& e) {
-    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, saved)));
+    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, all.file, saved)));
   }
+  return all.filtered;
 }
 
 }  // namespace tdpt

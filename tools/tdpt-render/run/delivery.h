@@ -28,7 +28,7 @@ Channels channels_of(const Job& job, const World& world);
 void show(const Job& job, const Picture& picture);
 
 /// Writes everything at the end. Throws Error for what cannot be written, and says where the
-/// picture is kept.
-void deliver(const Outcome& r, const RenderResult& result);
+/// picture is kept. Returns what the filter did, in a sentence; empty without --denoise.
+std::string deliver(const Outcome& r, const RenderResult& result);
 
 }  // namespace tdpt

@@ -1,0 +1,100 @@
+"""What the filter is worth: noisy and filtered pictures against references of two halves: doc/denoise.md."""
+import functools
+import math
+from dataclasses import dataclass
+
+import pages
+from common import EVERYTHING, Setting, decibels_of, settings
+
+BUFFERS = ("--aov", "halves,albedo,normal,depth")
+# What is rendered, by kind: (scene, camera or nothing).
+KINDS = {"interiors": (("kitchen", ""), ("bathroom", ""), ("living-room", ""), ("classroom", "")),
+         "behind a door": (("veach-ajar", ""),),
+         "houses": (("jasmin-night", "hall"), ("five-zone-office", "core"), ("renga-house", "corridor"))}
+
+
+@dataclass
+class Measured:
+    """Of one picture: relMSE and MSE before and after, the change of the mean, CPU seconds of rendering it, and of all
+    that the filter adds."""
+    noisy: dict
+    filtered: dict
+    render: float
+    more: float
+
+    @property
+    def gain(self):
+        return self.noisy["relmse"] / self.filtered["relmse"]
+
+    @property
+    def at_equal_time(self):
+        return self.gain * self.render / (self.render + self.more)
+
+
+class View:
+    def __init__(self, bench, name, camera):
+        self.bench, self.name, self.scene = bench, f"{name}.{camera}" if camera else name, bench.find(name)
+        sky = self.scene.with_name(f"{self.scene.stem}.env.exr")
+        self.sky = ("--environment", sky) if sky.exists() else ()
+        self.camera = ("--camera", camera) if camera else ()
+
+    @functools.cached_property
+    def portals(self):
+        """Options; none in furnished rooms without doors, whose windows are lamps."""
+        if self.scene.parent.name == "interiors":
+            return ()
+        found = self.bench.portals(self.scene, self.sky, lambda p: self.camera if p == "ffgraph" else (), 1)
+        return ("--portal", found.file) if found.count else ()
+
+    def render(self, spp, seed, *options):
+        return self.bench.render(self.scene, *self.sky, *self.camera, *self.portals, "--width", self.bench.settings.width,
+                                 "--spp", spp, "--seed", seed, *options)
+
+    @functools.cached_property
+    def reference(self):
+        return self.bench.halves(lambda seed: self.render(self.bench.settings.ref, seed))
+
+    def measured(self, spp, seed):
+        plain, noisy = self.render(spp, seed), self.render(spp, seed, *BUFFERS)
+        clean = self.bench.store.run("exrdenoise", noisy.out)
+        return Measured(self.reference.off(noisy.out), self.reference.off(clean.out), plain.cpu,
+                        max(0, noisy.cpu - plain.cpu) + clean.cpu)
+
+
+def mean(values):
+    """Geometric; nothing where noise of the references hides one."""
+    values = list(values)
+    return math.exp(sum(map(math.log, values)) / len(values)) if values and min(values) > 0 else math.nan
+
+
+def line(view, spp, pictures):
+    decibels = [decibels_of(1, p.filtered["mse"]) - decibels_of(1, p.noisy["mse"]) for p in pictures]
+    changes = [100 * (p.filtered["mean"] / p.noisy["mean"] - 1) for p in pictures]
+    return [view.name, spp, pages.three(mean(p.noisy["relmse"] for p in pictures)),
+            pages.three(mean(p.filtered["relmse"] for p in pictures)), pages.hundredths(mean(p.gain for p in pictures)),
+            pages.hundredths(mean(p.at_equal_time for p in pictures)), "%+.1f" % (sum(decibels) / len(decibels)),
+            "%+.2f" % (sum(changes) / len(changes)),
+            "%.0f" % (100 * sum(p.more for p in pictures) / sum(p.render for p in pictures))]
+
+
+@settings(SPPS=Setting(("4", "16", "64", "256"), "samples per pixel", ("4", "16")),
+          SEEDS=Setting(2, "pictures of each kind", 1), WIDTH=Setting(320, "of the pictures", 96),
+          REF=Setting(512, "samples per pixel of each half of a reference", 64))
+def denoise(bench):
+    """Pictures before and after exrdenoise, against references of two halves. ONLY: scenes. Two hours."""
+    s, rows, gains = bench.settings, [], {}
+    there = bench.there([name for views in KINDS.values() for name, _ in views])
+    for kind, views in KINDS.items():
+        for view in (View(bench, name, camera) for name, camera in views if name in there):
+            for spp in map(int, s.spps):
+                pictures = [view.measured(spp, seed) for seed in range(1, s.seeds + 1)]
+                rows.append(line(view, spp, pictures))
+                gains.setdefault((kind, spp), []).append(mean(p.gain for p in pictures))
+                bench.say(" ".join(map(str, rows[-1])))
+    heads = ("scene", "samples per pixel", "relMSE noisy", "filtered", "falls by", "at equal time", "PSNR, dB", "mean, %",
+             "filter's time, %")
+    kinds = [[kind, *(pages.hundredths(mean(gains.get((kind, spp), ()))) for spp in map(int, s.spps))] for kind in KINDS]
+    made = {"scenes": pages.table(heads, rows),
+            "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in s.spps)), kinds)}
+    print("\n\n".join(made.values()))
+    bench.page("denoise", made, EVERYTHING)
