@@ -84,17 +84,24 @@ def denoise(bench):
     """Pictures before and after exrdenoise, against references of two halves. ONLY: scenes. Two hours."""
     s, rows, gains = bench.settings, [], {}
     there = bench.there([name for views in KINDS.values() for name, _ in views])
-    for kind, views in KINDS.items():
-        for view in (View(bench, name, camera) for name, camera in views if name in there):
-            for spp in map(int, s.spps):
-                pictures = [view.measured(spp, seed) for seed in range(1, s.seeds + 1)]
-                rows.append(line(view, spp, pictures))
-                gains.setdefault((kind, spp), []).append(mean(p.gain for p in pictures))
-                bench.say(" ".join(map(str, rows[-1])))
+    views = [(kind, View(bench, name, camera)) for kind, of in KINDS.items() for name, camera in of if name in there]
+    spps = [int(spp) for spp in s.spps]
+
+    def measured(view):
+        all_pictures = [[view.measured(spp, seed) for seed in range(1, s.seeds + 1)] for spp in spps]
+        for spp, pictures in zip(spps, all_pictures):
+            bench.say(" ".join(map(str, line(view, spp, pictures))))
+        return all_pictures
+
+    made = bench.side_by_side([functools.partial(measured, view) for _, view in views])
+    for (kind, view), all_pictures in zip(views, made):
+        for spp, pictures in zip(spps, all_pictures):
+            rows.append(line(view, spp, pictures))
+            gains.setdefault((kind, spp), []).append(mean(p.gain for p in pictures))
     heads = ("scene", "samples per pixel", "relMSE noisy", "filtered", "falls by", "at equal time", "PSNR, dB", "mean, %",
              "filter's time, %")
-    kinds = [[kind, *(pages.hundredths(mean(gains.get((kind, spp), ()))) for spp in map(int, s.spps))] for kind in KINDS]
+    kinds = [[kind, *(pages.hundredths(mean(gains.get((kind, spp), ()))) for spp in spps)] for kind in KINDS]
     made = {"scenes": pages.table(heads, rows),
-            "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in s.spps)), kinds)}
+            "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in spps)), kinds)}
     print("\n\n".join(made.values()))
     bench.page("denoise", made, EVERYTHING)
