@@ -9,6 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/number_words.h"
 #include "libcommon/denoise/denoise.h"
+#include "libcommon/denoise/oidn.h"
 
 namespace tdpt::denoise {
 namespace {
@@ -127,6 +128,39 @@ Features features_of(const Buffers& buffers, bool& any) {
   return features;
 }
 
+// Replaces the pixels of `picture`, by the halves.
+void filter_by_regression(const Buffers& buffers, const Colour& noisy, const std::string& name,
+                          Picture& picture, Filtered& filtered) {
+  Input input{buffers.size(), buffers.half(kHalves[0]), buffers.half(kHalves[1]), 0.5,
+              features_of(buffers, filtered.has_features)};
+  input.share_a = share_of(noisy, input.a, input.b, name);
+  filtered.denoiser = kKinds[0];
+  filtered.share_a = input.share_a;
+  const Result result = denoise(std::move(input));
+  for (size_t i = 0; i < picture.pixels.size(); ++i)
+    picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
+  filtered.outliers = result.outliers;
+  filtered.outlier_energy = result.outlier_energy;
+}
+
+// Three channels; empty if one is missing.
+std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
+  std::array<Plane, 3> planes;
+  for (size_t c = 0; c < 3; ++c) planes[c] = buffers.channel(kFeatureChannels[first + c]);
+  std::vector<Rgb> all;
+  for (size_t i = 0; i < std::min({planes[0].size(), planes[1].size(), planes[2].size()}); ++i)
+    all.emplace_back(planes[0][i], planes[1][i], planes[2][i]);
+  return all;
+}
+
+void filter_by_oidn(const Buffers& buffers, Picture& picture, Filtered& filtered) {
+  OpenImageDenoise oidn;
+  filtered.denoiser = fmt::format("{} {}", kKinds[1], oidn.version());
+  const std::vector<Rgb> albedo = triples(buffers, 0);
+  filtered.has_features = !albedo.empty();
+  picture.pixels = oidn.filter(picture, albedo, triples(buffers, 3));
+}
+
 }  // namespace
 
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
@@ -150,31 +184,36 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
   return file;
 }
 
+Kind kind_of(const std::string& name) {
+  return name == kKinds[1] ? Kind::oidn : Kind::regression;
+}
+
 std::string sentence_of(const Filtered& filtered) {
+  if (filtered.denoiser.starts_with(kKinds[1]))
+    return fmt::format("filtered by Open Image Denoise{}, no longer unbiased",
+                       filtered.denoiser.substr(std::string_view(kKinds[1]).size()));
   if (filtered.outliers == 0) return "filtered, no longer unbiased";
   return fmt::format("filtered, no longer unbiased; the light of {} ({} % of all) was spread",
                      counted(filtered.outliers, "outlier"),
                      number_words(100 * filtered.outlier_energy, 2));
 }
 
-Filtered filter_picture(ExrFile& file, const std::string& name) {
+Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind) {
   const Buffers buffers(file, name);
   const auto before = file.layers.find(kNoisyLayer);
   const bool again = before != file.layers.end();
-  const Picture& noisy = again ? before->second : file.picture;
+  Picture noisy = again ? before->second : file.picture;
+  const Colour planes = buffers.colour(noisy, again ? "noisy." : "");
+  Picture picture = noisy;
   Filtered filtered;
-  Input input{buffers.size(), buffers.half(kHalves[0]), buffers.half(kHalves[1]), 0.5,
-              features_of(buffers, filtered.has_features)};
-  input.share_a = share_of(buffers.colour(noisy, again ? "noisy." : ""), input.a, input.b, name);
-  filtered.share_a = input.share_a;
-  const Result result = denoise(std::move(input));
-  if (!again)
-    file.layers[kNoisyLayer] = {file.picture.width, file.picture.height, file.picture.pixels};
-  for (size_t i = 0; i < file.picture.pixels.size(); ++i)
-    file.picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
-  file.attributes[denoiser_attribute] = "regression";
-  filtered.outliers = result.outliers;
-  filtered.outlier_energy = result.outlier_energy;
+  if (kind == Kind::oidn)
+    filter_by_oidn(buffers, picture, filtered);
+  else
+    filter_by_regression(buffers, planes, name, picture, filtered);
+  noisy.alpha.clear();
+  file.layers[kNoisyLayer] = std::move(noisy);
+  file.picture.pixels = std::move(picture.pixels);
+  file.attributes[denoiser_attribute] = filtered.denoiser;
   return filtered;
 }
 

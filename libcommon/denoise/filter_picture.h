@@ -1,5 +1,6 @@
 // Filters a picture file by the buffers in it: tdpt-render(1), CHANNELS BESIDE THE LIGHT.
 #pragma once
+#include <array>
 #include <string>
 
 #include "libcommon/formats/picture.h"
@@ -9,22 +10,30 @@ namespace tdpt::denoise {
 /// Layer with the picture as it was rendered, beside the filtered one.
 inline constexpr const char* kNoisyLayer = "noisy";
 
+/// Ours [denoise.h], or the guest [oidn.h].
+enum class Kind { regression, oidn };
+/// As --denoiser has them.
+inline constexpr std::array kKinds{"regression", "oidn"};
+Kind kind_of(const std::string& name);
+
 struct Filtered {
+  std::string denoiser;       ///< "regression", "oidn 2.5.1"
   size_t outliers = 0;        ///< as in Result
   double outlier_energy = 0;  ///< likewise
   bool has_features = false;  ///< whether there was any
   double share_a = 0.5;       ///< of the samples that halfA has
 };
-/// "filtered, no longer unbiased; the light of 12 outliers (0.3 % of all) was spread".
+/// One line: "filtered, no longer unbiased; the light of 12 outliers (0.3 % of all) was spread".
 std::string sentence_of(const Filtered& filtered);
 
 /// Reads a file with all its channels. Throws InputError.
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 
-/// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the layer
-/// kNoisyLayer. Needs layers halfA and halfB, of which the picture is a weighted mean; uses albedo,
-/// normal and depth. A picture that is filtered already is filtered again from its noisy layer.
-/// Throws InputError, `name` in its place, if buffers are missing or no numbers.
-Filtered filter_picture(ExrFile& file, const std::string& name);
+/// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the
+/// layer kNoisyLayer. Needs layers halfA and halfB, of which the picture is a weighted mean (not
+/// `oidn`); uses albedo, normal and depth (not `oidn`). A picture that is filtered already is
+/// filtered again from its noisy layer. Throws InputError, `name` in its place, if buffers are
+/// missing or no numbers.
+Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind = Kind::regression);
 
 }  // namespace tdpt::denoise

@@ -432,10 +432,11 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.channels = std::move(channels);
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
-    if (name == "halves" || name == kDenoised) {
+    if (name == "halves" || name == kDenoised[0]) {
       for (uint64_t half : {0, 1}) exr.layers[kHalves[half]] = film.half(half);
       continue;
     }
+    if (name == kDenoised[1]) continue;
     std::vector<float>& values = exr.channels[name + ".Y"];
     values.assign(pixels, static_cast<float>(film.samples()));
     if (name != "variance") continue;
@@ -459,7 +460,8 @@ std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& f
   const auto asks = [&](const char* name) {
     return std::find(facts.derived.begin(), facts.derived.end(), name) != facts.derived.end();
   };
-  if (!asks(kDenoised)) return {};
+  if (asks(kDenoised[1])) return denoise::filter_picture(picture, "picture", denoise::Kind::oidn);
+  if (!asks(kDenoised[0])) return {};
   std::optional<denoise::Filtered> filtered;
   if (film.samples_of_half(0) > 0 && film.samples_of_half(1) > 0)
     filtered = denoise::filter_picture(picture, "picture");

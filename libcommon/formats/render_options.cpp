@@ -125,12 +125,16 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
   options.flag("--denoise", a.denoise,
                "Filter the noise, with a bias that more samples reduce; add what was rendered as "
                "noisy.R .G .B");
+  options.choice(
+      "--denoiser", a.denoiser, {kDenoisers.begin(), kDenoisers.end()},
+      "Filter it by this: default regression, our own; oidn: Intel's Open Image Denoise, "
+      "if it is installed");
 }
 
 }  // namespace
 
 void check_render_arguments(const RenderArguments& a) {
-  if (a.denoise && a.spp == 1)
+  if (a.filters() && a.denoiser != kDenoisers[1] && a.spp == 1)
     throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
   check_name_of_png("--set nonzero", a.nonzero);
   check_no_portal_twice(a.portals);

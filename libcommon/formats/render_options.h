@@ -14,6 +14,8 @@ namespace tdpt {
 /// Values of --integrator besides "auto", in the order of tdpt-render's table.
 inline constexpr std::array kIntegratorNames{"pt",       "nee",  "bdpt",
                                              "tdpt-org", "tdpt", "tdpt-guided"};
+/// Values of --denoiser; the first is the default.
+inline constexpr std::array kDenoisers{"regression", "oidn"};
 inline constexpr int kMostEdges = 1024;                   ///< per path
 inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< share of samples with a light walk
 
@@ -42,6 +44,9 @@ struct RenderArguments {
   bool layers = false, alpha = false;
   std::string aov;  ///< names, separated by commas
   bool denoise = false;
+  std::string denoiser;  ///< of kDenoisers; empty: not given
+  /// Whether the picture is to be filtered.
+  bool filters() const { return denoise || !denoiser.empty(); }
 };
 
 /// All of them except the scene, --device, and the options that split a picture among machines.

@@ -27,13 +27,16 @@ constexpr cli::Program kProgram{
     cli::kThreads | cli::kQuiet};
 
 struct Arguments {
-  std::string picture, preview;
+  std::string picture, preview, denoiser = denoise::kKinds[0];
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("picture", a.picture,
                    "Picture with the channels of --aov halves,albedo,normal,depth (.exr); - is "
                    "standard input");
+  options.choice("--denoiser", a.denoiser, {denoise::kKinds.begin(), denoise::kKinds.end()},
+                 "Filter: regression, our own, or oidn, Intel's Open Image Denoise, if it is "
+                 "installed; default regression");
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
 }
 
@@ -44,7 +47,8 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(fmt::format("{}: {} without data, taken as black", name,
                             counted(file.pixels_without_data, "pixel")));
   const auto start = std::chrono::steady_clock::now();
-  const denoise::Filtered filtered = denoise::filter_picture(file, name);
+  const denoise::Filtered filtered =
+      denoise::filter_picture(file, name, denoise::kind_of(a.denoiser));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   set_provenance(file, common.provenance({{a.picture, content_hash(bytes), provenance_of(file)}}));
   cli::deliver({{common.output, [&] { return exr_bytes(file); }},

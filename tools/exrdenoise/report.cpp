@@ -17,6 +17,7 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
   return nlohmann::ordered_json{{"width", picture.width},
                                 {"height", picture.height},
                                 {"mean", {mean.x, mean.y, mean.z}},
+                                {"denoiser", filtered.denoiser},
                                 {"outliers", filtered.outliers},
                                 {"outlier_energy", filtered.outlier_energy},
                                 {"features", filtered.has_features},
@@ -25,16 +26,21 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
 }
 
 cli::Decisions decisions_of(const denoise::Filtered& filtered) {
-  const std::string energy = number_words(100 * filtered.outlier_energy, 2);
-  return {{"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
+  const cli::Decision features{"features", filtered.has_features ? "used" : "none",
+                               filtered.has_features
+                                   ? "the picture has albedo, normal or depth"
+                                   : "the picture has no albedo, normal and depth",
+                               cli::price_of(cpu_seconds()) + " in all"};
+  if (filtered.denoiser != denoise::kKinds[0])
+    return {{"filter", filtered.denoiser, "--denoiser asks for it", ""}, features};
+  return {{"filter", filtered.denoiser, "--denoiser asks for no other", ""},
+          {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
            "the picture is that mean of the two", ""},
           {"outliers", counted(filtered.outliers, "pixel") + " darkened",
            "they were more than twice as bright as all around them, in one half alone",
-           fmt::format("{} % of the light, spread around them", energy)},
-          {"features", filtered.has_features ? "used" : "none",
-           filtered.has_features ? "the picture has albedo, normal or depth"
-                                 : "the picture has no albedo, normal and depth",
-           cli::price_of(cpu_seconds()) + " in all"}};
+           fmt::format("{} % of the light, spread around them",
+                       number_words(100 * filtered.outlier_energy, 2))},
+          features};
 }
 
 }  // namespace tdpt

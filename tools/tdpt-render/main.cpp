@@ -13,6 +13,7 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/denoise/oidn.h"
 #include "libcommon/gpu/device_options.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/portals/given_portals.h"
@@ -125,7 +126,7 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
   if (result.target) common.note(target_sentence(*result.target, result.spp));
   if (result.noise)
-    common.note((job.a.denoise ? "before filtering " : "") +
+    common.note((job.a.filters() ? "before filtering " : "") +
                 noise_sentence(*result.noise, result.seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
@@ -232,6 +233,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
+  if (a.denoiser == kDenoisers[1]) denoise::OpenImageDenoise();  // or there is no use in rendering
   check_schedule(a);
   catch_signals();
   Job job{a,

@@ -68,9 +68,10 @@ std::vector<std::string> aovs_of(const Arguments& a) {
 
 bool keeps_halves(const Arguments& a) {
   const std::vector<std::string> aovs = aovs_of(a);
-  return a.denoise || std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
-    return name == "variance" || name == "halves";
-  });
+  return (a.filters() && a.denoiser != kDenoisers[1]) ||
+         std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
+           return name == "variance" || name == "halves";
+         });
 }
 
 bool prints_shards(const Arguments& a) {

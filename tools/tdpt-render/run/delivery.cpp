@@ -43,7 +43,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
   for (const std::string& name : aovs_of(a))
     if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
       derived.push_back(name);
-  if (a.denoise) derived.push_back(kDenoised);
+  if (a.filters()) derived.push_back(kDenoised[a.denoiser == kDenoisers[1]]);
   return derived;
 }
 
@@ -66,7 +66,7 @@ Finished finished(const Outcome& r, const RenderResult& result) {
   facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
   const Film& film = r.render_state.film;
   Finished all{finished_picture(film, facts, r.channels), ""};
-  if (!r.job.a.denoise) return all;
+  if (!r.job.a.filters()) return all;
   const auto start = std::chrono::steady_clock::now();
   const auto filtered = filter_as_asked(all.file, film, facts);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -115,7 +115,7 @@ std::string kept_sentence(const Outcome& r, const ExrFile& picture, bool saved) 
 Channels channels_of(const Job& job, const World& world) {
   if (job.is_shard() && shard_of(job.a.shard).index > 0) return {};
   std::vector<std::string> names = aovs_of(job.a);
-  if (job.a.denoise) names.insert(names.end(), {"albedo", "normal", "depth"});
+  if (job.a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
   return features(world, names, job.common.seed);
 }
 
