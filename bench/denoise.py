@@ -19,6 +19,7 @@ class Measured:
     that the filter adds."""
     noisy: dict
     filtered: dict
+    guest: dict
     render: float
     more: float
 
@@ -57,7 +58,9 @@ class View:
     def measured(self, spp, seed):
         plain, noisy = self.render(spp, seed), self.render(spp, seed, *BUFFERS)
         clean = self.bench.store.run("exrdenoise", noisy.out)
-        return Measured(self.reference.off(noisy.out), self.reference.off(clean.out), plain.cpu,
+        guest = self.bench.settings.oidn and self.bench.store.run("exrdenoise", noisy.out, "--denoiser", "oidn")
+        return Measured(self.reference.off(noisy.out), self.reference.off(clean.out),
+                        self.reference.off(guest.out) if guest else None, plain.cpu,
                         max(0, noisy.cpu - plain.cpu) + clean.cpu)
 
 
@@ -69,16 +72,20 @@ def mean(values):
 
 def line(view, spp, pictures):
     decibels = [decibels_of(1, p.filtered["mse"]) - decibels_of(1, p.noisy["mse"]) for p in pictures]
+    guest = [[p.noisy["relmse"] / p.guest["relmse"], decibels_of(1, p.guest["mse"]) - decibels_of(1, p.noisy["mse"])]
+             for p in pictures if p.guest]
     changes = [100 * (p.filtered["mean"] / p.noisy["mean"] - 1) for p in pictures]
     return [view.name, spp, pages.three(mean(p.noisy["relmse"] for p in pictures)),
             pages.three(mean(p.filtered["relmse"] for p in pictures)), pages.hundredths(mean(p.gain for p in pictures)),
             pages.hundredths(mean(p.at_equal_time for p in pictures)), "%+.1f" % (sum(decibels) / len(decibels)),
             "%+.2f" % (sum(changes) / len(changes)),
-            "%.0f" % (100 * sum(p.more for p in pictures) / sum(p.render for p in pictures))]
+            *(["%s, %+.1f dB" % (pages.hundredths(mean(g for g, _ in guest)), sum(d for _, d in guest) / len(guest))] if guest
+              else []), "%.0f" % (100 * sum(p.more for p in pictures) / sum(p.render for p in pictures))]
 
 
 @settings(SPPS=Setting(("4", "16", "64", "256"), "samples per pixel", ("4", "16")),
           SEEDS=Setting(2, "pictures of each kind", 1), WIDTH=Setting(320, "of the pictures", 96),
+          OIDN=Setting(0, "1: beside Open Image Denoise, where exrdenoise finds it", 0),
           REF=Setting(512, "samples per pixel of each half of a reference", 64))
 def denoise(bench):
     """Pictures before and after exrdenoise, against references of two halves. ONLY: scenes. Two hours."""
@@ -99,7 +106,7 @@ def denoise(bench):
             rows.append(line(view, spp, pictures))
             gains.setdefault((kind, spp), []).append(mean(p.gain for p in pictures))
     heads = ("scene", "samples per pixel", "relMSE noisy", "filtered", "falls by", "at equal time", "PSNR, dB", "mean, %",
-             "filter's time, %")
+             *(["Open Image Denoise"] if s.oidn else []), "filter's time, %")
     kinds = [[kind, *(pages.hundredths(mean(gains.get((kind, spp), ()))) for spp in spps)] for kind in KINDS]
     made = {"scenes": pages.table(heads, rows),
             "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in spps)), kinds)}

@@ -7,6 +7,7 @@
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 #include "libcommon/base/number_words.h"
 #include "libcommon/denoise/denoise.h"
 #include "libcommon/denoise/oidn.h"
@@ -20,6 +21,9 @@ constexpr std::array kFeatureChannels{"albedo.R", "albedo.G", "albedo.B", "norma
 static_assert(kFeatureChannels.size() == kFeatures);
 // Halves that differ from the picture by more than this share of its brightest value are not its.
 constexpr double kNotItsHalves = 1e-3;
+
+// What filtering needs at most besides the channels, for pictures of one block.
+constexpr size_t kBytesOfPixel = 400;
 
 // A reader of planes that checks every number.
 class Buffers {
@@ -166,13 +170,17 @@ void filter_by_oidn(const Buffers& buffers, Picture& picture, Filtered& filtered
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
   ExrFile file = parse_exr(bytes, name);
   const auto pixels = file.picture.pixels.size();
+  const std::vector<std::string> names = exr_channels(bytes, name);
+  expect_memory(name, "",
+                fmt::format("{} channels of {} pixels, to be filtered,", names.size(), pixels),
+                (names.size() * sizeof(float) + kBytesOfPixel) * pixels);
   std::vector<WordChannel> words;
   const auto read = [&](const std::string& channel, std::vector<float>& values) {
     values.resize(pixels);
     words.push_back({channel, reinterpret_cast<unsigned char*>(values.data()), sizeof(float),
                      WordChannel::real});
   };
-  for (const std::string& channel : exr_channels(bytes, name)) {
+  for (const std::string& channel : names) {
     const size_t dot = channel.rfind('.');
     const bool in_layer =
         dot != std::string::npos && file.layers.contains(channel.substr(0, dot)) &&

@@ -26,7 +26,8 @@ struct Filtered {
 /// One line: "filtered, no longer unbiased; the light of 12 outliers (0.3 % of all) was spread".
 std::string sentence_of(const Filtered& filtered);
 
-/// Reads a file with all its channels. Throws InputError.
+/// Reads a file with all its channels. Throws InputError, also if filtering it needs too much
+/// memory [memory_limit.h].
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 
 /// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the

@@ -17,7 +17,7 @@ ROOM = os.path.join(TESTDATA, "scenes", "furnace.glb")
 FEW = ["--spp", "1", "--width", "8", "--height", "8", "--integrator", "nee"]
 
 # What reads a file of a kind beside tdpt-info, and where it stands on the command line.
-READERS = {".exr": [["exrdiff", "{}", "{}"], ["exrmerge", "{}", "-o", "o"],
+READERS = {".exr": [["exrdiff", "{}", "{}"], ["exrmerge", "{}", "-o", "o"], ["exrdenoise", "{}", "-o", "o"],
                     ["tdpt-render", ROOM, *FEW, "--environment", "{}", "-o", "o.exr"],
                     ["tdpt-render", ROOM, *FEW, "--resume", "{}", "-o", "o.exr"]],
            ".hdr": [["tdpt-render", ROOM, *FEW, "--environment", "{}", "-o", "o.exr"]],
