@@ -15,7 +15,6 @@
 namespace tdpt::denoise {
 namespace {
 
-constexpr std::array kHalves{"halfA", "halfB"};
 constexpr std::array kFeatureChannels{"albedo.R", "albedo.G", "albedo.B", "normal.X",
                                       "normal.Y", "normal.Z", "depth.Z"};
 static_assert(kFeatureChannels.size() == kFeatures);

@@ -7,6 +7,8 @@
 
 namespace tdpt::denoise {
 
+/// Layers with the means of the two halves of the samples.
+inline constexpr std::array kHalves{"halfA", "halfB"};
 /// Layer with the picture as it was rendered, beside the filtered one.
 inline constexpr const char* kNoisyLayer = "noisy";
 

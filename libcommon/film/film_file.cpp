@@ -433,7 +433,7 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
     if (name == "halves" || name == kDenoised[0]) {
-      for (uint64_t half : {0, 1}) exr.layers[kHalves[half]] = film.half(half);
+      for (uint64_t half : {0, 1}) exr.layers[denoise::kHalves[half]] = film.half(half);
       continue;
     }
     if (name == kDenoised[1]) continue;
@@ -466,7 +466,7 @@ std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& f
   if (film.samples_of_half(0) > 0 && film.samples_of_half(1) > 0)
     filtered = denoise::filter_picture(picture, "picture");
   if (!asks("halves"))
-    for (const char* half : kHalves) picture.layers.erase(half);
+    for (const char* half : denoise::kHalves) picture.layers.erase(half);
   return filtered;
 }
 

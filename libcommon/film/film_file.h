@@ -57,13 +57,11 @@ struct FilmBlocks {
   std::vector<Vec3d> before;  ///< sums at the end of the last block; empty: none yet
 };
 
-/// "variance": of the mean luminance, "halves": the means of even and of odd samples, both of a
-/// film that keeps halves; "samples": number per pixel.
+/// "variance": of the mean luminance, "halves": the means of even and of odd samples
+/// [denoise::kHalves], both of a film that keeps halves; "samples": number per pixel.
 inline constexpr std::array kDerived{"variance", "halves", "samples"};
 /// Also in FilmFacts::derived: the picture itself is filtered, by that kind [filter_as_asked()].
 inline constexpr std::array kDenoised{"denoise", "denoise-oidn"};
-/// The layers of "halves".
-inline constexpr std::array kHalves{"halfA", "halfB"};
 
 struct FilmFile {
   Film film;

@@ -175,7 +175,9 @@ void tell_film(const FilmFile& file, Knowledge& k) {
   for (const auto& [name, values] : file.channels) channels.push_back(name);
   for (const std::string& name : file.facts.derived)
     if (name == "halves")
-      for (const char* half : kHalves) channels.push_back(half + std::string(".R"));
+      for (const char* half : denoise::kHalves) channels.push_back(half + std::string(".R"));
+    else if (std::find(kDenoised.begin(), kDenoised.end(), name) != kDenoised.end())
+      channels.push_back(denoise::kNoisyLayer + std::string(".R"));
     else
       channels.push_back(name + ".Y");
   fact(k, "layers", layers_of(channels));

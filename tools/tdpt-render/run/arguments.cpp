@@ -25,6 +25,8 @@ constexpr bool names_are_those_of_the_table() {
   return true;
 }
 static_assert(names_are_those_of_the_table());
+static_assert(std::string_view(kDenoisers[0]) == denoise::kKinds[0] &&
+              std::string_view(kDenoisers[1]) == denoise::kKinds[1]);
 static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks);
 
 // Options of a rendering that is one of several parts.
