@@ -274,7 +274,8 @@ Result denoise(Input input, int block) {
   const auto share_a = static_cast<float>(input.share_a);
   Result result;
   result.picture = mean({input.a, input.b}, share_a);
-  const double light = mean_of(result.picture);
+  const Colour noisy = result.picture;
+  const double light = mean_of(noisy);
   if (!(light > 0)) return result;
   Outliers a = cut_outliers(size, input.a, input.b), b = cut_outliers(size, input.b, input.a);
   input.a = std::move(a.rest);
@@ -290,7 +291,7 @@ Result denoise(Input input, int block) {
     put(Filter(part(input, some), light).run(), some, result.picture, size);
   }
   const Colour energy = mean({std::move(a.energy), std::move(b.energy)}, share_a);
-  give_back(size, energy, result.picture);
+  restore_energy(size, noisy, result.picture);
   result.outliers = a.pixels + b.pixels;
   result.outlier_energy = mean_of(energy) / light;
   return result;

@@ -27,7 +27,7 @@ struct Input {
 struct Result {
   Colour picture;
   size_t outliers = 0;        ///< pixels, in either half
-  double outlier_energy = 0;  ///< their excess as a share of the light: spread, not lost
+  double outlier_energy = 0;  ///< their excess as a share of the light
 };
 
 /// A function of the input, whatever the number of threads. Large pictures are filtered in blocks,

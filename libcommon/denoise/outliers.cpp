@@ -9,7 +9,7 @@ namespace tdpt::denoise {
 namespace {
 
 constexpr float kTooBright = 2;
-constexpr double kSpread = 6;  // deviation of the filter that spreads energy [pixels]
+constexpr double kSpread = 10;  // deviation of the filter that spreads energy [pixels]
 
 Plane luminances(const Colour& colour) {
   Plane all(colour[0].size());
@@ -64,12 +64,23 @@ Outliers cut_outliers(Size size, const Colour& half, const Colour& other) {
   return outliers;
 }
 
-void give_back(Size size, const Colour& energy, Colour& picture) {
+// What is missing at p goes to q by g(p - q) picture(q) / (sum of these over q), g a Gaussian.
+void restore_energy(Size size, const Colour& noisy, Colour& picture) {
+  const Plane weights = weights_of_smoothing(size, kSpread);
   for (size_t c = 0; c < 3; ++c) {
-    const Plane more = smooth(energy[c], size, kSpread);
     const Plane around = smooth(picture[c], size, kSpread);
-    for (size_t i = 0; i < more.size(); ++i)
-      picture[c][i] += around[i] > 0 ? more[i] * (picture[c][i] / around[i]) : more[i];
+    // Where all around is black, it is spread evenly.
+    Plane share(around.size()), even(around.size());
+    for (size_t i = 0; i < share.size(); ++i) {
+      const float missing = (noisy[c][i] - picture[c][i]) / weights[i];
+      (around[i] > 0 ? share : even)[i] = around[i] > 0 ? missing / around[i] : missing;
+    }
+    share = smooth(share, size, kSpread);
+    even = smooth(even, size, kSpread);
+    for (size_t i = 0; i < share.size(); ++i) {
+      const float factor = 1 + weights[i] * share[i];
+      picture[c][i] = std::max(picture[c][i] * factor + weights[i] * even[i], 0.0f);
+    }
   }
 }
 

@@ -14,8 +14,8 @@ struct Outliers {
 /// brightest of its 5 x 5 pixels around, or the brightest of the other half's 3 x 3.
 Outliers cut_outliers(Size size, const Colour& half, const Colour& other);
 
-/// Adds smoothed energy to a picture, in proportion to its light around: the sum is kept but for
-/// what smoothing carries across steps of brightness.
-void give_back(Size size, const Colour& energy, Colour& picture);
+/// Adds what the filter and the cut took away, averaged over the pixels around and in proportion to
+/// their light: so brightness stays, on average over some pixels.
+void restore_energy(Size size, const Colour& noisy, Colour& picture);
 
 }  // namespace tdpt::denoise

@@ -59,16 +59,24 @@ Plane smooth(const Plane& plane, Size size, double deviation) {
   return all;
 }
 
+Plane weights_of_smoothing(Size size, double deviation) {
+  const Bell bell(deviation);
+  Plane columns;
+  for (int x = 0; x < size.width; ++x) columns.push_back(bell.sum(x, size.width));
+  Plane all;
+  all.reserve(size.pixels());
+  for (int y = 0; y < size.height; ++y) {
+    const float row = bell.sum(y, size.height);
+    for (const float column : columns) all.push_back(row * column);
+  }
+  return all;
+}
+
 Plane smooth_others(const Plane& plane, Size size, double deviation) {
   Plane all = smooth(plane, size, deviation);
-  const Bell bell(deviation);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) {
-      const size_t i =
-          static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x);
-      const float weights = bell.sum(x, size.width) * bell.sum(y, size.height);
-      if (weights > 1) all[i] = (all[i] * weights - plane[i]) / (weights - 1);
-    }
+  const Plane weights = weights_of_smoothing(size, deviation);
+  for (size_t i = 0; i < all.size(); ++i)
+    if (weights[i] > 1) all[i] = (all[i] * weights[i] - plane[i]) / (weights[i] - 1);
   return all;
 }
 
