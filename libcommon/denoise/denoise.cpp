@@ -280,6 +280,8 @@ Result denoise(Input input, int block) {
   Outliers a = cut_outliers(size, input.a, input.b), b = cut_outliers(size, input.b, input.a);
   input.a = std::move(a.rest);
   input.b = std::move(b.rest);
+  result.outliers = a.pixels + b.pixels;
+  result.outlier_energy = 1 - mean_of(mean({input.a, input.b}, share_a)) / light;
   const int across = (size.width + block - 1) / block, down = (size.height + block - 1) / block;
   for (int i = 0; i < across * down; ++i) {
     const auto edge = [](int64_t k, int of, int length) {
@@ -290,10 +292,7 @@ Result denoise(Input input, int block) {
                                 edge(i / across + 1, down, size.height) - y);
     put(Filter(part(input, some), light).run(), some, result.picture, size);
   }
-  const Colour energy = mean({std::move(a.energy), std::move(b.energy)}, share_a);
   restore_energy(size, noisy, result.picture);
-  result.outliers = a.pixels + b.pixels;
-  result.outlier_energy = mean_of(energy) / light;
   return result;
 }
 

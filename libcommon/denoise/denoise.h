@@ -4,11 +4,14 @@
 // itself, with several bandwidths. Since the halves are independent, each tells how far the other's
 // estimates are from the truth: per pixel the best bandwidth is taken, and the noisy pixel itself
 // as far as the filter is certainly worse. The noise of a half falls with its samples, the filter's
-// error does not: in the end the noisy pixel prevails, and the bias goes to 0.
+// error does not: in the end the noisy pixel prevails, and the bias goes to 0. What the filter
+// takes from a pixel is given back around it [outliers.h], so that the mean stays.
 //
 // A, B   halves, means of n_A and n_B samples per pixel; share s_A = n_A / (n_A + n_B)
 // V_A    variance of A's noise: s_B (A - B)^2 in the mean
-// F_A    an estimate made of A alone; F = s_A F_A + s_B F_B
+// F_A    an estimate made of the values of A, with weights from its cruder estimate; only that
+// one's
+//        weights come from B, which the formulas below neglect. F = s_A F_A + s_B F_B
 // t      the truth
 //   (F_A - B)^2 - V_B has the mean (F_A - t)^2, and
 //   (F - t)^2 = s_A (F_A - t)^2 + s_B (F_B - t)^2 - s_A s_B (F_A - F_B)^2

@@ -42,7 +42,6 @@ Brightest brightest(const Plane& plane, Size size, int x, int y, int reach) {
 Outliers cut_outliers(Size size, const Colour& half, const Colour& other) {
   const Plane own = luminances(half), others = luminances(other);
   Outliers outliers;
-  for (Plane& plane : outliers.energy) plane.resize(size.pixels());
   outliers.rest = half;
   std::atomic<size_t> pixels{0};
   tbb::parallel_for(0, size.height, [&](int y) {
@@ -54,10 +53,7 @@ Outliers cut_outliers(Size size, const Colour& half, const Colour& other) {
                                                brightest(others, size, x, y, 1).first);
       if (own[i] <= most) continue;
       ++pixels;
-      for (size_t c = 0; c < 3; ++c) {
-        outliers.rest[c][i] = half[c][i] * (most / own[i]);
-        outliers.energy[c][i] = half[c][i] - outliers.rest[c][i];
-      }
+      for (Plane& plane : outliers.rest) plane[i] *= most / own[i];
     }
   });
   outliers.pixels = pixels;

@@ -1,5 +1,6 @@
-// Outliers: pixels that a rare bright path made far brighter than their neighbours, in one half of
-// the samples alone. What is really so bright is bright in both halves.
+// Outliers, and the light that filtering takes away. Outliers are pixels that a rare
+// bright path made far brighter than their neighbours, in one half of the samples alone. What is
+// really so bright is bright in both halves.
 #pragma once
 #include "libcommon/denoise/planes.h"
 
@@ -7,7 +8,7 @@ namespace tdpt::denoise {
 
 struct Outliers {
   size_t pixels = 0;
-  Colour energy, rest;  ///< what was taken from each pixel, and what is left
+  Colour rest;  ///< the half without their excess
 };
 
 /// Darkens the outliers of one half to twice the brightness of their surroundings: the second
