@@ -28,7 +28,7 @@ struct Tracer::Impl {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
   }
   void add_geometry(const std::vector<uint32_t>& chosen, bool alpha);
-  bool present(uint32_t triangle, float u, float v, const Vec3d& w, const uint32_t* coin) const;
+  double coverage(uint32_t triangle, float u, float v, const Vec3d& w) const;
   /// See Hit::opacity. `w` of any length.
   double opacity(uint32_t triangle, const Vec3d& w) const {
     if (panes.empty()) return 1;
@@ -67,6 +67,7 @@ struct Query : embree::Query {
   explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
       : embree::Query(filter_), coin(coin_) {}
   const uint32_t* coin;  ///< of a float ray
+  bool stops_always = false;
 };
 
 // A camera ray, which passes backs.
@@ -109,17 +110,20 @@ void give_vertices(RTCGeometry geometry, const std::vector<Vec3f>& positions) {
 
 }  // namespace
 
-// Whether the surface stops the ray: stochastic transparency, see the header.
-bool Tracer::Impl::present(uint32_t triangle, float u, float v, const Vec3d& w,
-                           const uint32_t* coin) const {
+double Tracer::Impl::coverage(uint32_t triangle, float u, float v, const Vec3d& w) const {
   const bool alpha = traced->material_of(triangle).alpha_mode != Material::Alpha::opaque;
-  const double coverage =
-      alpha ? double{coverage_at(*traced, {triangle, u, v})} : opacity(triangle, w);
-  if (coverage >= 1 || coverage <= 0) return coverage > 0;
-  if (coin) return double{shader::hashed_unit(*coin, triangle)} < coverage;
+  return alpha ? double{coverage_at(*traced, {triangle, u, v})} : opacity(triangle, w);
+}
+
+namespace {
+// Whether a surface of that coverage stops the ray: stochastic transparency, see the header.
+bool present(const Query& query, double coverage, uint32_t triangle, float u, float v) {
+  if (coverage >= 1 || coverage <= 0 || query.stops_always) return coverage > 0;
+  if (query.coin) return double{shader::hashed_unit(*query.coin, triangle)} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
   return unit_double(mix64(mix64(place) + triangle)) < coverage;
 }
+}  // namespace
 
 // `chosen`: triangles of the scene; empty: all.
 void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha) {
@@ -146,8 +150,8 @@ void Tracer::Impl::add_geometry(const std::vector<uint32_t>& chosen, bool alpha)
       const uint32_t t = self.triangles[1][RTCHitN_primID(a->hit, a->N, 0)];
       const Vec3d w(RTCRayN_dir_x(a->ray, a->N, 0), RTCRayN_dir_y(a->ray, a->N, 0),
                     RTCRayN_dir_z(a->ray, a->N, 0));
-      if (!self.present(t, RTCHitN_u(a->hit, a->N, 0), RTCHitN_v(a->hit, a->N, 0), w,
-                        static_cast<const Query*>(a->context)->coin))
+      const float u = RTCHitN_u(a->hit, a->N, 0), v = RTCHitN_v(a->hit, a->N, 0);
+      if (!present(*static_cast<const Query*>(a->context), self.coverage(t, u, v, w), t, u, v))
         a->valid[0] = 0;
     };
     rtcSetGeometryIntersectFilterFunction(geometry, filter);
@@ -260,6 +264,28 @@ bool Tracer::closest(const Origin& from, const Vec3d& w, Hit& hit) const {
 bool Tracer::first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
   CameraQuery query(*this, impl_->triangles, w);
   return first_surface(query, step_off({camera}, w), camera, w, hit);
+}
+
+bool Tracer::first_sheet(const Origin& from, const Vec3d& w, Hit& hit, double& coverage) const {
+  Query query;
+  return first_sheet(query, from, w, hit, coverage);
+}
+
+bool Tracer::first_sheet_seen(const Origin& from, const Vec3d& w, Hit& hit,
+                              double& coverage) const {
+  if (!culls_) return first_sheet(from, w, hit, coverage);
+  CameraQuery query(*this, impl_->triangles, w);
+  return first_sheet(query, from, w, hit, coverage);
+}
+
+template <class Query>
+bool Tracer::first_sheet(Query& query, const Origin& from, const Vec3d& w, Hit& hit,
+                         double& coverage) const {
+  query.stops_always = true;
+  if (!first_surface(query, step_off(from, w), from.position, w, hit)) return false;
+  coverage =
+      impl_->coverage(hit.triangle, static_cast<float>(hit.b1), static_cast<float>(hit.b2), w);
+  return true;
 }
 
 bool Tracer::no_front_between(const Vec3d& camera, const Origin& place) const {

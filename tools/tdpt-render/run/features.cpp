@@ -13,12 +13,14 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kRays = 32;     // per pixel
-constexpr int kMostSurfaces = 16;  // that a ray meets, the last included
+constexpr int kMostSurfaces = 16;  // that turn a ray
+// A ray splits as long as each part has this share of it; else one part is chosen by chance.
+constexpr double kLeastShare = 1.0 / 512;
 
+// Sums over rays.
 struct Seen {
   Vec3d albedo, normal, position;
-  double depth = 0;
-  uint64_t met = 0;
+  double depth = 0, met = 0;
 };
 
 Vec3d rgb_albedo(const Point& p, const Incidence& in) {
@@ -34,57 +36,128 @@ double index_at(const Point& p, const Vec3d& w) {
   return surfaces().index_at(p.bsdf, {0, 0, dot(p.normal, w)});
 }
 
-// Adds albedo and normal for the camera's ray along w, which has hit `hit`. It goes on by Dirac
-// lobes, where there are no others; one number chooses between reflection and transmission.
-void look_on(const World& world, Hit hit, Vec3d w, Sequence& numbers, Seen& seen) {
-  Point here, from;
-  from.position = world.film.position();
-  Vec3d tint(1), first;
-  for (int met = 0; met < kMostSurfaces; ++met) {
-    place_on_surface(world, hit, here);
-    const Incidence in(here, -w);
-    tint = tint / hit.opacity;
-    if (world.absorbing) tint = tint * Vec3d(transmittance(from, here, w, hit.distance));
-    if (met == 0) first = normal_towards(here, in.back);
-    if (here.connectible || here.source) {
-      seen.albedo += tint * rgb_albedo(here, in);
-      seen.normal += normal_towards(here, in.back);
-      return;
-    }
-    Turn t;
-    if (!turn(here, From::camera, in, {0, 0, numbers.uniform()}, t)) break;
-    // Without the n^2 that radiance gains in a solid.
-    const double n = index_at(here, t.w) / index_at(here, in.back);
-    tint = tint * t.weight * (n * n);
-    w = t.w;
-    std::swap(here, from);
-    hit = {};
-    if (!world.tracer.closest(from.origin(), w, hit)) break;
-  }
-  seen.normal += first;
+// Probability of a Dirac lobe.
+double chance_of(const Point& p, const Incidence& in, const Vec3d& w) {
+  const double n = index_at(p, w), cos = std::abs(dot(p.shading, w));
+  return scatter_pdf_w(p, in, w, true) / std::max(n * n * cos, 1e-30);
 }
 
-void look(const World& world, double x, double y, bool on, Sequence& numbers, Seen& seen) {
-  const Vec3d w = world.film.direction(x, y);
-  Hit hit;
-  if (!world.tracer.first_seen(world.film.position(), w, hit)) return;
-  ++seen.met;
-  seen.position += hit.position;
-  seen.depth += dot(hit.position - world.film.position(), world.film.forward());
-  if (on) look_on(world, hit, w, numbers, seen);
-}
+struct Ray {
+  Point from;
+  Vec3d w, tint{1};
+  double share = 1;
+  int turns = 0;
+  Vec3d first;  ///< normal of the first surface, after a turn
+};
+
+// Follows rays, and what they split into, until they meet a surface at which they end.
+class Sight {
+ public:
+  Sight(const World& world, bool on, Sequence& numbers, Seen& seen)
+      : world_(world), on_(on), numbers_(numbers), seen_(seen) {}
+
+  void follow(Ray ray) {
+    Tracer::Origin origin = ray.from.origin();
+    double distance = 0, coverage;
+    Hit hit;
+    while (ray.turns == 0 ? world_.tracer.first_sheet_seen(origin, ray.w, hit, coverage)
+                          : world_.tracer.first_sheet(origin, ray.w, hit, coverage)) {
+      const double stopped = first_share(ray.share, coverage);
+      distance += hit.distance;
+      if (stopped > 0) {
+        Ray part = ray;
+        part.share *= stopped;
+        meet(part, hit, distance);
+      }
+      if (stopped == 1) return;
+      ray.share *= 1 - stopped;
+      origin = {hit.position, hit.normal};
+    }
+    seen_.normal += ray.first * ray.share;
+  }
+
+ private:
+  // Of two parts of a ray, the first with that probability.
+  double first_share(double share, double chance) {
+    if (chance <= 0 || chance >= 1) return chance <= 0 ? 0 : 1;
+    if (share * std::min(chance, 1 - chance) >= kLeastShare) return chance;
+    return numbers_.uniform() < chance ? 1 : 0;
+  }
+
+  void meet(Ray& ray, const Hit& hit, double distance) {
+    if (ray.turns == 0) {
+      const Vec3d away = hit.position - world_.film.position();
+      seen_.met += ray.share;
+      seen_.position += hit.position * ray.share;
+      seen_.depth += dot(away, world_.film.forward()) * ray.share;
+    }
+    if (!on_) return;
+    Point here;
+    place_on_surface(world_, hit, here);
+    const Incidence in(here, -ray.w);
+    ray.tint = ray.tint / hit.opacity;
+    if (world_.absorbing)
+      ray.tint = ray.tint * Vec3d(transmittance(ray.from, here, ray.w, distance));
+    const Vec3d normal = normal_towards(here, in.back);
+    if (ray.turns == 0) ray.first = normal;
+    if (here.connectible || here.source) {
+      seen_.albedo += ray.tint * rgb_albedo(here, in) * ray.share;
+      seen_.normal += normal * ray.share;
+    } else if (++ray.turns == kMostSurfaces) {
+      seen_.normal += ray.first * ray.share;
+    } else {
+      ray.from = here;
+      turn_at(ray, in);
+    }
+  }
+
+  // There are one or two Dirac lobes, reflection first.
+  void turn_at(const Ray& ray, const Incidence& in) {
+    constexpr double kLast = 1 - 0x1p-24;
+    Turn first, last;
+    const bool reflects = turn(ray.from, From::camera, in, {0, 0, 0}, first);
+    const bool passes = turn(ray.from, From::camera, in, {0, 0, kLast}, last) &&
+                        !(reflects && dot(first.w, last.w) > 1 - 1e-9);
+    const double chance = !passes    ? 1
+                          : reflects ? chance_of(ray.from, in, first.w)
+                                     : 1 - chance_of(ray.from, in, last.w);
+    const double part = first_share(ray.share, chance);
+    if (part > 0) go_on(ray, in, reflects, first, part);
+    if (part < 1) go_on(ray, in, passes, last, 1 - part);
+  }
+
+  void go_on(Ray ray, const Incidence& in, bool turns, const Turn& t, double part) {
+    ray.share *= part;
+    if (!turns) {
+      seen_.normal += ray.first * ray.share;
+      return;
+    }
+    // Without the n^2 that radiance gains in a solid.
+    const double n = index_at(ray.from, t.w) / index_at(ray.from, in.back);
+    ray.tint = ray.tint * t.weight * (n * n);
+    ray.w = t.w;
+    follow(ray);
+  }
+
+  const World& world_;
+  const bool on_;  // beyond the first surface
+  Sequence& numbers_;
+  Seen& seen_;
+};
 
 Seen look(const World& world, size_t x, size_t y, bool on, uint64_t seed) {
   Seen seen;
   const uint64_t pixel = y << 32 | x;
+  Ray ray;
+  ray.from.position = world.film.position();
   for (uint64_t i = 0; i < kRays; ++i) {
     Sequence numbers(seed, kFeaturePlaces.first, pixel, i);
     const double u = numbers.uniform(), v = numbers.uniform();
-    look(world, static_cast<double>(x) + u, static_cast<double>(y) + v, on, numbers, seen);
+    ray.w = world.film.direction(static_cast<double>(x) + u, static_cast<double>(y) + v);
+    Sight(world, on, numbers, seen).follow(ray);
   }
-  const double met = static_cast<double>(std::max<uint64_t>(seen.met, 1));
+  const double met = seen.met > 0 ? seen.met : 1;
   const Frame& frame = world.scene.frame;
-  // Lobes are chosen by the sum of their colour, so one component may exceed 1 by chance.
   seen.albedo = min(seen.albedo / static_cast<double>(kRays), Vec3d(1));
   seen.normal = seen.normal / met;
   seen.position = seen.met > 0 ? frame.to_metres(seen.position / met) : Vec3d();

@@ -4,7 +4,8 @@
 //
 // Method: as the manual of Open Image Denoise recommends, rays for albedo and normal go on from
 // surfaces that only have Dirac lobes, and so blend what is reflected and what is transmitted by
-// Fresnel's equations.
+// Fresnel's equations. Rays split there, and at window panes and veils: by chance, a few rays of
+// a pixel would leave noise that a filter takes for texture.
 #pragma once
 #include <array>
 #include <cstdint>
