@@ -196,6 +196,41 @@ def regret_parts(scenes):
             "scenes": scene_table(scenes, sorted({lengths[0], *lengths[-2:]}))}
 
 
+def regret_scenes(bench, rooms, seed):
+    """(name, scene, portals, other options) of all that are there, with those that ONLY names. rooms: generated ones of
+    each kind, from that seed on."""
+    only = bench.settings.only
+    for names, suffix in ((ALONE, ""), (DRAWN, "+drawn"), (FOUND, "+found")):
+        for name in (n for n in names if not only or n + suffix in only):
+            path, portal = bench.find(name), ()
+            if not path:
+                bench.say(f"{name} is not there: left out")
+                continue
+            if suffix == "+drawn":
+                portal = (bench.cache / f"{name}.drawn.glb",)
+                portal[0].write_bytes(portals_glb(DRAWN[name]))
+            elif suffix:
+                portal = (bench.portals(path).file,)
+            yield name + suffix, path, portal, ()
+    for building, camera in ((b, c) for b, cameras in HOUSES.items() for c in cameras):
+        name = f"{building}.{camera}+true"
+        path = bench.find(building) if not only or name in only else None
+        if path:
+            portal = bench.cache / f"{building}.{camera}.true.glb"
+            portal.write_bytes(openings_glb(path, camera))
+            sky = path.with_suffix(".env.exr")
+            yield name, path, (portal,), ("--camera", camera, *(("--environment", str(sky)) if sky.exists() else ()))
+    if not only:
+        folder = bench.cache / "rooms"
+        folder.mkdir(exist_ok=True)
+        if not list(folder.glob("*.portal.glb")):
+            checked([bench.store.program("portals_bench"), bench.programs, "--rooms", rooms,
+                     "--seed", seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
+        for portal in sorted(folder.glob("*.portal.glb")):
+            room = portal.name.removesuffix(".portal.glb")
+            yield f"{room}+found", folder / f"{room}.glb", (portal,), ()
+
+
 @settings(SECONDS_EACH=Setting(4.0, "CPU seconds for the true error of each integrator", 0.2),
           SEEDS=Setting(12, "choices of each scene and length", 2),
           ROOMS=Setting(1, "generated rooms of each kind"), SEED=Setting(1, "of the first"))
@@ -214,35 +249,8 @@ def regret(bench):
             path.write_text(checked(command).said, encoding="utf-8")
         texts.append(bench.store.keep([*sums, *options, *command[-10:]], make, ".txt").read_text(encoding="utf-8"))
 
-    for names, suffix in ((ALONE, ""), (DRAWN, "+drawn"), (FOUND, "+found")):
-        for name in (n for n in names if not s.only or n + suffix in s.only):
-            path, portal = bench.find(name), ()
-            if not path:
-                bench.say(f"{name} is not there: left out")
-                continue
-            if suffix == "+drawn":
-                portal = (bench.cache / f"{name}.drawn.glb",)
-                portal[0].write_bytes(portals_glb(DRAWN[name]))
-            elif suffix:
-                portal = (bench.portals(path).file,)
-            measure(name + suffix, path, *portal)
-    for building, camera in ((b, c) for b, cameras in HOUSES.items() for c in cameras):
-        name = f"{building}.{camera}+true"
-        path = bench.find(building) if not s.only or name in s.only else None
-        if path:
-            portal = bench.cache / f"{building}.{camera}.true.glb"
-            portal.write_bytes(openings_glb(path, camera))
-            sky = path.with_suffix(".env.exr")
-            measure(name, path, portal, options=("--camera", camera, *(("--environment", str(sky)) if sky.exists() else ())))
-    if not s.only:
-        folder = bench.cache / "rooms"
-        folder.mkdir(exist_ok=True)
-        if not list(folder.glob("*.portal.glb")):
-            checked([bench.store.program("portals_bench"), bench.programs, "--rooms", s.rooms,
-                     "--seed", s.seed, "--kinds", KINDS, "--keep", folder], may_fail=(1,))
-        for portal in sorted(folder.glob("*.portal.glb")):
-            room = portal.name.removesuffix(".portal.glb")
-            measure(f"{room}+found", folder / f"{room}.glb", portal)
+    for name, scene, portals, options in regret_scenes(bench, s.rooms, s.seed):
+        measure(name, scene, *portals, options=options)
     if not texts:
         raise Stop(3, "none of the scenes is there")
     measured = read_regret("".join(texts).splitlines())

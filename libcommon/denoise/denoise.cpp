@@ -19,7 +19,7 @@ constexpr float kAlbedoOffset = 0.5f;
 constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing = 2,
                  kBrightnessSmoothing = 2;
 // The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
-constexpr double kCertain = 1;
+constexpr double kCertain = 2;
 constexpr double kDark = 0.01;  // as in relMSE
 
 struct Halves {
