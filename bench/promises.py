@@ -220,7 +220,7 @@ def regret_scenes(bench, rooms, seed):
             portal.write_bytes(openings_glb(path, camera))
             sky = path.with_suffix(".env.exr")
             yield name, path, (portal,), ("--camera", camera, *(("--environment", str(sky)) if sky.exists() else ()))
-    if not only:
+    if rooms and not only:
         folder = bench.cache / "rooms"
         folder.mkdir(exist_ok=True)
         if not list(folder.glob("*.portal.glb")):

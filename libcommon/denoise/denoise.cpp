@@ -15,12 +15,14 @@ constexpr std::array kBandwidths{0.25f, 0.5f, 1.0f};
 constexpr int kPilotPatch = 3, kPatch = 1;
 // The light is filtered after division by the albedo plus this.
 constexpr float kAlbedoOffset = 0.5f;
-// Deviations of filters [pixels]: of variances, of errors, of what is chosen, of brightness.
+// Deviations of filters [pixels]: of variances, of errors, of what is chosen, of brightness, of
+// the error that is told.
 constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing = 2,
-                 kBrightnessSmoothing = 2;
+                 kBrightnessSmoothing = 2, kMapSmoothing = 5;
 // The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
 constexpr double kCertain = 2;
-constexpr double kDark = 0.01;  // as in relMSE
+constexpr double kDark = 0.01;   // as in relMSE
+constexpr double kUntold = 1.5;  // see the header
 
 struct Halves {
   Colour a, b;
@@ -68,12 +70,18 @@ class Filter {
         share_a_(static_cast<float>(in.share_a)),
         light_(light) {}
 
-  Colour run() {
+  /// The picture, and about its squared relative error around each pixel.
+  struct Estimate {
+    Colour picture;
+    Plane error;
+  };
+  Estimate run() {
     weigh_errors();
     make_candidates();
-    Halves best = choose();
+    Plane error;
+    Halves best = choose(error);
     mix_with_noisy(best);
-    return mean(best, share_a_);
+    return {mean(best, share_a_), smooth(error, size_, kMapSmoothing)};
   }
 
  private:
@@ -125,20 +133,30 @@ class Filter {
     }
   }
 
-  // Unbiased, of each pixel.
+  // Unbiased, of one channel of a pixel.
+  float squared_error(const Halves& f, size_t c, size_t i) const {
+    const float s_a = share_a_, s_b = 1 - share_a_;
+    const float noise = noise_.a[c][i] - noise_.b[c][i];
+    const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
+    const float off_a = f.a[c][i] - noise_.b[c][i], off_b = f.b[c][i] - noise_.a[c][i];
+    const float apart = f.a[c][i] - f.b[c][i];
+    return s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) - s_a * s_b * (apart * apart);
+  }
   Plane squared_error(const Halves& f) const {
     Plane error(size_.pixels());
-    const float s_a = share_a_, s_b = 1 - share_a_;
     for (size_t c = 0; c < 3; ++c)
-      for (size_t i = 0; i < error.size(); ++i) {
-        const float noise = noise_.a[c][i] - noise_.b[c][i];
-        const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
-        const float off_a = f.a[c][i] - noise_.b[c][i], off_b = f.b[c][i] - noise_.a[c][i];
-        const float apart = f.a[c][i] - f.b[c][i];
-        error[i] += per_[c][i] * (s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) -
-                                  s_a * s_b * (apart * apart));
-      }
+      for (size_t i = 0; i < error.size(); ++i) error[i] += per_[c][i] * squared_error(f, c, i);
     return error;
+  }
+  // Of a pixel, relative to the estimate itself.
+  float relative_error(const Halves& f, size_t i) const {
+    double error = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const double bright = static_cast<double>(share_a_ * f.a[c][i] + (1 - share_a_) * f.b[c][i]);
+      error += static_cast<double>(squared_error(f, c, i)) /
+               (3 * (bright * bright + kDark * light_ * light_));
+    }
+    return static_cast<float>(error);
   }
   // The same of the noisy picture.
   Plane noise_error() const {
@@ -152,16 +170,18 @@ class Filter {
   }
 
   // The bandwidth with the least error around each pixel, itself left out: its own noise would
-  // favour the estimate that happens to be near it.
-  Halves choose() {
+  // favour the estimate that happens to be near it. `told`: relative_error() of what is chosen.
+  Halves choose(Plane& told) {
     std::vector<Plane> errors, chosen(candidates_.size(), Plane(size_.pixels()));
     for (const Halves& candidate : candidates_)
       errors.push_back(smooth_others(squared_error(candidate), size_, kErrorSmoothing));
+    told.resize(size_.pixels());
     for (size_t i = 0; i < size_.pixels(); ++i) {
       size_t best = 0;
       for (size_t k = 1; k < errors.size(); ++k)
         if (errors[k][i] < errors[best][i]) best = k;
       chosen[best][i] = 1;
+      told[i] = relative_error(candidates_[best], i);
     }
     Halves all;
     for (size_t c = 0; c < 3; ++c) {
@@ -256,15 +276,21 @@ Input part(const Input& input, const Block& block) {
 }
 
 // Copies what is not halo.
-void put(const Colour& from, const Block& block, Colour& picture, Size size) {
-  for (size_t c = 0; c < 3; ++c)
-    for (int y = block.y; y < block.y + block.height; ++y) {
-      const auto row = from[c].begin() +
-                       static_cast<std::ptrdiff_t>(y - block.top) * (block.right - block.left) +
-                       (block.x - block.left);
-      std::copy(row, row + block.width,
-                picture[c].begin() + static_cast<std::ptrdiff_t>(y) * size.width + block.x);
-    }
+void put(const Plane& from, const Block& block, Plane& picture, Size size) {
+  for (int y = block.y; y < block.y + block.height; ++y) {
+    const auto row = from.begin() +
+                     static_cast<std::ptrdiff_t>(y - block.top) * (block.right - block.left) +
+                     (block.x - block.left);
+    std::copy(row, row + block.width,
+              picture.begin() + static_cast<std::ptrdiff_t>(y) * size.width + block.x);
+  }
+}
+
+// Makes squares errors, with kUntold. Returns the mean of the squares, at least 0.
+double take_roots(Plane& error) {
+  const double mean_square = kUntold * mean_of(error);
+  for (float& v : error) v = std::sqrt(static_cast<float>(kUntold) * std::max(v, 0.0f));
+  return std::max(mean_square, 0.0);
 }
 
 }  // namespace
@@ -275,6 +301,7 @@ Result denoise(Input input, int block) {
   Result result;
   result.picture = mean({input.a, input.b}, share_a);
   const Colour noisy = result.picture;
+  result.error.resize(size.pixels());
   const double light = mean_of(noisy);
   if (!(light > 0)) return result;
   Outliers a = cut_outliers(size, input.a, input.b), b = cut_outliers(size, input.b, input.a);
@@ -290,8 +317,11 @@ Result denoise(Input input, int block) {
     const int x = edge(i % across, across, size.width), y = edge(i / across, down, size.height);
     const Block some = block_of(size, x, y, edge(i % across + 1, across, size.width) - x,
                                 edge(i / across + 1, down, size.height) - y);
-    put(Filter(part(input, some), light).run(), some, result.picture, size);
+    const Filter::Estimate estimate = Filter(part(input, some), light).run();
+    for (size_t c = 0; c < 3; ++c) put(estimate.picture[c], some, result.picture[c], size);
+    put(estimate.error, some, result.error, size);
   }
+  result.relmse = take_roots(result.error);
   restore_energy(size, noisy, result.picture);
   return result;
 }

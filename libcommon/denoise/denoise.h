@@ -15,6 +15,11 @@
 // t      the truth
 //   (F_A - B)^2 - V_B has the mean (F_A - t)^2, and
 //   (F - t)^2 = s_A (F_A - t)^2 + s_B (F_B - t)^2 - s_A s_B (F_A - F_B)^2
+//
+// So the halves also tell about what error is left, of the bandwidth that the other pixels chose.
+// That is too low by 1.5 on average [doc/denoise.md], since it is divided by the brightness of the
+// estimate and not of the truth, and knows nothing of light that neither half has met. Told is 1.5
+// times as much.
 #pragma once
 #include "libcommon/denoise/regression.h"
 
@@ -31,6 +36,8 @@ struct Result {
   Colour picture;
   size_t outliers = 0;        ///< pixels, in either half
   double outlier_energy = 0;  ///< their excess as a share of the light
+  Plane error;                ///< about the relative error around each pixel
+  double relmse = 0;          ///< about that of the picture; 0: not known
 };
 
 /// A function of the input, whatever the number of threads. Large pictures are filtered in blocks,

@@ -28,6 +28,30 @@ TEST(Denoise, HalvesThatShareTheirNoiseAreNotFiltered) {
   EXPECT_LT(gain(picture, input), 1.1);
 }
 
+// With kUntold of 1.5; noise that the filter took away would be 20 times as much.
+TEST(Denoise, TheErrorThatIsLeftIsTold) {
+  for (const double noise : {0.1, 0.3, 0.6}) {
+    const TestPicture picture;
+    const Input input = picture.halves(noise);
+    const Result result = denoise(input);
+    const double left = picture.error(result.picture);
+    EXPECT_GT(result.relmse, 0.5 * left) << noise;
+    EXPECT_LT(result.relmse, 2.5 * left) << noise;
+  }
+}
+
+TEST(Denoise, TheErrorIsToldWhereItIs) {
+  TestPicture picture;
+  const auto right = [](size_t i) { return i % 96 >= 48; };
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < picture.truth[c].size(); ++i)
+      if (right(i)) picture.truth[c][i] *= mix64(i) % 2 == 0 ? 0.7f : 1.3f;
+  double sums[2] = {};
+  const Plane error = denoise(picture.halves(0.3)).error;
+  for (size_t i = 0; i < error.size(); ++i) sums[right(i)] += static_cast<double>(error[i]);
+  EXPECT_GT(sums[1], 2 * sums[0]);
+}
+
 TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
   const TestPicture picture;
   Input input = picture.halves(0.2);
@@ -86,8 +110,11 @@ TEST(Denoise, AHighlightStays) {
 TEST(Denoise, BlocksAndThreadsDoNotShow) {
   const TestPicture picture;
   const Input input = picture.halves(0.5);
-  const Colour whole = denoise(input).picture;
-  EXPECT_EQ(denoise(input, 31).picture, whole);
+  const Result all = denoise(input), parts = denoise(input, 31);
+  const Colour& whole = all.picture;
+  EXPECT_EQ(parts.picture, whole);
+  EXPECT_EQ(parts.error, all.error);
+  EXPECT_EQ(parts.relmse, all.relmse);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(denoise(input).picture, whole);
 }

@@ -131,19 +131,21 @@ Features features_of(const Buffers& buffers, bool& any) {
   return features;
 }
 
-// Replaces the pixels of `picture`, by the halves.
-void filter_by_regression(const Buffers& buffers, const Colour& noisy, const std::string& name,
-                          Picture& picture, Filtered& filtered) {
+// Replaces the pixels of `picture`, by the halves, and returns the errors.
+Plane filter_by_regression(const Buffers& buffers, const Colour& noisy, const std::string& name,
+                           Picture& picture, Filtered& filtered) {
   Input input{buffers.size(), buffers.half(kHalves[0]), buffers.half(kHalves[1]), 0.5,
               features_of(buffers, filtered.has_features)};
   input.share_a = share_of(noisy, input.a, input.b, name);
   filtered.denoiser = kKinds[0];
   filtered.share_a = input.share_a;
-  const Result result = denoise(std::move(input));
+  Result result = denoise(std::move(input));
   for (size_t i = 0; i < picture.pixels.size(); ++i)
     picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
   filtered.outliers = result.outliers;
   filtered.outlier_energy = result.outlier_energy;
+  filtered.relmse = result.relmse;
+  return std::move(result.error);
 }
 
 // Three channels; empty if one is missing.
@@ -199,10 +201,13 @@ std::string sentence_of(const Filtered& filtered) {
   if (filtered.denoiser.starts_with(kKinds[1]))
     return fmt::format("filtered by Open Image Denoise{}, no longer unbiased",
                        filtered.denoiser.substr(std::string_view(kKinds[1]).size()));
-  if (filtered.outliers == 0) return "filtered, no longer unbiased";
-  return fmt::format("filtered, no longer unbiased; the light of {} ({} % of all) was spread",
-                     counted(filtered.outliers, "outlier"),
-                     number_words(100 * filtered.outlier_energy, 2));
+  std::string words = "filtered, no longer unbiased";
+  if (filtered.relmse > 0) words += ", relMSE about " + number_words(filtered.relmse, 2);
+  if (filtered.outliers > 0)
+    words += fmt::format("; the light of {} ({} % of all) was spread",
+                         counted(filtered.outliers, "outlier"),
+                         number_words(100 * filtered.outlier_energy, 2));
+  return words;
 }
 
 Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind) {
@@ -213,10 +218,11 @@ Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind) {
   const Colour planes = buffers.colour(noisy, again ? "noisy." : "");
   Picture picture = noisy;
   Filtered filtered;
+  file.channels.erase(kErrorChannel);
   if (kind == Kind::oidn)
     filter_by_oidn(buffers, picture, filtered);
   else
-    filter_by_regression(buffers, planes, name, picture, filtered);
+    file.channels[kErrorChannel] = filter_by_regression(buffers, planes, name, picture, filtered);
   noisy.alpha.clear();
   file.layers[kNoisyLayer] = std::move(noisy);
   file.picture.pixels = std::move(picture.pixels);

@@ -57,6 +57,22 @@ TEST(FilterPicture, KeepsWhatWasRenderedBeside) {
   EXPECT_EQ(file.layers["noisy"].pixels, noisy.pixels);
   EXPECT_LT(error_of(test, file.picture), error_of(test, noisy) / 10);
   EXPECT_EQ(file.attributes[denoiser_attribute], "regression");
+  EXPECT_EQ(file.channels[kErrorChannel].size(), noisy.pixels.size());
+}
+
+TEST(FilterPicture, SaysWhatWasDone) {
+  Filtered filtered;
+  filtered.denoiser = "regression";
+  EXPECT_EQ(sentence_of(filtered), "filtered, no longer unbiased");
+  filtered.relmse = 0.00314;
+  EXPECT_EQ(sentence_of(filtered), "filtered, no longer unbiased, relMSE about 0.0031");
+  filtered.outliers = 12;
+  filtered.outlier_energy = 0.003;
+  EXPECT_EQ(sentence_of(filtered),
+            "filtered, no longer unbiased, relMSE about 0.0031; the light of 12 outliers (0.3 % of "
+            "all) was spread");
+  filtered.denoiser = "oidn 2.5.1";
+  EXPECT_EQ(sentence_of(filtered), "filtered by Open Image Denoise 2.5.1, no longer unbiased");
 }
 
 TEST(FilterPicture, ASecondTimeChangesNothing) {

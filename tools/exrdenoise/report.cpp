@@ -20,6 +20,7 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
                                 {"denoiser", filtered.denoiser},
                                 {"outliers", filtered.outliers},
                                 {"outlier_energy", filtered.outlier_energy},
+                                {"relmse", filtered.relmse},
                                 {"features", filtered.has_features},
                                 {"seconds", seconds}}
       .dump();
