@@ -29,7 +29,7 @@ BEGIN {
   before["math"] = " base "
   before["scene"] = " base cli math "
   before["formats"] = before["trace"] = before["gpu"] = " base cli math scene "
-  before["denoise"] = " base math formats "
+  before["denoise"] = " base math scene formats "
   before["film"] = " base cli math scene formats denoise "
   before["draw"] = " base cli math scene formats trace "
   before["testing"] = " base cli math scene formats trace gpu denoise film draw "

@@ -61,14 +61,42 @@ double mean_of(const Colour& colour) {
   return (mean_of(colour[0]) + mean_of(colour[1]) + mean_of(colour[2])) / 3;
 }
 
+// Division by the albedo leaves the light, which is smoother. Multiplication restores it.
+enum class Albedo : uint8_t { divide, multiply };
+void by_albedo(Colour& colour, Albedo how, const Features& features) {
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < colour[c].size(); ++i) {
+      const float factor = features[c][i] + kAlbedoOffset;
+      colour[c][i] = how == Albedo::divide ? colour[c][i] / factor : colour[c][i] * factor;
+    }
+}
+
+// The light of a frame's halves, and crude estimates of them.
+struct Light {
+  Halves noisy;
+  Colour variance_a, variance_b;
+  Halves pilot{};
+  Colour rest{};  ///< variance of the pilot
+};
+
+Light light_of(Size size, const Shot& shot) {
+  const auto share_a = static_cast<float>(shot.share_a);
+  Halves noisy{shot.a, shot.b};
+  by_albedo(noisy.a, Albedo::divide, shot.features);
+  by_albedo(noisy.b, Albedo::divide, shot.features);
+  Colour variance_a = differences(size, noisy, 1 - share_a);
+  Colour variance_b = differences(size, noisy, share_a);
+  return {std::move(noisy), std::move(variance_a), std::move(variance_b)};
+}
+
 class Filter {
  public:
   Filter(Input in, double light)
-      : noise_{std::move(in.a), std::move(in.b)},
-        features_(std::move(in.features)),
-        size_(in.size),
-        share_a_(static_cast<float>(in.share_a)),
-        light_(light) {}
+      : in_(std::move(in)),
+        size_(in_.size),
+        share_a_(static_cast<float>(in_.shot.share_a)),
+        light_(light),
+        noise_{in_.shot.a, in_.shot.b} {}
 
   /// The picture, and about its squared relative error around each pixel.
   struct Estimate {
@@ -97,38 +125,53 @@ class Filter {
     }
   }
 
-  // Division by the albedo leaves the light, which is smoother. Multiplication restores it.
-  enum class Albedo : uint8_t { divide, multiply };
-  void by_albedo(Colour& colour, Albedo how) const {
-    for (size_t c = 0; c < 3; ++c)
-      for (size_t i = 0; i < size_.pixels(); ++i) {
-        const float factor = features_[c][i] + kAlbedoOffset;
-        colour[c][i] = how == Albedo::divide ? colour[c][i] / factor : colour[c][i] * factor;
+  const Shot& shot(size_t k) const { return k == 0 ? in_.shot : in_.neighbours[k - 1].shot; }
+  const Plane& present(size_t k) const {
+    static const Plane all;
+    return k == 0 ? all : in_.neighbours[k - 1].present;
+  }
+
+  // Of each frame, from all of them.
+  void make_pilots(std::vector<Light>& lights, float least) const {
+    std::vector<Source> a, b;
+    for (size_t k = 0; k < lights.size(); ++k) {
+      const Light& l = lights[k];
+      a.push_back({l.noisy.a, shot(k).features, l.noisy.b, l.variance_b, l.variance_a, present(k)});
+      b.push_back({l.noisy.b, shot(k).features, l.noisy.a, l.variance_a, l.variance_b, present(k)});
+    }
+    for (size_t k = 0; k < lights.size(); ++k) {
+      // A permutation: that which is estimated comes first.
+      std::vector<Source> of_a{a[k]}, of_b{b[k]};
+      for (size_t i = 0; i < lights.size(); ++i) {
+        if (i == k) continue;
+        of_a.push_back(a[i]);
+        of_b.push_back(b[i]);
       }
+      Light& l = lights[k];
+      l.pilot.a = std::move(regressions(size_, of_a, {kPilotPatch, least}, kPilotBandwidth)[0]);
+      l.pilot.b = std::move(regressions(size_, of_b, {kPilotPatch, least}, kPilotBandwidth)[0]);
+      l.rest = differences(size_, l.pilot, 0.5f);
+    }
   }
 
   // Estimates of both halves with all bandwidths.
   void make_candidates() {
-    Halves light = noise_;
-    by_albedo(light.a, Albedo::divide);
-    by_albedo(light.b, Albedo::divide);
-    const Colour variance_a = differences(size_, light, 1 - share_a_);
-    const Colour variance_b = differences(size_, light, share_a_);
     const auto least = static_cast<float>(1e-10 * light_ * light_);
-    const Halves pilot{std::move(regressions(size_, light.a, features_,
-                                             {light.b, variance_b, variance_a, least, kPilotPatch},
-                                             kPilotBandwidth)[0]),
-                       std::move(regressions(size_, light.b, features_,
-                                             {light.a, variance_a, variance_b, least, kPilotPatch},
-                                             kPilotBandwidth)[0])};
-    const Colour rest = differences(size_, pilot, 0.5f);
-    auto a = regressions(size_, light.a, features_, {pilot.a, rest, variance_a, least, kPatch},
-                         kBandwidths);
-    auto b = regressions(size_, light.b, features_, {pilot.b, rest, variance_b, least, kPatch},
-                         kBandwidths);
+    std::vector<Light> lights;
+    for (size_t k = 0; k <= in_.neighbours.size(); ++k) lights.push_back(light_of(size_, shot(k)));
+    make_pilots(lights, least);
+    std::vector<Source> sources_a, sources_b;
+    for (size_t k = 0; k < lights.size(); ++k) {
+      const Light& l = lights[k];
+      const Features& f = shot(k).features;
+      sources_a.push_back({l.noisy.a, f, l.pilot.a, l.rest, l.variance_a, present(k)});
+      sources_b.push_back({l.noisy.b, f, l.pilot.b, l.rest, l.variance_b, present(k)});
+    }
+    auto a = regressions(size_, sources_a, {kPatch, least}, kBandwidths);
+    auto b = regressions(size_, sources_b, {kPatch, least}, kBandwidths);
     for (size_t k = 0; k < kBandwidths.size(); ++k) {
-      by_albedo(a[k], Albedo::multiply);
-      by_albedo(b[k], Albedo::multiply);
+      by_albedo(a[k], Albedo::multiply, in_.shot.features);
+      by_albedo(b[k], Albedo::multiply, in_.shot.features);
       candidates_.push_back({std::move(a[k]), std::move(b[k])});
     }
   }
@@ -224,12 +267,12 @@ class Filter {
     }
   }
 
+  const Input in_;
+  const Size size_;
+  const float share_a_;
+  const double light_;  // mean radiance of the picture
   const Halves noise_;
-  const Features features_;
-  Size size_;
-  float share_a_;
-  double light_;  // mean radiance of the picture
-  Colour per_;    // factors of squared errors
+  Colour per_;  // factors of squared errors
   std::vector<Halves> candidates_;
 };
 
@@ -264,14 +307,22 @@ Plane part(const Plane& plane, Size size, const Block& block) {
   return some;
 }
 
-Input part(const Input& input, const Block& block) {
-  Input some{block.size(), {}, {}, input.share_a, {}};
+Shot part(const Shot& shot, Size size, const Block& block) {
+  Shot some;
+  some.share_a = shot.share_a;
   for (size_t c = 0; c < 3; ++c) {
-    some.a[c] = part(input.a[c], input.size, block);
-    some.b[c] = part(input.b[c], input.size, block);
+    some.a[c] = part(shot.a[c], size, block);
+    some.b[c] = part(shot.b[c], size, block);
   }
-  for (size_t f = 0; f < kFeatures; ++f)
-    some.features[f] = part(input.features[f], input.size, block);
+  for (size_t f = 0; f < kFeatures; ++f) some.features[f] = part(shot.features[f], size, block);
+  return some;
+}
+
+Input part(const Input& input, const Block& block) {
+  Input some{block.size(), part(input.shot, input.size, block)};
+  for (const Neighbour& n : input.neighbours)
+    some.neighbours.push_back(
+        {part(n.shot, input.size, block), part(n.present, input.size, block)});
   return some;
 }
 
@@ -297,18 +348,19 @@ double take_roots(Plane& error) {
 
 Result denoise(Input input, int block) {
   const Size size = input.size;
-  const auto share_a = static_cast<float>(input.share_a);
+  Shot& shot = input.shot;
+  const auto share_a = static_cast<float>(shot.share_a);
   Result result;
-  result.picture = mean({input.a, input.b}, share_a);
+  result.picture = mean({shot.a, shot.b}, share_a);
   const Colour noisy = result.picture;
   result.error.resize(size.pixels());
   const double light = mean_of(noisy);
   if (!(light > 0)) return result;
-  Outliers a = cut_outliers(size, input.a, input.b), b = cut_outliers(size, input.b, input.a);
-  input.a = std::move(a.rest);
-  input.b = std::move(b.rest);
+  Outliers a = cut_outliers(size, shot.a, shot.b), b = cut_outliers(size, shot.b, shot.a);
+  shot.a = std::move(a.rest);
+  shot.b = std::move(b.rest);
   result.outliers = a.pixels + b.pixels;
-  result.outlier_energy = 1 - mean_of(mean({input.a, input.b}, share_a)) / light;
+  result.outlier_energy = 1 - mean_of(mean({shot.a, shot.b}, share_a)) / light;
   const int across = (size.width + block - 1) / block, down = (size.height + block - 1) / block;
   for (int i = 0; i < across * down; ++i) {
     const auto edge = [](int64_t k, int of, int length) {

@@ -25,11 +25,20 @@
 
 namespace tdpt::denoise {
 
-struct Input {
-  Size size;
+struct Shot {
   Colour a, b;           ///< the halves; finite, not negative
   double share_a = 0.5;  ///< of the samples, inside (0,1)
   Features features;     ///< the first three: albedo, in [0,1]
+};
+/// Another frame of a moving picture, seen from the camera of this one [reproject.h].
+struct Neighbour {
+  Shot shot;      ///< without outliers
+  Plane present;  ///< 0 where the frame does not show what is there, else 1
+};
+struct Input {
+  Size size;
+  Shot shot;
+  std::vector<Neighbour> neighbours{};  ///< fewer than kMostSources
 };
 
 struct Result {

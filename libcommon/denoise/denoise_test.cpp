@@ -24,7 +24,7 @@ TEST(Denoise, NoiseFalls) {
 TEST(Denoise, HalvesThatShareTheirNoiseAreNotFiltered) {
   const TestPicture picture;
   Input input = picture.halves(0.5);
-  input.b = input.a;
+  input.shot.b = input.shot.a;
   EXPECT_LT(gain(picture, input), 1.1);
 }
 
@@ -56,7 +56,8 @@ TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
   const TestPicture picture;
   Input input = picture.halves(0.2);
   const double right = gain(picture, input);
-  for (Plane& plane : input.features) std::rotate(plane.begin(), plane.begin() + 5, plane.end());
+  for (Plane& plane : input.shot.features)
+    std::rotate(plane.begin(), plane.begin() + 5, plane.end());
   EXPECT_LT(gain(picture, input), right / 1.3);
 }
 
@@ -89,7 +90,7 @@ TEST(Denoise, AnOutlierIsSpreadAndItsEnergyKept) {
   const TestPicture picture;
   Input input = picture.halves(0.1);
   const size_t pixel = 20 * 96 + 50;
-  for (Plane& plane : input.a) plane[pixel] *= 400;
+  for (Plane& plane : input.shot.a) plane[pixel] *= 400;
   const Result result = denoise(input);
   EXPECT_EQ(result.outliers, 1);
   EXPECT_GT(result.outlier_energy, 0.01);  // a filter that lost it would miss the mean below
@@ -123,21 +124,49 @@ TEST(Denoise, UnequalHalves) {
   const TestPicture picture;
   // As 3 samples: the second half has twice the variance.
   Input input = picture.halves(0.2);
-  input.b = picture.halves(0.2 * std::sqrt(2.0), 2).b;
-  input.share_a = 2.0 / 3;
-  Colour noisy = input.a;
+  input.shot.b = picture.halves(0.2 * std::sqrt(2.0), 2).shot.b;
+  input.shot.share_a = 2.0 / 3;
+  Colour noisy = input.shot.a;
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < noisy[c].size(); ++i)
-      noisy[c][i] = (2 * input.a[c][i] + input.b[c][i]) / 3;
+      noisy[c][i] = (2 * input.shot.a[c][i] + input.shot.b[c][i]) / 3;
   EXPECT_GT(picture.error(noisy) / picture.error(denoise(input).picture), 10);
 }
 
+Input with_neighbour(const TestPicture& picture, const Shot& neighbour) {
+  Input input = picture.halves(0.5);
+  input.neighbours.push_back({neighbour, Plane(TestPicture::kSize.pixels(), 1.0f)});
+  return input;
+}
+
+TEST(Denoise, AnotherFrameHelpsAsFarAsItShowsTheSame) {
+  const TestPicture picture;
+  const double alone = gain(picture, picture.halves(0.5));
+  const Shot before = picture.halves(0.5, 7).shot;
+  EXPECT_GT(gain(picture, with_neighbour(picture, before)), 1.3 * alone);
+  // A frame that is absent changes nothing.
+  Input absent = with_neighbour(picture, before);
+  absent.neighbours[0].present.assign(TestPicture::kSize.pixels(), 0);
+  EXPECT_EQ(denoise(absent).picture, denoise(picture.halves(0.5)).picture);
+  // A lamp was switched on between the frames: nothing but the light tells.
+  TestPicture bright = picture;
+  for (Plane& plane : bright.truth)
+    for (float& v : plane) v *= 3;
+  EXPECT_GT(gain(picture, with_neighbour(picture, bright.halves(0.5, 7).shot)), 0.7 * alone);
+}
+
+TEST(Denoise, BlocksDoNotShowWithFrames) {
+  const TestPicture picture;
+  const Input input = with_neighbour(picture, picture.halves(0.5, 7).shot);
+  EXPECT_EQ(denoise(input, 31).picture, denoise(input).picture);
+}
+
 TEST(Denoise, SmallAndBlackPictures) {
-  Input input{{1, 1}, {}, {}, 0.5, {}};
-  for (size_t c = 0; c < 3; ++c) input.a[c] = input.b[c] = {0.0f};
-  for (Plane& plane : input.features) plane = {0.0f};
+  Input input{{1, 1}, {}};
+  for (size_t c = 0; c < 3; ++c) input.shot.a[c] = input.shot.b[c] = {0.0f};
+  for (Plane& plane : input.shot.features) plane = {0.0f};
   EXPECT_EQ(denoise(input).picture[0][0], 0);
-  input.a[0][0] = input.b[0][0] = 2;
+  input.shot.a[0][0] = input.shot.b[0][0] = 2;
   EXPECT_FLOAT_EQ(denoise(input).picture[0][0], 2);
 }
 

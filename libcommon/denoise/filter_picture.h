@@ -1,16 +1,12 @@
 // Filters a picture file by the buffers in it: tdpt-render(1), CHANNELS BESIDE THE LIGHT.
 #pragma once
 #include <array>
+#include <span>
 #include <string>
 
-#include "libcommon/formats/picture.h"
+#include "libcommon/denoise/buffers.h"
 
 namespace tdpt::denoise {
-
-/// Layers with the means of the two halves of the samples.
-inline constexpr std::array kHalves{"halfA", "halfB"};
-/// Layer with the picture as it was rendered, beside the filtered one.
-inline constexpr const char* kNoisyLayer = "noisy";
 
 /// Channel with about the relative error that is left.
 inline constexpr const char* kErrorChannel = "error.Y";
@@ -26,9 +22,16 @@ struct Filtered {
   size_t outliers = 0;        ///< as in Result
   double outlier_energy = 0;  ///< likewise
   double relmse = 0;          ///< likewise; 0 of `oidn`
+  double seen_elsewhere = 0;  ///< share of the picture that other frames show
   bool has_features = false;  ///< whether there was any
   double share_a = 0.5;       ///< of the samples that halfA has
 };
+/// A frame of a moving picture.
+struct NamedPicture {
+  ExrFile file;
+  std::string name;
+};
+
 /// One line: "filtered, no longer unbiased, relMSE about 0.0031; the light of 12 outliers (0.3 % of
 /// all) was spread".
 std::string sentence_of(const Filtered& filtered);
@@ -40,8 +43,10 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 /// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the
 /// layer kNoisyLayer. Adds kErrorChannel (not `oidn`). Needs layers halfA and halfB, of which the
 /// picture is a weighted mean (not `oidn`); uses albedo, normal and depth (not `oidn`). A picture
-/// that is filtered already is filtered again from its noisy layer. Throws InputError, `name` in
-/// its place, if buffers are missing or no numbers.
-Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind = Kind::regression);
+/// that is filtered already is filtered again from its noisy layer. `frames`: before and after this
+/// one, fewer than kMostSources, of any size, to which camera and depth lead (not `oidn`). Throws
+/// InputError, `name` in its place, if buffers are missing or no numbers.
+Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind = Kind::regression,
+                        std::span<const NamedPicture> frames = {});
 
 }  // namespace tdpt::denoise

@@ -19,8 +19,8 @@ Picture picture_of(const Colour& colour) {
 ExrFile file_of(const TestPicture& test, double noise, double share_a = 0.5) {
   const Input input = test.halves(noise);
   ExrFile file;
-  file.layers["halfA"] = picture_of(input.a);
-  file.layers["halfB"] = picture_of(input.b);
+  file.layers["halfA"] = picture_of(input.shot.a);
+  file.layers["halfB"] = picture_of(input.shot.b);
   file.picture = file.layers["halfA"];
   for (size_t i = 0; i < file.picture.pixels.size(); ++i)
     file.picture.pixels[i] = file.layers["halfA"].pixels[i] * static_cast<float>(share_a) +
@@ -128,6 +128,39 @@ TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
   bad.picture = bad.layers["halfA"];
   EXPECT_EQ(message(bad),
             "a.exr:channel halfB.R: is empty: a filter needs two samples per pixel or more");
+}
+
+const char* const kCamera = "0 0 0 0 0 -1 0 1 0 1 1.5 all";
+
+TEST(FilterPicture, FramesAreAlignedByCameraAndDepth) {
+  const TestPicture test;
+  ExrFile file = file_of(test, 0.3);
+  NamedPicture before{file_of(test, 0.3), "b.exr"};
+  const auto message_with = [&](ExrFile picture, const NamedPicture& frame) {
+    try {
+      filter_picture(picture, "a.exr", Kind::regression, {&frame, 1});
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message_with(file, before),
+            "a.exr:attribute camera: is missing or malformed: frames are aligned by camera and "
+            "depth");
+  file.attributes["camera"] = kCamera;
+  before.file.attributes["camera"] = "0 0 0";
+  EXPECT_EQ(message_with(file, before),
+            "b.exr:attribute camera: is missing or malformed: frames are aligned by camera and "
+            "depth");
+  before.file.attributes["camera"] = kCamera;
+  EXPECT_EQ(message_with(file, before), "");
+  NamedPicture flat = before;
+  flat.file.channels.erase("depth.Z");
+  EXPECT_EQ(message_with(file, flat),
+            "b.exr:channel depth.Z: is missing: frames are aligned by camera and depth");
+  const Filtered filtered = filter_picture(file, "a.exr", Kind::regression, {&before, 1});
+  EXPECT_EQ(filtered.seen_elsewhere, 1);
+  EXPECT_NE(sentence_of(filtered).find("; other frames show 100 % of it"), std::string::npos);
 }
 
 }  // namespace

@@ -23,12 +23,21 @@ constexpr int kTerms = static_cast<int>(kFeatures) + 1;  // of the linear model
 constexpr int kMargin = kReach + kMostPatch;
 constexpr int kGuideColumns = kWidth + 2 * kMargin, kGuideRows = kHeight + 2 * kMargin;
 
-struct Tile {
-  int x, y;  // of its top left pixel
-  float colour[3][kRows * kColumns], features[kFeatures][kRows * kColumns];
+constexpr int kArea = kRows * kColumns;
+
+// What distances are made of.
+struct Look {
   float guide[3][kGuideRows][kGuideColumns], variance[3][kGuideRows][kGuideColumns],
       tolerance[3][kGuideRows][kGuideColumns];
-  float distance[kOffsets][kHeight][kWidth];
+};
+
+struct Tile {
+  int x, y;    // of its top left pixel
+  int frames;  // planes of frames follow each other
+  float colour[3][kMostSources * kArea], features[kFeatures][kMostSources * kArea];
+  Look looks[kMostSources];
+  float present[kArea];
+  float distance[kMostSources * kOffsets][kHeight][kWidth];
 };
 
 // Copies the part of a plane that begins `margin` pixels above and left of the tile; pixels outside
@@ -43,10 +52,11 @@ void copy(const Plane& from, Size size, const Tile& tile, int margin, float* to)
   }
 }
 
-// Distances of all pixels of the tile to those at one offset.
-void measure(Tile& tile, const Guide& guide, Size size, int dx, int dy,
+// Distances of all pixels of the tile to those of another frame, or the same, at one offset.
+void measure(const Tile& tile, const Look& other, Patches patches, Size size, int dx, int dy,
              float (&distance)[kHeight][kWidth]) {
-  const int patch = guide.patch, columns = kWidth + 2 * patch, rows = kHeight + 2 * patch;
+  const Look& own = tile.looks[0];
+  const int patch = patches.radius, columns = kWidth + 2 * patch, rows = kHeight + 2 * patch;
   constexpr int kMostColumns = kWidth + 2 * kMostPatch, kMostRows = kHeight + 2 * kMostPatch;
   float raw[kMostRows][kMostColumns], sums[kMostRows][kWidth];
   const int first = kMargin - patch;
@@ -54,15 +64,16 @@ void measure(Tile& tile, const Guide& guide, Size size, int dx, int dy,
     float* to = raw[y];
     for (int x = 0; x < columns; ++x) to[x] = 0;
     for (int c = 0; c < 3; ++c) {
-      const float* gp = &tile.guide[c][first + y][first];
-      const float* gq = &tile.guide[c][first + y + dy][first + dx];
-      const float* vp = &tile.variance[c][first + y][first];
-      const float* vq = &tile.variance[c][first + y + dy][first + dx];
-      const float* tp = &tile.tolerance[c][first + y][first];
-      const float* tq = &tile.tolerance[c][first + y + dy][first + dx];
+      const float* gp = &own.guide[c][first + y][first];
+      const float* gq = &other.guide[c][first + y + dy][first + dx];
+      const float* vp = &own.variance[c][first + y][first];
+      const float* vq = &other.variance[c][first + y + dy][first + dx];
+      const float* tp = &own.tolerance[c][first + y][first];
+      const float* tq = &other.tolerance[c][first + y + dy][first + dx];
       for (int x = 0; x < columns; ++x) {
         const float d = gp[x] - gq[x];
-        to[x] += (d * d - vp[x] - std::min(vp[x], vq[x])) / (guide.least_tolerance + tp[x] + tq[x]);
+        to[x] +=
+            (d * d - vp[x] - std::min(vp[x], vq[x])) / (patches.least_tolerance + tp[x] + tq[x]);
       }
     }
   }
@@ -79,7 +90,8 @@ void measure(Tile& tile, const Guide& guide, Size size, int dx, int dy,
       float sum = 0;
       for (int k = 0; k <= 2 * patch; ++k) sum += sums[y + k][x];
       const int qx = tile.x + x + dx, qy = tile.y + y + dy;
-      const bool inside = qx >= 0 && qy >= 0 && qx < size.width && qy < size.height;
+      const bool inside = qx >= 0 && qy >= 0 && qx < size.width && qy < size.height &&
+                          tile.present[(y + dy + kReach) * kColumns + x + dx + kReach] > 0;
       distance[y][x] = inside ? std::max(sum * share, 0.0f) : kNever;
     }
 }
@@ -94,24 +106,25 @@ float weight_of(float e) {
 // Weights of the neighbours of kLanes pixels, as far as any of them is above 0.
 struct Weights {
   int count = 0;
-  int place[kOffsets];  ///< of the neighbour of the first pixel, in the tile's planes
-  float of[kOffsets][kLanes];
+  int place[kMostSources * kOffsets];  ///< of the first pixel's neighbour, in the tile's planes
+  float of[kMostSources * kOffsets][kLanes];
 };
 
-Weights weights_of(const Tile& tile, int x, int y, float bandwidth) {
-  Weights weights;
+void weigh(const Tile& tile, int x, int y, float bandwidth, Weights& weights) {
+  weights.count = 0;
   const float per = 1 / (bandwidth * bandwidth);
-  for (int o = 0; o < kOffsets; ++o) {
+  for (int o = 0; o < tile.frames * kOffsets; ++o) {
     float most = 0;
     float(&w)[kLanes] = weights.of[weights.count];
     for (int i = 0; i < kLanes; ++i) {
       w[i] = weight_of(tile.distance[o][y][x + i] * per);
       most = std::max(most, w[i]);
     }
-    weights.place[weights.count] = (y + o / kSide) * kColumns + x + o % kSide;
+    const int frame = o / kOffsets, offset = o % kOffsets;
+    weights.place[weights.count] =
+        frame * kArea + (y + offset / kSide) * kColumns + x + offset % kSide;
     weights.count += most > 0;
   }
-  return weights;
 }
 
 // Sums over the window, for kLanes pixels: of w f_r f_s (s <= r, f_0 = 1) and of w f_r c.
@@ -184,9 +197,10 @@ void solve(const Sums& sums, int lane, const double (&f)[kTerms], std::array<flo
 
 // Estimates the pixels x .. x + kLanes - 1 of row y of the tile, as far as they are in the picture.
 void estimate(const Tile& tile, Size size, int x, int y, float bandwidth, Colour& to) {
+  Weights weights;
+  weigh(tile, x, y, bandwidth, weights);
   Sums sums;
-  sum_rows(std::make_integer_sequence<int, kTerms>(), tile, weights_of(tile, x, y, bandwidth),
-           sums);
+  sum_rows(std::make_integer_sequence<int, kTerms>(), tile, weights, sums);
   for (int i = 0; i < kLanes && tile.x + x + i < size.width; ++i) {
     double f[kTerms] = {1};
     for (int r = 1; r < kTerms; ++r)
@@ -199,28 +213,41 @@ void estimate(const Tile& tile, Size size, int x, int y, float bandwidth, Colour
   }
 }
 
+// Copies what the tile's windows reach in a frame, and measures its distances.
+void add(const Source& from, Size size, Patches patches, Tile& tile) {
+  const int frame = tile.frames++;
+  Look& look = tile.looks[frame];
+  for (size_t c = 0; c < 3; ++c) {
+    copy(from.data[c], size, tile, kReach, tile.colour[c] + frame * kArea);
+    copy(from.guide[c], size, tile, kMargin, look.guide[c][0]);
+    copy(from.variance[c], size, tile, kMargin, look.variance[c][0]);
+    copy(from.tolerance[c], size, tile, kMargin, look.tolerance[c][0]);
+  }
+  for (size_t f = 0; f < kFeatures; ++f)
+    copy(from.features[f], size, tile, kReach, tile.features[f] + frame * kArea);
+  if (from.present.empty())
+    std::fill(std::begin(tile.present), std::end(tile.present), 1.0f);
+  else
+    copy(from.present, size, tile, kReach, tile.present);
+  for (int o = 0; o < kOffsets; ++o)
+    measure(tile, look, patches, size, o % kSide - kReach, o / kSide - kReach,
+            tile.distance[frame * kOffsets + o]);
+}
+
 }  // namespace
 
-std::vector<Colour> regressions(Size size, const Colour& data, const Features& features,
-                                const Guide& guide, std::span<const float> bandwidths) {
+std::vector<Colour> regressions(Size size, std::span<const Source> sources, Patches patches,
+                                std::span<const float> bandwidths) {
   std::vector<Colour> estimates(bandwidths.size());
   for (Colour& estimate : estimates) estimate.fill(Plane(size.pixels()));
   const int across = (size.width + kWidth - 1) / kWidth;
   const int down = (size.height + kHeight - 1) / kHeight;
   tbb::parallel_for(0, across * down, [&](int number) {
-    const auto tile = std::make_unique<Tile>();
+    const std::unique_ptr<Tile> tile(new Tile);  // not initialised
     tile->x = number % across * kWidth;
     tile->y = number / across * kHeight;
-    for (size_t c = 0; c < 3; ++c) {
-      copy(data[c], size, *tile, kReach, tile->colour[c]);
-      copy(guide.values[c], size, *tile, kMargin, tile->guide[c][0]);
-      copy(guide.variance[c], size, *tile, kMargin, tile->variance[c][0]);
-      copy(guide.tolerance[c], size, *tile, kMargin, tile->tolerance[c][0]);
-    }
-    for (size_t f = 0; f < kFeatures; ++f)
-      copy(features[f], size, *tile, kReach, tile->features[f]);
-    for (int o = 0; o < kOffsets; ++o)
-      measure(*tile, guide, size, o % kSide - kReach, o / kSide - kReach, tile->distance[o]);
+    tile->frames = 0;
+    for (const Source& source : sources) add(source, size, patches, *tile);
     for (size_t k = 0; k < bandwidths.size(); ++k)
       for (int y = 0; y < std::min(kHeight, size.height - tile->y); ++y)
         for (int x = 0; x < kWidth && tile->x + x < size.width; x += kLanes)

@@ -6,7 +6,8 @@
 //
 //   minimise over a, b:  sum over q of w(p,q) (c(q) - a - b . (f(q) - f(p)))^2 + ridge |b|^2
 //
-// The estimate is a: what the neighbours that look alike would have with p's features.
+// The estimate is a: what the neighbours that look alike would have with p's features. Neighbours
+// may also be those in other frames of a moving picture.
 //
 // c      colour        f  features: albedo, normal, depth
 // g, v   guide picture that tells which pixels look alike, and the variance of its noise
@@ -26,18 +27,25 @@ inline constexpr size_t kFeatures = 7;
 /// In [-1,1].
 using Features = std::array<Plane, kFeatures>;
 
-struct Guide {
-  const Colour& values;
-  const Colour& variance;
-  const Colour& tolerance;
+/// A picture, aligned with that of which pixels are estimated.
+struct Source {
+  const Colour& data;
+  const Features& features;
+  const Colour &guide, &variance, &tolerance;
+  const Plane& present;  ///< 0 where it does not show what is there; empty: all
+};
+inline constexpr size_t kMostSources = 3;
+
+struct Patches {
+  int radius;             ///< [pixels], at most kMostPatch
   float least_tolerance;  ///< above 0
-  int patch;              ///< radius of patches [pixels], at most kMostPatch
 };
 inline constexpr int kMostPatch = 3;
 
-/// One estimate per bandwidth, none below 0. A function of its arguments, whatever the number of
-/// threads. All planes have that size and are finite.
-std::vector<Colour> regressions(Size size, const Colour& data, const Features& features,
-                                const Guide& guide, std::span<const float> bandwidths);
+/// Estimates of the first source by the neighbours in all, at most kMostSources; one for each
+/// bandwidth, none below 0. A function of its arguments, whatever the number of threads. All planes
+/// have that size and are finite.
+std::vector<Colour> regressions(Size size, std::span<const Source> sources, Patches patches,
+                                std::span<const float> bandwidths);
 
 }  // namespace tdpt::denoise

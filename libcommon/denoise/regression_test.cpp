@@ -11,6 +11,7 @@ namespace {
 struct Case {
   TestPicture picture;
   Colour flat, none, wide;
+  Plane all_present;
   Case() {
     for (size_t c = 0; c < 3; ++c) {
       flat[c].assign(TestPicture::kSize.pixels(), 1);
@@ -20,8 +21,8 @@ struct Case {
   }
   Colour estimate(const Colour& data, const Colour& guide) const {
     const std::array bandwidth{1.0f};
-    return regressions(TestPicture::kSize, data, picture.features, {guide, none, wide, 1e-9f, 1},
-                       bandwidth)[0];
+    const Source source{data, picture.features, guide, none, wide, all_present};
+    return regressions(TestPicture::kSize, {&source, 1}, {1, 1e-9f}, bandwidth)[0];
   }
 };
 
@@ -79,10 +80,10 @@ double slow_estimate(const Case& all, const Colour& data, const Colour& guide, i
 TEST(Regression, AgreesWithTheDefinition) {
   const Case all;
   const Input noisy = all.picture.halves(0.7);
-  const Colour estimate = all.estimate(noisy.a, noisy.b);
+  const Colour estimate = all.estimate(noisy.shot.a, noisy.shot.b);
   for (const int y : {0, 1, 15, 16, 35, 36, 63})
     for (const int x : {0, 3, 31, 32, 50, 94, 95}) {
-      const double slow = slow_estimate(all, noisy.a, noisy.b, x, y);
+      const double slow = slow_estimate(all, noisy.shot.a, noisy.shot.b, x, y);
       EXPECT_NEAR(estimate[0][static_cast<size_t>(y * 96 + x)], slow, 2e-3 * (slow + 0.1))
           << x << ' ' << y;
     }

@@ -12,6 +12,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/cli/outputs.h"
 #include "libcommon/denoise/filter_picture.h"
+#include "libcommon/film/film_file.h"
 #include "tools/exrdenoise/report.h"
 
 namespace tdpt {
@@ -27,30 +28,63 @@ constexpr cli::Program kProgram{
     cli::kThreads | cli::kQuiet};
 
 struct Arguments {
-  std::string picture, preview, denoiser = denoise::kKinds[0];
+  std::string picture, previous, next, preview, denoiser = denoise::kKinds[0];
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("picture", a.picture,
                    "Picture with the channels of --aov halves,albedo,normal,depth (.exr); - is "
                    "standard input");
+  options.input(
+      "--previous", a.previous, "FILE",
+      "The frame before, of a moving picture, with the same channels: less noise, and less "
+      "flicker");
+  options.input("--next", a.next, "FILE", "The frame after it");
   options.choice("--denoiser", a.denoiser, {denoise::kKinds.begin(), denoise::kKinds.end()},
                  "Filter: regression, our own, or oidn, Intel's Open Image Denoise, if it is "
                  "installed; default regression");
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
 }
 
-int run(const Arguments& a, const cli::Common& common) {
-  const std::string bytes = read_file(a.picture), name = display_name(a.picture);
+// A picture that is read, and its part in the provenance.
+struct Frame {
+  denoise::NamedPicture picture;
+  cli::Common::Input source;
+};
+
+Frame read(const std::string& path, const cli::Common& common) {
+  const std::string bytes = read_file(path), name = display_name(path);
   ExrFile file = denoise::parse_with_channels(bytes, name);
+  if (is_film(file))
+    throw InputError(name, "attribute film",
+                     "says that it is a film; exrmerge makes a picture of it, filtered if it was "
+                     "rendered with --denoise");
   if (file.pixels_without_data > 0)
     common.warn(fmt::format("{}: {} without data, taken as black", name,
                             counted(file.pixels_without_data, "pixel")));
+  const Provenance from = provenance_of(file);
+  return {{std::move(file), name}, {path, content_hash(bytes), from}};
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  const denoise::Kind kind = denoise::kind_of(a.denoiser);
+  if (kind == denoise::Kind::oidn && !(a.previous.empty() && a.next.empty()))
+    throw UsageError("--previous and --next go with --denoiser regression");
+  Frame frame = read(a.picture, common);
+  ExrFile& file = frame.picture.file;
+  const std::string& name = frame.picture.name;
+  std::vector<denoise::NamedPicture> others;
+  std::vector<cli::Common::Input> sources{frame.source};
+  for (const std::string& path : {a.previous, a.next}) {
+    if (path.empty()) continue;
+    Frame other = read(path, common);
+    others.push_back(std::move(other.picture));
+    sources.push_back(std::move(other.source));
+  }
   const auto start = std::chrono::steady_clock::now();
-  const denoise::Filtered filtered =
-      denoise::filter_picture(file, name, denoise::kind_of(a.denoiser));
+  const denoise::Filtered filtered = denoise::filter_picture(file, name, kind, others);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  set_provenance(file, common.provenance({{a.picture, content_hash(bytes), provenance_of(file)}}));
+  set_provenance(file, common.provenance(sources));
   cli::deliver({{common.output, [&] { return exr_bytes(file); }},
                 {a.preview, [&] { return png_bytes(file.picture, auto_exposure(file.picture)); }}},
                common);

@@ -21,6 +21,7 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
                                 {"outliers", filtered.outliers},
                                 {"outlier_energy", filtered.outlier_energy},
                                 {"relmse", filtered.relmse},
+                                {"seen_elsewhere", filtered.seen_elsewhere},
                                 {"features", filtered.has_features},
                                 {"seconds", seconds}}
       .dump();

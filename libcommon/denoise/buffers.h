@@ -1,0 +1,44 @@
+// What a filter needs of a picture file: its halves and features, as planes of checked numbers.
+#pragma once
+#include "libcommon/denoise/reproject.h"
+#include "libcommon/formats/picture.h"
+
+namespace tdpt::denoise {
+
+/// Layers with the means of the two halves of the samples.
+inline constexpr std::array kHalves{"halfA", "halfB"};
+/// Layer with the picture as it was rendered, beside the filtered one.
+inline constexpr const char* kNoisyLayer = "noisy";
+inline constexpr std::array kFeatureChannels{"albedo.R", "albedo.G", "albedo.B", "normal.X",
+                                             "normal.Y", "normal.Z", "depth.Z"};
+static_assert(kFeatureChannels.size() == kFeatures);
+
+/// All members throw InputError, with the file's name, if something is missing or no number.
+class Buffers {
+ public:
+  /// Keeps references to both.
+  Buffers(const ExrFile& file, const std::string& name) : file_(file), name_(name) {}
+
+  Size size() const { return {file_.picture.width, file_.picture.height}; }
+  /// As it was rendered, whether or not it is filtered now.
+  const Picture& noisy() const;
+  /// Checks that the picture is a weighted mean of its halves. `any`: whether there are features;
+  /// those that are missing are 0.
+  Shot shot(bool& any) const;
+  /// Empty if it is missing.
+  Plane channel(const std::string& channel) const;
+  /// Where the picture was seen from.
+  View view() const;
+
+ private:
+  Colour colour(const Picture& picture, const std::string& layer) const;
+  Colour half(const char* layer) const;
+  Features features(bool& any) const;
+  double share_of(const Colour& picture, const Colour& a, const Colour& b) const;
+  void check(const Plane& plane, const std::string& channel) const;
+
+  const ExrFile& file_;
+  const std::string& name_;
+};
+
+}  // namespace tdpt::denoise

@@ -1,0 +1,91 @@
+#include "libcommon/denoise/reproject.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/denoise/test_picture.h"
+
+namespace tdpt::denoise {
+namespace reproject_test {
+namespace {
+
+constexpr Size kSize = TestPicture::kSize;
+constexpr double kWall = 2;  // depth [m]
+
+// Of a camera that has moved by so many pixels at the depth of the wall.
+View view(double pixels, double depth = kWall) {
+  Camera camera;
+  camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
+  camera.yfov = 1;
+  const double pixel = 2 * std::tan(0.5 * camera.yfov) * kWall / kSize.height;
+  camera.position = {pixels * pixel, 0, 0};
+  return {FilmPlane(camera, kSize.width, kSize.height),
+          Plane(kSize.pixels(), static_cast<float>(depth))};
+}
+
+// Numbers that tell the pixel.
+Shot numbered(float more) {
+  Shot shot;
+  shot.share_a = 0.75;
+  Plane plane;
+  for (size_t i = 0; i < kSize.pixels(); ++i) plane.push_back(more + static_cast<float>(i));
+  shot.a.fill(plane);
+  shot.b.fill(plane);
+  shot.features.fill(plane);
+  return shot;
+}
+
+TEST(Reproject, ACameraThatStaysSeesTheSame) {
+  const Neighbour all = reproject(numbered(0.5f), view(0), numbered(0), view(0));
+  EXPECT_EQ(all.present, Plane(kSize.pixels(), 1.0f));
+  EXPECT_EQ(all.shot.a, numbered(0.5f).a);
+  EXPECT_EQ(all.shot.b, numbered(0.5f).b);
+  EXPECT_EQ(all.shot.features[5], numbered(0.5f).features[5]);
+  EXPECT_EQ(all.shot.features[6], numbered(0).features[6]);  // the depth from here
+  EXPECT_EQ(all.shot.share_a, 0.75);
+}
+
+TEST(Reproject, PlacesAreFoundWhereTheyWereSeen) {
+  const Shot here = numbered(0), there = numbered(0.5f);
+  for (const int moved : {7, -5}) {
+    const Neighbour all = reproject(there, view(moved), here, view(0));
+    for (int x = 0; x < kSize.width; ++x) {
+      const size_t i = 20 * 96 + static_cast<size_t>(x);
+      const bool seen = x >= moved && x < kSize.width + moved;
+      EXPECT_EQ(all.present[i], seen ? 1 : 0) << x;
+      const size_t j = i - static_cast<size_t>(seen ? moved : 0);
+      EXPECT_EQ(all.shot.a[1][i], seen ? there.a[1][j] : here.a[1][i]) << x;
+    }
+  }
+}
+
+TEST(Reproject, WhatIsHiddenThereOrNothingIsNotTaken) {
+  const auto share = [](double here, double there) {
+    const Plane present =
+        reproject(numbered(1), view(3, there), numbered(0), view(0, here)).present;
+    double sum = 0;
+    for (const float p : present) sum += static_cast<double>(p);
+    return sum / static_cast<double>(kSize.pixels());
+  };
+  EXPECT_GT(share(kWall, 1.01 * kWall), 0.9);
+  EXPECT_EQ(share(kWall, 1.1 * kWall), 0);
+  EXPECT_EQ(share(kWall, 0.9 * kWall), 0);
+  EXPECT_EQ(share(kWall, 1e10), 0);
+  EXPECT_EQ(share(1e10, kWall), 0);
+  EXPECT_EQ(share(1e10, 1e10), 1);
+}
+
+TEST(Reproject, APlaceAtTheOtherCameraIsNotSeen) {
+  View other = view(0);
+  Camera camera;
+  camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
+  camera.yfov = 1;
+  camera.position = {0, 0, -2 * kWall};  // beyond the wall
+  other.film = FilmPlane(camera, kSize.width, kSize.height);
+  EXPECT_EQ(reproject(numbered(1), other, numbered(0), view(0)).present, Plane(kSize.pixels()));
+}
+
+}  // namespace
+}  // namespace reproject_test
+}  // namespace tdpt::denoise
