@@ -74,6 +74,10 @@ void filter_by_oidn(const Buffers& buffers, Picture& picture, Filtered& filtered
 
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
   ExrFile file = parse_exr(bytes, name);
+  if (file.attributes.contains(film_attribute))
+    throw InputError(name, fmt::format("attribute {}", film_attribute),
+                     "says that it is a film; exrmerge makes a picture of it, filtered if it was "
+                     "rendered with --denoise");
   const auto pixels = file.picture.pixels.size();
   const std::vector<std::string> names = exr_channels(bytes, name);
   expect_memory(name, "",

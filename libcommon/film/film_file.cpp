@@ -24,7 +24,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kAttribute = "film";
 constexpr uint64_t kMostSamples = uint64_t{1} << 33;
 constexpr size_t kMostChannels = 64, kMostRanges = 1 << 20, kMostCounts = 1 << 16;
 constexpr std::array kColours{"R", "G", "B"};
@@ -383,7 +382,7 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
   exr.channels = channels;
   const std::string text =
       json_of(film, facts, blocks, channels).dump(-1, ' ', false, Json::error_handler_t::replace);
-  exr.attributes[kAttribute] = Json{
+  exr.attributes[film_attribute] = Json{
       {"hash", hash_of(text, facts.attributes, film, blocks, channels)},
       {"facts", text}}.dump();
   for (size_t i = 0; i < blocks.blocks.size(); ++i) exr.layers[block_name(i)] = blocks.blocks[i];
@@ -395,7 +394,7 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
 
 FilmFile parse_film(std::string_view bytes, const std::string& name) {
   ExrFile exr = parse_exr(bytes, name);
-  const auto found = exr.attributes.find(kAttribute);
+  const auto found = exr.attributes.find(film_attribute);
   if (found == exr.attributes.end())
     throw InputError(name, "", "is a picture without the sums of a film");
   const auto parsed = [&](const std::string& text) {
@@ -412,7 +411,7 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   const Json facts = parsed(text);
   FilmFile file = film_of(facts, exr, bytes, name);
   file.facts.attributes = std::move(exr.attributes);
-  file.facts.attributes.erase(kAttribute);
+  file.facts.attributes.erase(film_attribute);
   file.facts.attributes.erase("spp");
   if (hash != hash_of(text, file.facts.attributes, file.film, file.blocks, file.channels))
     throw InputError(name, "film", "is damaged");
@@ -424,7 +423,7 @@ FilmFile read_film(const std::string& path) {
 }
 
 bool is_film(const ExrFile& file) {
-  return file.attributes.count(kAttribute) > 0;
+  return file.attributes.count(film_attribute) > 0;
 }
 
 ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels) {

@@ -43,6 +43,8 @@ struct ExrFile {
 inline constexpr const char* provenance_attribute = "provenance";
 /// Name of the string attribute that filtered pictures have: the kind of filter.
 inline constexpr const char* denoiser_attribute = "denoiser";
+/// Name of the string attribute that films have, which are samples to be merged or continued.
+inline constexpr const char* film_attribute = "film";
 /// The provenance of `file`; empty if it has none.
 Provenance provenance_of(const ExrFile& file);
 /// Sets it; an empty provenance adds no attribute.

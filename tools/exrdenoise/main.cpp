@@ -12,7 +12,6 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/cli/outputs.h"
 #include "libcommon/denoise/filter_picture.h"
-#include "libcommon/film/film_file.h"
 #include "tools/exrdenoise/report.h"
 
 namespace tdpt {
@@ -55,10 +54,6 @@ struct Frame {
 Frame read(const std::string& path, const cli::Common& common) {
   const std::string bytes = read_file(path), name = display_name(path);
   ExrFile file = denoise::parse_with_channels(bytes, name);
-  if (is_film(file))
-    throw InputError(name, "attribute film",
-                     "says that it is a film; exrmerge makes a picture of it, filtered if it was "
-                     "rendered with --denoise");
   if (file.pixels_without_data > 0)
     common.warn(fmt::format("{}: {} without data, taken as black", name,
                             counted(file.pixels_without_data, "pixel")));
