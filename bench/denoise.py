@@ -7,7 +7,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, Setting, Stop, decibels_of, settings
+from common import EVERYTHING, Made, Setting, Stop, checked, decibels_of, settings
 from promises import regret_scenes
 
 BUFFERS = ("--aov", "halves,albedo,normal,depth")
@@ -40,6 +40,7 @@ class Measured:
 class View:
     def __init__(self, bench, name, camera):
         self.bench, self.name, self.scene = bench, f"{name}.{camera}" if camera else name, bench.find(name)
+        self.place = name, camera
         sky = self.scene.with_name(f"{self.scene.stem}.env.exr")
         self.sky = ("--environment", sky) if sky.exists() else ()
         self.camera = ("--camera", camera) if camera else ()
@@ -118,6 +119,54 @@ def denoise(bench):
             "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in spps)), kinds)}
     print("\n\n".join(made.values()))
     bench.page("denoise", made, EVERYTHING)
+
+
+# ---- Pictures ----
+# Hard places: (scene, camera or nothing) and corners of crops, as shares of width and height.
+PLACES = {("kitchen", ""): ((0.16, 0.5), (0.62, 0.6), (0.64, 0.1)),
+          ("veach-ajar", ""): ((0.23, 0.53), (0.44, 0.53), (0.8, 0.1)),
+          ("living-room", ""): ((0.47, 0.74), (0.27, 0.55), (0.72, 0.72)),
+          ("sample-house-night", "living"): ((0.86, 0.27), (0.1, 0.3), (0.68, 0.6))}
+CROP = 0.2  # of width and height
+
+
+def crops(bench, view, spp, folder):
+    """Names of the columns of one picture: crops of the noisy picture, the filtered one and the reference, exposed
+    alike, each row a place."""
+    noisy = view.render(spp, 1, *BUFFERS).out
+    reference = view.reference.a
+    guests = (("--denoiser", "oidn"),) if bench.settings.oidn else ()
+    columns = [noisy, *(bench.store.run("exrdenoise", noisy, *guest).out for guest in ((), *guests))]
+    names = []
+    for number, picture in enumerate((*columns, None)):
+        both = bench.store.run("exrdiff", picture or noisy, reference, "--side-by-side", Made("both.png"), output=False)
+        for row, (x, y) in enumerate(PLACES[view.place]):
+            name = folder / f"{row}-{number}.png"
+            width, height = bench.settings.width, round(bench.settings.width * 9 / 16)
+            left = width * x + (width if picture is None else 0)
+            part = f"{round(CROP * width)}x{round(CROP * height)}+{round(left)}+{round(height * y)}"
+            checked(["convert", both.folder / "both.png", "-crop", part, "+repage", "-filter", "point", "-resize", "300x",
+                     "-strip", name])
+            names.append(name)
+    return sorted(names)
+
+
+@settings(SPP=Setting(16, "samples per pixel", 2), WIDTH=Setting(480, "of the pictures", 96),
+          OIDN=Setting(0, "1: beside Open Image Denoise, where exrdenoise finds it", 0),
+          REF=Setting(512, "samples per pixel of the reference", 8))
+def denoise_pictures(bench):
+    """Crops of hard places, noisy, filtered and of a reference: DOC/figures/denoise-SCENE.jpg. ONLY: scenes. Half an
+    hour."""
+    folder = bench.cache / "crops"
+    folder.mkdir(exist_ok=True)
+    there = bench.there([name for name, _ in PLACES])
+    for name, camera in (place for place in PLACES if place[0] in there):
+        view = View(bench, name, camera)
+        made = crops(bench, view, bench.settings.spp, folder)
+        columns = len(made) // len(PLACES[view.place])
+        out = bench.doc / "figures" / f"denoise-{name}.jpg"
+        checked(["montage", *made, "-tile", f"{columns}x", "-geometry", "+2+2", "-quality", "90", out])
+        bench.say(out)
 
 
 # ---- Whether it does harm ----
