@@ -126,7 +126,7 @@ def denoise(bench):
 PLACES = {("kitchen", ""): ((0.16, 0.5), (0.62, 0.6), (0.64, 0.1)),
           ("veach-ajar", ""): ((0.23, 0.53), (0.44, 0.53), (0.8, 0.1)),
           ("living-room", ""): ((0.47, 0.74), (0.27, 0.55), (0.72, 0.72)),
-          ("sample-house-night", "living"): ((0.86, 0.27), (0.1, 0.3), (0.68, 0.6))}
+          ("sample-house-night", "living"): ((0.79, 0.27), (0.08, 0.3), (0.68, 0.6))}
 CROP = 0.2  # of width and height
 
 
@@ -143,7 +143,8 @@ def crops(bench, view, spp, folder):
         for row, (x, y) in enumerate(PLACES[view.place]):
             name = folder / f"{row}-{number}.png"
             width, height = bench.settings.width, round(bench.settings.width * 9 / 16)
-            left = width * x + (width if picture is None else 0)
+            png = (both.folder / "both.png").read_bytes()
+            left = width * x + (int.from_bytes(png[16:20], "big") - width if picture is None else 0)
             part = f"{round(CROP * width)}x{round(CROP * height)}+{round(left)}+{round(height * y)}"
             checked(["convert", both.folder / "both.png", "-crop", part, "+repage", "-filter", "point", "-resize", "300x",
                      "-strip", name])
