@@ -21,6 +21,9 @@ constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing
                  kBrightnessSmoothing = 2, kMapSmoothing = 5;
 // The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
 constexpr double kCertain = 2;
+// It then counts as if the error were so many times as large: errors lie on few of the pixels over
+// which they are averaged.
+constexpr double kFew = 3;
 constexpr double kDark = 0.01;   // as in relMSE
 constexpr double kUntold = 1.5;  // see the header
 
@@ -257,7 +260,7 @@ class Filter {
       const auto e = static_cast<double>(error[i]), v = static_cast<double>(noise[i]);
       const double deviation =
           std::sqrt(std::max(0.0, static_cast<double>(squares[i]) - e * e) / n);
-      const double sure = e - kCertain * deviation;
+      const double sure = kFew * (e - kCertain * deviation);
       if (!(sure > 0)) continue;
       const auto share = static_cast<float>(sure / (sure + v));
       for (size_t c = 0; c < 3; ++c) {
