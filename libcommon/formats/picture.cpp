@@ -377,11 +377,10 @@ std::string exr_bytes(const ExrFile& file) {
   return std::move(stream.bytes);
 }
 
-std::string png_bytes(const Picture& picture, double exposure) {
+std::string png_bytes(const Picture& picture) {
   check_size(picture, picture.width, picture.height);
-  const double scale = std::exp2(exposure);
-  const auto encode = [scale](float value) {  // IEC 61966-2-1
-    const double v = scale * static_cast<double>(value);
+  const auto encode = [](float value) {  // IEC 61966-2-1
+    const auto v = static_cast<double>(value);
     if (!(v > 0)) return static_cast<uint8_t>(0);
     const double s =
         v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
@@ -399,27 +398,6 @@ std::string png_bytes(const Picture& picture, double exposure) {
   }
   return covers ? png_of_rgb8(picture.width, picture.height, pixels)
                 : png_of_rgba8(picture.width, picture.height, pixels);
-}
-
-double auto_exposure(const Picture& picture) {
-  std::vector<float> all;
-  for (const Rgb& p : picture.pixels) {
-    const float l = luminance(p);
-    all.push_back(std::isfinite(l) && l > 0 ? l : 0.0f);
-  }
-  const auto percentile = [](std::vector<float>& v) {
-    const size_t at = v.size() * 95 / 100;
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(at), v.end());
-    return v[at];
-  };
-  if (all.empty()) return 0;
-  float white = percentile(all);
-  if (white <= 0) {
-    std::erase_if(all, [](float l) { return l <= 0; });
-    if (all.empty()) return 0;
-    white = percentile(all);
-  }
-  return -std::log2(static_cast<double>(white));
 }
 
 }  // namespace tdpt

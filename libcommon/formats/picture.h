@@ -70,11 +70,8 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
 /// reader here uses. The same input gives the same bytes. Layers must have the picture's size; an
 /// attribute must not have the name of one that OpenEXR defines with another type.
 std::string exr_bytes(const ExrFile& file);
-/// 8-bit sRGB PNG of picture * 2^exposure, clipped, as bytes; with alpha if the picture has it,
-/// colours divided by it. NaN becomes black.
-std::string png_bytes(const Picture& picture, double exposure);
-/// Exposure [stops] that maps the 95th percentile of luminance to white; 0 for a black picture. If
-/// more than 95 % of the pixels are black, the percentile is taken over the others.
-double auto_exposure(const Picture& picture);
+/// 8-bit sRGB PNG, clipped, as bytes; with alpha if the picture has it, colours divided by it. NaN
+/// becomes black. Rendered pictures are shown by preview_bytes() [tone.h].
+std::string png_bytes(const Picture& picture);
 
 }  // namespace tdpt
