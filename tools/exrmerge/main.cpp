@@ -36,11 +36,13 @@ void declare_options(cli::Options& options, Arguments& a) {
 }
 
 std::string picture_bytes(const Arguments& a, FilmFile& film, const ExrFile& picture) {
-  return a.film ? film_bytes(film.film, film.facts, {}, film.channels) : exr_bytes(picture);
+  return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
+                : exr_bytes(picture, a.storage());
 }
 
 int run(const Arguments& a, const cli::Common& common) {
   check_picture_arguments(a);
+  if (a.film) check_stores_film(a, "--film");
   FilmFile film = merged(a.films);
   const std::string names = a.films.size() == 1
                                 ? a.films.front()
@@ -57,6 +59,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const auto filtered = a.film ? std::nullopt : filter_as_asked(file, film.film, film.facts);
   const Picture& picture = file.picture;
   const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  warn_of_range(picture, a.storage(), common);
   cli::deliver({{common.output, [&] { return picture_bytes(a, film, file); }},
                 {a.preview, [&] { return preview_bytes(picture, *exposure); }}},
                common);

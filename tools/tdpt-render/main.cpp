@@ -232,6 +232,7 @@ int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
 
 int run(const Arguments& a, const cli::Common& common) {
   check_render_arguments(a);
+  if (!a.shard.empty()) check_stores_film(a, "--shard");
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);

@@ -79,7 +79,7 @@ Finished finished(const Outcome& r, const RenderResult& result) {
 
 // The bytes of the result; of a shard those of a film.
 std::string bytes_of(const Outcome& r, const ExrFile& picture) {
-  return r.job.is_shard() ? film_of(r) : exr_bytes(picture);
+  return r.job.is_shard() ? film_of(r) : exr_bytes(picture, r.job.a.storage());
 }
 
 void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done,
@@ -156,6 +156,7 @@ Delivered deliver(const Outcome& r, const RenderResult& result) {
   const Picture& picture = all.file.picture;
   const PictureArguments& a = r.job.a;
   const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  warn_of_range(picture, a.storage(), r.job.common);
   try {
     write_all(r, result, all.file, exposure);
   } catch (const OutputError& e) {
