@@ -5,6 +5,9 @@
 
 namespace tdpt {
 
+/// String attribute with the version of our format; absent in pictures of other programs.
+inline constexpr const char* kVersionAttribute = "tdptFormat";
+
 /// Describes the first attribute, of all headers, whose declared size does not match its type or
 /// contents; "" if there is none. The OpenEXR library allocates whatever size an attribute declares
 /// before reading it, and reads past its end: it must not see such a file.

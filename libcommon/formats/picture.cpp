@@ -13,7 +13,6 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
-#include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
@@ -28,8 +27,6 @@
 
 namespace tdpt {
 namespace {
-
-constexpr const char* kVersion = "tdptFormat";  // attribute; absent in pictures of other programs
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -48,25 +45,6 @@ class MemoryInput : public Imf::IStream {
 
  private:
   std::string_view bytes_;
-  uint64_t place_ = 0;
-};
-
-class MemoryOutput : public Imf::OStream {
- public:
-  MemoryOutput() : OStream("picture") {}
-
-  void write(const char from[], int n) override {
-    const auto count = static_cast<size_t>(n);
-    if (place_ + count > bytes.size()) bytes.resize(place_ + count);
-    std::memcpy(bytes.data() + place_, from, count);
-    place_ += count;
-  }
-  uint64_t tellp() override { return place_; }
-  void seekp(uint64_t place) override { place_ = place; }
-
-  std::string bytes;
-
- private:
   uint64_t place_ = 0;
 };
 
@@ -186,7 +164,7 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
   result.pixels_without_data = static_cast<int64_t>(w.width * w.height - covered);
   for (auto a = header.begin(); a != header.end(); ++a) {
     const std::string key = a.name();
-    if (key == "type" || key == "name" || key == kVersion) continue;  // not of the picture
+    if (key == "type" || key == "name" || key == kVersionAttribute) continue;  // not of the picture
     if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
       result.attributes[key] = text->value();
   }
@@ -211,8 +189,8 @@ auto parse(std::string_view bytes, const std::string& name, const Read& read) {
       const Imf::Header& header = file.header(part);
       if (header.hasType() && Imf::isDeepData(header.type()))
         throw InputError(name, "type", "deep pixels, expected one sample of R, G and B a pixel");
-      if (const auto* version = header.findTypedAttribute<Imf::StringAttribute>(kVersion))
-        check_version(name, kVersion, version->value(), format_version::picture);
+      if (const auto* version = header.findTypedAttribute<Imf::StringAttribute>(kVersionAttribute))
+        check_version(name, kVersionAttribute, version->value(), format_version::picture);
       return read(file, part);
     }
     throw InputError(name, "channels",
@@ -231,11 +209,10 @@ Imf::PixelType pixel_type(const WordChannel& channel) {
   return channel.type == WordChannel::real ? Imf::FLOAT : Imf::UINT;
 }
 
-void check_size(const Picture& p, int width, int height) {
-  const size_t n = static_cast<size_t>(width) * static_cast<size_t>(height);
-  if (p.width != width || p.height != height || width < 1 || height < 1 || p.pixels.size() != n ||
-      (!p.alpha.empty() && p.alpha.size() != n))
-    throw std::invalid_argument("picture and layers must have one size and no fewer pixels");
+// Half floats are read as floats.
+bool can_be_read_as(const WordChannel& word, const Imf::Channel& channel) {
+  return (channel.type == Imf::UINT) == (word.type == WordChannel::whole) &&
+         channel.xSampling == 1 && channel.ySampling == 1;
 }
 
 }  // namespace
@@ -310,8 +287,7 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
     Imf::FrameBuffer buffer;
     for (const WordChannel& word : words) {
       const Imf::Channel* channel = header.channels().findChannel(word.name);
-      if (!channel || channel->type != pixel_type(word) || channel->xSampling != 1 ||
-          channel->ySampling != 1)
+      if (!channel || !can_be_read_as(word, *channel))
         throw InputError(name, "channel " + word.name,
                          channel ? "is of another type" : "is missing");
       buffer.insert(word.name, Imf::Slice::Make(pixel_type(word), word.first, window, word.step,
@@ -322,104 +298,6 @@ void parse_exr_words(std::string_view bytes, const std::string& name, int width,
     part.setFrameBuffer(buffer);
     part.readPixels(window.min.y, window.max.y);
   });
-}
-
-std::string exr_bytes(const ExrFile& file) {
-  const int width = file.picture.width, height = file.picture.height;
-  Imf::Header header(width, height);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  header.insert(kVersion, Imf::StringAttribute(std::to_string(format_version::picture)));
-  for (const auto& [name, text] : file.attributes)
-    header.insert(name.c_str(), Imf::StringAttribute(text));
-
-  Imf::FrameBuffer buffer;
-  const auto insert = [&](const std::string& prefix, const Picture& p) {
-    check_size(p, width, height);
-    const char* const channel[3] = {"R", "G", "B"};
-    const float* const first[3] = {&p.pixels[0].x, &p.pixels[0].y, &p.pixels[0].z};
-    for (int c = 0; c < 3; ++c) {
-      header.channels().insert(prefix + channel[c], Imf::Channel(Imf::FLOAT));
-      // The library's interface lacks const; it only reads.
-      buffer.insert(
-          prefix + channel[c],
-          Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(first[c])),
-                     sizeof(Rgb), sizeof(Rgb) * static_cast<size_t>(width)));
-    }
-  };
-  insert("", file.picture);
-  if (const std::vector<float>& alpha = file.picture.alpha; !alpha.empty()) {
-    header.channels().insert("A", Imf::Channel(Imf::FLOAT));
-    buffer.insert(
-        "A", Imf::Slice(Imf::FLOAT, const_cast<char*>(reinterpret_cast<const char*>(alpha.data())),
-                        sizeof(float), sizeof(float) * static_cast<size_t>(width)));
-  }
-  for (const auto& [name, picture] : file.layers) insert(name + ".", picture);
-  for (const auto& [name, values] : file.channels) {
-    if (values.size() != static_cast<size_t>(width) * static_cast<size_t>(height))
-      throw std::invalid_argument("a channel must be as large as the picture");
-    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-    buffer.insert(name, Imf::Slice(Imf::FLOAT,
-                                   const_cast<char*>(reinterpret_cast<const char*>(values.data())),
-                                   sizeof(float), sizeof(float) * static_cast<size_t>(width)));
-  }
-  for (const WordChannel& word : file.words) {
-    header.channels().insert(word.name, Imf::Channel(pixel_type(word)));
-    buffer.insert(word.name, Imf::Slice(pixel_type(word), reinterpret_cast<char*>(word.first),
-                                        word.step, word.step * static_cast<size_t>(width)));
-  }
-
-  MemoryOutput stream;
-  {
-    Imf::OutputFile output(stream, header, 0);
-    output.setFrameBuffer(buffer);
-    output.writePixels(height);
-  }  // the destructor writes the table of offsets
-  return std::move(stream.bytes);
-}
-
-std::string png_bytes(const Picture& picture, double exposure) {
-  check_size(picture, picture.width, picture.height);
-  const double scale = std::exp2(exposure);
-  const auto encode = [scale](float value) {  // IEC 61966-2-1
-    const double v = scale * static_cast<double>(value);
-    if (!(v > 0)) return static_cast<uint8_t>(0);
-    const double s =
-        v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(std::min(v, 1.0), 1 / 2.4) - 0.055;
-    return static_cast<uint8_t>(std::lround(255 * std::min(s, 1.0)));
-  };
-  std::vector<uint8_t> pixels;
-  const bool covers = picture.alpha.empty();
-  pixels.reserve(picture.pixels.size() * (covers ? 3 : 4));
-  for (size_t i = 0; i < picture.pixels.size(); ++i) {
-    const float alpha = covers ? 1 : picture.alpha[i];
-    for (int c = 0; c < 3; ++c)
-      pixels.push_back(alpha > 0 ? encode(picture.pixels[i][c] / alpha) : uint8_t{0});
-    if (!covers)
-      pixels.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(alpha, 0.0f, 1.0f))));
-  }
-  return covers ? png_of_rgb8(picture.width, picture.height, pixels)
-                : png_of_rgba8(picture.width, picture.height, pixels);
-}
-
-double auto_exposure(const Picture& picture) {
-  std::vector<float> all;
-  for (const Rgb& p : picture.pixels) {
-    const float l = luminance(p);
-    all.push_back(std::isfinite(l) && l > 0 ? l : 0.0f);
-  }
-  const auto percentile = [](std::vector<float>& v) {
-    const size_t at = v.size() * 95 / 100;
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(at), v.end());
-    return v[at];
-  };
-  if (all.empty()) return 0;
-  float white = percentile(all);
-  if (white <= 0) {
-    std::erase_if(all, [](float l) { return l <= 0; });
-    if (all.empty()) return 0;
-    white = percentile(all);
-  }
-  return -std::log2(static_cast<double>(white));
 }
 
 }  // namespace tdpt

@@ -474,39 +474,20 @@ TEST(Picture, RefusesToWriteLayersOfAnotherSize) {
 }
 
 TEST(Picture, PngIsSrgbAndClipped) {
-  Picture p{2, 2, {Rgb(0.5f), Rgb(7.0f), Rgb(-1.0f), Rgb(std::numeric_limits<float>::quiet_NaN())}};
-  const std::string png = png_bytes(p, 0);
+  const Picture p{
+      2, 2, {Rgb(0.5f), Rgb(7.0f), Rgb(-1.0f), Rgb(std::numeric_limits<float>::quiet_NaN())}};
+  const std::string png = png_bytes(p);
   EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
-  EXPECT_EQ(png.substr(12, 4), "IHDR");
-  EXPECT_EQ(png[19], 2);
-  EXPECT_EQ(png[23], 2);
-  EXPECT_EQ(png[24], 8);  // bits
-  EXPECT_EQ(png[25], 2);  // RGB
-  EXPECT_EQ(png.substr(png.size() - 8, 4), "IEND");
-  // Twice the radiance at one stop less is the same picture.
-  Picture twice = p;
-  for (Rgb& c : twice.pixels) c *= 2;
-  EXPECT_EQ(png_bytes(twice, -1), png);
-  EXPECT_NE(png_bytes(twice, 0), png);
+  EXPECT_EQ(png, png_of_rgb8(2, 2, {188, 188, 188, 255, 255, 255, 0, 0, 0, 0, 0, 0}));
 }
 
 // PNG stores colours without premultiplied alpha.
 TEST(Picture, PngWithAlpha) {
   Picture p{2, 1, {Rgb(0.25f), Rgb(0.0f)}, {0.5f, 0}};
-  const std::string png = png_bytes(p, 0);
+  const std::string png = png_bytes(p);
   EXPECT_EQ(png[25], 6);  // RGB and alpha
   const std::string straight = png_of_rgba8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
   EXPECT_EQ(png, straight);
-}
-
-TEST(Picture, AutomaticExposurePutsThe95thPercentileAtWhite) {
-  Picture p{100, 1, {}};
-  for (int i = 0; i < 100; ++i) p.pixels.push_back(Rgb(static_cast<float>(i)));
-  EXPECT_NEAR(auto_exposure(p), -std::log2(95.0), 1e-6);
-  for (int i = 0; i < 97; ++i) p.pixels[static_cast<size_t>(i)] = Rgb(0);
-  EXPECT_NEAR(auto_exposure(p), -std::log2(99.0), 1e-6);
-  for (Rgb& c : p.pixels) c = Rgb(0);
-  EXPECT_EQ(auto_exposure(p), 0);
 }
 
 }  // namespace tdpt::picture_test

@@ -4,7 +4,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/outputs.h"
 
 namespace tdpt {
 namespace {
@@ -112,7 +111,7 @@ void declare_amount_options(cli::Options& options, RenderArguments& a) {
 }
 
 // Contents of the picture besides its colours.
-void declare_picture_options(cli::Options& options, RenderArguments& a) {
+void declare_channel_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::picture);
   options.flag("--alpha", a.alpha,
                "Transparent film: leave out the sky behind all, add a channel A of what is before "
@@ -134,6 +133,7 @@ void declare_picture_options(cli::Options& options, RenderArguments& a) {
 }  // namespace
 
 void check_render_arguments(const RenderArguments& a) {
+  check_picture_arguments(a);
   if (a.filters() && a.denoiser != kDenoisers[1] && a.spp == 1)
     throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
   check_name_of_png("--set nonzero", a.nonzero);
@@ -144,10 +144,10 @@ void declare_render_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::files);
   options.inputs("--portal", a.portals, "FILE",
                  "Portals (.glb, .gltf) from portalfit or a modelling program; may be repeated");
-  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+  declare_picture_options(options, a);
   options.result_name(check_picture_name);
   declare_amount_options(options, a);
-  declare_picture_options(options, a);
+  declare_channel_options(options, a);
   declare_camera_options(options, a.camera);
   declare_sky_options(options, a.sky);
   declare_checkpoint_options(options, a);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/formats/camera_options.h"
+#include "libcommon/formats/picture_options.h"
 #include "libcommon/formats/sky_options.h"
 
 namespace tdpt {
@@ -19,7 +20,7 @@ inline constexpr std::array kDenoisers{"regression", "oidn"};
 inline constexpr int kMostEdges = 1024;                   ///< per path
 inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< share of samples with a light walk
 
-struct RenderArguments {
+struct RenderArguments : PictureArguments {
   std::string scene, device = "cpu";
   std::vector<std::string> portals;
   SkyArguments sky;
@@ -40,7 +41,7 @@ struct RenderArguments {
   int64_t add_samples = 0;
   std::string isa = "native";
 
-  std::string stats, nonzero, preview;  ///< paths; empty: not asked for
+  std::string stats, nonzero;  ///< paths; empty: not asked for
   bool layers = false, alpha = false;
   std::string aov;  ///< names, separated by commas
   bool denoise = false;

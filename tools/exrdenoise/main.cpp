@@ -10,8 +10,9 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/cli/outputs.h"
 #include "libcommon/denoise/filter_picture.h"
+#include "libcommon/formats/picture_options.h"
+#include "libcommon/formats/tone.h"
 #include "tools/exrdenoise/report.h"
 
 namespace tdpt {
@@ -26,8 +27,8 @@ constexpr cli::Program kProgram{
     cli::kCommit,
     cli::kThreads | cli::kQuiet};
 
-struct Arguments {
-  std::string picture, previous, next, preview, denoiser = denoise::kKinds[0];
+struct Arguments : PictureArguments {
+  std::string picture, previous, next, denoiser = denoise::kKinds[0];
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -42,7 +43,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.choice("--denoiser", a.denoiser, {denoise::kKinds.begin(), denoise::kKinds.end()},
                  "Filter: regression, our own, or oidn, Intel's Open Image Denoise, if it is "
                  "installed; default regression");
-  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+  declare_picture_options(options, a);
 }
 
 // A picture that is read, and its part in the provenance.
@@ -62,6 +63,7 @@ Frame read(const std::string& path, const cli::Common& common) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  check_picture_arguments(a);
   const denoise::Kind kind = denoise::kind_of(a.denoiser);
   if (kind == denoise::Kind::oidn && !(a.previous.empty() && a.next.empty()))
     throw UsageError("--previous and --next go with --denoiser regression");
@@ -80,14 +82,16 @@ int run(const Arguments& a, const cli::Common& common) {
   const denoise::Filtered filtered = denoise::filter_picture(file, name, kind, others);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   set_provenance(file, common.provenance(sources));
-  cli::deliver({{common.output, [&] { return exr_bytes(file); }},
-                {a.preview, [&] { return png_bytes(file.picture, auto_exposure(file.picture)); }}},
+  const std::optional<double> exposure = exposure_of(file.picture, a.preview, a.exposure);
+  warn_of_range(file.picture, a.storage(), common);
+  cli::deliver({{common.output, [&] { return exr_bytes(file, a.storage()); }},
+                {a.preview, [&] { return preview_bytes(file.picture, *exposure); }}},
                common);
-  if (common.json) common.summary(summary_json(file.picture, filtered, took.count()));
+  if (common.json) common.summary(summary_json(file.picture, filtered, took.count(), exposure));
   if (!filtered.has_features)
     common.warn(name + ": has no albedo, normal and depth: edges of textures and things may blur");
   common.note(fmt::format("{}; {:.1f} s", denoise::sentence_of(filtered), took.count()));
-  common.explain_by([&] { return decisions_of(filtered); });
+  common.explain_by([&] { return with_exposure(decisions_of(filtered), a.exposure, exposure); });
   return 0;
 }
 

@@ -9,22 +9,23 @@
 
 namespace tdpt {
 
-std::string summary_json(const Picture& picture, const denoise::Filtered& filtered,
-                         double seconds) {
+std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
+                         std::optional<double> exposure) {
   Vec3d sum;
   for (const Rgb& p : picture.pixels) sum += Vec3d(p);
   const Vec3d mean = sum / static_cast<double>(picture.pixels.size());
-  return nlohmann::ordered_json{{"width", picture.width},
-                                {"height", picture.height},
-                                {"mean", {mean.x, mean.y, mean.z}},
-                                {"denoiser", filtered.denoiser},
-                                {"outliers", filtered.outliers},
-                                {"outlier_energy", filtered.outlier_energy},
-                                {"relmse", filtered.relmse},
-                                {"seen_elsewhere", filtered.seen_elsewhere},
-                                {"features", filtered.has_features},
-                                {"seconds", seconds}}
-      .dump();
+  nlohmann::ordered_json j{{"width", picture.width},
+                           {"height", picture.height},
+                           {"mean", {mean.x, mean.y, mean.z}},
+                           {"denoiser", filtered.denoiser},
+                           {"outliers", filtered.outliers},
+                           {"outlier_energy", filtered.outlier_energy},
+                           {"relmse", filtered.relmse},
+                           {"seen_elsewhere", filtered.seen_elsewhere},
+                           {"features", filtered.has_features},
+                           {"seconds", seconds}};
+  if (exposure) j["exposure"] = *exposure;
+  return j.dump();
 }
 
 cli::Decisions decisions_of(const denoise::Filtered& filtered) {

@@ -1,5 +1,6 @@
 // What exrdenoise says about a filtered picture.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "libcommon/cli/decision.h"
@@ -7,8 +8,9 @@
 
 namespace tdpt {
 
-/// One JSON object, the keys of exrdenoise(1).
-std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds);
+/// One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
+std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
+                         std::optional<double> exposure);
 
 cli::Decisions decisions_of(const denoise::Filtered& filtered);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libcommon/formats/tone.h"
 #include "tools/exrdiff/measure.h"
 
 namespace tdpt {
@@ -26,17 +27,15 @@ Picture false_colour(const Picture& picture, const Picture& reference) {
   return result;
 }
 
-Picture side_by_side(const Picture& picture, const Picture& reference) {
-  const auto scale = static_cast<float>(std::exp2(auto_exposure(reference)));
+Picture side_by_side(const Picture& picture, const Picture& reference, double exposure) {
+  const Picture left = toned(picture, exposure), right = toned(reference, exposure);
   constexpr int line = 2;
   Picture result{picture.width + line + reference.width, reference.height, {}};
   const auto width = static_cast<size_t>(picture.width);
   for (size_t y = 0; y < static_cast<size_t>(reference.height); ++y) {
-    for (size_t x = 0; x < width; ++x)
-      result.pixels.push_back(picture.pixels[y * width + x] * scale);
+    for (size_t x = 0; x < width; ++x) result.pixels.push_back(left.pixels[y * width + x]);
     result.pixels.insert(result.pixels.end(), line, Rgb(1));
-    for (size_t x = 0; x < width; ++x)
-      result.pixels.push_back(reference.pixels[y * width + x] * scale);
+    for (size_t x = 0; x < width; ++x) result.pixels.push_back(right.pixels[y * width + x]);
   }
   return result;
 }

@@ -12,8 +12,8 @@ Picture difference(const Picture& picture, const Picture& reference);
 /// luminance L_r (+ 0.01 of the mean of the reference, as in mape).
 Picture false_colour(const Picture& picture, const Picture& reference);
 
-/// The picture on the left, the reference on the right, a white line between them; both multiplied
-/// by 2^exposure of the reference, so that white is 1.
-Picture side_by_side(const Picture& picture, const Picture& reference);
+/// The same for the picture on the left and the reference on the right, both toned [tone.h] at one
+/// exposure [stops], with a white line between them.
+Picture side_by_side(const Picture& picture, const Picture& reference, double exposure);
 
 }  // namespace tdpt

@@ -8,6 +8,7 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/formats/picture_options.h"
 #include "tools/exrdiff/difference.h"
 #include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
@@ -28,6 +29,7 @@ constexpr cli::Program kProgram{
 
 struct Arguments {
   std::string picture, reference, beside;
+  std::optional<double> exposure;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -36,6 +38,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("reference", a.reference, "What it should be (.exr); - is standard input");
   options.side_output("--side-by-side", a.beside,
                       "Write a PNG with the picture left of the reference, exposed alike");
+  declare_exposure(options, a.exposure, "--side-by-side");
 }
 
 struct Input {
@@ -57,7 +60,7 @@ std::string difference_bytes(const Arguments& a, const cli::Common& common, cons
                              const Input& reference) {
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
-  if (common.output.ends_with(".png")) return png_bytes(false_colour(p, r), 0);
+  if (common.output.ends_with(".png")) return png_bytes(false_colour(p, r));
   ExrFile file;
   file.picture = difference(p, r);
   set_provenance(file,
@@ -72,21 +75,24 @@ void report(const cli::Common& common, const Comparison& comparison) {
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  if (a.exposure && a.beside.empty()) throw UsageError("--exposure goes with --side-by-side");
   const Input picture = load(a.picture, common), reference = load(a.reference, common);
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
   if (reference.file.attributes.contains(denoiser_attribute))
     common.warn(reference.name + ": is filtered, so it is biased and no good reference");
   const Comparison comparison = compare(p, picture.name, r, reference.name);
+  const std::optional<double> exposure = exposure_of(r, a.beside, a.exposure);
   cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
-                {a.beside, [&] { return png_bytes(side_by_side(p, r), 0); }}},
+                {a.beside, [&] { return png_bytes(side_by_side(p, r, *exposure)); }}},
                common);
   report(common, comparison);
   common.explain_by([&] {
-    return decisions_of(
-        comparison, r,
-        static_cast<int64_t>(picture.file.pixels_without_data + reference.file.pixels_without_data),
-        common.output);
+    return with_exposure(decisions_of(comparison, r,
+                                      static_cast<int64_t>(picture.file.pixels_without_data +
+                                                           reference.file.pixels_without_data),
+                                      common.output),
+                         a.exposure, exposure);
   });
   return 0;
 }

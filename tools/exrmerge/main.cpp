@@ -7,7 +7,8 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/cli/outputs.h"
+#include "libcommon/formats/picture_options.h"
+#include "libcommon/formats/tone.h"
 #include "tools/exrmerge/merging.h"
 
 namespace tdpt {
@@ -21,9 +22,8 @@ constexpr cli::Program kProgram{"exrmerge",
                                 cli::kCommit,
                                 cli::kQuiet};
 
-struct Arguments {
+struct Arguments : PictureArguments {
   std::vector<std::string> films;
-  std::string preview;
   bool film = false, gaps = false;
 };
 
@@ -32,14 +32,17 @@ void declare_options(cli::Options& options, Arguments& a) {
                     "Shards or checkpoints of tdpt-render (OpenEXR); - is standard input");
   options.flag("--film", a.film, "Write a film, which can be merged and added to, gaps or not");
   options.flag("--gaps", a.gaps, "Write a picture of what there is where samples are missing");
-  options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
+  declare_picture_options(options, a);
 }
 
 std::string picture_bytes(const Arguments& a, FilmFile& film, const ExrFile& picture) {
-  return a.film ? film_bytes(film.film, film.facts, {}, film.channels) : exr_bytes(picture);
+  return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
+                : exr_bytes(picture, a.storage());
 }
 
 int run(const Arguments& a, const cli::Common& common) {
+  check_picture_arguments(a);
+  if (a.film) check_stores_film(a, "--film");
   FilmFile film = merged(a.films);
   const std::string names = a.films.size() == 1
                                 ? a.films.front()
@@ -55,15 +58,19 @@ int run(const Arguments& a, const cli::Common& common) {
                         : finished_picture(film.film, film.facts, film.channels);
   const auto filtered = a.film ? std::nullopt : filter_as_asked(file, film.film, film.facts);
   const Picture& picture = file.picture;
+  const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  warn_of_range(picture, a.storage(), common);
   cli::deliver({{common.output, [&] { return picture_bytes(a, film, file); }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }}},
+                {a.preview, [&] { return preview_bytes(picture, *exposure); }}},
                common);
-  if (common.json) common.summary(summary_json(film, a.films.size()));
+  if (common.json) common.summary(summary_json(film, a.films.size(), exposure));
   common.note(fmt::format("{} per pixel of {} at {} x {} from {}",
                           counted(film.film.samples(), "sample"), film.facts.spp, picture.width,
                           picture.height, cli::plural(a.films.size(), "film")));
   if (filtered) common.note(sentence_of(*filtered));
-  common.explain_by([&] { return decisions_of(film, a.films.size(), a.film); });
+  common.explain_by([&] {
+    return with_exposure(decisions_of(film, a.films.size(), a.film), a.exposure, exposure);
+  });
   return 0;
 }
 

@@ -36,7 +36,7 @@ void check_whole(const FilmFile& film, const std::string& file) {
                                words_of(gaps), film.facts.spp));
 }
 
-std::string summary_json(const FilmFile& film, size_t films) {
+std::string summary_json(const FilmFile& film, size_t films, std::optional<double> exposure) {
   const Picture picture = film.film.picture();
   Vec3d sum;
   size_t lit = 0;
@@ -46,16 +46,17 @@ std::string summary_json(const FilmFile& film, size_t films) {
   }
   const auto pixels = static_cast<double>(picture.pixels.size());
   const Vec3d mean = sum / pixels;
-  return Json{{"films", films},
-              {"spp", film.film.samples()},
-              {"samples", json_of(film.film.ranges())},
-              {"missing", json_of(film.gaps())},
-              {"width", picture.width},
-              {"height", picture.height},
-              {"mean", {mean.x, mean.y, mean.z}},
-              {"nonzero", static_cast<double>(lit) / pixels},
-              {"processor", film.facts.processor}}
-      .dump();
+  Json j{{"films", films},
+         {"spp", film.film.samples()},
+         {"samples", json_of(film.film.ranges())},
+         {"missing", json_of(film.gaps())},
+         {"width", picture.width},
+         {"height", picture.height},
+         {"mean", {mean.x, mean.y, mean.z}},
+         {"nonzero", static_cast<double>(lit) / pixels},
+         {"processor", film.facts.processor}};
+  if (exposure) j["exposure"] = *exposure;
+  return j.dump();
 }
 
 cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums) {

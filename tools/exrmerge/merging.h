@@ -1,5 +1,6 @@
 // Merges parts of a picture.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,8 @@ FilmFile merged(const std::vector<std::string>& paths);
 /// Throws InputError that lists missing samples; `file` names what was merged.
 void check_whole(const FilmFile& film, const std::string& file);
 
-/// One JSON object, the keys of exrmerge(1).
-std::string summary_json(const FilmFile& film, size_t films);
+/// One JSON object, the keys of exrmerge(1). `exposure`: of the preview, if there is one.
+std::string summary_json(const FilmFile& film, size_t films, std::optional<double> exposure);
 
 cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums);
 

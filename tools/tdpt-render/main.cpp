@@ -98,11 +98,12 @@ double share_of_portals(const World& world, const Integrator& integrator,
   return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
 
-void report(const Job& job, const World& world, const Choice& choice, const RenderResult& result) {
+void report(const Job& job, const World& world, const Choice& choice, const RenderResult& result,
+            const Delivered& delivered) {
   const cli::Common& common = job.common;
   const Loaded& in = job.in;
   const RenderSettings& settings = job.settings;
-  common.summary(summary_json(choice.integrator, settings, result, in.portals));
+  common.summary(summary_json(choice.integrator, settings, result, in.portals, delivered.exposure));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
     common.warn(
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
@@ -217,19 +218,21 @@ int render(const Job& job, SampleRenderer& renderer, const Choice& choice,
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return static_cast<int>(Exit::interrupted);
   }
-  const std::string filtered = deliver(
+  const Delivered delivered = deliver(
       {job, choice, *result.render_state, result.plan, result.target, channels_of(job, world)},
       result);
-  report(job, world, choice, result);
-  if (!filtered.empty()) job.common.note(filtered);
+  report(job, world, choice, result, delivered);
+  if (!delivered.filtered.empty()) job.common.note(delivered.filtered);
   job.common.explain_by([&] {
-    return decisions_of({world, portals, job.request, choice, job.settings, result});
+    return with_exposure(decisions_of({world, portals, job.request, choice, job.settings, result}),
+                         job.a.exposure, delivered.exposure);
   });
   return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
   check_render_arguments(a);
+  if (!a.shard.empty()) check_stores_film(a, "--shard");
   const std::optional<gpu::Device> device = device_asked(a.device);
   if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);

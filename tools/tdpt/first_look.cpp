@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
@@ -53,6 +55,7 @@ FirstLook::FirstLook(const Arguments& a, const Request& request, const std::stri
   for (const char* word :
        {"--integrator", "bdpt", "--quiet", "--set", "progress=none", "--preview"})
     base_.emplace_back(word);
+  if (a.exposure) base_.push_back(fmt::format("--exposure={}", *a.exposure));
   begin();
 }
 

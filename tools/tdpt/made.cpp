@@ -102,6 +102,8 @@ std::map<std::string, std::string> files_written_beside(const RenderArguments& a
   std::map<std::string, std::string> hashes;
   for (const auto& [option, path] : files_beside(a))
     if (std::string hash = hash_of_picture(path); !hash.empty()) hashes[option] = std::move(hash);
+  if (const auto preview = hashes.find("--preview"); preview != hashes.end() && a.exposure)
+    preview->second += fmt::format(" {}", *a.exposure);
   return hashes;
 }
 

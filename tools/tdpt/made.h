@@ -32,7 +32,8 @@ std::optional<Unfinished> unfinished_in(const std::string& entry);
 
 /// Of the file at that path; "" if there is none.
 std::string hash_of_picture(const std::string& path);
-/// Hashes of the existing files that --preview, --stats and --set nonzero name.
+/// Hashes of the existing files that --preview, --stats and --set nonzero name; that of the preview
+/// with the exposure, if it is given.
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a);
 
 /// Whether the picture exists, complete, as `p` would make it, with all files that belong to it.

@@ -23,9 +23,10 @@ constexpr std::string_view kDevice[]{"--device"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
 constexpr std::string_view kAll[]{"--no-provenance"};
 constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
-constexpr std::string_view kBeside[]{"--checkpoint", "--set checkpoint-every", "--resume",
-                                     "--stats",      "--set nonzero",          "--preview",
-                                     "--json"};
+constexpr std::string_view kBeside[]{"--checkpoint",  "--set checkpoint-every",
+                                     "--resume",      "--stats",
+                                     "--set nonzero", "--preview",
+                                     "--exposure",    "--json"};
 // Options of this program alone.
 constexpr std::string_view kOwn[]{"--output",
                                   "--work",

@@ -183,6 +183,18 @@ class Tdpt(unittest.TestCase):
         open(self.path("2"), "w").close()  # the value of an option is no file
         self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
 
+    def test_preview_has_the_exposure_that_is_asked_for(self):
+        words = ["room.glb", "-o", "p.exr", *QUICK, "--preview"]
+        self.run_tdpt(*words)
+        picture, automatic = self.bytes_of("p.exr"), self.bytes_of("p.png")
+        for exposure, same in ((["--exposure=-3"], False), ([], True)):
+            _, err = self.run_tdpt(*words, *exposure)
+            self.assertIn("wrote p.exr, p.png", err)
+            self.assertEqual(self.bytes_of("p.png") == automatic, same)
+            self.assertEqual(self.bytes_of("p.exr"), picture)
+            _, err = self.run_tdpt(*words, *exposure)
+            self.assertIn("is up to date", err)
+
     def test_another_command_s_picture_is_not_replaced(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
         before = self.bytes_of("p.exr")

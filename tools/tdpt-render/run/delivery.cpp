@@ -11,6 +11,8 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/cli/ending.h"
+#include "libcommon/formats/picture_options.h"
+#include "libcommon/formats/tone.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/run/features.h"
 #include "tools/tdpt-render/run/report.h"
@@ -77,23 +79,25 @@ Finished finished(const Outcome& r, const RenderResult& result) {
 
 // The bytes of the result; of a shard those of a film.
 std::string bytes_of(const Outcome& r, const ExrFile& picture) {
-  return r.job.is_shard() ? film_of(r) : exr_bytes(picture);
+  return r.job.is_shard() ? film_of(r) : exr_bytes(picture, r.job.a.storage());
 }
 
-void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done) {
+void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done,
+               std::optional<double> exposure) {
   const Job& job = r.job;
   const Arguments& a = job.a;
   const Picture& picture = done.picture;
   cli::deliver({{job.common.output, [&] { return bytes_of(r, done); }},
-                {a.preview, [&] { return png_bytes(picture, auto_exposure(picture)); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture), 0); }},
+                {a.preview, [&] { return preview_bytes(picture, *exposure); }},
+                {a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
                 {job.writes_plan() && !result.cut_short ? a.plan : "",
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
                 {a.stats,
                  [&] {
-                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
+                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals,
+                                     exposure) +
                           "\n";
                  }}},
                job.common);
@@ -139,20 +143,26 @@ bool save(const Outcome& r) {
 
 void show(const Job& job, const Picture& picture) {
   try {
-    write_output(job.a.preview, png_bytes(picture, auto_exposure(picture)));
+    const PictureArguments& a = job.a;
+    const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+    write_output(a.preview, preview_bytes(picture, *exposure));
   } catch (const OutputError&) {
   }
 }
 
-std::string deliver(const Outcome& r, const RenderResult& result) {
+Delivered deliver(const Outcome& r, const RenderResult& result) {
   const bool saved = !r.job.checkpoint().empty() && !result.cut_short && save(r);
   const Finished all = finished(r, result);
+  const Picture& picture = all.file.picture;
+  const PictureArguments& a = r.job.a;
+  const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  warn_of_range(picture, a.storage(), r.job.common);
   try {
-    write_all(r, result, all.file);
+    write_all(r, result, all.file, exposure);
   } catch (const OutputError& e) {
     throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, all.file, saved)));
   }
-  return all.filtered;
+  return {all.filtered, exposure};
 }
 
 }  // namespace tdpt

@@ -27,8 +27,12 @@ Channels channels_of(const Job& job, const World& world);
 /// Writes the preview. A failure is ignored: the final write will report it.
 void show(const Job& job, const Picture& picture);
 
+struct Delivered {
+  std::string filtered{};  ///< what the filter did, in a sentence; empty without --denoise
+  std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
+};
 /// Writes everything at the end. Throws Error for what cannot be written, and says where the
-/// picture is kept. Returns what the filter did, in a sentence; empty without --denoise.
-std::string deliver(const Outcome& r, const RenderResult& result);
+/// picture is kept.
+Delivered deliver(const Outcome& r, const RenderResult& result);
 
 }  // namespace tdpt

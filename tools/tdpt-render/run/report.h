@@ -5,11 +5,14 @@
 namespace tdpt {
 
 /// JSON with the keys of tdpt-render(1), one object; with `frames` when the result has them.
+/// `exposure`: of the preview [stops], if there is one.
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result, const std::vector<Portal>& portals = {});
+                       const RenderResult& result, const std::vector<Portal>& portals = {},
+                       std::optional<double> exposure = {});
 /// The same without `frames`, which are long.
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result, const std::vector<Portal>& portals = {});
+                         const RenderResult& result, const std::vector<Portal>& portals = {},
+                         std::optional<double> exposure = {});
 
 /// For a decision without a picture: who would render, how many samples, and the measurements
 /// behind it.
