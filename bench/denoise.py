@@ -170,6 +170,32 @@ def denoise_pictures(bench):
         bench.say(out)
 
 
+# ---- Frames ----
+def frames_line(bench, view, spp):
+    """Of four frames of a camera that stands still: relMSE of the second, and between the second and third, each
+    filtered alone and with those before and after."""
+    noisy = [view.render(spp, seed, *BUFFERS).out for seed in range(1, 5)]
+    pairs = []
+    for options in (lambda k: (), lambda k: ("--previous", noisy[k - 1], "--next", noisy[k + 1])):
+        middle = [bench.store.run("exrdenoise", noisy[k], *options(k)).out for k in (1, 2)]
+        pairs.append((view.reference.off(middle[0])["relmse"], bench.distance(middle[0], middle[1])["relmse"]))
+    (alone, flicker), (left, less) = pairs
+    return [view.name, spp, pages.three(alone), pages.three(left), pages.hundredths(alone / left), pages.three(flicker),
+            pages.three(less), pages.hundredths(flicker / less)]
+
+
+@settings(SPPS=Setting(("4", "16"), "samples per pixel", ("2",)), WIDTH=Setting(320, "of the pictures", 64),
+          REF=Setting(512, "samples per pixel of each half of a reference", 16))
+def denoise_frames(bench):
+    """What the frames before and after are worth to the filter. ONLY: scenes. Half an hour."""
+    views = [View(bench, name, "") for name in bench.there(("kitchen", "living-room", "veach-ajar"))]
+    tasks = [functools.partial(frames_line, bench, view, int(spp)) for view in views for spp in bench.settings.spps]
+    rows = bench.side_by_side(tasks)
+    heads = ("scene", "samples per pixel", "relMSE alone", "with frames", "falls by", "between frames, alone", "with frames",
+             "falls by")
+    bench.page("denoise", {"frames": pages.table(heads, rows)}, EVERYTHING)
+
+
 # ---- Whether it does harm ----
 def paired(gains):
     """Geometric mean of ratios with its 95 % interval (Student's t, of logarithms); nan where one is not positive."""

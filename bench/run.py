@@ -52,6 +52,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
                      "of an hour)"),
     "denoise": ("denoise", "denoise", "what the filter is worth, and what it costs: doc/denoise.md (two hours)"),
+    "denoise-frames": ("denoise", "denoise_frames", "what frames before and after are worth to the filter: in doc/denoise.md "
+                       "(half an hour)"),
     "denoise-pictures": ("denoise", "denoise_pictures", "hard places before and after the filter: in doc/denoise.md (half "
                          "an hour)"),
     "denoise-harm": ("denoise", "denoise_harm", "whether the filter makes anything worse: in doc/denoise.md (an hour)"),
