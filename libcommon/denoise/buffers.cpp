@@ -11,8 +11,9 @@
 namespace tdpt::denoise {
 namespace {
 
-// Halves that differ from the picture by more than this share of its brightest value are not its.
-constexpr double kNotItsHalves = 1e-3;
+// Halves are not those of the picture if they differ from it by more than this share of a pixel,
+// as half floats do not, and of the brightest one.
+constexpr double kNotItsHalves = 4e-3, kNothingOfIt = 1e-6;
 
 // To [0,1]: nearer is larger, the mean depth is 1/2, nothing is 0.
 void scale_depth(Plane& depth) {
@@ -47,8 +48,9 @@ Plane Buffers::channel(const std::string& channel) const {
     plane = found->second;
   } else if (const auto layer = file_.layers.find(channel.substr(0, channel.size() - 2));
              layer != file_.layers.end()) {
-    const int c = channel.back() == 'R' ? 0 : channel.back() == 'G' ? 1 : 2;
-    for (const Rgb& p : layer->second.pixels) plane.push_back(p[c]);
+    const size_t c = std::string_view("RGB").find(channel.back());
+    if (c != std::string_view::npos)
+      for (const Rgb& p : layer->second.pixels) plane.push_back(p[static_cast<int>(c)]);
   }
   check(plane, channel);
   return plane;
@@ -101,9 +103,9 @@ Features Buffers::features(bool& any) const {
   return features;
 }
 
-// Of the samples: picture = share A + (1 - share) B, by least squares.
+// Of the samples: picture = share A + (1 - share) B, by least squares of relative errors.
 double Buffers::share_of(const Colour& picture, const Colour& a, const Colour& b) const {
-  double products = 0, squares = 0, brightest = 0, off = 0;
+  double products = 0, squares = 0, brightest = 0;
   const auto each = [&](const auto& visit) {
     for (size_t c = 0; c < 3; ++c)
       for (size_t i = 0; i < picture[c].size(); ++i)
@@ -111,16 +113,21 @@ double Buffers::share_of(const Colour& picture, const Colour& a, const Colour& b
               static_cast<double>(b[c][i]));
   };
   each([&](double p, double x, double y) {
-    products += (p - y) * (x - y);
-    squares += (x - y) * (x - y);
-    brightest = std::max({brightest, p, x, y});
+    const double bright = std::max({p, x, y});
+    brightest = std::max(brightest, bright);
+    if (!(bright > 0)) return;
+    products += (p - y) / bright * ((x - y) / bright);
+    squares += (x - y) / bright * ((x - y) / bright);
   });
   const double share = squares > 0 ? products / squares : 0.5;
+  bool are_halves = true;
   each([&](double p, double x, double y) {
-    off = std::max(off, std::abs(p - share * x - (1 - share) * y));
+    const double most = kNotItsHalves * std::max({p, x, y}) + kNothingOfIt * brightest;
+    are_halves = are_halves && std::abs(p - share * x - (1 - share) * y) <= most;
   });
-  if (off > kNotItsHalves * brightest)
-    throw InputError(name_, "channel halfA.R", "is not half of this picture's samples");
+  if (!are_halves)
+    throw InputError(name_, "channel halfA.R",
+                     "is not half of this picture's samples, or lost digits in compression");
   if (!(share > 1e-6 && share < 1 - 1e-6))
     throw InputError(name_, "channel halfB.R",
                      "is empty: a filter needs two samples per pixel or more");

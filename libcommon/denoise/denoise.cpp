@@ -24,8 +24,9 @@ constexpr double kCertain = 2;
 // It then counts as if the error were so many times as large: errors lie on few of the pixels over
 // which they are averaged.
 constexpr double kFew = 3;
-constexpr double kDark = 0.01;   // as in relMSE
-constexpr double kUntold = 1.5;  // see the header
+constexpr double kDark = 0.01;       // as in relMSE
+constexpr float kBrightest = 1e12f;  // over the mean of this picture; only other frames have it
+constexpr double kUntold = 1.5;      // see the header
 
 struct Halves {
   Colour a, b;
@@ -143,8 +144,10 @@ class Filter {
       b.push_back({l.noisy.b, shot(k).features, l.noisy.a, l.variance_a, l.variance_b, present(k)});
     }
     for (size_t k = 0; k < lights.size(); ++k) {
-      // A permutation: that which is estimated comes first.
-      std::vector<Source> of_a{a[k]}, of_b{b[k]};
+      // A permutation: that which is estimated comes first, and whole.
+      const Source &x = a[k], &y = b[k];
+      std::vector<Source> of_a{{x.data, x.features, x.guide, x.variance, x.tolerance, present(0)}};
+      std::vector<Source> of_b{{y.data, y.features, y.guide, y.variance, y.tolerance, present(0)}};
       for (size_t i = 0; i < lights.size(); ++i) {
         if (i == k) continue;
         of_a.push_back(a[i]);
@@ -340,6 +343,23 @@ void put(const Plane& from, const Block& block, Plane& picture, Size size) {
   }
 }
 
+// Divides all light by a power of two, so that the mean is about 1 and squares are in the range of
+// floats. Returns the exponent.
+int normalise(Input& input) {
+  const double light =
+      mean_of(mean({input.shot.a, input.shot.b}, static_cast<float>(input.shot.share_a)));
+  if (!(light > 0)) return 0;
+  const int exponent = std::ilogb(light);
+  const auto divide = [&](Shot& shot) {
+    for (Colour* half : {&shot.a, &shot.b})
+      for (Plane& plane : *half)
+        for (float& v : plane) v = std::min(std::ldexp(v, -exponent), kBrightest);
+  };
+  divide(input.shot);
+  for (Neighbour& n : input.neighbours) divide(n.shot);
+  return exponent;
+}
+
 // Makes squares errors, with kUntold. Returns the mean of the squares, at least 0.
 double take_roots(Plane& error) {
   const double mean_square = kUntold * mean_of(error);
@@ -352,13 +372,14 @@ double take_roots(Plane& error) {
 Result denoise(Input input, int block) {
   const Size size = input.size;
   Shot& shot = input.shot;
+  const int exponent = normalise(input);
   const auto share_a = static_cast<float>(shot.share_a);
   Result result;
   result.picture = mean({shot.a, shot.b}, share_a);
   const Colour noisy = result.picture;
   result.error.resize(size.pixels());
   const double light = mean_of(noisy);
-  if (!(light > 0)) return result;
+  if (!(light > 0)) return result;  // black
   Outliers a = cut_outliers(size, shot.a, shot.b), b = cut_outliers(size, shot.b, shot.a);
   shot.a = std::move(a.rest);
   shot.b = std::move(b.rest);
@@ -378,6 +399,8 @@ Result denoise(Input input, int block) {
   }
   result.relmse = take_roots(result.error);
   restore_energy(size, noisy, result.picture);
+  for (Plane& plane : result.picture)
+    for (float& v : plane) v = std::ldexp(v, exponent);
   return result;
 }
 

@@ -157,8 +157,40 @@ TEST(Denoise, AnotherFrameHelpsAsFarAsItShowsTheSame) {
 
 TEST(Denoise, BlocksDoNotShowWithFrames) {
   const TestPicture picture;
-  const Input input = with_neighbour(picture, picture.halves(0.5, 7).shot);
-  EXPECT_EQ(denoise(input, 31).picture, denoise(input).picture);
+  Input input = with_neighbour(picture, picture.halves(0.5, 7).shot);
+  Plane& present = input.neighbours[0].present;
+  for (size_t i = 0; i < present.size(); ++i) present[i] = (i / 7 + i / 96 / 5) % 3 == 0 ? 0 : 1;
+  const Result parts = denoise(input, 31), whole = denoise(input);
+  EXPECT_EQ(parts.picture, whole.picture);
+  EXPECT_EQ(parts.error, whole.error);
+  EXPECT_EQ(parts.relmse, whole.relmse);
+}
+
+TEST(Denoise, UnitsOfLightDoNotMatter) {
+  const TestPicture picture;
+  const Input input = picture.halves(0.5);
+  const Result plain = denoise(input);
+  for (const int exponent : {-80, 60, 100}) {
+    Input other = input;
+    for (Colour* half : {&other.shot.a, &other.shot.b})
+      for (Plane& plane : *half)
+        for (float& v : plane) v = std::ldexp(v, exponent);
+    const Result result = denoise(other);
+    EXPECT_EQ(result.error, plain.error) << exponent;
+    EXPECT_EQ(std::ldexp(result.picture[1][777], -exponent), plain.picture[1][777]) << exponent;
+  }
+}
+
+TEST(Denoise, OneEnormousPixelLeavesNumbers) {
+  const TestPicture picture;
+  Input input = picture.halves(0.5);
+  for (const size_t i : {2000, 2001, 2096, 2097})
+    for (Colour* half : {&input.shot.a, &input.shot.b})
+      for (Plane& plane : *half) plane[i] = 1e25f;
+  const Result result = denoise(input);
+  for (const Plane& plane : result.picture)
+    for (const float v : plane) ASSERT_TRUE(std::isfinite(v));
+  for (const float v : result.error) ASSERT_TRUE(std::isfinite(v));
 }
 
 TEST(Denoise, SmallAndBlackPictures) {

@@ -17,17 +17,31 @@ namespace tdpt::denoise {
 namespace {
 
 // What filtering needs at most besides the channels, for pictures of one block.
-constexpr size_t kBytesOfPixel = 400;
+constexpr size_t kBytesOfPixel = 400, kBytesOfFramesPixel = 200;
 
-// Of a frame before or after.
+Shot without_outliers(Size size, Shot shot) {
+  Colour rest = cut_outliers(size, shot.a, shot.b).rest;
+  shot.b = cut_outliers(size, shot.b, shot.a).rest;
+  shot.a = std::move(rest);
+  return shot;
+}
+
+// Of a frame before or after; `shot`: of this one, without outliers.
 Neighbour neighbour_of(const NamedPicture& frame, const Shot& shot, const View& view) {
   const Buffers buffers(frame.file, frame.name);
   bool any = false;
-  Shot there = buffers.shot(any);
-  Colour rest = cut_outliers(buffers.size(), there.a, there.b).rest;
-  there.b = cut_outliers(buffers.size(), there.b, there.a).rest;
-  there.a = std::move(rest);
+  const Shot there = without_outliers(buffers.size(), buffers.shot(any));
   return reproject(there, buffers.view(), shot, view);
+}
+
+// Of the pixels, in any of them.
+double share_present(const std::vector<Neighbour>& neighbours) {
+  size_t pixels = 0;
+  const size_t all = neighbours[0].present.size();
+  for (size_t i = 0; i < all; ++i)
+    pixels += std::any_of(neighbours.begin(), neighbours.end(),
+                          [&](const Neighbour& n) { return n.present[i] > 0; });
+  return static_cast<double>(pixels) / static_cast<double>(all);
 }
 
 // Replaces the pixels of `picture`, by the halves, and returns the errors.
@@ -36,13 +50,13 @@ Plane filter_by_regression(const Buffers& buffers, std::span<const NamedPicture>
   Input input{buffers.size(), buffers.shot(filtered.has_features)};
   filtered.denoiser = kKinds[0];
   filtered.share_a = input.shot.share_a;
-  double present = 0;
-  for (const NamedPicture& frame : frames) {
-    input.neighbours.push_back(neighbour_of(frame, input.shot, buffers.view()));
-    for (const float p : input.neighbours.back().present) present += static_cast<double>(p);
+  if (!frames.empty()) {
+    const Shot calm = without_outliers(buffers.size(), input.shot);
+    const View view = buffers.view();
+    for (const NamedPicture& frame : frames)
+      input.neighbours.push_back(neighbour_of(frame, calm, view));
+    filtered.seen_elsewhere = share_present(input.neighbours);
   }
-  filtered.seen_elsewhere =
-      present / static_cast<double>(std::max<size_t>(1, frames.size()) * picture.pixels.size());
   Result result = denoise(std::move(input));
   for (size_t i = 0; i < picture.pixels.size(); ++i)
     picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
@@ -124,6 +138,10 @@ std::string sentence_of(const Filtered& filtered) {
 Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind,
                         std::span<const NamedPicture> frames) {
   const Buffers buffers(file, name);
+  if (!frames.empty())
+    expect_memory(name, "",
+                  fmt::format("{}, to be filtered together,", counted(frames.size() + 1, "frame")),
+                  (kBytesOfPixel + kBytesOfFramesPixel * frames.size()) * buffers.size().pixels());
   Picture noisy = buffers.noisy(), picture = noisy;
   Plane error;
   Filtered filtered;

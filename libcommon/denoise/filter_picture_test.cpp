@@ -123,7 +123,9 @@ TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
   EXPECT_EQ(message(bad), "a.exr:channel normal.Y at pixel 3 0: is no finite number");
   bad = good;
   bad.picture.pixels[5] = bad.picture.pixels[5] * 2;
-  EXPECT_EQ(message(bad), "a.exr:channel halfA.R: is not half of this picture's samples");
+  EXPECT_EQ(message(bad),
+            "a.exr:channel halfA.R: is not half of this picture's samples, or lost digits in "
+            "compression");
   bad = good;
   bad.picture = bad.layers["halfA"];
   EXPECT_EQ(message(bad),

@@ -168,6 +168,10 @@ void solve(const Sums& sums, int lane, const double (&f)[kTerms], std::array<flo
   };
   double l[kTerms][kTerms];
   const double all = moment(0, 0);
+  if (!(all > 0)) {
+    constants = {};
+    return;
+  }
   for (int r = 0; r < kTerms; ++r)
     for (int s = 0; s <= r; ++s) {
       double v = moment(r, s);

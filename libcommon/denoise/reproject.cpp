@@ -21,6 +21,7 @@ size_t pixel_that_shows(const View& from, const View& to, int x, int y) {
   const float depth = depth_of(to, index(to, x, y));
   Vec3d w = to.film.direction(x + 0.5, y + 0.5);
   double expected = 0;
+  if (!(depth > 0)) return kNone;
   const bool nothing = !(depth < kNothing);
   if (!nothing) {
     const double along = static_cast<double>(depth) / dot(w, to.film.forward());

@@ -61,14 +61,20 @@ cli::Decisions with_exposure(cli::Decisions decisions, std::optional<double> giv
   return decisions;
 }
 
-void warn_of_range(const Picture& picture, const Storage& storage, const cli::Common& common) {
+void warn_of_range(const ExrFile& file, const Storage& storage, const cli::Common& common) {
   if (!storage.rounds()) return;
   constexpr float smallest = 0x1p-24f;
   constexpr double few = 0.01;  // share of the pixels
   int64_t large = 0, small = 0, lit = 0;
-  for (const Rgb& c : picture.pixels) {
-    const float p = std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
-    large += p > storage.largest();
+  const auto largest = [](const Rgb& c) {
+    return std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
+  };
+  for (size_t i = 0; i < file.picture.pixels.size(); ++i) {
+    const float p = largest(file.picture.pixels[i]);
+    large += p > storage.largest() ||
+             std::any_of(file.layers.begin(), file.layers.end(), [&](const auto& layer) {
+               return largest(layer.second.pixels[i]) > storage.largest();
+             });
     small += p > 0 && p < smallest;
     lit += p > 0;
   }

@@ -35,7 +35,7 @@ std::optional<double> exposure_of(const Picture& picture, const std::string& pat
 cli::Decisions with_exposure(cli::Decisions decisions, std::optional<double> given,
                              std::optional<double> used);
 
-/// Warns if its storage cannot hold the brightest pixels, or many of the darkest.
-void warn_of_range(const Picture& picture, const Storage& storage, const cli::Common& common);
+/// Warns if its storage cannot hold the brightest pixels, layers included, or many of the darkest.
+void warn_of_range(const ExrFile& file, const Storage& storage, const cli::Common& common);
 
 }  // namespace tdpt

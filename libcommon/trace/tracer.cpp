@@ -1,5 +1,6 @@
 #include "libcommon/trace/tracer.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -66,8 +67,8 @@ RTCDevice new_device() {
 struct Query : embree::Query {
   explicit Query(const uint32_t* coin_ = nullptr, RTCFilterFunctionN filter_ = nullptr)
       : embree::Query(filter_), coin(coin_) {}
-  const uint32_t* coin;  ///< of a float ray
-  bool stops_always = false;
+  const uint32_t* coin;                           ///< of a float ray
+  const std::vector<uint32_t>* passed = nullptr;  ///< all that does not stop; nullptr: by chance
 };
 
 // A camera ray, which passes backs.
@@ -118,7 +119,10 @@ double Tracer::Impl::coverage(uint32_t triangle, float u, float v, const Vec3d& 
 namespace {
 // Whether a surface of that coverage stops the ray: stochastic transparency, see the header.
 bool present(const Query& query, double coverage, uint32_t triangle, float u, float v) {
-  if (coverage >= 1 || coverage <= 0 || query.stops_always) return coverage > 0;
+  if (query.passed)
+    return coverage > 0 &&
+           std::find(query.passed->begin(), query.passed->end(), triangle) == query.passed->end();
+  if (coverage >= 1 || coverage <= 0) return coverage > 0;
   if (query.coin) return double{shader::hashed_unit(*query.coin, triangle)} < coverage;
   const uint64_t place = uint64_t{std::bit_cast<uint32_t>(u)} << 32 | std::bit_cast<uint32_t>(v);
   return unit_double(mix64(mix64(place) + triangle)) < coverage;
@@ -266,24 +270,26 @@ bool Tracer::first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const {
   return first_surface(query, step_off({camera}, w), camera, w, hit);
 }
 
-bool Tracer::first_sheet(const Origin& from, const Vec3d& w, Hit& hit, double& coverage) const {
+bool Tracer::first_sheet(const Origin& from, const Vec3d& w, const std::vector<uint32_t>& passed,
+                         Sheet& sheet) const {
   Query query;
-  return first_sheet(query, from, w, hit, coverage);
+  return first_sheet(query, from, w, passed, sheet);
 }
 
-bool Tracer::first_sheet_seen(const Origin& from, const Vec3d& w, Hit& hit,
-                              double& coverage) const {
-  if (!culls_) return first_sheet(from, w, hit, coverage);
+bool Tracer::first_sheet_seen(const Vec3d& camera, const Vec3d& w,
+                              const std::vector<uint32_t>& passed, Sheet& sheet) const {
+  if (!culls_) return first_sheet({camera}, w, passed, sheet);
   CameraQuery query(*this, impl_->triangles, w);
-  return first_sheet(query, from, w, hit, coverage);
+  return first_sheet(query, {camera}, w, passed, sheet);
 }
 
 template <class Query>
-bool Tracer::first_sheet(Query& query, const Origin& from, const Vec3d& w, Hit& hit,
-                         double& coverage) const {
-  query.stops_always = true;
+bool Tracer::first_sheet(Query& query, const Origin& from, const Vec3d& w,
+                         const std::vector<uint32_t>& passed, Sheet& sheet) const {
+  query.passed = &passed;
+  Hit& hit = sheet.hit;
   if (!first_surface(query, step_off(from, w), from.position, w, hit)) return false;
-  coverage =
+  sheet.coverage =
       impl_->coverage(hit.triangle, static_cast<float>(hit.b1), static_cast<float>(hit.b2), w);
   return true;
 }

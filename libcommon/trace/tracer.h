@@ -64,10 +64,15 @@ class Tracer {
   bool sees(const Vec3d& camera, const Origin& place) const {
     return culls_ ? no_front_between(camera, place) : visible(place, {camera});
   }
-  /// The same two for a sheet of any coverage above 0, which is told: the share of the rays that it
-  /// stops.
-  bool first_sheet(const Origin& from, const Vec3d& w, Hit& hit, double& coverage) const;
-  bool first_sheet_seen(const Origin& from, const Vec3d& w, Hit& hit, double& coverage) const;
+  /// The same two for the first surface of any coverage above 0, except those that `passed` names.
+  struct Sheet {
+    Hit hit;
+    double coverage;  ///< share of the rays that it stops
+  };
+  bool first_sheet(const Origin& from, const Vec3d& w, const std::vector<uint32_t>& passed,
+                   Sheet& sheet) const;
+  bool first_sheet_seen(const Vec3d& camera, const Vec3d& w, const std::vector<uint32_t>& passed,
+                        Sheet& sheet) const;
   /// Whether a camera looking along `w`, of any length, sees the side of the triangle that faces
   /// it.
   bool draws(uint32_t triangle, const Vec3d& w) const {
@@ -101,8 +106,8 @@ class Tracer {
   bool first_surface(Query& query, const Vec3f& o, const Vec3d& from, const Vec3d& w,
                      Hit& hit) const;
   template <class Query>
-  bool first_sheet(Query& query, const Origin& from, const Vec3d& w, Hit& hit,
-                   double& coverage) const;
+  bool first_sheet(Query& query, const Origin& from, const Vec3d& w,
+                   const std::vector<uint32_t>& passed, Sheet& sheet) const;
   template <class Query>
   bool unblocked(Query& query, const Origin& a, const Origin& b) const;
 

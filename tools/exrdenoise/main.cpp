@@ -83,7 +83,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   set_provenance(file, common.provenance(sources));
   const std::optional<double> exposure = exposure_of(file.picture, a.preview, a.exposure);
-  warn_of_range(file.picture, a.storage(), common);
+  warn_of_range(file, a.storage(), common);
   cli::deliver({{common.output, [&] { return exr_bytes(file, a.storage()); }},
                 {a.preview, [&] { return preview_bytes(file.picture, *exposure); }}},
                common);

@@ -59,7 +59,7 @@ int run(const Arguments& a, const cli::Common& common) {
   const auto filtered = a.film ? std::nullopt : filter_as_asked(file, film.film, film.facts);
   const Picture& picture = file.picture;
   const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
-  warn_of_range(picture, a.storage(), common);
+  warn_of_range(file, a.storage(), common);
   cli::deliver({{common.output, [&] { return picture_bytes(a, film, file); }},
                 {a.preview, [&] { return preview_bytes(picture, *exposure); }}},
                common);

@@ -156,7 +156,7 @@ Delivered deliver(const Outcome& r, const RenderResult& result) {
   const Picture& picture = all.file.picture;
   const PictureArguments& a = r.job.a;
   const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
-  warn_of_range(picture, a.storage(), r.job.common);
+  warn_of_range(all.file, a.storage(), r.job.common);
   try {
     write_all(r, result, all.file, exposure);
   } catch (const OutputError& e) {

@@ -15,7 +15,7 @@ namespace {
 constexpr uint64_t kRays = 32;     // per pixel
 constexpr int kMostSurfaces = 16;  // that turn a ray
 // A ray splits as long as each part has this share of it; else one part is chosen by chance.
-constexpr double kLeastShare = 1.0 / 512;
+constexpr double kLeastShare = 1.0 / 32;
 
 // Sums over rays.
 struct Seen {
@@ -57,26 +57,29 @@ class Sight {
       : world_(world), on_(on), numbers_(numbers), seen_(seen) {}
 
   void follow(Ray ray) {
-    Tracer::Origin origin = ray.from.origin();
-    double distance = 0, coverage;
-    Hit hit;
-    while (ray.turns == 0 ? world_.tracer.first_sheet_seen(origin, ray.w, hit, coverage)
-                          : world_.tracer.first_sheet(origin, ray.w, hit, coverage)) {
-      const double stopped = first_share(ray.share, coverage);
-      distance += hit.distance;
+    std::vector<uint32_t> passed;  // sheets that stop a part of the ray
+    Tracer::Sheet sheet;
+    while (finds(ray, passed, sheet)) {
+      const double stopped = first_share(ray.share, sheet.coverage);
       if (stopped > 0) {
         Ray part = ray;
         part.share *= stopped;
-        meet(part, hit, distance);
+        meet(part, sheet.hit);
       }
       if (stopped == 1) return;
       ray.share *= 1 - stopped;
-      origin = {hit.position, hit.normal};
+      passed.push_back(sheet.hit.triangle);
     }
     seen_.normal += ray.first * ray.share;
   }
 
  private:
+  bool finds(const Ray& ray, const std::vector<uint32_t>& passed, Tracer::Sheet& sheet) const {
+    const Tracer& tracer = world_.tracer;
+    return ray.turns == 0 ? tracer.first_sheet_seen(ray.from.position, ray.w, passed, sheet)
+                          : tracer.first_sheet(ray.from.origin(), ray.w, passed, sheet);
+  }
+
   // Of two parts of a ray, the first with that probability.
   double first_share(double share, double chance) {
     if (chance <= 0 || chance >= 1) return chance <= 0 ? 0 : 1;
@@ -84,7 +87,7 @@ class Sight {
     return numbers_.uniform() < chance ? 1 : 0;
   }
 
-  void meet(Ray& ray, const Hit& hit, double distance) {
+  void meet(Ray& ray, const Hit& hit) {
     if (ray.turns == 0) {
       const Vec3d away = hit.position - world_.film.position();
       seen_.met += ray.share;
@@ -97,7 +100,7 @@ class Sight {
     const Incidence in(here, -ray.w);
     ray.tint = ray.tint / hit.opacity;
     if (world_.absorbing)
-      ray.tint = ray.tint * Vec3d(transmittance(ray.from, here, ray.w, distance));
+      ray.tint = ray.tint * Vec3d(transmittance(ray.from, here, ray.w, hit.distance));
     const Vec3d normal = normal_towards(here, in.back);
     if (ray.turns == 0) ray.first = normal;
     if (here.connectible || here.source) {

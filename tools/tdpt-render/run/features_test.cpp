@@ -275,6 +275,22 @@ TEST_F(through, a_veil_counts_in_proportion) {
   EXPECT_NEAR(veiled.depth, 0.3 * 0.4 + 0.7 * 0.9, 1e-5);
 }
 
+TEST_F(through, nothing_shows_through_a_wall_with_a_veil_in_its_plane) {
+  add(plain({1, 1, 1}), {0, 1, -1.2}, {1, 0, 0}, 0.9);  // beyond the wall
+  const auto veiled = [&](double z) {
+    const Scene bare = scene_;
+    add(veil(0.5f), {0, 1, z}, {1, 0, 0});
+    const Means m = means();
+    scene_ = bare;
+    return m;
+  };
+  for (const double z : {-0.8, -0.8 + 1e-7}) {
+    const Means m = veiled(z);
+    EXPECT_NEAR(m.depth, 1.7, 1e-5) << z;
+    EXPECT_LT(m.albedo.z, 0.5 * 0.8 + 0.5 * behind_.z + 1e-3) << z;
+  }
+}
+
 TEST_F(through, a_lamp_shows_its_albedo_and_is_not_passed) {
   add_turned(metal(0));
   const Means dark = means();
