@@ -134,7 +134,7 @@ def crops(bench, view, spp, folder):
     """Names of the columns of one picture: crops of the noisy picture, the filtered one and the reference, exposed
     alike, each row a place."""
     noisy = view.render(spp, 1, *BUFFERS).out
-    reference = view.reference.a
+    reference = view.render(bench.settings.ref, 1000001).out
     guests = (("--denoiser", "oidn"),) if bench.settings.oidn else ()
     columns = [noisy, *(bench.store.run("exrdenoise", noisy, *guest).out for guest in ((), *guests))]
     names = []
