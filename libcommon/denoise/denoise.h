@@ -9,17 +9,19 @@
 //
 // A, B   halves, means of n_A and n_B samples per pixel; share s_A = n_A / (n_A + n_B)
 // V_A    variance of A's noise: s_B (A - B)^2 in the mean
-// F_A    an estimate made of the values of A, with weights from its cruder estimate; only that
-// one's
-//        weights come from B, which the formulas below neglect. F = s_A F_A + s_B F_B
+// F_A    an estimate made of the values of A, with weights from its cruder estimate. The weights of
+//        that one come from B, which the formulas below neglect. F = s_A F_A + s_B F_B
 // t      the truth
 //   (F_A - B)^2 - V_B has the mean (F_A - t)^2, and
 //   (F - t)^2 = s_A (F_A - t)^2 + s_B (F_B - t)^2 - s_A s_B (F_A - F_B)^2
 //
 // So the halves also tell about what error is left, of the bandwidth that the other pixels chose.
-// That is too low by 1.5 on average [doc/denoise.md], since it is divided by the brightness of the
-// estimate and not of the truth, and knows nothing of light that neither half has met. Told is 1.5
-// times as much.
+// That is too low by 1.5 on average, since it is divided by the brightness of the estimate and not
+// of the truth, and knows nothing of light that neither half has met. Told is 1.5 times as much
+// [doc/denoise.md].
+//
+// Moving pictures: values, and weights, come from the frames before and after as well. Halves of
+// the same name are taken together, so that they stay independent of those of the other.
 #pragma once
 #include "libcommon/denoise/regression.h"
 

@@ -40,6 +40,17 @@ TEST(Denoise, TheErrorThatIsLeftIsTold) {
   }
 }
 
+// Twin: halves that share half of their noise hide most of the error.
+TEST(Denoise, TheErrorOfHalvesThatShareNoiseIsNotTold) {
+  const TestPicture picture;
+  Input input = picture.halves(0.6);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
+      input.shot.b[c][i] = 0.5f * (input.shot.a[c][i] + input.shot.b[c][i]);
+  const Result result = denoise(input);
+  EXPECT_LT(result.relmse, 0.5 * picture.error(result.picture));
+}
+
 TEST(Denoise, TheErrorIsToldWhereItIs) {
   TestPicture picture;
   const auto right = [](size_t i) { return i % 96 >= 48; };

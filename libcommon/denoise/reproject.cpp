@@ -13,12 +13,11 @@ constexpr size_t kNone = ~size_t{0};
 
 // The pixel of `from` that shows what `to` shows in the middle of pixel (x, y).
 size_t pixel_that_shows(const View& from, const View& to, int x, int y) {
-  const auto depth_of = [](const View& view, size_t pixel) { return view.depth[pixel]; };
   const auto index = [](const View& view, int column, int row) {
     return static_cast<size_t>(row) * static_cast<size_t>(view.film.width()) +
            static_cast<size_t>(column);
   };
-  const float depth = depth_of(to, index(to, x, y));
+  const float depth = to.depth[index(to, x, y)];
   Vec3d w = to.film.direction(x + 0.5, y + 0.5);
   double expected = 0;
   if (!(depth > 0)) return kNone;
@@ -33,8 +32,8 @@ size_t pixel_that_shows(const View& from, const View& to, int x, int y) {
   double u, v;
   if (!from.film.raster(w, u, v)) return kNone;
   const size_t pixel = index(from, static_cast<int>(u), static_cast<int>(v));
-  const float found = depth_of(from, pixel);
-  if (nothing || !(found < kNothing)) return nothing && !(found < kNothing) ? pixel : kNone;
+  const float found = from.depth[pixel];
+  if (nothing) return found < kNothing ? kNone : pixel;
   return std::abs(static_cast<double>(found) - expected) < kSameDepth * expected ? pixel : kNone;
 }
 
