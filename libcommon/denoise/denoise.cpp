@@ -20,7 +20,7 @@ constexpr float kAlbedoOffset = 0.5f;
 constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing = 2,
                  kBrightnessSmoothing = 2, kMapSmoothing = 5;
 // The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
-constexpr double kCertain = 2;
+constexpr double kCertain = 3;
 // It then counts as if the error were so many times as large: errors lie on few of the pixels over
 // which they are averaged.
 constexpr double kFew = 3;
