@@ -107,7 +107,7 @@ enum Uses : unsigned {
 };
 
 /// The sections of --help, in order [titles: help.cpp].
-enum class Part { files, effort, picture, camera, light, lasting, telling, general };
+enum class Part { files, effort, picture, camera, animation, light, lasting, telling, general };
 
 /// A program, and what --help says before its options.
 struct Program {

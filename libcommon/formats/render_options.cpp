@@ -149,6 +149,7 @@ void declare_render_options(cli::Options& options, RenderArguments& a) {
   declare_amount_options(options, a);
   declare_channel_options(options, a);
   declare_camera_options(options, a.camera);
+  declare_pose_options(options, a.pose);
   declare_sky_options(options, a.sky);
   declare_checkpoint_options(options, a);
   options.part(cli::Part::telling);

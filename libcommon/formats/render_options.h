@@ -8,6 +8,7 @@
 
 #include "libcommon/formats/camera_options.h"
 #include "libcommon/formats/picture_options.h"
+#include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/sky_options.h"
 
 namespace tdpt {
@@ -25,6 +26,7 @@ struct RenderArguments : PictureArguments {
   std::vector<std::string> portals;
   SkyArguments sky;
   CameraArguments camera;
+  Pose pose;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";

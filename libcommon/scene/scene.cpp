@@ -40,17 +40,26 @@ std::string no_camera(const std::vector<Camera>& cameras, const std::string& nam
 
 }  // namespace
 
+std::string Scene::identity() const {
+  return hash + (pose_hash.empty() ? "" : '@' + pose_hash) +
+         (sky_hash.empty() ? "" : '+' + sky_hash);
+}
+
 bool Scene::is_scene_of(const std::string& identity) const {
-  return identity.substr(0, identity.find('+')) == hash;
+  return identity.substr(0, identity.find_first_of("@+")) == hash;
 }
 
 void check_made_from(const Scene& scene, const std::string& identity, const std::string& file) {
   if (identity == scene.identity()) return;
-  const bool same = scene.is_scene_of(identity);
-  throw InputError(display_name(file), "",
-                   fmt::format("was made from {}{}", same ? "" : "another scene than ",
-                               display_name(scene.path)) +
-                       (same ? ", but under another environment or other --set light-units" : ""));
+  const std::string name = display_name(scene.path);
+  const bool same_pose = identity.substr(0, identity.find('+')) ==
+                         scene.hash + (scene.pose_hash.empty() ? "" : '@' + scene.pose_hash);
+  throw InputError(
+      display_name(file), "",
+      !scene.is_scene_of(identity) ? "was made from another scene than " + name
+      : same_pose
+          ? "was made from " + name + ", but under another environment or other --set light-units"
+          : "was made from " + name + ", but at another time of its animations (--at)");
 }
 
 const Camera& Scene::camera(const std::string& name) const {

@@ -9,6 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/lamp_units.h"
+#include "libcommon/scene/pose.h"
 #include "libcommon/scene/scene_defaults.h"
 #include "libcommon/scene/sky.h"
 #include "shaders/shared/path/surface_layout.h"
@@ -120,7 +121,12 @@ struct Scene {
   /// Hash of other inputs that decide where the scene's light comes from: the sky, without its
   /// power, and lamp units other than the inferred ones; empty: none.
   std::string sky_hash;
-  std::vector<std::string> files;  ///< paths of buffers and images read beside it
+  /// Hash of where its animations have put what light meets or comes from, cameras aside; empty if
+  /// they move nothing. Equal at two times: only cameras moved between them.
+  std::string pose_hash;
+  bool moves = false;                      ///< some animation moves something
+  std::vector<AnimationFacts> animations;  ///< of the file, whether applied or not
+  std::vector<std::string> files;          ///< paths of buffers and images read beside it
   Frame frame;
   std::vector<Vec3f> positions;  ///< canonical
   std::vector<Triangle> triangles;
@@ -149,9 +155,9 @@ struct Scene {
   std::vector<std::string> warnings;  ///< sentences: what was approximated or ignored
   std::vector<std::string> needs;  ///< features that its materials and lights require of a renderer
 
-  /// Identity stored in files made from it: `hash`, or "hash+sky_hash".
-  std::string identity() const { return sky_hash.empty() ? hash : hash + '+' + sky_hash; }
-  /// Whether `identity` belongs to this scene, under any sky.
+  /// Identity stored in files made from it: "hash", "hash@pose_hash", either with "+sky_hash".
+  std::string identity() const;
+  /// Whether `identity` belongs to this scene, in any pose and under any sky.
   bool is_scene_of(const std::string& identity) const;
 
   Vec3f vertex(uint32_t triangle, int corner) const {
@@ -193,6 +199,6 @@ void open_glass(Scene& scene);
 /// Reads a glTF 2.0 scene (.glb or .gltf, "-": .glb from standard input). Triangles without area
 /// are dropped. Throws InputError "file:place: message" for any error; never reads outside a
 /// buffer, never opens a file outside the scene's folder.
-Scene read_gltf(const std::string& path);
+Scene read_gltf(const std::string& path, const Pose& pose = {});
 
 }  // namespace tdpt

@@ -12,6 +12,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/camera_options.h"
+#include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/lights.h"
@@ -38,6 +39,7 @@ struct Arguments {
   std::string scene, nodes = "patches", capacity, refine, preview, debug_glb;
   SkyArguments sky;
   CameraArguments camera;
+  Pose pose;
   int64_t samples = 0, walks = 0, bounces = 12, rounds = 1, cells = 24;
 
   bool triangles() const { return nodes == "triangles"; }
@@ -72,6 +74,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--set rounds", a.rounds, "N",
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   declare_camera_options(options, a.camera);
+  declare_pose_options(options, a.pose);
   declare_sky_options(options, a.sky);
 }
 
@@ -99,7 +102,7 @@ void check(const Arguments& a) {
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
-  in.scene = read_gltf(a.scene);
+  in.scene = read_gltf(a.scene, a.pose);
   common.also_read(in.scene.files);
   open_glass(in.scene);
   for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);

@@ -12,6 +12,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/light_tables.h"
+#include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/gpu/device_options.h"
 #include "tools/lightgrid/explain.h"
@@ -40,6 +41,7 @@ constexpr double kBesideBox = 0.1;  // of its longest side
 struct Arguments {
   std::string scene, cut, lines_from, device, preview, debug_glb, debug_lines = "edges";
   SkyArguments sky;
+  Pose pose;
   int64_t resolution = 0, lines = 0;
   bool z_up = false;
 };
@@ -63,6 +65,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--set lines", a.lines, kLines, "N", "Most lines of light kept in the file", 100,
                  1 << 22);
   declare_device_options(options, a.device, "What traces the lines");
+  declare_pose_options(options, a.pose);
   declare_sky_options(options, a.sky);
 }
 
@@ -107,7 +110,7 @@ void load_lines(const std::string& path, Loaded& in) {
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
-  in.scene = read_gltf(a.scene);
+  in.scene = read_gltf(a.scene, a.pose);
   common.also_read(in.scene.files);
   open_glass(in.scene);
   in.files.push_back({a.scene, in.scene.hash, {}});

@@ -14,6 +14,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
+#include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
@@ -37,6 +38,7 @@ constexpr cli::Program kProgram{"mincut",
 struct Arguments {
   std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";
   int64_t cuts = 8;
+  Pose pose;
   CutLimits limits;
 };
 
@@ -57,6 +59,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   declare_debug_lines(options, a.debug_lines);
+  declare_pose_options(options, a.pose, cli::Shapes::nothing);
   declare_limits(options, a.limits);
 }
 
@@ -81,7 +84,7 @@ Camera camera_of(const Arguments& a, const Scene& scene, const CutFile& cut) {
 
 // The scene for --preview; without it none is read.
 std::string preview_of(const Arguments& a, const cli::Common& common, const FoundCuts& found) {
-  Scene scene = read_gltf(a.scene);
+  Scene scene = read_gltf(a.scene, a.pose);
   common.also_read(scene.files);
   open_glass(scene);
   return cut_preview(scene, camera_of(a, scene, found.file),
@@ -94,6 +97,8 @@ void check(const Arguments& a) {
     throw UsageError("--preview shows the scene: name it with --scene FILE");
   if (a.preview.empty() && !(a.scene.empty() && a.camera.empty()))
     throw UsageError("--scene and --camera go with --preview");
+  if (a.scene.empty() && a.pose.is_given())
+    throw UsageError("--at and --animation go with --scene");
   if (a.scene == "-" && a.network == "-")
     throw UsageError("network and scene cannot both be the standard input");
   if (!a.preview.empty()) draw::check_fonts();

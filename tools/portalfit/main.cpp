@@ -13,6 +13,7 @@
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
+#include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/limit_options.h"
@@ -40,6 +41,7 @@ struct Arguments {
   int64_t max_portals = 8;
   FitLimits limits;
   bool require_portal = false;
+  Pose pose;
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
@@ -67,6 +69,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
+  declare_pose_options(options, a.pose, cli::Shapes::nothing);
   declare_limits(options, a.limits);
 }
 
@@ -89,7 +92,7 @@ FitResult fit(const Arguments& a, const LightGrid& grid) {
 // The plans of the scene, for the first camera that the grid was made for, where it says so.
 std::string plan_of(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                     const FitResult& found, const std::string& why_none) {
-  Scene scene = read_gltf(a.scene);
+  Scene scene = read_gltf(a.scene, a.pose);
   common.also_read(scene.files);
   if (!scene.is_scene_of(grid.scene_hash))
     throw InputError(display_name(a.grid.front()), "",
@@ -144,6 +147,8 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
 
 int run(const Arguments& a, const cli::Common& common) {
   if (a.preview.empty() && !a.scene.empty()) throw UsageError("--scene goes with --preview");
+  if (a.scene.empty() && a.pose.is_given())
+    throw UsageError("--at and --animation go with --scene");
   if (!a.preview.empty()) draw::check_fonts();
   Phases phases;
   std::vector<cli::Common::Input> files;

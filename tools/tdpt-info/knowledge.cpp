@@ -81,6 +81,10 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "materials", scene.materials.size());
   fact(k, "images", scene.images.size());
   fact(k, "cameras", cameras);
+  Json animations = Json::array();
+  for (const AnimationFacts& a : scene.animations)
+    animations.push_back({{"name", a.name}, {"seconds", a.seconds}});
+  fact(k, "animations", animations);
   fact(k, "emitting_triangles", emitting);
   fact(k, "lamps", scene.lights.size());
   fact(k, "longest_side_m", longest_side(scene));

@@ -47,7 +47,7 @@ constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
-  in.scene = read_gltf(a.scene);
+  in.scene = read_gltf(a.scene, a.pose);
   common.also_read(in.scene.files);
   for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
   in.camera = chosen_camera(in.scene, a.camera, common);

@@ -264,8 +264,10 @@ Making::Ending Making::run_stages() {
       const bool is_plan = step.output.ends_with(".portal.glb");
       words.insert(words.end(), {"--json", "--explain", "--preview",
                                  step.output + (is_plan ? ".told.svg" : ".told.png")});
-      if (is_plan || (!reads_scene && step.output.ends_with(".cut")))
+      if (is_plan || (!reads_scene && step.output.ends_with(".cut"))) {
         words.insert(words.end(), {"--scene", request_.scene});
+        words.insert(words.end(), request_.pose.begin(), request_.pose.end());
+      }
     }
     const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
                                       a_.report.empty() ? nullptr : &told);

@@ -51,11 +51,11 @@ void add_stages(const Request& r, const std::string& programs, const std::string
     p.stages.push_back({title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[i]}),
                         inputs, r.unshaped, file(end)});
   };
-  stage(0, "tracing where light goes", "ffgraph", joined({r.cameras, r.sky, r.sampling}), {r.scene},
-        "max");
+  stage(0, "tracing where light goes", "ffgraph", joined({r.cameras, r.pose, r.sky, r.sampling}),
+        {r.scene}, "max");
   stage(1, "finding bottlenecks", "mincut", {}, {file("max")}, "cut");
-  stage(2, "following the light through them", "lightgrid", joined({r.sky, r.device, r.sampling}),
-        {r.scene, file("cut")}, "vdb");
+  stage(2, "following the light through them", "lightgrid",
+        joined({r.pose, r.sky, r.device, r.sampling}), {r.scene, file("cut")}, "vdb");
   stage(3, "fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
 }
 
@@ -66,7 +66,8 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
     key.add(content_hash_of_file(programs + "/" + tool));
   key.add(file_name(r.scene));
   key.add(state.hash);
-  for (const Words& words : {r.cameras, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
+  for (const Words& words :
+       {r.cameras, r.pose, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
     key.add(words);
   for (const Words& words : r.stage_flags) {
     key.add(words);
@@ -88,7 +89,7 @@ std::string key_of_picture(const Request& r, const SceneState& state, const std:
   key.add(state.portals);
   for (const std::string& path : given) key.add(file_name(path));
   for (const Words& words :
-       {r.camera, by_content(r.sky, state.sky), r.device, r.sampling, r.all, r.render})
+       {r.camera, r.pose, by_content(r.sky, state.sky), r.device, r.sampling, r.all, r.render})
     key.add(words);
   return key.hash();
 }
@@ -133,7 +134,7 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
     beside.insert(beside.end(), {"--checkpoint", film, "--resume", film});
   }
   const Words options =
-      joined({{renderer}, r.camera, r.sky, r.device, r.sampling, r.all, r.render});
+      joined({{renderer}, r.camera, r.pose, r.sky, r.device, r.sampling, r.all, r.render});
   p.check =
       joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};

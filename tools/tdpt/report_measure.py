@@ -141,7 +141,17 @@ def png_columns(data, first, count):
             chunk(b"IDAT", zlib.compress(b"".join(rows), 9)) + chunk(b"IEND", b""))
 
 
-def told(stem, known, scene, folder, say):
+def pose_of(words):
+    """The words among a command's that say at which time of which animations it takes the scene."""
+    pose = []
+    for k, word in enumerate(words):
+        name, equals, _ = word.partition("=")
+        if name in ("--at", "--animation"):
+            pose += [word] if equals else words[k:k + 2]
+    return pose
+
+
+def told(stem, known, scene, pose, folder, say):
     """What each stage told of itself, from beside its result or by a run aside."""
     stages = []
     for tool, end in STAGES:
@@ -170,8 +180,8 @@ def told(stem, known, scene, folder, say):
                 with open(f"{beside}.command", encoding="utf-8") as stream:
                     command = stream.read().strip()
                 say(f"{tool} again, aside: it made {os.path.basename(result)} before a report was asked for")
-                inputs = {"max": [scene], "cut": [f"{stem}.max", "--scene", scene], "vdb": [scene, f"{stem}.cut"],
-                          "portal.glb": [f"{stem}.vdb", "--scene", scene]}[end]
+                inputs = {"max": [scene], "cut": [f"{stem}.max", "--scene", scene, *pose], "vdb": [scene, f"{stem}.cut"],
+                          "portal.glb": [f"{stem}.vdb", "--scene", scene, *pose]}[end]
                 picture = os.path.join(folder, f"{tool}.{'svg' if tool == 'portalfit' else 'png'}")
                 aside = os.path.join(folder, "aside", f"{os.path.basename(stem)}.{end}")
                 os.makedirs(os.path.dirname(aside), exist_ok=True)
@@ -285,7 +295,7 @@ def measure(a):
             portals += ["--set", f"{name}={ours['--set ' + name][-1]}"]
     chosen = ours.get("--integrator", ["auto"])[-1]
 
-    stages = told(a.stem, a.known, a.scene, a.folder, say) if a.stem else []
+    stages = told(a.stem, a.known, a.scene, pose_of(stay), a.folder, say) if a.stem else []
 
     with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
     without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)

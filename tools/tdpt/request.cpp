@@ -17,6 +17,7 @@ using Names = std::span<const std::string_view>;
 
 constexpr std::string_view kCamera[]{"--camera", "--look-from", "--look-at", "--up",
                                      "--fov",    "--frame",     "--cull"};
+constexpr std::string_view kPose[]{"--at", "--animation"};
 constexpr std::string_view kSky[]{"--environment", "--environment-rotation", "--environment-scale",
                                   "--sun-angle", "--set light-units"};
 constexpr std::string_view kDevice[]{"--device"};
@@ -136,6 +137,7 @@ Request request_of(const Arguments& a, const cli::Common& common) {
         r.identity.back() += fmt::format(" of {}", fmt::join(a.views, ","));
       if (given.name == "--portal") continue;  // goes to the renderer, after the scene
       append(is_one_of(kCamera, given.name)     ? r.camera
+             : is_one_of(kPose, given.name)     ? r.pose
              : is_one_of(kSky, given.name)      ? r.sky
              : is_one_of(kDevice, given.name)   ? r.device
              : is_one_of(kSampling, given.name) ? r.sampling

@@ -24,7 +24,7 @@ using Words = std::vector<std::string>;
 struct Request {
   std::string scene;    ///< path, as passed to programs
   std::string picture;  ///< path
-  Words camera, sky, device, all;
+  Words camera, pose, sky, device, all;
   Words cameras;   ///< those for which portals are found: `camera`, or all of several
   Words sampling;  ///< for programs that draw random numbers: --seed and --quality
   Words render;    ///< for the renderer alone, affecting the picture

@@ -154,7 +154,8 @@ void check_buffers(Checker& c, Json& root) {
 
 }  // namespace
 
-Checked check_json(Json& root, const std::string& file) {
+Checked check_json(Json& root, const std::string& file,
+                   const std::vector<std::string>& animations) {
   Checker c(root, file);
   check_frame(c, root);
   count_lights(c, root);
@@ -168,7 +169,7 @@ Checked check_json(Json& root, const std::string& file) {
   mark_parts_of_meshes(c.uses, root);
   check_materials(c, root);
   check_textures(c, root);
-  check_animations(c, root);
+  check_animations(c, root, animations);
   check_accessors(c, root);
   check_buffers(c, root);
   return {c.warnings(), c.uses.of("buffers"), cameras};

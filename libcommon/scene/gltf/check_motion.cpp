@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf/checker.h"
 #include "libcommon/scene/gltf/nodes.h"
 
@@ -10,6 +11,10 @@ namespace tdpt::gltf {
 namespace {
 
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 /// Checks a node, except for its camera, on which the picture does not depend unless it is
 /// selected.
@@ -162,60 +167,114 @@ void check_targets(Checker& c, Json& p, const std::string& at) {
   c.each(p, at, "targets", [&](Json& t, const std::string& here) { check_attributes(c, t, here); });
 }
 
-void check_animations(Checker& c, Json& root) {
-  std::set<std::pair<size_t, std::string>> moved;
-  size_t idle = 0, aimless = 0, empty = 0, unnamed = 0;
-  // Whether the channel moves something visible; checked only as far as that requires.
-  const auto counts = [&](Json& animation, const std::string& owner, Json& channel,
-                          const std::string& at) {
-    c.check(channel, at, {object("target")});
-    if (!channel.contains("target")) return ++aimless, false;
+namespace {
+
+/// Gives each animation a name of its own and keeps those in `wanted`; the others lose their
+/// channels.
+void select_animations(Checker& c, Json& root, const std::vector<std::string>& wanted) {
+  DistinctNames distinct;
+  std::vector<std::string> names;
+  c.each(root, "", "animations", [&](Json& a, const std::string& at) {
+    c.check(a, at, {name_of("name")});
+    names.push_back(distinct.take(a.value("name", ""), "", "animation"));
+    a["name"] = names.back();
+    if (wanted.empty() || has(wanted, names.back())) return;
+    a = {{"name", names.back()}, {"channels", Json::array()}};
+  });
+  for (const std::string& name : wanted)
+    if (!has(names, name))
+      c.fail_because("animations", names.empty()
+                                       ? fmt::format("there is none, expected \"{}\"", name)
+                                       : fmt::format("none is called \"{}\", expected one of {}",
+                                                     name, fmt::join(names, ", ")));
+}
+
+/// Checks the channels of the animations, and drops those that move nothing.
+class AnimationCheck {
+ public:
+  AnimationCheck(Checker& c, Json& root) : c_(c), root_(root) {}
+
+  void run() {
+    c_.each(root_, "", "animations", [&](Json& a, const std::string& at) {
+      c_.check(a, at, {objects("channels")});
+      if (!a.contains("channels")) ++idle_;
+      Json kept = Json::array();
+      c_.each(a, at, "channels", [&](Json& channel, const std::string& here) {
+        if (counts(a, at, channel, here)) kept.push_back(channel);
+      });
+      a["channels"] = kept;
+    });
+    tell(idle_, "animation", "without channels");
+    tell(aimless_, "animation channel", "without a target");
+    tell(empty_, "animation channel", "without a key");
+    if (again_ > 0)
+      c_.note(counted(again_, "animation channel",
+                      "moves what one before it moves, and is left out",
+                      "move what others before them move, and are left out") +
+              ": --animation names the animations that count");
+    if (unknown_ > 0)
+      c_.note(counted(unknown_, "interpolation",
+                      "is not LINEAR, STEP or CUBICSPLINE: taken as LINEAR",
+                      "are not LINEAR, STEP or CUBICSPLINE: taken as LINEAR"));
+  }
+
+ private:
+  void tell(size_t n, const char* noun, const std::string& lack) {
+    if (n > 0) c_.note(counted(n, noun, lack + " moves nothing", lack + " move nothing"));
+  }
+
+  /// Whether the channel moves something visible; checked only as far as that requires.
+  bool counts(Json& animation, const std::string& owner, Json& channel, const std::string& at) {
+    c_.check(channel, at, {object("target")});
+    if (!channel.contains("target")) return ++aimless_, false;
     Json& target = channel["target"];
     const std::string where = at + ".target";
-    c.check(target, where, {text("path"), index("node", "nodes")});
-    if (!target.contains("path") && !target.contains("node")) return ++aimless, false;
-    c.check(target, where, {text("path", true)});
+    c_.check(target, where, {text("path"), index("node", "nodes")});
+    if (!target.contains("path") && !target.contains("node")) return ++aimless_, false;
+    c_.check(target, where, {text("path", true)});
     const auto path = target["path"].get<std::string>();
     if (path == "pointer") return true;
     const bool known =
         path == "translation" || path == "rotation" || path == "scale" || path == "weights";
     if (!known || !target.contains("node")) return false;
     const auto node = target["node"].get<size_t>();
-    if (!c.uses.has("nodes", node) || moved.contains({node, path})) return false;
-    c.check(channel, at, {integer("sampler", true)});
-    c.check(animation, owner, {objects("samplers", true)});
-    const Json& samplers = animation["samplers"];
+    if (!c_.uses.has("nodes", node)) return false;
+    if (moved_.contains({node, path})) return ++again_, false;
+    c_.check(channel, at, {integer("sampler", true)});
+    c_.check(animation, owner, {objects("samplers", true)});
+    Json& samplers = animation["samplers"];
     if (channel["sampler"].get<uint64_t>() >= samplers.size())
-      c.fail(at + ".sampler", channel["sampler"],
-             fmt::format("an index into the {} samplers", samplers.size()));
-    Json& sampler = animation["samplers"][channel["sampler"].get<size_t>()];
-    c.check(sampler, at + ".sampler", {index("output", "accessors", true)});
-    if (sampler.contains("interpolation") && !sampler["interpolation"].is_string())
-      sampler.erase("interpolation"), ++unnamed;
-    const auto output = sampler["output"].get<size_t>();
-    if (root["accessors"][output].value("count", Json(1)) == 0) return ++empty, false;
-    c.uses.mark("accessors", output);
-    moved.insert({node, path});
+      c_.fail(at + ".sampler", channel["sampler"],
+              fmt::format("an index into the {} samplers", samplers.size()));
+    if (!has_keys(samplers[channel["sampler"].get<size_t>()], at + ".sampler"))
+      return ++empty_, false;
+    moved_.insert({node, path});
     return true;
-  };
-  c.each(root, "", "animations", [&](Json& a, const std::string& at) {
-    c.check(a, at, {objects("channels")});
-    if (!a.contains("channels")) ++idle;
-    Json kept = Json::array();
-    c.each(a, at, "channels", [&](Json& channel, const std::string& here) {
-      if (counts(a, at, channel, here)) kept.push_back(channel);
-    });
-    a["channels"] = kept;
-  });
-  const auto tell = [&](size_t n, const char* noun, const std::string& lack) {
-    if (n > 0) c.note(counted(n, noun, lack + " moves nothing", lack + " move nothing"));
-  };
-  tell(idle, "animation", "without channels");
-  tell(aimless, "animation channel", "without a target");
-  tell(empty, "animation channel", "without a key");
-  if (unnamed > 0)
-    c.note(counted(unnamed, "interpolation", "is not made of text: taken as LINEAR",
-                   "are not made of text: taken as LINEAR"));
+  }
+
+  bool has_keys(Json& sampler, const std::string& at) {
+    c_.check(sampler, at, {index("input", "accessors", true), index("output", "accessors", true)});
+    Json& way = sampler["interpolation"];
+    if (!way.is_null() && way != "LINEAR" && way != "STEP" && way != "CUBICSPLINE") ++unknown_;
+    if (way != "STEP" && way != "CUBICSPLINE") way = "LINEAR";
+    for (const char* end : {"input", "output"})
+      if (root_["accessors"][sampler[end].get<size_t>()].value("count", Json(1)) == 0) return false;
+    for (const char* end : {"input", "output"})
+      c_.uses.mark("accessors", sampler[end].get<size_t>());
+    return true;
+  }
+
+  Checker& c_;
+  Json& root_;
+  std::set<std::pair<size_t, std::string>> moved_;
+  size_t idle_ = 0, aimless_ = 0, empty_ = 0, again_ = 0, unknown_ = 0;
+};
+
+}  // namespace
+
+void check_animations(Checker& c, Json& root, const std::vector<std::string>& wanted) {
+  select_animations(c, root, wanted);
+  AnimationCheck(c, root).run();
 }
 
 }  // namespace tdpt::gltf

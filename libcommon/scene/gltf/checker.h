@@ -256,7 +256,7 @@ void check_node_extensions(Checker& checker, Json& node, const std::string& plac
 /// Weights of morph targets, of a node or a mesh.
 void check_weights(Checker& checker, Json& owner, const std::string& place);
 /// Keeps only the first channel that moves a given property of a node in the scene.
-void check_animations(Checker& checker, Json& root);
+void check_animations(Checker& checker, Json& root, const std::vector<std::string>& wanted);
 /// Accessors of the attributes that are read; removes the others.
 void check_attributes(Checker& checker, Json& attributes, const std::string& place);
 /// Morph targets of a primitive.

@@ -96,7 +96,7 @@ TEST(Compression, ThePoseIsThatOfTheAnimationInBothKindsOfFile) {
     if (!moved) return b;
     const int output = b.floats({0, 0, 0, 1}, 4);
     const Json target = {{"node", 0}, {"path", "rotation"}};
-    const Json sampler = {{"input", output}, {"output", output}};
+    const Json sampler = {{"input", b.floats({0}, 1)}, {"output", output}};
     const Json channel = {{"sampler", 0}, {"target", target}};
     b.json["animations"] =
         Json::array({{{"channels", Json::array({channel})}, {"samplers", Json::array({sampler})}}});

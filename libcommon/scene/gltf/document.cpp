@@ -180,7 +180,7 @@ void open_document(const std::string& path, Document& d) {
   d.folder = folder_of(path);
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse_json(chunks.json, d.file);
-  const Checked checked = check_json(d.json, d.file);
+  const Checked checked = check_json(d.json, d.file, d.wanted_animations);
   d.camera_faults = checked.cameras;
   d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
   check_extensions(d);

@@ -32,6 +32,8 @@ struct Document {
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews decoded so far
   mutable size_t bytes_unpacked = 0;               ///< sum over all of them
   std::vector<std::string> warnings;               ///< sentences: errors that change no picture
+  /// Names of the animations to apply, set before the file is opened; none: all.
+  std::vector<std::string> wanted_animations;
   CameraFaults camera_faults;
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
@@ -73,8 +75,10 @@ nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// Checks types, ranges and references of every field that this room reads; integers written as 3.0
 /// become 3. Throws InputError with the place of the first wrong field that may change the picture.
-/// Wrong elements that nothing in the scene uses are replaced, and so are wrong cameras.
-Checked check_json(nlohmann::json& json, const std::string& file);
+/// Wrong elements that nothing in the scene uses are replaced, and so are wrong cameras. Animations
+/// get distinct names; those that are not among `animations` (empty: all are wanted) move nothing.
+Checked check_json(nlohmann::json& json, const std::string& file,
+                   const std::vector<std::string>& animations);
 
 /// A URI that may be followed but leads to nothing; `what_is`, for a sentence about it: "a file
 /// that is not there".

@@ -32,6 +32,11 @@ void check_intensity(const Document& d, const std::string& where, const Vec3d& i
 
 }  // namespace
 
+bool holds_light(const Document& d, size_t node) {
+  const Json extensions = d.json["nodes"][node].value("extensions", Json::object());
+  return extensions.contains(kName) || extensions.contains(kIes);
+}
+
 void LightReader::add(const PlacedNode& n) {
   const Json extensions = d_.json["nodes"][n.node].value("extensions", Json::object());
   if (extensions.contains(kName)) add_punctual(n, extensions[kName]);

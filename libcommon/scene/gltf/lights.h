@@ -32,6 +32,8 @@ class LightReader {
   std::map<std::string, std::shared_ptr<const LightProfile>> profiles_;  // by their source
 };
 
+bool holds_light(const Document& document, size_t node);
+
 /// asset.generator; empty: not given.
 std::string generator_of(const Document& document);
 

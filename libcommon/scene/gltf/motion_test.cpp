@@ -312,7 +312,8 @@ TEST(Morphs, ThatWouldTakeForeverAreRefused) {
 // ---- animations
 // ----------------------------------------------------------------------------------
 
-const Sentences kAtTime0{"the scene is taken at time 0 of its animations"};
+const Sentences kAtTime0{
+    "the scene stands as its animations begin; they last 1 s: --at takes another time"};
 
 /// A channel of b that animates node 0; `output`: its accessor.
 void animate(GlbBuilder& b, const std::string& path, int output,
@@ -333,7 +334,7 @@ Scene moved(const Json& transform, const std::function<void(GlbBuilder&)>& chang
   return load(b);
 }
 
-TEST(Animations, AreTakenAtTime0) {
+TEST(Animations, AreTakenAtTheirBeginning) {
   const Json place = {{"translation", {1, 2, 3}}, {"rotation", {0, 0, 1, 0}}, {"scale", {1, 2, 1}}};
   const Json elsewhere = {{"translation", {4, 4, 4}}, {"scale", {3, 3, 3}}};
   const Scene s = moved(elsewhere, [](GlbBuilder& b) {
@@ -356,7 +357,8 @@ TEST(Animations, MayNameTheirInterpolationByNoText) {
   });
   EXPECT_EQ(s.positions, moved({{"translation", {1, 2, 3}}}).positions);
   EXPECT_EQ(s.warnings,
-            (Sentences{"1 interpolation is not made of text: taken as LINEAR", kAtTime0.front()}));
+            (Sentences{"1 interpolation is not LINEAR, STEP or CUBICSPLINE: taken as LINEAR",
+                       kAtTime0.front()}));
 }
 
 TEST(Animations, TheFirstThatMovesAPropertyCounts) {
@@ -365,6 +367,9 @@ TEST(Animations, TheFirstThatMovesAPropertyCounts) {
     animate(b, "translation", b.floats({4, 4, 4, 7, 7, 7}, 3));
   });
   expect_same(s, moved({{"translation", {1, 2, 3}}}));
+  EXPECT_EQ(s.warnings.front(),
+            "1 animation channel moves what one before it moves, and is left out: --animation "
+            "names the animations that count");
 }
 
 TEST(Animations, MoveWeights) {
@@ -391,7 +396,7 @@ TEST(Animations, ThatMoveNothingAreToldOf) {
             (Sentences{"1 animation channel without a key moves nothing",
                        "accessors[7].count: is 0, expected an integer from 1 to 9007199254740992; "
                        "nothing in the scene uses it",
-                       "1 animation channel moves no node, and is left out",
+                       "1 animation channel by KHR_animation_pointer is left out: it moves no node",
                        "1 animation channel moves a node that has a matrix, and is left out"}));
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "libcommon/base/hash.h"
 #include "libcommon/base/number_words.h"
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf/animations.h"
@@ -18,15 +19,52 @@
 #include "libcommon/scene/gltf/materials.h"
 #include "libcommon/scene/gltf/meshes.h"
 #include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/gltf/skins.h"
 #include "libcommon/scene/scene.h"
+#include "libcommon/scene/scene_file.h"
 
 namespace tdpt {
 namespace {
 
 using namespace gltf;
 
+using Json = nlohmann::json;
+
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
 constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
+
+/// Hash of where everything stands that light meets or comes from, of what moves at all: cameras
+/// aside. Places of nodes, not of vertices: cheap in a scene of any size.
+std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes) {
+  std::string bytes;
+  const auto add = [&](const auto& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  std::set<int> skins;
+  for (const PlacedNode& n : nodes) {
+    const tinygltf::Node& node = d.model.nodes[n.node];
+    const bool counts = n.visible && (node.mesh >= 0 || holds_light(d, n.node));
+    if (!counts || n.fault) continue;
+    add(n.node), add(n.map), add(node.weights.size());
+    for (const double w : node.weights) add(w);
+    if (node.skin >= 0) skins.insert(node.skin);
+  }
+  NodeMaps maps(d, nodes);
+  for (const int skin : skins)
+    for (const Json& joint : d.json["skins"][static_cast<size_t>(skin)]["joints"])
+      add(maps.to_world(joint.get<size_t>()));
+  return content_hash(bytes);
+}
+
+/// For a scene whose animations nobody asked about.
+std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
+  double last = 0;
+  for (const AnimationFacts& a : animations) last = std::max(last, a.seconds);
+  return fmt::format(
+      "the scene stands as its animations begin; they last {} s: --at takes another "
+      "time",
+      number_words(last, 3));
+}
 
 class SceneReader {
  public:
@@ -36,6 +74,7 @@ class SceneReader {
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
     warn_of_faults(nodes);
+    if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
     uses.emplace_back();  // default for surfaces without a material
     MeshReader meshes(d_, scene_, uses, nodes);
@@ -150,22 +189,64 @@ class SceneReader {
   size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
 };
 
+std::vector<Camera> cameras_of(const Document& d, const std::vector<PlacedNode>& nodes) {
+  DistinctNames names;
+  size_t flat = 0;
+  std::vector<Camera> cameras;
+  for (const PlacedNode& n : nodes)
+    if (const auto camera = read_camera(d, n, names, flat)) cameras.push_back(*camera);
+  return cameras;
+}
+
 }  // namespace
 
-Scene read_gltf(const std::string& path) {
+struct SceneFile::Impl {
   Document document;
-  open_document(path, document);
+  std::string path;
+
+  Motion go_to(double seconds) { return gltf::go_to(document, seconds); }
+};
+
+SceneFile::SceneFile(const std::string& path, const std::vector<std::string>& animations)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->path = path;
+  impl_->document.wanted_animations = animations;
+  open_document(path, impl_->document);
+}
+
+SceneFile::~SceneFile() = default;
+
+Scene SceneFile::at(std::optional<double> seconds) {
+  Document& document = impl_->document;
   Scene scene;
-  scene.path = path;
+  scene.path = impl_->path;
   scene.hash = document.hash;
   scene.files = document.files;
   scene.warnings = document.warnings;
-  scene.defaults = defaults_of(document.json, path);
+  scene.defaults = defaults_of(document.json, impl_->path);
   scene.warnings.insert(scene.warnings.end(), scene.defaults.warnings.begin(),
                         scene.defaults.warnings.end());
-  go_to_time_0(document, scene.warnings);
+  const Motion motion = impl_->go_to(seconds.value_or(0));
+  scene.animations = motion.animations;
+  scene.moves = motion.moves;
+  if (motion.moves && !seconds) scene.warnings.push_back(beginning_sentence(motion.animations));
+  if (!motion.moves && seconds)
+    scene.warnings.emplace_back("nothing in the scene is animated: --at changes nothing");
+  scene.warnings.insert(scene.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   SceneReader(document, scene).run();
   return scene;
+}
+
+SceneFile::Glance SceneFile::glance_at(double seconds) {
+  Document& document = impl_->document;
+  const bool moves = impl_->go_to(seconds).moves;
+  std::vector<std::string> ignored;
+  const std::vector<PlacedNode> nodes = place_nodes(document, ignored);
+  return {moves ? hash_of_pose(document, nodes) : "", cameras_of(document, nodes)};
+}
+
+Scene read_gltf(const std::string& path, const Pose& pose) {
+  return SceneFile(path, pose.animations).at(pose.seconds);
 }
 
 }  // namespace tdpt

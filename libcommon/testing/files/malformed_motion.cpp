@@ -194,10 +194,10 @@ void animations(MalformedList& l) {
     l.spoil(
         "animation-" + file,
         [&](GlbBuilder& b) {
-          const int output = b.floats({0, 0, 1}, 3);
+          const int output = b.floats({0, 0, 1}, 3), input = b.floats({0}, 1);
           Json animation = {
               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
-              {"samplers", {{{"input", 1}, {"output", output}}}}};
+              {"samplers", {{{"input", input}, {"output", output}}}}};
           spoil(animation);
           b.json["animations"] = Json::array({animation});
         },
@@ -212,13 +212,28 @@ void animations(MalformedList& l) {
       channel + ".target.node: is 7, expected an index into the 2 nodes");
   animated(
       "output", [](Json& a) { a["samplers"][0]["output"] = 7; },
-      channel + ".sampler.output: is 7, expected an index into the 3 accessors");
+      channel + ".sampler.output: is 7, expected an index into the 4 accessors");
   animated(
       "rotation", [](Json& a) { a["channels"][0]["target"]["path"] = "rotation"; },
       "accessors[2].type: rotations are not VEC4");
   animated(
+      "input", [](Json& a) { a["samplers"][0].erase("input"); },
+      channel + ".sampler.input: is missing");
+  animated(
+      "times", [](Json& a) { a["samplers"][0]["input"] = 2; },
+      "accessors[2].type: times are not SCALAR");
+  l.spoil(
+      "animation-times-back",
+      [](GlbBuilder& b) {
+        const int output = b.floats({0, 0, 1, 0, 0, 2, 0, 0, 3}, 3), input = b.floats({0, 2, 1}, 1);
+        b.json["animations"] = Json::array(
+            {{{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+              {"samplers", {{{"input", input}, {"output", output}}}}}});
+      },
+      "accessors[3]: key 2 lies at 1 s, before key 1 at 2 s, expected times in order");
+  animated(
       "spline", [](Json& a) { a["samplers"][0]["interpolation"] = "CUBICSPLINE"; },
-      "accessors[2]: count is 1, expected at least 2 translations");
+      "accessors[2]: count is 1, expected at least 3 translations");
 }
 
 }  // namespace

@@ -45,6 +45,13 @@ std::string sky_words(const Arguments& a, const Shaping& by) {
   return fmt::format("{} x {}, sun {}", by.scene.sky_hash, by.sky.scale, a.sky.sun_angle);
 }
 
+// "1.5 s of Walk Door"; empty for a scene that stands still.
+std::string pose_words(const Arguments& a, const Scene& scene) {
+  if (!scene.moves) return "";
+  const std::string of = fmt::format("{}", fmt::join(a.pose.animations, " "));
+  return fmt::format("{} s{}", a.pose.seconds.value_or(0), of.empty() ? "" : " of " + of);
+}
+
 // Those in use, whether asked for or guessed.
 std::string units_of_lamps(const Scene& scene) {
   if (scene.lights.empty()) return "";
@@ -243,6 +250,7 @@ Shape shape_of(const Arguments& a, const Shaping& by) {
           {"unit of lamps", units_of_lamps(by.scene)},
           {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
           {"camera", by.camera},
+          {"pose", pose_words(a, by.scene)},
           {"size", fmt::format("{} x {}", by.width, by.height)},
           {"depth", a.max_depth > 0 ? std::to_string(a.max_depth) : "any"},
           {"integrator", integrator_words(a)},
