@@ -75,6 +75,7 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
     "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),
+    "shots": ("shots", "write_shots", "two shots in two rooms with a door: the walk and the door"),
 }
 LISTING = "\n".join(f"  {name:{max(map(len, BENCHMARKS))}}  {words}" for name, (_, _, words) in BENCHMARKS.items())
 

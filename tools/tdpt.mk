@@ -7,7 +7,7 @@
 # has to be deleted, and what a stopped render has written stays.
 
 # A shell may have variables of these common names that mean something else.
-$(foreach name,CAMERA_FLAGS DEVICE ENVIRONMENT ENVIRONMENT_FLAGS MAX_MEMORY PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
+$(foreach name,AT CAMERA_FLAGS DEVICE ENVIRONMENT ENVIRONMENT_FLAGS MAX_MEMORY PORTALS PREVIEWS QUALITY QUIET SEED THREADS TDPT_TELL,\
   $(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 
 FFGRAPH ?= $(TDPT_BIN)ffgraph
@@ -34,12 +34,13 @@ tdpt_sky = $(if $(ENVIRONMENT),--environment $(ENVIRONMENT)) $(ENVIRONMENT_FLAGS
 # Of a scene: the cameras for which its network is made together; their portals lie in one file.
 tdpt_cameras = $(foreach name,$(CAMERAS.$*),--camera $(call tdpt_quoted,$(name)))
 tdpt_camera = $(if $(CAMERA.$*),$(if $(filter --%,$(CAMERA.$*)),$(CAMERA.$*),--camera $(call tdpt_quoted,$(CAMERA.$*)))) $(CAMERA_FLAGS)
+tdpt_pose = $(if $(AT),--at $(AT))
 tdpt_device = $(if $(DEVICE),--device $(call tdpt_quoted,$(DEVICE)))
-tdpt_max = $(strip $(FFGRAPH) $(or $(tdpt_cameras),$(tdpt_camera)) $(tdpt_sky) $(tdpt_sampling) $(FFGRAPH_FLAGS))
+tdpt_max = $(strip $(FFGRAPH) $(or $(tdpt_cameras),$(tdpt_camera)) $(tdpt_pose) $(tdpt_sky) $(tdpt_sampling) $(FFGRAPH_FLAGS))
 tdpt_cut = $(strip $(MINCUT) $(MINCUT_FLAGS))
-tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_sky) $(tdpt_device) $(tdpt_sampling) $(LIGHTGRID_FLAGS))
+tdpt_vdb = $(strip $(LIGHTGRID) $(tdpt_pose) $(tdpt_sky) $(tdpt_device) $(tdpt_sampling) $(LIGHTGRID_FLAGS))
 tdpt_glb = $(strip $(PORTALFIT) $(PORTALFIT_FLAGS))
-tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_sky) $(tdpt_device) $(tdpt_sampling) $(TDPT_RENDER_FLAGS))
+tdpt_exr = $(strip $(TDPT_RENDER) $(addprefix --portal ,$(tdpt_portals)) $(tdpt_camera) $(tdpt_pose) $(tdpt_sky) $(tdpt_device) $(tdpt_sampling) $(TDPT_RENDER_FLAGS))
 tdpt_html = $(strip report $(REPORT_TIME) $(REPORT_REFERENCE) $(REPORT_WIDTH) $(tdpt_exr))
 tdpt_quiet = $(if $(or $(QUIET),$(findstring s,$(firstword -$(MAKEFLAGS)))),--quiet)
 tdpt_most = $(if $(MAX_MEMORY),--max-memory $(MAX_MEMORY))
@@ -71,7 +72,7 @@ tdpt_partial = $(basename $@).partial$(suffix $@)
 # The plan of the portals has words to read: a report takes it as SVG, unless it is asked for as PNG, too.
 tdpt_told_as = $(if $(PREVIEWS),png,$(if $(filter %.portal.glb,$@),svg,png))
 tdpt_preview = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--preview $(if $(TDPT_TELL),$(tdpt_telling).$(tdpt_told_as),$@.png))
-tdpt_shown = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene))
+tdpt_shown = $(if $(or $(PREVIEWS),$(TDPT_TELL)),--scene $(tdpt_scene) $(tdpt_pose))
 # A stage that runs for a report keeps what it tells of itself and its picture beside .command; its notes come afterwards.
 tdpt_telling = $(tdpt_known).partial.told
 tdpt_notes = grep -v ', because '

@@ -16,6 +16,12 @@ std::string number_words(double value, int digits) {
   return size >= 1e-4 && size < 1e7 ? fmt::format("{}", rounded) : short_form;
 }
 
+std::string duration_words(double seconds) {
+  if (seconds < 100) return number_words(seconds, 2) + " s";
+  if (seconds < 6000) return number_words(seconds / 60, 2) + " minutes";
+  return number_words(seconds / 3600, 2) + " hours";
+}
+
 std::string percent_words(double share, int digits) {
   return number_words(100 * share, digits) + " %";
 }

@@ -8,5 +8,7 @@ namespace tdpt {
 std::string number_words(double value, int digits = 3);
 /// "15 %" of 0.153, "100 %" of 1.
 std::string percent_words(double share, int digits = 2);
+/// "4.7 s", "3 minutes", "12 hours": two digits.
+std::string duration_words(double seconds);
 
 }  // namespace tdpt

@@ -9,6 +9,7 @@
 #include "libcommon/formats/camera_options.h"
 #include "libcommon/formats/picture_options.h"
 #include "libcommon/formats/pose_options.h"
+#include "libcommon/formats/shot_options.h"
 #include "libcommon/formats/sky_options.h"
 
 namespace tdpt {
@@ -27,6 +28,7 @@ struct RenderArguments : PictureArguments {
   SkyArguments sky;
   CameraArguments camera;
   Pose pose;
+  ShotArguments shot;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kClean = 0.01, kVery = 0.2;  // relMSE that most people call clean, and very noisy
 
-std::string duration_words(double seconds) {
-  if (seconds < 100) return fmt::format("{} s here", number_words(seconds, 2));
-  if (seconds < 6000) return fmt::format("{} minutes here", number_words(seconds / 60, 2));
-  return fmt::format("{} hours here", number_words(seconds / 3600, 2));
-}
-
 // Pixels that far apart, row by row, come to every column in turn.
 size_t step_of(const Film& film) {
   const auto width = static_cast<size_t>(film.width()), height = static_cast<size_t>(film.height());
@@ -42,7 +36,7 @@ std::string noise_sentence(const Noise& noise, double seconds) {
   const auto times = [&](double relmse) {
     const double more = std::exp2(std::ceil(std::log2(relmse / kClean)));
     return fmt::format("{:.0f} times as many samples ({}), or --target-error {}", more,
-                       duration_words(more * seconds), number_words(kClean));
+                       duration_words(more * seconds) + " here", number_words(kClean));
   };
   if (!noise.tells) {
     const double least = std::min(noise.low, 0.5);

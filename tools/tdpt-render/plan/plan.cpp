@@ -10,6 +10,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/json_depth.h"
 #include "libcommon/formats/format_version.h"
+#include "libcommon/formats/shot_options.h"
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {
@@ -149,13 +150,36 @@ Plan read_plan(const std::string& text, const std::string& file) {
 std::string plan_file_text(const PlanFile& file) {
   auto shape = nlohmann::ordered_json::object();
   for (const auto& [name, value] : file.shape) shape[name] = value;
-  return nlohmann::ordered_json{{"format", format_version::plan},
-                                {"plan", json_of(file.plan)},
-                                {"shape", shape},
-                                {"command", file.command}}
-             .dump(2) +
-         "\n";
+  nlohmann::ordered_json all{{"format", format_version::plan}};
+  if (file.frames.empty()) all["plan"] = json_of(file.plan);
+  for (const auto& [frame, plan] : file.frames)
+    all["frames"].push_back({{"frame", frame}, {"plan", json_of(plan)}});
+  all["shape"] = shape;
+  all["command"] = file.command;
+  return all.dump(2) + "\n";
 }
+
+const Plan& PlanFile::of_frame(int64_t frame) const {
+  std::vector<int64_t> keys;
+  for (const auto& [key, planned] : frames) keys.push_back(key);
+  return frames.at(nearest_key(keys, frame));
+}
+
+namespace {
+
+std::map<int64_t, Plan> read_frames(const nlohmann::ordered_json& list, const std::string& file) {
+  std::map<int64_t, Plan> frames;
+  if (!list.is_array() || list.empty()) throw InputError(file, "frames", "is no list of plans");
+  for (const auto& entry : list) {
+    if (!entry.is_object() || !entry.contains("frame") || !entry["frame"].is_number_unsigned() ||
+        !entry.contains("plan"))
+      throw InputError(file, "frames", "has an entry without a frame or without a plan");
+    frames[entry["frame"].get<int64_t>()] = read_plan(entry["plan"].dump(), file);
+  }
+  return frames;
+}
+
+}  // namespace
 
 PlanFile read_plan_file(const std::string& path) {
   const std::string name = display_name(path);
@@ -163,11 +187,15 @@ PlanFile read_plan_file(const std::string& path) {
   const auto from = nested_too_deep(text_of_file)
                         ? nlohmann::ordered_json()
                         : nlohmann::ordered_json::parse(text_of_file, nullptr, false);
-  if (!from.is_object() || !from.contains("plan"))
+  if (!from.is_object() || from.contains("plan") == from.contains("frames"))
     throw InputError(name, "", "is no plan, expected one from --plan");
   const auto version = from.find("format");
   check_version(name, "format", version == from.end() ? "" : version->dump(), format_version::plan);
-  PlanFile file{read_plan(from["plan"].dump(), name), {}, {}};
+  PlanFile file;
+  if (from.contains("plan"))
+    file.plan = read_plan(from["plan"].dump(), name);
+  else
+    file.frames = read_frames(from["frames"], name);
   const auto text = [&](const char* key, const nlohmann::ordered_json& value) {
     if (!value.is_string()) throw InputError(name, key, "is no string");
     return value.get<std::string>();

@@ -1,6 +1,7 @@
 // Everything a run decides by measuring before it renders. Given scene, portals, settings and plan,
 // each range of samples yields the same bytes, whatever the number of threads or of parts.
 #pragma once
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,9 +32,13 @@ Plan read_plan(const std::string& text, const std::string& file);
 
 /// A plan on disk, with what it was made for.
 struct PlanFile {
-  Plan plan;
-  Shape shape;          ///< of the picture
-  std::string command;  ///< that made the plan, for provenance
+  Plan plan;                         ///< of a picture; unused for a shot
+  Shape shape;                       ///< of the picture, or of what the frames of the shot share
+  std::string command;               ///< that made the plan, for provenance
+  std::map<int64_t, Plan> frames{};  ///< of a shot: what was decided at its key frames
+
+  /// Of the key frame that is nearest.
+  const Plan& of_frame(int64_t frame) const;
 };
 /// As indented JSON, for people too.
 std::string plan_file_text(const PlanFile& file);

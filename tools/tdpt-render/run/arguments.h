@@ -1,6 +1,7 @@
 // The command line of tdpt-render; tdpt-render(1) explains the options.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ struct Arguments : RenderArguments {
   std::string plan;   ///< a path; empty: not given
   std::string shard;  ///< "I/N" or "all/N"; empty: not given
   bool check = false;
+  /// Set for one frame of a shot [shot.h]: its number; none: a picture of its own.
+  std::optional<int64_t> frame{};
 };
 
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an

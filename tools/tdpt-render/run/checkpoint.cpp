@@ -103,26 +103,30 @@ void check_film(const RenderState& render_state, const World& world, const std::
     throw InputError(file, "film", "keeps other sums than this picture");
 }
 
-Checkpoint planned(const Arguments& a, const Shaping& by) {
-  const std::string name = display_name(a.plan);
-  const PlanFile file = read_plan_file(a.plan);
-  if (const std::string other = difference(file.shape, shape_of(a, by)); !other.empty())
+Checkpoint planned(const Arguments& a, const Shaping& by, const PlanFile& file) {
+  const std::string name = a.plan.empty() ? "the plan of the shot" : display_name(a.plan);
+  if (a.frame.has_value() == file.frames.empty())
+    throw InputError(name, "",
+                     a.frame ? "is the plan of a picture, expected one of a shot"
+                             : "is the plan of a shot, expected one of a picture");
+  if (const std::string other = difference(file.shape, plan_shape_of(a, by)); !other.empty())
     throw InputError(name, "", "is of " + other);
-  if (file.plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
+  const Plan& plan = a.frame ? file.of_frame(*a.frame) : file.plan;
+  if (plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
   const auto spp = static_cast<uint64_t>(a.spp);
   // A picture may have fewer samples than its plan; shards are parts of all.
-  if (a.spp > 0 && (a.shard.empty() ? spp > file.plan.spp : spp != file.plan.spp))
+  if (a.spp > 0 && (a.shard.empty() ? spp > plan.spp : spp != plan.spp))
     throw UsageError(
-        fmt::format("--spp {}: {} is of {}", a.spp, name, counted(file.plan.spp, "sample")));
+        fmt::format("--spp {}: {} is of {}", a.spp, name, counted(plan.spp, "sample")));
   Checkpoint given;
   given.plan_file = name;
-  given.schedule.plan = file.plan;
+  given.schedule.plan = plan;
   if (a.spp > 0) given.schedule.plan->spp = spp;
-  given.command = file.command;
+  given.command = a.frame ? command_of_frame(file.command, *a.frame) : file.command;
   return given;
 }
 
-Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world,
+Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world, const PlanFile* plan,
                    RenderSettings& settings) {
   const std::string name = display_name(a.resume);
   FilmFile film = read_film(a.resume);
@@ -144,7 +148,7 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world,
         fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", name,
                     words_of({{render_state.first, render_state.goal}}), render_state.whole));
   if (!a.shard.empty()) {
-    if (!a.plan.empty() && !(planned(a, by).schedule.plan == given.schedule.plan))
+    if (plan && !(planned(a, by, *plan).schedule.plan == given.schedule.plan))
       throw InputError(name, "", "was rendered by another plan than " + display_name(a.plan));
     const SampleRange part = shard_of(a.shard).part(0, render_state.spp());
     if (part.first != render_state.first || part.count != render_state.goal)
@@ -243,23 +247,35 @@ std::string camera_words(const Arguments& a, const Frame& frame, const Camera& c
   return of_the_scene && camera.culls ? words + " --cull" : words;
 }
 
-Shape shape_of(const Arguments& a, const Shaping& by) {
+namespace {
+
+Shape shape_of(const Arguments& a, const Shaping& by, const std::string& pose, uint64_t seed) {
   return {{"program version", TDPT_VERSION},
           {"scene", by.scene.hash},
           {"environment", sky_words(a, by)},
           {"unit of lamps", units_of_lamps(by.scene)},
           {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
           {"camera", by.camera},
-          {"pose", pose_words(a, by.scene)},
+          {"pose", pose},
           {"size", fmt::format("{} x {}", by.width, by.height)},
           {"depth", a.max_depth > 0 ? std::to_string(a.max_depth) : "any"},
           {"integrator", integrator_words(a)},
           {"heuristic", a.mis},
-          {"seed", std::to_string(by.seed)}};
+          {"seed", std::to_string(seed)}};
+}
+
+}  // namespace
+
+Shape plan_shape_of(const Arguments& a, const Shaping& by) {
+  if (!a.frame) return shape_of(a, by, pose_words(a, by.scene), by.seed);
+  const std::string of = fmt::format("{}", fmt::join(a.pose.animations, " "));
+  return shape_of(a, by,
+                  fmt::format("{} frames per second{}", a.shot.fps, of.empty() ? "" : " of " + of),
+                  by.seed - static_cast<uint64_t>(*a.frame));
 }
 
 Shape film_shape_of(const Arguments& a, const Shaping& by) {
-  Shape shape = shape_of(a, by);
+  Shape shape = shape_of(a, by, pose_words(a, by.scene), by.seed);
   shape.emplace_back("film", a.alpha ? "transparent" : "opaque");
   const bool halves = keeps_halves(a);
   shape.emplace_back("set of layers",
@@ -268,13 +284,13 @@ Shape film_shape_of(const Arguments& a, const Shaping& by) {
   return shape;
 }
 
-Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
-                           RenderSettings& settings) {
+Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world,
+                           const PlanFile* plan, RenderSettings& settings) {
   // A file named for both is created if it does not exist yet.
   const bool begins = is_same(a.checkpoint, a.resume) && !is_there(a.resume);
-  if (!a.resume.empty() && !begins) return resumed(a, by, world, settings);
-  Checkpoint given = is_plan ? planned(a, by) : Checkpoint();
-  if (is_plan) limit_to(given.schedule.plan->spp, settings);
+  if (!a.resume.empty() && !begins) return resumed(a, by, world, plan, settings);
+  Checkpoint given = plan ? planned(a, by, *plan) : Checkpoint();
+  if (plan) limit_to(given.schedule.plan->spp, settings);
   if (a.shard.empty()) return given;
   const uint64_t spp = settings.spp;
   given.schedule.part = shard_of(a.shard).part(0, spp);

@@ -33,8 +33,9 @@ struct Shaping {
   int width, height;
   uint64_t seed;
 };
-Shape shape_of(const Arguments& a, const Shaping& by);
-/// The same with the sums that its film keeps.
+/// What a plan is made for: the picture, or of a frame what all frames of its shot share.
+Shape plan_shape_of(const Arguments& a, const Shaping& by);
+/// The picture, with the sums that its film keeps.
 Shape film_shape_of(const Arguments& a, const Shaping& by);
 
 struct Checkpoint {
@@ -45,10 +46,10 @@ struct Checkpoint {
   std::string command;    ///< that made the plan; empty: this one
   std::string processor;  ///< whose code rendered the film so far; empty: there is none
 };
-/// Reads the film to resume or the plan to obey, and takes its limits into `settings`. Throws
-/// UsageError or InputError if they do not belong together. `is_plan`: --plan names a plan to obey.
-Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world, bool is_plan,
-                           RenderSettings& settings);
+/// Reads the film to resume, or takes the plan to obey, and its limits into `settings`. Throws
+/// UsageError or InputError if they do not belong together. `plan`: to obey; null: there is none.
+Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world,
+                           const PlanFile* plan, RenderSettings& settings);
 
 /// Explains why a film rendered by the code `before` changes when resumed by that of `now`.
 std::string other_code_sentence(const std::string& file, const std::string& before,

@@ -22,9 +22,9 @@ namespace tdpt {
 namespace {
 
 // Attributes of the picture. A resumed rendering keeps those of its first run. `target`: its
-// outcome, once known.
+// outcome, once known. `mark`: of a complete frame.
 std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
-                                                 const Plan& plan,
+                                                 const Plan& plan, const std::string& mark,
                                                  const std::optional<TargetOutcome>& target) {
   std::map<std::string, std::string> attributes = job.given.attributes;
   if (attributes.empty()) {
@@ -35,6 +35,7 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
     attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
   }
   if (job.common.no_provenance) attributes.erase(provenance_attribute);
+  if (!mark.empty()) attributes[kFrameAttribute] = mark;
   if (target) attributes.merge(target_attributes(*target));
   return attributes;
 }
@@ -52,7 +53,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
 std::string film_of(const Outcome& r) {
   return film_bytes(r.render_state, r.plan, r.job.film_shape,
                     merged_words(r.job.given.processor, r.job.code), derived_of(r.job.a),
-                    attributes_of(r.job, r.choice, r.plan, r.target), r.channels);
+                    attributes_of(r.job, r.choice, r.plan, r.mark, r.target), r.channels);
 }
 
 // The finished picture, and what its filter did, in a sentence.
@@ -65,7 +66,7 @@ Finished finished(const Outcome& r, const RenderResult& result) {
   if (r.job.is_shard()) return {{result.picture, {}, {}, {}, {}}, ""};
   FilmFacts facts;
   facts.derived = derived_of(r.job.a);
-  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.target);
+  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.mark, r.target);
   const Film& film = r.render_state.film;
   Finished all{finished_picture(film, facts, r.channels), ""};
   if (!r.job.a.filters()) return all;

@@ -7,7 +7,7 @@
 
 namespace tdpt {
 
-/// A rendering in progress or at its end; `target` and `channels` are set at the end.
+/// A rendering in progress or at its end; `target`, `channels` and `mark` are set at the end.
 struct Outcome {
   const Job& job;
   const Choice& choice;
@@ -15,7 +15,11 @@ struct Outcome {
   const Plan& plan;
   std::optional<TargetOutcome> target{};
   Channels channels{};
+  std::string mark{};  ///< Job::mark of a frame that is complete
 };
+
+/// Name of the attribute with Job::mark.
+inline constexpr const char* kFrameAttribute = "frame";
 
 /// Writes the checkpoint. A failure is only a warning, since the previous one stays whole; returns
 /// false then.

@@ -7,29 +7,19 @@
 #include "tools/tdpt-render/run/arguments.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/choice.h"
-#include "tools/tdpt-render/run/picture_size.h"
+#include "tools/tdpt-render/run/scenery.h"
 
 namespace tdpt {
-
-/// What the command line names, after reading.
-struct Loaded {
-  Scene scene;
-  TakenSky sky;
-  Camera camera;
-  PictureSize size;
-  std::vector<Portal> portals;
-  std::vector<cli::Common::Input> files;
-  std::vector<std::string> portal_hashes;  ///< of the portal files
-};
 
 struct Job {
   const Arguments& a;
   const cli::Common& common;
-  Loaded in;
+  Loaded& in;
   Request request;
   RenderSettings settings;
   Checkpoint given;
   Shape shape, film_shape;
+  std::string mark;  ///< of a complete frame of a shot [shot.h]
   std::string code;  ///< instruction set that renders [FilmFacts::processor]
 
   bool is_shard() const { return !a.shard.empty(); }

@@ -1,0 +1,88 @@
+#include "libcommon/formats/shot_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt {
+namespace {
+
+constexpr int64_t kLastFrame = 1000000;
+constexpr double kSlowest = 0.001, kFastest = 1000;  // frames per second
+
+}  // namespace
+
+void declare_shot_options(cli::Options& options, ShotArguments& a) {
+  options.part(cli::Part::animation);
+  options.option("--frames", a.frames, "A-B",
+                 "Render these frames of the scene's animations; frame K shows K / --fps seconds");
+  options.option("--fps", a.fps, "F", "Frames per second; default 24", kSlowest, kFastest);
+}
+
+FrameRange frame_range(const ShotArguments& a) {
+  FrameRange range;
+  const std::string& text = a.frames;
+  const char* const end = text.data() + text.size();
+  auto [at, error] = std::from_chars(text.data(), end, range.first);
+  range.last = range.first;
+  if (error == std::errc() && at != end && *at == '-') {
+    const auto second = std::from_chars(at + 1, end, range.last);
+    at = second.ptr, error = second.ec;
+  }
+  if (error != std::errc() || at != end || text.starts_with('-') || range.last < 0 ||
+      std::max(range.first, range.last) > kLastFrame)
+    throw UsageError(fmt::format("--frames {}: expected A-B, as 1-48, or one number, up to {}",
+                                 text, kLastFrame));
+  if (range.last < range.first)
+    throw UsageError(
+        fmt::format("--frames {}: runs backwards; meant {}-{}?", text, range.last, range.first));
+  return range;
+}
+
+void check_shot(const ShotArguments& a, const Pose& pose) {
+  if (!a.is_given()) return;
+  frame_range(a);
+  if (pose.seconds) throw UsageError("--at: the frames of --frames say which time they show");
+}
+
+std::vector<int64_t> key_frames(const FrameRange& range, int64_t apart) {
+  const int64_t steps = (range.count() - 1 + apart - 1) / apart;
+  std::vector<int64_t> keys{range.first};
+  for (int64_t i = 1; i <= steps; ++i)
+    keys.push_back(range.first + ((range.count() - 1) * i + steps / 2) / steps);
+  return keys;
+}
+
+int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame) {
+  return *std::min_element(keys.begin(), keys.end(), [&](int64_t a, int64_t b) {
+    return std::abs(a - frame) < std::abs(b - frame);
+  });
+}
+
+std::string command_of_frame(const std::string& command, int64_t frame) {
+  constexpr std::string_view kOption = " --frames ";
+  const size_t at = command.find(kOption);
+  if (at == std::string::npos) return command;
+  const size_t from = at + kOption.size(), to = std::min(command.find(' ', from), command.size());
+  return std::string(command).replace(from, to - from, std::to_string(frame));
+}
+
+std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame) {
+  const size_t folder = pattern.find_last_of('/');
+  const size_t last = pattern.find_last_of('#');
+  if (last == std::string::npos || (folder != std::string::npos && last < folder))
+    throw UsageError(
+        fmt::format("{} {}: there are several frames; write #### where their numbers "
+                    "are to stand",
+                    option, pattern));
+  const size_t before = pattern.find_last_not_of('#', last);
+  const size_t first = before == std::string::npos ? 0 : before + 1;
+  return fmt::format("{}{:0{}}{}", pattern.substr(0, first), frame, last - first + 1,
+                     pattern.substr(last + 1));
+}
+
+}  // namespace tdpt

@@ -1,0 +1,48 @@
+// A shot: frames at equal steps of time, each a picture with a number in its files' names. The
+// options that select frames, the same in every program that has them.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libcommon/cli/cli.h"
+#include "libcommon/scene/pose.h"
+
+namespace tdpt {
+
+struct ShotArguments {
+  std::string frames;  ///< "A-B" or "A"; empty: no shot
+  double fps = 24;     ///< frames per second
+  bool is_given() const { return !frames.empty(); }
+};
+
+/// --frames, --fps.
+void declare_shot_options(cli::Options& options, ShotArguments& a);
+
+/// Frames from `first` to `last`, both included. Frame K shows the scene K / fps seconds after time
+/// 0, as modelling programs count.
+struct FrameRange {
+  int64_t first = 0, last = 0;
+  int64_t count() const { return last - first + 1; }
+};
+/// Reads ShotArguments::frames. Throws UsageError.
+FrameRange frame_range(const ShotArguments& a);
+
+/// Throws UsageError for options that contradict each other.
+void check_shot(const ShotArguments& a, const Pose& pose);
+
+/// The frames at which something is measured for a whole shot: the ends and, at even distances, as
+/// many as it takes for them to lie at most `apart` frames from each other.
+std::vector<int64_t> key_frames(const FrameRange& range, int64_t apart);
+/// The key that is nearest to a frame, the earlier of two. `keys`: in order, at least one.
+int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame);
+
+/// The name of a frame's file: "shot.0012.exr" for "shot.####.exr". Throws UsageError, naming
+/// `option`, if there is no # in the file's name.
+std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame);
+
+/// The command line of a shot with one frame in the place of all.
+std::string command_of_frame(const std::string& command, int64_t frame);
+
+}  // namespace tdpt

@@ -1,0 +1,84 @@
+#include "libcommon/formats/shot_options.h"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt::testing::shot_options_test {
+namespace {
+
+std::string refusal(const std::function<void()>& call) {
+  try {
+    call();
+    return "";
+  } catch (const UsageError& e) {
+    return e.what();
+  }
+}
+
+TEST(Frames, AreARangeOrOne) {
+  EXPECT_EQ(frame_range({"1-48", 24}).first, 1);
+  EXPECT_EQ(frame_range({"1-48", 24}).last, 48);
+  EXPECT_EQ(frame_range({"0-0", 24}).count(), 1);
+  EXPECT_EQ(frame_range({"7", 24}).last, 7);
+  for (const char* wrong : {"a", "1-", "-3", "1-2-3", "1,4", "1-b", "", " 1", "1-99999999", "1--2"})
+    EXPECT_NE(refusal([&] {
+                frame_range({wrong, 24});
+              }).find("expected A-B, as 1-48"),
+              std::string::npos)
+        << wrong;
+  EXPECT_EQ(refusal([] {
+              frame_range({"48-1", 24});
+            }),
+            "--frames 48-1: runs backwards; meant 1-48?");
+}
+
+TEST(Frames, SayTheTimeThemselves) {
+  EXPECT_EQ(refusal([] {
+              check_shot({"1-4", 24}, {1.5, {}});
+            }),
+            "--at: the frames of --frames say which time they show");
+  check_shot({"", 24}, {1.5, {}});
+}
+
+TEST(Frames, NumberTheLastHashesOfAName) {
+  EXPECT_EQ(name_of_frame("-o", "a/shot.####.exr", 12), "a/shot.0012.exr");
+  EXPECT_EQ(name_of_frame("-o", "a/shot.##.exr", 1234), "a/shot.1234.exr");
+  EXPECT_EQ(name_of_frame("-o", "###", 7), "007");
+  EXPECT_EQ(name_of_frame("-o", "take #2/x#.exr", 3), "take #2/x3.exr");
+  EXPECT_EQ(name_of_frame("-o", "####.0-of-4.exr", 3), "0003.0-of-4.exr");
+  for (const char* wrong : {"shot.exr", "#/shot.exr", "-"})
+    EXPECT_NE(refusal([&] { name_of_frame("-o", wrong, 1); }).find("write #### where"),
+              std::string::npos)
+        << wrong;
+}
+
+TEST(Frames, StandForThemselvesInTheirCommands) {
+  EXPECT_EQ(command_of_frame("tdpt-render --spp 4 --frames 1-48 --fps 24", 12),
+            "tdpt-render --spp 4 --frames 12 --fps 24");
+  EXPECT_EQ(command_of_frame("tdpt-render --frames 1-48", 7), "tdpt-render --frames 7");
+  EXPECT_EQ(command_of_frame("tdpt-render --spp 4", 7), "tdpt-render --spp 4");
+}
+
+TEST(Frames, KeysAreEvenAndHoldTheEnds) {
+  EXPECT_EQ(key_frames({1, 48}, 12), (std::vector<int64_t>{1, 13, 25, 36, 48}));
+  EXPECT_EQ(key_frames({5, 5}, 12), std::vector<int64_t>{5});
+  EXPECT_EQ(key_frames({5, 6}, 12), (std::vector<int64_t>{5, 6}));
+  for (int64_t n = 2; n < 60; ++n) {
+    const std::vector<int64_t> keys = key_frames({3, 2 + n}, 7);
+    EXPECT_EQ(keys.front(), 3);
+    EXPECT_EQ(keys.back(), 2 + n);
+    for (size_t i = 1; i < keys.size(); ++i) {
+      EXPECT_GT(keys[i], keys[i - 1]);
+      EXPECT_LE(keys[i] - keys[i - 1], 7);
+    }
+  }
+  EXPECT_EQ(nearest_key({1, 13, 25}, 7), 1);
+  EXPECT_EQ(nearest_key({1, 13, 25}, 8), 13);
+  EXPECT_EQ(nearest_key({1, 13, 25}, 99), 25);
+}
+
+}  // namespace
+}  // namespace tdpt::testing::shot_options_test

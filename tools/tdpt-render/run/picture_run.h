@@ -1,0 +1,35 @@
+// The making of one picture: from what the command line says to the files.
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "libcommon/gpu/device.h"
+#include "tools/tdpt-render/integrators/sample_renderer.h"
+#include "tools/tdpt-render/run/job.h"
+#include "tools/tdpt-render/run/scenery.h"
+
+namespace tdpt {
+
+/// What the pictures of one command share.
+struct Workshop {
+  std::optional<gpu::Device> device;  ///< that renders; none: the CPU
+  Scenery scenery{};
+  std::string code() const;  ///< Job::code
+};
+
+Shaping shaping_of(const Loaded& in, const Arguments& a, const cli::Common& common);
+
+struct Made {
+  int code = 0;         ///< exit code
+  std::string words{};  ///< how many samples, how long, how noisy
+};
+/// Makes the picture, or with --plan alone its plan. `plan`: to obey; null: it is decided. `mark`:
+/// Job::mark.
+Made render_picture(const Arguments& a, const cli::Common& common, Workshop& shop,
+                   const PlanFile* plan, const std::string& mark = "");
+
+/// What is decided before a frame is rendered.
+PlanFile decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop);
+
+}  // namespace tdpt

@@ -1,0 +1,89 @@
+#include "tools/tdpt-render/run/scenery.h"
+
+#include "tools/tdpt-render/portals/given_portals.h"
+#include "tools/tdpt-render/run/covered_lamps.h"
+#include "tools/tdpt-render/run/portal_report.h"
+#include "tools/tdpt-render/run/seen_backs.h"
+
+namespace tdpt {
+
+Loaded& Scenery::load(const Arguments& a, const cli::Common& common) {
+  const bool first = !file_;
+  if (first) file_ = std::make_unique<SceneFile>(a.scene, a.pose.animations);
+  cli::Common quiet = common;
+  quiet.quiet = true;
+  if (first || !only_moves_camera(a, quiet)) read(a, first ? common : quiet, first);
+  return in_;
+}
+
+void Scenery::read(const Arguments& a, const cli::Common& common, bool tells) {
+  world_.reset();  // it refers to the scene
+  in_ = {};
+  in_.scene = file_->at(a.pose.seconds);
+  common.also_read(in_.scene.files);
+  if (tells)
+    for (const std::string& warning : in_.scene.warnings) common.warn_of(a.scene, warning);
+  in_.files.push_back({a.scene, in_.scene.hash, {}});
+  take_camera(a, common);
+  in_.sky = add_sky(in_.scene, a.sky, common, in_.files);
+  if (tells) warn_of_lamps(in_.scene, common);
+  note_lost_light(in_.scene, common);
+  files_but_portals_ = in_.files.size();
+  read_portals(a, common);
+}
+
+void Scenery::take_camera(const Arguments& a, const cli::Common& common) {
+  in_.camera = chosen_camera(in_.scene, a.camera, common);
+  in_.size = picture_size(in_.scene, in_.camera, a.width, a.height);
+}
+
+void Scenery::read_portals(const Arguments& a, const cli::Common& common) {
+  in_.files.resize(files_but_portals_);
+  in_.portals.clear();
+  in_.portal_hashes.clear();
+  for (const std::string& path : a.portals) {
+    const GivenPortals given = read_given_portals(path, in_.scene, in_.camera);
+    if (!common.quiet || !a.frame)
+      for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
+    for (const std::string& note : first_few(given.notes)) common.note(note);
+    const PortalFile& file = given.file;
+    common.also_read(file.files);
+    in_.portals.insert(in_.portals.end(), file.portals.begin(), file.portals.end());
+    in_.files.push_back({path, file.hash, file.provenance});
+    in_.portal_hashes.push_back(file.hash);
+  }
+}
+
+bool Scenery::only_moves_camera(const Arguments& a, const cli::Common& common) {
+  const SceneFile::Glance now = file_->glance_at(a.pose.seconds.value_or(0));
+  if (now.pose_hash != in_.scene.pose_hash) return false;
+  in_.scene.cameras = now.cameras;
+  for (Camera& camera : in_.scene.cameras)
+    camera.position = in_.scene.frame.to_canonical(camera.position);
+  take_camera(a, common);
+  read_portals(a, common);
+  if (!world_) return true;
+  world_->film = FilmPlane(in_.camera, in_.size.width, in_.size.height);
+  world_->fill_openings(PortalSet(in_.portals, in_.scene.frame));
+  return true;
+}
+
+World& Scenery::world(const cli::Common& common) {
+  if (!world_) {
+    OpenWorld open =
+        open_world(in_.scene, in_.camera, in_.size.width, in_.size.height, in_.portals);
+    world_ = std::move(open.world);
+    if (open.uncovered > 0 && !std::exchange(told_, true))
+      common.warn(uncovered_sentence(open.uncovered, in_.scene.frame));
+  }
+  tell_of_backs(common);
+  return *world_;
+}
+
+void Scenery::tell_of_backs(const cli::Common& common) {
+  const std::string sentence = backs_sentence(seen_backs(*world_));
+  if (!sentence.empty() && !shows_backs_) common.warn(sentence);
+  shows_backs_ = !sentence.empty();
+}
+
+}  // namespace tdpt

@@ -1,0 +1,29 @@
+// The frames of a shot: each is rendered as a picture of its own, with its time, its seed and its
+// files. Frame K alone has the bytes of frame K of the shot, given the same plan.
+#pragma once
+#include <map>
+
+#include "libcommon/formats/shot_options.h"
+#include "tools/tdpt-render/run/picture_run.h"
+
+namespace tdpt {
+
+/// Throws UsageError for options that do not go with --frames.
+void check_frames(const Arguments& a, const cli::Common& common);
+
+/// What the command line would say of one frame alone. Its seed is that of the shot plus its
+/// number.
+struct FrameRun {
+  Arguments arguments;
+  cli::Common common;
+};
+FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame);
+
+/// Renders the frames that are not there yet, complete and by the same command. Returns the exit
+/// code.
+int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop);
+
+/// Which frames are rendered by what, one sentence.
+std::string plan_sentence(const PlanFile& plan, const FrameRange& range);
+
+}  // namespace tdpt
