@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/run/picture_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -253,11 +254,24 @@ Made render_picture(const Arguments& a, const cli::Common& common, Workshop& sho
   return render(p.job, *p.renderer, p.choice, std::move(p.job.given.schedule));
 }
 
-PlanFile decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop) {
+DecidedFrame decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop) {
   const Prepared p = prepared(a, common, shop, nullptr, "");
   const RenderResult decided = decide(*p.renderer, p.choice.candidates, p.job.settings, p.choice);
   common.note(fmt::format("frame {}: {}", *a.frame, choice_sentence(decided)));
-  return {decided.plan, p.job.shape, common.command};
+  DecidedFrame frame{{*a.frame, {{decided.plan}}}, p.job.shape};
+  // A number of samples that was measured belongs to the candidate that it was measured with.
+  const std::vector<CandidateEstimate>& all = decided.forecast.estimates;
+  if (all.empty() || decided.count.measured) return frame;
+  const auto candidates =
+      expecting_connections(p.world, p.choice.candidates, p.job.settings.max_depth);
+  frame.key.offers.clear();
+  for (size_t i = 0; i < all.size(); ++i) {
+    Plan plan = decided.plan;
+    plan.integrator = candidates[i].integrator;
+    plan.label = candidates[i].label;
+    if (std::isfinite(all[i].cost)) frame.key.offers.push_back({plan, all[i].cost});
+  }
+  return frame;
 }
 
 }  // namespace tdpt

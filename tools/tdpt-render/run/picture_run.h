@@ -6,6 +6,7 @@
 
 #include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/integrators/sample_renderer.h"
+#include "tools/tdpt-render/plan/shot_plan.h"
 #include "tools/tdpt-render/run/job.h"
 #include "tools/tdpt-render/run/scenery.h"
 
@@ -27,9 +28,13 @@ struct Made {
 /// Makes the picture, or with --plan alone its plan. `plan`: to obey; null: it is decided. `mark`:
 /// Job::mark.
 Made render_picture(const Arguments& a, const cli::Common& common, Workshop& shop,
-                   const PlanFile* plan, const std::string& mark = "");
+                    const PlanFile* plan, const std::string& mark = "");
 
-/// What is decided before a frame is rendered.
-PlanFile decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop);
+/// What may be decided before a frame is rendered.
+struct DecidedFrame {
+  KeyFrame key;
+  Shape shape;  ///< plan_shape_of()
+};
+DecidedFrame decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop);
 
 }  // namespace tdpt

@@ -104,42 +104,26 @@ FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame)
   return run;
 }
 
-std::string plan_sentence(const PlanFile& plan, const FrameRange& range) {
-  struct Run {
-    int64_t first, last;
-    std::string label;
-  };
-  std::vector<Run> runs;
-  for (int64_t k = range.first; k <= range.last; ++k) {
-    const Plan& used = plan.of_frame(k);
-    const std::string label = used.label.empty() ? used.integrator.name : used.label;
-    if (runs.empty() || runs.back().label != label) runs.push_back({k, k, label});
-    runs.back().last = k;
-  }
-  if (runs.size() == 1) return fmt::format("one plan for the shot: {}", runs[0].label);
-  std::vector<std::string> words;
-  for (const Run& r : runs) words.push_back(fmt::format("{}-{} by {}", r.first, r.last, r.label));
-  return fmt::format("the plan changes within the shot: frames {}", fmt::join(words, ", "));
-}
-
 namespace {
 
 // What is decided at the key frames.
 PlanFile plan_of_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   PlanFile shot;
+  std::vector<KeyFrame> keys;
   const FrameRange range = frame_range(a.shot);
   for (const int64_t frame : key_frames(range, kFramesPerPlan)) {
     FrameRun run = frame_run(a, common, frame);
     for (std::string* path : {&run.arguments.checkpoint, &run.arguments.resume,
                               &run.arguments.shard, &run.arguments.plan})
       path->clear();
-    PlanFile decided = decide_frame(run.arguments, run.common, shop);
+    DecidedFrame decided = decide_frame(run.arguments, run.common, shop);
     if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal; no plan is made");
-    shot.frames[frame] = decided.plan;
+    keys.push_back(std::move(decided.key));
     shot.shape = decided.shape;
   }
+  shot.frames = even_plans(keys);
   shot.command = common.command;
-  common.note(plan_sentence(shot, range));
+  common.note(plan_sentence(shot, range.first, range.last));
   return shot;
 }
 

@@ -23,7 +23,4 @@ FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame)
 /// code.
 int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop);
 
-/// Which frames are rendered by what, one sentence.
-std::string plan_sentence(const PlanFile& plan, const FrameRange& range);
-
 }  // namespace tdpt
