@@ -19,7 +19,7 @@ constexpr double kSlowest = 0.001, kFastest = 1000;  // frames per second
 void declare_shot_options(cli::Options& options, ShotArguments& a) {
   options.part(cli::Part::animation);
   options.option("--frames", a.frames, "A-B",
-                 "Render these frames of the scene's animations; frame K shows K / --fps seconds");
+                 "Frames of the scene's animations, A to B; frame K shows it at K / --fps seconds");
   options.option("--fps", a.fps, "F", "Frames per second; default 24", kSlowest, kFastest);
 }
 
@@ -61,6 +61,20 @@ int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame) {
   return *std::min_element(keys.begin(), keys.end(), [&](int64_t a, int64_t b) {
     return std::abs(a - frame) < std::abs(b - frame);
   });
+}
+
+std::string camera_at_frame(const std::string& camera, int64_t frame) {
+  return fmt::format("{}, frame {}", camera, frame);
+}
+
+std::optional<int64_t> frame_of_camera(const std::string& name, const std::string& camera) {
+  const std::string before = camera + ", frame ";
+  if (!name.starts_with(before)) return {};
+  int64_t frame = 0;
+  const char* const end = name.data() + name.size();
+  const auto read = std::from_chars(name.data() + before.size(), end, frame);
+  if (read.ec != std::errc() || read.ptr != end) return {};
+  return frame;
 }
 
 std::string command_of_frame(const std::string& command, int64_t frame) {

@@ -42,6 +42,11 @@ int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame);
 /// `option`, if there is no # in the file's name.
 std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame);
 
+/// The name of a camera as it stands at a frame, in files made for several: "walk, frame 12".
+std::string camera_at_frame(const std::string& camera, int64_t frame);
+/// The frame of such a name; nothing for the name of another camera, or of none at a frame.
+std::optional<int64_t> frame_of_camera(const std::string& name, const std::string& camera);
+
 /// The command line of a shot with one frame in the place of all.
 std::string command_of_frame(const std::string& command, int64_t frame);
 

@@ -62,6 +62,16 @@ TEST(Frames, StandForThemselvesInTheirCommands) {
   EXPECT_EQ(command_of_frame("tdpt-render --spp 4", 7), "tdpt-render --spp 4");
 }
 
+TEST(Frames, AreNamesOfACamerasPoses) {
+  const std::string name = camera_at_frame("walk, frame 1", 12);
+  EXPECT_EQ(name, "walk, frame 1, frame 12");
+  EXPECT_EQ(frame_of_camera(name, "walk, frame 1"), 12);
+  EXPECT_EQ(frame_of_camera(name, "walk"), std::nullopt);
+  EXPECT_EQ(frame_of_camera("walk", "walk"), std::nullopt);
+  EXPECT_EQ(frame_of_camera("walk, frame 7", "walk"), 7);
+  EXPECT_EQ(frame_of_camera("walk, frame ", "walk"), std::nullopt);
+}
+
 TEST(Frames, KeysAreEvenAndHoldTheEnds) {
   EXPECT_EQ(key_frames({1, 48}, 12), (std::vector<int64_t>{1, 13, 25, 36, 48}));
   EXPECT_EQ(key_frames({5, 5}, 12), std::vector<int64_t>{5});

@@ -40,9 +40,20 @@ std::string no_camera(const std::vector<Camera>& cameras, const std::string& nam
 
 }  // namespace
 
+namespace {
+
+std::string posed(const Scene& scene) {
+  return scene.hash + (scene.pose_hash.empty() ? "" : '@' + scene.pose_hash);
+}
+
+}  // namespace
+
 std::string Scene::identity() const {
-  return hash + (pose_hash.empty() ? "" : '@' + pose_hash) +
-         (sky_hash.empty() ? "" : '+' + sky_hash);
+  return posed(*this) + (sky_hash.empty() ? "" : '+' + sky_hash);
+}
+
+bool Scene::is_pose_of(const std::string& identity) const {
+  return identity.substr(0, identity.find('+')) == posed(*this);
 }
 
 bool Scene::is_scene_of(const std::string& identity) const {
@@ -52,12 +63,10 @@ bool Scene::is_scene_of(const std::string& identity) const {
 void check_made_from(const Scene& scene, const std::string& identity, const std::string& file) {
   if (identity == scene.identity()) return;
   const std::string name = display_name(scene.path);
-  const bool same_pose = identity.substr(0, identity.find('+')) ==
-                         scene.hash + (scene.pose_hash.empty() ? "" : '@' + scene.pose_hash);
   throw InputError(
       display_name(file), "",
       !scene.is_scene_of(identity) ? "was made from another scene than " + name
-      : same_pose
+      : scene.is_pose_of(identity)
           ? "was made from " + name + ", but under another environment or other --set light-units"
           : "was made from " + name + ", but at another time of its animations (--at)");
 }

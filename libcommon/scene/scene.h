@@ -159,6 +159,8 @@ struct Scene {
   std::string identity() const;
   /// Whether `identity` belongs to this scene, in any pose and under any sky.
   bool is_scene_of(const std::string& identity) const;
+  /// The same in this pose, under any sky.
+  bool is_pose_of(const std::string& identity) const;
 
   Vec3f vertex(uint32_t triangle, int corner) const {
     return positions[triangles[triangle].vertex[corner]];

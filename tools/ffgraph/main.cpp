@@ -13,9 +13,11 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/camera_options.h"
 #include "libcommon/formats/pose_options.h"
+#include "libcommon/formats/shot_options.h"
 #include "libcommon/formats/sky_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/lights.h"
+#include "tools/ffgraph/camera_poses.h"
 #include "tools/ffgraph/explain.h"
 #include "tools/ffgraph/preview.h"
 #include "tools/ffgraph/rounds.h"
@@ -40,6 +42,7 @@ struct Arguments {
   SkyArguments sky;
   CameraArguments camera;
   Pose pose;
+  ShotArguments shot;
   int64_t samples = 0, walks = 0, bounces = 12, rounds = 1, cells = 24;
 
   bool triangles() const { return nodes == "triangles"; }
@@ -75,6 +78,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Rounds of splitting patches that straddle an opening; default 1", 0, 3);
   declare_camera_options(options, a.camera);
   declare_pose_options(options, a.pose);
+  declare_shot_options(options, a.shot);
   declare_sky_options(options, a.sky);
 }
 
@@ -97,12 +101,26 @@ void check(const Arguments& a) {
   if (a.walks * a.bounces > kMostHits)
     throw UsageError(fmt::format("{} walks of {} surfaces are too many, at most {} in all", a.walks,
                                  a.bounces, kMostHits));
+  check_shot(a.shot, a.pose);
   if (!a.preview.empty()) draw::check_fonts();
+}
+
+// Of a shot: in the place of each camera its poses.
+void take_poses(const Arguments& a, SceneFile& file, Loaded& in) {
+  if (!a.camera.look_from.empty() || a.camera.frame) return;  // it does not move
+  std::vector<Camera> poses;
+  for (const Camera& camera : in.cameras)
+    for (Camera& pose : camera_poses(file, in.scene, camera.name, a.shot)) {
+      pose.culls = camera.culls;
+      poses.push_back(std::move(pose));
+    }
+  in.cameras = std::move(poses);
 }
 
 Loaded load(const Arguments& a, const cli::Common& common) {
   Loaded in;
-  in.scene = read_gltf(a.scene, a.pose);
+  SceneFile file(a.scene, a.pose.animations);
+  in.scene = file.at(a.shot.is_given() ? frame_range(a.shot).first / a.shot.fps : a.pose.seconds);
   common.also_read(in.scene.files);
   open_glass(in.scene);
   for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
@@ -117,6 +135,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
         display_name(a.scene), "",
         "nothing emits light, expected an emissive surface, a lamp or an --environment");
   in.cameras = chosen_cameras(in.scene, a.camera, common);
+  if (a.shot.is_given()) take_poses(a, file, in);
   if (a.triangles() && in.cameras.size() > 1)
     throw UsageError(
         fmt::format("--nodes triangles is for one camera, {} are given", in.cameras.size()));

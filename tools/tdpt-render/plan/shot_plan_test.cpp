@@ -85,8 +85,13 @@ TEST(ShotPlan, ThatIsMalformedIsRefused) {
                              R"([{"frame": "a", "plan": {}}])", R"([{"plan": {}}])"}) {
     write_output(
         path,
-        fmt::format(R"({{"format": "1", "frames": {}, "shape": {{}}, "command": ""}})", frames));
-    EXPECT_THROW(read_plan_file(path), InputError) << frames;
+        fmt::format(R"({{"format": 1, "frames": {}, "shape": {{}}, "command": ""}})", frames));
+    try {
+      read_plan_file(path);
+      ADD_FAILURE() << frames;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("frames: "), std::string::npos) << e.what();
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include "tools/tdpt-render/portals/given_portals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/number_words.h"
+#include "libcommon/formats/shot_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/portals/portal_mesh.h"
@@ -91,8 +93,13 @@ size_t shared_triangles(const PortalFile& file, const Scene& scene) {
 
 class Judge {
  public:
-  Judge(const std::string& path, const Scene& scene, const Camera& camera)
-      : name_(display_name(path)), scene_(scene), camera_(camera), box_(box_of(scene)) {
+  Judge(const std::string& path, const Scene& scene, const Camera& camera,
+        std::optional<int64_t> frame)
+      : name_(display_name(path)),
+        scene_(scene),
+        camera_(camera),
+        frame_(frame),
+        box_(box_of(scene)) {
     out_.file = read_portals(path);
   }
 
@@ -108,13 +115,8 @@ class Judge {
       throw InputError(
           name_, "",
           fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
-    if (!hash.empty() && hash != scene_.identity())
-      out_.notes.push_back(name_ + (scene_.is_scene_of(hash)
-                                        ? " was made for the scene under another environment "
-                                          "or other --set light-units"
-                                        : " was made for another state of the scene, or for "
-                                          "another one"));
-    take_those_of_the_camera();
+    if (!hash.empty() && hash != scene_.identity()) tell_of_another_scene(hash);
+    if (!take_those_of_the_frame()) take_those_of_the_camera();
     if (out_.file.portals.empty()) return std::move(out_);
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
@@ -127,6 +129,43 @@ class Judge {
   }
   void warn(const Portal& portal, const std::string& words) {
     out_.warnings.push_back(portal.name + ": " + words);
+  }
+
+  void tell_of_another_scene(const std::string& identity) {
+    if (!scene_.is_scene_of(identity))
+      out_.notes.push_back(name_ + " was made for another state of the scene, or for another one");
+    else if (scene_.is_pose_of(identity))
+      out_.notes.push_back(name_ +
+                           " was made for the scene under another environment or other "
+                           "--set light-units");
+    else if (!frame_)
+      out_.notes.push_back(name_ + " was made for the scene at another time of its animations");
+  }
+
+  // Those of the poses on both sides of the frame; false if the file has no poses of the camera.
+  bool take_those_of_the_frame() {
+    if (!frame_) return false;
+    std::optional<int64_t> before, after;
+    for (const std::string& text : out_.file.made_for) {
+      const auto made_for = parse_viewpoint(text);
+      const auto pose = made_for ? frame_of_camera(made_for->name, camera_.name) : std::nullopt;
+      if (!pose) continue;
+      if (*pose <= *frame_) before = std::max(before.value_or(*pose), *pose);
+      if (*pose >= *frame_) after = std::min(after.value_or(*pose), *pose);
+    }
+    if (!before && !after) return false;
+    const std::array<std::string, 2> poses{
+        camera_at_frame(camera_.name, before.value_or(after.value_or(0))),
+        camera_at_frame(camera_.name, after.value_or(before.value_or(0)))};
+    std::erase_if(out_.file.portals, [&](Portal& portal) {
+      double share = -1;
+      for (const std::string& pose : poses)
+        if (const auto own = portal.cameras.find(pose); own != portal.cameras.end())
+          share = std::max(share, own->second);
+      if (share >= 0) portal.figures["flux_share"] = share;
+      return share < 0 && !portal.cameras.empty();
+    });
+    return true;
   }
 
   // Which openings are narrow depends on where the camera stands. All portals are kept for a camera
@@ -256,6 +295,7 @@ class Judge {
   std::string name_;
   const Scene& scene_;
   const Camera& camera_;
+  std::optional<int64_t> frame_;
   Box box_;
   std::unique_ptr<Tracer> tracer_;  // for a portal in the wrong place
   GivenPortals out_;
@@ -263,8 +303,9 @@ class Judge {
 
 }  // namespace
 
-GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera) {
-  return Judge(path, scene, camera).judged();
+GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera,
+                                std::optional<int64_t> frame) {
+  return Judge(path, scene, camera, frame).judged();
 }
 
 }  // namespace tdpt

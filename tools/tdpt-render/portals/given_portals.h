@@ -1,6 +1,8 @@
 // Reads the portals given on the command line and checks them: geometry that cannot be a portal is
 // left out with a warning.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +21,12 @@ struct GivenPortals {
 /// with a warning: closed bodies, folded meshes, and portals outside the scene or far larger than
 /// it; the warning names the unit it seems drawn in [portal_fit.h]. Left out with a note: those of
 /// a file for several cameras that serve others than `camera`. A warning also says if the portals
-/// were found for other cameras. Throws InputError for a whole scene given by mistake, and for more
-/// triangles than any portal has.
-GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera);
+/// were found for other cameras, and a note if they were found at another time. Throws InputError
+/// for a whole scene given by mistake, and for more triangles than any portal has.
+/// `frame`: of a shot; of portals found for poses of the camera along it, those of the last pose
+/// before the frame and of the first after it are taken. Portals found at another time are nothing
+/// to speak of then.
+GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera,
+                                std::optional<int64_t> frame = {});
 
 }  // namespace tdpt

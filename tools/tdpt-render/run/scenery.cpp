@@ -42,7 +42,7 @@ void Scenery::read_portals(const Arguments& a, const cli::Common& common) {
   in_.portals.clear();
   in_.portal_hashes.clear();
   for (const std::string& path : a.portals) {
-    const GivenPortals given = read_given_portals(path, in_.scene, in_.camera);
+    const GivenPortals given = read_given_portals(path, in_.scene, in_.camera, a.frame);
     if (!common.quiet || !a.frame)
       for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
     for (const std::string& note : first_few(given.notes)) common.note(note);
