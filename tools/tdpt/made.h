@@ -40,6 +40,9 @@ std::map<std::string, std::string> files_written_beside(const RenderArguments& a
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work);
 
+/// Throws UsageError if the file exists and is no frame of a shot that tdpt-render has rendered.
+void check_is_frame(const std::string& path);
+
 /// Throws UsageError if the picture exists but was made by another command, or by an unknown one.
 void check_owner(const Request& request, const WorkFolder& work);
 

@@ -179,12 +179,20 @@ void Making::tell_end(int code) const {
   if (const auto most = parse_size(a_.work_size)) work_.shrink_to(*most);
 }
 
+// Throws UsageError for files that are not tdpt's to replace.
+void Making::check_owners() const {
+  if (!request_.is_shot) return check_owner(request_, work_);
+  const FrameRange range = frame_range(a_.shot);
+  for (int64_t k = range.first; k <= range.last; ++k)
+    check_is_frame(name_of_frame("-o", request_.picture, k));
+}
+
 Making::Ending Making::attempt() {
   const std::string folder = picture_.path();
   ::setenv("TDPT_TOLD", (folder + "/told").c_str(), 0);
   const bool made = is_fresh(a_, request_, pipeline_, work_);
   if (!made) {
-    if (!a_.force) check_owner(request_, work_);
+    if (!a_.force) check_owners();
     before_ = hash_of_picture(request_.picture);
     const auto before = unfinished_in(folder);
     const bool goes_on = before && before->key == pipeline_.key;
@@ -245,7 +253,7 @@ Making::Ending Making::run_stages() {
       whole.push_back(name_of(step.output) + end);
   }
   clear(portals_.path(), whole);
-  if (!a_.preview.empty())
+  if (!a_.preview.empty() && !request_.is_shot)
     look_ = std::make_unique<FirstLook>(a_, request_, programs_, picture_.path(), a_.preview);
   for (const Step& step : pipeline_.stages) {
     begin_step(step.title, step.options);
@@ -266,7 +274,7 @@ Making::Ending Making::run_stages() {
                                  step.output + (is_plan ? ".told.svg" : ".told.png")});
       if (is_plan || (!reads_scene && step.output.ends_with(".cut"))) {
         words.insert(words.end(), {"--scene", request_.scene});
-        words.insert(words.end(), request_.pose.begin(), request_.pose.end());
+        words.insert(words.end(), request_.portal_time.begin(), request_.portal_time.end());
       }
     }
     const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
@@ -311,7 +319,20 @@ void Making::place(bool whole) {
   before_ = hash;
 }
 
+// The renderer writes each frame when it is whole, and renders none again that is.
+Making::Ending Making::render_frames() {
+  begin_step("rendering frames", pipeline_.render.options);
+  Words words = pipeline_.render.command(request_.picture);
+  words.insert(words.end(), {"--set", "progress=json"});
+  ChildProcess::How how;
+  how.shares_stdout = true;
+  const Ending ending = run_program(words, how, Reads::scene);
+  if (ending.code == kStopped) common_.note("what frames there are stay; the same command goes on");
+  return ending;
+}
+
 Making::Ending Making::render() {
+  if (request_.is_shot) return render_frames();
   begin_step(pipeline_.render.title, pipeline_.render.options);
   const std::string made = picture_.path() + "/" + kPicture, film = picture_.path() + "/film.exr";
   keep(Unfinished{pipeline_.key}, picture_.path());
@@ -446,7 +467,7 @@ int Making::print(std::set<std::string>& printed) {
     common_.note(request_.picture + " is up to date");
     return 0;
   }
-  if (!a_.force) check_owner(request_, work_);
+  if (!a_.force) check_owners();
   Words folders{"mkdir", "-p"};
   std::string commands;
   if (printed.insert(pipeline_.portals_entry).second)

@@ -36,11 +36,13 @@ class Making {
   bool report_is_fresh() const;
   std::function<void()> waits(const std::string& sentence) const;
   void hold_picture();
+  void check_owners() const;
   Ending attempt();
   Ending check();
   Ending find_portals();
   Ending run_stages();
   Ending render();
+  Ending render_frames();
   Ending make_report();
   /// `told` receives the program's messages; decisions go only there.
   Ending run_program(const Words& words, const ChildProcess::How& how, Reads reads,

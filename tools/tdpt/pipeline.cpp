@@ -51,11 +51,11 @@ void add_stages(const Request& r, const std::string& programs, const std::string
     p.stages.push_back({title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[i]}),
                         inputs, r.unshaped, file(end)});
   };
-  stage(0, "tracing where light goes", "ffgraph", joined({r.cameras, r.pose, r.sky, r.sampling}),
-        {r.scene}, "max");
+  stage(0, "tracing where light goes", "ffgraph",
+        joined({r.cameras, r.portal_poses, r.sky, r.sampling}), {r.scene}, "max");
   stage(1, "finding bottlenecks", "mincut", {}, {file("max")}, "cut");
   stage(2, "following the light through them", "lightgrid",
-        joined({r.pose, r.sky, r.device, r.sampling}), {r.scene, file("cut")}, "vdb");
+        joined({r.portal_time, r.sky, r.device, r.sampling}), {r.scene, file("cut")}, "vdb");
   stage(3, "fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
 }
 
@@ -67,7 +67,7 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
   key.add(file_name(r.scene));
   key.add(state.hash);
   for (const Words& words :
-       {r.cameras, r.pose, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
+       {r.cameras, r.portal_poses, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
     key.add(words);
   for (const Words& words : r.stage_flags) {
     key.add(words);
@@ -88,8 +88,8 @@ std::string key_of_picture(const Request& r, const SceneState& state, const std:
   key.add(found);
   key.add(state.portals);
   for (const std::string& path : given) key.add(file_name(path));
-  for (const Words& words :
-       {r.camera, r.pose, by_content(r.sky, state.sky), r.device, r.sampling, r.all, r.render})
+  for (const Words& words : {r.camera, r.pose, r.shot, by_content(r.sky, state.sky), r.device,
+                             r.sampling, r.all, r.render})
     key.add(words);
   return key.hash();
 }
@@ -126,15 +126,16 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
   std::error_code ignored;
   const fs::path place = fs::weakly_canonical(fs::absolute(r.picture, ignored), ignored);
   p.picture_entry = "picture-" + content_hash(place.string());
-  p.repeatable = a.add_samples == 0;
-  p.keeps_film = a.checkpoint.empty() && a.resume.empty();
+  // Of the frames of a shot the renderer knows itself what is there and whole.
+  p.repeatable = a.add_samples == 0 && !r.is_shot;
+  p.keeps_film = a.checkpoint.empty() && a.resume.empty() && !r.is_shot;
   Words beside = joined({r.unshaped, r.beside});
   if (p.keeps_film) {
     const std::string film = work.path_of(p.picture_entry) + "/film.exr";
     beside.insert(beside.end(), {"--checkpoint", film, "--resume", film});
   }
   const Words options =
-      joined({{renderer}, r.camera, r.pose, r.sky, r.device, r.sampling, r.all, r.render});
+      joined({{renderer}, r.camera, r.pose, r.shot, r.sky, r.device, r.sampling, r.all, r.render});
   p.check =
       joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};

@@ -18,6 +18,7 @@ using Names = std::span<const std::string_view>;
 constexpr std::string_view kCamera[]{"--camera", "--look-from", "--look-at", "--up",
                                      "--fov",    "--frame",     "--cull"};
 constexpr std::string_view kPose[]{"--at", "--animation"};
+constexpr std::string_view kShot[]{"--frames", "--fps"};
 constexpr std::string_view kSky[]{"--environment", "--environment-rotation", "--environment-scale",
                                   "--sun-angle", "--set light-units"};
 constexpr std::string_view kDevice[]{"--device"};
@@ -115,6 +116,8 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   if (!common.output.ends_with(".exr"))
     throw UsageError("-o " + common.output + ": the picture is OpenEXR, name it .exr");
   std::error_code ignored;
+  if (a.shot.is_given() && !a.report.empty())
+    throw UsageError("--report: is for one picture, not for the frames of a shot");
   if (std::filesystem::exists(common.output, ignored) &&
       !std::filesystem::is_regular_file(common.output, ignored))
     throw OutputError(common.output, "is no regular file, expected one or none");
@@ -138,6 +141,7 @@ Request request_of(const Arguments& a, const cli::Common& common) {
       if (given.name == "--portal") continue;  // goes to the renderer, after the scene
       append(is_one_of(kCamera, given.name)     ? r.camera
              : is_one_of(kPose, given.name)     ? r.pose
+             : is_one_of(kShot, given.name)     ? r.shot
              : is_one_of(kSky, given.name)      ? r.sky
              : is_one_of(kDevice, given.name)   ? r.device
              : is_one_of(kSampling, given.name) ? r.sampling
@@ -145,6 +149,16 @@ Request request_of(const Arguments& a, const cli::Common& common) {
                                                 : r.render,
              given);
     }
+  }
+  r.is_shot = a.shot.is_given();
+  r.portal_poses = r.portal_time = r.pose;
+  if (r.is_shot) {
+    const FrameRange range = frame_range({a.portal_frames, a.shot.fps});
+    const std::string fps = fmt::format("{}", a.shot.fps);
+    r.portal_poses.insert(r.portal_poses.end(), {"--frames", a.portal_frames, "--fps", fps});
+    r.portal_time.insert(
+        r.portal_time.end(),
+        {"--at", fmt::format("{}", static_cast<double>(range.first) / a.shot.fps)});
   }
   r.cameras = r.camera;
   if (!a.views.empty()) r.cameras = words_of_all(a, common);

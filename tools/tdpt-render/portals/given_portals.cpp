@@ -1,7 +1,6 @@
 #include "tools/tdpt-render/portals/given_portals.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -116,7 +115,7 @@ class Judge {
           name_, "",
           fmt::format("has {} triangles, expected a portal of at most {}", n, kMostTriangles));
     if (!hash.empty() && hash != scene_.identity()) tell_of_another_scene(hash);
-    if (!take_those_of_the_frame()) take_those_of_the_camera();
+    if (!is_for_this_shot()) take_those_of_the_camera();
     if (out_.file.portals.empty()) return std::move(out_);
     tidy_all();
     std::erase_if(out_.file.portals, [&](const Portal& portal) { return is_elsewhere(portal); });
@@ -142,30 +141,14 @@ class Judge {
       out_.notes.push_back(name_ + " was made for the scene at another time of its animations");
   }
 
-  // Those of the poses on both sides of the frame; false if the file has no poses of the camera.
-  bool take_those_of_the_frame() {
-    if (!frame_) return false;
-    std::optional<int64_t> before, after;
-    for (const std::string& text : out_.file.made_for) {
-      const auto made_for = parse_viewpoint(text);
-      const auto pose = made_for ? frame_of_camera(made_for->name, camera_.name) : std::nullopt;
-      if (!pose) continue;
-      if (*pose <= *frame_) before = std::max(before.value_or(*pose), *pose);
-      if (*pose >= *frame_) after = std::min(after.value_or(*pose), *pose);
-    }
-    if (!before && !after) return false;
-    const std::array<std::string, 2> poses{
-        camera_at_frame(camera_.name, before.value_or(after.value_or(0))),
-        camera_at_frame(camera_.name, after.value_or(before.value_or(0)))};
-    std::erase_if(out_.file.portals, [&](Portal& portal) {
-      double share = -1;
-      for (const std::string& pose : poses)
-        if (const auto own = portal.cameras.find(pose); own != portal.cameras.end())
-          share = std::max(share, own->second);
-      if (share >= 0) portal.figures["flux_share"] = share;
-      return share < 0 && !portal.cameras.empty();
-    });
-    return true;
+  // Portals found for poses of the camera along its way serve all of its frames: which of them do
+  // is measured [exploration.h]. False if the file has no such poses.
+  bool is_for_this_shot() const {
+    return frame_ && std::any_of(out_.file.made_for.begin(), out_.file.made_for.end(),
+                                 [&](const std::string& text) {
+                                   const auto made_for = parse_viewpoint(text);
+                                   return made_for && frame_of_camera(made_for->name, camera_.name);
+                                 });
   }
 
   // Which openings are narrow depends on where the camera stands. All portals are kept for a camera

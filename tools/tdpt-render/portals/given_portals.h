@@ -23,9 +23,8 @@ struct GivenPortals {
 /// a file for several cameras that serve others than `camera`. A warning also says if the portals
 /// were found for other cameras, and a note if they were found at another time. Throws InputError
 /// for a whole scene given by mistake, and for more triangles than any portal has.
-/// `frame`: of a shot; of portals found for poses of the camera along it, those of the last pose
-/// before the frame and of the first after it are taken. Portals found at another time are nothing
-/// to speak of then.
+/// `frame`: of a shot. Portals found for poses of the camera along it are all taken; that they were
+/// found at another time is nothing to speak of.
 GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera,
                                 std::optional<int64_t> frame = {});
 
