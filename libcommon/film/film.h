@@ -100,6 +100,7 @@ class Film {
   std::vector<float> alpha() const;
   /// Number of samples with even (0) or odd (1) numbers.
   uint64_t samples_of_half(uint64_t half) const;
+  bool has_both_halves() const { return samples_of_half(0) > 0 && samples_of_half(1) > 0; }
   /// Mean over the samples with even (0) or odd (1) numbers, which are independent of each other in
   /// a rendering; black without any, or if halves are not kept.
   Picture half(uint64_t half) const;

@@ -454,16 +454,17 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   return exr;
 }
 
-std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& film,
-                                                 const FilmFacts& facts) {
+std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, bool both_halves,
+                                                 const FilmFacts& facts,
+                                                 std::span<const denoise::NamedPicture> frames) {
   const auto asks = [&](const char* name) {
     return std::find(facts.derived.begin(), facts.derived.end(), name) != facts.derived.end();
   };
   if (asks(kDenoised[1])) return denoise::filter_picture(picture, "picture", denoise::Kind::oidn);
   if (!asks(kDenoised[0])) return {};
   std::optional<denoise::Filtered> filtered;
-  if (film.samples_of_half(0) > 0 && film.samples_of_half(1) > 0)
-    filtered = denoise::filter_picture(picture, "picture");
+  if (both_halves)
+    filtered = denoise::filter_picture(picture, "picture", denoise::Kind::regression, frames);
   if (!asks("halves"))
     for (const char* half : denoise::kHalves) picture.layers.erase(half);
   return filtered;

@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -88,9 +89,11 @@ bool is_film(const ExrFile& file);
 
 /// The finished picture, before filtering, identical to that of a rendering that was not split.
 ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels = {});
-/// Filters it if the facts ask for that and each half has a sample: then it has no halves if they
-/// are not asked for. Nothing if it is not filtered.
-std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, const Film& film,
-                                                 const FilmFacts& facts);
+/// Filters it if the facts ask for that and its film has `both_halves`: then it has no halves if
+/// they are not asked for. Nothing if it is not filtered. `frames`: as in
+/// denoise::filter_picture().
+std::optional<denoise::Filtered> filter_as_asked(
+    ExrFile& picture, bool both_halves, const FilmFacts& facts,
+    std::span<const denoise::NamedPicture> frames = {});
 
 }  // namespace tdpt

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -85,18 +86,57 @@ std::string command_of_frame(const std::string& command, int64_t frame) {
   return std::string(command).replace(from, to - from, std::to_string(frame));
 }
 
+namespace {
+
+// A pattern's name: what stands before its number, how many digits that has at least, what follows.
+struct Pattern {
+  std::string before, after;
+  size_t digits = 0;  // 0: there is no number
+};
+
+Pattern pattern_of(const std::string& name) {
+  const size_t folder = name.find_last_of('/'), last = name.find_last_of('#');
+  if (last == std::string::npos || (folder != std::string::npos && last < folder)) return {};
+  const size_t other = name.find_last_not_of('#', last);
+  const size_t first = other == std::string::npos ? 0 : other + 1;
+  return {name.substr(0, first), name.substr(last + 1), last - first + 1};
+}
+
+}  // namespace
+
+bool has_frame_number(const std::string& pattern) {
+  return pattern_of(pattern).digits > 0;
+}
+
 std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame) {
-  const size_t folder = pattern.find_last_of('/');
-  const size_t last = pattern.find_last_of('#');
-  if (last == std::string::npos || (folder != std::string::npos && last < folder))
+  const Pattern p = pattern_of(pattern);
+  if (p.digits == 0)
     throw UsageError(
         fmt::format("{} {}: there are several frames; write #### where their numbers "
                     "are to stand",
                     option, pattern));
-  const size_t before = pattern.find_last_not_of('#', last);
-  const size_t first = before == std::string::npos ? 0 : before + 1;
-  return fmt::format("{}{:0{}}{}", pattern.substr(0, first), frame, last - first + 1,
-                     pattern.substr(last + 1));
+  return fmt::format("{}{:0{}}{}", p.before, frame, p.digits, p.after);
+}
+
+std::optional<int64_t> first_frame_there(const std::string& pattern) {
+  const Pattern p = pattern_of(pattern);
+  const std::filesystem::path folder = std::filesystem::path(p.before + "0").parent_path();
+  std::optional<int64_t> first;
+  std::error_code ignored;
+  for (const auto& file :
+       std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
+    const std::string path = (folder / file.path().filename()).string();
+    if (!path.starts_with(p.before) || !path.ends_with(p.after)) continue;
+    if (path.size() < p.before.size() + p.digits + p.after.size()) continue;
+    int64_t frame = 0;
+    const char *const begin = path.data() + p.before.size(), *const end = path.data() +
+                                                                          path.size() -
+                                                                          p.after.size();
+    const auto read = std::from_chars(begin, end, frame);
+    if (read.ec != std::errc() || read.ptr != end || *begin == '-') continue;
+    first = std::min(first.value_or(frame), frame);
+  }
+  return first;
 }
 
 }  // namespace tdpt

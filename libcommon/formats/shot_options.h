@@ -38,9 +38,14 @@ std::vector<int64_t> key_frames(const FrameRange& range, int64_t apart);
 /// The key that is nearest to a frame, the earlier of two. `keys`: in order, at least one.
 int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame);
 
+/// Whether there is a # in the file's name.
+bool has_frame_number(const std::string& pattern);
 /// The name of a frame's file: "shot.0012.exr" for "shot.####.exr". Throws UsageError, naming
 /// `option`, if there is no # in the file's name.
 std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame);
+
+/// The lowest number of a frame whose file is there; nothing if none is.
+std::optional<int64_t> first_frame_there(const std::string& pattern);
 
 /// The name of a camera as it stands at a frame, in files made for several: "walk, frame 12".
 std::string camera_at_frame(const std::string& camera, int64_t frame);

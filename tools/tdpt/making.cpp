@@ -201,8 +201,8 @@ Making::Ending Making::attempt() {
   }
   step_ = 0;
   steps_ = !made + !a_.report.empty();
-  if (!pipeline_.stages.empty() && !is_whole(pipeline_.stages.back().output))
-    steps_ += pipeline_.stages.size();
+  for (const Search& search : pipeline_.searches)
+    if (!is_whole(search.found())) steps_ += search.stages.size();
   Ending ending = check();
   if (ending.good()) ending = find_portals();
   if (ending.good() && !made) ending = render();
@@ -229,24 +229,34 @@ Making::Ending Making::check() {
 Making::Ending Making::find_portals() {
   if (!state_.drawn.empty())
     common_.note("renders with " + state_.drawn + ", which no program of these has made");
-  if (pipeline_.stages.empty()) return {};
-  const std::string& found = pipeline_.stages.back().output;
+  for (const Search& search : pipeline_.searches) {
+    if (const Ending ending = find_portals(search); !ending.good()) return ending;
+    if (pipeline_.portals_by_frame.empty()) continue;
+    const std::string bytes = read_file(search.found());
+    for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
+      write_output(name_of_frame("", pipeline_.portals_by_frame, k), bytes);
+  }
+  return {};
+}
+
+Making::Ending Making::find_portals(const Search& search) {
   const auto wait = waits("another run of tdpt is looking for the same portals; waiting for it");
+  portals_ = {};
   for (;;) {
-    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::reading, wait);
-    if (is_whole(found)) break;
+    portals_ = work_.hold(search.entry, WorkFolder::For::reading, wait);
+    if (is_whole(search.found())) break;
     portals_ = {};
-    portals_ = work_.hold(pipeline_.portals_entry, WorkFolder::For::writing, wait);
-    if (!is_whole(found))
-      if (const Ending ending = run_stages(); !ending.good()) return ending;
+    portals_ = work_.hold(search.entry, WorkFolder::For::writing, wait);
+    if (!is_whole(search.found()))
+      if (const Ending ending = run_stages(search); !ending.good()) return ending;
     portals_ = {};  // from here on it is held for reading
   }
   return {};
 }
 
-Making::Ending Making::run_stages() {
+Making::Ending Making::run_stages(const Search& search) {
   std::vector<std::string> whole{"lock"};
-  for (const Step& step : pipeline_.stages) {
+  for (const Step& step : search.stages) {
     whole.push_back(name_of(step.output));
     for (const char* end :
          {".hash", ".command", ".told.json", ".told.txt", ".told.png", ".told.svg"})
@@ -255,7 +265,7 @@ Making::Ending Making::run_stages() {
   clear(portals_.path(), whole);
   if (!a_.preview.empty() && !request_.is_shot)
     look_ = std::make_unique<FirstLook>(a_, request_, programs_, picture_.path(), a_.preview);
-  for (const Step& step : pipeline_.stages) {
+  for (const Step& step : search.stages) {
     begin_step(step.title, step.options);
     if (is_whole(step.output)) continue;
     const std::string partial = portals_.path() + "/" + kPartial + name_of(step.output);
@@ -274,7 +284,7 @@ Making::Ending Making::run_stages() {
                                  step.output + (is_plan ? ".told.svg" : ".told.png")});
       if (is_plan || (!reads_scene && step.output.ends_with(".cut"))) {
         words.insert(words.end(), {"--scene", request_.scene});
-        words.insert(words.end(), request_.portal_time.begin(), request_.portal_time.end());
+        words.insert(words.end(), request_.pose.begin(), request_.pose.end());
       }
     }
     const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
@@ -382,7 +392,7 @@ Making::Ending Making::make_report() {
                 programs_ + "/exrdiff",
                 "--info",
                 programs_ + "/tdpt-info"};
-  if (!pipeline_.stages.empty())
+  if (!pipeline_.searches.empty())
     for (const char* option : {"--stem", "--known"})
       measure.insert(measure.end(), {option, portals_.path() + "/scene"});
   if (common_.threads > 0)
@@ -470,12 +480,21 @@ int Making::print(std::set<std::string>& printed) {
   if (!a_.force) check_owners();
   Words folders{"mkdir", "-p"};
   std::string commands;
-  if (printed.insert(pipeline_.portals_entry).second)
-    for (const Step& step : pipeline_.stages)
-      if (!is_whole(step.output)) commands += shell_text(step.command(step.output)) + "\n";
-  if (!commands.empty()) folders.push_back(work_.path_of(pipeline_.portals_entry));
+  for (const Search& search : pipeline_.searches) {
+    if (!printed.insert(search.entry).second) continue;
+    std::string missing;
+    for (const Step& step : search.stages)
+      if (!is_whole(step.output)) missing += shell_text(step.command(step.output)) + "\n";
+    if (!missing.empty()) folders.push_back(work_.path_of(search.entry));
+    commands += missing;
+    if (pipeline_.portals_by_frame.empty()) continue;
+    for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
+      commands +=
+          shell_text({"cp", search.found(), name_of_frame("", pipeline_.portals_by_frame, k)}) +
+          "\n";
+  }
   const std::string entry = work_.path_of(pipeline_.picture_entry);
-  if (pipeline_.keeps_film) folders.push_back(entry);
+  if (pipeline_.keeps_film || !pipeline_.portals_by_frame.empty()) folders.push_back(entry);
   if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
   const auto before = unfinished_in(entry);
   if (is_there(entry + "/film.exr") && !(before && before->key == pipeline_.key))

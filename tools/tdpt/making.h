@@ -40,7 +40,8 @@ class Making {
   Ending attempt();
   Ending check();
   Ending find_portals();
-  Ending run_stages();
+  Ending find_portals(const Search& search);
+  Ending run_stages(const Search& search);
   Ending render();
   Ending render_frames();
   Ending make_report();

@@ -1,9 +1,13 @@
 #include "tools/tdpt/pipeline.h"
 
+#include <algorithm>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include "libcommon/base/hash.h"
 #include "libcommon/base/shell_quoted.h"
+#include "tools/tdpt/parts.h"
 
 namespace tdpt {
 namespace {
@@ -43,31 +47,54 @@ Words by_content(Words sky, const std::string& hash) {
   return sky;
 }
 
-void add_stages(const Request& r, const std::string& programs, const std::string& folder,
-                Pipeline& p) {
+// The words of one search: when portals are sought, for ffgraph and for what needs only the scene,
+// and how well.
+struct Sought {
+  Words poses, time, sampling;
+};
+
+Sought sought(const Arguments& a, const Request& r, const Part* part) {
+  Sought s{r.pose, r.pose, r.sampling};
+  if (!part) return s;
+  s.poses.insert(s.poses.end(),
+                 {"--frames", words_of(part->portals), "--fps", fmt::format("{}", a.shot.fps)});
+  s.time.insert(s.time.end(),
+                {"--at", fmt::format("{}", static_cast<double>(part->portals.first) / a.shot.fps)});
+  const bool has_quality =
+      std::find(s.sampling.begin(), s.sampling.end(), "--quality") != s.sampling.end();
+  if (part->moves && !has_quality) s.sampling.insert(s.sampling.end(), {"--quality", "draft"});
+  return s;
+}
+
+std::vector<Step> stages_of(const Request& r, const Sought& s, const std::string& programs,
+                            const std::string& folder) {
+  std::vector<Step> stages;
   const auto file = [&](const char* end) { return folder + "/scene." + end; };
-  const auto stage = [&](size_t i, const char* title, const char* tool, const Words& options,
+  const auto stage = [&](const char* title, const char* tool, const Words& options,
                          const Words& inputs, const char* end) {
-    p.stages.push_back({title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[i]}),
-                        inputs, r.unshaped, file(end)});
+    stages.push_back(
+        {title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[stages.size()]}),
+         inputs, r.unshaped, file(end)});
   };
-  stage(0, "tracing where light goes", "ffgraph",
-        joined({r.cameras, r.portal_poses, r.sky, r.sampling}), {r.scene}, "max");
-  stage(1, "finding bottlenecks", "mincut", {}, {file("max")}, "cut");
-  stage(2, "following the light through them", "lightgrid",
-        joined({r.portal_time, r.sky, r.device, r.sampling}), {r.scene, file("cut")}, "vdb");
-  stage(3, "fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
+  stage("tracing where light goes", "ffgraph", joined({r.cameras, s.poses, r.sky, s.sampling}),
+        {r.scene}, "max");
+  stage("finding bottlenecks", "mincut", {}, {file("max")}, "cut");
+  stage("following the light through them", "lightgrid",
+        joined({s.time, r.sky, r.device, s.sampling}), {r.scene, file("cut")}, "vdb");
+  stage("fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
+  return stages;
 }
 
 // The scene's name counts, too: it is part of the provenance.
-std::string key_of_portals(const Request& r, const SceneState& state, const std::string& programs) {
+std::string key_of_portals(const Request& r, const Sought& s, const SceneState& state,
+                           const std::string& programs) {
   Key key;
   for (const char* tool : {"ffgraph", "mincut", "lightgrid", "portalfit"})
     key.add(content_hash_of_file(programs + "/" + tool));
   key.add(file_name(r.scene));
   key.add(state.hash);
   for (const Words& words :
-       {r.cameras, r.portal_poses, by_content(r.sky, state.sky), r.device, r.sampling, r.all})
+       {r.cameras, s.poses, by_content(r.sky, state.sky), r.device, s.sampling, r.all})
     key.add(words);
   for (const Words& words : r.stage_flags) {
     key.add(words);
@@ -76,6 +103,26 @@ std::string key_of_portals(const Request& r, const SceneState& state, const std:
       if (fs::is_regular_file(word, ignored)) key.add(content_hash_of_file(word));
   }
   return key.hash();
+}
+
+Search search_of(const Arguments& a, const Request& r, const SceneState& state,
+                 const WorkFolder& work, const std::string& programs, const Part* part) {
+  const Sought s = sought(a, r, part);
+  const std::string entry = "portals-" + key_of_portals(r, s, state, programs);
+  Search search{entry, stages_of(r, s, programs, work.path_of(entry)),
+                part ? part->frames : FrameRange{}};
+  if (part && part->moves)  // there are many
+    for (Step& step : search.stages) step.unshaped.emplace_back("--quiet");
+  return search;
+}
+
+std::vector<Search> searches_of(const Arguments& a, const Request& r, const SceneState& state,
+                                const WorkFolder& work, const std::string& programs) {
+  if (!r.is_shot) return {search_of(a, r, state, work, programs, nullptr)};
+  std::vector<Search> searches;
+  for (const Part& part : parts_of_shot(a))
+    searches.push_back(search_of(a, r, state, work, programs, &part));
+  return searches;
 }
 
 // `found`: key of the portals that the stages find; `given`: paths of given ones.
@@ -115,17 +162,18 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
   Words portals = a.portals;
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
-  std::string key_of_found;
-  if (portals.empty() && uses_portals(a, state.has_sky)) {
-    key_of_found = key_of_portals(r, state, programs);
-    p.portals_entry = "portals-" + key_of_found;
-    add_stages(r, programs, work.path_of(p.portals_entry), p);
-    portals.push_back(p.stages.back().output);
-  }
-  p.key = key_of_picture(r, state, key_of_found, given, renderer);
   std::error_code ignored;
   const fs::path place = fs::weakly_canonical(fs::absolute(r.picture, ignored), ignored);
   p.picture_entry = "picture-" + content_hash(place.string());
+  std::string key_of_found;
+  if (portals.empty() && uses_portals(a, state.has_sky)) {
+    p.searches = searches_of(a, r, state, work, programs);
+    for (const Search& search : p.searches) key_of_found += search.entry;
+    if (p.searches.size() > 1)
+      p.portals_by_frame = work.path_of(p.picture_entry) + "/frame.######.portal.glb";
+    portals.push_back(p.searches.size() > 1 ? p.portals_by_frame : p.searches[0].found());
+  }
+  p.key = key_of_picture(r, state, key_of_found, given, renderer);
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
   p.keeps_film = a.checkpoint.empty() && a.resume.empty() && !r.is_shot;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/formats/shot_options.h"
 #include "tools/tdpt/request.h"
 #include "tools/tdpt/scene_state.h"
 #include "tools/tdpt/work_folder.h"
@@ -20,11 +21,19 @@ struct Step {
   Words command(const std::string& to) const;
 };
 
+/// The search for the portals of a picture, or of some frames of a shot.
+struct Search {
+  std::string entry;         ///< of the work folder
+  std::vector<Step> stages;  ///< at least one
+  FrameRange frames{};
+  const std::string& found() const { return stages.back().output; }
+};
+
 struct Pipeline {
-  /// Names of entries of the work folder: for the portals, empty if no stage is to find them; for
-  /// an unfinished picture.
-  std::string portals_entry, picture_entry;
-  std::vector<Step> stages;  ///< that find portals; none if none are sought
+  std::string picture_entry;     ///< of the work folder, for an unfinished picture
+  std::vector<Search> searches;  ///< none if no portals are sought
+  /// Of a shot with several searches: the pattern of the frames' portals, in the picture's entry.
+  std::string portals_by_frame;
   Step render;
   Words check;              ///< the renderer's check of all files that exist before the stages
   std::string key;          ///< of the picture: hash of everything that affects it

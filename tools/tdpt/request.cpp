@@ -151,15 +151,6 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     }
   }
   r.is_shot = a.shot.is_given();
-  r.portal_poses = r.portal_time = r.pose;
-  if (r.is_shot) {
-    const FrameRange range = frame_range({a.portal_frames, a.shot.fps});
-    const std::string fps = fmt::format("{}", a.shot.fps);
-    r.portal_poses.insert(r.portal_poses.end(), {"--frames", a.portal_frames, "--fps", fps});
-    r.portal_time.insert(
-        r.portal_time.end(),
-        {"--at", fmt::format("{}", static_cast<double>(range.first) / a.shot.fps)});
-  }
   r.cameras = r.camera;
   if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;

@@ -16,8 +16,6 @@ struct Arguments : RenderArguments {
   /// Of a run for several cameras [views.h]: the names of all, for which portals are found
   /// together.
   std::vector<std::string> views;
-  /// Of a part of a shot [views.h]: the frames for which portals are found together.
-  std::string portal_frames;
 };
 
 using Words = std::vector<std::string>;
@@ -29,13 +27,11 @@ struct Request {
   Words camera, pose, sky, device, all;
   bool is_shot = false;  ///< `picture` is a pattern: its frames
   Words shot;            ///< for the renderer
-  /// When portals are found: for ffgraph, and for programs that need only the scene.
-  Words portal_poses, portal_time;
-  Words cameras;   ///< those for which portals are found: `camera`, or all of several
-  Words sampling;  ///< for programs that draw random numbers: --seed and --quality
-  Words render;    ///< for the renderer alone, affecting the picture
-  Words unshaped;  ///< for all programs, not affecting results: --threads and the like
-  Words beside;    ///< for the renderer alone, not affecting the picture
+  Words cameras;         ///< those for which portals are found: `camera`, or all of several
+  Words sampling;        ///< for programs that draw random numbers: --seed and --quality
+  Words render;          ///< for the renderer alone, affecting the picture
+  Words unshaped;        ///< for all programs, not affecting results: --threads and the like
+  Words beside;          ///< for the renderer alone, not affecting the picture
   /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
   /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];

@@ -1,5 +1,4 @@
-// One command line for several pictures: of several cameras, a run for each, whose stages are the
-// same; of a shot, a run for each part for which portals are found together.
+// One command line for the pictures of several cameras: a run for each, whose stages are the same.
 #pragma once
 #include <vector>
 
@@ -13,7 +12,7 @@ struct View {
   cli::Common common;
 };
 
-/// One per camera or part of a shot. In the names of files % is the camera's name. The scene is
+/// One per camera; a shot is one. In the names of files % is the camera's name. The scene is
 /// read only if --camera may select several. Throws UsageError for names of files without %, or
 /// that two cameras share.
 std::vector<View> views_of(const Arguments& a, const cli::Common& common);

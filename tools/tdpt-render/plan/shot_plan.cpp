@@ -63,6 +63,16 @@ std::map<int64_t, Plan> even_plans(const std::vector<KeyFrame>& keys) {
   return plans;
 }
 
+std::optional<int64_t> next_key(const std::vector<KeyFrame>& keys) {
+  const std::map<int64_t, Plan> plans = even_plans(keys);
+  for (size_t i = 1; i < keys.size(); ++i) {
+    const int64_t before = keys[i - 1].frame, after = keys[i].frame;
+    if (plans.at(before).label != plans.at(after).label && after - before > kNear)
+      return (before + after) / 2;
+  }
+  return {};
+}
+
 std::string plan_sentence(const PlanFile& shot, int64_t first, int64_t last) {
   struct Run {
     int64_t first, last;

@@ -6,6 +6,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "tools/tdpt-render/plan/plan.h"
@@ -26,6 +27,11 @@ inline constexpr double kNoLoss = 1.1;
 
 /// For each key the offer that is taken. `keys`: in order of their frames.
 std::map<int64_t, Plan> even_plans(const std::vector<KeyFrame>& keys);
+
+/// The frame at which more must be known to tell where the plan changes: half way between two keys
+/// with different plans, unless they lie at most kNear frames apart. Nothing if all is known.
+inline constexpr int64_t kNear = 3;
+std::optional<int64_t> next_key(const std::vector<KeyFrame>& keys);
 
 /// "one plan for the shot: tdpt", or which frames are rendered by what.
 std::string plan_sentence(const PlanFile& shot, int64_t first, int64_t last);

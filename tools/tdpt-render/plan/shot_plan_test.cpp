@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/plan/shot_plan.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -46,6 +48,21 @@ TEST(ShotPlan, ChangesWhereThatIsALoss) {
             "a a b ");
 }
 
+TEST(ShotPlan, FindsWhereItChanges) {
+  const std::vector<std::pair<std::string, double>> a{{"a", 1}, {"b", 2}}, b{{"a", 2}, {"b", 1}};
+  std::vector<KeyFrame> keys{key(1, a), key(13, a), key(25, b), key(37, b)};
+  std::vector<int64_t> asked;
+  while (const auto frame = next_key(keys)) {
+    asked.push_back(*frame);
+    ASSERT_LT(asked.size(), 9u);
+    const auto after =
+        std::find_if(keys.begin(), keys.end(), [&](const KeyFrame& k) { return k.frame > *frame; });
+    keys.insert(after, key(*frame, *frame < 18 ? a : b));
+  }
+  EXPECT_EQ(asked, (std::vector<int64_t>{19, 16}));  // between 16 and 19
+  EXPECT_EQ(next_key({key(1, a), key(40, a)}), std::nullopt);
+}
+
 TEST(ShotPlan, TakesWhatOnlyOneKeyOffers) {
   EXPECT_EQ(labels({key(1, {{"a", 1}}), key(9, {{"", 1}}), key(17, {{"b", 0}, {"a", 0}})}),
             "a  b ");
@@ -83,9 +100,8 @@ TEST(ShotPlan, ThatIsMalformedIsRefused) {
   const std::string path = ::testing::TempDir() + "/shot_plan_test.plan";
   for (const char* frames : {"[]", "7", R"([{"frame": 1}])", R"([{"frame": -1, "plan": {}}])",
                              R"([{"frame": "a", "plan": {}}])", R"([{"plan": {}}])"}) {
-    write_output(
-        path,
-        fmt::format(R"({{"format": 1, "frames": {}, "shape": {{}}, "command": ""}})", frames));
+    write_output(path, fmt::format(R"({{"format": 1, "frames": {}, "shape": {{}}, "command": ""}})",
+                                   frames));
     try {
       read_plan_file(path);
       ADD_FAILURE() << frames;

@@ -15,6 +15,7 @@ struct Arguments : RenderArguments {
   bool check = false;
   /// Set for one frame of a shot [shot.h]: its number; none: a picture of its own.
   std::optional<int64_t> frame{};
+  bool portals_by_frame = false;  ///< each frame of the shot has portal files of its own
 };
 
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an

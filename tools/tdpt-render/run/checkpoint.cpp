@@ -269,7 +269,9 @@ Shape shape_of(const Arguments& a, const Shaping& by, const std::string& pose, u
 Shape plan_shape_of(const Arguments& a, const Shaping& by) {
   if (!a.frame) return shape_of(a, by, pose_words(a, by.scene), by.seed);
   const std::string of = fmt::format("{}", fmt::join(a.pose.animations, " "));
-  return shape_of(a, by,
+  Shaping shared = by;
+  if (a.portals_by_frame) shared.portal_hashes = {"of each frame"};
+  return shape_of(a, shared,
                   fmt::format("{} frames per second{}", a.shot.fps, of.empty() ? "" : " of " + of),
                   by.seed - static_cast<uint64_t>(*a.frame));
 }

@@ -189,4 +189,22 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
   return choice;
 }
 
+Choice choose_for_frame(Plan& plan, const Request& request, const RenderSettings& settings,
+                        const Camera& camera, World& world, std::vector<Portal>& portals,
+                        const cli::Common& common) {
+  Choice choice = choose(request, settings, camera, world, portals, common);
+  choice.planned = true;
+  plan.ways = choice.ways;
+  plan.lights = world.lights.shares();
+  plan.beyond = choice.beyond;
+  const bool is_there = std::any_of(choice.candidates.begin(), choice.candidates.end(),
+                                    [&](const Candidate& c) { return c.label == plan.label; });
+  if (is_there || !request.automatic) return choice;
+  const Candidate first =
+      expecting_connections(world, {choice.candidates.front()}, settings.max_depth).front();
+  plan.integrator = first.integrator;
+  plan.label = first.label;
+  return choice;
+}
+
 }  // namespace tdpt

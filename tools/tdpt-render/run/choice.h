@@ -38,4 +38,11 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
                          const RenderSettings& settings, World& world, std::vector<Portal>& portals,
                          const cli::Common& common);
 
+/// The same for a frame of a shot that has portals of its own: of the plan the integrator and its
+/// numbers are obeyed, as far as the frame has portals for it; what is known of portals and lights
+/// is measured anew, and taken into `plan`.
+Choice choose_for_frame(Plan& plan, const Request& request, const RenderSettings& settings,
+                        const Camera& camera, World& world, std::vector<Portal>& portals,
+                        const cli::Common& common);
+
 }  // namespace tdpt

@@ -56,26 +56,23 @@ std::string film_of(const Outcome& r) {
                     attributes_of(r.job, r.choice, r.plan, r.mark, r.target), r.channels);
 }
 
-// The finished picture, and what its filter did, in a sentence.
-struct Finished {
-  ExrFile file;
-  std::string filtered;
-};
-
-Finished finished(const Outcome& r, const RenderResult& result) {
-  if (r.job.is_shard()) return {{result.picture, {}, {}, {}, {}}, ""};
+Unfiltered unfiltered(const Outcome& r, const RenderResult& result) {
+  if (r.job.is_shard()) return {{result.picture, {}, {}, {}, {}}, {}};
   FilmFacts facts;
   facts.derived = derived_of(r.job.a);
   facts.attributes = attributes_of(r.job, r.choice, r.plan, r.mark, r.target);
   const Film& film = r.render_state.film;
-  Finished all{finished_picture(film, facts, r.channels), ""};
-  if (!r.job.a.filters()) return all;
+  return {finished_picture(film, facts, r.channels), facts, film.has_both_halves()};
+}
+
+// Filters it if it is to be filtered, and tells what the filter did.
+void filter(Unfiltered& picture, std::span<const denoise::NamedPicture> frames, Delivered& told) {
   const auto start = std::chrono::steady_clock::now();
-  const auto filtered = filter_as_asked(all.file, film, facts);
+  const auto filtered = filter_as_asked(picture.file, picture.both_halves, picture.facts, frames);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  all.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
-                          : "not filtered: there is one sample per pixel";
-  return all;
+  told.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
+                           : "not filtered: there is one sample per pixel";
+  if (filtered) told.relmse = filtered->relmse;
 }
 
 // The bytes of the result; of a shard those of a film.
@@ -153,17 +150,49 @@ void show(const Job& job, const Picture& picture) {
 
 Delivered deliver(const Outcome& r, const RenderResult& result) {
   const bool saved = !r.job.checkpoint().empty() && !result.cut_short && save(r);
-  const Finished all = finished(r, result);
-  const Picture& picture = all.file.picture;
   const PictureArguments& a = r.job.a;
-  const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  Unfiltered all = unfiltered(r, result);
+  Delivered delivered;
+  if (r.job.a.filters() && !r.job.is_shard()) filter(all, {}, delivered);
+  const Picture& picture = all.file.picture;
+  delivered.exposure = exposure_of(picture, a.preview, a.exposure);
   warn_of_range(all.file, a.storage(), r.job.common);
   try {
-    write_all(r, result, all.file, exposure);
+    write_all(r, result, all.file, delivered.exposure);
   } catch (const OutputError& e) {
     throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, all.file, saved)));
   }
-  return {all.filtered, exposure};
+  return delivered;
+}
+
+Unfiltered hand_over(const Outcome& r, const RenderResult& result) {
+  const Job& job = r.job;
+  if (!job.checkpoint().empty()) save(r);
+  cli::deliver({{job.a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
+                {job.a.stats,
+                 [&] {
+                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
+                          "\n";
+                 }}},
+               job.common);
+  return unfiltered(r, result);
+}
+
+Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltered picture,
+                        std::span<const denoise::NamedPicture> frames) {
+  Delivered delivered;
+  filter(picture, frames, delivered);
+  std::vector<std::string> names;
+  for (const denoise::NamedPicture& frame : frames) names.push_back(frame.name);
+  if (!names.empty())
+    picture.file.attributes[kFramesAttribute] = fmt::format("{}", fmt::join(names, ", "));
+  delivered.exposure = exposure_of(picture.file.picture, a.preview, a.exposure);
+  warn_of_range(picture.file, a.storage(), common);
+  cli::deliver(
+      {{common.output, [&] { return exr_bytes(picture.file, a.storage()); }},
+       {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }}},
+      common);
+  return delivered;
 }
 
 }  // namespace tdpt

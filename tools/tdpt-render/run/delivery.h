@@ -2,6 +2,7 @@
 // asked for at the end.
 #pragma once
 #include <optional>
+#include <span>
 
 #include "tools/tdpt-render/run/job.h"
 
@@ -34,9 +35,26 @@ void show(const Job& job, const Picture& picture);
 struct Delivered {
   std::string filtered{};  ///< what the filter did, in a sentence; empty without --denoise
   std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
+  double relmse = 0;                 ///< of a filtered frame, estimated; 0: unknown
 };
 /// Writes everything at the end. Throws Error for what cannot be written, and says where the
 /// picture is kept.
 Delivered deliver(const Outcome& r, const RenderResult& result);
+
+/// Of a shot whose frames are filtered together, in two steps: first everything of a frame that its
+/// filter does not change is written, and its picture is handed over with the sums of its halves
+/// and its features; then, when the frames beside it are there, too, it is filtered and written.
+struct Unfiltered {
+  ExrFile file;
+  FilmFacts facts;
+  bool both_halves = false;  ///< it can be filtered
+};
+Unfiltered hand_over(const Outcome& r, const RenderResult& result);
+/// `frames`: those beside it, by names for people.
+Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltered picture,
+                        std::span<const denoise::NamedPicture> frames);
+
+/// Name of the attribute that lists the frames with which a frame was filtered.
+inline constexpr const char* kFramesAttribute = "denoiserFrames";
 
 }  // namespace tdpt

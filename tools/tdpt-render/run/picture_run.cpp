@@ -95,6 +95,14 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
     common.note(length);
 }
 
+// A job, and what it takes to render it.
+struct Prepared {
+  Job job;
+  World& world;
+  Choice choice;
+  std::shared_ptr<SampleRenderer> renderer;
+};
+
 // --plan without rendering: writes what was decided and reports where it was written.
 int write_plan(const Job& job, SampleRenderer& renderer, const Choice& choice) {
   const std::vector<Portal>& portals = job.in.portals;
@@ -159,36 +167,52 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
   }
 }
 
-// "16 samples per pixel in 3 s, relMSE about 0.012 [0.011, 0.014]".
+// "16 samples per pixel in 3 s, relMSE about 0.012".
 std::string words_of(const RenderResult& result) {
-  const std::string noise = result.noise ? ", " + tdpt::words_of(*result.noise) : std::string();
+  std::string noise;
+  if (result.noise)
+    noise = result.noise->tells
+                ? ", relMSE about " + number_words(result.noise->relmse, 2)
+                : ", relMSE above " + number_words(std::min(result.noise->low, 0.5), 2);
   return fmt::format("{} per pixel in {}{}", counted(result.spp, "sample"),
                      duration_words(result.seconds), noise);
 }
 
-Made render(const Job& job, SampleRenderer& renderer, const Choice& choice,
-            RenderSchedule schedule) {
-  const World& world = renderer.world;
+// How a rendering ended; `result` says the rest.
+int code_of(const RenderResult& result) {
+  return static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done);
+}
+
+Outcome outcome_of(const Prepared& p, const RenderResult& result) {
+  return {p.job,
+          p.choice,
+          *result.render_state,
+          result.plan,
+          result.target,
+          channels_of(p.job, p.world),
+          result.interrupted ? "" : p.job.mark};
+}
+
+Made render(Prepared& p) {
+  const Job& job = p.job;
   const std::vector<Portal>& portals = job.in.portals;
-  const RenderResult result = rendered(job, renderer, choice, std::move(schedule));
+  const RenderResult result = rendered(job, *p.renderer, p.choice, std::move(p.job.given.schedule));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  if (job.request.automatic && !choice.planned) job.common.note(choice_sentence(result));
+  if (job.request.automatic && !p.choice.planned) job.common.note(choice_sentence(result));
   if (result.cut_short && job.is_shard()) {
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return {static_cast<int>(Exit::interrupted), ""};
   }
-  const Delivered delivered =
-      deliver({job, choice, *result.render_state, result.plan, result.target,
-               channels_of(job, world), result.interrupted ? "" : job.mark},
-              result);
-  report(job, world, choice, result, delivered);
+  const Delivered delivered = deliver(outcome_of(p, result), result);
+  report(job, p.world, p.choice, result, delivered);
   if (!delivered.filtered.empty()) job.common.note(delivered.filtered);
   job.common.explain_by([&] {
-    return with_exposure(decisions_of({world, portals, job.request, choice, job.settings, result}),
-                         job.a.exposure, delivered.exposure);
+    return with_exposure(
+        decisions_of({p.world, portals, job.request, p.choice, job.settings, result}),
+        job.a.exposure, delivered.exposure);
   });
-  return {static_cast<int>(result.interrupted ? Exit::interrupted : Exit::done), words_of(result)};
+  return {code_of(result), words_of(result)};
 }
 
 }  // namespace
@@ -204,14 +228,6 @@ std::string Workshop::code() const {
 }
 
 namespace {
-
-// A job, and what it takes to render it.
-struct Prepared {
-  Job job;
-  World& world;
-  Choice choice;
-  std::shared_ptr<SampleRenderer> renderer;
-};
 
 Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
                   const PlanFile* plan, const std::string& mark) {
@@ -234,11 +250,17 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
     common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
                             display_name(a.resume), render_state->film.samples(),
                             std::max(render_state->goal, render_state->film.samples())));
-  const std::optional<Plan>& planned = job.given.schedule.plan;
-  Choice choice = planned
-                      ? choose_as_planned(*planned, job.given.plan_file, job.request, job.settings,
-                                          world, in.portals, about_shot)
-                      : choose(job.request, job.settings, in.camera, world, in.portals, about_shot);
+  std::optional<Plan>& planned = job.given.schedule.plan;
+  const auto chosen = [&]() -> Choice {
+    if (planned && a.portals_by_frame && !job.given.schedule.render_state)
+      return choose_for_frame(*planned, job.request, job.settings, in.camera, world, in.portals,
+                              about_shot);
+    if (planned)
+      return choose_as_planned(*planned, job.given.plan_file, job.request, job.settings, world,
+                               in.portals, about_shot);
+    return choose(job.request, job.settings, in.camera, world, in.portals, about_shot);
+  };
+  Choice choice = chosen();
   auto renderer = upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
   check_film(job.given, film_options(choice.candidates, job.settings));
   return {std::move(job), world, std::move(choice), std::move(renderer)};
@@ -251,7 +273,19 @@ Made render_picture(const Arguments& a, const cli::Common& common, Workshop& sho
   if (a.check) return shop.scenery.load(a, common), Made{};
   Prepared p = prepared(a, common, shop, plan, mark);
   if (p.job.only_plans()) return {write_plan(p.job, *p.renderer, p.choice), ""};
-  return render(p.job, *p.renderer, p.choice, std::move(p.job.given.schedule));
+  return render(p);
+}
+
+MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& shop,
+                       const PlanFile* plan, const std::string& mark) {
+  Prepared p = prepared(a, common, shop, plan, mark);
+  const RenderResult result =
+      rendered(p.job, *p.renderer, p.choice, std::move(p.job.given.schedule));
+  MadeNoisy made{{code_of(result), words_of(result)}, {}};
+  if (result.interrupted) return made;
+  made.picture = hand_over(outcome_of(p, result), result);
+  report(p.job, p.world, p.choice, result, {});
+  return made;
 }
 
 DecidedFrame decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop) {

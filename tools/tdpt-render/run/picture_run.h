@@ -7,6 +7,7 @@
 #include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/integrators/sample_renderer.h"
 #include "tools/tdpt-render/plan/shot_plan.h"
+#include "tools/tdpt-render/run/delivery.h"
 #include "tools/tdpt-render/run/job.h"
 #include "tools/tdpt-render/run/scenery.h"
 
@@ -29,6 +30,13 @@ struct Made {
 /// Job::mark.
 Made render_picture(const Arguments& a, const cli::Common& common, Workshop& shop,
                     const PlanFile* plan, const std::string& mark = "");
+
+/// The same of a frame that is to be filtered with those beside it: its picture is not written yet.
+struct MadeNoisy : Made {
+  Unfiltered picture{};  ///< if `code` is 0
+};
+MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& shop,
+                       const PlanFile* plan, const std::string& mark);
 
 /// What may be decided before a frame is rendered.
 struct DecidedFrame {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -17,12 +18,13 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/formats/picture.h"
+#include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/delivery.h"
 
 namespace tdpt {
 namespace {
 
-constexpr int64_t kFramesPerPlan = 12;
+constexpr int64_t kFramesPerPlan = 12;  // at most, from key to key
 
 // The option of a file and its path.
 struct FileOption {
@@ -91,6 +93,11 @@ FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame)
   FrameRun run{a, common};
   run.arguments.frame = frame;
   run.arguments.pose.seconds = static_cast<double>(frame) / a.shot.fps;
+  for (std::string& path : run.arguments.portals) {
+    if (!has_frame_number(path)) continue;
+    path = name_of_frame("--portal", path, frame);
+    run.arguments.portals_by_frame = true;
+  }
   run.common.seed = common.seed + static_cast<uint64_t>(frame);
   run.common.command = command_of_frame(common.command, frame);
   if (only_plans(a, common.output_given)) return run;
@@ -106,20 +113,29 @@ FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame)
 
 namespace {
 
-// What is decided at the key frames.
+// What may be decided at a key frame. `shape`: of the shot.
+KeyFrame decided_key(const Arguments& a, const cli::Common& common, Workshop& shop, int64_t frame,
+                     Shape& shape) {
+  FrameRun run = frame_run(a, common, frame);
+  for (std::string* path : {&run.arguments.checkpoint, &run.arguments.resume, &run.arguments.shard,
+                            &run.arguments.plan})
+    path->clear();
+  DecidedFrame decided = decide_frame(run.arguments, run.common, shop);
+  if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal; no plan is made");
+  shape = decided.shape;
+  return std::move(decided.key);
+}
+
 PlanFile plan_of_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   PlanFile shot;
-  std::vector<KeyFrame> keys;
   const FrameRange range = frame_range(a.shot);
-  for (const int64_t frame : key_frames(range, kFramesPerPlan)) {
-    FrameRun run = frame_run(a, common, frame);
-    for (std::string* path : {&run.arguments.checkpoint, &run.arguments.resume,
-                              &run.arguments.shard, &run.arguments.plan})
-      path->clear();
-    DecidedFrame decided = decide_frame(run.arguments, run.common, shop);
-    if (stop_requested()) throw Error(Exit::interrupted, "stopped by a signal; no plan is made");
-    keys.push_back(std::move(decided.key));
-    shot.shape = decided.shape;
+  std::vector<KeyFrame> keys;
+  for (const int64_t frame : key_frames(range, kFramesPerPlan))
+    keys.push_back(decided_key(a, common, shop, frame, shot.shape));
+  while (const auto between = next_key(keys)) {
+    const auto after = std::find_if(keys.begin(), keys.end(),
+                                    [&](const KeyFrame& k) { return k.frame > *between; });
+    keys.insert(after, decided_key(a, common, shop, *between, shot.shape));
   }
   shot.frames = even_plans(keys);
   shot.command = common.command;
@@ -136,7 +152,13 @@ std::map<int64_t, std::string> frames_to_do(const Arguments& a, const cli::Commo
   const Loaded& in = shop.scenery.load(first.arguments, first.common);
   for (int64_t k = range.first; k <= range.last; ++k) {
     const FrameRun run = frame_run(a, common, k);
-    const Shape shape = film_shape_of(run.arguments, shaping_of(in, run.arguments, run.common));
+    Shaping by = shaping_of(in, run.arguments, run.common);
+    if (run.arguments.portals_by_frame) {
+      by.portal_hashes.clear();
+      for (const std::string& path : run.arguments.portals)
+        by.portal_hashes.push_back(content_hash_of_file(path));
+    }
+    const Shape shape = film_shape_of(run.arguments, by);
     const std::string mark = frame_mark(run.arguments, shape, static_cast<int>(common.quality),
                                         plan ? plan_text(plan->of_frame(k)) : "");
     if (!has_mark(run.common.output, mark)) marks[k] = mark;
@@ -146,6 +168,64 @@ std::map<int64_t, std::string> frames_to_do(const Arguments& a, const cli::Commo
                             there == 1 ? "1 frame is" : fmt::format("{} frames are", there)));
   return marks;
 }
+
+// That of the previews, so that they do not flicker: what suits the first frame that is there;
+// nothing while none is.
+std::optional<double> exposure_of_shot(const cli::Common& common) {
+  const std::optional<int64_t> first = first_frame_there(common.output);
+  if (!first) return {};
+  try {
+    const double exposure =
+        auto_exposure(read_exr(name_of_frame("-o", common.output, *first)).picture);
+    common.note(fmt::format("previews are exposed as frame {}: --exposure {}", *first,
+                            number_words(exposure)));
+    return exposure;
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+// The frames of a shot that are filtered together with those before and after them.
+class FilteredFrames {
+ public:
+  FilteredFrames(const Arguments& a, const cli::Common& common, Workshop& shop,
+                 const PlanFile& plan)
+      : a_(a), common_(common), shop_(shop), plan_(plan), range_(frame_range(a.shot)) {}
+
+  /// Renders what the frame needs and is not rendered yet, filters it and writes it.
+  Made make(const FrameRun& run, const std::string& mark) {
+    const int64_t frame = *run.arguments.frame;
+    for (int64_t k = frame - 1; k <= frame + 1; ++k) {
+      if (k < range_.first || k > range_.last || noisy_.contains(k)) continue;
+      const FrameRun other = frame_run(a_, common_, k);
+      MadeNoisy made = render_noisy(other.arguments, other.common, shop_, &plan_, "");
+      if (made.code != 0) return made;
+      noisy_[k] = std::move(made);
+    }
+    noisy_.erase(noisy_.begin(), noisy_.lower_bound(frame - 1));
+    std::vector<denoise::NamedPicture> frames;
+    for (const auto& [k, made] : noisy_)
+      if (std::abs(k - frame) == 1 && made.picture.both_halves)
+        frames.push_back({made.picture.file, fmt::format("{}", k)});
+    Unfiltered picture = noisy_.at(frame).picture;
+    picture.file.attributes[kFrameAttribute] = mark;
+    const Delivered delivered =
+        deliver_frame(run.arguments, run.common, std::move(picture), frames);
+    const std::string filtered =
+        delivered.relmse > 0
+            ? fmt::format("; filtered: relMSE about {}", number_words(delivered.relmse, 2))
+            : std::string();
+    return {0, noisy_.at(frame).words + filtered};
+  }
+
+ private:
+  const Arguments& a_;
+  const cli::Common& common_;
+  Workshop& shop_;
+  const PlanFile& plan_;
+  FrameRange range_;
+  std::map<int64_t, MadeNoisy> noisy_;  // those rendered last
+};
 
 }  // namespace
 
@@ -169,9 +249,18 @@ int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   if (!todo.empty() && !plan) plan = plan_of_shot(a, common, shop);
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0;
+  std::optional<FilteredFrames> filtered;
+  std::optional<double> exposure;
+  if (!todo.empty() && a.filters() && a.denoiser != kDenoisers[1] && a.shard.empty())
+    filtered.emplace(a, common, shop, *plan);
   for (const auto& [frame, mark] : todo) {
-    const FrameRun run = frame_run(a, common, frame);
-    const Made made = render_picture(run.arguments, run.common, shop, &*plan, mark);
+    FrameRun run = frame_run(a, common, frame);
+    if (!a.preview.empty() && !a.exposure) {
+      if (!exposure) exposure = exposure_of_shot(common);
+      run.arguments.exposure = exposure;
+    }
+    const Made made = filtered ? filtered->make(run, mark)
+                               : render_picture(run.arguments, run.common, shop, &*plan, mark);
     if (made.code != 0) return made.code;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     common.note(fmt::format("frame {}: {}; {}", frame, made.words,

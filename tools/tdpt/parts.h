@@ -1,0 +1,23 @@
+// Parts of a shot for which portals are found together.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/tdpt/request.h"
+
+namespace tdpt {
+
+struct Part {
+  FrameRange frames;
+  FrameRange portals;  ///< the frames that are looked at for them
+  bool moves = false;  ///< the scene does, beside its cameras
+};
+
+/// Frames in which nothing but cameras moves are one part. Each frame in which the scene moves is a
+/// part of its own. Reads the scene.
+std::vector<Part> parts_of_shot(const Arguments& a);
+
+/// "1-48", "7": as --frames has it.
+std::string words_of(const FrameRange& range);
+
+}  // namespace tdpt
