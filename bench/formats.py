@@ -75,25 +75,38 @@ def _attributes(data):
     return found, place + 1
 
 
+def _channels(head):
+    """[(name, bytes per number)] of the attribute `channels`."""
+    found = []
+    while head[0]:
+        name, rest = head.split(b"\0", 1)
+        found.append((name.decode(), 2 if struct.unpack_from("<i", rest)[0] == 1 else 4))
+        head = rest[16:]
+    return found
+
+
 def exr_parse(data, path="picture"):
-    """(height x width x 3 of R G B, its string attributes) of the bytes of a file."""
+    """(height x width x 3 of R G B, its string attributes) of the bytes of a file; what else it has is left out."""
     attributes, place = _attributes(data)
     left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"][1])
     width, height = right - left + 1, bottom - top + 1
-    head = attributes["channels"][1]
-    channels = [struct.unpack_from("<2si", head, at) for at in range(0, len(head) - 1, 18)]
-    types = {kind for _, kind in channels}
-    if [name for name, _ in channels] != [b"B\0", b"G\0", b"R\0"] or len(types) > 1:
-        raise ValueError(f"{path}: expected channels B G R alone, of one type")
+    channels = _channels(attributes["channels"][1])
+    if not {"R", "G", "B"} <= {name for name, _ in channels}:
+        raise ValueError(f"{path}: expected channels B G R")
     if attributes["compression"][1] != ZIP:
         raise ValueError(f"{path}: expected ZIP compression")
-    kind = {1: "<f2", 2: "<f4"}[types.pop()]
+    line = sum(size for _, size in channels) * width
     rgb = np.empty((height, width, 3))
     for start in struct.unpack_from(f"<{-(-height // LINES)}Q", data, place):
         y, size = struct.unpack_from("<2i", data, start)
         lines = min(LINES, height - (y - top))
-        raw = _unzip(data[start + 8 : start + 8 + size], lines * width * 3 * np.dtype(kind).itemsize)
-        rgb[y - top : y - top + lines] = np.frombuffer(raw, kind).reshape(lines, 3, width).transpose(0, 2, 1)[..., ::-1]
+        raw = np.frombuffer(_unzip(data[start + 8 : start + 8 + size], lines * line), np.uint8).reshape(lines, line)
+        at = 0
+        for name, size in channels:
+            if name in ("R", "G", "B"):
+                part = np.ascontiguousarray(raw[:, at : at + size * width]).view("<f2" if size == 2 else "<f4")
+                rgb[y - top : y - top + lines, :, "RGB".index(name)] = part
+            at += size * width
     return rgb, {name: value.decode() for name, (kind, value) in attributes.items() if kind == "string"}
 
 

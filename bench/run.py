@@ -75,7 +75,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),
     "sky-map": ("rooms", "write_sky_map", "a clear sky as an environment map"),
-    "shots": ("shots", "write_shots", "two shots in two rooms with a door: the walk and the door"),
+    "shots": ("shots", "shots", "shots: what their portals are worth and cost, and their flicker: doc/shots.md (a quarter of an hour)"),
+    "shot-files": ("shots", "write_shots", "the two shots, walk.glb and door.glb, in a folder"),
 }
 LISTING = "\n".join(f"  {name:{max(map(len, BENCHMARKS))}}  {words}" for name, (_, _, words) in BENCHMARKS.items())
 

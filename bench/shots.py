@@ -1,12 +1,14 @@
 """Two shots of 48 frames in two furnished rooms that share a door; the only lamp hangs in the far one. The walk: the
 camera goes from the near room through the open door into the far one. The door: the camera stands in the near room, and
 the door opens from 5 to 90 degrees."""
+import functools
 from pathlib import Path
 
 import numpy as np
 
-from common import Setting, settings
-from formats import FLOAT, Builder
+import pages
+from common import EVERYTHING, Setting, settings
+from formats import FLOAT, Builder, exr_read
 from rooms import CORNERS, FACES, GREEN, GREY, RED, WHITE, WOOD, Room, shell
 
 FRAMES, FPS = 48, 24
@@ -92,3 +94,96 @@ def write_shots(bench):
     """The two shots, walk.glb and door.glb."""
     for name, make in SHOTS.items():
         (Path(bench.settings.out) / f"{name}.glb").write_bytes(make())
+
+
+# ---- What is measured of them ----
+PAIRS = {"walk": (8, 18, 30), "door": (3, 8, 30)}  # the first of two successive frames
+BUFFERS = ("--aov", "halves,albedo,normal,depth")
+
+
+class Shot:
+    """One of the two, in a bench's cache."""
+
+    def __init__(self, bench, name):
+        self.bench, self.name, self.moves = bench, name, name == "door"
+        made = SHOTS[name]()
+        self.scene = bench.store.keep([name, made.hex()], lambda path: path.write_bytes(made), ".glb")
+
+    def search(self, frames, time, draft):
+        """Portals: the file, and CPU seconds of the four stages."""
+        quality = ("--quality", "draft") if draft else ()
+        run = self.bench.store.run
+        network = run("ffgraph", self.scene, *frames, *quality, threads=0)
+        cut = run("mincut", network.out, threads=0)
+        grid = run("lightgrid", self.scene, cut.out, "--at", time / FPS, *quality, threads=0)
+        found = run("portalfit", grid.out, threads=0)
+        return found.out, sum(r.cpu for r in (network, cut, grid, found))
+
+    def portals(self, frame):
+        """As tdpt seeks them for the frame."""
+        return self.search(("--frames", frame), frame, True) if self.moves else self.search(("--frames", f"1-{FRAMES}"), 1, False)
+
+    def own(self, frame):
+        """As they are sought for a picture."""
+        return self.search(("--at", frame / FPS), frame, False)
+
+    def render(self, frame, spp, seed, portals, *options):
+        return self.bench.store.run("tdpt-render", self.scene, "--at", frame / FPS, "--portal", portals, "--integrator",
+                                    "tdpt-guided", "--width", self.bench.settings.width, "--spp", spp, "--seed", seed, *options)
+
+    def reference(self, frame):
+        portals = self.own(frame)[0]
+        return self.bench.halves(lambda seed: self.render(frame, self.bench.settings.ref, seed + frame, portals))
+
+
+def flicker(before, after, references):
+    """Error of the difference of two frames, relative to the first: the mean of products with two references of each, so
+    that their noise does not count."""
+    (a1, b1), (a2, b2) = (tuple(exr_read(half)[0] for half in (r.a, r.b)) for r in references)
+    change = exr_read(after)[0] - exr_read(before)[0]
+    scale = ((a1 + b1) / 2) ** 2
+    return float(np.mean((change - (a2 - a1)) * (change - (b2 - b1)) / (scale + 1e-2 * scale.mean())))
+
+
+def line_of_portals(shot, frame):
+    """Worth of the shot's portals beside those of the frame's own, by error x CPU time of tdpt-guided."""
+    s, reference = shot.bench.settings, shot.reference(frame)
+
+    def price(portals):
+        runs = [shot.render(frame, s.spp, seed * 1000 + frame, portals) for seed in range(1, s.seeds + 1)]
+        return sum(reference.off(r.out)["relmse"] for r in runs) * sum(r.cpu for r in runs) / s.seeds**2
+
+    (shared, cpu), (own, _) = shot.portals(frame), shot.own(frame)
+    one = shot.render(frame, s.spp, 1000 + frame, shared).cpu
+    search = cpu if shot.moves else cpu / FRAMES
+    return [shot.name, frame, pages.hundredths(price(own) / price(shared)), pages.three(search), pages.three(one),
+            pages.three(100 * search / (search + one))]
+
+
+def line_of_flicker(shot, first):
+    """Of the frames `first` and the next: the error of their difference, noisy, filtered alone and with others."""
+    spp, rendered = shot.bench.settings.spp, {}
+    for frame in range(first - 1, first + 3):
+        rendered[frame] = shot.render(frame, spp, 1 + frame, shot.portals(frame)[0], *BUFFERS).out
+    references = [shot.reference(frame) for frame in (first, first + 1)]
+    alone, beside = ([shot.bench.store.run("exrdenoise", rendered[k], *others(k)).out for k in (first, first + 1)]
+                     for others in (lambda k: (), lambda k: ("--previous", rendered[k - 1], "--next", rendered[k + 1])))
+    noisy, single, both = (flicker(*pair, references) for pair in ((rendered[first], rendered[first + 1]), alone, beside))
+    return [shot.name, f"{first} to {first + 1}", pages.three(noisy), pages.three(single), pages.three(both),
+            pages.hundredths(single / both)]
+
+
+@settings(SPP=Setting(16, "samples per pixel", 2), WIDTH=Setting(160, "of the pictures", 48), SEEDS=Setting(4, "pictures of each kind", 2),
+          REF=Setting(512, "samples per pixel of each half of a reference", 8))
+def shots(bench):
+    """What portals of a shot are worth beside portals of each frame's own, what they cost, and how far the filter over
+    frames takes flicker away: doc/shots.md. A quarter of an hour."""
+    both = [Shot(bench, name) for name in SHOTS if not bench.settings.only or name in bench.settings.only]
+    made = []
+    for line in (line_of_portals, line_of_flicker):
+        made.append(bench.side_by_side([functools.partial(line, shot, k) for shot in both for k in PAIRS[shot.name]]))
+    parts = {"portals": pages.table(("shot", "frame", "worth of the shot's portals over its own", "CPU s of portals, per frame",
+                                     "CPU s of rendering", "share of portals, %"), made[0]),
+             "flicker": pages.table(("shot", "frames", "noisy", "filtered alone", "with the frames beside", "falls by"), made[1])}
+    print("\n\n".join(parts.values()))
+    bench.page("shots", parts, EVERYTHING)

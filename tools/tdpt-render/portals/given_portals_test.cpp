@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "libcommon/base/error.h"
+#include "libcommon/formats/shot_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/testing/rooms.h"
@@ -35,10 +36,11 @@ class given_portals : public ::testing::Test {
     file.scene_hash = hash;
     return given(file, scene_.camera(""));
   }
-  GivenPortals given(const PortalFile& file, const Camera& camera) const {
+  GivenPortals given(const PortalFile& file, const Camera& camera,
+                     std::optional<int64_t> frame = {}) const {
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
-    return read_given_portals(path, scene_, camera);
+    return read_given_portals(path, scene_, camera, frame);
   }
   std::string refused(const std::string& path) const {
     try {
@@ -249,6 +251,34 @@ TEST_F(given_portals, those_of_other_cameras_of_the_file_are_left_out) {
       all.warnings[0].find("its portals were found for camera \"camera\"; \"camera\" is 3 m away"),
       std::string::npos)
       << all.warnings[0];
+}
+
+TEST_F(given_portals, those_for_poses_of_a_shot_are_all_taken_without_a_word) {
+  const Camera own = scene_.camera("");
+  PortalFile file;
+  file.scene_hash = scene_.hash + "@another pose";
+  for (const int64_t frame : {1, 9}) {
+    Camera pose = own;
+    pose.name = camera_at_frame(own.name, frame);
+    pose.position = pose.position + pose.right * (0.3 * static_cast<double>(frame));
+    file.made_for.push_back(viewpoint_text(scene_.frame, pose));
+    file.portals.push_back(portal_in_the_hole());
+    file.portals.back().cameras = {{pose.name, 0.5}};
+  }
+  const GivenPortals at_a_frame = given(file, own, 4);
+  EXPECT_EQ(at_a_frame.file.portals.size(), 2u);
+  EXPECT_EQ(at_a_frame.warnings, Strings{});
+  EXPECT_EQ(at_a_frame.notes, Strings{});
+  // Those of another camera's shot are told of, and so is another time of a picture.
+  Camera other = own;
+  other.name = "other";
+  EXPECT_EQ(given(file, other, 4).warnings.size(), 1u);
+  const GivenPortals of_a_picture = given(file, own);
+  EXPECT_EQ(of_a_picture.warnings.size(), 1u);
+  ASSERT_EQ(of_a_picture.notes.size(), 1u);
+  EXPECT_NE(of_a_picture.notes[0].find("drawn.glb was made for the scene at another time of its "
+                                       "animations"),
+            std::string::npos);
 }
 
 TEST_F(given_portals, a_file_without_portals_is_a_note) {
