@@ -450,6 +450,7 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   for (size_t i = 0; i < layers.size(); ++i)
     if (!layers[i].empty()) exr.layers[layers[i]] = film.layer(i);
   exr.attributes = facts.attributes;
+  if (film.samples() < facts.spp) exr.attributes.erase(kFrameAttribute);
   exr.attributes["spp"] = std::to_string(film.samples());
   return exr;
 }

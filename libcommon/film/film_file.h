@@ -84,6 +84,9 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
 /// Throws InputError if it is no film or has been changed.
 FilmFile parse_film(std::string_view bytes, const std::string& name);
 FilmFile read_film(const std::string& path);
+/// Name of the attribute that tells which frame of a shot a picture is, and that it is complete.
+inline constexpr const char* kFrameAttribute = "frame";
+
 /// Whether a picture has the attribute that marks films.
 bool is_film(const ExrFile& file);
 

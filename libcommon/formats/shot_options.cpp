@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -12,7 +11,6 @@
 namespace tdpt {
 namespace {
 
-constexpr int64_t kLastFrame = 1000000;
 constexpr double kSlowest = 0.001, kFastest = 1000;  // frames per second
 
 }  // namespace
@@ -116,27 +114,6 @@ std::string name_of_frame(const std::string& option, const std::string& pattern,
                     "are to stand",
                     option, pattern));
   return fmt::format("{}{:0{}}{}", p.before, frame, p.digits, p.after);
-}
-
-std::optional<int64_t> first_frame_there(const std::string& pattern) {
-  const Pattern p = pattern_of(pattern);
-  const std::filesystem::path folder = std::filesystem::path(p.before + "0").parent_path();
-  std::optional<int64_t> first;
-  std::error_code ignored;
-  for (const auto& file :
-       std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
-    const std::string path = (folder / file.path().filename()).string();
-    if (!path.starts_with(p.before) || !path.ends_with(p.after)) continue;
-    if (path.size() < p.before.size() + p.digits + p.after.size()) continue;
-    int64_t frame = 0;
-    const char *const begin = path.data() + p.before.size(), *const end = path.data() +
-                                                                          path.size() -
-                                                                          p.after.size();
-    const auto read = std::from_chars(begin, end, frame);
-    if (read.ec != std::errc() || read.ptr != end || *begin == '-') continue;
-    first = std::min(first.value_or(frame), frame);
-  }
-  return first;
 }
 
 }  // namespace tdpt

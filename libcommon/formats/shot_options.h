@@ -11,6 +11,8 @@
 
 namespace tdpt {
 
+inline constexpr int64_t kLastFrame = 1000000;
+
 struct ShotArguments {
   std::string frames;  ///< "A-B" or "A"; empty: no shot
   double fps = 24;     ///< frames per second
@@ -43,9 +45,6 @@ bool has_frame_number(const std::string& pattern);
 /// The name of a frame's file: "shot.0012.exr" for "shot.####.exr". Throws UsageError, naming
 /// `option`, if there is no # in the file's name.
 std::string name_of_frame(const std::string& option, const std::string& pattern, int64_t frame);
-
-/// The lowest number of a frame whose file is there; nothing if none is.
-std::optional<int64_t> first_frame_there(const std::string& pattern);
 
 /// The name of a camera as it stands at a frame, in files made for several: "walk, frame 12".
 std::string camera_at_frame(const std::string& camera, int64_t frame);

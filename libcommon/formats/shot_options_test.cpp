@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::testing::shot_options_test {
 namespace {
@@ -54,18 +53,6 @@ TEST(Frames, NumberTheLastHashesOfAName) {
     EXPECT_NE(refusal([&] { name_of_frame("-o", wrong, 1); }).find("write #### where"),
               std::string::npos)
         << wrong;
-}
-
-TEST(Frames, AreFoundByTheirPattern) {
-  const TempFolder folder;
-  const std::string pattern = (folder.path / "a.##.exr").string();
-  EXPECT_EQ(first_frame_there(pattern), std::nullopt);
-  for (const char* name : {"a.7.exr", "a.-1.exr", "a.03.png", "b.02.exr", "a.x1.exr", "a.112.exr"})
-    folder.write(name, "");
-  EXPECT_EQ(first_frame_there(pattern), 112);
-  folder.write("a.12.exr", "");
-  EXPECT_EQ(first_frame_there(pattern), 12);
-  EXPECT_EQ(first_frame_there("/nowhere/at/all/a.##.exr"), std::nullopt);
 }
 
 TEST(Frames, StandForThemselvesInTheirCommands) {

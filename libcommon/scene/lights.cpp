@@ -138,15 +138,21 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   // hundred times.
   const double least = kLeastShare * power_ / static_cast<double>(powers_.size());
   for (double& w : powers_) w = std::max(w, least);
-  const double all = std::accumulate(powers_.begin(), powers_.end(), 0.0);
-  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / all;
-  fill(powers_);
+  choose_by_power();
 }
 
 const LightSource& Lights::source_of(size_t entry) const {
   if (entry < triangles_.size()) return surfaces_[0];
   const size_t lamp = entry - triangles_.size();
   return lamp < punctual_.size() ? punctual_[lamp] : sky_;
+}
+
+void Lights::choose_by_power() {
+  if (powers_.empty()) return;
+  const double all = std::accumulate(powers_.begin(), powers_.end(), 0.0);
+  shares_ = {};
+  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / all;
+  fill(powers_);
 }
 
 void Lights::choose_by(const KindProbabilities& shares) {

@@ -111,6 +111,8 @@ class Lights {
   const KindProbabilities& shares() const { return shares_; }
   /// Each kind that is present must have more than 0.
   void choose_by(const KindProbabilities& shares);
+  /// As if choose_by() had not been called.
+  void choose_by_power();
 
   /// Radiance and densities of a direction of the sky, from a single look-up.
   struct InSky {

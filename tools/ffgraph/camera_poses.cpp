@@ -11,6 +11,8 @@
 namespace tdpt {
 namespace {
 
+constexpr double kMoved = 1e-6;  // distance() of poses that differ, beyond rounding
+
 double angle(const Vec3d& a, const Vec3d& b) {
   return std::acos(std::clamp(dot(a, b), -1.0, 1.0));
 }
@@ -28,12 +30,24 @@ std::vector<size_t> telling_poses(const std::vector<Camera>& frames) {
   for (size_t k = 1; k < frames.size(); ++k)
     if (distance(frames[k], frames[poses.back()]) >= 1) poses.push_back(k);
   const size_t last = frames.size() - 1;
-  if (distance(frames[last], frames[poses.back()]) > 0) poses.push_back(last);
+  if (distance(frames[last], frames[poses.back()]) > kMoved) poses.push_back(last);
   if (poses.size() <= kMostPoses) return poses;
   std::vector<size_t> few;
   for (size_t i = 0; i < kMostPoses; ++i)
     few.push_back(poses[(poses.size() - 1) * i / (kMostPoses - 1)]);
   return few;
+}
+
+void check_stands_still(SceneFile& file, const Scene& scene, const ShotArguments& shot) {
+  const FrameRange range = frame_range(shot);
+  for (int64_t k = range.first; k <= range.last; ++k) {
+    const SceneFile::Glance now = file.glance_at(static_cast<double>(k) / shot.fps);
+    if (now.pose_hash != scene.pose_hash)
+      throw InputError(display_name(scene.path), "animations",
+                       fmt::format("move more than cameras between frames {} and {}: portals are "
+                                   "found frame by frame, with --at or --frames {}",
+                                   range.first, k, range.first));
+  }
 }
 
 std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std::string& name,
@@ -42,11 +56,6 @@ std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std:
   std::vector<Camera> frames;
   for (int64_t k = range.first; k <= range.last; ++k) {
     const SceneFile::Glance now = file.glance_at(static_cast<double>(k) / shot.fps);
-    if (now.pose_hash != scene.pose_hash)
-      throw InputError(display_name(scene.path), "animations",
-                       fmt::format("move more than cameras between frames {} and {}: portals are "
-                                   "found frame by frame, with --at or --frames {}",
-                                   range.first, k, range.first));
     const auto camera = std::find_if(now.cameras.begin(), now.cameras.end(),
                                      [&](const Camera& c) { return c.name == name; });
     if (camera == now.cameras.end())

@@ -21,9 +21,11 @@ inline constexpr size_t kMostPoses = 12;
 /// Indices of the poses out of those of all frames, in order.
 std::vector<size_t> telling_poses(const std::vector<Camera>& frames);
 
+/// Throws InputError if more than cameras moves in these frames.
+void check_stands_still(SceneFile& file, const Scene& scene, const ShotArguments& shot);
+
 /// The telling poses of a camera of the scene in these frames, in the scene's canonical frame, each
-/// with the name camera_at_frame(). `name`: of the camera. Throws InputError if more than cameras
-/// moves in them.
+/// with the name camera_at_frame(). `name`: of the camera.
 std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std::string& name,
                                  const ShotArguments& shot);
 

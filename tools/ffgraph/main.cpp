@@ -107,6 +107,7 @@ void check(const Arguments& a) {
 
 // Of a shot: in the place of each camera its poses.
 void take_poses(const Arguments& a, SceneFile& file, Loaded& in) {
+  check_stands_still(file, in.scene, a.shot);
   if (!a.camera.look_from.empty() || a.camera.frame) return;  // it does not move
   std::vector<Camera> poses;
   for (const Camera& camera : in.cameras)

@@ -31,7 +31,8 @@ int print_shards(const Arguments& a, const cli::Common& common) {
   std::fputs(commands.c_str(), stdout);
   if (!a.plan.empty() && !std::filesystem::exists(a.plan))
     common.note("there is no " + a.plan + " yet: the same command without --shard and -o makes it");
-  common.note("then merge them: " + merge_command(a, common.output));
+  common.note((a.shot.is_given() ? "then merge those of each frame: " : "then merge them: ") +
+              merge_command(a, common.output));
   return 0;
 }
 

@@ -29,13 +29,15 @@ struct Between {
   double seconds = 0;  ///< from key to key
 };
 
+// Keys lie at floats, frames do not: a key that is as near as that is reached.
 Between place_between(const Values& times, double seconds) {
-  const auto after = std::upper_bound(times.begin(), times.end(), seconds);
+  const double reached = seconds + 1e-7 * std::abs(seconds) + 1e-9;
+  const auto after = std::upper_bound(times.begin(), times.end(), reached);
   if (after == times.begin()) return {};
   const auto key = static_cast<size_t>(after - times.begin()) - 1;
   if (after == times.end()) return {key};
   const double span = *after - times[key];
-  return {key, (seconds - times[key]) / span, span};
+  return {key, std::max(0.0, (seconds - times[key]) / span), span};
 }
 
 /// a + (b - a) s: exactly a if both are equal.
@@ -133,6 +135,10 @@ class Animator {
     const auto output = sampler["output"].get<size_t>();
     const bool spline = sampler["interpolation"] == "CUBICSPLINE";
     const size_t stored = spline ? 3 * count : count;
+    if (const size_t there = d_.model.accessors[output].count;
+        there / std::max<size_t>(stored, 1) < times.size())
+      d_.fail(place("accessors", output), fmt::format("count is {}, expected at least {} {}", there,
+                                                      times.size() * stored, numbers.noun));
     const auto key = [&](size_t k) {
       return read_numbers(d_, output, numbers, k * stored, stored);
     };

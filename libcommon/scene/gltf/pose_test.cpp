@@ -101,6 +101,26 @@ TEST(Poses, StepsHoldUntilTheNextKey) {
   expect_near(shot.place(2), {3, 0, 0});
 }
 
+TEST(Poses, FramesReachTheKeysThatLieAtThem) {
+  for (const int fps : {24, 30}) {
+    Shot shot;
+    std::vector<float> times, places;
+    for (int k = 0; k < 40; ++k) {
+      times.push_back(static_cast<float>(k) / static_cast<float>(fps));
+      for (const float x : {0.25f * static_cast<float>(k), 0.0f, 0.0f}) places.push_back(x);
+    }
+    shot.move(1, "translation", times, places, "STEP");
+    for (int k = 0; k < 40; ++k)
+      expect_near(shot.place(static_cast<double>(k) / fps), {0.25 * k, 0, 0});
+  }
+}
+
+TEST(Poses, KeysWithoutValuesAreRefusedAtAnyTime) {
+  Shot shot;
+  shot.move(1, "translation", {0, 1, 2}, {1, 0, 0, 2, 0, 0});
+  for (const double t : {0.0, 0.5, 3.0}) EXPECT_THROW(shot.at(t), InputError);
+}
+
 // The spline through a polynomial's values with its derivatives is the polynomial.
 TEST(Poses, CubicSplinesAreTheCubicsTheyComeFrom) {
   const auto value = [](double t) { return Vec3d(1 - 2 * t + t * t * t, t * t, 0.5 * t); };
@@ -204,7 +224,7 @@ TEST(Poses, WhatIsWrongInAnimationsThatDoNotCountChangesNothing) {
 TEST(Poses, ASceneThatStandsStillSaysSo) {
   Shot shot;
   const Scene s = shot.at(1);
-  EXPECT_EQ(s.warnings, Sentences{"nothing in the scene is animated: --at changes nothing"});
+  EXPECT_EQ(s.warnings, Sentences{"nothing in the scene is animated: it is the same at all times"});
   EXPECT_EQ(s.pose_hash, "");
   EXPECT_EQ(s.identity(), s.hash);
 }

@@ -231,7 +231,7 @@ Scene SceneFile::at(std::optional<double> seconds) {
   scene.moves = motion.moves;
   if (motion.moves && !seconds) scene.warnings.push_back(beginning_sentence(motion.animations));
   if (!motion.moves && seconds)
-    scene.warnings.emplace_back("nothing in the scene is animated: --at changes nothing");
+    scene.warnings.emplace_back("nothing in the scene is animated: it is the same at all times");
   scene.warnings.insert(scene.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   SceneReader(document, scene).run();
   return scene;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
@@ -174,7 +175,11 @@ std::map<int64_t, Plan> read_frames(const nlohmann::ordered_json& list, const st
     if (!entry.is_object() || !entry.contains("frame") || !entry["frame"].is_number_unsigned() ||
         !entry.contains("plan"))
       throw InputError(file, "frames", "has an entry without a frame or without a plan");
-    frames[entry["frame"].get<int64_t>()] = read_plan(entry["plan"].dump(), file);
+    const auto frame = entry["frame"].get<uint64_t>();
+    if (frame > kLastFrame || frames.contains(static_cast<int64_t>(frame)))
+      throw InputError(file, "frames",
+                       fmt::format("has frame {} twice, or none can have it", frame));
+    frames[static_cast<int64_t>(frame)] = read_plan(entry["plan"].dump(), file);
   }
   return frames;
 }

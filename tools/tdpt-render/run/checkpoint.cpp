@@ -148,7 +148,9 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world, co
         fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", name,
                     words_of({{render_state.first, render_state.goal}}), render_state.whole));
   if (!a.shard.empty()) {
-    if (plan && !(planned(a, by, *plan).schedule.plan == given.schedule.plan))
+    // With portals of its own, a frame obeys a plan only as far as they allow.
+    if (plan && !a.portals_by_frame &&
+        !(planned(a, by, *plan).schedule.plan == given.schedule.plan))
       throw InputError(name, "", "was rendered by another plan than " + display_name(a.plan));
     const SampleRange part = shard_of(a.shard).part(0, render_state.spp());
     if (part.first != render_state.first || part.count != render_state.goal)
@@ -234,7 +236,7 @@ void check_schedule(const Arguments& a) {
     if (a.spp == 0 && a.plan.empty() && a.resume.empty())
       throw UsageError("--shard: needs --spp, or --plan with the number of samples");
   }
-  if (!a.plan.empty() && a.shard.empty() && !a.resume.empty())
+  if (!a.plan.empty() && a.shard.empty() && !a.resume.empty() && !a.shot.is_given())
     throw UsageError("--plan: nothing is decided with --resume, which obeys its own plan");
   if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
     throw UsageError("--checkpoint " + a.checkpoint +
@@ -366,7 +368,9 @@ std::string shard_commands(const Arguments& a, const std::vector<std::string>& a
   return text;
 }
 
-std::string merge_command(const Arguments& a, const std::string& output) {
+std::string merge_command(const Arguments& a, const std::string& pattern) {
+  const std::string output =
+      a.shot.is_given() ? name_of_frame("-o", pattern, frame_range(a.shot).first) : pattern;
   // The shell must expand the star: it stays outside the quotes.
   return fmt::format("exrmerge {}.*-of-{}.exr -o {}", shell_quoted(stem_of(output)), shards_of(a),
                      shell_quoted(output));

@@ -69,7 +69,7 @@ std::string film_bytes(RenderState& render_state, const Plan& plan, const Shape&
 /// the number of samples, or if shards would write the same files.
 std::string shard_commands(const Arguments& a, const std::vector<std::string>& arguments,
                            const std::string& output);
-/// The command that merges the shards.
-std::string merge_command(const Arguments& a, const std::string& output);
+/// The command that merges the shards; of a shot, those of its first frame.
+std::string merge_command(const Arguments& a, const std::string& pattern);
 
 }  // namespace tdpt

@@ -16,11 +16,11 @@ struct Outcome {
   const Plan& plan;
   std::optional<TargetOutcome> target{};
   Channels channels{};
-  std::string mark{};  ///< Job::mark of a frame that is complete
+  std::string mark{};  ///< Job::mark, or kIncomplete
 };
 
-/// Name of the attribute with Job::mark.
-inline constexpr const char* kFrameAttribute = "frame";
+/// Value of kFrameAttribute for a frame that a signal interrupted.
+inline constexpr const char* kIncomplete = "incomplete";
 
 /// Writes the checkpoint. A failure is only a warning, since the previous one stays whole; returns
 /// false then.

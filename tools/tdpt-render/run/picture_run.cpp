@@ -190,7 +190,7 @@ Outcome outcome_of(const Prepared& p, const RenderResult& result) {
           result.plan,
           result.target,
           channels_of(p.job, p.world),
-          result.interrupted ? "" : p.job.mark};
+          result.interrupted && !p.job.mark.empty() ? kIncomplete : p.job.mark};
 }
 
 Made render(Prepared& p) {
@@ -282,7 +282,10 @@ MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& 
   const RenderResult result =
       rendered(p.job, *p.renderer, p.choice, std::move(p.job.given.schedule));
   MadeNoisy made{{code_of(result), words_of(result)}, {}};
-  if (result.interrupted) return made;
+  if (result.interrupted) {
+    if (!p.job.checkpoint().empty() && !result.cut_short) save(outcome_of(p, result));
+    return made;
+  }
   made.picture = hand_over(outcome_of(p, result), result);
   report(p.job, p.world, p.choice, result, {});
   return made;
@@ -291,7 +294,8 @@ MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& 
 DecidedFrame decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop) {
   const Prepared p = prepared(a, common, shop, nullptr, "");
   const RenderResult decided = decide(*p.renderer, p.choice.candidates, p.job.settings, p.choice);
-  common.note(fmt::format("frame {}: {}", *a.frame, choice_sentence(decided)));
+  if (p.job.request.automatic)
+    common.note(fmt::format("frame {}: {}", *a.frame, choice_sentence(decided)));
   DecidedFrame frame{{*a.frame, {{decided.plan}}}, p.job.shape};
   // A number of samples that was measured belongs to the candidate that it was measured with.
   const std::vector<CandidateEstimate>& all = decided.forecast.estimates;

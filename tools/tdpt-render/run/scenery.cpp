@@ -65,6 +65,7 @@ bool Scenery::only_moves_camera(const Arguments& a, const cli::Common& common) {
   if (!world_) return true;
   world_->film = FilmPlane(in_.camera, in_.size.width, in_.size.height);
   world_->fill_openings(PortalSet(in_.portals, in_.scene.frame));
+  world_->lights.choose_by_power();
   return true;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/formats/picture.h"
+#include "libcommon/formats/portal.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/delivery.h"
 
@@ -40,25 +42,41 @@ std::array<FileOption, 5> files_beside(Arguments& a) {
            {"--set nonzero", &a.nonzero}}};
 }
 
+// Whether frames are filtered with those beside them.
+bool filters_together(const Arguments& a) {
+  return a.filters() && a.denoiser != kDenoisers[1] && a.shard.empty();
+}
+
 // Job::mark: the number of the frame, and a hash of what determines its picture. `shape`: of its
 // film. `plan`: text of the plan that it obeys, where --plan names one.
 std::string frame_mark(const Arguments& a, const Shape& shape, int quality,
                        const std::string& plan) {
+  const FrameRange range = frame_range(a.shot);
+  const int64_t frame = a.frame.value_or(0);
+  const int beside = filters_together(a) ? (frame > range.first) + 2 * (frame < range.last) : 0;
   std::string text =
-      fmt::format("{} {} {} {}|{} {} {}|{} {}|{}|{}|", a.spp, a.seconds, a.target_error, a.retry,
-                  a.denoise, a.denoiser, a.aov, a.pixels, a.compression, quality, plan);
+      fmt::format("{} {} {} {}|{} {} {} {}|{} {}|{}|{}|", a.spp, a.seconds, a.target_error, a.retry,
+                  a.denoise, a.denoiser, beside, a.aov, a.pixels, a.compression, quality, plan);
   for (const auto& [name, value] : shape) text += name + "=" + value + "|";
-  return fmt::format("{} {}", a.frame.value_or(0), content_hash(text));
+  return fmt::format("{} {}", frame, content_hash(text));
 }
 
-// Whether the file is whole and has this mark.
-bool has_mark(const std::string& path, const std::string& mark) {
+// Whether the file is whole and has this mark. `shard`: of --shard; then it must be a film of that
+// part.
+bool has_mark(const std::string& path, const std::string& mark, const std::string& shard) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(path, failed)) return false;
   try {
-    const ExrFile file = read_exr(path);
+    const std::string bytes = read_file(path);
+    const ExrFile file = parse_exr(bytes, path);
     const auto at = file.attributes.find(kFrameAttribute);
-    return at != file.attributes.end() && at->second == mark;
+    if (at == file.attributes.end() || at->second != mark) return false;
+    if (shard.empty()) return !is_film(file);
+    if (!is_film(file)) return false;
+    const FilmFile film = parse_film(bytes, path);
+    const SampleRange part = shard_of(shard).part(0, film.facts.spp);
+    const std::vector<SampleRange> there = film.film.ranges();
+    return there.size() == 1 && there[0].first == part.first && there[0].count == part.count;
   } catch (const InputError&) {
     return false;  // damaged: it is rendered again
   }
@@ -82,7 +100,10 @@ void check_frames(const Arguments& a, const cli::Common& common) {
   if (!common.dependencies.empty())
     throw UsageError("--set dependencies: is for one picture, --frames for a shot");
   if (a.add_samples > 0) throw UsageError("--add-samples: is for one picture, --frames for a shot");
-  if (!only_plans(a, common.output_given)) {
+  if (only_plans(a, common.output_given)) {
+    if (!a.stats.empty() || common.json)
+      throw UsageError("--stats and --json: are of the frames of a shot, and need -o");
+  } else {
     if (!common.output_given || common.output == "-")
       throw UsageError("--frames: needs -o, a name such as shot.####.exr");
     frame_run(a, common, range.first);  // throws for names without a number
@@ -143,10 +164,15 @@ PlanFile plan_of_shot(const Arguments& a, const cli::Common& common, Workshop& s
   return shot;
 }
 
-// The frames that are missing, not complete, or of another command, with their marks.
-std::map<int64_t, std::string> frames_to_do(const Arguments& a, const cli::Common& common,
-                                            Workshop& shop, const PlanFile* plan) {
+// The frames of a shot: their marks, and which are not there, complete and by this command.
+struct Frames {
   std::map<int64_t, std::string> marks;
+  std::set<int64_t> missing;
+};
+
+Frames frames_of(const Arguments& a, const cli::Common& common, Workshop& shop,
+                 const PlanFile* plan) {
+  Frames frames;
   const FrameRange range = frame_range(a.shot);
   const FrameRun first = frame_run(a, common, range.first);
   const Loaded& in = shop.scenery.load(first.arguments, first.common);
@@ -156,48 +182,67 @@ std::map<int64_t, std::string> frames_to_do(const Arguments& a, const cli::Commo
     if (run.arguments.portals_by_frame) {
       by.portal_hashes.clear();
       for (const std::string& path : run.arguments.portals)
-        by.portal_hashes.push_back(content_hash_of_file(path));
+        by.portal_hashes.push_back(read_portals(path).hash);
     }
     const Shape shape = film_shape_of(run.arguments, by);
-    const std::string mark = frame_mark(run.arguments, shape, static_cast<int>(common.quality),
-                                        plan ? plan_text(plan->of_frame(k)) : "");
-    if (!has_mark(run.common.output, mark)) marks[k] = mark;
+    frames.marks[k] = frame_mark(run.arguments, shape, static_cast<int>(common.quality),
+                                 plan ? plan_text(plan->of_frame(k)) : "");
+    if (!has_mark(run.common.output, frames.marks[k], a.shard)) frames.missing.insert(k);
   }
-  if (const auto there = static_cast<size_t>(range.count()) - marks.size(); there > 0)
+  if (const size_t there = frames.marks.size() - frames.missing.size(); there > 0)
     common.note(fmt::format("{} there already",
                             there == 1 ? "1 frame is" : fmt::format("{} frames are", there)));
-  return marks;
+  for (const int64_t k : frames.missing) check_schedule(frame_run(a, common, k).arguments);
+  return frames;
 }
 
-// That of the previews, so that they do not flicker: what suits the first frame that is there;
-// nothing while none is.
-std::optional<double> exposure_of_shot(const cli::Common& common) {
-  const std::optional<int64_t> first = first_frame_there(common.output);
-  if (!first) return {};
-  try {
-    const double exposure =
-        auto_exposure(read_exr(name_of_frame("-o", common.output, *first)).picture);
-    common.note(fmt::format("previews are exposed as frame {}: --exposure {}", *first,
-                            number_words(exposure)));
-    return exposure;
-  } catch (const InputError&) {
-    return {};
+// Previews of one exposure, so that they do not flicker: that of the first frame that is there.
+class Previews {
+ public:
+  Previews(const Arguments& a, const cli::Common& common) : a_(a), common_(common) {}
+
+  /// A frame is complete.
+  void take(const FrameRun& run) {
+    if (a_.preview.empty() || exposure()) return;
+    exposure_ = auto_exposure(read_exr(run.common.output).picture);
+    common_.note(fmt::format("previews are exposed as frame {}: --exposure {}",
+                             *run.arguments.frame, number_words(*exposure_)));
   }
-}
+  /// Writes that of a complete frame if it is not there.
+  void mend(const FrameRun& run) const {
+    std::error_code failed;
+    if (a_.preview.empty() || std::filesystem::exists(run.arguments.preview, failed)) return;
+    const Picture picture = read_exr(run.common.output).picture;
+    write_output(run.arguments.preview, preview_bytes(picture, exposure().value_or(0)));
+  }
+  /// Nothing while no frame is there.
+  std::optional<double> exposure() const { return a_.exposure ? a_.exposure : exposure_; }
+
+ private:
+  const Arguments& a_;
+  const cli::Common& common_;
+  std::optional<double> exposure_;
+};
 
 // The frames of a shot that are filtered together with those before and after them.
 class FilteredFrames {
  public:
   FilteredFrames(const Arguments& a, const cli::Common& common, Workshop& shop,
-                 const PlanFile& plan)
-      : a_(a), common_(common), shop_(shop), plan_(plan), range_(frame_range(a.shot)) {}
+                 const PlanFile& plan, const std::set<int64_t>& missing)
+      : a_(a),
+        common_(common),
+        shop_(shop),
+        plan_(plan),
+        missing_(missing),
+        range_(frame_range(a.shot)) {}
 
   /// Renders what the frame needs and is not rendered yet, filters it and writes it.
   Made make(const FrameRun& run, const std::string& mark) {
     const int64_t frame = *run.arguments.frame;
     for (int64_t k = frame - 1; k <= frame + 1; ++k) {
       if (k < range_.first || k > range_.last || noisy_.contains(k)) continue;
-      const FrameRun other = frame_run(a_, common_, k);
+      FrameRun other = frame_run(a_, common_, k);
+      if (!missing_.contains(k)) keep_files_of(other);
       MadeNoisy made = render_noisy(other.arguments, other.common, shop_, &plan_, "");
       if (made.code != 0) return made;
       noisy_[k] = std::move(made);
@@ -219,10 +264,17 @@ class FilteredFrames {
   }
 
  private:
+  // Of a frame that is there, and rendered again only for those beside it.
+  static void keep_files_of(FrameRun& run) {
+    for (const auto& [option, path] : files_beside(run.arguments)) path->clear();
+    run.common.json = false;
+  }
+
   const Arguments& a_;
   const cli::Common& common_;
   Workshop& shop_;
   const PlanFile& plan_;
+  const std::set<int64_t>& missing_;
   FrameRange range_;
   std::map<int64_t, MadeNoisy> noisy_;  // those rendered last
 };
@@ -245,26 +297,29 @@ int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
     write_output(a.plan, plan_file_text(*plan));
     if (only_plans(a, common.output_given)) return 0;
   }
-  const auto todo = frames_to_do(a, common, shop, plan ? &*plan : nullptr);
-  if (!todo.empty() && !plan) plan = plan_of_shot(a, common, shop);
+  const Frames frames = frames_of(a, common, shop, plan ? &*plan : nullptr);
+  if (!frames.missing.empty() && !plan) plan = plan_of_shot(a, common, shop);
+  Previews previews(a, common);
+  for (const auto& [frame, mark] : frames.marks) {
+    if (frames.missing.contains(frame)) continue;
+    previews.take(frame_run(a, common, frame));
+    previews.mend(frame_run(a, common, frame));
+  }
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0;
   std::optional<FilteredFrames> filtered;
-  std::optional<double> exposure;
-  if (!todo.empty() && a.filters() && a.denoiser != kDenoisers[1] && a.shard.empty())
-    filtered.emplace(a, common, shop, *plan);
-  for (const auto& [frame, mark] : todo) {
+  if (plan && filters_together(a)) filtered.emplace(a, common, shop, *plan, frames.missing);
+  for (const int64_t frame : frames.missing) {
     FrameRun run = frame_run(a, common, frame);
-    if (!a.preview.empty() && !a.exposure) {
-      if (!exposure) exposure = exposure_of_shot(common);
-      run.arguments.exposure = exposure;
-    }
+    const std::string& mark = frames.marks.at(frame);
+    run.arguments.exposure = previews.exposure();
     const Made made = filtered ? filtered->make(run, mark)
                                : render_picture(run.arguments, run.common, shop, &*plan, mark);
     if (made.code != 0) return made.code;
+    previews.take(run);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     common.note(fmt::format("frame {}: {}; {}", frame, made.words,
-                            progress_words(++done, todo.size(), took.count())));
+                            progress_words(++done, frames.missing.size(), took.count())));
   }
   return 0;
 }
