@@ -169,8 +169,8 @@ def line_of_flicker(shot, first):
     alone, beside = ([shot.bench.store.run("exrdenoise", rendered[k], *others(k)).out for k in (first, first + 1)]
                      for others in (lambda k: (), lambda k: ("--previous", rendered[k - 1], "--next", rendered[k + 1])))
     noisy, single, both = (flicker(*pair, references) for pair in ((rendered[first], rendered[first + 1]), alone, beside))
-    return [shot.name, f"{first} to {first + 1}", pages.three(noisy), pages.three(single), pages.three(both),
-            pages.hundredths(single / both)]
+    told = [pages.three(error) if error > 0 else "–" for error in (noisy, single, both)]
+    return [shot.name, f"{first} to {first + 1}", *told, pages.hundredths(single / both) if single > 0 < both else "–"]
 
 
 @settings(SPP=Setting(16, "samples per pixel", 2), WIDTH=Setting(160, "of the pictures", 48), SEEDS=Setting(4, "pictures of each kind", 2),
