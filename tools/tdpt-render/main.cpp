@@ -46,7 +46,6 @@ int run(const Arguments& a, const cli::Common& common) {
   if (a.denoiser == kDenoisers[1]) denoise::OpenImageDenoise();  // or there is no use in rendering
   check_schedule(a);
   catch_signals();
-  if (shop.device) common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
   if (a.shot.is_given()) return render_shot(a, common, shop);
   std::optional<PlanFile> plan;
   if (obeys_plan(a, common.output_given)) plan = read_plan_file(a.plan);

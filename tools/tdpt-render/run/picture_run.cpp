@@ -168,7 +168,7 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
 }
 
 // "16 samples per pixel in 3 s, relMSE about 0.012".
-std::string words_of(const RenderResult& result) {
+std::string told_of(const RenderResult& result) {
   std::string noise;
   if (result.noise)
     noise = result.noise->tells
@@ -212,7 +212,7 @@ Made render(Prepared& p) {
         decisions_of({p.world, portals, job.request, p.choice, job.settings, result}),
         job.a.exposure, delivered.exposure);
   });
-  return {code_of(result), words_of(result)};
+  return {code_of(result), told_of(result)};
 }
 
 }  // namespace
@@ -262,6 +262,8 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
   };
   Choice choice = chosen();
   auto renderer = upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
+  if (shop.device && !std::exchange(shop.told, true))
+    common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
   check_film(job.given, film_options(choice.candidates, job.settings));
   return {std::move(job), world, std::move(choice), std::move(renderer)};
 }
@@ -270,7 +272,11 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
 
 Made render_picture(const Arguments& a, const cli::Common& common, Workshop& shop,
                     const PlanFile* plan, const std::string& mark) {
-  if (a.check) return shop.scenery.load(a, common), Made{};
+  if (a.check) {
+    shop.scenery.load(a, common);
+    request_of(a), settings_of(a, common);  // throw for what they cannot be made of
+    return {};
+  }
   Prepared p = prepared(a, common, shop, plan, mark);
   if (p.job.only_plans()) return {write_plan(p.job, *p.renderer, p.choice), ""};
   return render(p);
@@ -281,7 +287,7 @@ MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& 
   Prepared p = prepared(a, common, shop, plan, mark);
   const RenderResult result =
       rendered(p.job, *p.renderer, p.choice, std::move(p.job.given.schedule));
-  MadeNoisy made{{code_of(result), words_of(result)}, {}};
+  MadeNoisy made{{code_of(result), told_of(result)}, {}};
   if (result.interrupted) {
     if (!p.job.checkpoint().empty() && !result.cut_short) save(outcome_of(p, result));
     return made;

@@ -17,6 +17,7 @@ namespace tdpt {
 struct Workshop {
   std::optional<gpu::Device> device;  ///< that renders; none: the CPU
   Scenery scenery{};
+  bool told = false;         ///< what the device is
   std::string code() const;  ///< Job::code
 };
 
