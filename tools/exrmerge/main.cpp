@@ -56,7 +56,8 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
   ExrFile file = a.film ? ExrFile{film.film.picture(), {}, {}, {}, {}}
                         : finished_picture(film.film, film.facts, film.channels);
-  const auto filtered = a.film ? std::nullopt : filter_as_asked(file, film.film.has_both_halves(), film.facts);
+  const auto filtered =
+      a.film ? std::nullopt : filter_as_asked(file, film.film.has_both_halves(), film.facts);
   const Picture& picture = file.picture;
   const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
   warn_of_range(file, a.storage(), common);

@@ -99,7 +99,8 @@ TEST(ShotPlan, ComesBackFromItsFile) {
 TEST(ShotPlan, ThatIsMalformedIsRefused) {
   const std::string path = ::testing::TempDir() + "/shot_plan_test.plan";
   for (const char* frames : {"[]", "7", R"([{"frame": 1}])", R"([{"frame": -1, "plan": {}}])",
-                             R"([{"frame": "a", "plan": {}}])", R"([{"plan": {}}])", R"([{"frame": 9223372036854775813, "plan": {}}])"}) {
+                             R"([{"frame": "a", "plan": {}}])", R"([{"plan": {}}])",
+                             R"([{"frame": 9223372036854775813, "plan": {}}])"}) {
     write_output(path, fmt::format(R"({{"format": 1, "frames": {}, "shape": {{}}, "command": ""}})",
                                    frames));
     try {
