@@ -119,8 +119,8 @@ bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
 void check_is_frame(const std::string& path) {
   std::error_code failed;
   if (!std::filesystem::is_regular_file(path, failed)) return;
-  // The attribute of complete frames, as it stands in the header of an OpenEXR file.
-  constexpr std::string_view kAttribute("\0frame\0string", 13);
+  // The attribute of frames, complete or not, as it stands in the header of an OpenEXR file.
+  constexpr std::string_view kAttribute("frame\0string", 12);
   if (read_file(path).find(kAttribute) == std::string::npos)
     throw UsageError(path + ": is there already, and is no frame of a shot; --force replaces it");
 }

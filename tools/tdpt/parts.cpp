@@ -14,9 +14,9 @@ std::vector<Part> parts_of_shot(const Arguments& a) {
   for (int64_t k = range.first; k <= range.last; ++k) {
     std::string pose = file.glance_at(static_cast<double>(k) / a.shot.fps).pose_hash;
     if (k > range.first && pose == before)
-      parts.back().frames.last = parts.back().portals.last = k;
+      parts.back().frames.last = k;
     else
-      parts.push_back({{k, k}, {k, k}});
+      parts.push_back({{k, k}});
     before = std::move(pose);
   }
   for (Part& part : parts) part.moves = parts.size() > 1 && part.frames.count() == 1;

@@ -9,7 +9,6 @@ namespace tdpt {
 
 struct Part {
   FrameRange frames;
-  FrameRange portals;  ///< the frames that are looked at for them
   bool moves = false;  ///< the scene does, beside its cameras
 };
 

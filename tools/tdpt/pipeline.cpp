@@ -57,9 +57,9 @@ Sought sought(const Arguments& a, const Request& r, const Part* part) {
   Sought s{r.pose, r.pose, r.sampling};
   if (!part) return s;
   s.poses.insert(s.poses.end(),
-                 {"--frames", words_of(part->portals), "--fps", fmt::format("{}", a.shot.fps)});
+                 {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
   s.time.insert(s.time.end(),
-                {"--at", fmt::format("{}", static_cast<double>(part->portals.first) / a.shot.fps)});
+                {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
   const bool has_quality =
       std::find(s.sampling.begin(), s.sampling.end(), "--quality") != s.sampling.end();
   if (part->moves && !has_quality) s.sampling.insert(s.sampling.end(), {"--quality", "draft"});

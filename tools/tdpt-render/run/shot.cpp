@@ -49,14 +49,15 @@ bool filters_together(const Arguments& a) {
 
 // Job::mark: the number of the frame, and a hash of what determines its picture. `shape`: of its
 // film. `plan`: text of the plan that it obeys, where --plan names one.
-std::string frame_mark(const Arguments& a, const Shape& shape, int quality,
+std::string frame_mark(const Arguments& a, const cli::Common& common, const Shape& shape,
                        const std::string& plan) {
   const FrameRange range = frame_range(a.shot);
   const int64_t frame = a.frame.value_or(0);
   const int beside = filters_together(a) ? (frame > range.first) + 2 * (frame < range.last) : 0;
   std::string text =
-      fmt::format("{} {} {} {}|{} {} {} {}|{} {}|{}|{}|", a.spp, a.seconds, a.target_error, a.retry,
-                  a.denoise, a.denoiser, beside, a.aov, a.pixels, a.compression, quality, plan);
+      fmt::format("{} {} {} {}|{} {} {} {}|{} {}|{} {}|{}|", a.spp, a.seconds, a.target_error,
+                  a.retry, a.denoise, a.denoiser, beside, a.aov, a.pixels, a.compression,
+                  static_cast<int>(common.quality), common.no_provenance, plan);
   for (const auto& [name, value] : shape) text += name + "=" + value + "|";
   return fmt::format("{} {}", frame, content_hash(text));
 }
@@ -185,8 +186,8 @@ Frames frames_of(const Arguments& a, const cli::Common& common, Workshop& shop,
         by.portal_hashes.push_back(read_portals(path).hash);
     }
     const Shape shape = film_shape_of(run.arguments, by);
-    frames.marks[k] = frame_mark(run.arguments, shape, static_cast<int>(common.quality),
-                                 plan ? plan_text(plan->of_frame(k)) : "");
+    frames.marks[k] =
+        frame_mark(run.arguments, common, shape, plan ? plan_text(plan->of_frame(k)) : "");
     if (!has_mark(run.common.output, frames.marks[k], a.shard)) frames.missing.insert(k);
   }
   if (const size_t there = frames.marks.size() - frames.missing.size(); there > 0)
