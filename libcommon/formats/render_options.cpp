@@ -135,6 +135,7 @@ void declare_channel_options(cli::Options& options, RenderArguments& a) {
 void check_render_arguments(const RenderArguments& a) {
   check_picture_arguments(a);
   check_shot(a.shot, a.pose);
+  check_lens(a.lens, a.shot, a.pose, a.device);
   if (a.filters() && a.denoiser != kDenoisers[1] && a.spp == 1)
     throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
   check_name_of_png("--set nonzero", a.nonzero);
@@ -150,6 +151,7 @@ void declare_render_options(cli::Options& options, RenderArguments& a) {
   declare_amount_options(options, a);
   declare_channel_options(options, a);
   declare_camera_options(options, a.camera);
+  declare_lens_options(options, a.lens);
   declare_pose_options(options, a.pose);
   declare_shot_options(options, a.shot);
   declare_sky_options(options, a.sky);

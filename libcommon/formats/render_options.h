@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/formats/camera_options.h"
+#include "libcommon/formats/lens_options.h"
 #include "libcommon/formats/picture_options.h"
 #include "libcommon/formats/pose_options.h"
 #include "libcommon/formats/shot_options.h"
@@ -29,6 +30,7 @@ struct RenderArguments : PictureArguments {
   CameraArguments camera;
   Pose pose;
   ShotArguments shot;
+  LensArguments lens;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
   std::string integrator = "auto", mis = "balance";

@@ -1,8 +1,13 @@
-// The pinhole camera as a map between pixels and directions, with its importance.
+// A pinhole camera as a map between pixels and directions, with its importance; also what one point
+// of a lens sees at one moment.
 //
 // The film lies at distance 1 in front of the pinhole. A picture of width x height square pixels
 // shows the camera's full vertical angle; if its aspect differs from the camera's, yfov is kept.
 // Raster coordinates: x to the right from 0 to width, y down from 0 to height.
+//
+// A point of a thin lens is a pinhole beside the middle one, with its film shifted, so that both
+// show the plane in focus at the same pixels. Every pixel has the same area of that plane and of
+// the film, so the density of directions is the same function of the cosine.
 #pragma once
 #include <cmath>
 
@@ -13,7 +18,10 @@ namespace tdpt {
 class FilmPlane {
  public:
   FilmPlane(const Camera& camera, int width, int height)
-      : camera_(camera),
+      : position_(camera.position),
+        right_(camera.right),
+        up_(camera.up),
+        forward_(camera.forward),
         width_(width),
         height_(height),
         half_height_(std::tan(0.5 * camera.yfov)),
@@ -22,40 +30,60 @@ class FilmPlane {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  const Vec3d& position() const { return camera_.position; }
-  const Vec3d& forward() const { return camera_.forward; }
-  const Vec3d& right() const { return camera_.right; }
-  const Vec3d& up() const { return camera_.up; }
+  const Vec3d& position() const { return position_; }
+  const Vec3d& forward() const { return forward_; }
+  const Vec3d& right() const { return right_; }
+  const Vec3d& up() const { return up_; }
   /// At distance 1.
   double half_width() const { return half_width_; }
   double half_height() const { return half_height_; }
 
   /// Unit direction through raster place (x, y).
   Vec3d direction(double x, double y) const {
-    const double u = (2 * x / width_ - 1) * half_width_;
-    const double v = (1 - 2 * y / height_) * half_height_;
-    return normalize(camera_.forward + camera_.right * u + camera_.up * v);
+    const double u = (2 * x / width_ - 1 - shift_x_) * half_width_;
+    const double v = (1 - 2 * y / height_ - shift_y_) * half_height_;
+    return normalize(forward_ + right_ * u + up_ * v);
   }
 
   /// Raster place hit by unit direction `w` (away from the camera); false if it misses the film.
   bool raster(const Vec3d& w, double& x, double& y) const {
-    const double c = dot(w, camera_.forward);
+    const double c = dot(w, forward_);
     if (!(c > 0)) return false;
-    x = 0.5 * width_ * (1 + dot(w, camera_.right) / (c * half_width_));
-    y = 0.5 * height_ * (1 - dot(w, camera_.up) / (c * half_height_));
+    x = 0.5 * width_ * (1 + dot(w, right_) / (c * half_width_) + shift_x_);
+    y = 0.5 * height_ * (1 - dot(w, up_) / (c * half_height_) - shift_y_);
     return x >= 0 && x < width_ && y >= 0 && y < height_;
   }
 
   /// Density of w for raster places uniform over the whole film [1/sr]: 1 / (film area * cos^3).
   double pdf_w(const Vec3d& w) const {
-    const double c = dot(w, camera_.forward);
+    const double c = dot(w, forward_);
     return 1 / (area_ * c * c * c);
   }
 
+  /// The same film seen from the point `right`, `up` of a lens about the pinhole that shows what is
+  /// `focus` in front of it sharply; all in the units of the position.
+  FilmPlane through(double right, double up, double focus) const {
+    FilmPlane film = *this;
+    film.position_ += right_ * right + up_ * up;
+    film.shift_x_ += right / (focus * half_width_);
+    film.shift_y_ += up / (focus * half_height_);
+    return film;
+  }
+  /// The same film, standing as `camera` does; its angle of view is kept.
+  FilmPlane moved_to(const Camera& camera) const {
+    FilmPlane film = *this;
+    film.position_ = camera.position;
+    film.right_ = camera.right;
+    film.up_ = camera.up;
+    film.forward_ = camera.forward;
+    return film;
+  }
+
  private:
-  Camera camera_;
+  Vec3d position_, right_, up_, forward_;
   int width_, height_;
   double half_height_, half_width_, area_;
+  double shift_x_ = 0, shift_y_ = 0;  // of the film to the right and up, in half sizes
 };
 
 }  // namespace tdpt

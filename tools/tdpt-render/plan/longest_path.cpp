@@ -20,6 +20,7 @@ bool beyond(const Vec3d& inwards, const Vec3d& apex) {
 
 bool may_see_surfaces(const World& world) {
   if (world.scene.triangles.empty()) return false;
+  if (world.blur.any()) return true;  // not worth finding out
   const FilmPlane& film = world.film;
   const double w = film.width(), h = film.height();
   const std::array<Vec3d, 4> edges{film.direction(0, 0), film.direction(w, 0), film.direction(w, h),

@@ -164,7 +164,7 @@ class PilotSample {
 
   // Block of a splat, whose pixel is not the sample's.
   size_t block_of(const Path& path) const {
-    const FilmPlane& film = pilot_.world_.film;
+    const FilmPlane& film = path.film();
     double x = 0, y = 0;
     film.raster(between(path.vertex(path.k()), path.vertex(path.k() - 1)).w, x, y);
     return block_of(std::clamp(static_cast<int>(x), 0, film.width() - 1),

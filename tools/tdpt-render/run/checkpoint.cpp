@@ -258,6 +258,8 @@ Shape shape_of(const Arguments& a, const Shaping& by, const std::string& pose, u
           {"unit of lamps", units_of_lamps(by.scene)},
           {"portal", fmt::format("{}", fmt::join(by.portal_hashes, " "))},
           {"camera", by.camera},
+          {"lens", lens_words(a.lens)},
+          {"shutter", shutter_words(a.lens, a.shot)},
           {"pose", pose},
           {"size", fmt::format("{} x {}", by.width, by.height)},
           {"depth", a.max_depth > 0 ? std::to_string(a.max_depth) : "any"},

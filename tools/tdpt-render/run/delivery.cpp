@@ -33,6 +33,9 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
     attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
                                 job.settings, common.provenance(job.in.files));
     attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
+    if (job.a.lens.f_stop)
+      attributes["lens"] = fmt::format("f/{} at {} m", *job.a.lens.f_stop, job.in.focus);
+    if (job.a.lens.shutter > 0) attributes["shutter"] = shutter_words(job.a.lens, job.a.shot);
   }
   if (job.common.no_provenance) attributes.erase(provenance_attribute);
   if (!mark.empty()) attributes[kFrameAttribute] = mark;

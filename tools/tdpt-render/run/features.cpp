@@ -53,8 +53,8 @@ struct Ray {
 // Follows rays, and what they split into, until they meet a surface at which they end.
 class Sight {
  public:
-  Sight(const World& world, bool on, Sequence& numbers, Seen& seen)
-      : world_(world), on_(on), numbers_(numbers), seen_(seen) {}
+  Sight(const World& world, const FilmPlane& film, bool on, Sequence& numbers, Seen& seen)
+      : world_(world), film_(film), on_(on), numbers_(numbers), seen_(seen) {}
 
   void follow(Ray ray) {
     std::vector<uint32_t> passed;  // sheets that stop a part of the ray
@@ -89,10 +89,10 @@ class Sight {
 
   void meet(Ray& ray, const Hit& hit) {
     if (ray.turns == 0) {
-      const Vec3d away = hit.position - world_.film.position();
+      const Vec3d away = hit.position - film_.position();
       seen_.met += ray.share;
       seen_.position += hit.position * ray.share;
-      seen_.depth += dot(away, world_.film.forward()) * ray.share;
+      seen_.depth += dot(away, film_.forward()) * ray.share;
     }
     if (!on_) return;
     Point here;
@@ -143,6 +143,7 @@ class Sight {
   }
 
   const World& world_;
+  const FilmPlane& film_;
   const bool on_;  // beyond the first surface
   Sequence& numbers_;
   Seen& seen_;
@@ -152,12 +153,17 @@ Seen look(const World& world, size_t x, size_t y, bool on, uint64_t seed) {
   Seen seen;
   const uint64_t pixel = y << 32 | x;
   Ray ray;
-  ray.from.position = world.film.position();
+  FilmPlane film = world.film;
   for (uint64_t i = 0; i < kRays; ++i) {
     Sequence numbers(seed, kFeaturePlaces.first, pixel, i);
     const double u = numbers.uniform(), v = numbers.uniform();
-    ray.w = world.film.direction(static_cast<double>(x) + u, static_cast<double>(y) + v);
-    Sight(world, on, numbers, seen).follow(ray);
+    if (world.blur.any()) {
+      const auto [lens_u, lens_v, time] = numbers.uniforms<3>();
+      film = world.blur.draw(world.film, lens_u, lens_v, time);
+    }
+    ray.from.position = film.position();
+    ray.w = film.direction(static_cast<double>(x) + u, static_cast<double>(y) + v);
+    Sight(world, film, on, numbers, seen).follow(ray);
   }
   const double met = seen.met > 0 ? seen.met : 1;
   const Frame& frame = world.scene.frame;

@@ -17,6 +17,8 @@ struct Loaded {
   Scene scene;
   TakenSky sky;
   Camera camera;
+  std::vector<Camera> poses;  ///< of the camera while its shutter is open [CameraBlur]
+  double focus = 0;           ///< [m], of a lens, once there is a world
   PictureSize size;
   std::vector<Portal> portals;
   std::vector<cli::Common::Input> files;
@@ -36,6 +38,8 @@ class Scenery {
   void read(const Arguments& a, const cli::Common& common, bool tells);
   bool only_moves_camera(const Arguments& a, const cli::Common& common);
   void take_camera(const Arguments& a, const cli::Common& common);
+  void take_poses(const Arguments& a, const cli::Common& common);
+  Lens lens(const cli::Common& common);
   void read_portals(const Arguments& a, const cli::Common& common);
   void tell_of_backs(const cli::Common& common);
 
@@ -43,7 +47,10 @@ class Scenery {
   Loaded in_;
   size_t files_but_portals_ = 0;  // of in_.files, the first
   std::unique_ptr<World> world_;
+  LensArguments lens_;
   bool told_ = false;         ///< of covered lamps
+  bool told_focus_ = false;   ///< that the middle of the picture is in focus
+  bool told_motion_ = false;  ///< of motion that no shutter blurs
   bool shows_backs_ = false;  ///< the camera of the last world did, and a warning said so
 };
 

@@ -61,8 +61,8 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
     if (strategy.technique == Technique::light ||
         (strategy.technique == Technique::portal && strategy.split == k - 2)) {  // a splat
       double raster_x, raster_y;
-      const Vec3d w = normalize(path.vertex(k - 1).position - world.film.position());
-      if (!world.film.raster(w, raster_x, raster_y)) return;
+      const Vec3d w = normalize(path.vertex(k - 1).position - path.film().position());
+      if (!path.film().raster(w, raster_x, raster_y)) return;
       x = static_cast<int>(raster_x);
       y = static_cast<int>(raster_y);
     }

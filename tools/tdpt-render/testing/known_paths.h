@@ -122,8 +122,10 @@ inline void grow(double& largest, double difference) {
 
 inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::Fault fault,
                      int max_depth = 6, uint64_t spp = 64,
-                     const std::vector<Portal>& portals = two_crossing_portals()) {
-  const World world(scene, scene.camera(""), 16, 12, portals);
+                     const std::vector<Portal>& portals = two_crossing_portals(),
+                     const CameraBlur& blur = {}) {
+  World world(scene, scene.camera(""), 16, 12, portals);
+  world.blur = blur;
   Film film(16, 12, 1);
   Tally tally;
   Worst worst;
@@ -157,7 +159,7 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     for (const auto& d : p) {
       if (d.strategy.technique != strategy.technique || d.strategy.split != strategy.split)
         continue;
-      const double expected = max_component(oracle::contribution(world, path));
+      const double expected = max_component(oracle::contribution(path));
       // For one sample of the strategy.
       const double p_s = std::exp(d.log_p) / integrator.mixture.samples_of(
                                                  strategy.technique, strategy.split, path.k());

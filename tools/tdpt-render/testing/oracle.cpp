@@ -126,8 +126,14 @@ double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
   return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
 
-double film_pdf_w(const World& world, const Vertex& camera, const Vertex& x) {
-  return world.film.pdf_w(unit(camera, x));
+/// Uniform on the part of a plane across the view, at distance 1, that the film covers.
+double film_pdf_w(const FilmPlane& film, const Vertex& camera, const Vertex& x) {
+  const auto corner = [&](double across, double down) {
+    const Vec3d w = film.direction(across * film.width(), down * film.height());
+    return w / dot(w, film.forward());
+  };
+  const double area = length(cross(corner(1, 0) - corner(0, 0), corner(0, 1) - corner(0, 0)));
+  return 1 / (area * std::pow(dot(unit(camera, x), film.forward()), 3));
 }
 
 using Triangles = std::vector<std::array<Vec3d, 3>>;
@@ -366,6 +372,7 @@ struct Densities {
 Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
                    const Guiding& guiding, Fault fault) {
   const int k = path.k();
+  const FilmPlane& film = fault == Fault::film_of_the_middle ? world.film : path.film();
   Densities all{std::vector<double>(static_cast<size_t>(k)),
                 std::vector<double>(static_cast<size_t>(k))};
   for (int i = 0; i < k; ++i) {
@@ -386,7 +393,7 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
           survival(directed, i - 1, fault) * guided_pdf_w(directed, dirac, p, fault) * per_area;
     }
     const Vertex& after = path.vertex(i + 1);
-    double q = film_pdf_w(world, after, x);
+    double q = film_pdf_w(film, after, x);
     if (i < k - 1) {
       const Vertex& back = path.vertex(i + 2);
       const double p = pdf_w(back, after, x, path.dirac(i + 1));
@@ -467,7 +474,7 @@ double weight(const std::vector<StrategyDensity>& densities, Strategy used, doub
   return mine / total;
 }
 
-Vec3d contribution(const World& world, const Path& path) {
+Vec3d contribution(const Path& path) {
   const int k = path.k();
   Vec3d value = emission(path.vertex(0), path.vertex(1));
   for (int i = 0; i + 1 < k; ++i) {
@@ -478,8 +485,8 @@ Vec3d contribution(const World& world, const Path& path) {
   }
   const Vertex& last = path.vertex(k - 1);
   const Vertex& camera = path.vertex(k);
-  return value *
-         (film_pdf_w(world, camera, last) * cosine_at(last, camera) / distance2(camera, last));
+  return value * (film_pdf_w(path.film(), camera, last) * cosine_at(last, camera) /
+                  distance2(camera, last));
 }
 
 }  // namespace tdpt::oracle

@@ -27,6 +27,7 @@ enum class Fault {
   sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
   window_5_percent,      ///< density of next events through windows
   rect_light_5_percent,  ///< density of next events at rectangular lights
+  film_of_the_middle,    ///< of the moment and the point of the lens that the sample has not
   sky_segment_cosine,    ///< the same, without cancelling the portal's cosine
 };
 
@@ -40,6 +41,6 @@ double weight(const std::vector<StrategyDensity>& densities, Strategy used, doub
 
 /// Measurement contribution function: Le G f G ... f G W, the product of [eq. 1] to [eq. 3] without
 /// visibility, without absorption along the edges and without the deltas of Dirac lobes.
-Vec3d contribution(const World& world, const Path& path);
+Vec3d contribution(const Path& path);
 
 }  // namespace tdpt::oracle

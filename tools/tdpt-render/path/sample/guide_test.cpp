@@ -251,7 +251,7 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
     do {  // until it reaches the vertex under test: walks from lamps are guided, too
       const Sequence numbers(7, stream, tried++, 0);
       if (c.from == From::camera)
-        walk_from_camera(s.world, s.guide, 32, 32, begin + 1, numbers, walk, rays);
+        walk_from_camera(s.world, s.guide, s.world.film, 32, 32, begin + 1, numbers, walk, rays);
       else
         walk_from_light(s.world, s.guide, begin + 1, numbers, walk, rays);
     } while (walk.size <= begin ||
@@ -515,7 +515,7 @@ TEST(guide, no_walk_carries_more_after_a_surface_than_before) {
       if (from == From::light)
         walk_from_light(world, guide, 64, numbers, walk, rays);
       else
-        walk_from_camera(world, guide, 8, 6, 64, numbers, walk, rays);
+        walk_from_camera(world, guide, world.film, 8, 6, 64, numbers, walk, rays);
       longest = std::max(longest, walk.size);
       for (int j = 2; j < walk.size; ++j)
         EXPECT_LE(max_component(walk.state(j).throughput),

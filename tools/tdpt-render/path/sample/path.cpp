@@ -100,14 +100,14 @@ size_t u(int i) {
 
 Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
            RayCounts& rays)
-    : guide_(guide) {
+    : guide_(guide), film_(z.film) {
   fill(world, y, s, z, t, nullptr, rays);
 }
 
 Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
            const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t,
            RayCounts& rays)
-    : guide_(guide) {
+    : guide_(guide), film_(z.film) {
   place(s).x = &x_l;
   place(s + 1).x = &x_c;
   fill(world, y, s, z, t, &segment, rays);
@@ -226,7 +226,7 @@ double Path::directed_light_A(const Guide& guide, int i, double plain, const Inc
 double Path::plain_camera_A(const World& world, int i, const Edge& e, const Incidence* in) const {
   if (!x(i).met()) return 0;
   if (i < k_ - 1) return scatter_pdf_A(x(i + 1), *in, reversed(e), x(i), dirac(i + 1));
-  return to_area(world.film.pdf_w(-e.w), e, x(i));
+  return to_area(film_->pdf_w(-e.w), e, x(i));
 }
 
 double Path::directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,

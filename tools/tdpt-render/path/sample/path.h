@@ -71,6 +71,8 @@ class Path {
 
   int k() const { return k_; }
   const Vertex& vertex(int i) const { return *place(i).x; }
+  /// That the camera end sees by.
+  const FilmPlane& film() const { return *film_; }
   /// Whether the path scatters at x_i by a Dirac lobe: then no technique can make a connection
   /// there.
   bool dirac(int i) const { return place(i).dirac; }
@@ -145,6 +147,7 @@ class Path {
   const VertexFacts& place(int i) const { return places_[static_cast<size_t>(i)]; }
 
   const Guide& guide_;
+  const FilmPlane* film_;
   int k_ = 0;
   bool any_dirac_ = false;
   NextEventPdf next_event_;                ///< p_nee(x_0): its density as a next event at x_1

@@ -36,6 +36,7 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   y.v[0].triangle = lamp;
   y.v[0].source = &world.lights.surface(false);
   y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
+  z.film = &world.film;
   z.v[0].position = world.film.position();
   for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
   const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
@@ -125,6 +126,7 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   y.v[0].triangle = lamp;
   y.v[0].source = &world.lights.surface(false);
   y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
+  z.film = &world.film;
   z.v[0].position = x4;
   z.v[1] = vertex(x3, -forward);  // x_2 is behind it
   const Edge film = between(z[0], z[1]);

@@ -12,7 +12,8 @@ PathSampler::PathSampler(const World& world, const SampleSettings& settings, con
       guide_(guide),
       film_(film),
       tally_(tally),
-      observer_(observer) {}
+      observer_(observer),
+      drawn_film_(world.film) {}
 
 Sequence PathSampler::numbers(uint32_t purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
@@ -78,7 +79,12 @@ void PathSampler::walk_from_camera() {
   Sequence place = numbers(shader::PURPOSE_FILM);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
-  tdpt::walk_from_camera(world_, guide_, x, y, settings_.max_depth,
+  if (world_.blur.any()) {
+    const auto [u, v, time] = place.uniforms<3>();
+    drawn_film_ = world_.blur.draw(world_.film, u, v, time);
+  }
+  const FilmPlane& film = world_.blur.any() ? drawn_film_ : world_.film;
+  tdpt::walk_from_camera(world_, guide_, film, x, y, settings_.max_depth,
                          numbers(shader::PURPOSE_CAMERA_WALK), camera_walk_, tally_.rays);
   camera_ends_.clear();
   for (int j = 1; j < camera_walk_.size; ++j)
@@ -151,7 +157,7 @@ bool PathSampler::visible(const Point& a, const Point& b) {
 }
 
 bool PathSampler::seen(const Point& p) {
-  const Vec3d& camera = world_.film.position();
+  const Vec3d& camera = camera_walk_[0].position;
   if (!world_.tracer.draws(p.triangle, p.position - camera)) return false;
   ++tally_.rays.shadow;
   return world_.tracer.sees(camera, p.origin());
@@ -165,9 +171,9 @@ Rgb PathSampler::geometry(const Point& a, const Point& b, const Edge& e) const {
 bool PathSampler::project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x,
                           double& y) const {
   const Edge e = between(camera_walk_[0], p);
-  if (!world_.film.raster(e.w, x, y)) return false;
+  if (!camera_walk_.film->raster(e.w, x, y)) return false;
   to_camera = -e.w;
-  factor = geometry(camera_walk_[0], p, e) * static_cast<float>(world_.film.pdf_w(e.w));
+  factor = geometry(camera_walk_[0], p, e) * static_cast<float>(camera_walk_.film->pdf_w(e.w));
   return true;
 }
 

@@ -112,7 +112,7 @@ class PathSampler {
 
   /// G times the transmittance of absorbing solids. No visibility.
   Rgb geometry(const Point& a, const Point& b, const Edge& e) const;
-  /// Importance of the pinhole for light that leaves p: splatted radiance per unit of f *
+  /// Importance of the camera's end for light that leaves p: splatted radiance per unit of f *
   /// throughput. False if p is not in the picture. No visibility.
   bool project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x, double& y) const;
   /// Adds the contributions of drawn_ to `end` to resampling_; 0 if the path would be too long.
@@ -146,6 +146,7 @@ class PathSampler {
   int x_ = 0, y_ = 0;
   uint64_t sample_ = 0;
   uint64_t coins_ = 0, layer_coins_ = 0;  ///< state of coin(), layer_coin()
+  FilmPlane drawn_film_;                  ///< of this sample, in a picture with blur
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< the light walk of this sample

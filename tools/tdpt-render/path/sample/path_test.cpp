@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "tools/tdpt-render/testing/blur.h"
 #include "tools/tdpt-render/testing/known_paths.h"
 
 namespace tdpt::path_test {
@@ -44,6 +45,22 @@ TEST_P(paths, over_coats_that_lean_too) {
   EXPECT_LE(worst.off, 5);  // cosines of 0.001, which rounding of positions changes
   EXPECT_GT(worst.all, GetParam() == &pt ? 30 : 3000);
   EXPECT_GT(worst.dirac, 10);
+}
+
+TEST_P(paths, of_a_wide_lens_that_moves_too) {
+  const Scene scene = diffuse_rooms();
+  const auto compared = [&](Fault fault) {
+    return compare(scene, *GetParam(), fault, 6, 64, two_crossing_portals(),
+                   strong_blur(scene.camera("")));
+  };
+  const Worst worst = compared(Fault::none);
+  EXPECT_LT(worst.weight, 1e-6);
+  EXPECT_LT(worst.power, 2e-6);
+  EXPECT_LT(worst.value, 1e-4);
+  if (GetParam()->mixture.has(Technique::light)) {
+    EXPECT_GT(worst.paths[static_cast<size_t>(Technique::light)], 50);
+    EXPECT_GT(compared(Fault::film_of_the_middle).off, worst.all / 100);
+  }
 }
 
 TEST_P(paths, weights_of_all_strategies_sum_to_1) {
@@ -202,8 +219,8 @@ double carried_by_directed_walks(double fault) {
     for (int i = 0; i < kWalks; ++i) {
       Rng rng(3, directed, static_cast<uint64_t>(i));
       const double x = 16 * rng.uniform(), y = 12 * rng.uniform();
-      walk_from_camera(world, guide, x, y, 2, Sequence(4, directed, static_cast<uint64_t>(i), 0),
-                       walk, rays);
+      walk_from_camera(world, guide, world.film, x, y, 2,
+                       Sequence(4, directed, static_cast<uint64_t>(i), 0), walk, rays);
       if (walk.size < 3 || !(walk.state(2).crossing.density > 0)) continue;
       const Vertex& z1 = walk[1];
       const Vec3d back = between(z1, walk[0]).w;

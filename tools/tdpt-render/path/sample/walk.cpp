@@ -174,18 +174,19 @@ void begin_at_light(const World& world, const Lights::Point& light, Walk& walk) 
   walk.states[0].pdf_own_A = light.pdf;
 }
 
-void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
-                      Sequence numbers, Walk& walk, RayCounts& rays) {
+void walk_from_camera(const World& world, const Guide& guide, const FilmPlane& film, double x,
+                      double y, int edges, Sequence numbers, Walk& walk, RayCounts& rays) {
   walk.size = 0;
   walk.make_place();
   walk.size = 1;
   walk.v[0] = {};
-  walk.v[0].position = world.film.position();
+  walk.film = &film;
+  walk.v[0].position = film.position();
   walk.states[0] = {};
   walk.states[0].pdf_own_A = 1;
-  const Vec3d w = world.film.direction(x, y);
+  const Vec3d w = film.direction(x, y);
   const auto pdf_A = [&](const Vertex&, const Edge& e, const Vertex& to) {
-    return to_area(world.film.pdf_w(w), {w, e.d2}, to);
+    return to_area(film.pdf_w(w), {w, e.d2}, to);
   };
   Walker walker(world, guide, From::camera, numbers, walk, rays);
   const Tracer::Origin pinhole = walk.v[0].origin();

@@ -31,6 +31,7 @@ struct Walk {
   std::vector<Vertex> v;          ///< the first `size` are in use
   std::vector<WalkState> states;  ///< likewise
   int size = 0;
+  const FilmPlane* film = nullptr;  ///< that a walk from the camera began at
   /// Makes room for one more vertex; existing ones may move.
   void make_place() {
     if (v.size() > static_cast<size_t>(size)) return;
@@ -51,9 +52,10 @@ inline Vec3d way_back(const Walk& walk, int i) {
 /// [Guide::guide_totals_at_light].
 void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 
-/// z_0 at the pinhole, z_1 ... z_n, n <= edges, through raster place (x, y).
-void walk_from_camera(const World& world, const Guide& guide, double x, double y, int edges,
-                      Sequence numbers, Walk& walk, RayCounts& rays);
+/// z_0 at the pinhole of `film`, which must outlive the walk, z_1 ... z_n, n <= edges, through
+/// raster place (x, y).
+void walk_from_camera(const World& world, const Guide& guide, const FilmPlane& film, double x,
+                      double y, int edges, Sequence numbers, Walk& walk, RayCounts& rays);
 
 /// y_0 on a light, y_1 ... y_n, n <= edges.
 void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,

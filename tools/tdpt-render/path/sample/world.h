@@ -1,6 +1,6 @@
 // Scene, acceleration structure, lights, portals and camera, shared by all samples.
 #pragma once
-#include "libcommon/scene/film_plane.h"
+#include "libcommon/scene/camera_blur.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/tracer.h"
@@ -37,6 +37,7 @@ struct World {
   Tracer tracer;
   Lights lights;
   FilmPlane film;
+  CameraBlur blur;    ///< of what the film sees
   PortalSet portals;  ///< changed by fill_openings() and, temporarily, during exploration
   WindowSky windows;
   NextEvents next_events{scene, lights, windows};
