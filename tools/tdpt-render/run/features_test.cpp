@@ -9,6 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/testing/blur.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 
@@ -77,6 +78,45 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
   const Vec3d base(scene_.material_of(hit.triangle).base_color),
       albedo = three("albedo", "RGB", 2, 12);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(albedo[c], base[c], 1e-6);
+}
+
+// Blocks of 4 x 4 pixels, beside the mean of what is seen from places on the lens at moments of the
+// exposure.
+TEST_F(seen, by_a_lens_that_moves_is_blurred_like_the_picture) {
+  World world(scene_, scene_.camera(""), kWidth, kHeight, {});
+  const auto blocks = [&](const char* channel) {
+    const Channels all = features(world, {"albedo", "normal"}, 1);
+    std::vector<double> sums(kWidth / 4 * kHeight / 4);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        sums[static_cast<size_t>(y / 4 * (kWidth / 4) + x / 4)] +=
+            static_cast<double>(all.at(channel)[static_cast<size_t>(y * kWidth + x)]) / 16;
+    return sums;
+  };
+  const auto most_off = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double most = 0;
+    for (size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+    return most;
+  };
+  const CameraBlur blur = strong_blur(scene_.camera(""));
+  for (const char* channel : {"albedo.R", "normal.Y"}) {
+    world.blur = {};
+    world.film = world_.film;
+    const std::vector<double> sharp = blocks(channel);
+    world.blur = blur;
+    const std::vector<double> blurred = blocks(channel);
+    world.blur = {};
+    std::vector<double> mean(sharp.size());
+    constexpr int kDraws = 200;
+    for (int i = 0; i < kDraws; ++i) {
+      Rng rng(5, 0, static_cast<uint64_t>(i));
+      world.film = blur.draw(world_.film, rng.uniform(), rng.uniform(), (i + 0.5) / kDraws);
+      const std::vector<double> one = blocks(channel);
+      for (size_t b = 0; b < mean.size(); ++b) mean[b] += one[b] / kDraws;
+    }
+    EXPECT_LT(most_off(blurred, mean), 0.03) << channel;
+    EXPECT_GT(most_off(sharp, mean), 0.06) << channel;  // twin
+  }
 }
 
 TEST_F(seen, nothing_is_black_and_far) {

@@ -191,8 +191,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     walks_[1].light_A =
         directed_light_A(guide_, 1, plain_light_A(world, 1, nullptr, at(0)), nullptr, at(0));
   if (first_z == k_)
-    walks_[k_ - 1].camera_A =
-        camera_survival(k_ - 1) * plain_camera_A(world, k_ - 1, at(k_ - 1), nullptr);
+    walks_[k_ - 1].camera_A = camera_survival(k_ - 1) * plain_camera_A(k_ - 1, at(k_ - 1), nullptr);
   for (int i = std::max(s - 1, 1); i <= first_z && i < k_; ++i) {
     const Edge &before = at(i - 1), &after = at(i);
     const Incidence from_light(x(i), -before.w), from_camera(x(i), after.w);
@@ -205,7 +204,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
       walks_[i + 1].light_A =
           light_survival(i + 1) * directed_light_A(guide_, i + 1, plain, &from_light, after);
     }
-    const double plain = plain_camera_A(world, i - 1, before, &from_camera);
+    const double plain = plain_camera_A(i - 1, before, &from_camera);
     walks_[i - 1].camera_A =
         camera_survival(i - 1) * directed_camera_A(guide_, i - 1, plain, before, &from_camera);
   }
@@ -223,7 +222,7 @@ double Path::directed_light_A(const Guide& guide, int i, double plain, const Inc
   return guide.pdf_A(From::light, x(i - 1), in, e, x(i), plain, *place(i - 1).crossing);
 }
 
-double Path::plain_camera_A(const World& world, int i, const Edge& e, const Incidence* in) const {
+double Path::plain_camera_A(int i, const Edge& e, const Incidence* in) const {
   if (!x(i).met()) return 0;
   if (i < k_ - 1) return scatter_pdf_A(x(i + 1), *in, reversed(e), x(i), dirac(i + 1));
   return to_area(film_->pdf_w(-e.w), e, x(i));
@@ -257,8 +256,8 @@ void Path::plain_densities(const World& world, WalkDensities& d) const {
     const auto light = from_light(i - 1), camera = from_camera(i + 1);
     d[i].light_A = survival(i - 1, light, nullptr, From::light) *
                    plain_light_A(world, i, given(light), edge(i - 1));
-    d[i].camera_A = survival(i + 1, camera, nullptr, From::camera) *
-                    plain_camera_A(world, i, edge(i), given(camera));
+    d[i].camera_A =
+        survival(i + 1, camera, nullptr, From::camera) * plain_camera_A(i, edge(i), given(camera));
   }
 }
 

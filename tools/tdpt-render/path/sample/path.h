@@ -114,7 +114,7 @@ class Path {
   /// densities, and guided ones computed from them. `e`: the edge walked, in the order of the path;
   /// `in`: how the walk arrived at the vertex that it leaves, null at the path's ends.
   double plain_light_A(const World& world, int i, const Incidence* in, const Edge& e) const;
-  double plain_camera_A(const World& world, int i, const Edge& e, const Incidence* in) const;
+  double plain_camera_A(int i, const Edge& e, const Incidence* in) const;
   double directed_light_A(const Guide& guide, int i, double plain, const Incidence* in,
                           const Edge& e) const;
   double directed_camera_A(const Guide& guide, int i, double plain, const Edge& e,
