@@ -55,6 +55,13 @@ TEST(Frames, NumberTheLastHashesOfAName) {
         << wrong;
 }
 
+TEST(Frames, MakeAShot) {
+  EXPECT_EQ(name_of_shot("a/shot.####.exr"), "a/shot.exr");
+  EXPECT_EQ(name_of_shot("a.b/shot_##.x.exr"), "a.b/shot.x.exr");
+  EXPECT_EQ(name_of_shot("take #2/####.exr"), "take #2/frames.exr");
+  EXPECT_EQ(name_of_shot("#.exr"), "frames.exr");
+}
+
 TEST(Frames, StandForThemselvesInTheirCommands) {
   EXPECT_EQ(command_of_frame("tdpt-render --spp 4 --frames 1-48 --fps 24", 12),
             "tdpt-render --spp 4 --frames 12 --fps 24");

@@ -27,8 +27,8 @@ constexpr cli::Program kProgram{
     cli::kCommit};
 
 std::string report_beside(const std::string& picture) {
-  const size_t dot = picture.find_last_of('.');
-  return picture.substr(0, dot) + ".report.html";
+  const std::string name = has_frame_number(picture) ? name_of_shot(picture) : picture;
+  return name.substr(0, name.find_last_of('.')) + ".report.html";
 }
 
 // The renderer lists them: tdpt only starts other programs.
@@ -46,7 +46,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
                Shapes::nothing);
   options.output_beside("--report", a.report, report_beside,
-                        "Write PICTURE.report.html, too: what portals are worth (needs python3)");
+                        "Write PICTURE.report.html, too: what portals are worth; of a shot, its "
+                        "frames and their noise (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
                  Shapes::nothing);

@@ -19,6 +19,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/outputs.h"
+#include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
 namespace {
@@ -255,6 +256,7 @@ Making::Ending Making::find_portals(const Search& search) {
 }
 
 Making::Ending Making::run_stages(const Search& search) {
+  const bool tells = !a_.report.empty() && !request_.is_shot;  // of itself, for the report
   std::vector<std::string> whole{"lock"};
   for (const Step& step : search.stages) {
     whole.push_back(name_of(step.output));
@@ -276,7 +278,7 @@ Making::Ending Making::run_stages(const Search& search) {
         std::find(step.inputs.begin(), step.inputs.end(), request_.scene) != step.inputs.end();
     ChildProcess::How how;
     std::string told;
-    if (!a_.report.empty()) {
+    if (tells) {
       how.stdout_file = step.output + ".told.json";
       // The plan of the portals has words to read.
       const bool is_plan = step.output.ends_with(".portal.glb");
@@ -287,10 +289,10 @@ Making::Ending Making::run_stages(const Search& search) {
         words.insert(words.end(), request_.pose.begin(), request_.pose.end());
       }
     }
-    const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
-                                      a_.report.empty() ? nullptr : &told);
+    const Ending ending =
+        run_program(words, how, reads_scene ? Reads::scene : Reads::files, tells ? &told : nullptr);
     if (!ending.good()) return ending;
-    if (!a_.report.empty()) write_output(step.output + ".told.txt", told);
+    if (tells) write_output(step.output + ".told.txt", told);
     write_output(step.output + ".command", shell_text(step.options) + "\n");
     write_output(step.output + ".hash", content_hash_of_file(partial) + "\n");
     rename_whole(partial, step.output);
@@ -371,7 +373,21 @@ Making::Ending Making::render() {
   return ending;
 }
 
+Making::Ending Making::make_shot_report() {
+  const std::string parts = picture_.path() + "/report", page = picture_.path() + "/report.html";
+  begin_step("writing the report", {"report_shot.py"});
+  std::error_code failed;
+  fs::create_directories(parts, failed);
+  gather_shot(a_, request_.picture, parts);
+  const Ending ending =
+      run_program({"python3", "-B", programs_ + "/../share/tdpt/report_shot.py", parts, page}, {},
+                  Reads::files);
+  if (ending.good()) write_output(a_.report, read_file(page));
+  return ending;
+}
+
 Making::Ending Making::make_report() {
+  if (request_.is_shot) return make_shot_report();
   const std::string scripts = programs_ + "/../share/tdpt/", parts = picture_.path() + "/report";
   const std::string page = picture_.path() + "/report.html";
   begin_step("measuring for the report", {"report_measure.py"});

@@ -45,6 +45,7 @@ class Making {
   Ending render();
   Ending render_frames();
   Ending make_report();
+  Ending make_shot_report();
   /// `told` receives the program's messages; decisions go only there.
   Ending run_program(const Words& words, const ChildProcess::How& how, Reads reads,
                      std::string* told = nullptr);

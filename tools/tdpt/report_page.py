@@ -481,6 +481,12 @@ STAGE_TEXT = {
                   "light; grey is what was refused, with the reason below.")}
 
 
+def document(title, body, foot, style=""):
+    return ("<!DOCTYPE html>\n" + el("html", el("head", el("meta", charset="utf-8"), el("meta", name="viewport", content="width=device-width, initial-scale=1"),
+            el("meta", name="color-scheme", content="light dark"), el("title", title), el("style", Markup(STYLE + style))),
+            el("body", body, el("footer", el("p", foot))), lang="en") + "\n")
+
+
 def scene_part(folder, m, v):
     facts = next((e.get("facts") for e in m["info"] if e.get("kind") == "scene"), None) or {}
     cameras = facts.get("cameras")
@@ -711,9 +717,7 @@ def page(folder):
                  el("nav", el("ul", [el("li", el("a", label, href="#" + ident)) for ident, label in parts]), aria_label="Sections")),
               scene_part(folder, m, v), stages_part(folder, m, v), portals_part(m, v), compare_part(folder, m, v), time_part(m, v), cost_part(m, v),
               decisions_part(m, v), provenance_part(m, v))
-    return ("<!DOCTYPE html>\n" + el("html", el("head", el("meta", charset="utf-8"), el("meta", name="viewport", content="width=device-width, initial-scale=1"),
-            el("meta", name="color-scheme", content="light dark"), el("title", f"{title}: light portals"), el("style", Markup(STYLE))),
-            el("body", body, el("footer", el("p", "Made by tdpt.mk(7). Figures that were not measured are a dash."))), lang="en") + "\n")
+    return document(f"{title}: light portals", body, "Made by tdpt.mk(7). Figures that were not measured are a dash.")
 
 
 def main():

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
 namespace {
@@ -116,8 +117,6 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   if (!common.output.ends_with(".exr"))
     throw UsageError("-o " + common.output + ": the picture is OpenEXR, name it .exr");
   std::error_code ignored;
-  if (a.shot.is_given() && !a.report.empty())
-    throw UsageError("--report: is for one picture, not for the frames of a shot");
   if (std::filesystem::exists(common.output, ignored) &&
       !std::filesystem::is_regular_file(common.output, ignored))
     throw OutputError(common.output, "is no regular file, expected one or none");
@@ -151,6 +150,8 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     }
   }
   r.is_shot = a.shot.is_given();
+  if (r.is_shot && !a.report.empty() && a.stats.empty())
+    r.beside.insert(r.beside.end(), {"--stats", stats_of_shot(a, r.picture)});
   r.cameras = r.camera;
   if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;

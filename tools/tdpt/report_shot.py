@@ -1,0 +1,227 @@
+"""report_shot.py FOLDER PAGE: the page of a shot, from what tdpt gathered in FOLDER.
+
+A flip-book, the frames as a strip, and what their statistics tell over time: noise, the way that renders, light through
+portals. Frames that were there before have no statistics, and no figures. No script, and nothing from outside, as in
+report_page.py. Standard library alone.
+"""
+
+import base64
+import json
+import math
+import os
+import re
+import sys
+
+from report_page import Markup, count, details, document, el, figure, get, name, number, percent, section, table, ticks
+
+STYLE = """
+.frames{list-style:none;display:flex;flex-wrap:wrap;gap:.75rem .5rem;padding:0;margin:1rem 0;max-width:none}
+.frames li{margin:0;font-size:.8125rem;color:var(--soft);font-variant-numeric:tabular-nums}
+.shot{display:block;border-radius:2px;background-repeat:no-repeat}
+.flip{animation-name:flip;animation-iteration-count:infinite}
+.flip:hover,.flip:focus{animation-play-state:paused}
+@media (prefers-reduced-motion:reduce){.flip{animation:none}}
+@media print{.flip{animation:none}.shot{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+.plot .change{stroke:var(--soft);stroke-dasharray:2 4}
+"""
+
+
+class Frame:
+    """What the statistics of one frame tell; `told` is empty where there are none."""
+
+    def __init__(self, frame, path):
+        self.number = frame
+        try:
+            with open(path, encoding="utf-8", errors="replace") as stream:
+                self.told = json.load(stream)
+        except (OSError, ValueError):
+            self.told = {}
+        if not isinstance(self.told, dict):
+            self.told = {}
+        self.way = get(self.told, "chosen") or get(self.told, "integrator")
+        self.noise = get(self.told, "noise", "relmse")
+        self.sure = get(self.told, "noise", "tells")
+        self.filtered = get(self.told, "relmse")
+        self.cpu = get(self.told, "cpu_seconds")
+        self.portals = get(self.told, "portals") or []
+        self.by_segments = get(self.told, "techniques", "portal")
+
+
+def spans(frames):
+    """[(first, last, way)] of frames one after the other that have the same."""
+    out = []
+    for f in frames:
+        if out and out[-1][2] == f.way:
+            out[-1] = out[-1][0], f.number, f.way
+        else:
+            out.append((f.number, f.number, f.way))
+    return out
+
+
+def span_words(first, last):
+    return f"frame {first}" if first == last else f"frames {first}\u2013{last}"
+
+
+def chart(frames, values, title, unit, logarithmic, ident, changes):
+    """values: {label: {frame: value}}, drawn over the frames' numbers, wide and narrow; gaps where there are none."""
+    values = {label: {k: v for k, v in of.items() if number(v) and (v > 0 or not logarithmic)} for label, of in values.items()}
+    every = [v for of in values.values() for v in of.values()]
+    if not every:
+        return el("p", "No frame has statistics that tell it.", class_="none")
+    keys = [el("span", el("span", class_="key" + (" with" if i % 2 == 0 else ""), aria_hidden="true"), label, Markup(" &nbsp; "))
+            for i, label in enumerate(values)]
+    said = "; ".join(f"{label}: {figure(min(of.values()))} to {figure(max(of.values()))}" for label, of in values.items() if of)
+    return el("figure", el("p", keys, class_="note") if len(values) > 1 else None,
+              [drawn(frames, values, unit, logarithmic, changes, width, height, f"{title}. {said}.", f"{ident}-{kind}", kind, every)
+               for width, height, kind in ((760, 300, "wide"), (380, 260, "narrow"))])
+
+
+def drawn(frames, values, unit, logarithmic, changes, width, height, said, ident, kind_of_plot, every):
+    left, right, top, bottom = 58, 14, 22, 46
+    first, last = frames[0].number, frames[-1].number
+    low, high = (min(every) / 1.3, max(every) * 1.3) if logarithmic else (0.0, max(max(every) * 1.1, 1e-9))
+
+    def px(frame):
+        return round(left + (width - left - right) * ((frame - first) / (last - first) if last > first else 0.5), 1)
+
+    def py(value):
+        part = math.log(value / low) / math.log(high / low) if logarithmic else (value - low) / (high - low)
+        return round(height - bottom - (height - top - bottom) * part, 1)
+    out = []
+    if logarithmic:
+        marks = ticks(low, high)
+        labels = [t for t, whole in marks if whole] if sum(whole for _, whole in marks) > 2 else [t for t, _ in marks if f"{t:e}"[0] in "125"]
+    else:
+        step = 10.0 ** math.floor(math.log10(high))
+        step = next(s for s in (step / 5, step / 2, step) if high / s <= 6) if high / step <= 6 else 2 * step
+        labels = [i * step for i in range(int(high / step) + 1)]
+    for t in labels:
+        out.append(el("line", class_="grid", x1=left, x2=width - right, y1=py(t), y2=py(t)))
+        out.append(el("text", percent(t, 2) if unit == "%" else figure(t, 1), x=left - 8, y=py(t) + 4, class_="tick", text_anchor="end"))
+    apart = next(s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 10 ** 4, 10 ** 5, 10 ** 6) if (last - first) / s <= width / 60)
+    for frame in sorted({first} | {f for f in range(first, last + 1) if f % apart == 0}):
+        if frame != first and px(frame) - px(first) < 24:
+            continue
+        out.append(el("text", frame, x=px(frame), y=height - bottom + 18, class_="tick", text_anchor="middle"))
+    out.append(el("path", d=f"M{left} {top}V{height - bottom}H{width - right}", class_="axis"))
+    out.append(el("text", "frame", x=(left + width - right) / 2, y=height - 8, class_="label", text_anchor="middle"))
+    ends = [frame for frame, _ in changes[1:]] + [last]
+    for (frame, words), end in zip(changes, ends):
+        at = (px(frame) + px(frame - 1)) / 2 if frame > first else px(frame)
+        if frame > first:
+            out.append(el("line", x1=at, x2=at, y1=top, y2=height - bottom, class_="change"))
+        if px(end) - at > 7 * len(words):  # else the sentence above tells it
+            out.append(el("text", words, x=at + 5, y=top - 6, class_="remark"))
+    for (label, of), kind in zip(values.items(), ("with", "without") * len(values)):
+        for run in runs_of(sorted(of)):
+            out.append(el("polyline", points=" ".join(f"{px(k)},{py(of[k])}" for k in run), class_="line " + kind))
+            if len(run) == 1:
+                out.append(el("circle", cx=px(run[0]), cy=py(of[run[0]]), r=3, class_="mark " + kind))
+    return el("svg", el("title", said, id=ident), *out, viewBox=f"0 0 {width} {height}", role="img", aria_labelledby=ident,
+              class_="plot " + kind_of_plot)
+
+
+def runs_of(numbers):
+    """Numbers in order -> those one after the other."""
+    runs = []
+    for k in numbers:
+        if runs and k == runs[-1][-1] + 1:
+            runs[-1].append(k)
+        else:
+            runs.append([k])
+    return runs
+
+
+def film(m):
+    """Style and pictures: (style, the element that plays, the element of the i-th frame)."""
+    with open(os.path.join(m["folder"], "strip.png"), "rb") as stream:
+        data = base64.b64encode(stream.read()).decode()
+    w, h, n = m["width"], m["height"], len(m["shown"])
+    seconds = (m["last"] - m["first"] + 1) / m["fps"]
+    style = (f".shot{{width:{w}px;height:{h}px;background-image:url(data:image/png;base64,{data})}}"
+             f"@keyframes flip{{to{{background-position:-{n * w}px 0}}}}"
+             f".flip{{animation-duration:{seconds:g}s;animation-timing-function:steps({n})}}")
+    playing = el("div", class_="shot flip", role="img", tabindex="0", aria_label="The shot, played again and again")
+    return style, playing, lambda i, words: el("span", class_="shot", role="img", aria_label=words, style=f"background-position:-{i * w}px 0")
+
+
+def noise_words(told):
+    known = [f for f in told if number(f.noise)]
+    if not known:
+        return "Their noise was not estimated."
+    worst, best = max(known, key=lambda f: f.noise), min(known, key=lambda f: f.noise)
+    words = f"By its own samples the noise of a frame is a relMSE of {figure(best.noise)} (frame {best.number}) to {figure(worst.noise)} (frame {worst.number})"
+    unsure = sum(not f.sure for f in known)
+    return words + (f"; in {count(unsure, 'frame')} there are too few samples to tell, and it may be more." if unsure else ".")
+
+
+def rendered_words(frames, told):
+    if not told:
+        return "No frame has statistics: they were rendered without --report."
+    ways = [s for s in spans(frames) if s[2]]
+    by = ", ".join(f"{span_words(a, b)} by {way}" for a, b, way in ways[:6])
+    return (by[:1].upper() + by[1:] + (f", and {len(ways) - 6} changes more" if len(ways) > 6 else "") + ".")
+
+
+def page(folder):
+    with open(os.path.join(folder, "shot.json"), encoding="utf-8", errors="replace") as stream:
+        m = json.load(stream)
+    m["folder"] = folder
+    frames = [Frame(m["first"] + i, path) for i, path in enumerate(m["stats"])]
+    told = [f for f in frames if f.told]
+    style, playing, picture_of = film(m)
+    title = re.sub(r"\.gl(b|tf)$", "", m["scene"])
+    n, seconds = len(frames), len(frames) / m["fps"]
+    cpu = [f.cpu for f in told if number(f.cpu)]
+    size = next((f"{f.told['width']} \u00d7 {f.told['height']}" for f in told if number(f.told.get("width"))), None)
+    missing = n - len(told)
+    keys = [(str(n), "frame" if n == 1 else "frames"), (figure(seconds, 3, "\u202fs"), f"at {m['fps']:g} frames per second"),
+            (size or "\u2013", "pixels"), (figure(sum(cpu), 3, "\u202fs") if cpu else "\u2013", "CPU time" if not missing else f"CPU time of {count(len(told), 'frame')}"),
+            (figure(sorted(cpu)[len(cpu) // 2], 3, "\u202fs") if cpu else "\u2013", "CPU time of a frame, the median")]
+    changes = [(a, way) for a, _, way in spans(frames) if way]
+    noise = {"as rendered": {f.number: f.noise for f in told}}
+    if any(number(f.filtered) for f in told):
+        noise["filtered"] = {f.number: f.filtered for f in told}
+    names = sorted({p.get("name") for f in told for p in f.portals if isinstance(p, dict) and isinstance(p.get("name"), str)})
+    light = {label: {f.number: next((p.get("energy") for p in f.portals if p.get("name") == label), None) for f in told} for label in names}
+    busiest = sorted(light, key=lambda label: -max((v for v in light[label].values() if number(v)), default=0))[:2]
+    rows = [(f.number, f.way or "\u2013", figure(get(f.told, "spp"), 9), figure(f.cpu, 3), figure(f.noise, 2) + ("" if f.sure or not number(f.noise) else " or more"),
+             len(f.portals) if f.told else "\u2013", percent(f.by_segments)) for f in frames]
+    header = el("header", el("div", el("p", "A shot", class_="eyebrow"), el("h1", name(title)),
+                             el("p", rendered_words(frames, told), class_="verdict"), el("p", noise_words(told) if told else None),
+                             el("p", f"{count(missing, 'frame was', 'frames were')} there before, and {'has' if missing == 1 else 'have'} no statistics.",
+                                class_="note") if missing and told else None),
+                el("figure", playing, el("figcaption", f"The shot at its speed; it stops under the pointer. {count(len(m['shown']), 'frame')}"
+                   + (f" of {n}" if len(m["shown"]) < n else "") + f", exposed by {figure(m['exposure'], 3)} stops.")), class_="hero")
+    strip = el("ol", [el("li", picture_of(i, f"frame {k}"), f"{k}") for i, k in enumerate(m["shown"])], class_="frames")
+    body = el("main", header, el("dl", [el("div", el("dt", k), el("dd", f)) for f, k in keys], class_="facts"),
+              section("frames", "Frames", strip),
+              section("noise", "Noise over time", el("p", "relMSE of each frame, as its own samples tell it: a lone bright pixel that they have not met is not in it."
+                      + (" Filtered: what error is left, as the filter estimates it." if len(noise) > 1 else "")),
+                      chart(frames, noise, "Noise over time", "", True, "plot-noise", changes)),
+              section("portals", "Portals over time",
+                      el("p", "Share of the light that paths begun in a portal brought; none where the plan does without them."
+                         + (f" Of {len(names)} portals, the two that brought most." if len(names) > 2 else "")) if names else el("p", "No portals were used."),
+                      chart(frames, {label: light[label] for label in busiest}, "Portals over time", "%", False, "plot-portals", changes)
+                      if names else None),
+              section("table", "All figures", details(f"{count(n, 'frame')}", table("Frame by frame. By segments: share of the light that paths begun in portals brought",
+                      ("Frame", "Way", "Samples per pixel", "CPU seconds", "relMSE", "Portals", "By segments"), rows, numeric=(2, 3, 4, 5, 6)))))
+    return document(f"{title}: a shot", body, "Made by tdpt(1) --report. Figures that were not measured are a dash.", style + STYLE)
+
+
+def main():
+    if len(sys.argv) != 3:
+        print("usage: report_shot.py FOLDER PAGE", file=sys.stderr)
+        return 2
+    try:
+        made = page(sys.argv[1])
+        with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
+            stream.write(made)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        print(f"report_shot.py: {sys.argv[1]}: {error!r}, expected what tdpt gathers", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
