@@ -1,7 +1,7 @@
 // Moves another frame of a moving picture to where this one shows the same.
 //
 // Method: reverse reprojection. The place x that a pixel sees, by camera and depth, is looked up in
-// the other picture; the pixel there shows it if its depth agrees.
+// the other picture, between four pixels; those show it whose depth agrees.
 //
 //   x = eye + w z / (w . forward)     w through the pixel's centre, z its depth
 //

@@ -60,6 +60,25 @@ TEST(Reproject, PlacesAreFoundWhereTheyWereSeen) {
   }
 }
 
+TEST(Reproject, BetweenPixelsIsWhatLinearInterpolationSays) {
+  const Shot here = numbered(0), there = numbered(0);
+  const Neighbour all = reproject(there, view(2.25), here, view(0));
+  for (int x = 3; x < kSize.width; ++x) {
+    const size_t i = 20 * 96 + static_cast<size_t>(x);
+    EXPECT_NEAR(all.shot.b[0][i], there.b[0][i] - 2.25f, 1e-3f);
+    EXPECT_NEAR(all.shot.features[0][i], there.features[0][i] - 2.25f, 1e-3f);
+  }
+  // Only from those that show the same: here every second column is another surface.
+  View striped = view(2.25);
+  for (size_t i = 1; i < kSize.pixels(); i += 2) striped.depth[i] = 1.1f * striped.depth[i];
+  const Neighbour half = reproject(there, striped, here, view(0));
+  for (int x = 4; x < kSize.width; ++x) {
+    const size_t i = 20 * 96 + static_cast<size_t>(x), j = i - 2;  // the nearest
+    EXPECT_EQ(half.present[i], 1);
+    EXPECT_EQ(half.shot.a[0][i], there.a[0][j % 2 == 0 ? j : j - 1]);
+  }
+}
+
 TEST(Reproject, WhatIsHiddenThereOrNothingIsNotTaken) {
   const auto share = [](double here, double there) {
     const Plane present =

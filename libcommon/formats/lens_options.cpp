@@ -1,10 +1,12 @@
 #include "libcommon/formats/lens_options.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/number_words.h"
 
 namespace tdpt {
 
@@ -33,7 +35,7 @@ void check_lens(const LensArguments& a, const ShotArguments& shot, const Pose& p
   if (a.shutter > 0 && !shot.is_given() && !pose.seconds)
     throw UsageError("--shutter: needs --frames or --at, the time at which it is open");
   if (device.starts_with("gpu") && (a.f_stop || a.shutter > 0))
-    throw UsageError(fmt::format("{}: --device gpu renders sharp pictures alone; leave it out",
+    throw UsageError(fmt::format("{}: --device gpu cannot blur; render with --device cpu",
                                  a.f_stop ? "--f-stop" : "--shutter"));
 }
 
@@ -46,6 +48,10 @@ std::string lens_words(const LensArguments& a) {
   if (!a.f_stop) return "pinhole";
   return fmt::format("f/{} at {}", *a.f_stop,
                      a.focus ? fmt::format("{} m", *a.focus) : "what the middle shows");
+}
+
+std::string focus_words(double metres) {
+  return std::isinf(metres) ? "infinity" : number_words(metres, 3) + " m";
 }
 
 std::string shutter_words(const LensArguments& a, const ShotArguments& shot) {

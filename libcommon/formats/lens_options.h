@@ -28,6 +28,8 @@ double aperture_radius(const FilmPlane& film, double f_stop);
 
 /// "f/2.8 at 2.5 m", "pinhole".
 std::string lens_words(const LensArguments& a);
+/// "2.31 m", "infinity".
+std::string focus_words(double metres);
 /// "180 degrees at 24 frames per second", "an instant".
 std::string shutter_words(const LensArguments& a, const ShotArguments& shot);
 

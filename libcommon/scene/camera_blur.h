@@ -12,7 +12,7 @@ namespace tdpt {
 
 struct Lens {
   double radius = 0;  ///< of the aperture, a disc; 0: a pinhole
-  double focus = 1;   ///< distance of the plane in focus along the view direction
+  double focus = 1;   ///< distance of the plane in focus along the view direction; may be infinite
 };
 
 class CameraBlur {
@@ -25,7 +25,6 @@ class CameraBlur {
   }
 
   bool any() const { return lens_.radius > 0 || !poses_.empty(); }
-  const Lens& lens() const { return lens_; }
 
   /// What a sample of `film` sees by, for numbers uniform in [0,1): two for the lens, one for time.
   FilmPlane draw(const FilmPlane& film, double u, double v, double time) const;

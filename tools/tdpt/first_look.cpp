@@ -50,7 +50,8 @@ FirstLook::FirstLook(const Arguments& a, const Request& request, const std::stri
     drop(shape, option, true);
   drop(shape, "--layers", false);
   base_ = {programs + "/tdpt-render", request.scene};
-  for (const Words& words : {request.camera, request.sky, request.unshaped, shape})
+  for (const Words& words :
+       {request.camera, request.pose, request.shot, request.sky, request.unshaped, shape})
     base_.insert(base_.end(), words.begin(), words.end());
   for (const char* word :
        {"--integrator", "bdpt", "--quiet", "--set", "progress=none", "--preview"})

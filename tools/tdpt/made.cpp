@@ -116,12 +116,21 @@ bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
   });
 }
 
+std::string frame_mark_in(const std::string& path) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed)) return "";
+  // The attribute as it stands in the header of an OpenEXR file: its name, its type, and its size
+  // in four bytes, of which the first is enough.
+  constexpr std::string_view kAttribute("frame\0string", 13);
+  const std::string bytes = read_file(path);
+  const size_t at = bytes.find(kAttribute), text = at + kAttribute.size() + 4;
+  if (at == std::string::npos || text > bytes.size()) return "";
+  return bytes.substr(text, static_cast<unsigned char>(bytes[text - 4]));
+}
+
 void check_is_frame(const std::string& path) {
   std::error_code failed;
-  if (!std::filesystem::is_regular_file(path, failed)) return;
-  // The attribute of frames, complete or not, as it stands in the header of an OpenEXR file.
-  constexpr std::string_view kAttribute("frame\0string", 12);
-  if (read_file(path).find(kAttribute) == std::string::npos)
+  if (std::filesystem::is_regular_file(path, failed) && frame_mark_in(path).empty())
     throw UsageError(path + ": is there already, and is no frame of a shot; --force replaces it");
 }
 

@@ -40,6 +40,8 @@ std::map<std::string, std::string> files_written_beside(const RenderArguments& a
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work);
 
+/// The mark by which tdpt-render knows a frame of a shot, in a picture; empty for other files.
+std::string frame_mark_in(const std::string& path);
 /// Throws UsageError if the file exists and is no frame of a shot that tdpt-render has rendered.
 void check_is_frame(const std::string& path);
 

@@ -26,8 +26,8 @@ constexpr cli::Program kProgram{
     cli::kLibraries,
     cli::kCommit};
 
-std::string report_beside(const std::string& picture) {
-  const std::string name = has_frame_number(picture) ? name_of_shot(picture) : picture;
+std::string report_beside(const std::string& picture, bool is_shot) {
+  const std::string name = is_shot ? name_of_shot(picture) : picture;
   return name.substr(0, name.find_last_of('.')) + ".report.html";
 }
 
@@ -45,9 +45,11 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
                Shapes::nothing);
-  options.output_beside("--report", a.report, report_beside,
-                        "Write PICTURE.report.html, too: what portals are worth; of a shot, its "
-                        "frames and their noise (needs python3)");
+  options.output_beside(
+      "--report", a.report,
+      [&a](const std::string& picture) { return report_beside(picture, a.shot.is_given()); },
+      "Write PICTURE.report.html, too: what portals are worth; of a shot, its "
+      "frames and their noise (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
                  Shapes::nothing);

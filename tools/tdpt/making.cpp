@@ -184,8 +184,11 @@ void Making::tell_end(int code) const {
 void Making::check_owners() const {
   if (!request_.is_shot) return check_owner(request_, work_);
   const FrameRange range = frame_range(a_.shot);
-  for (int64_t k = range.first; k <= range.last; ++k)
+  for (int64_t k = range.first; k <= range.last; ++k) {
     check_is_frame(name_of_frame("-o", request_.picture, k));
+    if (!request_.stats.empty() && a_.stats.empty())
+      check_is_stats(name_of_frame("--stats", request_.stats, k));
+  }
 }
 
 Making::Ending Making::attempt() {
@@ -378,7 +381,7 @@ Making::Ending Making::make_shot_report() {
   begin_step("writing the report", {"report_shot.py"});
   std::error_code failed;
   fs::create_directories(parts, failed);
-  gather_shot(a_, request_.picture, parts);
+  gather_shot(a_, request_, parts);
   const Ending ending =
       run_program({"python3", "-B", programs_ + "/../share/tdpt/report_shot.py", parts, page}, {},
                   Reads::files);

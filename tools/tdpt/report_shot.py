@@ -26,25 +26,27 @@ STYLE = """
 """
 
 
+def known(value):
+    """A figure that can be drawn, or nothing: files may hold anything."""
+    try:
+        return value if number(value) and (value == 0 or 1e-30 < value < 1e30) else None
+    except OverflowError:
+        return None
+
+
 class Frame:
     """What the statistics of one frame tell; `told` is empty where there are none."""
 
-    def __init__(self, frame, path):
-        self.number = frame
-        try:
-            with open(path, encoding="utf-8", errors="replace") as stream:
-                self.told = json.load(stream)
-        except (OSError, ValueError):
-            self.told = {}
-        if not isinstance(self.told, dict):
-            self.told = {}
-        self.way = get(self.told, "chosen") or get(self.told, "integrator")
-        self.noise = get(self.told, "noise", "relmse")
-        self.sure = get(self.told, "noise", "tells")
-        self.filtered = get(self.told, "relmse")
-        self.cpu = get(self.told, "cpu_seconds")
-        self.portals = get(self.told, "portals") or []
-        self.by_segments = get(self.told, "techniques", "portal")
+    def __init__(self, frame, told):
+        self.number, self.told = frame, told if isinstance(told, dict) else {}
+        way = get(self.told, "chosen") or get(self.told, "integrator")
+        self.way = way if isinstance(way, str) else None
+        self.noise, self.sure = known(get(self.told, "noise", "relmse")), get(self.told, "noise", "tells") is True
+        self.filtered, self.cpu = known(get(self.told, "relmse")), known(get(self.told, "cpu_seconds"))
+        self.spp, self.width, self.height = (known(get(self.told, key)) for key in ("spp", "width", "height"))
+        portals = get(self.told, "portals")
+        self.portals = [p for p in portals if isinstance(p, dict) and isinstance(p.get("name"), str)] if isinstance(portals, list) else []
+        self.by_segments = known(get(self.told, "techniques", "portal"))
 
 
 def spans(frames):
@@ -121,6 +123,17 @@ def drawn(frames, values, unit, logarithmic, changes, width, height, said, ident
               class_="plot " + kind_of_plot)
 
 
+def light_over_time(told):
+    """{name: {frame: share of the light}} of the two portals that brought most, where they are the same in all frames;
+    else of all portals together. Empty: none brought any."""
+    places = {(p["name"], known(p.get("area"))) for f in told for p in f.portals}
+    light = {"all portals": {f.number: f.by_segments for f in told if f.by_segments is not None}}
+    if len(places) == len({label for label, _ in places}):
+        light = {label: {f.number: known(p.get("energy")) for f in told for p in f.portals if p["name"] == label} for label, _ in places}
+    most = {label: max((v for v in of.values() if v is not None), default=0) for label, of in light.items()}
+    return {label: light[label] for label in sorted(light, key=lambda label: (-most[label], label))[:2] if most[label] > 0}
+
+
 def runs_of(numbers):
     """Numbers in order -> those one after the other."""
     runs = []
@@ -167,13 +180,13 @@ def page(folder):
     with open(os.path.join(folder, "shot.json"), encoding="utf-8", errors="replace") as stream:
         m = json.load(stream)
     m["folder"] = folder
-    frames = [Frame(m["first"] + i, path) for i, path in enumerate(m["stats"])]
+    frames = [Frame(m["first"] + i, stats) for i, stats in enumerate(m["stats"])]
     told = [f for f in frames if f.told]
     style, playing, picture_of = film(m)
     title = re.sub(r"\.gl(b|tf)$", "", m["scene"])
     n, seconds = len(frames), len(frames) / m["fps"]
     cpu = [f.cpu for f in told if number(f.cpu)]
-    size = next((f"{f.told['width']} \u00d7 {f.told['height']}" for f in told if number(f.told.get("width"))), None)
+    size = next((f"{f.width} \u00d7 {f.height}" for f in told if f.width and f.height), None)
     missing = n - len(told)
     keys = [(str(n), "frame" if n == 1 else "frames"), (figure(seconds, 3, "\u202fs"), f"at {m['fps']:g} frames per second"),
             (size or "\u2013", "pixels"), (figure(sum(cpu), 3, "\u202fs") if cpu else "\u2013", "CPU time" if not missing else f"CPU time of {count(len(told), 'frame')}"),
@@ -182,10 +195,8 @@ def page(folder):
     noise = {"as rendered": {f.number: f.noise for f in told}}
     if any(number(f.filtered) for f in told):
         noise["filtered"] = {f.number: f.filtered for f in told}
-    names = sorted({p.get("name") for f in told for p in f.portals if isinstance(p, dict) and isinstance(p.get("name"), str)})
-    light = {label: {f.number: next((p.get("energy") for p in f.portals if p.get("name") == label), None) for f in told} for label in names}
-    busiest = sorted(light, key=lambda label: -max((v for v in light[label].values() if number(v)), default=0))[:2]
-    rows = [(f.number, f.way or "\u2013", figure(get(f.told, "spp"), 9), figure(f.cpu, 3), figure(f.noise, 2) + ("" if f.sure or not number(f.noise) else " or more"),
+    light = light_over_time(told)
+    rows = [(f.number, f.way or "\u2013", figure(f.spp, 9), figure(f.cpu, 3), figure(f.noise, 2) + ("" if f.sure or not number(f.noise) else " or more"),
              len(f.portals) if f.told else "\u2013", percent(f.by_segments)) for f in frames]
     header = el("header", el("div", el("p", "A shot", class_="eyebrow"), el("h1", name(title)),
                              el("p", rendered_words(frames, told), class_="verdict"), el("p", noise_words(told) if told else None),
@@ -200,10 +211,9 @@ def page(folder):
                       + (" Filtered: what error is left, as the filter estimates it." if len(noise) > 1 else "")),
                       chart(frames, noise, "Noise over time", "", True, "plot-noise", changes)),
               section("portals", "Portals over time",
-                      el("p", "Share of the light that paths begun in a portal brought; none where the plan does without them."
-                         + (f" Of {len(names)} portals, the two that brought most." if len(names) > 2 else "")) if names else el("p", "No portals were used."),
-                      chart(frames, {label: light[label] for label in busiest}, "Portals over time", "%", False, "plot-portals", changes)
-                      if names else None),
+                      el("p", "Share of the light that paths begun in portals brought; none where the plan does without them." if light else
+                         "Portals brought no light, or there were none."),
+                      chart(frames, light, "Portals over time", "%", False, "plot-portals", changes) if light else None),
               section("table", "All figures", details(f"{count(n, 'frame')}", table("Frame by frame. By segments: share of the light that paths begun in portals brought",
                       ("Frame", "Way", "Samples per pixel", "CPU seconds", "relMSE", "Portals", "By segments"), rows, numeric=(2, 3, 4, 5, 6)))))
     return document(f"{title}: a shot", body, "Made by tdpt(1) --report. Figures that were not measured are a dash.", style + STYLE)
@@ -217,7 +227,7 @@ def main():
         made = page(sys.argv[1])
         with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
             stream.write(made)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError) as error:
         print(f"report_shot.py: {sys.argv[1]}: {error!r}, expected what tdpt gathers", file=sys.stderr)
         return 3
     return 0

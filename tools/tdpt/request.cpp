@@ -150,8 +150,10 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     }
   }
   r.is_shot = a.shot.is_given();
-  if (r.is_shot && !a.report.empty() && a.stats.empty())
-    r.beside.insert(r.beside.end(), {"--stats", stats_of_shot(a, r.picture)});
+  if (r.is_shot && !a.report.empty()) {
+    r.stats = a.stats.empty() ? stats_beside(r.picture) : a.stats;
+    if (a.stats.empty()) r.beside.insert(r.beside.end(), {"--stats", r.stats});
+  }
   r.cameras = r.camera;
   if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;

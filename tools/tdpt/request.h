@@ -26,6 +26,7 @@ struct Request {
   std::string picture;  ///< path
   Words camera, pose, sky, device, all;
   bool is_shot = false;  ///< `picture` is a pattern: its frames
+  std::string stats;     ///< of a shot with a report: the pattern of its statistics
   Words shot;            ///< for the renderer
   Words cameras;         ///< those for which portals are found: `camera`, or all of several
   Words sampling;        ///< for programs that draw random numbers: --seed and --quality

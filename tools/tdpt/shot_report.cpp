@@ -3,15 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/json_depth.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/formats/tone.h"
+#include "tools/tdpt/made.h"
 
 namespace tdpt {
 namespace {
+
+using Json = nlohmann::json;
 
 constexpr int64_t kMostPictures = 48;  // in a strip
 constexpr int kLongerSide = 240;       // of each [pixels]
@@ -43,66 +50,90 @@ Picture made_small(const Picture& large, int width, int height) {
   return small;
 }
 
-// Pictures of one size, from left to right.
+// Pictures of one size, made small, from left to right.
 class Strip {
  public:
-  explicit Strip(size_t count) : count_(count) {}
-
-  void add(const Picture& frame) {
-    if (added_ == 0) begin(frame);
-    const Picture small = made_small(frame, width_, height_);
-    for (size_t y = 0; y < size_t(height_); ++y)
-      std::copy_n(&small.pixels[y * size_t(width_)], width_,
-                  &all_.pixels[y * size_t(all_.width) + added_ * size_t(width_)]);
-    ++added_;
-  }
-  const Picture& picture() const { return all_; }
-  int width() const { return width_; }
-
- private:
-  void begin(const Picture& first) {
+  Strip(const Picture& first, size_t count) {
     const double scale =
         std::min(1.0, kLongerSide / static_cast<double>(std::max(first.width, first.height)));
     width_ = std::max(1, static_cast<int>(std::lround(first.width * scale)));
-    height_ = std::max(1, static_cast<int>(std::lround(first.height * scale)));
-    all_.width = width_ * static_cast<int>(count_);
-    all_.height = height_;
-    all_.pixels.resize(static_cast<size_t>(all_.width) * static_cast<size_t>(height_));
+    all_.width = width_ * static_cast<int>(count);
+    all_.height = std::max(1, static_cast<int>(std::lround(first.height * scale)));
+    all_.pixels.resize(static_cast<size_t>(all_.width) * static_cast<size_t>(all_.height));
   }
 
-  size_t count_, added_ = 0;
-  int width_ = 0, height_ = 0;
+  void add(const Picture& frame) {
+    const Picture small = made_small(frame, width_, all_.height);
+    const auto across = static_cast<size_t>(width_);
+    for (size_t y = 0; y < static_cast<size_t>(all_.height); ++y)
+      std::copy_n(&small.pixels[y * across], across,
+                  &all_.pixels[y * static_cast<size_t>(all_.width) + added_ * across]);
+    ++added_;
+  }
+  const Picture& picture() const { return all_; }
+  int width() const { return width_; }  ///< of each
+
+ private:
   Picture all_;
+  int width_ = 0;
+  size_t added_ = 0;
 };
+
+// Statistics of a frame, without how it formed; null for other files.
+Json stats_in(const std::string& path) {
+  std::string text;
+  try {
+    text = read_file(path);
+  } catch (const InputError&) {
+    return {};
+  }
+  Json json = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("frame")) return {};
+  json.erase("frames");
+  return json;
+}
 
 }  // namespace
 
-std::string stats_of_shot(const Arguments& a, const std::string& frames) {
-  if (!a.stats.empty()) return a.stats;
+std::string stats_beside(const std::string& frames) {
   return std::filesystem::path(frames).replace_extension(".stats.json").string();
 }
 
-void gather_shot(const Arguments& a, const std::string& frames, const std::string& folder) {
+void check_is_stats(const std::string& path) {
+  std::error_code failed;
+  if (std::filesystem::exists(path, failed) && stats_in(path).is_null())
+    throw UsageError(path +
+                     ": is there already, and is no statistics of a frame; --force replaces it");
+}
+
+void gather_shot(const Arguments& a, const Request& request, const std::string& folder) {
   const FrameRange range = frame_range(a.shot);
   const std::vector<int64_t> shown = shown_of(range);
-  Strip strip(shown.size());
-  for (const int64_t frame : shown) strip.add(read_exr(name_of_frame("-o", frames, frame)).picture);
-  const double exposure = a.exposure.value_or(auto_exposure(strip.picture()));
-  std::vector<std::string> stats;
-  for (int64_t k = range.first; k <= range.last; ++k)
-    stats.push_back(name_of_frame("--stats", stats_of_shot(a, frames), k));
-  const nlohmann::json told{{"scene", std::filesystem::path(a.scene).filename().string()},
-                            {"first", range.first},
-                            {"last", range.last},
-                            {"fps", a.shot.fps},
-                            {"exposure", exposure},
-                            {"shown", shown},
-                            {"width", strip.width()},
-                            {"height", strip.picture().height},
-                            {"stats", stats}};
-  write_output(folder + "/strip.png", preview_bytes(strip.picture(), exposure));
-  write_output(folder + "/shot.json",
-               told.dump(1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n");
+  const auto path_of = [&](int64_t frame) { return name_of_frame("-o", request.picture, frame); };
+  std::optional<Strip> strip;
+  for (const int64_t frame : shown) {
+    const Picture picture = read_exr(path_of(frame)).picture;
+    if (!strip) strip.emplace(picture, shown.size());
+    strip->add(picture);
+  }
+  const double exposure = a.exposure.value_or(auto_exposure(strip->picture()));
+  Json stats = Json::array();
+  for (int64_t k = range.first; k <= range.last; ++k) {
+    Json told = stats_in(name_of_frame("--stats", request.stats, k));
+    const bool of_this = !told.is_null() && told["frame"] == frame_mark_in(path_of(k));
+    stats.push_back(of_this ? std::move(told) : Json());
+  }
+  const Json told{{"scene", std::filesystem::path(a.scene).filename().string()},
+                  {"first", range.first},
+                  {"last", range.last},
+                  {"fps", a.shot.fps},
+                  {"exposure", exposure},
+                  {"shown", shown},
+                  {"width", strip->width()},
+                  {"height", strip->picture().height},
+                  {"stats", stats}};
+  write_output(folder + "/strip.png", preview_bytes(strip->picture(), exposure));
+  write_output(folder + "/shot.json", told.dump(1, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace tdpt

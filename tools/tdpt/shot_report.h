@@ -6,12 +6,15 @@
 
 namespace tdpt {
 
-/// The renderer's statistics of the frames of a shot: --stats, or beside the frames.
-std::string stats_of_shot(const Arguments& a, const std::string& frames);
+/// The renderer's statistics of frames, beside them.
+std::string stats_beside(const std::string& frames);
+
+/// Throws UsageError for a file that is no statistics of a frame, and would be replaced by one.
+void check_is_stats(const std::string& path);
 
 /// Writes into `folder`, which there is: strip.png, small pictures of frames side by side, as many
-/// as a page bears, and shot.json, which names them and the statistics. All frames must be there.
-/// Throws InputError, OutputError.
-void gather_shot(const Arguments& a, const std::string& frames, const std::string& folder);
+/// as a page bears, and shot.json, which names them and has the statistics of all frames, as far as
+/// they are of these pictures. All frames must be there. Throws InputError, OutputError.
+void gather_shot(const Arguments& a, const Request& request, const std::string& folder);
 
 }  // namespace tdpt

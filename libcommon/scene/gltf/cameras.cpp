@@ -27,10 +27,9 @@ std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, Distin
   out.fault = n.fault;
   if (const auto it = d.camera_faults.find(node.camera); it != d.camera_faults.end())
     out.fault = it->second;
-  if (out.fault) {
-    out.name = names.take(c.name, node.name, "camera");
-    return out;
-  }
+  // A flat camera takes a name, too: at another time it may not be flat.
+  out.name = names.take(c.name, node.name, "camera");
+  if (out.fault) return out;
   const Affine& a = n.to_world();
   out.position = a.t;
   out.forward = direction_of(-a.z);
@@ -42,7 +41,6 @@ std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, Distin
   out.up = cross(out.right, out.forward);
   out.yfov = c.perspective.yfov;
   out.aspect = c.perspective.aspectRatio;
-  out.name = names.take(c.name, node.name, "camera");
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <new>
 
@@ -34,7 +35,9 @@ std::map<std::string, std::string> attributes_of(const Job& job, const Choice& c
                                 job.settings, common.provenance(job.in.files));
     attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
     if (job.a.lens.f_stop)
-      attributes["lens"] = fmt::format("f/{} at {} m", *job.a.lens.f_stop, job.in.focus);
+      attributes["lens"] =
+          fmt::format("f/{} at {}", *job.a.lens.f_stop,
+                      std::isinf(job.in.focus) ? "infinity" : fmt::format("{} m", job.in.focus));
     if (job.a.lens.shutter > 0) attributes["shutter"] = shutter_words(job.a.lens, job.a.shot);
   }
   if (job.common.no_provenance) attributes.erase(provenance_attribute);
@@ -83,6 +86,12 @@ std::string bytes_of(const Outcome& r, const ExrFile& picture) {
   return r.job.is_shard() ? film_of(r) : exr_bytes(picture, r.job.a.storage());
 }
 
+std::string stats_of(const Outcome& r, const RenderResult& result, std::optional<double> exposure) {
+  return stats_json(r.choice.integrator, r.job.settings, result, r.job.in.portals, exposure,
+                    r.mark) +
+         "\n";
+}
+
 void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done,
                std::optional<double> exposure) {
   const Job& job = r.job;
@@ -95,12 +104,7 @@ void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
-                {a.stats,
-                 [&] {
-                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals,
-                                     exposure) +
-                          "\n";
-                 }}},
+                {a.stats, [&] { return stats_of(r, result, exposure); }}},
                job.common);
 }
 
@@ -172,11 +176,7 @@ Unfiltered hand_over(const Outcome& r, const RenderResult& result) {
   const Job& job = r.job;
   if (!job.checkpoint().empty()) save(r);
   cli::deliver({{job.a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
-                {job.a.stats,
-                 [&] {
-                   return stats_json(r.choice.integrator, job.settings, result, job.in.portals) +
-                          "\n";
-                 }}},
+                {job.a.stats, [&] { return stats_of(r, result, {}); }}},
                job.common);
   return unfiltered(r, result);
 }

@@ -110,8 +110,9 @@ std::string summary_json(const Integrator& integrator, const RenderSettings& set
 
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
                        const RenderResult& result, const std::vector<Portal>& portals,
-                       std::optional<double> exposure) {
+                       std::optional<double> exposure, const std::string& mark) {
   nlohmann::ordered_json j = summary(integrator, settings, result, portals, exposure);
+  if (!mark.empty()) j["frame"] = mark;
   if (!result.frames.empty()) {
     auto& frames = j["frames"] = nlohmann::ordered_json::array();
     for (const FrameRecord& f : result.frames)

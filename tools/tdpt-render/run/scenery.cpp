@@ -1,14 +1,14 @@
 #include "tools/tdpt-render/run/scenery.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "libcommon/base/error.h"
-#include "libcommon/base/number_words.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/covered_lamps.h"
+#include "tools/tdpt-render/run/focus.h"
 #include "tools/tdpt-render/run/portal_report.h"
 #include "tools/tdpt-render/run/seen_backs.h"
 
@@ -30,7 +30,7 @@ Loaded& Scenery::load(const Arguments& a, const cli::Common& common) {
   quiet.quiet = true;
   if (first || !only_moves_camera(a, quiet)) read(a, first ? common : quiet, first);
   take_poses(a, common);
-  lens_ = a.lens;
+  in_.lens = a.lens;
   return in_;
 }
 
@@ -55,52 +55,48 @@ void Scenery::take_camera(const Arguments& a, const cli::Common& common) {
   in_.size = picture_size(in_.scene, in_.camera, a.width, a.height);
 }
 
+// A camera of the options stands still.
 void Scenery::take_poses(const Arguments& a, const cli::Common& common) {
   in_.poses.clear();
   if (a.lens.shutter == 0) return;
   const double middle = a.pose.seconds.value_or(0), open = a.lens.shutter / 360 / a.shot.fps;
-  const auto& cameras = in_.scene.cameras;
-  const auto self = std::find_if(cameras.begin(), cameras.end(),
-                                 [&](const Camera& c) { return c.name == in_.camera.name; });
   bool moves = false, others_move = false;
   for (int i = 0; i < kPoses; ++i) {
     const SceneFile::Glance now =
         file_->glance_at(middle + open * (i / static_cast<double>(kPoses - 1) - 0.5));
     others_move |= now.pose_hash != in_.scene.pose_hash;
-    if (self == cameras.end()) continue;  // of the options
-    Camera pose = now.cameras[static_cast<size_t>(self - cameras.begin())];
+    const auto self = std::find_if(now.cameras.begin(), now.cameras.end(), [&](const Camera& c) {
+      return c.name == in_.camera.name && !c.fault;
+    });
+    if (self == now.cameras.end()) continue;
+    Camera pose = *self;
     pose.position = in_.scene.frame.to_canonical(pose.position);
-    moves |= i > 0 && !stands_as(pose, in_.poses.front());
+    moves |= !in_.poses.empty() && !stands_as(pose, in_.poses.front());
     in_.poses.push_back(pose);
   }
   if (!moves) in_.poses.clear();
-  if (!moves && !a.frame)
-    common.note("--shutter: the camera does not move at that time; nothing is blurred by it");
+  const bool placed = !a.camera.look_from.empty() || a.camera.frame;
+  if (!moves && (placed || !a.frame) && !std::exchange(told_stand_, true))
+    common.note(fmt::format("--shutter: the camera {}; nothing is blurred by it",
+                            placed ? "is placed by options, and stands" : "stands at that time"));
   if (others_move && !std::exchange(told_motion_, true))
     common.warn(
-        "--shutter: more than the camera moves, and shows sharply, as it stands in the "
+        "--shutter: something other than the camera moves, and shows sharply, as it stands in the "
         "middle of the exposure");
 }
 
 Lens Scenery::lens(const cli::Common& common) {
   Lens lens;
-  if (!lens_.f_stop) return lens;
+  if (!in_.lens.f_stop) return lens;
   const FilmPlane& film = world_->film;
   const Frame& frame = in_.scene.frame;
-  lens.radius = aperture_radius(film, *lens_.f_stop) * frame.scale;
-  in_.focus = lens_.focus.value_or(0);
-  if (!lens_.focus) {
-    Hit hit;
-    if (!world_->tracer.first_seen(film.position(), film.forward(), hit))
-      throw UsageError("--f-stop: the middle of the picture shows no surface; give --focus");
-    in_.focus = hit.distance / frame.scale;
-    if (!std::exchange(told_focus_, true))
-      common.note(
-          fmt::format("in focus: {} m, where the middle of the picture meets a surface "
-                      "(--focus)",
-                      number_words(in_.focus, 3)));
-  }
-  lens.focus = in_.focus * frame.scale;
+  lens.radius = aperture_radius(film, *in_.lens.f_stop) * frame.scale;
+  lens.focus = in_.lens.focus ? *in_.lens.focus * frame.scale : distance_in_the_middle(*world_);
+  in_.focus = lens.focus / frame.scale;
+  if (!in_.lens.focus && !std::exchange(told_focus_, true))
+    common.note(fmt::format("in focus: {}, as the middle of the picture shows {} (--focus)",
+                            focus_words(in_.focus),
+                            std::isinf(in_.focus) ? "no surface" : "a surface there"));
   return lens;
 }
 

@@ -18,7 +18,8 @@ struct Loaded {
   TakenSky sky;
   Camera camera;
   std::vector<Camera> poses;  ///< of the camera while its shutter is open [CameraBlur]
-  double focus = 0;           ///< [m], of a lens, once there is a world
+  LensArguments lens;
+  double focus = 0;  ///< [m], of a lens, once there is a world; may be infinite
   PictureSize size;
   std::vector<Portal> portals;
   std::vector<cli::Common::Input> files;
@@ -47,9 +48,9 @@ class Scenery {
   Loaded in_;
   size_t files_but_portals_ = 0;  // of in_.files, the first
   std::unique_ptr<World> world_;
-  LensArguments lens_;
   bool told_ = false;         ///< of covered lamps
-  bool told_focus_ = false;   ///< that the middle of the picture is in focus
+  bool told_focus_ = false;   ///< what is in focus
+  bool told_stand_ = false;   ///< that the camera of a shutter does
   bool told_motion_ = false;  ///< of motion that no shutter blurs
   bool shows_backs_ = false;  ///< the camera of the last world did, and a warning said so
 };

@@ -229,22 +229,23 @@ class Previews {
 class FilteredFrames {
  public:
   FilteredFrames(const Arguments& a, const cli::Common& common, Workshop& shop,
-                 const PlanFile& plan, const std::set<int64_t>& missing)
+                 const PlanFile& plan, const Frames& frames)
       : a_(a),
         common_(common),
         shop_(shop),
         plan_(plan),
-        missing_(missing),
+        frames_(frames),
         range_(frame_range(a.shot)) {}
 
   /// Renders what the frame needs and is not rendered yet, filters it and writes it.
-  Made make(const FrameRun& run, const std::string& mark) {
+  Made make(const FrameRun& run) {
     const int64_t frame = *run.arguments.frame;
     for (int64_t k = frame - 1; k <= frame + 1; ++k) {
       if (k < range_.first || k > range_.last || noisy_.contains(k)) continue;
       FrameRun other = frame_run(a_, common_, k);
-      if (!missing_.contains(k)) keep_files_of(other);
-      MadeNoisy made = render_noisy(other.arguments, other.common, shop_, &plan_, "");
+      if (!frames_.missing.contains(k)) keep_files_of(other);
+      MadeNoisy made =
+          render_noisy(other.arguments, other.common, shop_, &plan_, frames_.marks.at(k));
       if (made.code != 0) return made;
       noisy_[k] = std::move(made);
     }
@@ -254,7 +255,6 @@ class FilteredFrames {
       if (std::abs(k - frame) == 1 && made.picture.both_halves)
         frames.push_back({made.picture.file, fmt::format("{}", k)});
     Unfiltered picture = noisy_.at(frame).picture;
-    picture.file.attributes[kFrameAttribute] = mark;
     const Delivered delivered =
         deliver_frame(run.arguments, run.common, std::move(picture), frames);
     const std::string filtered =
@@ -275,7 +275,7 @@ class FilteredFrames {
   const cli::Common& common_;
   Workshop& shop_;
   const PlanFile& plan_;
-  const std::set<int64_t>& missing_;
+  const Frames& frames_;
   FrameRange range_;
   std::map<int64_t, MadeNoisy> noisy_;  // those rendered last
 };
@@ -309,12 +309,12 @@ int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0;
   std::optional<FilteredFrames> filtered;
-  if (plan && filters_together(a)) filtered.emplace(a, common, shop, *plan, frames.missing);
+  if (plan && filters_together(a)) filtered.emplace(a, common, shop, *plan, frames);
   for (const int64_t frame : frames.missing) {
     FrameRun run = frame_run(a, common, frame);
     const std::string& mark = frames.marks.at(frame);
     run.arguments.exposure = previews.exposure();
-    const Made made = filtered ? filtered->make(run, mark)
+    const Made made = filtered ? filtered->make(run)
                                : render_picture(run.arguments, run.common, shop, &*plan, mark);
     if (made.code != 0) return made.code;
     previews.take(run);

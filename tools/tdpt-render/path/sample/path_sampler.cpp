@@ -79,12 +79,13 @@ void PathSampler::walk_from_camera() {
   Sequence place = numbers(shader::PURPOSE_FILM);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
+  const FilmPlane* film = &world_.film;
   if (world_.blur.any()) {
     const auto [u, v, time] = place.uniforms<3>();
     drawn_film_ = world_.blur.draw(world_.film, u, v, time);
+    film = &drawn_film_;
   }
-  const FilmPlane& film = world_.blur.any() ? drawn_film_ : world_.film;
-  tdpt::walk_from_camera(world_, guide_, film, x, y, settings_.max_depth,
+  tdpt::walk_from_camera(world_, guide_, *film, x, y, settings_.max_depth,
                          numbers(shader::PURPOSE_CAMERA_WALK), camera_walk_, tally_.rays);
   camera_ends_.clear();
   for (int j = 1; j < camera_walk_.size; ++j)
