@@ -108,14 +108,9 @@ void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done
                job.common);
 }
 
-// Where everything rendered is kept after a failed write.
-std::string kept_sentence(const Outcome& r, const ExrFile& picture, bool saved) {
-  if (saved)
-    return fmt::format("all samples are in {}: --resume writes the picture",
-                       display_name(r.job.checkpoint()));
-  const std::string& output = r.job.common.output;
-  const std::string path =
-      keep_elsewhere(output == "-" ? "picture.exr" : output, bytes_of(r, picture));
+// Where a picture is kept after a failed write.
+std::string kept_sentence(const std::string& output, const std::string& bytes) {
+  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, bytes);
   return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
 }
 
@@ -167,7 +162,12 @@ Delivered deliver(const Outcome& r, const RenderResult& result) {
   try {
     write_all(r, result, all.file, delivered.exposure);
   } catch (const OutputError& e) {
-    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(r, all.file, saved)));
+    throw Error(
+        e.code,
+        fmt::format("{}; {}", e.what(),
+                    saved ? fmt::format("all samples are in {}: --resume writes the picture",
+                                        display_name(r.job.checkpoint()))
+                          : kept_sentence(r.job.common.output, bytes_of(r, all.file))));
   }
   return delivered;
 }
@@ -191,10 +191,15 @@ Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltere
     picture.file.attributes[kFramesAttribute] = fmt::format("{}", fmt::join(names, ", "));
   delivered.exposure = exposure_of(picture.file.picture, a.preview, a.exposure);
   warn_of_range(picture.file, a.storage(), common);
-  cli::deliver(
-      {{common.output, [&] { return exr_bytes(picture.file, a.storage()); }},
-       {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }}},
-      common);
+  const auto bytes = [&] { return exr_bytes(picture.file, a.storage()); };
+  try {
+    cli::deliver(
+        {{common.output, bytes},
+         {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }}},
+        common);
+  } catch (const OutputError& e) {
+    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(common.output, bytes())));
+  }
   return delivered;
 }
 

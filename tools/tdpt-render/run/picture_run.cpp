@@ -59,6 +59,10 @@ double share_of_portals(const World& world, const Integrator& integrator,
   return total > 0 ? tally.energy[static_cast<size_t>(Technique::portal)] / total : 1;
 }
 
+bool is_black(const RenderResult& result) {
+  return !result.cut_short && nonzero_of(result.picture) == 0;
+}
+
 void report(const Job& job, const World& world, const Choice& choice, const RenderResult& result,
             const Delivered& delivered) {
   const cli::Common& common = job.common;
@@ -70,7 +74,10 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
                     "holds, and is left out",
                     place.x, place.y, place.sample));
-  if (job.a.frame) return;  // a shot has a line for each of its frames
+  if (job.a.frame) return;                  // a shot has a line for each of its frames
+  // Else the cause was told before, or the sky is left out.
+  if (is_black(result) && !result.longest && !settings.alpha)
+    common.warn("no sample found light: the picture is black; does its camera stand in a wall?");
   if (const double share =
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
@@ -170,7 +177,9 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
 // "16 samples per pixel in 3 s, relMSE about 0.012".
 std::string told_of(const RenderResult& result) {
   std::string noise;
-  if (result.noise)
+  if (is_black(result))
+    noise = ", all black: does the camera stand in a wall?";
+  else if (result.noise)
     noise = result.noise->tells
                 ? ", relMSE about " + number_words(result.noise->relmse, 2)
                 : ", relMSE above " + number_words(std::min(result.noise->low, 0.5), 2);
