@@ -42,7 +42,7 @@ class Frame:
         way = get(self.told, "chosen") or get(self.told, "integrator")
         self.way = way if isinstance(way, str) else None
         self.noise, self.sure = known(get(self.told, "noise", "relmse")), get(self.told, "noise", "tells") is True
-        self.filtered, self.cpu = known(get(self.told, "relmse")), known(get(self.told, "cpu_seconds"))
+        self.filtered, self.cpu = known(get(self.told, "filtered", "relmse")), known(get(self.told, "cpu_seconds"))
         self.spp, self.width, self.height = (known(get(self.told, key)) for key in ("spp", "width", "height"))
         portals = get(self.told, "portals")
         self.portals = [p for p in portals if isinstance(p, dict) and isinstance(p.get("name"), str)] if isinstance(portals, list) else []
@@ -159,13 +159,15 @@ def film(m):
 
 
 def noise_words(told):
-    known = [f for f in told if number(f.noise)]
-    if not known:
+    noisy = [f for f in told if f.noise is not None]
+    if not noisy:
         return "Their noise was not estimated."
-    worst, best = max(known, key=lambda f: f.noise), min(known, key=lambda f: f.noise)
+    worst, best = max(noisy, key=lambda f: f.noise), min(noisy, key=lambda f: f.noise)
     words = f"By its own samples the noise of a frame is a relMSE of {figure(best.noise)} (frame {best.number}) to {figure(worst.noise)} (frame {worst.number})"
-    unsure = sum(not f.sure for f in known)
-    return words + (f"; in {count(unsure, 'frame')} there are too few samples to tell, and it may be more." if unsure else ".")
+    unsure = sum(not f.sure for f in noisy)
+    words += f"; in {count(unsure, 'frame')} there are too few samples to tell, and it may be more" if unsure else ""
+    left = [f.filtered for f in told if f.filtered is not None]
+    return words + (f". The filter left {figure(min(left))} to {figure(max(left))}, as it estimates." if left else ".")
 
 
 def rendered_words(frames, told):

@@ -7,6 +7,7 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
@@ -86,25 +87,23 @@ std::string bytes_of(const Outcome& r, const ExrFile& picture) {
   return r.job.is_shard() ? film_of(r) : exr_bytes(picture, r.job.a.storage());
 }
 
-std::string stats_of(const Outcome& r, const RenderResult& result, std::optional<double> exposure) {
-  return stats_json(r.choice.integrator, r.job.settings, result, r.job.in.portals, exposure,
-                    r.mark) +
-         "\n";
+std::string stats_of(const Outcome& r, const RenderResult& result) {
+  return stats_json(r.choice.integrator, r.job.settings, result, r.job.in.portals, r.mark);
 }
 
 void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done,
-               std::optional<double> exposure) {
+               const Delivered& told) {
   const Job& job = r.job;
   const Arguments& a = job.a;
   const Picture& picture = done.picture;
   cli::deliver({{job.common.output, [&] { return bytes_of(r, done); }},
-                {a.preview, [&] { return preview_bytes(picture, *exposure); }},
+                {a.preview, [&] { return preview_bytes(picture, *told.exposure); }},
                 {a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
                 {job.writes_plan() && !result.cut_short ? a.plan : "",
                  [&] {
                    return plan_file_text({result.plan, job.shape, job.common.command});
                  }},
-                {a.stats, [&] { return stats_of(r, result, exposure); }}},
+                {a.stats, [&] { return finished_json(stats_of(r, result), told) + '\n'; }}},
                job.common);
 }
 
@@ -115,6 +114,13 @@ std::string kept_sentence(const std::string& output, const std::string& bytes) {
 }
 
 }  // namespace
+
+std::string finished_json(const std::string& told, const Delivered& delivered) {
+  auto j = nlohmann::ordered_json::parse(told);
+  if (delivered.exposure) j["exposure"] = *delivered.exposure;
+  if (delivered.relmse > 0) j["filtered"] = {{"relmse", delivered.relmse}};
+  return j.dump();
+}
 
 Channels channels_of(const Job& job, const World& world) {
   if (job.is_shard() && shard_of(job.a.shard).index > 0) return {};
@@ -160,7 +166,7 @@ Delivered deliver(const Outcome& r, const RenderResult& result) {
   delivered.exposure = exposure_of(picture, a.preview, a.exposure);
   warn_of_range(all.file, a.storage(), r.job.common);
   try {
-    write_all(r, result, all.file, delivered.exposure);
+    write_all(r, result, all.file, delivered);
   } catch (const OutputError& e) {
     throw Error(
         e.code,
@@ -175,10 +181,11 @@ Delivered deliver(const Outcome& r, const RenderResult& result) {
 Unfiltered hand_over(const Outcome& r, const RenderResult& result) {
   const Job& job = r.job;
   if (!job.checkpoint().empty()) save(r);
-  cli::deliver({{job.a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
-                {job.a.stats, [&] { return stats_of(r, result, {}); }}},
+  cli::deliver({{job.a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }}},
                job.common);
-  return unfiltered(r, result);
+  Unfiltered all = unfiltered(r, result);
+  all.stats = stats_of(r, result);
+  return all;
 }
 
 Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltered picture,
@@ -195,7 +202,8 @@ Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltere
   try {
     cli::deliver(
         {{common.output, bytes},
-         {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }}},
+         {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }},
+         {a.stats, [&] { return finished_json(picture.stats, delivered) + '\n'; }}},
         common);
   } catch (const OutputError& e) {
     throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(common.output, bytes())));

@@ -37,17 +37,20 @@ struct Delivered {
   std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
   double relmse = 0;                 ///< of a filtered frame, estimated; 0: unknown
 };
+/// The JSON of stats_json() or summary_json() with that.
+std::string finished_json(const std::string& told, const Delivered& delivered);
 /// Writes everything at the end. Throws Error for what cannot be written, and says where the
 /// picture is kept.
 Delivered deliver(const Outcome& r, const RenderResult& result);
 
-/// Of a shot whose frames are filtered together, in two steps: first everything of a frame that its
-/// filter does not change is written, and its picture is handed over with the sums of its halves
-/// and its features; then, when the frames beside it are there, too, it is filtered and written.
+/// Of a shot whose frames are filtered together, in two steps: first a frame's picture is handed
+/// over with the sums of its halves, its features and its statistics; then, when the frames beside
+/// it are there, too, it is filtered and written.
 struct Unfiltered {
   ExrFile file;
   FilmFacts facts;
   bool both_halves = false;  ///< it can be filtered
+  std::string stats{};       ///< stats_json()
 };
 Unfiltered hand_over(const Outcome& r, const RenderResult& result);
 /// `frames`: those beside it, by names for people.

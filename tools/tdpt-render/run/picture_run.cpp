@@ -68,13 +68,14 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   const cli::Common& common = job.common;
   const Loaded& in = job.in;
   const RenderSettings& settings = job.settings;
-  common.summary(summary_json(choice.integrator, settings, result, in.portals, delivered.exposure));
+  common.summary(
+      finished_json(summary_json(choice.integrator, settings, result, in.portals), delivered));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
     common.warn(
         fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
                     "holds, and is left out",
                     place.x, place.y, place.sample));
-  if (job.a.frame) return;                  // a shot has a line for each of its frames
+  if (job.a.frame) return;  // a shot has a line for each of its frames
   // Else the cause was told before, or the sky is left out.
   if (is_black(result) && !result.longest && !settings.alpha)
     common.warn("no sample found light: the picture is black; does its camera stand in a wall?");

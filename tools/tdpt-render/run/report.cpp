@@ -50,8 +50,7 @@ nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderRes
 }
 
 nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
-                               const RenderResult& result, const std::vector<Portal>& portals,
-                               std::optional<double> exposure) {
+                               const RenderResult& result, const std::vector<Portal>& portals) {
   nlohmann::ordered_json j = choice_json(integrator, result);
   j["spp"] = result.spp;
   j["width"] = result.picture.width;
@@ -82,7 +81,6 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
     j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
   j["not_finite"] = result.tally.not_finite;
   if (!portals.empty()) j["portals"] = portals_json(portals, result);
-  if (exposure) j["exposure"] = *exposure;
   return j;
 }
 
@@ -103,15 +101,14 @@ std::string runner_up(const RenderResult& result) {
 }  // namespace
 
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result, const std::vector<Portal>& portals,
-                         std::optional<double> exposure) {
-  return summary(integrator, settings, result, portals, exposure).dump();
+                         const RenderResult& result, const std::vector<Portal>& portals) {
+  return summary(integrator, settings, result, portals).dump();
 }
 
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
                        const RenderResult& result, const std::vector<Portal>& portals,
-                       std::optional<double> exposure, const std::string& mark) {
-  nlohmann::ordered_json j = summary(integrator, settings, result, portals, exposure);
+                       const std::string& mark) {
+  nlohmann::ordered_json j = summary(integrator, settings, result, portals);
   if (!mark.empty()) j["frame"] = mark;
   if (!result.frames.empty()) {
     auto& frames = j["frames"] = nlohmann::ordered_json::array();

@@ -4,15 +4,14 @@
 
 namespace tdpt {
 
-/// JSON with the keys of tdpt-render(1), one object; with `frames` when the result has them.
-/// `exposure`: of the preview [stops], if there is one. `mark`: of a frame of a shot [Job::mark].
+/// JSON with the keys of tdpt-render(1) that are known before the picture is written, one object;
+/// with `frames` when the result has them. `mark`: of a frame of a shot [Job::mark].
 std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
                        const RenderResult& result, const std::vector<Portal>& portals = {},
-                       std::optional<double> exposure = {}, const std::string& mark = "");
+                       const std::string& mark = "");
 /// The same without `frames`, which are long.
 std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result, const std::vector<Portal>& portals = {},
-                         std::optional<double> exposure = {});
+                         const RenderResult& result, const std::vector<Portal>& portals = {});
 
 /// For a decision without a picture: who would render, how many samples, and the measurements
 /// behind it.
