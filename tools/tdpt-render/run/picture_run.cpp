@@ -76,8 +76,8 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
                     "holds, and is left out",
                     place.x, place.y, place.sample));
   if (job.a.frame) return;  // a shot has a line for each of its frames
-  // Else the cause was told before, or the sky is left out.
-  if (is_black(result) && !result.longest && !settings.alpha)
+  // Else the cause was told before, or the sky is left out, or longer paths are.
+  if (is_black(result) && !result.longest && !settings.alpha && settings.max_depth == kMaxDepth)
     common.warn("no sample found light: the picture is black; does its camera stand in a wall?");
   if (const double share =
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
