@@ -720,19 +720,20 @@ def page(folder):
     return document(f"{title}: light portals", body, "Made by tdpt.mk(7). Figures that were not measured are a dash.")
 
 
-def main():
+def run(program, page, expected):
+    """main() of a program that makes such a page of a folder."""
     if len(sys.argv) != 3:
-        print("usage: report_page.py FOLDER PAGE", file=sys.stderr)
+        print(f"usage: {program} FOLDER PAGE", file=sys.stderr)
         return 2
     try:
         made = page(sys.argv[1])
         with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
             stream.write(made)
     except (OSError, ValueError, KeyError) as error:
-        print(f"report_page.py: {sys.argv[1]}: {error!r}, expected what report_measure.py writes", file=sys.stderr)
+        print(f"{program}: {sys.argv[1]}: {error!r}, expected what {expected}", file=sys.stderr)
         return 3
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("report_page.py", page, "report_measure.py writes"))

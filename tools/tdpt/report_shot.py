@@ -12,7 +12,7 @@ import os
 import re
 import sys
 
-from report_page import Markup, count, details, document, el, figure, get, name, number, percent, section, table, ticks
+from report_page import Markup, count, details, document, el, figure, get, name, number, percent, run, section, table, ticks
 
 STYLE = """
 .frames{list-style:none;display:flex;flex-wrap:wrap;gap:.75rem .5rem;padding:0;margin:1rem 0;max-width:none}
@@ -221,19 +221,5 @@ def page(folder):
     return document(f"{title}: a shot", body, "Made by tdpt(1) --report. Figures that were not measured are a dash.", style + STYLE)
 
 
-def main():
-    if len(sys.argv) != 3:
-        print("usage: report_shot.py FOLDER PAGE", file=sys.stderr)
-        return 2
-    try:
-        made = page(sys.argv[1])
-        with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
-            stream.write(made)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"report_shot.py: {sys.argv[1]}: {error!r}, expected what tdpt gathers", file=sys.stderr)
-        return 3
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run("report_shot.py", page, "tdpt gathers"))

@@ -33,18 +33,6 @@ TEST(agreement, furnace) {
 // technique has a good part of the picture, and none is noisy.
 class GlowingCeiling {
  public:
-  GlowingCeiling() : scene_(read_gltf(furnace_path())) {
-    Material dark = scene_.materials[0];
-    dark.emission = {};
-    scene_.materials.push_back(dark);
-    for (Triangle& t : scene_.triangles)
-      if (scene_.frame
-              .to_metres(Vec3d(scene_.positions[t.vertex[0]] + scene_.positions[t.vertex[1]] +
-                               scene_.positions[t.vertex[2]]) /
-                         3)
-              .y < 1.99)
-        t.material = 1;
-  }
   World world() const { return World(scene_, scene_.camera(""), kWidth, kHeight, {kPortal}); }
 
   /// Enough to detect 5 % of a portal's density.
@@ -52,7 +40,7 @@ class GlowingCeiling {
 
  private:
   const Portal kPortal = rectangle({-0.8, 0.9, -0.8}, {1.6, 0, 0}, {0, 0, 1.6});
-  Scene scene_;
+  const Scene scene_ = below_a_glowing_ceiling();
 };
 
 TEST(agreement, glowing_ceiling) {

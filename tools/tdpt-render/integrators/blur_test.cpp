@@ -12,22 +12,6 @@ namespace tdpt::blur_test {
 constexpr int kWidth = 32, kHeight = 24;
 constexpr size_t kRuns = 16;
 
-// A room below a glowing ceiling, where no technique is noisy.
-Scene below_a_glowing_ceiling() {
-  Scene scene = read_gltf(furnace_path());
-  Material dark = scene.materials[0];
-  dark.emission = {};
-  scene.materials.push_back(dark);
-  for (Triangle& t : scene.triangles)
-    if (scene.frame
-            .to_metres(Vec3d(scene.positions[t.vertex[0]] + scene.positions[t.vertex[1]] +
-                             scene.positions[t.vertex[2]]) /
-                       3)
-            .y < 1.99)
-      t.material = 1;
-  return scene;
-}
-
 class blurred : public ::testing::Test {
  protected:
   blurred() { world_.blur = strong_blur(camera_); }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "libcommon/formats/portal.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 
@@ -27,6 +28,22 @@ inline Portal portal_in_the_hole() {
 /// them twice.
 inline std::vector<Portal> two_crossing_portals() {
   return {portal_in_the_hole(), rectangle({1.0, 0.2, -0.9}, {0.3, 0, 1.8}, {0.2, 1.6, 0})};
+}
+
+/// The furnace with only its ceiling emitting.
+inline Scene below_a_glowing_ceiling() {
+  Scene scene = read_gltf(furnace_path());
+  Material dark = scene.materials[0];
+  dark.emission = {};
+  scene.materials.push_back(dark);
+  for (Triangle& t : scene.triangles)
+    if (scene.frame
+            .to_metres(Vec3d(scene.positions[t.vertex[0]] + scene.positions[t.vertex[1]] +
+                             scene.positions[t.vertex[2]]) /
+                       3)
+            .y < 1.99)
+      t.material = 1;
+  return scene;
 }
 
 /// Somewhere in the furnace box.
