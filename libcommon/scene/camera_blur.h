@@ -1,8 +1,8 @@
 // What blurs the picture of a camera: a thin lens, and its motion while the shutter is open.
 //
-// Each sample has a point of the lens and a moment, both uniform, and sees by the pinhole camera
-// that they make [film_plane.h]. Their densities are the same for every technique that finds a
-// path, so they cancel in its weights.
+// Method: distribution ray tracing (Cook et al. 1984). Each sample has a point of the lens and a
+// moment, both uniform, and sees by the pinhole camera that they make [film_plane.h]. Their
+// densities are the same for every technique that finds a path, so they cancel in its weights.
 #pragma once
 #include <vector>
 

@@ -6,7 +6,14 @@
 // Raster coordinates: x to the right from 0 to width, y down from 0 to height.
 //
 // A point of a thin lens is a pinhole beside the middle one, with its film shifted, so that both
-// show the plane in focus at the same pixels. Every pixel has the same area of that plane and of
+// show the plane in focus at the same pixels:
+//
+//   x = w.right / (h w.forward) + L.right / (h f)     and likewise up
+//
+// x  place on the film from its middle, in half widths   h  half the width of the film
+// L  point of the lens from the pinhole                  f  distance of the plane in focus
+//
+// Every pixel has the same area of that plane and of
 // the film, so the density of directions is the same function of the cosine.
 #pragma once
 #include <cmath>

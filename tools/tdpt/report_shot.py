@@ -67,18 +67,18 @@ def span_words(first, last):
 def chart(frames, values, title, unit, logarithmic, ident, changes):
     """values: {label: {frame: value}}, drawn over the frames' numbers, wide and narrow; gaps where there are none."""
     values = {label: {k: v for k, v in of.items() if number(v) and (v > 0 or not logarithmic)} for label, of in values.items()}
-    every = [v for of in values.values() for v in of.values()]
-    if not every:
+    if not any(values.values()):
         return el("p", "No frame has statistics that tell it.", class_="none")
     keys = [el("span", el("span", class_="key" + (" with" if i % 2 == 0 else ""), aria_hidden="true"), label, Markup(" &nbsp; "))
             for i, label in enumerate(values)]
     said = "; ".join(f"{label}: {figure(min(of.values()))} to {figure(max(of.values()))}" for label, of in values.items() if of)
     return el("figure", el("p", keys, class_="note") if len(values) > 1 else None,
-              [drawn(frames, values, unit, logarithmic, changes, width, height, f"{title}. {said}.", f"{ident}-{kind}", kind, every)
+              [drawn(frames, values, unit, logarithmic, changes, width, height, f"{title}. {said}.", f"{ident}-{kind}", kind)
                for width, height, kind in ((760, 300, "wide"), (380, 260, "narrow"))])
 
 
-def drawn(frames, values, unit, logarithmic, changes, width, height, said, ident, kind_of_plot, every):
+def drawn(frames, values, unit, logarithmic, changes, width, height, said, ident, kind_of_plot):
+    every = [v for of in values.values() for v in of.values()]
     left, right, top, bottom = 58, 14, 22, 46
     first, last = frames[0].number, frames[-1].number
     low, high = (min(every) / 1.3, max(every) * 1.3) if logarithmic else (0.0, max(max(every) * 1.1, 1e-9))

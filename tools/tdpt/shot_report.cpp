@@ -32,7 +32,7 @@ std::vector<int64_t> shown_of(const FrameRange& range) {
   return shown;
 }
 
-// Each pixel is the mean of those that it covers the middle of.
+// Each pixel is the mean of its share of the large ones; sizes never grow.
 Picture made_small(const Picture& large, int width, int height) {
   Picture small{width, height, {}};
   const auto edge = [](int i, int of, int all) { return static_cast<int>(int64_t{i} * all / of); };

@@ -12,6 +12,10 @@ namespace tdpt::blur_test {
 constexpr int kWidth = 32, kHeight = 24;
 constexpr size_t kRuns = 16;
 
+Portal across_the_room() {
+  return rectangle({-0.8, 0.9, -0.8}, {1.6, 0, 0}, {0, 0, 1.6});
+}
+
 class blurred : public ::testing::Test {
  protected:
   blurred() { world_.blur = strong_blur(camera_); }
@@ -40,8 +44,8 @@ class blurred : public ::testing::Test {
       runs.add(blocks_of(picture(world_, integrator, spp, testing::fresh(100 + r))));
     return runs;
   }
-  // Each run: the mean of sharp pictures for `blur`, by nee.
-  testing::BlockRuns mean_of_sharp(const CameraBlur& blur) const {
+  // Each run: the mean of sharp pictures for `blur`.
+  testing::BlockRuns mean_of_sharp(const CameraBlur& blur, const Integrator& integrator) const {
     constexpr int kEach = 3;  // by number
     World sharp(scene_, camera_, kWidth, kHeight, {});
     testing::BlockRuns runs;
@@ -53,7 +57,7 @@ class blurred : public ::testing::Test {
         const double u = in(i), v = in(i / kEach), time = in(i / kEach / kEach);
         sharp.film = blur.draw(world_.film, u, v, time);
         const auto one = blocks_of(
-            picture(sharp, nee, 1, testing::fresh(1000 + r * 100 + static_cast<size_t>(i))));
+            picture(sharp, integrator, 1, testing::fresh(1000 + r * 100 + static_cast<size_t>(i))));
         for (size_t b = 0; b < sum.size(); ++b) sum[b] += one[b] / (kEach * kEach * kEach);
       }
       runs.add(sum);
@@ -61,18 +65,32 @@ class blurred : public ::testing::Test {
     return runs;
   }
 
-  const Scene scene_ = below_a_glowing_ceiling();
+  // Every second triangle is dark.
+  static Scene chequered() {
+    Scene scene = below_a_glowing_ceiling();
+    Material dark = scene.materials[1];
+    dark.base_color = Rgb(0.05f);
+    scene.materials.push_back(dark);
+    for (size_t i = 0; i < scene.triangles.size(); i += 2)
+      if (scene.triangles[i].material == 1) scene.triangles[i].material = 2;
+    return scene;
+  }
+
+  const Scene scene_ = chequered();
   const Camera camera_ = scene_.camera("");
-  World world_{
-      scene_, camera_, kWidth, kHeight, {rectangle({-0.8, 0.9, -0.8}, {1.6, 0, 0}, {0, 0, 1.6})}};
+  World world_{scene_, camera_, kWidth, kHeight, {across_the_room()}};
 };
 
-TEST_F(blurred, all_integrators_agree) {
-  expect_agreement(world_, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 32, .spp = 4});
+// Dark walls would hide long paths from pt.
+TEST(blurred_ceiling, is_the_same_by_all_integrators) {
+  const Scene scene = below_a_glowing_ceiling();
+  World world(scene, scene.camera(""), kWidth, kHeight, {across_the_room()});
+  world.blur = strong_blur(scene.camera(""));
+  expect_agreement(world, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 32, .spp = 4});
 }
 
 TEST_F(blurred, the_picture_is_the_mean_of_sharp_ones) {
-  const testing::BlockRuns mean = mean_of_sharp(world_.blur);
+  const testing::BlockRuns mean = mean_of_sharp(world_.blur, nee);
   for (const Integrator* integrator : {&pt, &bdpt, &tdpt_guided}) {
     const testing::BlockRuns runs = rendered_by(*integrator, 16);
     EXPECT_TRUE(
@@ -81,24 +99,41 @@ TEST_F(blurred, the_picture_is_the_mean_of_sharp_ones) {
   // Twins: other blurs are told apart.
   const testing::BlockRuns runs = rendered_by(bdpt, 16);
   const auto differs = [&](const CameraBlur& blur) {
-    return !testing::compare(runs, mean_of_sharp(blur)).holds();
+    return !testing::compare(runs, mean_of_sharp(blur, nee)).holds();
   };
   EXPECT_TRUE(differs({}));
   EXPECT_TRUE(differs(strong_blur(camera_, 0.06, 0)));  // no motion
   EXPECT_TRUE(differs(strong_blur(camera_, 0)));        // no lens
 }
 
-TEST_F(blurred, splats_of_another_place_of_the_lens_are_caught) {
-  const DepthRuns reference = render_runs(world_, bdpt, {.runs = 32, .spp = 8});
-  Variant off(tdpt_org);
-  // What its own eye does not see, the one in the middle might, and the other way round.
-  off.loses = [](const World& world, const Contribution& found) {
-    const Path& path = found.path;
-    double x, y;
-    return found.strategy == Strategy{Technique::light, path.k()} &&
-           !world.film.raster(between(path.vertex(path.k()), path.vertex(path.k() - 1)).w, x, y);
-  };
-  EXPECT_FALSE(judge(render_runs(world_, off, {.runs = 32, .spp = 4}), reference).holds());
+// Light vertices projected to the film carry all of this picture, whose walls differ.
+TEST_F(blurred, splats_fall_where_their_own_sample_sees_them) {
+  const Integrator splats{"splats", 9, {TechniqueSet(Technique::light)}};
+  const testing::BlockRuns mean = mean_of_sharp(world_.blur, splats);
+  const testing::BlockRuns runs = rendered_by(splats, 64);
+  EXPECT_TRUE(testing::holds(testing::compare(runs, mean), "splats", runs, mean, kWidth / 4));
+  // Twin: by the film of the middle of lens and exposure.
+  testing::BlockRuns faulty;
+  for (size_t r = 0; r < kRuns; ++r) {
+    Picture by_middle{kWidth, kHeight, std::vector<Rgb>(kWidth * kHeight)};
+    constexpr int kSpp = 64;
+    const PathObserver observer = [&](const Contribution& found) {
+      const Path& path = found.path;
+      const Vec3d w = between(path.vertex(path.k()), path.vertex(path.k() - 1)).w;
+      double x, y;
+      if (!world_.film.raster(w, x, y)) return;
+      by_middle.pixels[static_cast<size_t>(static_cast<int>(y) * kWidth + static_cast<int>(x))] +=
+          found.value * (1.0f / kSpp);
+    };
+    Film film(kWidth, kHeight, 1);
+    Tally tally;
+    const Variant variant(splats);
+    PathSampler sampler(world_, variant.settings(4, testing::fresh(200 + r)), film, tally,
+                        &observer);
+    variant.picture(sampler, kWidth, kHeight, kSpp, [](int, int) {});
+    faulty.add(blocks_of(by_middle));
+  }
+  EXPECT_FALSE(testing::compare(faulty, mean).holds());
 }
 
 TEST(blurred_furnace, shows_the_same_everywhere) {

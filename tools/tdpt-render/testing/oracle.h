@@ -27,8 +27,8 @@ enum class Fault {
   sky_segment_distance,  ///< segments from the sky spread over the squared distance to the portal
   window_5_percent,      ///< density of next events through windows
   rect_light_5_percent,  ///< density of next events at rectangular lights
-  film_of_the_middle,    ///< of the moment and the point of the lens that the sample has not
   sky_segment_cosine,    ///< the same, without cancelling the portal's cosine
+  film_of_the_middle,    ///< of lens and exposure, not that of the sample
 };
 
 /// All strategies of `mixture` that can make the path. `sky`: of the world, to be reused.
