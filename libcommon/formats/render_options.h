@@ -30,6 +30,7 @@ struct RenderArguments : PictureArguments {
   CameraArguments camera;
   Pose pose;
   ShotArguments shot;
+  bool accumulate = false;  ///< samples of frames, while nothing moves
   LensArguments lens;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 

@@ -76,12 +76,14 @@ std::optional<int64_t> frame_of_camera(const std::string& name, const std::strin
   return frame;
 }
 
-std::string command_of_frame(const std::string& command, int64_t frame) {
+std::string command_of_frames(const std::string& command, const FrameRange& frames) {
   constexpr std::string_view kOption = " --frames ";
   const size_t at = command.find(kOption);
   if (at == std::string::npos) return command;
   const size_t from = at + kOption.size(), to = std::min(command.find(' ', from), command.size());
-  return std::string(command).replace(from, to - from, std::to_string(frame));
+  const std::string words = frames.count() == 1 ? fmt::format("{}", frames.last)
+                                                : fmt::format("{}-{}", frames.first, frames.last);
+  return std::string(command).replace(from, to - from, words);
 }
 
 namespace {

@@ -54,7 +54,7 @@ std::string camera_at_frame(const std::string& camera, int64_t frame);
 /// The frame of such a name; nothing for the name of another camera, or of none at a frame.
 std::optional<int64_t> frame_of_camera(const std::string& name, const std::string& camera);
 
-/// The command line of a shot with one frame in the place of all.
-std::string command_of_frame(const std::string& command, int64_t frame);
+/// The command line of a shot with these frames in the place of all.
+std::string command_of_frames(const std::string& command, const FrameRange& frames);
 
 }  // namespace tdpt

@@ -63,10 +63,11 @@ TEST(Frames, MakeAShot) {
 }
 
 TEST(Frames, StandForThemselvesInTheirCommands) {
-  EXPECT_EQ(command_of_frame("tdpt-render --spp 4 --frames 1-48 --fps 24", 12),
+  EXPECT_EQ(command_of_frames("tdpt-render --spp 4 --frames 1-48 --fps 24", {12, 12}),
             "tdpt-render --spp 4 --frames 12 --fps 24");
-  EXPECT_EQ(command_of_frame("tdpt-render --frames 1-48", 7), "tdpt-render --frames 7");
-  EXPECT_EQ(command_of_frame("tdpt-render --spp 4", 7), "tdpt-render --spp 4");
+  EXPECT_EQ(command_of_frames("tdpt-render --frames 1-48", {7, 7}), "tdpt-render --frames 7");
+  EXPECT_EQ(command_of_frames("tdpt-render --frames 1-48", {7, 9}), "tdpt-render --frames 7-9");
+  EXPECT_EQ(command_of_frames("tdpt-render --spp 4", {7, 7}), "tdpt-render --spp 4");
 }
 
 TEST(Frames, AreNamesOfACamerasPoses) {

@@ -15,6 +15,11 @@ struct Arguments : RenderArguments {
   bool check = false;
   /// Set for one frame of a shot [shot.h]: its number; none: a picture of its own.
   std::optional<int64_t> frame{};
+  /// Of a frame: the first of those whose samples it has; they have its seed. Its own with
+  /// --accumulate off, or once something has moved.
+  int64_t since = 0;
+  /// As many times the samples of one frame.
+  uint64_t frames_held() const { return frame ? static_cast<uint64_t>(*frame - since) + 1 : 1; }
   bool portals_by_frame = false;  ///< each frame of the shot has portal files of its own
 };
 

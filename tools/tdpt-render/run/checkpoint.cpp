@@ -93,6 +93,16 @@ void limit_to(uint64_t spp, RenderSettings& settings) {
   static_cast<Limits&>(settings) = {.spp = spp};
 }
 
+// Of a frame: its plan, which --spp, --time and --target-error have made, says how many samples it
+// has.
+void take_limits_of_frame(const Arguments& a, const Plan& planned, const Limits& then,
+                          RenderSettings& settings) {
+  if (const uint64_t spp = planned.spp * a.frames_held(); spp != then.spp)
+    throw InputError(display_name(a.resume), "",
+                     fmt::format("is of {}, this frame has {}", counted(then.spp, "sample"), spp));
+  static_cast<Limits&>(settings) = then;
+}
+
 // Refuses a film that cannot hold this world's samples, whatever its file claims.
 void check_film(const RenderState& render_state, const World& world, const std::string& file) {
   const Film& film = render_state.film;
@@ -122,7 +132,7 @@ Checkpoint planned(const Arguments& a, const Shaping& by, const PlanFile& file) 
   given.plan_file = name;
   given.schedule.plan = plan;
   if (a.spp > 0) given.schedule.plan->spp = spp;
-  given.command = a.frame ? command_of_frame(file.command, *a.frame) : file.command;
+  given.command = a.frame ? command_of_frames(file.command, {a.since, *a.frame}) : file.command;
   return given;
 }
 
@@ -158,7 +168,10 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world, co
                        fmt::format("is to hold {}, not those of shard {}",
                                    words_of({{render_state.first, render_state.goal}}), a.shard));
   }
-  take_limits(a, render_state.limits, settings);
+  if (a.frame && plan)
+    take_limits_of_frame(a, *planned(a, by, *plan).schedule.plan, render_state.limits, settings);
+  else
+    take_limits(a, render_state.limits, settings);
   if (a.add_samples > 0) {
     if (render_state.first > 0 || render_state.whole > 0)
       throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
@@ -276,8 +289,9 @@ Shape plan_shape_of(const Arguments& a, const Shaping& by) {
   Shaping shared = by;
   if (a.portals_by_frame) shared.portal_hashes = {"of each frame"};
   return shape_of(a, shared,
-                  fmt::format("{} frames per second{}", a.shot.fps, of.empty() ? "" : " of " + of),
-                  by.seed - static_cast<uint64_t>(*a.frame));
+                  fmt::format("{} frames per second{}{}", a.shot.fps, of.empty() ? "" : " of " + of,
+                              a.accumulate ? ", accumulated" : ""),
+                  by.seed - static_cast<uint64_t>(a.since));
 }
 
 Shape film_shape_of(const Arguments& a, const Shaping& by) {

@@ -203,7 +203,29 @@ Outcome outcome_of(const Prepared& p, const RenderResult& result) {
           result.interrupted && !p.job.mark.empty() ? kIncomplete : p.job.mark};
 }
 
-Made render(Prepared& p) {
+// Of a frame in which nothing has moved: takes over what was rendered of it before.
+void accumulate(const Arguments& a, Workshop& shop, Job& job) {
+  RenderSchedule& schedule = job.given.schedule;
+  const auto still = std::exchange(shop.still, {});
+  if (a.frames_held() == 1 || !schedule.plan || schedule.render_state) return;
+  const bool goes_on = still && still->since == a.since && still->frame + 1 == *a.frame &&
+                       still->plan == *schedule.plan;
+  const uint64_t all = std::min(schedule.plan->spp * a.frames_held(), kMostSamples);
+  schedule.plan->spp = job.settings.spp = all;
+  if (!goes_on) return;
+  schedule.render_state.emplace(std::move(*still->render_state));
+  schedule.render_state->goal = schedule.render_state->limits.spp = all;
+}
+
+// The reverse, for the next frame.
+void keep_still(const Job& job, const RenderResult& result, Workshop& shop) {
+  if (!job.a.accumulate || result.interrupted) return;
+  Plan plan = result.plan;
+  plan.spp /= job.a.frames_held();
+  shop.still = {*job.a.frame, job.a.since, std::move(plan), result.render_state};
+}
+
+Made render(Prepared& p, Workshop& shop) {
   const Job& job = p.job;
   const std::vector<Portal>& portals = job.in.portals;
   const RenderResult result = rendered(job, *p.renderer, p.choice, std::move(p.job.given.schedule));
@@ -222,6 +244,7 @@ Made render(Prepared& p) {
         decisions_of({p.world, portals, job.request, p.choice, job.settings, result}),
         job.a.exposure, delivered.exposure);
   });
+  keep_still(job, result, shop);
   return {code_of(result), told_of(result)};
 }
 
@@ -274,6 +297,7 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
   auto renderer = upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
   if (shop.device && !std::exchange(shop.told, true))
     common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
+  accumulate(a, shop, job);
   check_film(job.given, film_options(choice.candidates, job.settings));
   return {std::move(job), world, std::move(choice), std::move(renderer)};
 }
@@ -289,7 +313,7 @@ Made render_picture(const Arguments& a, const cli::Common& common, Workshop& sho
   }
   Prepared p = prepared(a, common, shop, plan, mark);
   if (p.job.only_plans()) return {write_plan(p.job, *p.renderer, p.choice), ""};
-  return render(p);
+  return render(p, shop);
 }
 
 MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& shop,
@@ -304,6 +328,7 @@ MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& 
   }
   made.picture = hand_over(outcome_of(p, result), result);
   report(p.job, p.world, p.choice, result, {});
+  keep_still(p.job, result, shop);
   return made;
 }
 

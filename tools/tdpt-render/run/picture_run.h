@@ -13,12 +13,20 @@
 
 namespace tdpt {
 
+/// The last frame of a shot as it was rendered: the next one goes on from it if nothing moves.
+struct StillFrame {
+  int64_t frame = 0, since = 0;  ///< as in Arguments
+  Plan plan;                     ///< of one frame's samples
+  std::shared_ptr<RenderState> render_state;
+};
+
 /// What the pictures of one command share.
 struct Workshop {
   std::optional<gpu::Device> device;  ///< that renders; none: the CPU
   Scenery scenery{};
-  bool told = false;         ///< what the device is
-  std::string code() const;  ///< Job::code
+  std::optional<StillFrame> still{};  ///< with --accumulate
+  bool told = false;                  ///< what the device is
+  std::string code() const;           ///< Job::code
 };
 
 Shaping shaping_of(const Loaded& in, const Arguments& a, const cli::Common& common);

@@ -17,6 +17,23 @@ namespace {
 
 constexpr int kPoses = 9;  // of a camera while its shutter is open
 
+// The times of a picture [s]: of those poses, or its own alone.
+std::vector<double> moments_of(const Arguments& a) {
+  const double middle = a.pose.seconds.value_or(0), open = a.lens.shutter / 360 / a.shot.fps;
+  if (open == 0) return {middle};
+  std::vector<double> times;
+  for (int i = 0; i < kPoses; ++i)
+    times.push_back(middle + open * (i / static_cast<double>(kPoses - 1) - 0.5));
+  return times;
+}
+
+// The camera of that name; null if it is not there or cannot be used.
+const Camera* camera_of(const SceneFile::Glance& now, const std::string& name) {
+  const auto self = std::find_if(now.cameras.begin(), now.cameras.end(),
+                                 [&](const Camera& c) { return c.name == name && !c.fault; });
+  return self == now.cameras.end() ? nullptr : &*self;
+}
+
 bool stands_as(const Camera& a, const Camera& b) {
   return a.position == b.position && a.forward == b.forward && a.up == b.up;
 }
@@ -59,16 +76,12 @@ void Scenery::take_camera(const Arguments& a, const cli::Common& common) {
 void Scenery::take_poses(const Arguments& a, const cli::Common& common) {
   in_.poses.clear();
   if (a.lens.shutter == 0) return;
-  const double middle = a.pose.seconds.value_or(0), open = a.lens.shutter / 360 / a.shot.fps;
   bool moves = false, others_move = false;
-  for (int i = 0; i < kPoses; ++i) {
-    const SceneFile::Glance now =
-        file_->glance_at(middle + open * (i / static_cast<double>(kPoses - 1) - 0.5));
+  for (const double t : moments_of(a)) {
+    const SceneFile::Glance now = file_->glance_at(t);
     others_move |= now.pose_hash != in_.scene.pose_hash;
-    const auto self = std::find_if(now.cameras.begin(), now.cameras.end(), [&](const Camera& c) {
-      return c.name == in_.camera.name && !c.fault;
-    });
-    if (self == now.cameras.end()) continue;
+    const Camera* const self = camera_of(now, in_.camera.name);
+    if (!self) continue;
     Camera pose = *self;
     pose.position = in_.scene.frame.to_canonical(pose.position);
     moves |= !in_.poses.empty() && !stands_as(pose, in_.poses.front());
@@ -83,6 +96,19 @@ void Scenery::take_poses(const Arguments& a, const cli::Common& common) {
     common.warn(
         "--shutter: something other than the camera moves, and shows sharply, as it stands in the "
         "middle of the exposure");
+}
+
+std::string Scenery::moment(const Arguments& a) {
+  std::string words;
+  for (const double t : moments_of(a)) {
+    const SceneFile::Glance now = file_->glance_at(t);
+    words += now.pose_hash;
+    if (const Camera* const self = camera_of(now, in_.camera.name))
+      for (const Vec3d& v : {self->position, self->forward, self->up})
+        words += fmt::format(" {} {} {}", v.x, v.y, v.z);
+    words += ';';
+  }
+  return words;
 }
 
 Lens Scenery::lens(const cli::Common& common) {

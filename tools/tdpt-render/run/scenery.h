@@ -32,6 +32,10 @@ class Scenery {
   /// what has changed. Warnings and notes of the scene are printed the first time.
   Loaded& load(const Arguments& a, const cli::Common& common);
 
+  /// What the camera sees and from where, in a word, also while its shutter is open: frames whose
+  /// words are equal show the same. Of the scene that was loaded.
+  std::string moment(const Arguments& a);
+
   /// The world of what was loaded last, with its portals as they were given.
   World& world(const cli::Common& common);
 

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -49,17 +48,15 @@ bool filters_together(const Arguments& a) {
 
 // Job::mark: the number of the frame, and a hash of what determines its picture. `shape`: of its
 // film. `plan`: text of the plan that it obeys, where --plan names one.
+// `beside`: the frames with which it is filtered.
 std::string frame_mark(const Arguments& a, const cli::Common& common, const Shape& shape,
-                       const std::string& plan) {
-  const FrameRange range = frame_range(a.shot);
-  const int64_t frame = a.frame.value_or(0);
-  const int beside = filters_together(a) ? (frame > range.first) + 2 * (frame < range.last) : 0;
+                       const std::vector<int64_t>& beside, const std::string& plan) {
   std::string text =
-      fmt::format("{} {} {} {}|{} {} {} {}|{} {}|{} {}|{}|", a.spp, a.seconds, a.target_error,
-                  a.retry, a.denoise, a.denoiser, beside, a.aov, a.pixels, a.compression,
+      fmt::format("{} {} {} {}|{} {} {}|{} {}|{} {}|{}|", a.spp, a.seconds, a.target_error, a.retry,
+                  a.denoise, a.denoiser, fmt::join(beside, " "), a.aov, a.pixels, a.compression,
                   static_cast<int>(common.quality), common.no_provenance, plan);
   for (const auto& [name, value] : shape) text += name + "=" + value + "|";
-  return fmt::format("{} {}", frame, content_hash(text));
+  return fmt::format("{} {}", *a.frame, content_hash(text));
 }
 
 // Whether the file is whole and has this mark. `shard`: of --shard; then it must be a film of that
@@ -96,6 +93,8 @@ std::string progress_words(size_t done, size_t of, double seconds) {
 
 void check_frames(const Arguments& a, const cli::Common& common) {
   const FrameRange range = frame_range(a.shot);
+  if (a.accumulate && !a.shard.empty())
+    throw UsageError("--accumulate: is for whole frames, not for --shard");
   if (a.camera.frame) throw UsageError("--frame: is for one picture, --frames for a shot");
   if (a.scene == "-") throw UsageError("--frames: reads the scene more than once, not from -");
   if (!common.dependencies.empty())
@@ -107,21 +106,22 @@ void check_frames(const Arguments& a, const cli::Common& common) {
   } else {
     if (!common.output_given || common.output == "-")
       throw UsageError("--frames: needs -o, a name such as shot.####.exr");
-    frame_run(a, common, range.first);  // throws for names without a number
+    frame_run(a, common, range.first, range.first);  // throws for names without a number
   }
 }
 
-FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame) {
+FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame, int64_t since) {
   FrameRun run{a, common};
   run.arguments.frame = frame;
+  run.arguments.since = since;
   run.arguments.pose.seconds = static_cast<double>(frame) / a.shot.fps;
   for (std::string& path : run.arguments.portals) {
     if (!has_frame_number(path)) continue;
     path = name_of_frame("--portal", path, frame);
     run.arguments.portals_by_frame = true;
   }
-  run.common.seed = common.seed + static_cast<uint64_t>(frame);
-  run.common.command = command_of_frame(common.command, frame);
+  run.common.seed = common.seed + static_cast<uint64_t>(since);
+  run.common.command = command_of_frames(common.command, {since, frame});
   if (only_plans(a, common.output_given)) return run;
   run.common.output = name_of_frame("-o", common.output, frame);
   run.common.outputs = {{"-o", run.common.output}};
@@ -138,7 +138,7 @@ namespace {
 // What may be decided at a key frame. `shape`: of the shot.
 KeyFrame decided_key(const Arguments& a, const cli::Common& common, Workshop& shop, int64_t frame,
                      Shape& shape) {
-  FrameRun run = frame_run(a, common, frame);
+  FrameRun run = frame_run(a, common, frame, frame);
   for (std::string* path : {&run.arguments.checkpoint, &run.arguments.resume, &run.arguments.shard,
                             &run.arguments.plan})
     path->clear();
@@ -165,35 +165,74 @@ PlanFile plan_of_shot(const Arguments& a, const cli::Common& common, Workshop& s
   return shot;
 }
 
-// The frames of a shot: their marks, and which are not there, complete and by this command.
-struct Frames {
-  std::map<int64_t, std::string> marks;
-  std::set<int64_t> missing;
+// A frame of a shot.
+struct Frame {
+  FrameRun run;
+  std::vector<std::string> portals;  // hashes of their files
+  std::vector<int64_t> beside;       // the frames with which it is filtered
+  std::string mark;
+  bool missing = true;  // not there, complete and by this command
 };
+using Frames = std::map<int64_t, Frame>;
+
+// All of them, as they are to be rendered: with --accumulate those in which nothing has moved share
+// their first one.
+Frames planned_frames(const Arguments& a, const cli::Common& common, Workshop& shop) {
+  Frames frames;
+  const FrameRange range = frame_range(a.shot);
+  std::string before;
+  for (int64_t k = range.first, since = k; k <= range.last; ++k) {
+    FrameRun run = frame_run(a, common, k, k);
+    std::vector<std::string> portals;
+    if (run.arguments.portals_by_frame)
+      for (const std::string& path : run.arguments.portals)
+        portals.push_back(read_portals(path).hash);
+    if (a.accumulate) {
+      const std::string moment =
+          fmt::format("{} {}", shop.scenery.moment(run.arguments), fmt::join(portals, " "));
+      if (k == range.first || moment != before) since = k;
+      before = moment;
+      run = frame_run(a, common, k, since);
+    }
+    frames.emplace(k, Frame{std::move(run), std::move(portals), {}, {}});
+  }
+  return frames;
+}
+
+// Frames beside this one whose samples are not its own, if frames are filtered together.
+std::vector<int64_t> frames_beside(int64_t frame, const Frames& frames) {
+  const Arguments& a = frames.at(frame).run.arguments;
+  std::vector<int64_t> beside;
+  if (!filters_together(a)) return beside;
+  for (const int64_t k : {frame - 1, frame + 1}) {
+    const auto other = frames.find(k);
+    if (other != frames.end() && other->second.run.arguments.since != a.since) beside.push_back(k);
+  }
+  return beside;
+}
 
 Frames frames_of(const Arguments& a, const cli::Common& common, Workshop& shop,
                  const PlanFile* plan) {
-  Frames frames;
-  const FrameRange range = frame_range(a.shot);
-  const FrameRun first = frame_run(a, common, range.first);
-  const Loaded& in = shop.scenery.load(first.arguments, first.common);
-  for (int64_t k = range.first; k <= range.last; ++k) {
-    const FrameRun run = frame_run(a, common, k);
-    Shaping by = shaping_of(in, run.arguments, run.common);
-    if (run.arguments.portals_by_frame) {
-      by.portal_hashes.clear();
-      for (const std::string& path : run.arguments.portals)
-        by.portal_hashes.push_back(read_portals(path).hash);
-    }
-    const Shape shape = film_shape_of(run.arguments, by);
-    frames.marks[k] =
-        frame_mark(run.arguments, common, shape, plan ? plan_text(plan->of_frame(k)) : "");
-    if (!has_mark(run.common.output, frames.marks[k], a.shard)) frames.missing.insert(k);
+  const int64_t first = frame_range(a.shot).first;
+  const FrameRun run = frame_run(a, common, first, first);
+  const Loaded& in = shop.scenery.load(run.arguments, run.common);
+  Frames frames = planned_frames(a, common, shop);
+  size_t there = 0;
+  for (auto& [k, frame] : frames) {
+    const Arguments& of = frame.run.arguments;
+    Shaping by = shaping_of(in, of, frame.run.common);
+    if (of.portals_by_frame) by.portal_hashes = frame.portals;
+    frame.beside = frames_beside(k, frames);
+    frame.mark = frame_mark(of, common, film_shape_of(of, by), frame.beside,
+                            plan ? plan_text(plan->of_frame(k)) : "");
+    frame.missing = !has_mark(frame.run.common.output, frame.mark, a.shard);
+    there += !frame.missing;
   }
-  if (const size_t there = frames.marks.size() - frames.missing.size(); there > 0)
+  if (there > 0)
     common.note(fmt::format("{} there already",
                             there == 1 ? "1 frame is" : fmt::format("{} frames are", there)));
-  for (const int64_t k : frames.missing) check_schedule(frame_run(a, common, k).arguments);
+  for (const auto& [k, frame] : frames)
+    if (frame.missing) check_schedule(frame.run.arguments);
   return frames;
 }
 
@@ -225,43 +264,42 @@ class Previews {
   std::optional<double> exposure_;
 };
 
-// The frames of a shot that are filtered together with those before and after them.
+// The frames of a shot that are filtered together with those beside them.
 class FilteredFrames {
  public:
-  FilteredFrames(const Arguments& a, const cli::Common& common, Workshop& shop,
-                 const PlanFile& plan, const Frames& frames)
-      : a_(a),
-        common_(common),
-        shop_(shop),
-        plan_(plan),
-        frames_(frames),
-        range_(frame_range(a.shot)) {}
+  FilteredFrames(Workshop& shop, const PlanFile& plan, const Frames& frames)
+      : shop_(shop), plan_(plan), frames_(frames) {}
 
   /// Renders what the frame needs and is not rendered yet, filters it and writes it.
-  Made make(const FrameRun& run) {
-    const int64_t frame = *run.arguments.frame;
-    for (int64_t k = frame - 1; k <= frame + 1; ++k) {
-      if (k < range_.first || k > range_.last || noisy_.contains(k)) continue;
-      FrameRun other = frame_run(a_, common_, k);
-      if (!frames_.missing.contains(k)) keep_files_of(other);
-      MadeNoisy made =
-          render_noisy(other.arguments, other.common, shop_, &plan_, frames_.marks.at(k));
+  Made make(int64_t number, std::optional<double> exposure) {
+    const Frame& frame = frames_.at(number);
+    std::vector<int64_t> needed = frame.beside;
+    needed.push_back(number);
+    std::sort(needed.begin(), needed.end());
+    for (const int64_t k : needed) {
+      if (noisy_.contains(k)) continue;
+      const Frame& other = frames_.at(k);
+      FrameRun run = other.run;
+      if (!other.missing) keep_files_of(run);
+      MadeNoisy made = render_noisy(run.arguments, run.common, shop_, &plan_, other.mark);
       if (made.code != 0) return made;
       noisy_[k] = std::move(made);
     }
-    noisy_.erase(noisy_.begin(), noisy_.lower_bound(frame - 1));
-    std::vector<denoise::NamedPicture> frames;
-    for (const auto& [k, made] : noisy_)
-      if (std::abs(k - frame) == 1 && made.picture.both_halves)
-        frames.push_back({made.picture.file, fmt::format("{}", k)});
-    Unfiltered picture = noisy_.at(frame).picture;
+    noisy_.erase(noisy_.begin(), noisy_.lower_bound(number - 1));
+    std::vector<denoise::NamedPicture> beside;
+    for (const int64_t k : frame.beside)
+      if (const Unfiltered& other = noisy_.at(k).picture; other.both_halves)
+        beside.push_back({other.file, fmt::format("{}", k)});
+    Unfiltered picture = noisy_.at(number).picture;
+    Arguments arguments = frame.run.arguments;
+    arguments.exposure = exposure;
     const Delivered delivered =
-        deliver_frame(run.arguments, run.common, std::move(picture), frames);
+        deliver_frame(arguments, frame.run.common, std::move(picture), beside);
     const std::string filtered =
         delivered.relmse > 0
             ? fmt::format("; filtered: relMSE about {}", number_words(delivered.relmse, 2))
             : std::string();
-    return {0, noisy_.at(frame).words + filtered};
+    return {0, noisy_.at(number).words + filtered};
   }
 
  private:
@@ -271,12 +309,9 @@ class FilteredFrames {
     run.common.json = false;
   }
 
-  const Arguments& a_;
-  const cli::Common& common_;
   Workshop& shop_;
   const PlanFile& plan_;
   const Frames& frames_;
-  FrameRange range_;
   std::map<int64_t, MadeNoisy> noisy_;  // those rendered last
 };
 
@@ -284,7 +319,8 @@ class FilteredFrames {
 
 int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   if (a.check) {
-    const FrameRun first = frame_run(a, common, frame_range(a.shot).first);
+    const int64_t k = frame_range(a.shot).first;
+    const FrameRun first = frame_run(a, common, k, k);
     return render_picture(first.arguments, first.common, shop, nullptr).code;
   }
   std::optional<PlanFile> plan;
@@ -299,28 +335,31 @@ int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
     if (only_plans(a, common.output_given)) return 0;
   }
   const Frames frames = frames_of(a, common, shop, plan ? &*plan : nullptr);
-  if (!frames.missing.empty() && !plan) plan = plan_of_shot(a, common, shop);
+  const auto missing = static_cast<size_t>(
+      std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.second.missing; }));
+  if (missing > 0 && !plan) plan = plan_of_shot(a, common, shop);
   Previews previews(a, common);
-  for (const auto& [frame, mark] : frames.marks) {
-    if (frames.missing.contains(frame)) continue;
-    previews.take(frame_run(a, common, frame));
-    previews.mend(frame_run(a, common, frame));
+  for (const auto& [k, frame] : frames) {
+    if (frame.missing) continue;
+    previews.take(frame.run);
+    previews.mend(frame.run);
   }
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0;
   std::optional<FilteredFrames> filtered;
-  if (plan && filters_together(a)) filtered.emplace(a, common, shop, *plan, frames);
-  for (const int64_t frame : frames.missing) {
-    FrameRun run = frame_run(a, common, frame);
-    const std::string& mark = frames.marks.at(frame);
+  if (plan && filters_together(a)) filtered.emplace(shop, *plan, frames);
+  for (const auto& [k, frame] : frames) {
+    if (!frame.missing) continue;
+    FrameRun run = frame.run;
     run.arguments.exposure = previews.exposure();
-    const Made made = filtered ? filtered->make(run)
-                               : render_picture(run.arguments, run.common, shop, &*plan, mark);
+    const Made made = filtered
+                          ? filtered->make(k, run.arguments.exposure)
+                          : render_picture(run.arguments, run.common, shop, &*plan, frame.mark);
     if (made.code != 0) return made.code;
     previews.take(run);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    common.note(fmt::format("frame {}: {}; {}", frame, made.words,
-                            progress_words(++done, frames.missing.size(), took.count())));
+    common.note(fmt::format("frame {}: {}; {}", k, made.words,
+                            progress_words(++done, missing, took.count())));
   }
   return 0;
 }

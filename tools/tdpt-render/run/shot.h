@@ -11,13 +11,13 @@ namespace tdpt {
 /// Throws UsageError for options that do not go with --frames.
 void check_frames(const Arguments& a, const cli::Common& common);
 
-/// What the command line would say of one frame alone. Its seed is that of the shot plus its
-/// number.
+/// What the command line would say of one frame alone. Its seed is that of the shot plus the number
+/// of the first frame whose samples it has: `since`.
 struct FrameRun {
   Arguments arguments;
   cli::Common common;
 };
-FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame);
+FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame, int64_t since);
 
 /// Renders the frames that are not there yet, complete and by the same command. Returns the exit
 /// code.
