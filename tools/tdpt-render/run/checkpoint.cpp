@@ -93,11 +93,13 @@ void limit_to(uint64_t spp, RenderSettings& settings) {
   static_cast<Limits&>(settings) = {.spp = spp};
 }
 
-// Of a frame: its plan, which --spp, --time and --target-error have made, says how many samples it
-// has.
+// Of a frame: its plan says how many samples it has. One that a time or an error made is another
+// each time unless a file keeps it: then that of the film stands.
 void take_limits_of_frame(const Arguments& a, const Plan& planned, const Limits& then,
                           RenderSettings& settings) {
-  if (const uint64_t spp = planned.spp * a.frames_held(); spp != then.spp)
+  const uint64_t spp = samples_of(planned, a);
+  const bool measured = a.plan.empty() && (a.seconds > 0 || a.target_error > 0);
+  if (!measured && spp != then.spp)
     throw InputError(display_name(a.resume), "",
                      fmt::format("is of {}, this frame has {}", counted(then.spp, "sample"), spp));
   static_cast<Limits&>(settings) = then;
@@ -121,7 +123,7 @@ Checkpoint planned(const Arguments& a, const Shaping& by, const PlanFile& file) 
                              : "is the plan of a shot, expected one of a picture");
   if (const std::string other = difference(file.shape, plan_shape_of(a, by)); !other.empty())
     throw InputError(name, "", "is of " + other);
-  const Plan& plan = a.frame ? file.of_frame(*a.frame) : file.plan;
+  const Plan& plan = a.frame ? file.of_frame(a.since) : file.plan;
   if (plan.spp == 0) throw InputError(name, "spp", "is 0, expected a number of samples");
   const auto spp = static_cast<uint64_t>(a.spp);
   // A picture may have fewer samples than its plan; shards are parts of all.
@@ -302,6 +304,10 @@ Shape film_shape_of(const Arguments& a, const Shaping& by) {
                      fmt::format("{}{}{}", a.layers ? "techniques" : "",
                                  a.layers && halves ? " " : "", halves ? "halves" : ""));
   return shape;
+}
+
+uint64_t samples_of(const Plan& plan, const Arguments& a) {
+  return std::min(plan.spp * a.frames_held(), kMostSamples);
 }
 
 Checkpoint read_checkpoint(const Arguments& a, const Shaping& by, const World& world,

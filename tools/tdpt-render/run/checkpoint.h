@@ -38,6 +38,9 @@ Shape plan_shape_of(const Arguments& a, const Shaping& by);
 /// The picture, with the sums that its film keeps.
 Shape film_shape_of(const Arguments& a, const Shaping& by);
 
+/// Samples per pixel of a picture by its plan, with those of frames before that it keeps.
+uint64_t samples_of(const Plan& plan, const Arguments& a);
+
 struct Checkpoint {
   RenderSchedule schedule;
   std::string plan_file;  ///< source of the schedule's plan; empty: it is yet to be decided

@@ -204,25 +204,26 @@ Outcome outcome_of(const Prepared& p, const RenderResult& result) {
 }
 
 // Of a frame in which nothing has moved: takes over what was rendered of it before.
-void accumulate(const Arguments& a, Workshop& shop, Job& job) {
+void accumulate(Workshop& shop, Job& job) {
+  const Arguments& a = job.a;
   RenderSchedule& schedule = job.given.schedule;
-  const auto still = std::exchange(shop.still, {});
+  auto still = std::exchange(shop.still, {});
   if (a.frames_held() == 1 || !schedule.plan || schedule.render_state) return;
-  const bool goes_on = still && still->since == a.since && still->frame + 1 == *a.frame &&
-                       still->plan == *schedule.plan;
-  const uint64_t all = std::min(schedule.plan->spp * a.frames_held(), kMostSamples);
+  const uint64_t all = samples_of(*schedule.plan, a);
   schedule.plan->spp = job.settings.spp = all;
-  if (!goes_on) return;
-  schedule.render_state.emplace(std::move(*still->render_state));
-  schedule.render_state->goal = schedule.render_state->limits.spp = all;
+  if (!still || still->since != a.since) return;
+  still->plan.spp = all;
+  RenderState& before = *still->render_state;
+  if (!(still->plan == *schedule.plan) || before.film.samples() > all) return;
+  before.goal = before.limits.spp = all;
+  before.seconds = before.cpu_seconds = before.began = 0;  // of this frame
+  schedule.render_state.emplace(std::move(before));
 }
 
-// The reverse, for the next frame.
+// For the next frame.
 void keep_still(const Job& job, const RenderResult& result, Workshop& shop) {
-  if (!job.a.accumulate || result.interrupted) return;
-  Plan plan = result.plan;
-  plan.spp /= job.a.frames_held();
-  shop.still = {*job.a.frame, job.a.since, std::move(plan), result.render_state};
+  if (job.a.accumulate && !result.interrupted)
+    shop.still = {job.a.since, result.plan, result.render_state};
 }
 
 Made render(Prepared& p, Workshop& shop) {
@@ -266,6 +267,7 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
                   const PlanFile* plan, const std::string& mark) {
   cli::Common about_shot = common;  // of a frame nothing is told that holds for the shot
   about_shot.quiet = common.quiet || a.frame;
+  if (shop.still && shop.still->since != a.since) shop.still.reset();  // frees its memory
   Loaded& in = shop.scenery.load(a, common);
   World& world = shop.scenery.world(common);
   Job job{a, common, in, request_of(a), settings_of(a, common), {}, {}, {}, mark, shop.code()};
@@ -297,7 +299,7 @@ Prepared prepared(const Arguments& a, const cli::Common& common, Workshop& shop,
   auto renderer = upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
   if (shop.device && !std::exchange(shop.told, true))
     common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
-  accumulate(a, shop, job);
+  accumulate(shop, job);
   check_film(job.given, film_options(choice.candidates, job.settings));
   return {std::move(job), world, std::move(choice), std::move(renderer)};
 }

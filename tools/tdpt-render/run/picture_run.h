@@ -13,10 +13,10 @@
 
 namespace tdpt {
 
-/// The last frame of a shot as it was rendered: the next one goes on from it if nothing moves.
+/// The last frame of a shot as it was rendered: those in which nothing moves go on from it.
 struct StillFrame {
-  int64_t frame = 0, since = 0;  ///< as in Arguments
-  Plan plan;                     ///< of one frame's samples
+  int64_t since = 0;  ///< as in Arguments
+  Plan plan;
   std::shared_ptr<RenderState> render_state;
 };
 

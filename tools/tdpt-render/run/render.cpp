@@ -45,8 +45,11 @@ class Rendering {
         result_(result),
         render_state_(*result.render_state),
         film_(render_state_.film),
-        watch_(film_),
-        framed_(film_.samples()) {}
+        framed_(film_.samples()) {
+    const uint64_t done = film_.samples(), goal = render_state_.goal;
+    const bool unstopped = session.renderer.on_device() && goal > done;
+    if (!render_state_.watch) render_state_.watch.emplace(film_, unstopped ? goal - done : 0);
+  }
 
   /// Until all samples are rendered or the time is up.
   void run();
@@ -59,6 +62,7 @@ class Rendering {
   void render_goal();
   TargetProgress stand() const;
   std::string error_so_far() const;
+  NoiseWatch& watch() const { return *render_state_.watch; }
 
   Session& session_;
   const RenderSettings& settings_;
@@ -66,7 +70,6 @@ class Rendering {
   RenderResult& result_;
   RenderState& render_state_;
   Film& film_;
-  NoiseWatch watch_;
   uint64_t framed_;          // samples when the last frame was recorded
   std::vector<double> due_;  // when each visitor's period last began [s]
 };
@@ -79,7 +82,7 @@ TargetProgress Rendering::stand() const {
 // "relMSE about 0.02", predicted by the pilot, or estimated from the picture.
 std::string Rendering::error_so_far() const {
   if (!render_state_.target) {
-    const std::optional<Noise> noise = watch_.noise(film_);
+    const std::optional<Noise> noise = watch().noise(film_);
     return noise && noise->tells ? fmt::format("relMSE about {}", number_words(noise->relmse, 2))
                                  : "";
   }
@@ -108,7 +111,7 @@ uint64_t Rendering::next_pass() const {
   const uint64_t most =
       std::max<uint64_t>(session_.renderer.samples_of_pass() / session_.pixels, 1);
   uint64_t n = goal == 0 ? most : std::min(most, goal - done);
-  n = std::min(n, (render_state_.target ? render_state_.blocks.next() : watch_.next()) - done);
+  n = std::min(n, (render_state_.target ? render_state_.blocks.next() : watch().next()) - done);
   if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (session_.longest == 0) return 0;
   if (settings_.seconds == 0) return n;
@@ -156,8 +159,6 @@ void Rendering::render_goal() {
   Progress progress("rendering", "samples",
                     (goal - std::min(goal, film_.samples())) * session_.pixels, settings_.quiet);
   if (goal == 0) progress.ends_after(settings_.seconds - session_.clock.seconds());
-  if (session_.renderer.on_device() && goal > film_.samples())
-    watch_ = NoiseWatch(film_, goal - film_.samples());
   if (const uint64_t all = std::max<uint64_t>(goal, 1);
       session_.longest == 0 && film_.samples() < all)
     film_.complete({render_state_.next(), all - film_.samples()});
@@ -169,8 +170,8 @@ void Rendering::render_goal() {
     render_pass(n, progress);
     if (render_state_.target) {
       if (film_.samples() == render_state_.blocks.next()) render_state_.blocks.add(film_.sums());
-    } else if (film_.samples() == watch_.next()) {
-      watch_.look(film_);
+    } else if (film_.samples() == watch().next()) {
+      watch().look(film_);
     }
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();
     receive_visitors();
@@ -187,7 +188,7 @@ void Rendering::run() {
       judge(settings_, stand(), *target);
     }
   } else {
-    result_.noise = watch_.noise(film_);
+    result_.noise = watch().noise(film_);
   }
   const std::vector<FrameRecord>& frames = result_.frames;
   if (settings_.frames && (frames.empty() || frames.back().spp != film_.samples())) record_frame();

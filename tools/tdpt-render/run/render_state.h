@@ -7,6 +7,7 @@
 
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/path/sample/tally.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/sample_count.h"
 
 namespace tdpt {
@@ -27,6 +28,7 @@ struct RenderState {
   std::optional<TargetOutcome> target;
   ErrorPilot pilot;
   PictureBlocks blocks;
+  std::optional<NoiseWatch> watch{};  ///< since this process has the film; to estimate the noise
 
   uint64_t next() const { return first + film.samples(); }  ///< index of the next sample
   /// Samples per pixel of the whole picture, as far as is known.

@@ -6,9 +6,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
@@ -47,14 +49,14 @@ bool filters_together(const Arguments& a) {
 }
 
 // Job::mark: the number of the frame, and a hash of what determines its picture. `shape`: of its
-// film. `plan`: text of the plan that it obeys, where --plan names one.
-// `beside`: the frames with which it is filtered.
+// film. `content`: the plan that it obeys, where --plan names one, and the frames with which it is
+// filtered.
 std::string frame_mark(const Arguments& a, const cli::Common& common, const Shape& shape,
-                       const std::vector<int64_t>& beside, const std::string& plan) {
-  std::string text =
-      fmt::format("{} {} {} {}|{} {} {}|{} {}|{} {}|{}|", a.spp, a.seconds, a.target_error, a.retry,
-                  a.denoise, a.denoiser, fmt::join(beside, " "), a.aov, a.pixels, a.compression,
-                  static_cast<int>(common.quality), common.no_provenance, plan);
+                       const std::string& content) {
+  const auto facts = std::make_tuple(
+      a.spp, a.seconds, a.target_error, a.retry, static_cast<int>(common.quality), a.denoise,
+      a.denoiser, a.since, a.aov, a.pixels, a.compression, common.no_provenance, content);
+  std::string text = fmt::format("{}|", fmt::join(facts, "|"));
   for (const auto& [name, value] : shape) text += name + "=" + value + "|";
   return fmt::format("{} {}", *a.frame, content_hash(text));
 }
@@ -167,46 +169,40 @@ PlanFile plan_of_shot(const Arguments& a, const cli::Common& common, Workshop& s
 
 // A frame of a shot.
 struct Frame {
-  FrameRun run;
-  std::vector<std::string> portals;  // hashes of their files
+  int64_t since;                     // the first whose samples it has [frame_run()]
+  std::vector<std::string> portals;  // hashes of files of its own
   std::vector<int64_t> beside;       // the frames with which it is filtered
   std::string mark;
   bool missing = true;  // not there, complete and by this command
 };
 using Frames = std::map<int64_t, Frame>;
 
-// All of them, as they are to be rendered: with --accumulate those in which nothing has moved share
-// their first one.
+// All of them: with --accumulate those in which nothing has moved share their first one.
 Frames planned_frames(const Arguments& a, const cli::Common& common, Workshop& shop) {
   Frames frames;
   const FrameRange range = frame_range(a.shot);
   std::string before;
   for (int64_t k = range.first, since = k; k <= range.last; ++k) {
-    FrameRun run = frame_run(a, common, k, k);
+    const Arguments alone = frame_run(a, common, k, k).arguments;
     std::vector<std::string> portals;
-    if (run.arguments.portals_by_frame)
-      for (const std::string& path : run.arguments.portals)
-        portals.push_back(read_portals(path).hash);
-    if (a.accumulate) {
-      const std::string moment =
-          fmt::format("{} {}", shop.scenery.moment(run.arguments), fmt::join(portals, " "));
-      if (k == range.first || moment != before) since = k;
-      before = moment;
-      run = frame_run(a, common, k, since);
-    }
-    frames.emplace(k, Frame{std::move(run), std::move(portals), {}, {}});
+    if (alone.portals_by_frame)
+      for (const std::string& path : alone.portals) portals.push_back(read_portals(path).hash);
+    std::string moment =
+        a.accumulate ? fmt::format("{} {}", shop.scenery.moment(alone), fmt::join(portals, " "))
+                     : "";
+    if (!a.accumulate || moment != before) since = k;
+    before = std::move(moment);
+    frames.emplace(k, Frame{since, std::move(portals), {}, {}});
   }
   return frames;
 }
 
-// Frames beside this one whose samples are not its own, if frames are filtered together.
+// Frames beside this one whose samples are not its own.
 std::vector<int64_t> frames_beside(int64_t frame, const Frames& frames) {
-  const Arguments& a = frames.at(frame).run.arguments;
   std::vector<int64_t> beside;
-  if (!filters_together(a)) return beside;
   for (const int64_t k : {frame - 1, frame + 1}) {
     const auto other = frames.find(k);
-    if (other != frames.end() && other->second.run.arguments.since != a.since) beside.push_back(k);
+    if (other != frames.end() && other->second.since != frames.at(frame).since) beside.push_back(k);
   }
   return beside;
 }
@@ -219,20 +215,21 @@ Frames frames_of(const Arguments& a, const cli::Common& common, Workshop& shop,
   Frames frames = planned_frames(a, common, shop);
   size_t there = 0;
   for (auto& [k, frame] : frames) {
-    const Arguments& of = frame.run.arguments;
-    Shaping by = shaping_of(in, of, frame.run.common);
-    if (of.portals_by_frame) by.portal_hashes = frame.portals;
-    frame.beside = frames_beside(k, frames);
-    frame.mark = frame_mark(of, common, film_shape_of(of, by), frame.beside,
-                            plan ? plan_text(plan->of_frame(k)) : "");
-    frame.missing = !has_mark(frame.run.common.output, frame.mark, a.shard);
+    const FrameRun own = frame_run(a, common, k, frame.since);
+    Shaping by = shaping_of(in, own.arguments, own.common);
+    if (own.arguments.portals_by_frame) by.portal_hashes = frame.portals;
+    if (filters_together(a)) frame.beside = frames_beside(k, frames);
+    std::string content = plan ? plan_text(plan->of_frame(frame.since)) : "";
+    for (const int64_t other : frame.beside)
+      content += fmt::format(" {} since {}", other, frames.at(other).since);
+    frame.mark = frame_mark(own.arguments, common, film_shape_of(own.arguments, by), content);
+    frame.missing = !has_mark(own.common.output, frame.mark, a.shard);
     there += !frame.missing;
+    if (frame.missing) check_schedule(own.arguments);
   }
   if (there > 0)
     common.note(fmt::format("{} there already",
                             there == 1 ? "1 frame is" : fmt::format("{} frames are", there)));
-  for (const auto& [k, frame] : frames)
-    if (frame.missing) check_schedule(frame.run.arguments);
   return frames;
 }
 
@@ -267,34 +264,33 @@ class Previews {
 // The frames of a shot that are filtered together with those beside them.
 class FilteredFrames {
  public:
-  FilteredFrames(Workshop& shop, const PlanFile& plan, const Frames& frames)
-      : shop_(shop), plan_(plan), frames_(frames) {}
+  FilteredFrames(const Arguments& a, const cli::Common& common, Workshop& shop,
+                 const PlanFile& plan, const Frames& frames)
+      : a_(a), common_(common), shop_(shop), plan_(plan), frames_(frames) {}
 
   /// Renders what the frame needs and is not rendered yet, filters it and writes it.
-  Made make(int64_t number, std::optional<double> exposure) {
-    const Frame& frame = frames_.at(number);
-    std::vector<int64_t> needed = frame.beside;
+  Made make(const FrameRun& run) {
+    const int64_t number = *run.arguments.frame;
+    std::vector<int64_t> needed = frames_.at(number).beside;
     needed.push_back(number);
     std::sort(needed.begin(), needed.end());
     for (const int64_t k : needed) {
       if (noisy_.contains(k)) continue;
       const Frame& other = frames_.at(k);
-      FrameRun run = other.run;
-      if (!other.missing) keep_files_of(run);
-      MadeNoisy made = render_noisy(run.arguments, run.common, shop_, &plan_, other.mark);
+      FrameRun noisy = frame_run(a_, common_, k, other.since);
+      if (!other.missing) keep_files_of(noisy);
+      MadeNoisy made = render_noisy(noisy.arguments, noisy.common, shop_, &plan_, other.mark);
       if (made.code != 0) return made;
       noisy_[k] = std::move(made);
     }
     noisy_.erase(noisy_.begin(), noisy_.lower_bound(number - 1));
     std::vector<denoise::NamedPicture> beside;
-    for (const int64_t k : frame.beside)
+    for (const int64_t k : frames_.at(number).beside)
       if (const Unfiltered& other = noisy_.at(k).picture; other.both_halves)
         beside.push_back({other.file, fmt::format("{}", k)});
     Unfiltered picture = noisy_.at(number).picture;
-    Arguments arguments = frame.run.arguments;
-    arguments.exposure = exposure;
     const Delivered delivered =
-        deliver_frame(arguments, frame.run.common, std::move(picture), beside);
+        deliver_frame(run.arguments, run.common, std::move(picture), beside);
     const std::string filtered =
         delivered.relmse > 0
             ? fmt::format("; filtered: relMSE about {}", number_words(delivered.relmse, 2))
@@ -309,6 +305,8 @@ class FilteredFrames {
     run.common.json = false;
   }
 
+  const Arguments& a_;
+  const cli::Common& common_;
   Workshop& shop_;
   const PlanFile& plan_;
   const Frames& frames_;
@@ -341,19 +339,20 @@ int render_shot(const Arguments& a, const cli::Common& common, Workshop& shop) {
   Previews previews(a, common);
   for (const auto& [k, frame] : frames) {
     if (frame.missing) continue;
-    previews.take(frame.run);
-    previews.mend(frame.run);
+    const FrameRun run = frame_run(a, common, k, frame.since);
+    previews.take(run);
+    previews.mend(run);
   }
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0;
   std::optional<FilteredFrames> filtered;
-  if (plan && filters_together(a)) filtered.emplace(shop, *plan, frames);
+  if (plan && filters_together(a)) filtered.emplace(a, common, shop, *plan, frames);
   for (const auto& [k, frame] : frames) {
     if (!frame.missing) continue;
-    FrameRun run = frame.run;
+    FrameRun run = frame_run(a, common, k, frame.since);
     run.arguments.exposure = previews.exposure();
     const Made made = filtered
-                          ? filtered->make(k, run.arguments.exposure)
+                          ? filtered->make(run)
                           : render_picture(run.arguments, run.common, shop, &*plan, frame.mark);
     if (made.code != 0) return made.code;
     previews.take(run);
