@@ -24,7 +24,8 @@ constexpr double kCertain = 3;
 // It then counts as if the error were so many times as large: errors lie on few of the pixels over
 // which they are averaged.
 constexpr double kFew = 3;
-constexpr double kDark = 0.01;       // as in relMSE
+constexpr float kBrighter = 2, kDim = 0.01f;  // the latter of the mean radiance
+constexpr double kDark = 0.01;                // as in relMSE
 constexpr float kBrightest = 1e12f;  // over the mean of this picture; only other frames have it
 constexpr double kUntold = 1.5;      // see the header
 
@@ -42,16 +43,24 @@ Colour mean(const Halves& h, float share_a) {
   return all;
 }
 
-// Smoothed squared differences, times a factor.
+// Squared differences, smoothed, times a factor. What a pixel has of brighter ones is limited as if
+// they were kBrighter times as bright as it: beside a lamp there is no noise of the lamp's size.
 Colour differences(Size size, const Halves& h, float factor) {
   Colour all;
   for (size_t c = 0; c < 3; ++c) {
-    Plane plane(size.pixels());
-    for (size_t i = 0; i < plane.size(); ++i) {
+    Plane bright(size.pixels()), squares(size.pixels()), relative(size.pixels());
+    for (size_t i = 0; i < bright.size(); ++i) bright[i] = 0.5f * (h.a[c][i] + h.b[c][i]);
+    bright = medians(bright, size);
+    for (float& b : bright) b = (b + kDim) * (b + kDim);
+    for (size_t i = 0; i < squares.size(); ++i) {
       const float d = h.a[c][i] - h.b[c][i];
-      plane[i] = factor * (d * d);
+      squares[i] = factor * (d * d);
+      relative[i] = squares[i] / bright[i];
     }
-    all[c] = smooth(plane, size, kVarianceSmoothing);
+    all[c] = smooth(squares, size, kVarianceSmoothing);
+    relative = smooth(relative, size, kVarianceSmoothing);
+    for (size_t i = 0; i < squares.size(); ++i)
+      all[c][i] = std::min(all[c][i], kBrighter * kBrighter * bright[i] * relative[i]);
   }
   return all;
 }
@@ -282,8 +291,9 @@ class Filter {
   std::vector<Halves> candidates_;
 };
 
-// How far apart two pixels can be that affect each other: filters reach three deviations.
-constexpr int kHalo = 2 * 5 + (kReach + kPilotPatch) + (kReach + kPatch) + 2 * 9 + 6;
+// How far apart two pixels can be that affect each other: filters reach three deviations, medians
+// one pixel.
+constexpr int kHalo = 2 * (5 + 1) + (kReach + kPilotPatch) + (kReach + kPatch) + 2 * 9 + 6;
 
 // A part of the input, with its halo as far as the picture goes.
 struct Block {

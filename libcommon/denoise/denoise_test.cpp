@@ -72,6 +72,32 @@ TEST(Denoise, FeaturesOfAnotherPlaceBlurTheTexture) {
   EXPECT_LT(gain(picture, input), right / 1.3);
 }
 
+// A lamp in a wall of the same colour, normal and depth: only its light tells it. Its edge, between
+// two pixels, is noisy.
+TEST(Denoise, ALampHasNoHalo) {
+  const TestPicture picture;
+  Input input = picture.halves(0.3);
+  for (Plane& plane : input.shot.features) std::fill(plane.begin(), plane.end(), 0.5f);
+  constexpr float kLamp = 40, kWall = 0.25f;
+  const auto row = [](size_t i) { return i / 96; };
+  Neighbour beside{input.shot, Plane(picture.truth[0].size(), 1.0f)};
+  for (size_t i = 0; i < picture.truth[0].size(); ++i)
+    for (Shot* shot : {&input.shot, &beside.shot})
+      for (Colour* half : {&shot->a, &shot->b}) {
+        const auto u = static_cast<float>(unit_double(mix64(2 * i + (half == &shot->a))));
+        // What is beside shows the lamp a fraction of a pixel further down.
+        const float edge = shot == &input.shot ? 0 : 0.05f;
+        const float share = row(i) < 20    ? 1
+                            : row(i) == 20 ? 0.4f + 0.2f * u
+                            : row(i) == 21 ? edge
+                                           : 0;
+        for (Plane& plane : *half) plane[i] = kWall * (0.9f + 0.2f * u) + share * kLamp;
+      }
+  input.neighbours = {beside};
+  const Result result = denoise(input);
+  for (size_t i = 21 * 96; i < 26 * 96; ++i) EXPECT_LT(result.picture[1][i], 1.5f * kWall) << i;
+}
+
 TEST(Denoise, TheMeanStays) {
   const TestPicture picture;
   for (const double noise : {0.1, 0.5, 1.0}) {

@@ -1,6 +1,7 @@
 #include "libcommon/denoise/planes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -77,6 +78,25 @@ Plane smooth_others(const Plane& plane, Size size, double deviation) {
   const Plane weights = weights_of_smoothing(size, deviation);
   for (size_t i = 0; i < all.size(); ++i)
     if (weights[i] > 1) all[i] = (all[i] * weights[i] - plane[i]) / (weights[i] - 1);
+  return all;
+}
+
+Plane medians(const Plane& plane, Size size) {
+  Plane all(plane.size());
+  tbb::parallel_for(0, size.height, [&](int y) {
+    for (int x = 0; x < size.width; ++x) {
+      std::array<float, 9> around{};
+      auto end = around.begin();
+      for (int v = std::max(0, y - 1); v <= std::min(size.height - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(size.width - 1, x + 1); ++u)
+          *end++ = plane[static_cast<size_t>(v) * static_cast<size_t>(size.width) +
+                         static_cast<size_t>(u)];
+      const auto middle = around.begin() + (end - around.begin()) / 2;
+      std::nth_element(around.begin(), middle, end);
+      all[static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x)] =
+          *middle;
+    }
+  });
   return all;
 }
 

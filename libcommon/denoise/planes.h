@@ -22,4 +22,7 @@ Plane weights_of_smoothing(Size size, double deviation);
 /// The same of a pixel's neighbours, without itself.
 Plane smooth_others(const Plane& plane, Size size, double deviation);
 
+/// Median of each pixel and those around it, 3 x 3; at the borders of those that there are.
+Plane medians(const Plane& plane, Size size);
+
 }  // namespace tdpt::denoise

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -14,6 +15,8 @@ namespace {
 constexpr double kSameDepth = 0.03;
 // Of the weights of four pixels, how much those that show a place must have.
 constexpr double kLeastWeight = 0.2;
+// How many times as bright as another one of them may be, unless its share is that of rounding.
+constexpr float kAlike = 4, kNoShare = 1e-6f;
 
 // Four pixels, and the share of each in what is seen between them.
 struct Taps {
@@ -67,15 +70,36 @@ Taps pixels_that_show(const View& from, const View& to, int x, int y) {
   });
 }
 
+// About how bright a picture is, whatever its noise.
+Plane brightness_of(const Shot& shot, Size size) {
+  Plane all(size.pixels());
+  for (size_t i = 0; i < all.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) all[i] += shot.a[c][i] + shot.b[c][i];
+  return medians(all, size);
+}
+
+// Whether the taps are as bright as each other, roughly: a mixture of a lamp and of what is beside
+// it is neither, and would be a halo of the lamp.
+bool alike(const Taps& taps, const Plane& brightness) {
+  float least = std::numeric_limits<float>::max(), most = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    if (taps.share[k] < kNoShare) continue;
+    least = std::min(least, brightness[taps.pixel[k]]);
+    most = std::max(most, brightness[taps.pixel[k]]);
+  }
+  return most <= kAlike * least;
+}
+
 }  // namespace
 
 Neighbour reproject(const Shot& there, const View& from, const Shot& here, const View& to) {
   Neighbour all{here, Plane(to.depth.size())};
   all.shot.share_a = there.share_a;
+  const Plane brightness = brightness_of(there, {from.film.width(), from.film.height()});
   tbb::parallel_for(0, to.film.height(), [&](int y) {
     for (int x = 0; x < to.film.width(); ++x) {
       const Taps taps = pixels_that_show(from, to, x, y);
-      if (!taps.any) continue;
+      if (!taps.any || !alike(taps, brightness)) continue;
       const auto seen = [&](const Plane& plane) {
         float value = 0;
         for (size_t k = 0; k < 4; ++k) value += taps.share[k] * plane[taps.pixel[k]];

@@ -79,6 +79,23 @@ TEST(Reproject, BetweenPixelsIsWhatLinearInterpolationSays) {
   }
 }
 
+// Between a lamp and a wall, of the same depth, is neither, unless no pixel lies between them.
+TEST(Reproject, NothingIsTakenFromTheEdgeOfALamp) {
+  Shot there = numbered(0);
+  Plane plane(kSize.pixels());
+  for (size_t i = 0; i < plane.size(); ++i) plane[i] = i % 96 < 40 ? 40.0f : 0.25f;
+  plane[20 * 96 + 60] = 1000;  // noise is no edge
+  there.a.fill(plane);
+  there.b.fill(plane);
+  for (const double moved : {0.5, 0.0}) {
+    const Neighbour all = reproject(there, view(moved), numbered(0), view(0));
+    for (size_t x = 1; x < 95; ++x) {
+      const bool edge = moved > 0 && x == 40;
+      EXPECT_EQ(all.present[20 * 96 + x], edge ? 0 : 1) << moved << ' ' << x;
+    }
+  }
+}
+
 TEST(Reproject, WhatIsHiddenThereOrNothingIsNotTaken) {
   const auto share = [](double here, double there) {
     const Plane present =
