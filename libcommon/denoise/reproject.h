@@ -1,8 +1,9 @@
 // Moves another frame of a moving picture to where this one shows the same.
 //
 // Method: reverse reprojection. The place x that a pixel sees, by camera and depth, is looked up in
-// the other picture, between four pixels; those show it whose depth agrees. Where one of them is far
-// brighter, as at the edge of a lamp, their mixture is taken for nothing that is seen from here.
+// the other picture, between four pixels; those show it whose depth agrees. Where one of them is
+// far brighter, as at the edge of a lamp, their mixture is taken for nothing that is seen from
+// here.
 //
 //   x = eye + w z / (w . forward)     w through the pixel's centre, z its depth
 //
