@@ -24,8 +24,10 @@ constexpr double kCertain = 3;
 // It then counts as if the error were so many times as large: errors lie on few of the pixels over
 // which they are averaged.
 constexpr double kFew = 3;
-constexpr float kBrighter = 2, kDim = 0.01f;  // the latter of the mean radiance
-constexpr double kDark = 0.01;                // as in relMSE
+// How many times as bright as itself a pixel's neighbours count, and what is added to brightness,
+// of the mean radiance.
+constexpr float kBrighter = 2, kDim = 0.01f;
+constexpr double kDark = 0.01;       // as in relMSE
 constexpr float kBrightest = 1e12f;  // over the mean of this picture; only other frames have it
 constexpr double kUntold = 1.5;      // see the header
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -70,24 +71,33 @@ Taps pixels_that_show(const View& from, const View& to, int x, int y) {
   });
 }
 
-// About how bright a picture is, whatever its noise.
-Plane brightness_of(const Shot& shot, Size size) {
-  Plane all(size.pixels());
-  for (size_t i = 0; i < all.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) all[i] += shot.a[c][i] + shot.b[c][i];
-  return medians(all, size);
+// Between what each half says, a pixel is about so bright, whatever its noise.
+struct Brightness {
+  Plane least, most;
+};
+
+Brightness brightness_of(const Shot& shot, Size size) {
+  const auto of_half = [&](const Colour& half) {
+    Plane all(size.pixels());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = half[0][i] + half[1][i] + half[2][i];
+    return medians(all, size);
+  };
+  Brightness all{of_half(shot.a), of_half(shot.b)};
+  for (size_t i = 0; i < size.pixels(); ++i)
+    std::tie(all.least[i], all.most[i]) = std::minmax({all.least[i], all.most[i]});
+  return all;
 }
 
-// Whether the taps are as bright as each other, roughly: a mixture of a lamp and of what is beside
-// it is neither, and would be a halo of the lamp.
-bool alike(const Taps& taps, const Plane& brightness) {
-  float least = std::numeric_limits<float>::max(), most = 0;
+// Whether the taps may be as bright as each other, roughly: a mixture of a lamp and of what is
+// beside it is neither, and would be a halo of the lamp.
+bool alike(const Taps& taps, const Brightness& brightness) {
+  float dim = std::numeric_limits<float>::max(), bright = 0;
   for (size_t k = 0; k < 4; ++k) {
     if (taps.share[k] < kNoShare) continue;
-    least = std::min(least, brightness[taps.pixel[k]]);
-    most = std::max(most, brightness[taps.pixel[k]]);
+    dim = std::min(dim, brightness.most[taps.pixel[k]]);
+    bright = std::max(bright, brightness.least[taps.pixel[k]]);
   }
-  return most <= kAlike * least;
+  return bright <= kAlike * dim;
 }
 
 }  // namespace
@@ -95,7 +105,7 @@ bool alike(const Taps& taps, const Plane& brightness) {
 Neighbour reproject(const Shot& there, const View& from, const Shot& here, const View& to) {
   Neighbour all{here, Plane(to.depth.size())};
   all.shot.share_a = there.share_a;
-  const Plane brightness = brightness_of(there, {from.film.width(), from.film.height()});
+  const Brightness brightness = brightness_of(there, {from.film.width(), from.film.height()});
   tbb::parallel_for(0, to.film.height(), [&](int y) {
     for (int x = 0; x < to.film.width(); ++x) {
       const Taps taps = pixels_that_show(from, to, x, y);

@@ -86,6 +86,8 @@ TEST(Reproject, NothingIsTakenFromTheEdgeOfALamp) {
   for (size_t i = 0; i < plane.size(); ++i) plane[i] = i % 96 < 40 ? 40.0f : 0.25f;
   plane[20 * 96 + 60] = 1000;  // noise is no edge
   there.a.fill(plane);
+  for (size_t i = 0; i < plane.size(); ++i)
+    if (i % 96 >= 70) plane[i] = 40;  // nor is what one half alone says
   there.b.fill(plane);
   for (const double moved : {0.5, 0.0}) {
     const Neighbour all = reproject(there, view(moved), numbered(0), view(0));
