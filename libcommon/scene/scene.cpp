@@ -60,6 +60,10 @@ bool Scene::is_scene_of(const std::string& identity) const {
   return identity.substr(0, identity.find_first_of("@+")) == hash;
 }
 
+bool is_under_sky(const std::string& identity) {
+  return identity.find('+') != std::string::npos;
+}
+
 void check_made_from(const Scene& scene, const std::string& identity, const std::string& file) {
   if (identity == scene.identity()) return;
   const std::string name = display_name(scene.path);

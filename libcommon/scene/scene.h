@@ -189,6 +189,9 @@ struct TriangleShape {
 };
 TriangleShape shape_of(const Scene& scene, uint32_t triangle);
 
+/// Whether the scene of this identity is under a sky.
+bool is_under_sky(const std::string& identity);
+
 /// Throws InputError if `file` (as the user named it), which carries `identity`, was made from
 /// another scene, or from this one under another sky.
 void check_made_from(const Scene& scene, const std::string& identity, const std::string& file);

@@ -40,23 +40,28 @@ Vec3d z_up(const Vec3d& v) {
   return {v.x, -v.z, v.y};
 }
 
+std::string row_of(const Portal& portal) {
+  const Rectangle r = rectangle_of(portal);
+  const Placement p = shining_along_minus_z(r);
+  std::string text =
+      fmt::format("    (\"{}\", {},\n     (", portal.name, numbers({r.width, r.height}, ", "));
+  const char* between = "";
+  for (const auto& row : Placement{z_up(p.x), z_up(p.y), z_up(p.z), z_up(p.origin)}.rows()) {
+    text += fmt::format("{}({})", between, numbers(row, ", "));
+    between = ",\n      ";
+  }
+  return text + ")),\n";
+}
+
 }  // namespace
 
 std::string portals_for_cycles(const PortalFile& file) {
   std::string text;
   for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
   text += kUse;
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    const Rectangle r = rectangle_of(file.portals[n]);
-    const Placement p = shining_along_minus_z(r);
-    text += fmt::format("    (\"portal.{}\", {},\n     (", n, numbers({r.width, r.height}, ", "));
-    const char* between = "";
-    for (const auto& row : Placement{z_up(p.x), z_up(p.y), z_up(p.z), z_up(p.origin)}.rows()) {
-      text += fmt::format("{}({})", between, numbers(row, ", "));
-      between = ",\n      ";
-    }
-    text += ")),\n";
-  }
+  const SkyPortals portals = sky_portals(file);
+  for (const Portal& portal : portals.outer) text += row_of(portal);
+  for (const Portal& portal : portals.inner) text += commented(portal, row_of(portal), "# ");
   return text + kProgram;
 }
 

@@ -19,6 +19,20 @@ std::string in_comment(const std::string& text) {
   return spaced;
 }
 
+std::string emitter(const Portal& portal) {
+  const Rectangle r = rectangle_of(portal);
+  const Placement p{r.x * (0.5 * r.width), r.y * (0.5 * r.height), r.normal, r.centre};
+  std::vector<double> matrix;
+  for (const auto& row : p.rows()) matrix.insert(matrix.end(), row.begin(), row.end());
+  return fmt::format(
+      "    <emitter type=\"portal\" id=\"{}\">\n"
+      "        <transform name=\"to_world\">\n"
+      "            <matrix value=\"{}\"/>\n"
+      "        </transform>\n"
+      "    </emitter>\n",
+      identifier(portal), numbers(matrix));
+}
+
 }  // namespace
 
 std::string portals_for_mitsuba(const PortalFile& file) {
@@ -29,19 +43,10 @@ std::string portals_for_mitsuba(const PortalFile& file) {
       "<!-- Mitsuba 3 from September 2026 on, which has the emitter \"portal\":\n"
       "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
       "<scene version=\"3.0.0\">\n";
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    const Rectangle r = rectangle_of(file.portals[n]);
-    const Placement p{r.x * (0.5 * r.width), r.y * (0.5 * r.height), r.normal, r.centre};
-    std::vector<double> matrix;
-    for (const auto& row : p.rows()) matrix.insert(matrix.end(), row.begin(), row.end());
-    text += fmt::format(
-        "    <emitter type=\"portal\" id=\"portal_{}\">\n"
-        "        <transform name=\"to_world\">\n"
-        "            <matrix value=\"{}\"/>\n"
-        "        </transform>\n"
-        "    </emitter>\n",
-        n, numbers(matrix));
-  }
+  const SkyPortals portals = sky_portals(file);
+  for (const Portal& portal : portals.outer) text += emitter(portal);
+  for (const Portal& portal : portals.inner)
+    text += "    <!--\n" + commented(portal, emitter(portal), "") + "    -->\n";
   return text + "</scene>\n";
 }
 

@@ -20,6 +20,20 @@ std::string transposed(const Placement& p) {
   return fmt::format("( {} )", fmt::join(rows, ", "));
 }
 
+std::string prim(const Portal& portal) {
+  const Rectangle r = rectangle_of(portal);
+  return fmt::format(
+      "    def PortalLight \"{}\"\n"
+      "    {{\n"
+      "        float inputs:height = {}\n"
+      "        float inputs:width = {}\n"
+      "        matrix4d xformOp:transform = {}\n"
+      "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
+      "    }}\n",
+      identifier(portal), numbers({r.height}), numbers({r.width}),
+      transposed(shining_along_minus_z(r)));
+}
+
 }  // namespace
 
 std::string portals_for_usd(const PortalFile& file) {
@@ -33,19 +47,12 @@ std::string portals_for_usd(const PortalFile& file) {
   for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
   text += "\ndef Xform \"Portals\"\n{\n";
   std::vector<std::string> paths;
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    const Rectangle r = rectangle_of(file.portals[n]);
-    text += fmt::format(
-        "    def PortalLight \"portal_{}\"\n"
-        "    {{\n"
-        "        float inputs:height = {}\n"
-        "        float inputs:width = {}\n"
-        "        matrix4d xformOp:transform = {}\n"
-        "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
-        "    }}\n",
-        n, numbers({r.height}), numbers({r.width}), transposed(shining_along_minus_z(r)));
-    paths.push_back(fmt::format("</Portals/portal_{}>", n));
+  const SkyPortals portals = sky_portals(file);
+  for (const Portal& portal : portals.outer) {
+    text += prim(portal);
+    paths.push_back(fmt::format("</Portals/{}>", identifier(portal)));
   }
+  for (const Portal& portal : portals.inner) text += commented(portal, prim(portal), "# ");
   text += fmt::format(
       "}}\n"
       "\n"

@@ -1,4 +1,6 @@
 // portalfit: fits planar light portals to a light grid.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -145,6 +147,22 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
       common, phases);
 }
 
+// Which of the portals another renderer is given: those of the sky.
+void tell_of_sky(const cli::Common& common, const LightGrid& grid,
+                 const std::vector<Portal>& portals) {
+  const auto outer =
+      static_cast<size_t>(std::count_if(portals.begin(), portals.end(), lets_in_sky));
+  if (outer == portals.size()) return;
+  if (outer > 0)
+    return common.note(fmt::format("{} of {} portals {} in the sky; the others are comments", outer,
+                                   portals.size(), outer == 1 ? "lets" : "let"));
+  common.warn(fmt::format(
+      "no portal lets in the sky, which other renderers have portals for; all are comments{}",
+      is_under_sky(grid.scene_hash) ? ""
+                                    : ". The scene has no sky: give ffgraph and lightgrid an "
+                                      "--environment"));
+}
+
 int run(const Arguments& a, const cli::Common& common) {
   if (a.preview.empty() && !a.scene.empty()) throw UsageError("--scene goes with --preview");
   if (a.scene.empty() && a.pose.is_given())
@@ -163,6 +181,7 @@ int run(const Arguments& a, const cli::Common& common) {
   file.provenance = common.provenance(files);
   nlohmann::json summary = tell(a, common, found);
   if (found.portals.empty()) summary["reason"] = why_none(a, common, grid);
+  if (!a.renderer.empty()) tell_of_sky(common, grid, file.portals);
   common.explain_by([&] { return decisions_of(grid, options_of(a), found, phases); });
   deliver(a, common, grid, found, file, phases);
   cli::report(common, summary, phases);

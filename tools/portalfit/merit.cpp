@@ -15,8 +15,12 @@
 #include <numbers>
 #include <optional>
 
+#include "libcommon/scene/scene.h"
+
 namespace tdpt {
 namespace {
+
+constexpr double kBorder = 0.01;  // of a voxel: rounding of a line's end
 
 std::vector<LineCrossing> crossings_of(const std::vector<LightLine>& lines,
                                        const PortalShape& shape) {
@@ -40,6 +44,31 @@ size_t cut_of(const std::vector<LightLine>& lines, const std::vector<size_t>& of
   for (size_t k = 1; k < of_cut.size(); ++k)
     if (share(k) > share(most)) most = k;
   return most;
+}
+
+// Whether the line begins at the grid's border, as the lines do that come from the sky: a grid
+// under a sky spans the rooms and the air around them.
+bool begins_at_border(const LightGrid& grid, const LightLine& line) {
+  const double rounding = kBorder * grid.voxel;
+  for (int c = 0; c < 3; ++c) {
+    const double at = line.light[c] - grid.origin[c];
+    if (at < rounding || at > grid.voxel * grid.dim[static_cast<size_t>(c)] - rounding) return true;
+  }
+  return false;
+}
+
+// Whether it says what comes from the sky. Tables without walls have the box of the lines alone.
+bool tells_of_sky(const LightGrid& grid) {
+  return !grid.scene_hash.empty() &&
+         std::find(grid.air.begin(), grid.air.end(), 0) != grid.air.end();
+}
+
+// Where the line crosses the shape, of its length from the light.
+std::optional<double> way_to(const PortalShape& shape, const LightLine& line) {
+  const auto at = crossing(shape.plane, line);
+  if (!at || !contains(shape, *at)) return {};
+  const double before = dot(shape.plane.o - line.light, shape.plane.n);
+  return before / dot(line.camera - line.light, shape.plane.n);
 }
 
 }  // namespace
@@ -71,6 +100,7 @@ namespace {
 // A portal with its cut, and that cut's lines that cross it.
 struct Appraised {
   Portal* portal;
+  PortalShape shape;
   size_t cut;
   std::vector<LineCrossing> crossings;
   std::optional<double> tightness;
@@ -96,6 +126,21 @@ void appraise_cut(const LightGrid& grid, size_t c, size_t lines,
     if (counts(a)) a.portal->figures["conductance"] = conductance;
 }
 
+// Sets `sky` on the portal: the share of its lines that come from outside and meet it first.
+void appraise_sky(const LightGrid& grid, const Appraised& a, const std::vector<Appraised>& all) {
+  size_t first = 0;
+  for (const LineCrossing& c : a.crossings) {
+    const LightLine& line = grid.lines[c.line];
+    if (!is_under_sky(grid.scene_hash) || !begins_at_border(grid, line)) continue;
+    const double here = way_to(a.shape, line).value_or(0);
+    first += std::none_of(all.begin(), all.end(), [&](const Appraised& other) {
+      return &other != &a && way_to(other.shape, line).value_or(1) < here;
+    });
+  }
+  if (!a.crossings.empty())
+    a.portal->figures["sky"] = static_cast<double>(first) / static_cast<double>(a.crossings.size());
+}
+
 }  // namespace
 
 void appraise(const FitInput& in, std::vector<Portal>& portals) {
@@ -106,15 +151,17 @@ void appraise(const FitInput& in, std::vector<Portal>& portals) {
   for (const LightLine& l : grid.lines) ++lines[l.cut];
   std::vector<Appraised> appraised;
   for (Portal& portal : portals) {
-    const PortalShape shape = shape_of(portal);
+    PortalShape shape = shape_of(portal);
     std::vector<LineCrossing> crossings = crossings_of(grid.lines, shape);
     const size_t cut = cut_of(grid.lines, lines, crossings);
     std::erase_if(crossings, [&](const LineCrossing& c) { return grid.lines[c.line].cut != cut; });
     const auto tightness = tightness_of(grid.lines, shape, crossings, in.limits);
     portal.figures["cut"] = static_cast<double>(cut);
     if (tightness) portal.figures["tightness"] = *tightness;
-    appraised.push_back({&portal, cut, std::move(crossings), tightness});
+    appraised.push_back({&portal, std::move(shape), cut, std::move(crossings), tightness});
   }
+  if (tells_of_sky(grid))
+    for (const Appraised& a : appraised) appraise_sky(grid, a, appraised);
   for (size_t c = 0; c < cuts && c < grid.cuts.size(); ++c)
     appraise_cut(grid, c, lines[c], appraised);
 }

@@ -26,7 +26,9 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
 /// Adds figures of portal(5) to each portal: `cut` (the one that has the largest share of its lines
 /// cross the portal), `tightness` (share of the lines through the portal that pass from one side to
 /// the other: positions uniform, directions cosine-distributed), and `conductance` if the grid
-/// knows its cuts (of the cut, as far as its lines cross its portals).
+/// knows its cuts (of the cut, as far as its lines cross its portals), and `sky` (share of the
+/// portal's lines that come from outside the grid and pass no other portal before it; left out if
+/// the grid names no scene or does not tell air from walls, as tables).
 void appraise(const FitInput& in, std::vector<Portal>& portals);
 
 }  // namespace tdpt

@@ -138,6 +138,42 @@ TEST(Appraise, JambsOnEitherSideOfTheCutMakeNoDifference) {
   EXPECT_GT(width(jambs[0]), 1.9 * width(clear[0]));
 }
 
+// A window at z = 0 and a door at z = 0.5 behind it; half of the lines begin at the window's sill.
+TEST(Appraise, TheSkyMeetsTheWindowFirst) {
+  LightGrid grid;
+  grid.origin = {-8, -8, -8};
+  grid.dim = {16, 16, 16};
+  grid.air.assign(16 * 16 * 16, 1);
+  grid.air[0] = 0;
+  for (const LightLine& l : lines_through(1, 0.1, 2000, 0)) {
+    const Vec3d d = l.camera - l.light;
+    LightLine line = l;
+    line.light = l.light - d * ((l.light.z - -8) / d.z);  // the plane of the grid's border
+    const auto inside = [](double v) { return std::abs(v) < 8; };
+    if (!inside(line.light.x) || !inside(line.light.y)) continue;
+    grid.lines.push_back(line);
+    grid.lines.push_back(l);
+  }
+  Portal door = square(1);
+  for (Vec3d& v : door.vertices) v.z = 0.5;
+  const auto sky_of = [&](const std::string& scene, std::vector<Portal> portals) {
+    grid.scene_hash = scene;
+    appraise({grid, {}}, portals);
+    std::vector<double> sky;
+    for (const Portal& p : portals)
+      sky.push_back(p.figures.contains("sky") ? p.figures.at("sky") : -1);
+    return sky;
+  };
+  const std::vector<double> both = sky_of("a+b", {square(1), door});
+  EXPECT_NEAR(both[0], 0.5, 0.01);
+  EXPECT_EQ(both[1], 0);
+  EXPECT_NEAR(sky_of("a+b", {door})[0], 0.5, 0.01);  // where the window was not found
+  EXPECT_EQ(sky_of("a", {square(1)})[0], 0);         // without a sky
+  EXPECT_EQ(sky_of("", {square(1)})[0], -1);         // unknown
+  grid.air[0] = 1;
+  EXPECT_EQ(sky_of("a+b", {square(1)})[0], -1);
+}
+
 TEST(Appraise, AGridWithoutLinesTellsNothing) {
   std::vector<Portal> portals{square(1)};
   appraise({LightGrid{}, {}}, portals);

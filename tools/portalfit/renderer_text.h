@@ -12,6 +12,19 @@ namespace tdpt {
 /// since file names are not trusted.
 std::vector<std::string> remarks_on(const PortalFile& file);
 
+/// Portals named portal.0, portal.1, ...: those that let in the sky, and those further in, where
+/// the light of the sky has passed another portal. Guiding the sampling of an environment, the
+/// latter are of no use: they stand in the texts as comments.
+struct SkyPortals {
+  std::vector<Portal> outer, inner;
+};
+SkyPortals sky_portals(const PortalFile& file);
+/// `text` with `mark` before each of its lines, after a line that says why the portal is no light.
+std::string commented(const Portal& portal, const std::string& text, const std::string& mark);
+
+/// "portal_0" of portal.0.
+std::string identifier(const Portal& portal);
+
 /// Shortest decimals that read back as the same number, separated by `between`; no negative zero.
 std::string numbers(const std::vector<double>& values, const char* between = " ");
 

@@ -25,6 +25,8 @@ inline constexpr Renderer kRenderers[] = {{"cycles", portals_for_cycles},
                                           {"mitsuba", portals_for_mitsuba},
                                           {"usd", portals_for_usd}};
 std::vector<std::string> renderer_names();
+/// Whether the sky's light meets the portal first, as far as its figure `sky` says.
+bool lets_in_sky(const Portal& portal);
 /// The text for the renderer of that name.
 std::string portals_for(const std::string& renderer, const PortalFile& file);
 

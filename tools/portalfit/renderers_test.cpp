@@ -12,11 +12,11 @@
 
 namespace tdpt::renderers_test {
 
-Portal quadrilateral(const Vec3d& at, const Vec3d& u, const Vec3d& v, double cut = 0) {
+Portal quadrilateral(const Vec3d& at, const Vec3d& u, const Vec3d& v, double sky = 0.6) {
   Portal p;
   p.vertices = {at, at + u, at + u + v, at + v};
   p.triangles = {{0, 1, 2}, {0, 2, 3}};
-  p.figures["cut"] = cut;
+  p.figures["sky"] = sky;
   return p;
 }
 
@@ -165,13 +165,13 @@ TEST(Renderers, PbrtCountsNoLightTwice) {
   // A window that overlaps with the first, a separate one, and a door further in.
   file.portals.push_back(quadrilateral({2, 1, 3}, {0, 0, 2}, {0, 1.5, 0}));
   file.portals.push_back(quadrilateral({2, 1, 6}, {0, 0, 1}, {0, 1.5, 0}));
-  file.portals.push_back(quadrilateral({-2, 0, 2}, {0, 0, 1}, {0, 2, 0}, 1));
+  file.portals.push_back(quadrilateral({-2, 0, 2}, {0, 0, 1}, {0, 2, 0}, 0.01));
   const std::string text = portals_for_pbrt(file);
   EXPECT_EQ(numbers_after(text, "\"point3 portal\" [", 12),
             (std::vector<double>{2, 1, 2, 2, 1, 5, 2, 2.5, 5, 2, 2.5, 2}));
   EXPECT_NE(text.find("\n# portal.0, portal.1\nAttributeBegin\n"), std::string::npos);
   EXPECT_NE(text.find("\n# portal.2\nAttributeBegin\n"), std::string::npos);
-  const std::string door = tail(text, "\n# portal.3: further in,");
+  const std::string door = tail(text, "\n# portal.3: no light from the sky");
   for (size_t at = 0; (at = door.find('\n', at)) + 1 < door.size(); ++at)
     EXPECT_EQ(door[at + 1], '#') << door.substr(at);
 }
