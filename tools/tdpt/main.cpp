@@ -21,7 +21,7 @@ constexpr cli::Program kProgram{
     "tdpt",
     "Finds the portals of a glTF scene and renders it through them. It has "
     "the options of tdpt-render; what the stages before it need of them they get.",
-    "Picture to write (.exr)",
+    "Picture to write (.exr), or the portals alone (.glb)",
     cli::Result::text,
     cli::kLibraries,
     cli::kCommit};

@@ -352,7 +352,7 @@ Making::Ending Making::render() {
   const std::string made = picture_.path() + "/" + kPicture, film = picture_.path() + "/film.exr";
   keep(Unfinished{pipeline_.key}, picture_.path());
   Words words = pipeline_.render.command(made);
-  words.insert(words.end(), {"--set", "progress=json"});
+  if (!asks_for_portals(request_.picture)) words.insert(words.end(), {"--set", "progress=json"});
   ChildProcess::How how;
   how.shares_stdout = true;
   const bool goes_on = is_there(film);

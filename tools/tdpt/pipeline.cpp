@@ -155,16 +155,46 @@ Words Step::command(const std::string& to) const {
   return joined({options, unshaped, inputs, {"-o", to}});
 }
 
+namespace {
+
+std::string entry_of(const Request& r) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(fs::absolute(r.picture, ignored), ignored);
+  return "picture-" + content_hash(place.string());
+}
+
+// The last stage writes what is asked for.
+Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
+                             const WorkFolder& work, const std::string& programs) {
+  Pipeline p;
+  p.picture_entry = entry_of(r);
+  p.searches = {search_of(a, r, state, work, programs, nullptr)};
+  p.key = p.searches[0].entry;
+  p.render = p.searches[0].stages.back();
+  p.render.output = r.picture;
+  p.searches[0].stages.pop_back();
+  p.check = joined({{programs + "/tdpt-render"},
+                    r.camera,
+                    r.pose,
+                    r.sky,
+                    r.device,
+                    r.all,
+                    r.unshaped,
+                    {r.scene, "-o", "portals.exr", "--check"}});
+  return p;
+}
+
+}  // namespace
+
 Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& state,
                      const WorkFolder& work, const std::string& programs) {
+  if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, work, programs);
   Pipeline p;
   const std::string renderer = programs + "/tdpt-render";
   Words portals = a.portals;
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
-  std::error_code ignored;
-  const fs::path place = fs::weakly_canonical(fs::absolute(r.picture, ignored), ignored);
-  p.picture_entry = "picture-" + content_hash(place.string());
+  p.picture_entry = entry_of(r);
   std::string key_of_found;
   if (portals.empty() && uses_portals(a, state.has_sky)) {
     p.searches = searches_of(a, r, state, work, programs);

@@ -108,14 +108,35 @@ Words words_of_all(const Arguments& a, const cli::Common& common) {
 
 }  // namespace
 
+bool asks_for_portals(const std::string& output) {
+  return output.ends_with(".glb");
+}
+
+namespace {
+
+// Throws UsageError for what belongs to a picture.
+void check_is_of_portals(const Arguments& a, const Request& r) {
+  std::string option;
+  if (!r.render.empty()) option = r.render[0] == "--set" ? "--set " + r.render[1] : r.render[0];
+  if (!r.beside.empty()) option = r.beside[0] == "--set" ? "--set " + r.beside[1] : r.beside[0];
+  if (!a.portals.empty()) option = "--portal";
+  if (!a.report.empty()) option = "--report";
+  if (r.is_shot) option = "--frames";
+  if (!option.empty())
+    throw UsageError(fmt::format("{}: is for a picture, -o {} for portals", option, r.picture));
+}
+
+}  // namespace
+
 Request request_of(const Arguments& a, const cli::Common& common) {
   if (a.scene.empty()) throw UsageError("no scene is given; 'tdpt --help' tells how");
   if (!a.scene.ends_with(".glb") && !a.scene.ends_with(".gltf"))
     throw UsageError(a.scene + ": is no .glb or .gltf");
   if (!common.output_given || common.output == "-")
     throw UsageError("-o is missing: the picture to write; 'tdpt --help' tells how");
-  if (!common.output.ends_with(".exr"))
-    throw UsageError("-o " + common.output + ": the picture is OpenEXR, name it .exr");
+  if (!common.output.ends_with(".exr") && !asks_for_portals(common.output))
+    throw UsageError("-o " + common.output +
+                     ": the picture is OpenEXR, name it .exr (or .glb for the portals alone)");
   std::error_code ignored;
   if (std::filesystem::exists(common.output, ignored) &&
       !std::filesystem::is_regular_file(common.output, ignored))
@@ -154,6 +175,7 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     r.stats = a.stats.empty() ? stats_beside(r.picture) : a.stats;
     if (a.stats.empty()) r.beside.insert(r.beside.end(), {"--stats", r.stats});
   }
+  if (asks_for_portals(r.picture)) check_is_of_portals(a, r);
   r.cameras = r.camera;
   if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;

@@ -23,7 +23,7 @@ using Words = std::vector<std::string>;
 /// Options, grouped by the programs that get them.
 struct Request {
   std::string scene;    ///< path, as passed to programs
-  std::string picture;  ///< path
+  std::string picture;  ///< path; of portals, where these are all that is asked for
   Words camera, pose, sky, device, all;
   bool is_shot = false;  ///< `picture` is a pattern: its frames
   std::string stats;     ///< of a shot with a report: the pattern of its statistics
@@ -40,6 +40,9 @@ struct Request {
   /// by path.
   Words identity;
 };
+
+/// Whether -o names a file for the portals, in place of a picture.
+bool asks_for_portals(const std::string& output);
 
 /// Throws UsageError if the command line lacks what no program can find out.
 Request request_of(const Arguments& a, const cli::Common& common);

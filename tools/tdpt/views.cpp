@@ -61,6 +61,17 @@ View view_of(const Arguments& a, const cli::Common& common, const std::string& c
   return view;
 }
 
+// The portals of all cameras are one file.
+View view_of_all(const Arguments& a, const cli::Common& common,
+                 const std::vector<std::string>& all) {
+  View view{a, common};
+  view.arguments.camera.names = {all[0]};
+  view.arguments.views = all;
+  for (cli::Given& given : view.common.given)
+    if (given.name == "--camera") given.values = {all[0]};
+  return view;
+}
+
 // The files of a shot have a number each.
 void check_frames(const Arguments& a, const cli::Common& common) {
   check_shot(a.shot, a.pose);
@@ -90,6 +101,7 @@ std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
   if (!common.dependencies.empty())
     throw UsageError("--set dependencies: is for the picture of one camera");
   if (!common.output_given || cameras.size() == 1) return {{a, common}};
+  if (asks_for_portals(common.output)) return {view_of_all(a, common, cameras)};
   std::vector<View> views;
   std::set<std::string> pictures;
   for (const std::string& camera : cameras) {
