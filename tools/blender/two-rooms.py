@@ -1,5 +1,5 @@
 # two-rooms.py: two rooms with a door ajar, a lamp in the far one, modelled by nothing but this script.
-#   blender -b --factory-startup --python-exit-code 1 -P doc/blender/two-rooms.py -- OUT.blend
+#   blender -b --factory-startup --python-exit-code 1 -P tools/blender/two-rooms.py -- OUT.blend
 # Metres, +Z up. The camera stands in the near room (x 0..4), an area lamp hangs in the far one (x 4.1..7); brick and boards
 # are images that are made here, a glass ball and a table stand in the light that comes in.
 
@@ -48,8 +48,8 @@ def material(name, colour=(0.8, 0.8, 0.8), image=None, roughness=1.0, transmissi
     shader = m.node_tree.nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*colour, 1)
     shader.inputs["Roughness"].default_value = roughness
-    shader.inputs["Specular"].default_value = specular
-    shader.inputs["Transmission"].default_value = transmission
+    shader.inputs["Specular" if "Specular" in shader.inputs else "Specular IOR Level"].default_value = specular
+    shader.inputs["Transmission" if "Transmission" in shader.inputs else "Transmission Weight"].default_value = transmission
     if image:
         texture = m.node_tree.nodes.new("ShaderNodeTexImage")
         texture.image = image

@@ -1,0 +1,150 @@
+"""export.py: a Blender scene as glTF for tdpt, without losing its light.
+  blender -b SCENE.blend --python-exit-code 1 -P export.py -- OUT.glb [--thin-glass]
+What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
+Blender's exporter leaves area lamps, worlds, the picture's size and the thickness of glass out. Here area lamps become
+emitting planes, Diffuse, Glossy and Glass BSDFs become Principled ones, instances become objects, and closed glass gets a
+thickness (--thin-glass: none). World, size and active camera go into the extras of the glTF scene [gltf-scene(5)], the
+world's picture beside OUT; custom properties of the scene called tdpt_... go before them. What is lost all the same is told
+at the end.
+
+The extension runs it in a process of its own, on a copy of the scene: it changes what it exports."""
+import argparse
+import os
+import sys
+
+import bpy
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import gltf_file  # noqa: E402
+import instances  # noqa: E402
+import lamps  # noqa: E402
+import materials  # noqa: E402
+import said  # noqa: E402
+import world  # noqa: E402
+
+KEYS = ("environment", "environment_rotation", "environment_scale", "width", "height", "camera")
+WRITTEN = "export.py: {} written"  # before what is told
+
+
+def options():
+    p = argparse.ArgumentParser(prog="export.py")
+    p.add_argument("out")
+    p.add_argument("--thin-glass", action="store_true", help="leave closed glass hollow")
+    p.add_argument("--scene", nargs=2, metavar=("FILE", "NAME"), help="the scene, in place of the file that is open")
+    p.add_argument("--frame", type=float, help="in place of the frame that it was saved at")
+    a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
+    if not a.out.endswith((".glb", ".gltf")):
+        p.error(f"{a.out}: neither .glb nor .gltf")
+    return a
+
+
+def open_scene(file, name):
+    """One scene of a library, which has no windows."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(file) as (_, here):
+        here.scenes = [name]
+    bpy.context.window.scene = here.scenes[0]
+
+
+def prepare_camera():
+    """The active camera is rendered through also where it is hidden; a name belongs to one camera."""
+    active = bpy.context.scene.camera
+    if not active or active.type != "CAMERA":
+        return None
+    active.hide_render = False
+    if active.data.users > 1:
+        active.data = active.data.copy()
+    if active.data.shift_x or active.data.shift_y:
+        said.say(f"camera {active.name}: its shift is lost")
+    return active.data.name
+
+
+def camera_of(document, name):
+    """Whether the programs can take it."""
+    cameras = [c.get("name") for c in document.get("cameras", []) if c["type"] == "perspective"]
+    if cameras.count(name) == 1:
+        return {"camera": name}
+    if not cameras:
+        said.say("the scene has no perspective camera: give the programs --frame, or --look-from and --look-at")
+    elif name:
+        said.say(f'the active camera {name} is not perspective, or not in the file: the programs take "{cameras[0]}"')
+    return {}
+
+
+def typed():
+    """Custom properties of the scene, which an artist set."""
+    scene = bpy.context.scene
+    values = {key: scene.get("tdpt_" + key) for key in KEYS}
+    return {k: list(v) if hasattr(v, "to_list") else v for k, v in values.items() if v is not None}
+
+
+def last_copy(path):
+    """The sky's picture that an export to this file copied before."""
+    try:
+        return gltf_file.read(path)[0]["asset"]["extras"]["tdpt_copy"]
+    except (OSError, ValueError, KeyError, TypeError, gltf_file.struct.error):
+        return None
+
+
+def add_extras(path, camera, own):
+    document, rest = gltf_file.read(path)
+    render = bpy.context.scene.render
+    size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]
+    extras = {"width": size[0], "height": size[1], **camera_of(document, camera)}
+    given = typed()
+    if "environment" not in given:
+        baked = os.path.join(bpy.app.tempdir or os.path.dirname(path), "baked-sky.exr")
+        sky, picture = world.of(bpy.context.scene.world, baked)
+        if picture:
+            sky["environment"], copied = world.keep(picture, path, own)
+            if copied:
+                document["asset"].setdefault("extras", {})["tdpt_copy"] = sky["environment"]
+        if sky.get("environment"):
+            extras.update(sky)
+    extras.update(given)
+    ours = {"tdpt_" + key: extras[key] for key in KEYS if key in extras}
+    shown = document["scenes"][document.get("scene", 0)]
+    shown["extras"] = {**shown.get("extras", {}), **ours}
+    gltf_file.write(path, document, rest)
+
+
+def export(path):
+    bpy.ops.export_scene.gltf(
+        filepath=path,
+        export_format="GLB" if path.endswith(".glb") else "GLTF_SEPARATE",
+        export_cameras=True,
+        export_lights=True,
+        export_apply=True,
+        use_renderable=True,
+        export_animations=False,
+        export_current_frame=True,
+    )
+
+
+def main():
+    a = options()
+    out = os.path.abspath(a.out)
+    if a.scene:
+        open_scene(*a.scene)
+    bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
+    scene = bpy.context.scene
+    if a.frame is not None:
+        scene.frame_set(int(a.frame // 1), subframe=a.frame % 1)
+    instances.drop_excluded(bpy.context.view_layer.layer_collection)
+    instances.make_real()
+    things = instances.placed()
+    instances.tell_of_lost(things)
+    lamps.prepare(things)
+    things = instances.placed()
+    materials.prepare(things)
+    if not a.thin_glass:
+        materials.fill_glass(things)
+    camera, own = prepare_camera(), last_copy(out)
+    export(out)
+    add_extras(out, camera, own)
+    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in said.LINES]), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+"""Reads the pictures of tdpt-render: OpenEXR in scan lines, uncompressed or ZIP."""
+import struct
+import zlib
+
+import numpy
+
+MAGIC = 20000630
+LINES = {0: 1, 2: 1, 3: 16}  # of a block, by compression: none, ZIPS, ZIP
+TYPES = {0: numpy.uint32, 1: numpy.float16, 2: numpy.float32}
+
+
+def string_at(data, at):
+    end = data.index(b"\0", at)
+    return data[at:end].decode("utf-8", "replace"), end + 1
+
+
+def header(data):
+    """(attributes as bytes, where the table of blocks begins)"""
+    if len(data) < 8 or struct.unpack_from("<I", data)[0] != MAGIC:
+        raise ValueError("no OpenEXR file")
+    found, at = {}, 8
+    while data[at]:
+        name, at = string_at(data, at)
+        _, at = string_at(data, at)
+        size = struct.unpack_from("<I", data, at)[0]
+        found[name] = data[at + 4 : at + 4 + size]
+        at += 4 + size
+    return found, at + 1
+
+
+def channels_in(attribute):
+    channels, at = [], 0
+    while attribute[at]:
+        name, at = string_at(attribute, at)
+        channels.append((name, TYPES[struct.unpack_from("<i", attribute, at)[0]]))
+        at += 16
+    return channels
+
+
+def unpacked(block, size):
+    """ZIP of OpenEXR: bytes as differences, even ones first."""
+    if len(block) == size:
+        return block
+    raw = numpy.frombuffer(zlib.decompress(block), numpy.uint8)
+    sums = numpy.cumsum(raw.astype(numpy.int64) - 128)
+    sums = ((sums + 128) & 255).astype(numpy.uint8)
+    half = (size + 1) // 2
+    whole = numpy.empty(size, numpy.uint8)
+    whole[0::2], whole[1::2] = sums[:half], sums[half:]
+    return whole.tobytes()
+
+
+def read(path, wanted):
+    """{name: array [height, width], first row at the top} of those channels that are there."""
+    with open(path, "rb") as file:
+        data = file.read()
+    attributes, at = header(data)
+    compression = attributes["compression"][0]
+    if compression not in LINES:
+        raise ValueError(f"compression {compression} is not read")
+    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
+    width, height = right - left + 1, bottom - top + 1
+    channels = channels_in(attributes["channels"])
+    line = sum(width * kind().itemsize for _, kind in channels)
+    blocks = -(-height // LINES[compression])
+    found = {name: numpy.zeros((height, width), kind) for name, kind in channels if name in wanted}
+    for place in struct.unpack_from(f"<{blocks}Q", data, at):
+        y, size = struct.unpack_from("<2i", data, place)
+        rows = min(LINES[compression], bottom + 1 - y)
+        block = unpacked(data[place + 8 : place + 8 + size], rows * line)
+        offset = 0
+        for row in range(y - top, y - top + rows):
+            for name, kind in channels:
+                if name in found:
+                    found[name][row] = numpy.frombuffer(block, kind, width, offset)
+                offset += width * kind().itemsize
+    return found

@@ -1,0 +1,46 @@
+"""The scene as glTF, by a Blender of its own: the one with the window goes on, and its scene stays as it is."""
+import hashlib
+import os
+import tempfile
+
+import bpy
+
+from . import programs
+
+WRITTEN = "export.py: "
+
+
+def folder():
+    """For files of this session."""
+    base = bpy.app.tempdir or tempfile.gettempdir()
+    path = os.path.join(base, f"tdpt-{os.getpid()}")
+    os.makedirs(path, exist_ok=True)
+    return path
+
+
+def save(scene):
+    """The scene with all that belongs to it, as it is now, as a library file."""
+    for thing in scene.objects:
+        if thing.mode == "EDIT":
+            thing.update_from_editmode()
+    path = os.path.join(folder(), "scene.blend")
+    bpy.data.libraries.write(path, {scene}, path_remap="ABSOLUTE", fake_user=True)
+    return path
+
+
+def exporting(saved, scene_name, frame, out):
+    """A generator that writes the glTF file `out`; its result: what the export has to tell, sentences."""
+    told = None
+    words = programs.blender("export.py", out, "--scene", saved, scene_name, "--frame", repr(frame))
+    for line in programs.running(words):
+        if told is not None and line.startswith("  "):
+            told.append(line.strip())
+        elif line.startswith(WRITTEN):
+            told = []
+        yield (0.0, "exporting the scene")
+    return told or []
+
+
+def digest(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
