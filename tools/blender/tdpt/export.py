@@ -32,6 +32,7 @@ def options():
     p.add_argument("out")
     p.add_argument("--thin-glass", action="store_true", help="leave closed glass hollow")
     p.add_argument("--scene", nargs=2, metavar=("FILE", "NAME"), help="the scene, in place of the file that is open")
+    p.add_argument("--view-layer", default="", help="in place of the scene's first")
     p.add_argument("--frame", type=float, help="in place of the frame that it was saved at")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
     if not a.out.endswith((".glb", ".gltf")):
@@ -129,6 +130,8 @@ def main():
         open_scene(*a.scene)
     bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
     scene = bpy.context.scene
+    if a.view_layer:
+        bpy.context.window.view_layer = scene.view_layers[a.view_layer]
     if a.frame is not None:
         scene.frame_set(int(a.frame // 1), subframe=a.frame % 1)
     instances.drop_excluded(bpy.context.view_layer.layer_collection)

@@ -47,7 +47,10 @@ def plane_for(thing):
     plane.matrix_world = thing.matrix_world
     for collection in thing.users_collection:
         collection.objects.link(plane)
-    say(f"area lamp {thing.name}: {power:g} W as a plane of radiance {radiance:.4g} W/m2/sr")
+    say(
+        f"area lamp {thing.name}: {power:g} W as a plane of radiance {radiance:.4g} W/m2/sr, which shows and stops light; "
+        "in Cycles it does neither"
+    )
 
 
 def prepare(things):

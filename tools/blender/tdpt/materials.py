@@ -15,13 +15,18 @@ def socket_of(shader, *names):
     return next(shader.inputs[name] for name in names if name in shader.inputs)
 
 
+# Of light that meets a lamp's plane. Cycles' lamps let it pass; what a black plane keeps made a room 2.5 % too dark.
+LAMP_ALBEDO = 0.8
+
+
 def emitting(name, colour, radiance):
-    """A black material that emits on its front."""
+    """A diffuse material that emits on its front."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     material.use_backface_culling = True
     shader = principled(material)
-    shader.inputs["Base Color"].default_value = (0, 0, 0, 1)
+    shader.inputs["Base Color"].default_value = (LAMP_ALBEDO, LAMP_ALBEDO, LAMP_ALBEDO, 1)
+    shader.inputs["Roughness"].default_value = 1
     socket_of(shader, "Specular IOR Level", "Specular").default_value = 0
     socket_of(shader, "Emission Color", "Emission").default_value = (*colour, 1)
     shader.inputs["Emission Strength"].default_value = radiance

@@ -28,10 +28,11 @@ def save(scene):
     return path
 
 
-def exporting(saved, scene_name, frame, out):
+def exporting(saved, scene_name, frame, out, layer=""):
     """A generator that writes the glTF file `out`; its result: what the export has to tell, sentences."""
     told = None
     words = programs.blender("export.py", out, "--scene", saved, scene_name, "--frame", repr(frame))
+    words += ["--view-layer", layer] if layer else []
     for line in programs.running(words):
         if told is not None and line.startswith("  "):
             told.append(line.strip())

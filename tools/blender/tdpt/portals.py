@@ -1,0 +1,180 @@
+"""The portals of a scene: meshes in a collection, which can be moved, hidden and edited, and area lamps for Cycles."""
+import math
+import os
+
+import bpy
+from mathutils import Matrix, Vector
+
+from . import gltf_file
+
+NAME = "Light portals"
+FOR_CYCLES = "Windows for Cycles"
+MARK = "tdpt_portals"  # of the collection
+FOUND = "tdpt_found"  # of what was put there by us, which the next search replaces
+OF_THE_SKY = 0.1  # as portalfit --for: from here on `sky` makes a window
+
+
+def z_up(v):
+    return Vector((v[0], -v[2], v[1]))
+
+
+def lets_in_sky(figures):
+    return figures.get("sky", 1.0) >= OF_THE_SKY
+
+
+def collection_of(scene):
+    return next((c for c in scene.collection.children_recursive if c.get(MARK) == "meshes"), None)
+
+
+def make_collection(parent, name, mark):
+    found = next((c for c in parent.children if c.get(MARK) == mark), None)
+    if not found:
+        found = bpy.data.collections.new(name)
+        found[MARK] = mark
+        parent.children.link(found)
+    return found
+
+
+def normal_of(corners, triangles):
+    total = Vector((0, 0, 0))
+    for a, b, c in triangles:
+        total += (corners[b] - corners[a]).cross(corners[c] - corners[a])
+    return total.normalized()
+
+
+def rectangle(corners, normal):
+    """(matrix, width, height) of the rectangle of least area around them, in their plane, for a lamp that shines along the
+    normal, which is its -Z."""
+    best = None
+    for i, a in enumerate(corners):
+        for b in corners[i + 1 :]:
+            x = (b - a) - normal * (b - a).dot(normal)
+            if x.length < 1e-9:
+                continue
+            x.normalize()
+            y = normal.cross(x)
+            along, across = [c.dot(x) for c in corners], [c.dot(y) for c in corners]
+            low, high = Vector((min(along), min(across))), Vector((max(along), max(across)))
+            size = high - low
+            if best is None or size.x * size.y < best[0]:
+                best = (size.x * size.y, x, y, (low + high) / 2, size)
+    _, x, y, middle, size = best
+    if abs(x.z) > abs(y.z):  # height along the more vertical side
+        x, y, middle, size = y, -x, Vector((middle.y, -middle.x)), Vector((size.y, size.x))
+    origin = x * middle.x + y * middle.y + normal * corners[0].dot(normal)
+    matrix = Matrix((x, -y, -normal)).transposed().to_4x4()
+    matrix.translation = origin
+    return matrix, size.x, size.y
+
+
+def remove_found(collection):
+    for thing in list(collection.objects):
+        if thing.get(FOUND):
+            data = thing.data
+            bpy.data.objects.remove(thing)
+            if not data.users:
+                (bpy.data.meshes if isinstance(data, bpy.types.Mesh) else bpy.data.lights).remove(data)
+
+
+def mesh_of(name, corners, triangles, figures):
+    middle = sum(corners, Vector((0, 0, 0))) / len(corners)
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([c - middle for c in corners], [], triangles)
+    thing = bpy.data.objects.new(name, mesh)
+    thing.matrix_world = Matrix.Translation(middle)
+    thing.hide_render = True  # never part of a picture
+    thing.display_type = "WIRE"
+    thing.show_in_front = thing.show_name = True
+    thing[FOUND] = True
+    for key in ("area", "flux_share", "sky"):
+        if key in figures:
+            thing[key] = figures[key]
+    return thing
+
+
+def lamp_of(name, corners, normal):
+    lamp = bpy.data.lights.new(name, "AREA")
+    matrix, lamp.size, lamp.size_y = None, 0, 0
+    lamp.shape = "RECTANGLE"
+    matrix, lamp.size, lamp.size_y = rectangle(corners, normal)
+    lamp.energy = 0  # in renderers that do not know portals
+    lamp.cycles.is_portal = True
+    thing = bpy.data.objects.new(name, lamp)
+    thing.matrix_world = matrix
+    thing[FOUND] = True
+    return thing
+
+
+def place(scene, found):
+    """Puts the portals of portalfit into the scene, in place of those of the last time. found: as read_portals() gives them."""
+    meshes = collection_of(scene) or make_collection(scene.collection, NAME, "meshes")
+    lamps = make_collection(meshes, FOR_CYCLES, "lamps")
+    for collection in (meshes, lamps):
+        remove_found(collection)
+    for name, corners, triangles, figures in found:
+        corners = [z_up(c) for c in corners]
+        meshes.objects.link(mesh_of(name, corners, triangles, figures))
+        if lets_in_sky(figures):
+            lamps.objects.link(lamp_of(name + " for Cycles", corners, normal_of(corners, triangles)))
+    return meshes
+
+
+def lamps_of(scene):
+    meshes = collection_of(scene)
+    inner = meshes and next((c for c in meshes.children if c.get(MARK) == "lamps"), None)
+    return [o for o in inner.objects if o.type == "LIGHT"] if inner else []
+
+
+def use_in_cycles(scene, yes):
+    for lamp in lamps_of(scene):
+        lamp.hide_render = not yes
+
+
+def used(scene):
+    """The mesh objects of the collection that are not hidden."""
+    meshes = collection_of(scene)
+    if not meshes or meshes.hide_viewport or meshes.hide_render:
+        return []
+    return [o for o in meshes.objects if o.type == "MESH" and not o.hide_viewport and not hidden(o, scene)]
+
+
+def hidden(thing, scene):
+    layer = scene.view_layers[0]
+    try:
+        return thing.hide_get(view_layer=layer)
+    except RuntimeError:  # excluded from the layer
+        return True
+
+
+def write_used(scene, path):
+    """The portals as they now stand, for tdpt --portal; how many."""
+    portals = []
+    for thing in used(scene):
+        mesh = thing.data
+        mesh.calc_loop_triangles()
+        corners = [thing.matrix_world @ v.co for v in mesh.vertices]
+        triangles = [tuple(t.vertices) for t in mesh.loop_triangles]
+        if thing.matrix_world.determinant() < 0:
+            triangles = [(a, c, b) for a, b, c in triangles]
+        if triangles:
+            portals.append((thing.name, [(c.x, c.z, -c.y) for c in corners], triangles))
+    if portals:
+        gltf_file.write_portals(path, portals)
+    elif os.path.exists(path):
+        os.remove(path)
+    return len(portals)
+
+
+def words_of(found):
+    """What was found, in a sentence."""
+    if not found:
+        return "No portal: the light does not pass a narrow place on its way to the camera"
+    windows = sum(lets_in_sky(figures) and figures.get("sky", 0) > 0 for *_, figures in found)
+    count = f"{len(found)} portal{'s' if len(found) > 1 else ''}"
+    if not windows:
+        return count
+    return f"{count}, of which {windows} let{'s' if windows == 1 else ''} in the sky"
+
+
+def percent(share):
+    return f"{100 * share:.2g} %" if share < 0.1 and not math.isclose(share, 0) else f"{100 * share:.0f} %"
