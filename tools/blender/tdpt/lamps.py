@@ -58,7 +58,10 @@ def prepare(things):
         if thing.type != "LIGHT" or thing.hide_render:
             continue
         lamp = thing.data
-        if lamp.type == "AREA" and not is_portal(lamp):
+        if is_portal(lamp):
+            thing.hide_render = True  # so that an export is the same with and without them
+            continue
+        if lamp.type == "AREA":
             plane_for(thing)
         if lamp.use_nodes and any(n.bl_idname not in ("ShaderNodeOutputLight", "ShaderNodeEmission") for n in lamp.node_tree.nodes):
             say(f"lamp {thing.name}: its nodes are lost")

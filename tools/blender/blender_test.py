@@ -1,0 +1,433 @@
+"""Tests of the extension, in a Blender without a window: blender -b --factory-startup -P blender_test.py [-- TEST ...], or by a
+Python that has the module bpy. TDPT_BIN: the folder of the programs."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import bpy
+import numpy
+from mathutils import Matrix, Vector
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
+
+import rooms  # noqa: E402
+import tdpt  # noqa: E402
+from tdpt import camera, engine, exr, gltf_file, portals, programs, scene_file  # noqa: E402
+
+FOLDER = tempfile.mkdtemp(prefix="tdpt blender-test ö ")
+
+
+def find(measure=False):
+    bpy.context.scene.tdpt.quality = "draft"
+    return bpy.ops.tdpt.find_portals(measure=measure)
+
+
+def meshes():
+    collection = portals.collection_of(bpy.context.scene)
+    return sorted((o for o in collection.objects if o.type == "MESH"), key=lambda o: o.matrix_world.translation.x)
+
+
+def rendered(scene, name="picture", **settings):
+    """The channels of a multilayer picture, without the name of the layer."""
+    scene.render.engine = settings.pop("engine", "TDPT")
+    for key, value in settings.items():
+        setattr(scene.tdpt, key, value)
+    path = os.path.join(FOLDER, name + ".exr")
+    scene.render.filepath = path
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR_MULTILAYER", "32", "ZIP"
+    bpy.ops.render.render(write_still=True)
+    with open(path, "rb") as file:
+        names = [n for n, _ in exr.channels_in(exr.header(file.read())[0]["channels"])]
+    return {n.split(".", 1)[1]: a for n, a in exr.read(path, set(names)).items()}
+
+
+def exported(scene, *words):
+    """(JSON, told) of an export in a process of its own."""
+    path = os.path.join(FOLDER, "exported.glb")
+    lines = programs.running(programs.blender("export.py", path, "--scene", scene_file.save(scene), scene.name, *words))
+    told = []
+    try:
+        while True:
+            told.append(next(lines))
+            time.sleep(0.01)
+    except StopIteration:
+        pass
+    return gltf_file.read(path)[0], "\n".join(told)
+
+
+class Finding(unittest.TestCase):
+    def test_doors_between_rooms(self):
+        scene = rooms.three_rooms()
+        self.assertEqual(find(), {"FINISHED"})
+        near, far = meshes()
+        self.assertLess((near.matrix_world.translation - Vector((3, 1.6, 1))).length, 0.1)
+        self.assertLess((far.matrix_world.translation - Vector((6, 1.15, 1))).length, 0.1)
+        for door in (near, far):
+            self.assertTrue(door.hide_render)
+            normal = door.matrix_world.to_3x3() @ door.data.polygons[0].normal
+            self.assertLess(normal.x, -0.99)  # the way the light goes
+        self.assertEqual(portals.lamps_of(scene), [])
+        self.assertIn("2 portals", scene.tdpt.found)
+        self.assertIn("area lamp lamp", scene.tdpt.lost)
+        self.assertEqual(scene.render.engine, rooms.empty().render.engine)
+
+    def test_a_window_is_for_cycles_where_it_pays(self):
+        scene = rooms.window_room()
+        self.assertEqual(find(measure=True), {"FINISHED"})
+        (lamp,) = portals.lamps_of(scene)
+        self.assertTrue(lamp.data.cycles.is_portal)
+        self.assertFalse(lamp.hide_render)
+        self.assertLess((lamp.matrix_world.translation - Vector((6.05, 1.5, 1.5))).length, 0.1)
+        self.assertLess((lamp.matrix_world.to_3x3() @ Vector((0, 0, -1)) - Vector((-1, 0, 0))).length, 0.05)
+        self.assertAlmostEqual(lamp.data.size, 1.4, delta=0.1)
+        self.assertAlmostEqual(lamp.data.size_y, 1.2, delta=0.1)
+        self.assertIn("Cycles is", scene.tdpt.found)
+        self.assertIn("1 lets in the sky", scene.tdpt.found)
+
+    def test_a_second_run_replaces_what_the_first_found(self):
+        scene = rooms.three_rooms()
+        find()
+        mine = bpy.data.objects.new("mine", meshes()[0].data.copy())
+        portals.collection_of(scene).objects.link(mine)
+        before = len(bpy.data.meshes)
+        began = time.time()
+        find()
+        self.assertLess(time.time() - began, 20)
+        self.assertEqual(len(meshes()), 3)
+        self.assertIn(mine, meshes())
+        self.assertEqual(len(bpy.data.meshes), before)
+
+    def test_it_can_be_undone(self):
+        rooms.three_rooms()
+        bpy.ops.ed.undo_push(message="rooms")
+        find()
+        bpy.ops.ed.undo_push(message="portals")
+        self.assertIsNotNone(portals.collection_of(bpy.context.scene))
+        bpy.ops.ed.undo()
+        self.assertIsNone(portals.collection_of(bpy.context.scene))
+
+    def test_names_with_blanks_and_umlauts(self):
+        scene = rooms.three_rooms()
+        scene.name = "Küche: \"neu\" 1"
+        for thing in scene.objects:
+            thing.name = "Möbel & " + thing.name
+        folder = os.path.join(FOLDER, "Räume mit Leerzeichen")
+        os.makedirs(folder, exist_ok=True)
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.join(folder, "Haus ß.blend"))
+        self.assertEqual(find(), {"FINISHED"})
+        self.assertEqual(len(meshes()), 2)
+
+    def test_a_scene_in_centimetres(self):
+        scene = rooms.three_rooms()
+        scene.unit_settings.scale_length = 0.01
+        for thing in scene.objects:
+            thing.matrix_world = Matrix.Scale(100, 4) @ thing.matrix_world
+        scene.camera.data.clip_end = 10000
+        bpy.context.view_layer.update()
+        find()
+        near, far = meshes()
+        self.assertLess((near.matrix_world.translation - Vector((300, 160, 100))).length, 10)
+        self.assertLess((far.matrix_world.translation - Vector((600, 115, 100))).length, 10)
+
+    def test_without_programs(self):
+        rooms.three_rooms()
+        kept, programs.folders = programs.folders, lambda: ()
+        try:
+            with self.assertRaises(RuntimeError) as caught:
+                find()
+        finally:
+            programs.folders = kept
+        self.assertIn("The tdpt programs are missing: install them", str(caught.exception))
+
+    def test_without_a_camera(self):
+        scene = rooms.three_rooms()
+        scene.camera.data.type = "ORTHO"
+        with self.assertRaises(RuntimeError) as caught:
+            find()
+        self.assertIn("Camera camera is ortho: tdpt renders perspective cameras alone", str(caught.exception))
+
+
+class Using(unittest.TestCase):
+    def setUp(self):
+        self.scene = rooms.three_rooms()
+        square = [(0, 0, 0), (0, 1, 0), (0, 1, 2), (0, 0, 2)]
+        portals.place(self.scene, [(f"portal.{i}", [(x + 3 * i, z, -y) for x, y, z in square], [(0, 1, 2), (0, 2, 3)], {"sky": 0.0})
+                                   for i in (1, 2)])
+        bpy.context.view_layer.update()
+        self.path = os.path.join(FOLDER, "used.glb")
+
+    def test_portals_are_used_as_they_stand(self):
+        meshes()[0].location.y += 0.5
+        meshes()[1].hide_set(True)
+        bpy.context.view_layer.update()
+        self.assertEqual(portals.write_used(self.scene, self.path), 1)
+        (name, corners, triangles, _), = gltf_file.read_portals(self.path)
+        self.assertEqual((name, len(triangles)), ("portal.1", 2))
+        low = [min(c[i] for c in corners) for i in range(3)]
+        self.assertLess(numpy.abs(numpy.array(low) - (3, 0, -1.5)).max(), 1e-6)
+
+    def test_mirrored_portals_keep_their_front(self):
+        first = meshes()[0]
+        first.scale.y = -1
+        meshes()[1].hide_viewport = True
+        bpy.context.view_layer.update()
+        portals.write_used(self.scene, self.path)
+        (_, corners, triangles, _), = gltf_file.read_portals(self.path)
+        a, b, c = (Vector(corners[i]) for i in triangles[0])
+        front = first.data.polygons[0].normal  # along x, which is not mirrored
+        self.assertGreater((b - a).cross(c - a).normalized().dot(Vector((front.x, front.z, -front.y))), 0.99)
+
+    def test_none(self):
+        portals.collection_of(self.scene).hide_viewport = True
+        self.assertEqual(portals.write_used(self.scene, self.path), 0)
+        self.assertFalse(os.path.exists(self.path))
+
+    def test_tdpt_reads_them(self):
+        portals.write_used(self.scene, self.path)
+        told = subprocess.run([programs.program("tdpt-info"), self.path], capture_output=True, text=True, check=True).stdout
+        self.assertIn("portals", told.splitlines()[0])
+        self.assertIn('"name":"portal.2"', told)
+
+
+class Rendering(unittest.TestCase):
+    def test_passes(self):
+        scene = rooms.three_rooms()
+        layer = bpy.context.view_layer
+        layer.use_pass_z = layer.use_pass_normal = True
+        picture = rendered(scene, samples=4, denoise=True)
+        self.assertEqual(picture["Combined.R"].shape, (64, 96))
+        self.assertGreater(picture["Combined.G"].mean(), 1e-3)
+        self.assertGreater(numpy.abs(picture["Combined.G"] - picture["Noisy Image.G"]).max(), 0)
+        self.assertAlmostEqual(picture["Noisy Image.G"].mean() / picture["Combined.G"].mean(), 1, delta=0.3)
+        self.assertAlmostEqual(picture["Denoising Albedo.R"].mean(), 0.7, delta=0.02)
+        length = numpy.sqrt(sum(picture[f"Normal.{c}"] ** 2 for c in "XYZ"))
+        self.assertAlmostEqual(numpy.median(length), 1, delta=1e-3)
+
+    def test_the_camera_is_blender_s(self):
+        """Depths beside those of Cycles: lens, sensor, shift, turned picture, percentage, region."""
+        scene = rooms.three_rooms()
+        layer = bpy.context.view_layer
+        layer.use_pass_z = True
+        scene.cycles.samples = 1
+        scene.cycles.use_denoising = False
+        data, render = scene.camera.data, scene.render
+        for case, change in {
+            "shift": lambda: (setattr(data, "shift_x", 0.17), setattr(data, "shift_y", -0.1)),
+            "tall": lambda: (setattr(render, "resolution_x", 50), setattr(data, "sensor_fit", "HORIZONTAL")),
+            "half": lambda: (setattr(render, "resolution_percentage", 50), setattr(data, "sensor_width", 20)),
+            "region": lambda: (setattr(render, "use_border", True), setattr(render, "use_crop_to_border", True),
+                               setattr(render, "border_min_x", 0.25), setattr(render, "border_max_y", 0.7)),
+        }.items():
+            change()
+            ours = rendered(scene, samples=1, denoise=False)["Depth.Z"]
+            theirs = rendered(scene, engine="CYCLES")["Depth.Z"]
+            self.assertEqual(ours.shape, theirs.shape, case)
+            off = numpy.abs(ours / theirs - 1)
+            self.assertLess(numpy.median(off), 0.01, case)
+            # Twin: a picture that is one pixel off.
+            self.assertGreater(numpy.median(numpy.abs(numpy.roll(ours, 2, 1) / theirs - 1)), 2 * numpy.median(off), case)
+
+    def test_depth_of_field(self):
+        scene = rooms.three_rooms()
+        data = scene.camera.data
+        data.dof.use_dof, data.dof.aperture_fstop, data.lens, data.sensor_width = True, 2.0, 50, 18
+        focus = bpy.data.objects.new("focus", None)
+        focus.location = scene.camera.matrix_world @ Vector((0.5, 0, -3))
+        scene.collection.objects.link(focus)
+        data.dof.focus_object = focus
+        bpy.context.view_layer.update()
+        words = camera.Film(scene, scene.camera).lens()
+        f_stop, distance = (float(w.split("=")[1]) for w in words)
+        self.assertAlmostEqual(f_stop, 4, places=4)  # half the film: half the focal length there
+        self.assertAlmostEqual(distance, 3, places=4)
+
+    def test_an_animation(self):
+        """A door that closes: the frames differ, by what Blender says."""
+        scene = rooms.three_rooms()
+        lamp = next(o for o in scene.objects if o.type == "LIGHT")
+        lamp.data.energy = 100
+        lamp.data.keyframe_insert("energy", frame=1)
+        lamp.data.energy = 400
+        lamp.data.keyframe_insert("energy", frame=2)
+        means = []
+        for frame in (1, 2):
+            scene.frame_set(frame)
+            means.append(rendered(scene, samples=4, denoise=False, animate_seed=False)["Combined.R"].mean())
+        self.assertAlmostEqual(means[1] / means[0], 4, delta=0.2)
+
+    def test_transparent_film(self):
+        scene = rooms.window_room()
+        scene.camera.location = (9, 1.5, 1.5)
+        bpy.context.view_layer.update()
+        scene.render.film_transparent = True
+        alpha = rendered(scene, samples=1, denoise=False)["Combined.A"]
+        self.assertEqual((alpha.min(), alpha.max()), (0, 1))
+
+    def test_closing_stops_all_programs(self):
+        scene = rooms.three_rooms()
+        exported(scene)
+        path, out = os.path.join(FOLDER, "exported.glb"), os.path.join(FOLDER, "long.exr")
+        words = [programs.program(), path, "-o", out, "--force", "--spp", "100000", "--set", "progress=json"]
+        lines = programs.running(words, accepted=(0, 6))
+        began = time.time()
+        while time.time() - began < 60:
+            told = programs.progress_of(next(lines))
+            if told and "rendering" in told[1]:
+                break
+            time.sleep(0.02)
+        lines.close()
+        left = subprocess.run(["pgrep", "-f", out], capture_output=True, text=True).stdout.split()
+        self.assertEqual(left, [])
+
+    def test_an_error_is_said(self):
+        scene = rooms.three_rooms()
+        scene.tdpt.device = "CPU"
+        kept, engine.CHECKPOINT = engine.CHECKPOINT, "soon"
+        try:
+            with self.assertRaises(RuntimeError) as caught:
+                rendered(scene, samples=1)
+        finally:
+            engine.CHECKPOINT = kept
+        self.assertIn("checkpoint-every", str(caught.exception))
+
+
+class Exporting(unittest.TestCase):
+    def test_a_pane_stays_thin_beside_a_table_of_its_glass(self):
+        scene = rooms.three_rooms()
+        glass = bpy.data.materials.new("glass")
+        glass.use_nodes = True
+        shader = next(n for n in glass.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
+        shader.inputs["Transmission Weight" if "Transmission Weight" in shader.inputs else "Transmission"].default_value = 1
+        rooms.box("table", (1, 1, 0.7), (2, 2, 0.8), glass)
+        rooms.box("pane", (0.2, 1, 1), (0.2001, 2, 2), glass)
+        rooms.box("bowl", (1.2, 1.2, 0.8), (1.4, 1.4, 1.0), glass, holes=("+z",))
+        document, told = exported(scene)
+        solid = {m["name"] for m in document["materials"] if "KHR_materials_volume" in m.get("extensions", {})}
+        thin = {m["name"] for m in document["materials"] if "KHR_materials_transmission" in m.get("extensions", {})} - solid
+        self.assertEqual((solid, thin), ({"glass solid"}, {"glass"}))
+        of = {n["name"]: document["meshes"][n["mesh"]]["primitives"][0]["material"] for n in document["nodes"] if "mesh" in n}
+        self.assertEqual(document["materials"][of["table"]]["name"], "glass solid")
+        self.assertEqual(document["materials"][of["pane"]]["name"], "glass")
+        self.assertIn("object bowl: its glass is not closed, so it is taken as thin", told)
+        self.assertNotIn("object pane", told)
+
+    def test_simple_shaders(self):
+        scene = rooms.three_rooms()
+        for kind in ("Glossy", "Glass"):
+            material = rooms.diffuse(kind)
+            tree = material.node_tree
+            shader = tree.nodes.new(f"ShaderNodeBsdf{kind}")
+            shader.inputs["Roughness"].default_value = 0.25
+            tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+            rooms.box(kind, (1, 1, 0), (2, 2, 1), material)
+        toon = rooms.diffuse("toon")
+        tree = toon.node_tree
+        tree.links.new(tree.nodes.new("ShaderNodeBsdfToon").outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        rooms.box("toon", (1, 1, 0), (2, 2, 1), toon)
+        document, told = exported(scene)
+        of = {m["name"]: m for m in document["materials"]}
+        self.assertEqual(of["grey"]["extensions"]["KHR_materials_specular"]["specularFactor"], 0)
+        self.assertAlmostEqual(of["grey"]["pbrMetallicRoughness"]["baseColorFactor"][0], 0.7, places=5)
+        self.assertEqual(of["Glossy"]["pbrMetallicRoughness"].get("metallicFactor", 1), 1)
+        self.assertAlmostEqual(of["Glossy"]["pbrMetallicRoughness"]["roughnessFactor"], 0.25, places=5)
+        self.assertEqual(of["Glass solid"]["extensions"]["KHR_materials_transmission"]["transmissionFactor"], 1)
+        self.assertIn("material toon: of its Toon BSDF the exporter makes white metal", told)
+
+    def test_instances_and_modifiers(self):
+        scene = rooms.lamps_room()
+        document, told = exported(scene)
+        names = [n["name"] for n in document["nodes"]]
+        self.assertEqual(sum(n.startswith("chair") for n in names), 2)
+        self.assertEqual(sum(n.startswith("base ") for n in names), 8)
+        post = document["meshes"][next(n["mesh"] for n in document["nodes"] if n["name"] == "post")]
+        self.assertEqual(document["accessors"][post["primitives"][0]["indices"]]["count"], 3 * 6 * 2 * 3)
+        self.assertIn("object base: 8 instances became objects", told)
+
+    def test_what_cycles_has_as_portals_is_no_light(self):
+        scene = rooms.three_rooms()
+        for thing in scene.objects:
+            if thing.type == "LIGHT":
+                thing.data.cycles.is_portal = True
+        document, told = exported(scene)
+        self.assertFalse(any("emissiveFactor" in m for m in document["materials"]))
+        self.assertNotIn("area lamp", told)
+
+    def test_a_world_of_nodes_is_baked(self):
+        """The same sky as a picture, and by way of a node that changes nothing: pictures of the room are alike."""
+        means = []
+        for baked in (False, True):
+            scene = rooms.window_room()
+            tree = scene.world.node_tree
+            picture = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeTexEnvironment")
+            if baked:
+                gamma = tree.nodes.new("ShaderNodeGamma")
+                background = next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground")
+                tree.links.new(picture.outputs["Color"], gamma.inputs["Color"])
+                tree.links.new(gamma.outputs["Color"], background.inputs["Color"])
+            document, told = exported(scene)
+            self.assertEqual("are baked" in told, baked)
+            self.assertIn("tdpt_environment", document["scenes"][0]["extras"])
+            pixels = rendered(scene, samples=16, denoise=False)
+            means.append([pixels[f"Combined.{c}"].mean() for c in "RGB"])
+        ratio = numpy.array(means[1]) / means[0]
+        self.assertLess(numpy.abs(ratio - 1).max(), 0.03)
+        self.assertGreater(means[0][2] / means[0][0], 1.5)  # a sky that is turned has another colour
+
+
+class Files(unittest.TestCase):
+    def test_pictures_are_read_as_blender_reads_them(self):
+        scene = rooms.three_rooms()
+        exported(scene)
+        for compression in ("zip", "none"):
+            path = os.path.join(FOLDER, "read.exr")
+            words = [programs.program("tdpt-render"), os.path.join(FOLDER, "exported.glb"), "-o", path, "--spp", "1", "--width", "37",
+                     "--quiet", "--integrator", "pt"]
+            subprocess.run(words, check=True, capture_output=True)
+            mine = exr.read(path, {"R", "G", "B"})
+            image = bpy.data.images.load(path)
+            pixels = numpy.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4)[::-1]
+            bpy.data.images.remove(image)
+            for c, name in enumerate("RGB"):
+                numpy.testing.assert_array_equal(mine[name], pixels[..., c].astype(numpy.float32))
+
+    def test_other_files_are_refused(self):
+        path = os.path.join(FOLDER, "no.exr")
+        for data in (b"", b"hello", b"\x76\x2f\x31\x01"):
+            with open(path, "wb") as file:
+                file.write(data)
+            with self.assertRaises((ValueError, IndexError)):
+                exr.read(path, {"R"})
+
+    def test_progress(self):
+        line = json.dumps({"progress": {"what": "rendering", "title": "rendering", "step": 5, "steps": 5, "done": 1, "total": 4, "left": 8.2}})
+        self.assertEqual(programs.progress_of(line), (0.85, "rendering, 8 s left"))
+        for other in ("", "tdpt: a note", "{", '{"integrator": "pt"}'):
+            self.assertIsNone(programs.progress_of(other))
+
+
+def main():
+    words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    if os.environ.get("TDPT_BIN"):
+        os.environ["PATH"] = os.environ["TDPT_BIN"] + os.pathsep + os.environ["PATH"]
+    os.environ["XDG_CACHE_HOME"] = os.path.join(FOLDER, "cache")
+    tdpt.register()
+    loader = unittest.TestLoader()
+    suite = loader.loadTestsFromNames(words, sys.modules[__name__]) if words else loader.loadTestsFromModule(sys.modules[__name__])
+    result = unittest.TextTestRunner(verbosity=2).run(suite)
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0 if result.wasSuccessful() else 1)  # Blender as a module may crash when Python ends
+
+
+if __name__ == "__main__":
+    main()
