@@ -44,6 +44,8 @@ def rendered(scene, name="picture", **settings):
     if hasattr(image, "media_type"):
         image.media_type = "MULTI_LAYER_IMAGE"
     image.file_format, image.color_depth, image.exr_codec = "OPEN_EXR_MULTILAYER", "32", "ZIP"
+    if hasattr(image, "use_exr_interleave"):
+        image.use_exr_interleave = True  # one part
     bpy.ops.render.render(write_still=True)
     with open(path, "rb") as file:
         names = [n for n, _ in exr.channels_in(exr.header(file.read())[0]["channels"])]
@@ -266,7 +268,7 @@ class Rendering(unittest.TestCase):
 
     def test_transparent_film(self):
         scene = rooms.window_room()
-        scene.camera.location = (9, 1.5, 1.5)
+        scene.camera.location = (-4, -1.5, 3)
         bpy.context.view_layer.update()
         scene.render.film_transparent = True
         alpha = rendered(scene, samples=1, denoise=False)["Combined.A"]
@@ -404,7 +406,7 @@ class Files(unittest.TestCase):
         for data in (b"", b"hello", b"\x76\x2f\x31\x01"):
             with open(path, "wb") as file:
                 file.write(data)
-            with self.assertRaises((ValueError, IndexError)):
+            with self.assertRaises(ValueError):
                 exr.read(path, {"R"})
 
     def test_progress(self):
@@ -415,7 +417,7 @@ class Files(unittest.TestCase):
 
 
 def main():
-    words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [] if bpy.app.binary_path else sys.argv[1:]
     if os.environ.get("TDPT_BIN"):
         os.environ["PATH"] = os.environ["TDPT_BIN"] + os.pathsep + os.environ["PATH"]
     os.environ["XDG_CACHE_HOME"] = os.path.join(FOLDER, "cache")

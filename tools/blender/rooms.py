@@ -85,6 +85,7 @@ def three_rooms():
     wall("second", 0, 5.95, 0, 3, (1.0, 1.3, 0, 2.0), grey)
     lamp(scene, "AREA", (7.5, 1.5, 2.3), 100, shape="RECTANGLE", size=0.5, size_y=0.8)
     camera(scene, (0.5, 0.5, 1.5), (3, 2, 1))
+    bpy.context.view_layer.update()
     return scene
 
 
@@ -127,6 +128,7 @@ def window_room(image=None):
     wall("inner", 0, 2.95, 0, 3, (1.2, 2.0, 0, 2.0), grey)
     sky(scene, image or quarters())
     camera(scene, (0.4, 0.4, 1.6), (2.5, 2, 1))
+    bpy.context.view_layer.update()
     return scene
 
 
@@ -161,6 +163,7 @@ def lamps_room():
     ball = box("ball", (-0.05, -0.05, 0), (0.05, 0.05, 0.3), red)
     ball.parent = base
     camera(scene, (3.8, 0.3, 1.7), (1, 3, 0.6), 22)
+    bpy.context.view_layer.update()
     return scene
 
 

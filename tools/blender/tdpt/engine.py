@@ -151,7 +151,7 @@ class TdptEngine(bpy.types.RenderEngine):
         if when != shown:
             try:
                 self.deliver(film, depsgraph)
-            except (OSError, ValueError, IndexError):
+            except (OSError, ValueError):
                 pass  # it is being replaced
         return when
 

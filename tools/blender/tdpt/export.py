@@ -46,6 +46,8 @@ def open_scene(file, name):
     with bpy.data.libraries.load(file) as (_, here):
         here.scenes = [name]
     bpy.context.window.scene = here.scenes[0]
+    for other in [s for s in bpy.data.scenes if s != here.scenes[0]]:
+        bpy.data.scenes.remove(other)
 
 
 def prepare_camera():
@@ -118,6 +120,7 @@ def export(path):
         export_lights=True,
         export_apply=True,
         use_renderable=True,
+        use_active_scene=True,
         export_animations=False,
         export_current_frame=True,
     )

@@ -51,9 +51,16 @@ def unpacked(block, size):
 
 
 def read(path, wanted):
-    """{name: array [height, width], first row at the top} of those channels that are there."""
+    """{name: array [height, width], first row at the top} of those channels that are there. Raises ValueError."""
     with open(path, "rb") as file:
         data = file.read()
+    try:
+        return parsed(data, wanted)
+    except (struct.error, zlib.error, IndexError, KeyError) as error:
+        raise ValueError(f"{path}: is damaged") from error
+
+
+def parsed(data, wanted):
     attributes, at = header(data)
     compression = attributes["compression"][0]
     if compression not in LINES:
