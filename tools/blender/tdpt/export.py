@@ -90,8 +90,18 @@ def last_copy(path):
         return None
 
 
+def without_gloss(document):
+    """A specular of 0 is no reflection at all; Blender 3's exporter writes a black colour for it, which still reflects at
+    grazing angles."""
+    for material in document.get("materials", []):
+        specular = material.get("extensions", {}).get("KHR_materials_specular")
+        if specular and specular.get("specularColorFactor") == [0, 0, 0]:
+            specular.setdefault("specularFactor", 0)
+
+
 def add_extras(path, camera, own):
     document, rest = gltf_file.read(path)
+    without_gloss(document)
     render = bpy.context.scene.render
     size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]
     extras = {"width": size[0], "height": size[1], **camera_of(document, camera)}

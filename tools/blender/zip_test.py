@@ -1,0 +1,38 @@
+"""zip_test.py ZIP: the extension as people install it, in a Blender with a new home: its engine, panel and preferences are
+there, and it can be switched off again."""
+import os
+import sys
+
+import bpy
+
+zip_file = sys.argv[sys.argv.index("--") + 1 if "--" in sys.argv else 1]
+
+
+def expect(what, words):
+    if not what:
+        print(f"zip_test.py: {words}", flush=True)
+        os._exit(1)
+
+
+if hasattr(bpy.ops, "extensions") and bpy.app.version >= (4, 2):
+    module = "bl_ext.user_default.tdpt"
+    bpy.ops.extensions.package_install_files(filepath=zip_file, repo="user_default", enable_on_install=True)
+else:
+    module = "tdpt"
+    bpy.ops.preferences.addon_install(filepath=zip_file)
+    bpy.ops.preferences.addon_enable(module=module)
+expect(module in bpy.context.preferences.addons, f"{module} is not enabled")
+preferences = bpy.context.preferences.addons[module].preferences
+expect(preferences.folder == "", "preferences are not registered")
+scene = bpy.context.scene
+scene.render.engine = "TDPT"
+expect(scene.tdpt.samples == 64, "settings are not registered")
+expect(hasattr(bpy.types, "TDPT_PT_portals"), "the panel is not registered")
+expect("TDPT" in bpy.types.RENDER_PT_output.COMPAT_ENGINES if hasattr(bpy.types, "RENDER_PT_output") else True, "no output panel")
+programs = sys.modules[f"{module}.programs"]
+preferences.folder = os.environ.get("TDPT_BIN", "")
+expect(programs.program() == os.path.join(os.environ["TDPT_BIN"], "tdpt"), f"finds {programs.program()}")
+bpy.ops.preferences.addon_disable(module=module)
+expect(not hasattr(bpy.types.Scene, "tdpt"), "settings stay after it is switched off")
+print("zip_test.py: all is well", flush=True)
+os._exit(0)
