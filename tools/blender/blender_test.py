@@ -354,6 +354,24 @@ class Exporting(unittest.TestCase):
         self.assertEqual(document["accessors"][post["primitives"][0]["indices"]]["count"], 3 * 6 * 2 * 3)
         self.assertIn("object base: 8 instances became objects", told)
 
+    def test_lamps_with_exposure_temperature_and_angle(self):
+        scene = rooms.lamps_room()
+        of = {o.name: o.data for o in scene.objects if o.type == "LIGHT"}
+        before, _ = exported(scene)
+        if hasattr(of["point"], "exposure"):
+            of["point"].exposure = 1
+        else:
+            of["point"].energy *= 2
+        of["point"].shadow_soft_size = 0.1
+        of["sun"].angle = 0.1
+        after, told = exported(scene)
+        strength = [{l["name"]: l["intensity"] for l in d["extensions"]["KHR_lights_punctual"]["lights"]} for d in (before, after)]
+        self.assertAlmostEqual(strength[1]["point"] / strength[0]["point"], 2, places=4)
+        self.assertEqual(strength[1]["spot"], strength[0]["spot"])
+        self.assertIn("lamp point: its radius is lost", told)
+        self.assertEqual([w.split("=")[0] for w in camera.sun(scene)], ["--sun-angle"])
+        self.assertAlmostEqual(float(camera.sun(scene)[0].split("=")[1]), 5.7296, places=3)
+
     def test_what_cycles_has_as_portals_is_no_light(self):
         scene = rooms.three_rooms()
         for thing in scene.objects:

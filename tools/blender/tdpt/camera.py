@@ -8,6 +8,13 @@ def y_up(v):
     return (v[0], v[2], -v[1])
 
 
+def sun(scene):
+    """The suns' angle, of which tdpt has one for all."""
+    angles = [o.data.angle for o in scene.objects if o.type == "LIGHT" and o.data.type == "SUN" and not o.hide_render]
+    degrees = math.degrees(max(angles, default=0))
+    return [f"--sun-angle={min(degrees, 90.0)!r}"] if degrees >= 0.01 else []
+
+
 class Film:
     """The picture that tdpt renders and what Blender wants of it. tdpt's cameras have no shift: of a shifted one a wider
     picture is rendered, and cut."""

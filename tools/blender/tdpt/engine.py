@@ -44,7 +44,7 @@ def options_of(settings, scene, film, portal_file):
         words += ["--portal", portal_file]
     if scene.render.threads_mode == "FIXED":
         words.append(f"--threads={scene.render.threads}")
-    return [*words, *film.options(), *film.lens()]
+    return [*words, *camera.sun(scene), *film.options(), *film.lens()]
 
 
 class TdptEngine(bpy.types.RenderEngine):

@@ -62,7 +62,7 @@ def finding(scene, measure=True, quality="normal"):
     exported, result = os.path.join(folder, "scene.glb"), os.path.join(folder, "portals.glb")
     lost = yield from scaled(scene_file.exporting(saved, scene.name, scene.frame_current_final, exported), 0, 0.1)
     options = [o for o in film.options() if not o.startswith(("--width", "--height"))]
-    words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
+    words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *camera.sun(scene), *options]
     yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
     told = [portals.words_of(found)]

@@ -33,27 +33,35 @@ def plane_for(thing):
     corners = outline(lamp)
     scale = thing.matrix_world.to_scale()
     area = area_of(corners) * abs(scale.x * scale.y) if getattr(lamp, "normalize", True) else 1
-    power = lamp.energy * 2 ** getattr(lamp, "exposure", 0)
-    radiance = power / ((math.pi if bpy.app.version >= (4, 0) else 4) * area) if area > 0 else 0
+    radiance = lamp.energy / ((math.pi if bpy.app.version >= (4, 0) else 4) * area) if area > 0 else 0
     if not radiance > 0:
         return
     mesh = bpy.data.meshes.new(thing.name)
     mesh.from_pydata(corners, [], [tuple(range(len(corners)))])
-    colour = lamp.color[:]
-    if getattr(lamp, "use_temperature", False):
-        colour = [a * b for a, b in zip(colour, lamp.temperature_color)]
-    mesh.materials.append(emitting(thing.name, colour, radiance))
+    mesh.materials.append(emitting(thing.name, lamp.color[:], radiance))
     plane = bpy.data.objects.new(thing.name + " plane", mesh)
     plane.matrix_world = thing.matrix_world
     for collection in thing.users_collection:
         collection.objects.link(plane)
     say(
-        f"area lamp {thing.name}: {power:g} W as a plane of radiance {radiance:.4g} W/m2/sr, which shows and stops light; "
+        f"area lamp {thing.name}: {lamp.energy:g} W as a plane of radiance {radiance:.4g} W/m2/sr, which shows and stops light; "
         "in Cycles it does neither"
     )
 
 
+def fold(lamp):
+    """Exposure and temperature, which Blender 4.5 has, into power and colour."""
+    if getattr(lamp, "exposure", 0):
+        lamp.energy *= 2**lamp.exposure
+        lamp.exposure = 0
+    if getattr(lamp, "use_temperature", False):
+        lamp.color = [a * b for a, b in zip(lamp.color, lamp.temperature_color)]
+        lamp.use_temperature = False
+
+
 def prepare(things):
+    for lamp in {t.data for t in things if t.type == "LIGHT"}:
+        fold(lamp)
     for thing in things:
         if thing.type != "LIGHT" or thing.hide_render:
             continue
@@ -61,6 +69,8 @@ def prepare(things):
         if is_portal(lamp):
             thing.hide_render = True  # so that an export is the same with and without them
             continue
+        if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
+            say(f"lamp {thing.name}: its radius is lost, so its shadows are sharp")
         if lamp.type == "AREA":
             plane_for(thing)
         if lamp.use_nodes and any(n.bl_idname not in ("ShaderNodeOutputLight", "ShaderNodeEmission") for n in lamp.node_tree.nodes):

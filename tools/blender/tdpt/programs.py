@@ -144,8 +144,9 @@ def progress_of(line):
     step, steps = p.get("step", 1), max(1, p.get("steps", 1))
     within = p["done"] / p["total"] if p.get("total") and p.get("done") else 0.0
     words = p.get("title") or p.get("what") or ""
-    if p.get("left") and p["left"] >= 1:
-        words += f", {p['left']:.0f} s left"
+    left = p.get("left") or 0
+    if left >= 1:
+        words += f", {left:.0f} s left" if left < 100 else f", {left / 60:.0f} min left"
     return (step - 1 + min(1.0, within)) / steps, words
 
 
