@@ -200,7 +200,7 @@ void note_lost_light(const Scene& scene, const cli::Common& common) {
   if (!scene.by_blender || scene.sky || !scene.lights.empty() || has_emission(scene)) return;
   common.note_of(scene.path,
                  "Blender's exporter leaves out the world (sky) and area lamps: "
-                 "tools/blender brings them, or --environment a sky; see LIGHTS in "
+                 "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
                  "gltf-scene(5)");
 }
 
