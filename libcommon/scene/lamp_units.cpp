@@ -8,6 +8,9 @@
 #include <numbers>
 #include <optional>
 
+#include "libcommon/base/file.h"
+#include "libcommon/base/number_words.h"
+#include "libcommon/base/shown.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -127,8 +130,25 @@ double to_radiometric(Kind units, const PunctualLight& lamp) {
   return to_radiometric(units, lamp.kind == PunctualLight::Kind::directional);
 }
 
+double to_radiometric(Kind units, const AreaLight& light) {
+  // A black surface of radiance L emits the power pi L A from its front.
+  return units == Kind::watts ? 1 / (std::numbers::pi * light.area) : to_radiometric(units, true);
+}
+
 void take_lamps_as(Scene& scene, LampUnits::Kind units) {
   if (units == Kind::radiometric) return;
+  for (const AreaLight& light : scene.area_lights) {
+    Material& m = scene.materials[light.material];
+    const Vec3d radiance = Vec3d(m.emission) * to_radiometric(units, light);
+    const double most = max_component(radiance);
+    if (!(most <= kBrightestEmission))
+      throw InputError(
+          display_name(scene.path), "",
+          fmt::format("area light \"{}\" of {} m2 emits a radiance of {}, expected at "
+                      "most 1e30",
+                      shown(m.name, 40), number_words(light.area), number_words(most)));
+    m.emission = Rgb(most < kFaintestEmission ? Vec3d() : radiance);
+  }
   for (PunctualLight& lamp : scene.lights)
     lamp.intensity = Rgb(Vec3d(lamp.intensity) * to_radiometric(units, lamp));
 }

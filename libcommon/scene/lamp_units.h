@@ -8,14 +8,15 @@
 
 namespace tdpt {
 
+struct AreaLight;
 struct PunctualLight;
 struct Scene;
 
 struct LampUnits {
   enum class Kind : uint8_t {
-    radiometric,  ///< W/sr and W/m2, or whatever units the emitting surfaces use
-    photometric,  ///< lm/sr and lm/m2, beside surfaces in W/m2/sr
-    watts,        ///< points and spots: total power, for a spot without its cone [W]
+    radiometric,  ///< W/sr, W/m2 and W/m2/sr, or whatever units the emitting surfaces use
+    photometric,  ///< lm/sr, lm/m2 and lm/m2/sr, beside surfaces in W/m2/sr
+    watts,        ///< all but parallel light: total power, for a spot without its cone [W]
   };
   Kind kind = Kind::radiometric;
   /// A sentence: the units and the evidence for them; empty if there is nothing to report.
@@ -45,7 +46,11 @@ double to_radiometric(LampUnits::Kind units, bool directional);
 /// For this lamp. A profile is in candela, never in watts.
 double to_radiometric(LampUnits::Kind units, const PunctualLight& lamp);
 
-/// Converts the scene's lamps, as read from the file, from these units. Call once.
+/// For this area light, to W/m2/sr.
+double to_radiometric(LampUnits::Kind units, const AreaLight& light);
+
+/// Converts the scene's lamps, as read from the file, from these units. Call once. Throws
+/// InputError if the radiance of an area light is beyond single precision.
 void take_lamps_as(Scene& scene, LampUnits::Kind units);
 
 }  // namespace tdpt

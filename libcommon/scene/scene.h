@@ -78,6 +78,10 @@ struct Material : shader::SurfaceMaterial {
   bool glossy_map = false;
 };
 
+/// Radiance [W/m2/sr] of emission. Below, it vanishes in single precision before it reaches the
+/// camera, and counts as none; above, it overflows.
+constexpr double kFaintestEmission = 1e-30, kBrightestEmission = 1e30;
+
 struct LightProfile;
 
 /// A light without extent (KHR_lights_punctual, EXT_lights_ies), canonical frame.
@@ -94,6 +98,12 @@ struct PunctualLight {
   /// point, may be null: distribution about `direction`; `intensity` is its maximum.
   std::shared_ptr<const LightProfile> profile;
   Vec3d across{1, 0, 0};  ///< with a profile: unit, orthogonal to `direction`, azimuth 0
+};
+
+/// A light with an extent (EXT_lights_area): triangles of a material that no other surface has.
+struct AreaLight {
+  uint32_t material;  ///< into Scene::materials
+  double area;        ///< [m2]
 };
 
 /// Counter-clockwise seen from the front: normal ~ cross(p1-p0, p2-p0).
@@ -135,8 +145,9 @@ struct Scene {
   /// them.
   uint32_t dome = UINT32_MAX;
   std::vector<PunctualLight> lights;
+  std::vector<AreaLight> area_lights;
   bool by_blender = false;         ///< written by Blender's exporter
-  LampUnits lamp_units;            ///< of `lights` as read, before take_lamps_as()
+  LampUnits lamp_units;            ///< of both kinds of lights as read, before take_lamps_as()
   std::shared_ptr<const Sky> sky;  ///< null: black surroundings
   std::vector<Image> images;
   std::vector<Camera> cameras;
@@ -154,6 +165,9 @@ struct Scene {
 
   std::vector<std::string> warnings;  ///< sentences: what was approximated or ignored
   std::vector<std::string> needs;  ///< features that its materials and lights require of a renderer
+
+  /// Whether it has lights whose numbers are in `lamp_units`.
+  bool has_lamps() const { return !lights.empty() || !area_lights.empty(); }
 
   /// Identity stored in files made from it: "hash", "hash@pose_hash", either with "+sky_hash".
   std::string identity() const;

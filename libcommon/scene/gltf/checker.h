@@ -107,6 +107,12 @@ class Checker {
   /// scene uses may be wrong: it is replaced by a harmless one, with a warning.
   template <class Visit>
   void each(Json& parent, const std::string& where, const char* name, const Visit& visit) {
+    each(parent, where, name, name, visit);
+  }
+  /// Of a list whose uses are tracked as `section`.
+  template <class Visit>
+  void each(Json& parent, const std::string& where, const char* name, const char* section,
+            const Visit& visit) {
     const auto it = parent.find(name);
     if (it == parent.end()) return;
     const std::string at = where.empty() ? name : where + "." + name;
@@ -114,8 +120,8 @@ class Checker {
       try {
         visit((*it)[i], place(at.c_str(), i));
       } catch (const InputError& e) {
-        if (uses.has(name, i)) throw;
-        (*it)[i] = harmless(name);
+        if (uses.has(section, i)) throw;
+        (*it)[i] = harmless(section);
         note_unused(e);
       }
     }

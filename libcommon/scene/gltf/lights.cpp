@@ -25,16 +25,37 @@ Vec3d direction_of(const Vec3d& v) {
   return largest > 0 ? normalize(v / largest) : Vec3d();
 }
 
+}  // namespace
+
+bool holds_light(const Document& d, size_t node) {
+  const Json extensions = d.json["nodes"][node].value("extensions", Json::object());
+  return extensions.contains(kName) || extensions.contains(kIes) ||
+         extensions.contains(kAreaLights);
+}
+
+std::string name_of_light(const Document& d, const Json& light, size_t node) {
+  const std::string name = light.value("name", "");
+  return name.empty() ? d.json["nodes"][node].value("name", "") : name;
+}
+
+Vec3d colour_of_light(const Json& owner) {
+  Vec3d colour(1);
+  if (owner.contains("color"))
+    for (int c = 0; c < 3; ++c) colour[c] = owner["color"][static_cast<size_t>(c)].get<double>();
+  return colour;
+}
+
 void check_intensity(const Document& d, const std::string& where, const Vec3d& i) {
   if (!(max_component(i) <= kMost))
     d.fail(where, fmt::format("has an intensity of {}, expected at most 1e30", max_component(i)));
 }
 
-}  // namespace
-
-bool holds_light(const Document& d, size_t node) {
-  const Json extensions = d.json["nodes"][node].value("extensions", Json::object());
-  return extensions.contains(kName) || extensions.contains(kIes);
+std::optional<Affine> axes_of_light(const Affine& map) {
+  const Vec3d z = direction_of(map.z), along_x = direction_of(map.x);
+  Vec3d x = direction_of(along_x - z * dot(along_x, z));
+  if (x == Vec3d()) x = direction_of(cross(direction_of(map.y), z));
+  if (z == Vec3d() || x == Vec3d()) return {};
+  return Affine{x, cross(z, x), z, map.t};
 }
 
 void LightReader::add(const PlacedNode& n) {
@@ -49,12 +70,8 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
   const std::string type = l["type"].get<std::string>();
 
   PunctualLight out;
-  out.name = l.value("name", "");
-  if (out.name.empty()) out.name = d_.json["nodes"][n.node].value("name", "");
-  Vec3d colour(1);
-  if (l.contains("color"))
-    for (int c = 0; c < 3; ++c) colour[c] = l["color"][static_cast<size_t>(c)].get<double>();
-  const Vec3d intensity = colour * l.value("intensity", 1.0);
+  out.name = name_of_light(d_, l, n.node);
+  const Vec3d intensity = colour_of_light(l) * l.value("intensity", 1.0);
   if (max_component(intensity) <= 0) return;
   check_intensity(d_, fmt::format("extensions.{}.{}", kName, place("lights", index)), intensity);
   out.intensity = Rgb(intensity);
@@ -101,31 +118,22 @@ std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
 void LightReader::add_luminaire(const PlacedNode& n, const Json& extension) {
   const auto index = extension["light"].get<size_t>();
   PunctualLight out;
-  out.name = d_.json["extensions"][kIes]["lights"][index].value("name", "");
-  if (out.name.empty()) out.name = d_.json["nodes"][n.node].value("name", "");
+  out.name = name_of_light(d_, d_.json["extensions"][kIes]["lights"][index], n.node);
   out.profile = profile(index);
-  Vec3d colour(1);
-  if (extension.contains("color"))
-    for (int c = 0; c < 3; ++c)
-      colour[c] = std::min(extension["color"][static_cast<size_t>(c)].get<double>(), 1.0);
+  const Vec3d colour = min(colour_of_light(extension), Vec3d(1));
   const double greatest = extension.value("multiplier", 1.0) * out.profile->peak;
   check_intensity(d_, place("nodes", n.node), Vec3d(greatest));
   const Vec3d intensity = colour * greatest;
   if (max_component(intensity) <= 0) return;
   out.intensity = Rgb(intensity);
-  const Affine& map = n.to_world();
-  out.position = map.t;
-  const Vec3d z = direction_of(map.z), along_x = direction_of(map.x);
-  Vec3d x = direction_of(along_x - z * dot(along_x, z));
-  if (x == Vec3d()) x = direction_of(cross(direction_of(map.y), z));
-  if (z == Vec3d() || x == Vec3d()) {
+  out.position = n.to_world().t;
+  const std::optional<Affine> axes = axes_of_light(n.to_world());
+  if (!axes) {
     ++flat_;
     return;
   }
-  const Vec3d y = cross(z, x);
-  const auto turned = [&](const Vec3d& v) { return normalize(x * v.x + y * v.y + z * v.z); };
-  out.direction = turned(out.profile->pole);
-  out.across = turned(out.profile->zero);
+  out.direction = normalize(axes->vector(out.profile->pole));
+  out.across = normalize(axes->vector(out.profile->zero));
   scene_.lights.push_back(out);
 }
 
@@ -135,15 +143,20 @@ std::string generator_of(const Document& d) {
   return asset["generator"].get<std::string>();
 }
 
-LampUnits lamp_units_of(const Document& d) {
+LampUnits lamp_units_of(const Document& d, bool area_lights) {
   std::vector<LampNumber> numbers;
   const Json all = d.json["extensions"].value(kName, Json::object());
   for (const Json& l : all.value("lights", Json::array()))
     if (const double value = l.value("intensity", 1.0); value > 0)
       numbers.push_back({value, l["type"] == "directional"});
   const std::string generator = generator_of(d);
-  // Only luminaires, in candela, beside surfaces in W/m2/sr.
-  if (numbers.empty() && is_blender(generator)) return {LampUnits::Kind::photometric, ""};
+  // Only luminaires, in candela, and area lights, in nits, beside surfaces in W/m2/sr. The numbers
+  // of area lights do not tell the exporter's mode: Blender's writes none.
+  if (numbers.empty() && is_blender(generator))
+    return {LampUnits::Kind::photometric,
+            area_lights ? "area lights are taken as nits, divided by 683 lm/W: so their extension "
+                          "defines them"
+                        : ""};
   return tdpt::lamp_units_of(generator, numbers);
 }
 

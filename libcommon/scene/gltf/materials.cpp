@@ -35,9 +35,6 @@ constexpr std::array<Sentence, kinds> kSentences = {{
 // At most so many textures are named individually; the rest are counted.
 constexpr size_t kNamed = 5;
 
-// Below, emission vanishes in single precision before it reaches the camera; above, it overflows.
-constexpr double kFaintest = 1e-30, kBrightest = 1e30;
-
 // A feature that is ignored with a warning if its `factor` is above 0.
 struct LeftOut {
   const char *extension, *factor, *words;
@@ -331,11 +328,11 @@ class Reader {
       texture(j, "emissiveTexture", true, MAP_EMISSION, [&](const std::array<float, 4>& v) {
         radiance = radiance * Vec3d(v[0], v[1], v[2]);
       });
-    if (!(max_component(radiance) <= kBrightest))
+    if (!(max_component(radiance) <= kBrightestEmission))
       d_.fail(
           place("materials", index),
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
-    if (max_component(radiance) > 0 && max_component(radiance) < kFaintest) {
+    if (max_component(radiance) > 0 && max_component(radiance) < kFaintestEmission) {
       tell(faint);
       maps_[MAP_EMISSION].reset();
       return;

@@ -6,6 +6,7 @@
 #include "libcommon/base/counted.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/scene/gltf/accessors.h"
+#include "libcommon/scene/gltf/area_lights.h"
 #include "libcommon/scene/gltf/instances.h"
 #include "libcommon/scene/gltf/morphs.h"
 
@@ -59,7 +60,6 @@ void MeshReader::run() {
   make_room();
   for (const PlacedNode& n : nodes_)
     if (mesh_of(d_, n) >= 0) add_node(n);
-  attributes_.finish(world_.size());
 }
 
 void MeshReader::make_room() {
@@ -73,6 +73,10 @@ void MeshReader::make_room() {
   };
   size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
   for (const PlacedNode& n : nodes_) {
+    if (n.visible) {  // far fewer than the limits, as each needs a node
+      const Polygon light = polygon_of_light(d_, n.node);
+      vertices += light.vertices, triangles += light.triangles;
+    }
     const int mesh = mesh_of(d_, n);
     if (mesh < 0) continue;
     const Shape shape = shape_of(n.node);

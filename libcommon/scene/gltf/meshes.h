@@ -24,8 +24,12 @@ class MeshReader {
              const std::vector<PlacedNode>& nodes);
 
   /// Adds the meshes of all visible nodes: triangles and attributes to the scene, vertices to
-  /// `world()`. A scene whose instances would fill the memory is refused before any vertex is read.
+  /// `world()`. Makes room for those of area lights, too. A scene whose instances would fill the
+  /// memory is refused before any vertex is read.
   void run();
+
+  /// Call when all vertices are in `world()`.
+  void finish() { attributes_.finish(world_.size()); }
 
   std::vector<Vec3d>& world() { return world_; }  ///< [m]
   double grain() const { return grain_; }         ///< largest rounding error of a vertex [m]

@@ -7,6 +7,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/gltf/images.h"
 #include "libcommon/scene/scene.h"
+#include "libcommon/scene/test_materials.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/sound_scene.h"
 #include "libcommon/testing/files/temp_folder.h"
@@ -15,11 +16,6 @@
 namespace tdpt::testing::mutations_test {
 
 const std::string kTestdata = TDPT_TESTDATA;
-
-Scene load(const GlbBuilder& b) {
-  const TempFolder folder;
-  return read_gltf(folder.write("scene.glb", b.glb()));
-}
 
 size_t get_json_size(const std::string& glb) {
   return static_cast<unsigned char>(glb[12]) + 256u * static_cast<unsigned char>(glb[13]);
@@ -164,6 +160,11 @@ GlbBuilder rich() {
       {{"type", "directional"}, {"intensity", 2}}};
   for (int light : {0, 1, 2})
     b.node({{"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+  b.json["extensions"]["EXT_lights_area"]["lights"] = {
+      {{"type", "rect"}, {"intensity", 3}, {"size", 2}, {"rect", {{"aspect", 0.5}}}},
+      {{"type", "disk"}, {"color", {1, 0.5, 0}}}};
+  for (int light : {0, 1})
+    b.node({{"scale", {1, -2, 1}}, {"extensions", {{"EXT_lights_area", {{"light", light}}}}}});
   return b;
 }
 

@@ -11,6 +11,7 @@
 #include "libcommon/base/number_words.h"
 #include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf/animations.h"
+#include "libcommon/scene/gltf/area_lights.h"
 #include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/cameras.h"
 #include "libcommon/scene/gltf/defaults.h"
@@ -69,7 +70,7 @@ std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), lights_(document, scene) {}
+      : d_(document), scene_(scene), lights_(document, scene), area_lights_(document, scene) {}
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
@@ -83,10 +84,14 @@ class SceneReader {
       add_camera(n);
       if (n.visible) lights_.add(n);
     }
-    scene_.by_blender = is_blender(generator_of(d_));
-    if (!scene_.lights.empty()) scene_.lamp_units = lamp_units_of(d_);
-    if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
+    for (const PlacedNode& n : nodes)
+      if (n.visible) area_lights_.add(n, meshes.world());
+    uses.resize(std::max(uses.size(), scene_.materials.size()));
+    meshes.finish();
+    scene_.by_blender = is_blender(generator_of(d_));
+    if (scene_.has_lamps()) scene_.lamp_units = lamp_units_of(d_, !scene_.area_lights.empty());
+    if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     for (size_t i = 0; i < scene_.materials.size(); ++i)
       finish_material(uses[i], scene_.materials[i]);
     if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
@@ -178,13 +183,16 @@ class SceneReader {
     tell(orthographic_, "orthographic camera", "is left out", "are left out");
     tell(flat_cameras_, "camera", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
-    tell(lights_.flat(), "lamp", "is left out, as its transform is flat",
+    tell(area_lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
+         "emit a radiance below 1e-30, which counts as none");
+    tell(lights_.flat() + area_lights_.flat(), "lamp", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
   }
 
   const Document& d_;
   Scene& scene_;
   LightReader lights_;
+  AreaLightReader area_lights_;
   DistinctNames camera_names_;
   size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
 };

@@ -66,6 +66,7 @@ Json harmless(const std::string& section) {
   if (section == "cameras")
     return {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}};
   if (section == "lights") return {{"type", "point"}, {"intensity", 0}};
+  if (section == "EXT_lights_area") return {{"type", "rect"}, {"intensity", 0}};
   if (section == "skins") return {{"joints", {0}}};
   return Json::object();
 }

@@ -193,12 +193,49 @@ void lights(MalformedList& l) {
             "lights");
 }
 
+void area_lights(MalformedList& l) {
+  const std::string place = "extensions.EXT_lights_area";
+  const auto light = [&](const std::string& file, const Json& value, const std::string& expected) {
+    l.spoil(
+        file,
+        [&](GlbBuilder& b) {
+          b.json["extensions"]["EXT_lights_area"]["lights"] = Json::array({value});
+          b.node({{"extensions", {{"EXT_lights_area", {{"light", 0}}}}}});
+        },
+        place + expected);
+  };
+  light("area-light-type", {{"type", "sphere"}},
+        ".lights[0].type: is \"sphere\", expected rect or disk");
+  light("area-light-untyped", Json::object(), ".lights[0].type: is missing");
+  light("area-light-intensity", {{"type", "rect"}, {"intensity", -1}},
+        ".lights[0].intensity: is -1, expected a number of at least 0");
+  light("area-light-colour", {{"type", "rect"}, {"color", {1, 1, -1}}},
+        ".lights[0].color[2]: is -1, expected a number of at least 0");
+  light("area-light-size", {{"type", "disk"}, {"size", 0}},
+        ".lights[0].size: is 0, expected more than 0");
+  light("area-light-aspect", {{"type", "rect"}, {"rect", {{"aspect", -2}}}},
+        ".lights[0].rect.aspect: is -2, expected more than 0");
+  light("area-light-too-bright", {{"type", "disk"}, {"intensity", 1e31}},
+        ".lights[0]: has an intensity of 1e+31, expected at most 1e30");
+  l.replace("area-light-missing", "/nodes/0/extensions", {{"EXT_lights_area", {{"light", 3}}}},
+            "nodes[0].extensions.EXT_lights_area.light: is 3, expected an index into the 0 lights");
+  l.spoil(
+      "area-light-far",
+      [](GlbBuilder& b) {
+        b.json["extensions"]["EXT_lights_area"]["lights"] =
+            Json::array({{{"type", "disk"}, {"size", 1e300}}});
+        b.node({{"scale", {1e100, 1, 1}}, {"extensions", {{"EXT_lights_area", {{"light", 0}}}}}});
+      },
+      "nodes[2]: its transform takes an area light beyond double precision");
+}
+
 }  // namespace
 
 void add_malformed_surfaces(MalformedList& l) {
   attributes(l);
   materials(l);
   lights(l);
+  area_lights(l);
   luminaires(l);
 }
 

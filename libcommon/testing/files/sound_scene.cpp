@@ -80,6 +80,8 @@ std::string fault_of(const Scene& s) {
   }
   for (const PunctualLight& l : s.lights)
     if (const std::string fault = fault_of(l); !fault.empty()) return fault;
+  for (const AreaLight& l : s.area_lights)
+    if (l.material >= s.materials.size() || !(l.area >= 0)) return "an area light has a material";
   return "";
 }
 
