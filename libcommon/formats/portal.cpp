@@ -85,7 +85,7 @@ class Reader {
     size_t n = 0;
     const Json none;
     const Json& extensions = d_.json.value("extensions", none);
-    for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies"})
+    for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies", "EXT_lights_area"})
       if (const auto at = extensions.find(name); at != extensions.end())
         n += at->value("lights", none).size();
     for (const Json& material : d_.json.value("materials", none))

@@ -159,6 +159,8 @@ TEST_F(PortalFormat, CountsWhatPortalsDoNotNeed) {
   g["extensionsUsed"] = {"KHR_lights_punctual"};
   g["extensions"]["KHR_lights_punctual"]["lights"] = Json::parse(R"([{"type":"point"}])");
   EXPECT_EQ(read(g).lamps, 2u);
+  g["extensions"]["EXT_lights_area"]["lights"] = Json::parse(R"([{"type":"disk"}])");
+  EXPECT_EQ(read(g).lamps, 3u);
 }
 
 // Blender writes doubleSided unless backface culling is on.

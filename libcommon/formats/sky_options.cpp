@@ -97,9 +97,25 @@ void scale(const Scene& scene, bool said_by_scene, double factor, Sky::Map& map)
   }
 }
 
+// Whether surfaces emit that are no area lights.
 bool has_emission(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(),
-                     [](const Material& m) { return max_component(m.emission) > 0; });
+  size_t emitting = 0;
+  for (const Material& m : scene.materials) emitting += max_component(m.emission) > 0;
+  for (const AreaLight& light : scene.area_lights)
+    emitting -= max_component(scene.materials[light.material].emission) > 0;
+  return emitting > 0;
+}
+
+// As Lights has it, in the canonical frame.
+double power_of_area_lights(const Scene& scene) {
+  std::vector<bool> is_light(scene.materials.size());
+  for (const AreaLight& light : scene.area_lights) is_light[light.material] = true;
+  double power = 0;
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+    if (is_light[scene.triangles[t].material])
+      power +=
+          std::numbers::pi * luminance(scene.material_of(t).emission) * shape_of(scene, t).area;
+  return power;
 }
 
 LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
@@ -116,14 +132,16 @@ bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
   for (const PunctualLight& lamp : scene.lights) {
     changes.push_back(to_radiometric(units, lamp) / to_radiometric(scene.lamp_units.kind, lamp));
   }
+  for (const AreaLight& light : scene.area_lights)
+    changes.push_back(to_radiometric(units, light) / to_radiometric(scene.lamp_units.kind, light));
   if (with_map || has_emission(scene)) changes.push_back(1);
   return std::adjacent_find(changes.begin(), changes.end(), std::not_equal_to<>()) != changes.end();
 }
 
-// Converts the lamps to W/sr and W/m2. Returns the contribution to the scene's identity.
+// Converts the lamps to W/sr, W/m2 and W/m2/sr. Returns the contribution to the scene's identity.
 std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
                        const cli::Common& common) {
-  if (scene.lights.empty()) {
+  if (!scene.has_lamps()) {
     if (a.light_units != "auto")
       common.note_of(scene.path, "the scene has no lamp: --set light-units changes nothing");
     return "";
@@ -197,7 +215,7 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
 }
 
 void note_lost_light(const Scene& scene, const cli::Common& common) {
-  if (!scene.by_blender || scene.sky || !scene.lights.empty() || has_emission(scene)) return;
+  if (!scene.by_blender || scene.sky || scene.has_lamps() || has_emission(scene)) return;
   common.note_of(scene.path,
                  "Blender's exporter leaves out the world (sky) and area lamps: "
                  "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
@@ -205,15 +223,18 @@ void note_lost_light(const Scene& scene, const cli::Common& common) {
 }
 
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {
-  if (scene.lights.empty() || !has_emission(scene)) return;
+  if (!scene.has_lamps() || !has_emission(scene)) return;
   const Lights::KindProbabilities power = Lights(scene).powers();
-  if (!(power.surfaces > 0 && power.lamps > kOutshines * power.surfaces)) return;
+  const double of_area = power_of_area_lights(scene);
+  const double lamps = power.lamps + of_area, surfaces = power.surfaces - of_area;
+  // What is left of rounding is no power.
+  if (!(surfaces > 1e-9 * of_area && lamps > kOutshines * surfaces)) return;
   const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
   common.warn_of(
       scene.path,
       fmt::format("lamps have {} times the power of the surfaces that emit: if that is not "
                   "meant, {}",
-                  number_words(power.lamps / power.surfaces),
+                  number_words(lamps / surfaces),
                   as_they_are
                       ? "their units differ, and --set light-units=photometric divides lamps by 683"
                       : "--set light-units says in what their numbers are"));

@@ -139,6 +139,49 @@ TEST(SkyOptions, UnitsThatShiftTheLightMakeAnotherScene) {
   EXPECT_NE(Taken(lamps_of_blender(), "radiometric", "1,1,1").scene.identity(), sky);
 }
 
+// An area light of radiance 1 and 2 m2, beside the surfaces that are there.
+void add_area_light(Scene& scene) {
+  scene.area_lights.push_back({static_cast<uint32_t>(scene.materials.size()), 2});
+  scene.materials.emplace_back().emission = Rgb(1);
+}
+
+TEST(SkyOptions, AreaLightsAreConvertedAndWeighedWithTheLamps) {
+  Scene alone;
+  alone.hash = "1234";
+  alone.lamp_units = {LampUnits::Kind::photometric, ""};
+  add_area_light(alone);
+  EXPECT_FLOAT_EQ(Taken(alone, "auto").scene.materials[0].emission.x, 1 / 683.f);
+  EXPECT_EQ(Taken(alone, "radiometric").scene.materials[0].emission.x, 1);
+  for (const char* units : {"photometric", "radiometric", "watts"}) {
+    EXPECT_EQ(Taken(alone, units).scene.identity(), "1234");
+    EXPECT_EQ(Taken(alone, units).note, "");
+  }
+  Scene with_lamp = lamps_of_blender();
+  add_area_light(with_lamp);
+  EXPECT_EQ(Taken(with_lamp, "radiometric").scene.identity(), "1234");
+  EXPECT_NE(Taken(with_lamp, "watts").scene.identity(), "1234");
+  Scene with_surface = alone;
+  with_surface.materials.emplace_back().emission = Rgb(1);
+  EXPECT_EQ(Taken(with_surface, "auto").scene.identity(), "1234");
+  EXPECT_NE(Taken(with_surface, "radiometric").scene.identity(), "1234");
+}
+
+TEST(SkyOptions, AreaLightsThatOutshineSurfacesAreTold) {
+  Scene scene;
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 1}};
+  scene.materials.emplace_back();
+  add_area_light(scene);
+  const auto warning = [&](float light, float surface) {
+    scene.materials[0].emission = Rgb(surface), scene.materials[1].emission = Rgb(light);
+    return said([&](const cli::Common& common) { warn_of_lamps(scene, common); });
+  };
+  EXPECT_EQ(warning(1e6f, 0), "");
+  EXPECT_EQ(warning(99, 1), "");
+  EXPECT_NE(warning(120, 1).find("lamps have 120 times the power of the surfaces"),
+            std::string::npos);
+}
+
 TEST(SkyOptions, LampsThatOutshineSurfacesAreTold) {
   Scene scene = lamps();
   scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -321,6 +364,10 @@ TEST(SkyOptions, WhatBlenderLeavesOutIsToldWhereThereIsNoLight) {
   scene.lights.resize(1);
   EXPECT_EQ(note(), "");
   scene.lights.clear();
+  add_area_light(scene);
+  EXPECT_EQ(note(), "");
+  scene.materials.clear();
+  scene.area_lights.clear();
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1)}}, 0);
   EXPECT_EQ(note(), "");
 }

@@ -54,7 +54,7 @@ std::string pose_words(const Arguments& a, const Scene& scene) {
 
 // Those in use, whether asked for or guessed.
 std::string units_of_lamps(const Scene& scene) {
-  if (scene.lights.empty()) return "";
+  if (!scene.has_lamps()) return "";
   return names_of_lamp_units().at(static_cast<size_t>(scene.lamp_units.kind));
 }
 
