@@ -23,6 +23,8 @@
 #   make bench          lists the benchmarks
 #   make bench-NAME     builds and runs one, which writes its tables in doc/ (bench/run.py NAME --help: its settings,
 #                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
+#   make peers          installs Cycles, LuxCore, Mitsuba and OpenUSD from PyPI into build/peers/venv, for tests and benchmarks
+#                       beside them (1.5 GB; PYTHON=python3.11: bpy 5.0 is for no other)
 #   make stale          lists the pages of doc/ whose numbers are older than the sources they measure
 #   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
 #                       DOC=FOLDER: elsewhere)
@@ -37,7 +39,7 @@ TEST_STATUS ?=
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt
 
-.PHONY: all help build programs demo figures stages bench stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
+.PHONY: all help build programs demo figures stages bench peers stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
 
 help:
@@ -95,6 +97,12 @@ figures stages: %: bench-%
 
 bench:
 	@python3 -B bench/run.py
+
+peers:
+	@sh cmake/install-packages.sh cmake/packages-peers.txt
+	@mkdir -p build/peers
+	@$(or $(PYTHON),python3.11) -m venv build/peers/venv
+	@build/peers/venv/bin/python -m pip install --quiet --requirement bench/peers.txt
 
 stale:
 	@python3 -B bench/stale.py

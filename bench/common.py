@@ -115,6 +115,12 @@ def checked(command, may_fail=(), env=None):
     return run
 
 
+def peers_python():
+    """The Python that has other renderers: PEERS_PYTHON, what `make peers` built, or python3."""
+    built = ROOT / "build/peers/venv/bin/python"
+    return os.environ.get("PEERS_PYTHON") or (str(built) if built.exists() else "python3")
+
+
 # ---- Results that are kept ----
 # Those of the programs that obey --seed or have --quality, and what others lack of the options that all runs have.
 SEEDED = HAVE_QUALITY = ("ffgraph", "lightgrid")

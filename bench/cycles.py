@@ -13,8 +13,9 @@ import pages
 import rooms
 import stats
 from common import (EVERYTHING, MAPS, RENDERER, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment,
-                    settings, turns)
-from formats import exr_read, exr_write
+                    measure, peers_python, settings, turns)
+from formats import exr_read, exr_write, glb_content, glb_parse
+from peers import without_panes
 from sky import Cell, Picture, black_words
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # Rec.709
@@ -22,11 +23,32 @@ LIMIT = 4.0  # standard errors; by chance once in about 3000 comparisons of 16 w
 BLOCKS = (8, 6)  # columns, rows
 
 
-def blender(*arguments):
+@functools.cache
+def blenders():
+    """Commands that run cycles_blender.py in the Blenders that there are: BLENDER alone, a program or a Python that has
+    bpy, or what `make peers` built and the system's."""
+    named = os.environ.get("BLENDER")
+    commands = []
+    for word in [named] if named else [peers_python(), "blender"]:
+        program = shutil.which(word)
+        if program and "python" in Path(program).name:
+            if not measure([program, "-c", "import importlib.metadata as m; m.version('bpy')"]).status:
+                commands.append((program, "-B", ROOT / "bench/cycles_blender.py"))
+        elif program:
+            commands.append((program, "-b", "--factory-startup", "--python-exit-code", 1, "--python",
+                             ROOT / "bench/cycles_blender.py"))
+    return commands
+
+
+def need_blender():
+    if not blenders():
+        raise Stop(5, "there is no Blender (Debian: blender), nor what `make peers` installs")
+
+
+def blender(*arguments, command=None):
     """Runs cycles_blender.py there. It takes the first Python on PATH for its own: the distribution's has numpy."""
-    program = shutil.which(os.environ.get("BLENDER", "blender")) or "blender"
-    return checked([program, "-b", "--factory-startup", "--python-exit-code", 1, "--python",
-                    ROOT / "bench/cycles_blender.py", "--", *arguments], env={"PATH": f"/usr/bin:{os.environ['PATH']}"})
+    need_blender()
+    return checked([*(command or blenders()[0]), "--", *arguments], env={"PATH": f"/usr/bin:{os.environ['PATH']}"})
 
 
 # ---- Do they agree in the mean? ----
@@ -125,27 +147,51 @@ def compare_skies(bench):
 METHODS = {"cycles": "Cycles", "cycles-hand": "Cycles, portals by hand", "cycles-found": "Cycles, portals found",
            "ours-nee": "`nee`", "ours-auto": "`auto`, portals found"}
 ORDER = ("cycles-hand", "cycles-found", "cycles", "ours-nee", "ours-auto")
-BASE = "cycles-hand"
+BASE = "cycles"
+INTERIORS = ("living-room", "classroom")  # of SCENES, which nobody drew portals for
 SEED = 20261122
 
 
-def geometric_mean(cells, method):
-    return math.exp(np.mean([math.log(c.gain(method).value) for c in cells]))
+def all_diffuse(data):
+    """A scene of the same shapes, for programs whose materials differ: no panes, each material Lambertian, one of its
+    colour or, where that is a texture, grey."""
+    document, binary = glb_parse(without_panes(data)[0])
+    for material in document["materials"]:
+        surface, more = material.get("pbrMetallicRoughness", {}), material.get("extensions", {})
+        colour = (0.5, 0.5, 0.5) if "baseColorTexture" in surface else surface.get("baseColorFactor", (1, 1, 1))
+        kept = {key: material[key] for key in ("name", "doubleSided", "emissiveFactor") if key in material}
+        strength = {key: of for key, of in more.items() if key == "KHR_materials_emissive_strength"}
+        material.clear()
+        material.update(kept, pbrMetallicRoughness={"baseColorFactor": [*colour[:3], 1], "metallicFactor": 0},
+                        extensions={"KHR_materials_specular": {"specularFactor": 0}, **strength})
+    return glb_content(document, binary)
 
 
 def equal_tables(cells):
+    """Cells have the methods that their room has."""
     others = [m for m in METHODS if m != BASE]
-    gains = [[*key, *(cell.gain(m).text(pages.three) for m in others)] for key, cell in cells.items()]
+
+    def mean(of, method):
+        known = [c.gain(method).value for c in of if c.pictures[method]]
+        return pages.three(math.exp(np.mean(np.log(known)))) if known else ""
+
+    def found_over_hand(cell):
+        hand, found = cell.costs("cycles-hand"), cell.costs("cycles-found")
+        return stats.ratio(hand, found, SEED).text(pages.three) if len(hand) else ""
+
+    gains = [[*key, *(cell.gain(m).text(pages.three) if cell.pictures[m] else "" for m in others),
+              found_over_hand(cell)] for key, cell in cells.items()]
     for sky in dict.fromkeys(sky for _, sky in cells):
         of = [c for (_, s), c in cells.items() if s == sky]
-        gains.append(["geometric mean", sky, *(pages.three(geometric_mean(of, m)) for m in others)])
-    gains.append(["geometric mean", "**all**", *(f"**{geometric_mean(cells.values(), m):.3g}**" for m in others)])
+        gains.append(["geometric mean", sky, *(mean(of, m) for m in others), ""])
+    gains.append(["geometric mean", "**all**", *(f"**{mean(cells.values(), m)}**" for m in others), ""])
     errors = []
     for key, c in cells.items():
-        of = [(*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0)) for m in METHODS]
-        errors.append([*key, *("%.2g, %.1f (%.0f; %.1f s)" % facts for facts in of), black_words(c),
-                       f"{100 * c.off:+.2f} %"])
-    return {"gains": pages.table(("room", "sky", *(METHODS[m] for m in others)), gains),
+        of = ["%.2g, %.1f (%.0f; %.1f s)" % (*c.error(m), *np.mean([(p.spp, p.cpu) for p in c.pictures[m]], 0))
+              if c.pictures[m] else "" for m in METHODS]
+        errors.append([*key, *of, black_words(c), f"{100 * c.off:+.2f} %"])
+    heads = ("room", "sky", *(METHODS[m] for m in others), "found over by hand")
+    return {"gains": pages.table(heads, gains),
             "errors": pages.table(("room", "sky", *METHODS.values(), "black", "means"), errors)}
 
 
@@ -171,12 +217,15 @@ class Room:
                 folder.mkdir()
                 blender("render", self.scene, folder / "picture.exr", "--threads", 1, *words, "--cpu", folder / "cpu")
             store = self.bench.store
-            folder = store.keep([store.sum_of(self.scene), *words], make, ".cycles")
+            folder = store.keep([*blenders()[0], store.sum_of(self.scene), *words], make, ".cycles")
             _, samples, cpu = (folder / "cpu").read_text().split()
             return folder / "picture.exr", int(samples), float(cpu)
         render = functools.partial(self.bench.render, self.scene, *self.options, *self.own[method], "--seed", seed)
         if amount[0] == "--cpu-seconds":
-            amount = ("--spp", max(1, round(16 * amount[1] / render("--spp", 16).said["cpu_seconds"])))
+            samples = 16
+            for _ in range(2):  # What auto decides, and so what a sample costs, hangs on how many there are.
+                samples = max(1, round(samples * amount[1] / render("--spp", samples).said["cpu_seconds"]))
+            amount = ("--spp", samples)
         run = render(*amount)
         return run.out, run.said["spp"], run.said["cpu_seconds"]
 
@@ -198,37 +247,52 @@ class Room:
 
 
 def window_cell(bench, name, sky):
-    """Of a room that a sky lights through its windows: Cycles with portals by hand, found, and without."""
-    room = Room(bench, bench.cache / f"{name}.glb",
-                ("--environment", environment(sky), "--environment-rotation", -45))
+    """Of a room that a sky lights through its windows: Cycles with portals by hand, where there are some, with those
+    found, and without."""
+    scene, by_hand = bench.cache / f"{name}.glb", bench.cache / f"{name}.portals.py"
+    own = Path(bench.settings.scenes) / f"interiors/{name}.env.exr"
+    light = ("--environment", environment(sky, own), "--environment-rotation", -45 if name in rooms.ROOMS else 0)
+    room = Room(bench, scene, light)
     script = bench.store.run("portalfit", room.portals.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-    room.own |= {"cycles-hand": ("--script", bench.cache / f"{name}.portals.py"), "cycles-found": ("--script", script)}
-    return room.cell(ORDER, BASE, room.reference("ours-auto"), room.reference("cycles-hand"))
+    room.own |= {"cycles-found": ("--script", script)}
+    if name in rooms.ROOMS:
+        room.own |= {"cycles-hand": ("--script", by_hand)}
+    cell = room.cell([m for m in ORDER if m in room.own], BASE, room.reference("ours-auto"),
+                     room.reference("cycles-found"))
+    bench.say(f"{name}, {sky}: {room.portals.count} portals found")
+    return cell
 
 
-@settings(ROOMS=Setting(("window", "windows", "skylight", "behind"), "of bench/rooms.py"),
-          SKIES=Setting(SKIES, "of: overcast clear sun"), SECONDS_EACH=Setting(4.0, "CPU seconds of a picture", 0.1),
+@settings(ROOMS=Setting((*rooms.ROOMS, *INTERIORS), "of bench/rooms.py, or interiors of SCENES"),
+          SKIES=Setting(SKIES, "of: overcast clear sun (sun: an interior has its own map instead)"),
+          SECONDS_EACH=Setting(4.0, "CPU seconds of a picture", 0.1),
           SEEDS=Setting(4, "pictures of each kind", 2),
           REF=Setting(6.0, "how many times as long each half of a reference takes", 2.0),
           WIDTH=Setting(96, "of the pictures", 24), HEIGHT=Setting(72, "", 18))
 def equal_time(bench):
-    """What tdpt-render makes with the portals that the stages find, beside what Cycles makes with portals drawn by
-    hand, in equal CPU time. Rooms x skies, several seeds taking turns, one thread each; a room and a sky take four
-    minutes.
+    """What portals are worth to Cycles in equal CPU time, found by the stages or drawn by hand, and what tdpt-render
+    makes of those found. Rooms x skies, several seeds taking turns, one thread each; a room and a sky take two minutes.
+    Interiors are rendered by all as diffuse, without panes.
 
     CPU seconds are those of rendering. Cycles: of Blender's process in bpy.ops.render.render, less those of a picture
     of one sample. tdpt-render: cpu_seconds of its summary, the time that auto takes to choose included. Loading the
     scene is in neither. A program's pictures are held against its own reference, made with its portals."""
-    bench.need(os.environ.get("BLENDER", "blender"))
+    need_blender()
     rooms.write_rooms(bench.cache)
-    cells = {}
+    names = []
     for name in bench.settings.rooms:
-        if name not in rooms.ROOMS:
+        if name in rooms.ROOMS:
+            names.append(name)
+        elif name not in INTERIORS:
             raise Stop(2, f"ROOMS: there is no {name}")
-        for light in bench.settings.skies:
-            bench.say(f"{name}, {light}")
-            cells[name, light] = window_cell(bench, name, light)
-    bench.page("cycles", equal_tables(cells), EVERYTHING)
+        elif source := bench.find(name):
+            names.append(name)
+            (bench.cache / f"{name}.glb").write_bytes(all_diffuse(source.read_bytes()))
+        else:
+            bench.say(f"{name}: there is no {name}.glb in SCENES, left out")
+    places = list(itertools.product(names, bench.settings.skies))
+    cells = bench.side_by_side([functools.partial(window_cell, bench, *place) for place in places])
+    bench.page("cycles", equal_tables(dict(zip(places, cells))), EVERYTHING)
 
 
 DOORS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
@@ -254,7 +318,7 @@ def doors_table(cells):
 def doors(bench):
     """What tdpt-render makes of rooms behind holes and doors with the portals that the stages find, beside its own bdpt
     and Cycles, in equal CPU time, as in the benchmark cycles-equal. All are held against one reference."""
-    bench.need(os.environ.get("BLENDER", "blender"))
+    need_blender()
     cells = {}
     for name in bench.settings.rooms:
         if name not in DOORS:

@@ -1,5 +1,6 @@
 """What runs inside Blender; doc/cycles.md tells what is set, and why Blender's own reading of a file is not enough.
   blender -b --factory-startup --python-exit-code 1 --python cycles_blender.py -- render SCENE.glb OUT-%d.exr [OPTIONS]
+  python3 cycles_blender.py -- ...     the same, by a Python that has bpy: Blender 3.4 to 5.0
 Cycles, its path tracer, renders a diffuse glTF scene as tdpt-render means it, a picture for each seed; %d becomes the
 seed. OUT has to be an absolute path or relative to the current folder.
   ... -- check PORTALS.glb PORTALS.py
@@ -13,15 +14,19 @@ import time
 
 import numpy
 
+HERE = os.path.dirname(os.path.realpath(__file__))
+sys.path.insert(0, HERE)
+from readers import OF_THE_SKY, Light, complaints
+
+# This folder has a cycles.py, and so has Blender.
+sys.path = [path for path in sys.path if os.path.realpath(path) != HERE]
+
 # The importer of Blender 3.4 still asks for numpy.bool, which numpy 1.24 no longer has.
 if "bool" not in numpy.__dict__:
     numpy.bool = bool
 
-import bmesh
 import bpy
-
-NEAR = 1e-5  # metres, and of a unit vector: both files come to single precision
-
+import bmesh  # part of bpy where that is a module
 
 # Of `render`: name, what it is if not given, more of it.
 OPTIONS = (
@@ -39,14 +44,22 @@ def principled(material):
     return next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
 
 
+def inputs_of(material):
+    """Those of its Principled BSDF, by the names that they had until Blender 4.0 renamed some."""
+    inputs = {i.name: i for i in principled(material).inputs}
+    renamed = {"Emission": "Emission Color", "Transmission": "Transmission Weight"}
+    return {**inputs, **{old: inputs[new] for old, new in renamed.items() if new in inputs}}
+
+
 def emitted(material):
-    inputs = principled(material).inputs
+    inputs = inputs_of(material)
     return [c * inputs["Emission Strength"].default_value for c in inputs["Emission"].default_value[:3]]
 
 
 def cut(mesh, cuts):
     """The same surface in more triangles, all of them flat."""
-    mesh.use_auto_smooth = False
+    if bpy.app.version < (4, 1):
+        mesh.use_auto_smooth = False
     finer = bmesh.new()
     finer.from_mesh(mesh)
     bmesh.ops.subdivide_edges(finer, edges=finer.edges[:], cuts=cuts, use_grid_fill=True)
@@ -57,7 +70,7 @@ def cut(mesh, cuts):
 def make_lambertian(material):
     """Replaces the material by a Diffuse BSDF, or, where it emits, by an Emission on the front alone."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    inputs = principled(material).inputs
+    inputs = inputs_of(material)
     for name in ("Base Color", "Emission", "Emission Strength"):
         if inputs[name].is_linked:
             sys.exit(f"cycles_blender.py: material {material.name}: {name} has a texture, expected a factor")
@@ -92,7 +105,8 @@ def make_lambertian(material):
 def shine(scene, environment, rotation):
     """Lights the scene as `tdpt-render --environment` means it."""
     scene.world = bpy.data.worlds.new("environment")
-    scene.world.use_nodes = True
+    if bpy.app.version < (5, 0):
+        scene.world.use_nodes = True
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
     background = next(n for n in nodes if n.bl_idname == "ShaderNodeBackground")
     if environment.count(",") == 2:
@@ -102,7 +116,7 @@ def shine(scene, environment, rotation):
         return
     picture = nodes.new("ShaderNodeTexEnvironment")
     picture.image = bpy.data.images.load(os.path.abspath(environment))
-    picture.image.colorspace_settings.name = "Linear"
+    picture.image.colorspace_settings.name = "Linear" if bpy.app.version < (4, 0) else "Linear Rec.709"
     picture.interpolation = "Linear"  # In the angle to the pole, ours in its cosine: the same where texels are small.
     turn = nodes.new("ShaderNodeMapping")
     turn.vector_type = "POINT"
@@ -201,31 +215,21 @@ def render_pictures(a):
             file.writelines(lines)
 
 
-def complaints(mesh, lamp):
+def wrong_with(mesh, lamp):
     """What is wrong with the lamp of a portal, sentences."""
-    light, frame = lamp.data, numpy.array(lamp.matrix_world)
-    corners = numpy.array([mesh.matrix_world @ v.co for v in mesh.data.vertices])
-    x, y, z, origin = (frame[:3, i] for i in range(4))
+    light = lamp.data
+    if light.type != "AREA" or light.shape != "RECTANGLE" or not light.cycles.is_portal:
+        return ["is no rectangular area lamp that is a portal"]
+    corners = [mesh.matrix_world @ v.co for v in mesh.data.vertices]
     # Light goes to the front of the mesh; an area lamp shines along its -Z.
-    normal = numpy.array((mesh.matrix_world.to_3x3() @ mesh.data.polygons[0].normal).normalized())
-    at = (corners - origin) @ numpy.array([x, y, z]).T
-    found = [(light.type != "AREA" or light.shape != "RECTANGLE" or not light.cycles.is_portal,
-              "is no rectangular area lamp that is a portal"),
-             (not numpy.allclose(frame[:3, :3].T @ frame[:3, :3], numpy.eye(3), atol=NEAR), "is scaled or sheared"),
-             (not numpy.isclose(numpy.linalg.det(frame), 1, atol=NEAR), "is mirrored"),
-             (not numpy.allclose(-z, normal, atol=1e-4), f"shines along {-z}, expected {normal}"),
-             (abs(at[:, 2]).max() > NEAR, f"lies {abs(at[:, 2]).max()} m off the plane")]
-    for axis, size in ((0, light.size), (1, light.size_y)):
-        low, high = at[:, axis].min(), at[:, axis].max()
-        found.append((abs(low + size / 2) > NEAR or abs(high - size / 2) > NEAR,
-                      f"has side {axis} from {-size / 2} to {size / 2}, the portal from {low} to {high}"))
-    return [words for wrong, words in found if wrong]
+    normal = (mesh.matrix_world.to_3x3() @ mesh.data.polygons[0].normal).normalized()
+    return complaints(corners, normal, Light(lamp.matrix_world, light.size, light.size_y, -1))
 
 
 def check_portals(a):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(a.glb))
-    meshes = {o.name: o for o in bpy.context.scene.objects if o.type == "MESH"}
+    meshes = {o.name: o for o in bpy.context.scene.objects if o.type == "MESH" and o.get("sky", 1) >= OF_THE_SKY}
     for o in meshes.values():
         o.name = "mesh of " + o.name  # The lamps want these names.
     for _ in range(2):  # Run again, it replaces its lamps.
@@ -234,7 +238,7 @@ def check_portals(a):
     lamps = {o.name: o for o in bpy.context.scene.objects if o.type == "LIGHT"}
     wrong = [] if sorted(lamps) == sorted(meshes) else [f"lamps {sorted(lamps)}, expected {sorted(meshes)}"]
     for name in sorted(set(meshes) & set(lamps)):
-        wrong += [f"{name} {sentence}" for sentence in complaints(meshes[name], lamps[name])]
+        wrong += [f"{name} {sentence}" for sentence in wrong_with(meshes[name], lamps[name])]
     for sentence in wrong:
         print(f"cycles_blender.py: {sentence}", file=sys.stderr)
     print(f"{len(lamps)} lamps for {len(meshes)} portals")

@@ -9,7 +9,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, ROOT, Halves, Setting, Stop, checked, settings, turns
+from common import EVERYTHING, ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
 from formats import exr_read, glb_content, glb_parse, gltf_array, placed
 from sky import Cell, Picture, black_words
 
@@ -94,7 +94,7 @@ def plain(data, camera):
 # ---- Pictures ----
 def inside(*arguments, may_fail=()):
     """What peers_inside.py says there; nothing where it may fail and does."""
-    run = checked([os.environ.get("PEERS_PYTHON", "python3"), "-B", INSIDE, *arguments], may_fail)
+    run = checked([peers_python(), "-B", INSIDE, *arguments], may_fail)
     return {} if run.status else json.loads(run.said.splitlines()[-1])
 
 
@@ -227,15 +227,15 @@ def parts(cells, means):
           MEANS_SECONDS=Setting(3.0, "CPU seconds of a picture of these", 0.5), WIDTH=Setting(96, "of the pictures", 48))
 def peers(bench):
     """Other renderers beside ours in equal CPU time: views of real buildings without their panes, several seeds taking
-    turns, one thread each. ONLY: views, as HOUSE.CAMERA. PEERS_PYTHON in the environment names the Python that has bpy,
-    pyluxcore and mitsuba (python3); those that it lacks are left out. Half an hour."""
+    turns, one thread each. ONLY: views, as HOUSE.CAMERA. `make peers` installs the others; those that are missing are
+    left out. PEERS_PYTHON in the environment names another Python that has them. Half an hour."""
     versions = inside("versions", may_fail=(1,))  # a Python without numpy has none of them
     for method in PEERS:
         if method not in versions:
-            bench.say(f"{PEERS[method]}: PEERS_PYTHON has no {PACKAGES[method]}, left out")
+            bench.say(f"{PEERS[method]}: there is no {PACKAGES[method]} (make peers), left out")
     methods = [method for method in PEERS if method in versions]
     if not methods:
-        raise Stop(5, f"none of {', '.join(dict.fromkeys(PACKAGES.values()))} is installed for PEERS_PYTHON (python3)")
+        raise Stop(5, f"none of {', '.join(dict.fromkeys(PACKAGES.values()))} is installed (make peers)")
     views = [View(bench, name, versions) for name in bench.settings.only or VIEWS]
     lit = [View(bench, name, versions) for name in bench.settings.means if name != "none"]
     means = bench.side_by_side([functools.partial(same_means, view, [*methods, "bdpt"]) for view in lit])

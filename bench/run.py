@@ -47,8 +47,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "cycles": ("cycles", "compare", "whether Cycles and tdpt-render agree in the mean: prints tables for "
                "doc/cycles.md"),
     "cycles-sky": ("cycles", "compare_skies", "the same where an environment lights a room"),
-    "cycles-equal": ("cycles", "equal_time", "portals found here and portals drawn in Cycles, in equal CPU time: in "
-                     "doc/cycles.md"),
+    "cycles-equal": ("cycles", "equal_time", "what portals found and drawn by hand are worth to Cycles, in equal CPU "
+                     "time: in doc/cycles.md (half an hour)"),
     "cycles-doors": ("cycles", "doors", "rooms behind holes and doors beside Cycles and bdpt: in doc/cycles.md (a quarter "
                      "of an hour)"),
     "denoise": ("denoise", "denoise", "what the filter is worth, and what it costs: doc/denoise.md (two hours)"),
@@ -57,8 +57,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
     "denoise-pictures": ("denoise", "denoise_pictures", "hard places before and after the filter: in doc/denoise.md (half "
                          "an hour)"),
     "denoise-harm": ("denoise", "denoise_harm", "whether the filter makes anything worse: in doc/denoise.md (an hour)"),
-    "peers": ("peers", "peers", "rooms of real buildings beside Cycles, LuxCore and Mitsuba from PyPI: doc/peers.md (half "
-              "an hour; PEERS_PYTHON=PYTHON: one that has them)"),
+    "peers": ("peers", "peers", "rooms of real buildings beside Cycles, LuxCore and Mitsuba, by `make peers`: doc/peers.md "
+              "(half an hour)"),
     "tradeoff": ("tradeoff_page", "tradeoff", "speed against accuracy of every option: doc/tradeoff.md (a night; "
                  "--quick: three quarters of an hour)"),
     "options": ("price", "option_costs", "what options cost: in doc/limit.md (half an hour)"),

@@ -1,6 +1,7 @@
 """scripts_test.py TEST BIN: benchmarks at the size of a stamp, by the programs in BIN or by programs that play theirs.
 Exit 77, with a word, where something is missing that they need."""
 import csv
+import itertools
 import os
 import re
 import shutil
@@ -14,10 +15,12 @@ from pathlib import Path
 import numpy as np
 
 import common
+import cycles
 import formats
 import pages
 import peers
 import price
+import readers
 import rooms
 import stale
 
@@ -173,17 +176,38 @@ class Efficiency(Stamp):
             self.assertEqual(pictures() - before, rendered, change)
 
 
-class CyclesPortals(Stamp):
-    """What `portalfit --for cycles` writes makes lamps in Blender where the portals are, seen with the eyes of
+class ForOthers(Stamp):
+    """Rooms under a sky: with an inner door, whose portal is a comment, and with three windows, the whole askew."""
+
+    def askew(self, content):
+        document, binary = formats.glb_parse(content)
+        scene = document["scenes"][0]
+        document["nodes"].append({"children": scene["nodes"], "rotation": [0.48, 0.36, 0.0, 0.8]})
+        scene["nodes"] = [len(document["nodes"]) - 1]
+        return formats.glb_content(document, binary)
+
+    def texts(self, renderer):
+        """[(portals, the text)]"""
+        (self.scenes / "behind.glb").write_bytes(rooms.behind().glb())
+        (self.scenes / "askew.glb").write_bytes(self.askew(rooms.windows().glb()))
+        bench, texts = common.Bench("cycles", cycles.equal_time, BIN, self.cache, self.doc), []
+        for name, lights in (("behind", 1), ("askew", 3)):
+            found = bench.portals(self.scenes / f"{name}.glb", ("--environment", "1,1,1"))
+            text = bench.store.run("portalfit", found.runs["lightgrid"].out, "--for", renderer, threads=0).out
+            self.assertEqual((len(readers.portals_of(found.file)), found.count > lights), (lights, name == "behind"))
+            texts.append((found.file, text))
+        return texts
+
+
+class CyclesPortals(ForOthers):
+    """What `portalfit --for cycles` writes makes lamps in every Blender here where the portals are, seen with the eyes of
     Blender's own glTF importer; and a script with a planted fault is told apart."""
 
     def test_lamps_are_where_the_portals_are(self):
-        import cycles
-        bench = common.Bench("cycles", cycles.equal_time, BIN, self.cache, self.doc)
-        for room in ("window", "door-ajar"):
-            found = bench.portals(SCENES / f"{room}.glb")
-            script = bench.store.run("portalfit", found.runs["lightgrid"].out, "--for", "cycles", threads=0).out
-            self.assertIn(" lamps for ", cycles.blender("check", found.file, script).said)
+        texts = self.texts("cycles")
+        for command, (portals, script) in itertools.product(cycles.blenders(), texts):
+            self.assertRegex(cycles.blender("check", portals, script, command=command).said,
+                             r"(?m)^([1-9]\d*) lamps for \1 portals")
         text, wrong = script.read_text(), self.work / "wrong.py"
         placed = "portal.matrix_world = Matrix(matrix)"
         for old, new in ((placed, placed + " @ Matrix.Diagonal((1, -1, -1, 1))"),  # a lamp turned round
@@ -191,8 +215,58 @@ class CyclesPortals(Stamp):
                          ("is_portal = True", "is_portal = False")):
             wrong.write_text(text.replace(old, new))
             self.assertNotEqual(wrong.read_text(), text)
-            with self.assertRaisesRegex(common.Stop, "cycles_blender.py: "):
-                cycles.blender("check", found.file, wrong)
+            for command in cycles.blenders():
+                with self.assertRaisesRegex(common.Stop, "cycles_blender.py: "):
+                    cycles.blender("check", portals, wrong, command=command)
+
+
+class Readers(ForOthers):
+    """What `portalfit --for mitsuba` and `usd` write is read by both as the portals; planted faults are told apart."""
+
+    def read(self, reader, *paths, may_fail=()):
+        return common.checked([common.peers_python(), "-B", HERE / "readers.py", reader, *paths], may_fail)
+
+    def test_what_is_read_are_the_portals(self):
+        for reader in ("mitsuba", "usd"):
+            for portals, text in self.texts(reader):
+                self.assertRegex(self.read(reader, portals, text).said, r"(?m)^([1-9]\d*) lights for \1 portals")
+
+    def faults(self, reader, text):
+        """{name: (the text with a fault, what is said of it)}"""
+        before = {"mitsuba": 'matrix value="', "usd": "xformOp:transform = "}[reader]
+        line = next(line for line in text.splitlines() if before in line)
+        at = line.index(before) + len(before)
+        number = re.compile(r"-?\d[\d.e-]*")
+        values = number.findall(line[at:])
+        self.assertEqual(len(values), 16)
+
+        def rearranged(new):
+            left = iter(new)
+            return text.replace(line, line[:at] + number.sub(lambda _: next(left), line[at:]))
+
+        y = range(4, 8) if reader == "usd" else range(1, 12, 4)  # rows of USD, columns of Mitsuba
+        faults = {"transposed": (rearranged(values[4 * column + row] for row in range(4) for column in range(4)), "side"),
+                  "mirrored": (rearranged(("-" + v).replace("--", "") if i in y else v for i, v in enumerate(values)),
+                               "is mirrored")}
+        if reader == "mitsuba":
+            return {**faults, "other name": (text.replace("portal_0", "portal_9", 1), "lights .*expected"),
+                    "no XML": (text.replace("</transform>", "", 1), "XML|parse|tag")}
+        return {**faults, "wider": (text.replace("width = ", "width = 1", 1), "has side 0"),
+                "unnamed": (re.sub(r"rel portals = \[.*\]", "rel portals = []", text), "dome light names"),
+                "other type": (text.replace("float inputs:width", "double inputs:width", 1), "AttributeType"),
+                "no units": (text.replace("    metersPerUnit = 1\n", ""), "(?i)metersPerUnit")}
+
+    def test_twins_a_planted_fault_is_caught(self):
+        for reader in ("mitsuba", "usd"):
+            portals, text = self.texts(reader)[-1]
+            content, wrong = text.read_text(), self.work / "wrong"
+            for fault, (planted, said) in self.faults(reader, content).items():
+                with self.subTest(reader=reader, fault=fault):
+                    self.assertNotEqual(planted, content)
+                    wrong.write_text(planted)
+                    run = self.read(reader, portals, wrong, may_fail=(1,))
+                    self.assertEqual(run.status, 1, run.said)
+                    self.assertRegex(run.errors, said)
 
 
 class Peers(Stamp):
@@ -226,10 +300,10 @@ class Peers(Stamp):
         self.program(self.work / "bin", "python", "echo '{}'")
         with unittest.mock.patch.dict(os.environ, PEERS_PYTHON=str(self.work / "bin/python")):
             status, said = self.run_bench("peers")
-        self.assertEqual((status, said.splitlines()[-1]), (5, "peers: none of bpy, pyluxcore, mitsuba is installed for "
-                                                              "PEERS_PYTHON (python3)"), said)
+        self.assertEqual((status, said.splitlines()[-1]), (5, "peers: none of bpy, pyluxcore, mitsuba is installed (make "
+                                                              "peers)"), said)
 
-    @unittest.skipUnless(os.environ.get("PEERS_PYTHON"), "PEERS_PYTHON names no Python that has them")
+    @unittest.skipUnless(common.peers_python() != "python3", "make peers")
     def test_the_floor_under_a_lamp_is_as_bright_as_a_closed_form_says(self):
         scene = self.work / "scene.npz"
         np.savez(scene, **peers.plain(peers.without_panes(self.scene())[0], "above"))
@@ -398,6 +472,8 @@ class Memory(Stamp):
 if __name__ == "__main__":
     if {"Figures", "Efficiency"} & set(sys.argv) and not shutil.which("gnuplot"):
         skip("gnuplot is missing (cmake/packages-figures.txt)")
-    if "CyclesPortals" in sys.argv and not shutil.which(os.environ.get("BLENDER", "blender")):
-        skip("no Blender here (Debian: blender)")
+    if "CyclesPortals" in sys.argv and not cycles.blenders():
+        skip("no Blender here (Debian: blender, or make peers)")
+    if "Readers" in sys.argv and common.measure([common.peers_python(), "-c", "import mitsuba, pxr.UsdValidation"]).status:
+        skip("no Mitsuba and OpenUSD here (make peers)")
     unittest.main()
