@@ -1,5 +1,5 @@
 // Cycles: an area lamp with Portal set guides the sampling of the world's light. It helps points on
-// the side of its -Z, to which it would shine.
+// the side of its -Z, to which it would shine. bench/cycles_blender.py has Blender run the text.
 //   https://docs.blender.org/manual/en/latest/render/cycles/light_settings.html
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 // Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z points away
-// from the environment. Documented at the head of its src/emitters/portal.cpp; `include` in
-// docs/src/key_topics/scene_format.rst.
+// from the environment. Documented at the head of its src/emitters/portal.cpp, which came after
+// version 3.9.1; `include` in docs/src/key_topics/scene_format.rst. bench/readers.py has its parser
+// read the text.
 #include <fmt/format.h>
 
 #include "tools/portalfit/renderer_text.h"
@@ -40,7 +41,8 @@ std::string portals_for_mitsuba(const PortalFile& file) {
   for (const std::string& remark : remarks_on(file))
     text += fmt::format("<!-- {} -->\n", in_comment(remark));
   text +=
-      "<!-- Mitsuba 3 from September 2026 on, which has the emitter \"portal\":\n"
+      "<!-- Mitsuba 3 with the emitter \"portal\", which its sources have since September 2026 and\n"
+      "     version 3.9.1 lacks:\n"
       "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
       "<scene version=\"3.0.0\">\n";
   const SkyPortals portals = sky_portals(file);

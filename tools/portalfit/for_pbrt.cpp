@@ -2,7 +2,8 @@
 // counter-clockwise seen from the room: PortalImageInfiniteLight takes z = cross(p3 - p0, p1 - p0)
 // as the way out. Such a light shines through its portal only, so each window has its own. Light
 // through two portals would count twice: only portals that the sky's light meets first become
-// lights, without overlaps.
+// lights, without overlaps. The sides of an opening outside the portal get no light. Rendered by
+// hand with pbrt-v4 of June 2026 (doc/cycles.md).
 //   https://pbrt.org/fileformat-v4#lights
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 // OpenUSD: a PortalLight is a rectangle in its local XY plane, width along X and height along Y,
-// which transmits light along -Z; a DomeLight names its portals.
+// which transmits light along -Z; a DomeLight names its portals. bench/readers.py has usd-core
+// validate and read the text.
 //   https://openusd.org/release/user_guides/schemas/usdLux/PortalLight.html
 //   https://openusd.org/release/user_guides/schemas/usdLux/DomeLight.html
 #include <fmt/format.h>
