@@ -474,6 +474,7 @@ if __name__ == "__main__":
         skip("gnuplot is missing (cmake/packages-figures.txt)")
     if "CyclesPortals" in sys.argv and not cycles.blenders():
         skip("no Blender here (Debian: blender, or make peers)")
-    if "Readers" in sys.argv and common.measure([common.peers_python(), "-c", "import mitsuba, pxr.UsdValidation"]).status:
+    here = [shutil.which(common.peers_python()) or "false", "-c", "import mitsuba, pxr.UsdValidation"]
+    if "Readers" in sys.argv and common.measure(here).status:
         skip("no Mitsuba and OpenUSD here (make peers)")
     unittest.main()
