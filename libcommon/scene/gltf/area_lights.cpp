@@ -14,6 +14,9 @@ using Json = nlohmann::json;
 
 constexpr double pi = std::numbers::pi;
 constexpr size_t kCorners = 64;  // of a disk
+// Of light that meets one. Renderers whose area lights stop none let it pass; a black light over a
+// room of albedo 0.7 took 2.5 % of that room's light, one that reflects as the room does 0.1 %.
+constexpr float kAlbedo = 0.8f;
 
 size_t index_of(const Json& extension) {
   return extension["light"].get<size_t>();
@@ -81,7 +84,7 @@ void AreaLightReader::add(const PlacedNode& n, std::vector<Vec3d>& world) {
       {static_cast<uint32_t>(scene_.materials.size()), size * size * (disk ? pi / 4 : aspect)});
   Material& m = scene_.materials.emplace_back();
   m.name = name_of_light(d_, l, n.node);
-  m.base_color = Rgb(0.0f);
+  m.base_color = Rgb(kAlbedo);
   m.emission = Rgb(radiance);
 
   // Counter-clockwise as seen from -Z.

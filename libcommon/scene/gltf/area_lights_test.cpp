@@ -105,7 +105,7 @@ TEST(AreaLights, ARectangleIsTwoBlackTrianglesThatFaceMinusZ) {
   expect_near(e.high, {0.25 + 0.75, 1 + 0.25, 0.5});
   const Material& m = s.materials[s.area_lights[0].material];
   EXPECT_EQ(m.name, "panel");
-  EXPECT_EQ(m.base_color, Rgb(0.0f));
+  EXPECT_EQ(m.base_color, Rgb(0.8f));
   EXPECT_EQ(m.emission, Rgb(20, 10, 0));
   EXPECT_FALSE(m.double_sided);
   EXPECT_TRUE(m.plain);

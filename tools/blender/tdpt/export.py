@@ -2,7 +2,7 @@
   blender -b SCENE.blend --python-exit-code 1 -P export.py -- OUT.glb [--thin-glass]
 What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
 Blender's exporter leaves area lamps, worlds, the picture's size and the thickness of glass out. Here area lamps become
-emitting planes, Diffuse, Glossy and Glass BSDFs become Principled ones, instances become objects, and closed glass gets a
+lights of EXT_lights_area or emitting planes, Diffuse, Glossy and Glass BSDFs become Principled ones, instances become objects, and closed glass gets a
 thickness (--thin-glass: none). World, size and active camera go into the extras of the glTF scene [gltf-scene(5)], the
 world's picture beside OUT; custom properties of the scene called tdpt_... go before them. What is lost all the same is told
 at the end.
@@ -102,6 +102,7 @@ def without_gloss(document):
 def add_extras(path, camera, own):
     document, rest = gltf_file.read(path)
     without_gloss(document)
+    lamps.add_lights(document)
     render = bpy.context.scene.render
     size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]
     extras = {"width": size[0], "height": size[1], **camera_of(document, camera)}

@@ -6,6 +6,14 @@ import bpy
 
 from . import camera, gltf_file, portals, programs, scene_file
 
+
+class Now:
+    """The search that goes on, for the panel."""
+
+    share, words, cancelled = 0.0, "", False
+    running = placed = False
+
+
 MEASURED = {}  # what portals are worth to Cycles, by scene and portals
 
 
@@ -30,11 +38,6 @@ def searching(words):
         yield now
 
 
-def shines(scene):
-    """Whether light may come from the world."""
-    return bool(scene.world)
-
-
 def measuring(scene, saved, found):
     """A generator that measures what the portals are worth to Cycles; its result: the dict of worth.py."""
     lamps = []
@@ -55,7 +58,8 @@ def measuring(scene, saved, found):
 
 
 def finding(scene, measure=True, quality="normal"):
-    """A generator of (share, words); it changes the scene at its end alone. Its result: sentences about what was found."""
+    """A generator of (share, words). The portals are placed when they are found; those of Cycles are switched on when they were
+    measured to pay. Its result: sentences about what was found."""
     program = programs.needed()
     film = camera.Film(scene, scene.camera)
     saved, folder = scene_file.save(scene), scene_file.folder()
@@ -66,6 +70,10 @@ def finding(scene, measure=True, quality="normal"):
     yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
     told = [portals.words_of(found)]
+    portals.place(scene, found)
+    portals.use_in_cycles(scene, False)
+    scene.tdpt.found, scene.tdpt.lost = told[0], "\n".join(lost)
+    Now.placed = True
     worth = None
     windows = [p for p in found if portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0]
     if measure and windows:
@@ -73,22 +81,13 @@ def finding(scene, measure=True, quality="normal"):
         if key not in MEASURED:
             MEASURED[key] = yield from scaled(measuring(scene, saved, found), 0.7, 1)
         worth = MEASURED[key]
-    portals.place(scene, found)
     pays = bool(worth) and worth["low"] > 1
     portals.use_in_cycles(scene, pays)
     if worth:
         figures = f"{worth['gain']:.2g} times as fast ({worth['low']:.2g} to {worth['high']:.2g})"
         told.append(f"Cycles is {figures} with the windows as portals" + ("" if pays else ": they are left off"))
     scene.tdpt.found = "\n".join(told)
-    scene.tdpt.lost = "\n".join(lost)
     return told
-
-
-class Now:
-    """The search that goes on, for the panel."""
-
-    share, words, cancelled = 0.0, "", False
-    running = False
 
 
 class TDPT_OT_find_portals(bpy.types.Operator):
@@ -110,6 +109,7 @@ class TDPT_OT_find_portals(bpy.types.Operator):
 
     def start(self, context):
         self.steps = finding(context.scene, self.measure, context.scene.tdpt.quality)
+        Now.placed = False
         Now.running, Now.cancelled, Now.share, Now.words = True, False, 0.0, "exporting the scene"
 
     def finish(self, context):
@@ -154,6 +154,9 @@ class TDPT_OT_find_portals(bpy.types.Operator):
         if event.type == "ESC" or Now.cancelled:
             self.steps.close()
             self.finish(context)
+            if Now.placed:  # what they are worth is not known then
+                self.report({"INFO"}, "Portals of Cycles are left off: they were not measured")
+                return {"FINISHED"}
             self.report({"INFO"}, "Cancelled")
             return {"CANCELLED"}
         if event.type != "TIMER":

@@ -1,7 +1,8 @@
-"""Area lamps, which Blender's glTF exporter leaves out: emitting planes for them."""
+"""Area lamps, which Blender's glTF exporter leaves out: lights of EXT_lights_area, or emitting planes."""
 import math
 
 import bpy
+from mathutils import Matrix
 
 from materials import emitting
 from said import say
@@ -28,12 +29,11 @@ def area_of(corners):
 
 
 def plane_for(thing):
-    """Cycles has the radiance P/(pi A) [W/m2/sr] of an area lamp, before Blender 4.0 P/(4 A), not normalized without A."""
+    """An emitting plane, for what EXT_lights_area has no words for: ellipses, stretched lamps, lamps in instances."""
     lamp = thing.data
     corners = outline(lamp)
     scale = thing.matrix_world.to_scale()
-    area = area_of(corners) * abs(scale.x * scale.y) if getattr(lamp, "normalize", True) else 1
-    radiance = lamp.energy / ((math.pi if bpy.app.version >= (4, 0) else 4) * area) if area > 0 else 0
+    radiance = radiance_of(lamp, area_of(corners) * abs(scale.x * scale.y))
     if not radiance > 0:
         return
     mesh = bpy.data.meshes.new(thing.name)
@@ -43,10 +43,7 @@ def plane_for(thing):
     plane.matrix_world = thing.matrix_world
     for collection in thing.users_collection:
         collection.objects.link(plane)
-    say(
-        f"area lamp {thing.name}: {lamp.energy:g} W as a plane of radiance {radiance:.4g} W/m2/sr, which shows and stops light; "
-        "in Cycles it does neither"
-    )
+    tell(thing, radiance)
 
 
 def fold(lamp):
@@ -59,7 +56,60 @@ def fold(lamp):
         lamp.use_temperature = False
 
 
+Y_UP = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
+LIGHTS = []  # of EXT_lights_area: (light, matrix in the axes of glTF)
+LUMENS_PER_WATT = 683  # as Blender's exporter converts the other lamps
+
+
+def is_uniform(matrix):
+    scale = [abs(s) for s in matrix.to_scale()]
+    return matrix.determinant() > 0 and max(scale) - min(scale) < 1e-4 * max(scale)
+
+
+def radiance_of(lamp, area):
+    """Cycles has the radiance P/(pi A) [W/m2/sr] of an area lamp, before Blender 4.0 P/(4 A), not normalized without A."""
+    if not getattr(lamp, "normalize", True):
+        area = 1
+    return lamp.energy / ((math.pi if bpy.app.version >= (4, 0) else 4) * area) if area > 0 else 0
+
+
+def light_for(thing):
+    """A square, rectangle or disk of EXT_lights_area."""
+    lamp, matrix = thing.data, thing.matrix_world
+    high = lamp.size_y if lamp.shape == "RECTANGLE" else lamp.size
+    scale = max(matrix.to_scale())
+    radiance = radiance_of(lamp, (math.pi / 4 if lamp.shape == "DISK" else lamp.size / high) * (high * scale) ** 2)
+    if not radiance > 0:
+        return
+    light = {"name": thing.name, "color": lamp.color[:], "intensity": radiance * LUMENS_PER_WATT, "size": high}
+    light.update({"type": "disk"} if lamp.shape == "DISK" else {"type": "rect", "rect": {"aspect": lamp.size / high}})
+    LIGHTS.append((light, Y_UP @ matrix))
+    tell(thing, radiance)
+
+
+def tell(thing, radiance):
+    say(
+        f"area lamp {thing.name}: {thing.data.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
+        "light; in Cycles it does neither"
+    )
+
+
+def add_lights(document):
+    """Puts them into the JSON of a glTF file."""
+    if not LIGHTS:
+        return
+    name = "EXT_lights_area"
+    document.setdefault("extensions", {})[name] = {"lights": [light for light, _ in LIGHTS]}
+    document.setdefault("extensionsUsed", []).append(name)
+    nodes, shown = document.setdefault("nodes", []), document["scenes"][document.get("scene", 0)].setdefault("nodes", [])
+    for number, (light, matrix) in enumerate(LIGHTS):
+        shown.append(len(nodes))
+        flat = [value for column in matrix.transposed() for value in column]
+        nodes.append({"name": light["name"], "matrix": flat, "extensions": {name: {"light": number}}})
+
+
 def prepare(things):
+    alone = set(bpy.context.scene.objects)
     for lamp in {t.data for t in things if t.type == "LIGHT"}:
         fold(lamp)
     for thing in things:
@@ -71,7 +121,8 @@ def prepare(things):
             continue
         if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
             say(f"lamp {thing.name}: its radius is lost, so its shadows are sharp")
-        if lamp.type == "AREA":
-            plane_for(thing)
+        if lamp.type == "AREA" and lamp.size > 0:
+            plain = lamp.shape != "ELLIPSE" and thing in alone and is_uniform(thing.matrix_world)
+            light_for(thing) if plain and lamp.size_y > 0 else plane_for(thing)
         if lamp.use_nodes and any(n.bl_idname not in ("ShaderNodeOutputLight", "ShaderNodeEmission") for n in lamp.node_tree.nodes):
             say(f"lamp {thing.name}: its nodes are lost")
