@@ -167,13 +167,19 @@ def all_diffuse(data):
     return glb_content(document, binary)
 
 
+def geometric_mean(cells, method):
+    """Of those cells that have the method; None where none has."""
+    known = [c.gain(method).value for c in cells if c.pictures[method]]
+    return math.exp(np.mean(np.log(known))) if known else None
+
+
 def equal_tables(cells):
     """Cells have the methods that their room has."""
     others = [m for m in METHODS if m != BASE]
 
     def mean(of, method):
-        known = [c.gain(method).value for c in of if c.pictures[method]]
-        return pages.three(math.exp(np.mean(np.log(known)))) if known else ""
+        value = geometric_mean(of, method)
+        return "" if value is None else pages.three(value)
 
     def found_over_hand(cell):
         hand, found = cell.costs("cycles-hand"), cell.costs("cycles-found")

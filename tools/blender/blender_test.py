@@ -55,7 +55,7 @@ def rendered(scene, name="picture", **settings):
 def exported(scene, *words):
     """(JSON, told) of an export in a process of its own."""
     path = os.path.join(FOLDER, "exported.glb")
-    lines = programs.running(programs.blender("export.py", path, "--scene", scene_file.save(scene), scene.name, *words))
+    lines = programs.running(programs.blender("export.py", path, "--scene", scene_file.save(scene, "test"), scene.name, *words))
     told = []
     try:
         while True:

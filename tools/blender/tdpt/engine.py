@@ -65,7 +65,7 @@ class TdptEngine(bpy.types.RenderEngine):
             self.film = camera.Film(scene, seen)
             self.words = options_of(scene.tdpt, scene, self.film, self.portals_of(scene.original))
             self.scene_name, self.frame = scene.original.name, scene.frame_current_final
-            self.saved = scene_file.save(scene.original)
+            self.saved = scene_file.save(scene.original, "render")
         except programs.Failure as failure:
             self.failure = str(failure)
 

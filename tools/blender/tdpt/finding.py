@@ -62,7 +62,7 @@ def finding(scene, measure=True, quality="normal"):
     measured to pay. Its result: sentences about what was found."""
     program = programs.needed()
     film = camera.Film(scene, scene.camera)
-    saved, folder = scene_file.save(scene), scene_file.folder()
+    saved, folder = scene_file.save(scene, "search"), scene_file.folder()
     exported, result = os.path.join(folder, "scene.glb"), os.path.join(folder, "portals.glb")
     lost = yield from scaled(scene_file.exporting(saved, scene.name, scene.frame_current_final, exported), 0, 0.1)
     options = [o for o in film.options() if not o.startswith(("--width", "--height"))]

@@ -18,12 +18,12 @@ def folder():
     return path
 
 
-def save(scene):
-    """The scene with all that belongs to it, as it is now, as a library file."""
+def save(scene, name):
+    """The scene with all that belongs to it, as it is now, as a library file; `name`: what it is for."""
     for thing in scene.objects:
         if thing.mode == "EDIT":
             thing.update_from_editmode()
-    path = os.path.join(folder(), "scene.blend")
+    path = os.path.join(folder(), name + ".blend")
     bpy.data.libraries.write(path, {scene}, path_remap="ABSOLUTE", fake_user=True)
     return path
 
