@@ -322,6 +322,21 @@ class Exporting(unittest.TestCase):
         self.assertIn("object bowl: its glass is not closed, so it is taken as thin", told)
         self.assertNotIn("object pane", told)
 
+    def test_seams_do_not_open_a_body(self):
+        scene = rooms.three_rooms()
+        glass = rooms.diffuse("glass")
+        tree = glass.node_tree
+        tree.links.new(tree.nodes.new("ShaderNodeBsdfGlass").outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        block = rooms.box("block", (1, 1, 0.7), (2, 2, 1.2), glass)
+        corners = [tuple(block.data.vertices[i].co) for face in block.data.polygons for i in face.vertices]
+        mesh = bpy.data.meshes.new("split")
+        mesh.from_pydata(corners, [], [tuple(range(4 * i, 4 * i + 4)) for i in range(6)])
+        mesh.materials.append(glass)
+        block.data = mesh
+        document, told = exported(scene)
+        self.assertIn("KHR_materials_volume", next(m for m in document["materials"] if m["name"] == "glass solid")["extensions"])
+        self.assertNotIn("not closed", told)
+
     def test_simple_shaders(self):
         scene = rooms.three_rooms()
         for kind in ("Glossy", "Glass"):

@@ -113,7 +113,8 @@ def prepare(things):
             tell_of_inputs(material, shader)
         output = material.node_tree.get_output_node("ALL")
         for name in ("Volume", "Displacement") if output else ():
-            if output.inputs[name].is_linked:
+            links = output.inputs[name].links
+            if links and links[0].from_node.bl_idname != "ShaderNodeVolumeAbsorption":  # the exporter knows that
                 say(f"material {material.name}: its {name.lower()} is lost")
 
 
@@ -122,6 +123,8 @@ def shape_of(mesh):
     thick as wide 0.003."""
     form = bmesh.new()
     form.from_mesh(mesh)
+    size = max((v.co.length for v in form.verts), default=0)
+    bmesh.ops.remove_doubles(form, verts=form.verts, dist=1e-6 * size)  # seams, which importers of glTF cut open
     closed = bool(form.faces) and all(e.is_manifold for e in form.edges)
     area = sum(f.calc_area() for f in form.faces)
     volume = abs(form.calc_volume())
