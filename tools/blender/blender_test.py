@@ -55,11 +55,11 @@ def rendered(scene, name="picture", **settings):
 def exported(scene, *words):
     """(JSON, told) of an export in a process of its own."""
     path = os.path.join(FOLDER, "exported.glb")
-    lines = programs.running(programs.blender("export.py", path, "--scene", scene_file.save(scene, "test"), scene.name, *words))
+    lines = programs.running(programs.blender("export.py", path, "--file=" + scene_file.save(scene, "test"), "--scene=" + scene.name, *words))
     told = []
     try:
         while True:
-            told.append(next(lines))
+            told += next(lines)
             time.sleep(0.01)
     except StopIteration:
         pass
@@ -189,7 +189,8 @@ class Using(unittest.TestCase):
         self.assertGreater((b - a).cross(c - a).normalized().dot(Vector((front.x, front.z, -front.y))), 0.99)
 
     def test_none(self):
-        portals.collection_of(self.scene).hide_viewport = True
+        bpy.context.view_layer.layer_collection.children[portals.NAME].hide_viewport = True  # the eye
+        bpy.context.view_layer.update()
         self.assertEqual(portals.write_used(self.scene, self.path), 0)
         self.assertFalse(os.path.exists(self.path))
 
@@ -213,6 +214,7 @@ class Rendering(unittest.TestCase):
         self.assertAlmostEqual(picture["Denoising Albedo.R"].mean(), 0.7, delta=0.02)
         length = numpy.sqrt(sum(picture[f"Normal.{c}"] ** 2 for c in "XYZ"))
         self.assertAlmostEqual(numpy.median(length), 1, delta=1e-3)
+        self.assertGreater(picture["Normal.Z"][-1].mean(), 0.8)  # of the floor, below
 
     def test_the_camera_is_blender_s(self):
         """Depths beside those of Cycles: lens, sensor, shift, turned picture, percentage, region."""
@@ -282,8 +284,7 @@ class Rendering(unittest.TestCase):
         lines = programs.running(words, accepted=(0, 6))
         began = time.time()
         while time.time() - began < 60:
-            told = programs.progress_of(next(lines))
-            if told and "rendering" in told[1]:
+            if "rendering" in programs.last_progress(next(lines), (0, ""))[1]:
                 break
             time.sleep(0.02)
         lines.close()
@@ -321,6 +322,46 @@ class Exporting(unittest.TestCase):
         self.assertEqual(document["materials"][of["pane"]]["name"], "glass")
         self.assertIn("object bowl: its glass is not closed, so it is taken as thin", told)
         self.assertNotIn("object pane", told)
+
+    def test_what_is_rendered_counts(self):
+        """Not what the viewport shows: levels, switches; nested instances; lamps in collections that are not rendered."""
+        scene = rooms.three_rooms()
+        ball = rooms.box("ball", (1, 1, 1), (2, 2, 2), rooms.diffuse("red"))
+        modifier = ball.modifiers.new("fine", "SUBSURF")
+        modifier.levels, modifier.render_levels = 0, 2
+        ball.hide_viewport = True
+        dark = bpy.data.collections.new("dark")
+        dark.hide_render = True
+        scene.collection.children.link(dark)
+        lamp = next(o for o in scene.objects if o.type == "LIGHT")
+        scene.collection.objects.unlink(lamp)
+        dark.objects.link(lamp)
+        inner, outer = bpy.data.collections.new("inner"), bpy.data.collections.new("outer")
+        rooms.box("deep", (0, 0, 0), (1, 1, 1), rooms.diffuse("deep"), inner)
+        for collection, parent in ((inner, outer), (outer, scene.collection)):
+            empty = bpy.data.objects.new("of " + collection.name, None)
+            empty.instance_type, empty.instance_collection = "COLLECTION", collection
+            parent.objects.link(empty)
+        document, told = exported(scene)
+        mesh = document["meshes"][next(n["mesh"] for n in document["nodes"] if n["name"] == "ball")]
+        self.assertEqual(document["accessors"][mesh["primitives"][0]["indices"]]["count"], 6 * 16 * 2 * 3)
+        deep = next(m for m in document["materials"] if m["name"] == "deep")
+        self.assertEqual(deep["extensions"]["KHR_materials_specular"]["specularFactor"], 0)
+        self.assertNotIn("area lamp", told)
+
+    def test_nodes_of_lamps(self):
+        scene = rooms.lamps_room()
+        before, _ = exported(scene)
+        point = next(o.data for o in scene.objects if o.name == "point")
+        point.use_nodes = True
+        emission = next(n for n in point.node_tree.nodes if n.bl_idname == "ShaderNodeEmission")
+        emission.inputs["Strength"].default_value = 5
+        emission.inputs["Color"].default_value = (1, 0.5, 0.25, 1)
+        after, told = exported(scene)
+        lights = [{l["name"]: l for l in d["extensions"]["KHR_lights_punctual"]["lights"]} for d in (before, after)]
+        self.assertAlmostEqual(lights[1]["point"]["intensity"] / lights[0]["point"]["intensity"], 5, places=4)
+        self.assertAlmostEqual(lights[1]["point"]["color"][1], 0.5, places=4)
+        self.assertNotIn("nodes are lost", told)
 
     def test_seams_do_not_open_a_body(self):
         scene = rooms.three_rooms()

@@ -25,9 +25,12 @@ class Film:
         if camera.data.type != "PERSP":
             raise Failure(f"Camera {camera.name} is {camera.data.type.lower()}: tdpt renders perspective cameras alone")
         render = scene.render
-        share = render.resolution_percentage / 100
-        self.width = max(1, int(render.resolution_x * share))
-        self.height = max(1, int(render.resolution_y * share))
+        if render.use_multiview:
+            raise Failure("Stereo pictures are not rendered: switch Stereoscopy off")
+        if abs(render.pixel_aspect_x / render.pixel_aspect_y - 1) > 1e-4:
+            raise Failure("Pixels are not square: tdpt renders with an aspect of 1 : 1 alone")
+        self.width = max(1, render.resolution_x * render.resolution_percentage // 100)
+        self.height = max(1, render.resolution_y * render.resolution_percentage // 100)
         frame = camera.data.view_frame(scene=scene)
         depth = -frame[0].z
         xs, ys = [v.x / depth for v in frame], [v.y / depth for v in frame]
@@ -61,12 +64,9 @@ class Film:
         target = data.dof.focus_object
         distance = data.dof.focus_distance
         if target:
-            distance = abs((self.camera.matrix_world.inverted() @ target.matrix_world.translation).z)
+            matrix = self.camera.matrix_world
+            distance = abs((target.matrix_world.translation - matrix.translation).dot(matrix.to_3x3().col[2].normalized()))
         return [*words, f"--focus={distance!r}"]
-
-    def is_stretched(self):
-        """Whether pixels are not square."""
-        return abs(self.step_x / self.step_y - 1) > 1e-4
 
 
 def symmetric(low, high, step, pixels):

@@ -23,7 +23,7 @@ class Told:
 
 
 def options_of(settings, scene, film, portal_file):
-    words = [f"--seed={settings.seed if not settings.animate_seed else settings.seed + scene.frame_current}"]
+    words = [f"--seed={(settings.seed + (scene.frame_current if settings.animate_seed else 0)) % 2**32}"]
     if settings.samples:
         words.append(f"--spp={settings.samples}")
     if settings.time:
@@ -63,15 +63,15 @@ class TdptEngine(bpy.types.RenderEngine):
             self.program = programs.needed()
             seen = scene.camera.evaluated_get(depsgraph) if scene.camera else None
             self.film = camera.Film(scene, seen)
-            self.words = options_of(scene.tdpt, scene, self.film, self.portals_of(scene.original))
             self.scene_name, self.frame = scene.original.name, scene.frame_current_final
             self.saved = scene_file.save(scene.original, "render")
-        except programs.Failure as failure:
-            self.failure = str(failure)
+            self.words = options_of(scene.tdpt, scene, self.film, self.portals_of(scene.original, depsgraph.view_layer.name))
+        except Exception as failure:  # told by render(), which may fail
+            self.failure = str(failure) or type(failure).__name__
 
-    def portals_of(self, scene):
+    def portals_of(self, scene, layer):
         path = os.path.join(scene_file.folder(), "used.portal.glb")
-        return path if portals.write_used(scene, path) else ""
+        return path if portals.write_used(scene, path, layer) else ""
 
     def render(self, depsgraph):
         if self.failure:
@@ -80,8 +80,8 @@ class TdptEngine(bpy.types.RenderEngine):
         steps = self.rendering(depsgraph)
         try:
             programs.wait(steps, seen=self.show)
-        except programs.Failure as failure:
-            self.fail(str(failure))
+        except Exception as failure:
+            self.fail(str(failure) or type(failure).__name__)
         finally:
             steps.close()
 
@@ -111,10 +111,10 @@ class TdptEngine(bpy.types.RenderEngine):
         now, shown = (0.0, "rendering"), None
         lines = programs.running(words, accepted=(0, 6))
         try:
-            for line in lines:
+            for new in lines:
                 if self.test_break():
                     break
-                now = programs.progress_of(line) or now
+                now = programs.last_progress(new, now)
                 shown = self.show_film(film, shown, depsgraph)
                 yield now
         finally:
@@ -160,8 +160,8 @@ class TdptEngine(bpy.types.RenderEngine):
         film, render = self.film, scene.render
         left, top, right, bottom = 0, 0, film.width, film.height
         if render.use_border:
-            left, right = int(render.border_min_x * film.width), int(render.border_max_x * film.width)
-            top, bottom = (film.height - int(y * film.height) for y in (render.border_max_y, render.border_min_y))
+            left, right = (pixels(x, film.width) for x in (render.border_min_x, render.border_max_x))
+            top, bottom = (film.height - pixels(y, film.height) for y in (render.border_max_y, render.border_min_y))
         rows = slice(film.cut_y + top, film.cut_y + bottom)
         return rows, slice(film.cut_x + left, film.cut_x + right), left, film.height - bottom
 
@@ -171,6 +171,8 @@ class TdptEngine(bpy.types.RenderEngine):
         rows, columns, left, low = self.window(depsgraph.scene)
         cut = {name: array[rows, columns][::-1].astype(numpy.float32) for name, array in found.items()}
         height, width = cut["R"].shape
+        if "normal.Y" in cut:  # +Z is up in Blender
+            cut["normal.Y"], cut["normal.Z"] = -cut["normal.Z"], cut["normal.Y"]
         cut.setdefault("A", numpy.ones((height, width), numpy.float32))
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
         passes = result.layers[0].passes
@@ -186,6 +188,11 @@ class TdptEngine(bpy.types.RenderEngine):
         for name, (channels, _) in EXTRA.items():
             kind = "VALUE" if len(channels) == 1 else "VECTOR" if channels == "XYZ" else "COLOR"
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
+
+
+def pixels(share, side):
+    """In single precision, as Blender has it."""
+    return int(numpy.float32(share) * numpy.float32(side))
 
 
 def fill(target, channels, names):

@@ -31,7 +31,8 @@ def options():
     p = argparse.ArgumentParser(prog="export.py")
     p.add_argument("out")
     p.add_argument("--thin-glass", action="store_true", help="leave closed glass hollow")
-    p.add_argument("--scene", nargs=2, metavar=("FILE", "NAME"), help="the scene, in place of the file that is open")
+    p.add_argument("--file", default="", help="a library with the scene, in place of the file that is open")
+    p.add_argument("--scene", default="", help="its name there")
     p.add_argument("--view-layer", default="", help="in place of the scene's first")
     p.add_argument("--frame", type=float, help="in place of the frame that it was saved at")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
@@ -50,7 +51,7 @@ def open_scene(file, name):
         bpy.data.scenes.remove(other)
 
 
-def prepare_camera():
+def prepare_camera(shift_counts):
     """The active camera is rendered through also where it is hidden; a name belongs to one camera."""
     active = bpy.context.scene.camera
     if not active or active.type != "CAMERA":
@@ -58,7 +59,7 @@ def prepare_camera():
     active.hide_render = False
     if active.data.users > 1:
         active.data = active.data.copy()
-    if active.data.shift_x or active.data.shift_y:
+    if shift_counts and (active.data.shift_x or active.data.shift_y):
         said.say(f"camera {active.name}: its shift is lost")
     return active.data.name
 
@@ -140,10 +141,11 @@ def export(path):
 def main():
     a = options()
     out = os.path.abspath(a.out)
-    if a.scene:
-        open_scene(*a.scene)
+    if a.file:
+        open_scene(a.file, a.scene)
     bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
     scene = bpy.context.scene
+    instances.as_rendered()
     if a.view_layer:
         bpy.context.window.view_layer = scene.view_layers[a.view_layer]
     if a.frame is not None:
@@ -157,7 +159,7 @@ def main():
     materials.prepare(things)
     if not a.thin_glass:
         materials.fill_glass(things)
-    camera, own = prepare_camera(), last_copy(out)
+    camera, own = prepare_camera(not a.file), last_copy(out)  # the extension cuts shifted pictures
     export(out)
     add_extras(out, camera, own)
     print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in said.LINES]), flush=True)

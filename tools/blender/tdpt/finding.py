@@ -14,6 +14,7 @@ class Now:
     running = placed = False
 
 
+LEAST_GAIN = 1.1  # of the lower end of the interval, for portals of Cycles to be switched on
 MEASURED = {}  # what portals are worth to Cycles, by scene and portals
 
 
@@ -33,15 +34,15 @@ def scaled(generator, low, high):
 def searching(words):
     """A generator that runs tdpt: (share, words)."""
     now = (0.0, "looking for portals")
-    for line in programs.running(words):
-        now = programs.progress_of(line) or now
+    for lines in programs.running(words):
+        now = programs.last_progress(lines, now)
         yield now
 
 
-def measuring(scene, saved, found):
+def measuring(name, frame, saved, found):
     """A generator that measures what the portals are worth to Cycles; its result: the dict of worth.py."""
     lamps = []
-    for name, corners, triangles, figures in found:
+    for _, corners, triangles, figures in found:
         if portals.lets_in_sky(figures):
             corners = [portals.z_up(c) for c in corners]
             matrix, width, height = portals.rectangle(corners, portals.normal_of(corners, triangles))
@@ -50,26 +51,36 @@ def measuring(scene, saved, found):
     given, result = os.path.join(folder, "portals.json"), os.path.join(folder, "worth.json")
     with open(given, "w", encoding="utf-8") as text:
         json.dump(lamps, text)
-    words = programs.blender("worth.py", saved, scene.name, repr(scene.frame_current_final), given, result)
+    words = programs.blender("worth.py", saved, name, repr(frame), given, result)
     for _ in programs.running(words):
         yield 0.5, "measuring what they are worth to Cycles"
     with open(result, encoding="utf-8") as text:
         return json.load(text)
 
 
-def finding(scene, measure=True, quality="normal"):
+def alive(name):
+    """The scene, which may be gone, or another object after an undo."""
+    scene = bpy.data.scenes.get(name)
+    if not scene:
+        raise programs.Failure(f"Scene {name} is gone")
+    return scene
+
+
+def finding(scene, layer, measure=True, quality="normal"):
     """A generator of (share, words). The portals are placed when they are found; those of Cycles are switched on when they were
     measured to pay. Its result: sentences about what was found."""
     program = programs.needed()
     film = camera.Film(scene, scene.camera)
     saved, folder = scene_file.save(scene, "search"), scene_file.folder()
     exported, result = os.path.join(folder, "scene.glb"), os.path.join(folder, "portals.glb")
-    lost = yield from scaled(scene_file.exporting(saved, scene.name, scene.frame_current_final, exported), 0, 0.1)
-    options = [o for o in film.options() if not o.startswith(("--width", "--height"))]
-    words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *camera.sun(scene), *options]
+    options = [*camera.sun(scene), *(o for o in film.options() if not o.startswith(("--width", "--height")))]
+    name, frame = scene.name, scene.frame_current_final
+    lost = yield from scaled(scene_file.exporting(saved, name, frame, exported, layer), 0, 0.1)
+    words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
     yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
     told = [portals.words_of(found)]
+    scene = alive(name)
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)
     scene.tdpt.found, scene.tdpt.lost = told[0], "\n".join(lost)
@@ -79,9 +90,10 @@ def finding(scene, measure=True, quality="normal"):
     if measure and windows:
         key = (scene_file.digest(exported), scene_file.digest(result))
         if key not in MEASURED:
-            MEASURED[key] = yield from scaled(measuring(scene, saved, found), 0.7, 1)
+            MEASURED[key] = yield from scaled(measuring(name, frame, saved, found), 0.7, 1)
         worth = MEASURED[key]
-    pays = bool(worth) and worth["low"] > 1
+        scene = alive(name)
+    pays = bool(worth) and worth["low"] > LEAST_GAIN
     portals.use_in_cycles(scene, pays)
     if worth:
         figures = f"{worth['gain']:.2g} times as fast ({worth['low']:.2g} to {worth['high']:.2g})"
@@ -108,7 +120,7 @@ class TDPT_OT_find_portals(bpy.types.Operator):
         return not Now.running and context.scene.camera is not None
 
     def start(self, context):
-        self.steps = finding(context.scene, self.measure, context.scene.tdpt.quality)
+        self.steps = finding(context.scene, context.view_layer.name, self.measure, context.scene.tdpt.quality)
         Now.placed = False
         Now.running, Now.cancelled, Now.share, Now.words = True, False, 0.0, "exporting the scene"
 
@@ -138,7 +150,7 @@ class TDPT_OT_find_portals(bpy.types.Operator):
             self.report({"ERROR"}, str(failure))
             return {"CANCELLED"}
         finally:
-            Now.running = False
+            self.finish(context)
         for sentence in self.told:
             self.report({"INFO"}, sentence)
         return {"FINISHED"}
@@ -149,6 +161,11 @@ class TDPT_OT_find_portals(bpy.types.Operator):
         context.window_manager.progress_begin(0, 100)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """Blender ends it, as when another file is opened."""
+        self.steps.close()
+        Now.running = False
 
     def modal(self, context, event):
         if event.type == "ESC" or Now.cancelled:
@@ -163,9 +180,9 @@ class TDPT_OT_find_portals(bpy.types.Operator):
             return {"PASS_THROUGH"}
         try:
             more = self.step()
-        except programs.Failure as failure:
+        except Exception as failure:  # whatever it is, the button has to work again
             self.finish(context)
-            self.report({"ERROR"}, str(failure))
+            self.report({"ERROR"}, str(failure) or type(failure).__name__)
             return {"CANCELLED"}
         if more:
             context.window_manager.progress_update(int(100 * Now.share))

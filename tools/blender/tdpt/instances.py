@@ -6,10 +6,26 @@ from said import say
 LOST = {"VOLUME": "volume", "GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil", "CURVES": "hair", "POINTCLOUD": "points"}
 
 
+def as_rendered():
+    """What the viewport shows otherwise than the picture."""
+    for collection in bpy.data.collections:
+        collection.hide_viewport = False
+    for thing in bpy.data.objects:
+        thing.hide_viewport = False
+        for modifier in thing.modifiers:
+            modifier.show_viewport = modifier.show_render
+            if modifier.type in ("SUBSURF", "MULTIRES"):
+                modifier.levels = modifier.render_levels
+        for system in thing.particle_systems:
+            system.settings.display_percentage = 100
+    for curve in bpy.data.curves:
+        curve.resolution_u = curve.render_resolution_u or curve.resolution_u
+
+
 def drop_excluded(layer):
-    """Collections that the view layer leaves out are no part of the picture; their instances are."""
+    """Collections that the view layer leaves out, or that are not rendered, are no part of the picture; their instances are."""
     for child in layer.children:
-        if child.exclude:
+        if child.exclude or child.collection.hide_render:
             layer.collection.children.unlink(child.collection)
         else:
             drop_excluded(child)
@@ -17,10 +33,10 @@ def drop_excluded(layer):
 
 def placed():
     """All objects, those of instanced collections too."""
-    found = set(bpy.context.scene.objects)
-    for thing in list(found):
-        if thing.instance_collection:
-            found.update(thing.instance_collection.all_objects)
+    found, new = set(), set(bpy.context.scene.objects)
+    while new:
+        found |= new
+        new = {o for thing in new if thing.instance_collection for o in thing.instance_collection.all_objects} - found
     return sorted(found, key=lambda o: o.name)
 
 
@@ -33,7 +49,14 @@ def make_real():
         parent = instance.parent
         if not instance.is_instance or not parent or parent.original.instance_type == "COLLECTION":
             continue
-        if instance.object.type != "MESH" or not instance.show_self:
+        original = instance.object.original
+        if parent.original.hide_render or original == parent.original or instance.particle_system:
+            continue  # the exporter has particles itself; text and curves are instances of themselves
+        if not instance.show_self:
+            continue
+        if instance.object.type != "MESH":
+            if instance.object.type == "LIGHT":
+                say(f"object {parent.original.name}: its instances of lamp {original.name} are lost")
             continue
         key = instance.object.data
         if key not in meshes:

@@ -108,10 +108,27 @@ def add_lights(document):
         nodes.append({"name": light["name"], "matrix": flat, "extensions": {name: {"light": number}}})
 
 
+def fold_nodes(lamp):
+    """The one Emission that a lamp with nodes has, into power and colour."""
+    output = lamp.node_tree.get_output_node("ALL") if hasattr(lamp.node_tree, "get_output_node") else None
+    surface = output and output.inputs["Surface"]
+    node = surface.links[0].from_node if surface and surface.is_linked else None
+    plain = node and node.bl_idname == "ShaderNodeEmission" and not any(s.is_linked for s in node.inputs)
+    if not plain:
+        say(f"lamp {lamp.name}: its nodes are lost")
+        return
+    lamp.energy *= node.inputs["Strength"].default_value
+    lamp.color = [a * b for a, b in zip(lamp.color, node.inputs["Color"].default_value)]
+    lamp.use_nodes = False
+
+
 def prepare(things):
-    alone = set(bpy.context.scene.objects)
+    instanced = {o for t in things if t.instance_collection for o in t.instance_collection.all_objects}
+    alone = set(bpy.context.scene.objects) - instanced
     for lamp in {t.data for t in things if t.type == "LIGHT"}:
         fold(lamp)
+        if lamp.use_nodes and lamp.node_tree:
+            fold_nodes(lamp)
     for thing in things:
         if thing.type != "LIGHT" or thing.hide_render:
             continue
@@ -124,5 +141,3 @@ def prepare(things):
         if lamp.type == "AREA" and lamp.size > 0:
             plain = lamp.shape != "ELLIPSE" and thing in alone and is_uniform(thing.matrix_world)
             light_for(thing) if plain and lamp.size_y > 0 else plane_for(thing)
-        if lamp.use_nodes and any(n.bl_idname not in ("ShaderNodeOutputLight", "ShaderNodeEmission") for n in lamp.node_tree.nodes):
-            say(f"lamp {thing.name}: its nodes are lost")

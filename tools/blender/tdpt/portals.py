@@ -130,26 +130,23 @@ def use_in_cycles(scene, yes):
         lamp.hide_render = not yes
 
 
-def used(scene):
-    """The mesh objects of the collection that are not hidden."""
+def used(scene, layer):
+    """The mesh objects of the collection that are not hidden in this view layer."""
     meshes = collection_of(scene)
-    if not meshes or meshes.hide_viewport or meshes.hide_render:
-        return []
-    return [o for o in meshes.objects if o.type == "MESH" and not o.hide_viewport and not hidden(o, scene)]
+    return [o for o in meshes.objects if o.type == "MESH" and is_seen(o, scene.view_layers[layer])] if meshes else []
 
 
-def hidden(thing, scene):
-    layer = scene.view_layers[0]
+def is_seen(thing, layer):
     try:
-        return thing.hide_get(view_layer=layer)
+        return thing.visible_get(view_layer=layer)
     except RuntimeError:  # excluded from the layer
-        return True
+        return False
 
 
-def write_used(scene, path):
+def write_used(scene, path, layer=0):
     """The portals as they now stand, for tdpt --portal; how many."""
     portals = []
-    for thing in used(scene):
+    for thing in used(scene, layer):
         mesh = thing.data
         mesh.calc_loop_triangles()
         corners = [thing.matrix_world @ v.co for v in mesh.vertices]

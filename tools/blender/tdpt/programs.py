@@ -89,8 +89,7 @@ def stop(process):
 
 
 def running(words, accepted=(0,)):
-    """A generator of the lines of a program, and of "" while there is none; it ends with the program, and stops it when it is
-    closed. Raises Failure with its last line of error for any other exit code."""
+    """A generator of lists of new lines of a program; it ends with the program, and stops it when it is closed. Raises Failure with its last line of error for any other exit code."""
     try:
         process = subprocess.Popen(
             words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment(),
@@ -108,17 +107,15 @@ def running(words, accepted=(0,)):
     threading.Thread(target=read, daemon=True).start()
     said = []
     try:
-        while True:
-            try:
-                line = lines.get_nowait()
-            except queue.Empty:
-                yield ""
-                continue
-            if line is None:
-                break
-            if not line.startswith("{"):
-                said.append(line)
-            yield line
+        ended = False
+        while not ended:
+            new = []
+            while not lines.empty():
+                new.append(lines.get_nowait())
+            ended = None in new
+            new = [line for line in new if line is not None]
+            said += [line for line in new if not line.startswith("{")]
+            yield new
         process.wait()
     finally:
         stop(process)
@@ -126,7 +123,7 @@ def running(words, accepted=(0,)):
     if process.returncode not in accepted:
         name = os.path.basename(words[0])
         told = [line for line in said if line.strip()]
-        faults = [line for line in told if "Error:" in line or ": error" in line] or told
+        faults = [line for line in told if "Error:" in line and "script failed" not in line] or told
         raise Failure(faults[-1] if faults else f"{name} ended with exit code {process.returncode}")
 
 
@@ -148,6 +145,15 @@ def progress_of(line):
     if left >= 1:
         words += f", {left:.0f} s left" if left < 100 else f", {left / 60:.0f} min left"
     return (step - 1 + min(1.0, within)) / steps, words
+
+
+def last_progress(lines, before):
+    """The progress that the last of these lines tells; `before` where none does."""
+    for line in reversed(lines):
+        told = progress_of(line)
+        if told:
+            return told
+    return before
 
 
 def wait(generator, tick=0.02, seen=None):

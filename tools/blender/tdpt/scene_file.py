@@ -20,6 +20,8 @@ def folder():
 
 def save(scene, name):
     """The scene with all that belongs to it, as it is now, as a library file; `name`: what it is for."""
+    if scene.library:
+        raise programs.Failure(f"Scene {scene.name} is linked from another file: make it local first")
     for thing in scene.objects:
         if thing.mode == "EDIT":
             thing.update_from_editmode()
@@ -31,13 +33,14 @@ def save(scene, name):
 def exporting(saved, scene_name, frame, out, layer=""):
     """A generator that writes the glTF file `out`; its result: what the export has to tell, sentences."""
     told = None
-    words = programs.blender("export.py", out, "--scene", saved, scene_name, "--frame", repr(frame))
-    words += ["--view-layer", layer] if layer else []
-    for line in programs.running(words):
-        if told is not None and line.startswith("  "):
-            told.append(line.strip())
-        elif line.startswith(WRITTEN):
-            told = []
+    words = programs.blender("export.py", out, "--file=" + saved, "--scene=" + scene_name, f"--frame={frame!r}")
+    words += ["--view-layer=" + layer] if layer else []
+    for lines in programs.running(words):
+        for line in lines:
+            if told is not None and line.startswith("  "):
+                told.append(line.strip())
+            elif line.startswith(WRITTEN):
+                told = []
         yield (0.0, "exporting the scene")
     return told or []
 

@@ -91,10 +91,28 @@ def of(world, path):
     return {"environment_rotation": -90}, bake(world, path)
 
 
+def as_light_sees_it(world):
+    """A sky that the camera sees otherwise is baked as it lights the scene."""
+    for node in [n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeLightPath"]:
+        for socket in node.outputs:
+            value = {"Is Diffuse Ray": 1.0, "Ray Length": 1e10}.get(socket.name, 0.0)
+            for link in list(socket.links):
+                target = link.to_socket
+                world.node_tree.links.remove(link)
+                if isinstance(getattr(target, "default_value", None), float):
+                    target.default_value = value
+        say("world: the camera sees another one than lights the scene; it is taken as it lights")
+
+
 def bake(world, path):
     """The world as Cycles sees it all around, as an image."""
     scene = bpy.data.scenes.new("sky")
     scene.world = world
+    if hasattr(world, "cycles_visibility"):
+        world.cycles_visibility.camera = True
+    elif hasattr(getattr(world, "cycles", None), "visible_camera"):
+        world.cycles.visible_camera = True
+    as_light_sees_it(world)
     camera = bpy.data.objects.new("sky", bpy.data.cameras.new("sky"))
     camera.data.type = "PANO"
     panorama = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
@@ -122,6 +140,8 @@ def bake(world, path):
     bpy.data.scenes.remove(scene)
     say(f"world: its nodes are baked to a picture of {BAKED[0]} x {BAKED[1]} pixels")
     image = bpy.data.images.load(path)
+    if not max(image.pixels[:]) > 0:
+        say("world: its bake is black")
     image.colorspace_settings.is_data = True
     return image
 

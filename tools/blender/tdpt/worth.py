@@ -1,7 +1,7 @@
 """worth.py: what portals are worth to Cycles in a scene. Run by the extension in a Blender of its own:
   worth.py FILE NAME FRAME PORTALS.json RESULT.json
 PORTALS: [[rows of a lamp's matrix, width, height], ...]. RESULT: {"gain": G, "low": L, "high": H}: without the portals Cycles
-needs G times as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, two seeds each
+needs G times as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, three pairs of seeds each
 way: error is half the mean squared difference of two pictures, over the squared mean."""
 import json
 import os
@@ -17,7 +17,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from export import open_scene  # noqa: E402
 
 WIDTH = 128
-SECONDS = 1.0  # of a picture, in CPU time
+SECONDS = 0.6  # of a picture, in CPU time
 BLOCK = 8  # pixels
 
 
@@ -91,30 +91,40 @@ def blocks_of(pixels):
     return pixels[:h, :w].reshape(h // BLOCK, BLOCK, w // BLOCK, BLOCK).mean((1, 3)).ravel()
 
 
+PAIRS = 3
+
+
 def measure(scene, lamps):
-    pictures, seconds = {}, {}
+    """Pairs of pictures take turns. Cost is variance times CPU time; both the blocks of the picture and the pairs, whose times
+    differ on a busy machine, are resampled for the interval."""
+    samples, one = {}, {}
     for yes in (False, True):
         show(lamps, yes)
-        one = min(picture(scene, 1, 1)[1] for _ in range(2))
-        samples = samples_for(scene, one)
-        made = [picture(scene, samples, seed) for seed in (1, 2)]
-        pictures[yes] = [p for p, _ in made]
-        seconds[yes] = max(1e-3, sum(s for _, s in made) / 2 - one)
-    mean = sum(sum(pictures[yes]) for yes in (False, True)) / 4
-    scale = numpy.repeat(numpy.repeat(blocks_of(mean).reshape(mean.shape[0] // BLOCK, -1), BLOCK, 0), BLOCK, 1)
-    scale = scale**2 + (0.01 * mean.mean()) ** 2 + 1e-30
-    h, w = scale.shape
-    cost = {}
-    for yes, (a, b) in pictures.items():
-        cost[yes] = blocks_of((a - b)[:h, :w] ** 2 / scale) / 2 * seconds[yes]
-    rng = numpy.random.default_rng(1)
-    n = len(cost[True])
-    gains = []
-    for _ in range(400):
-        pick = rng.integers(0, n, n)
-        gains.append(cost[False][pick].mean() / max(cost[True][pick].mean(), 1e-30))
+        one[yes] = min(picture(scene, 1, 1)[1] for _ in range(2))
+        samples[yes] = samples_for(scene, one[yes])
+    pictures, seconds = {False: [], True: []}, {False: [], True: []}
+    for seed in range(1, 2 * PAIRS, 2):
+        for yes in (False, True) if seed % 4 == 1 else (True, False):
+            show(lamps, yes)
+            made = [picture(scene, samples[yes], seed + k) for k in (0, 1)]
+            pictures[yes].append([p for p, _ in made])
+            seconds[yes].append(max(1e-3, sum(s for _, s in made) / 2 - one[yes]))
+    mean = sum(sum(pair) for yes in pictures for pair in pictures[yes]) / (4 * PAIRS)
+    h, w = (side // BLOCK * BLOCK for side in mean.shape)
+    rows = numpy.repeat(numpy.repeat(blocks_of(mean).reshape(h // BLOCK, -1), BLOCK, 0), BLOCK, 1)
+    scale = rows**2 + (0.01 * mean.mean()) ** 2 + 1e-30
+    errors = {yes: numpy.array([blocks_of((a - b)[:h, :w] ** 2 / scale) / 2 for a, b in pairs]) for yes, pairs in pictures.items()}
+    times = {yes: numpy.array(of) for yes, of in seconds.items()}
+
+    def gain(pairs, blocks):
+        cost = {yes: errors[yes][pairs][:, blocks].mean() * numpy.median(times[yes][pairs]) for yes in errors}
+        return cost[False] / max(cost[True], 1e-30)
+
+    rng, n = numpy.random.default_rng(1), errors[True].shape[1]
+    every = numpy.arange(PAIRS), numpy.arange(n)
+    gains = [gain(rng.integers(0, PAIRS, PAIRS), rng.integers(0, n, n)) for _ in range(400)]
     low, high = numpy.quantile(gains, (0.05, 0.95))
-    return {"gain": float(cost[False].mean() / max(cost[True].mean(), 1e-30)), "low": float(low), "high": float(high)}
+    return {"gain": float(gain(*every)), "low": float(low), "high": float(high)}
 
 
 def main():
