@@ -127,6 +127,9 @@ def prepare(things):
     alone = set(bpy.context.scene.objects) - instanced
     for lamp in {t.data for t in things if t.type == "LIGHT"}:
         fold(lamp)
+        if lamp.type in ("POINT", "SPOT") and not getattr(lamp, "normalize", True):
+            lamp.normalize = True
+            say(f"lamp {lamp.name}: is taken as normalised, so its brightness is lost")
         if lamp.use_nodes and lamp.node_tree:
             fold_nodes(lamp)
     for thing in things:

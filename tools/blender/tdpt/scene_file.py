@@ -42,7 +42,13 @@ def exporting(saved, scene_name, frame, out, layer=""):
             elif line.startswith(WRITTEN):
                 told = []
         yield (0.0, "exporting the scene")
-    return told or []
+    return unsaved() + (told or [])
+
+
+def unsaved():
+    """Pixels that are in no file do not reach the process that exports."""
+    images = [i for i in bpy.data.images if i.is_dirty and i.users and i.type == "IMAGE"]
+    return [f"image {i.name}: is not saved, its changes are lost; save or pack it" for i in images]
 
 
 def digest(path):

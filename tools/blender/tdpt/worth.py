@@ -95,36 +95,37 @@ PAIRS = 3
 
 
 def measure(scene, lamps):
-    """Pairs of pictures take turns. Cost is variance times CPU time; both the blocks of the picture and the pairs, whose times
-    differ on a busy machine, are resampled for the interval."""
-    samples, one = {}, {}
-    for yes in (False, True):
+    """Both ways take turns, with the same seeds and as many samples, so that errors differ by the portals alone. Cost is
+    variance times CPU time beyond that of one sample. The blocks of the picture and the turns, whose times differ on a busy
+    machine, are both resampled for the interval."""
+    for yes in (True, False):
         show(lamps, yes)
-        one[yes] = min(picture(scene, 1, 1)[1] for _ in range(2))
-        samples[yes] = samples_for(scene, one[yes])
-    pictures, seconds = {False: [], True: []}, {False: [], True: []}
-    for seed in range(1, 2 * PAIRS, 2):
-        for yes in (False, True) if seed % 4 == 1 else (True, False):
+        picture(scene, 32, 9)  # warms up: the first pictures of a process take longer
+    samples = samples_for(scene, min(picture(scene, 1, 1)[1] for _ in range(2)))
+    pairs, whole, first = ({False: [], True: []} for _ in range(3))
+    for turn in range(PAIRS):
+        for yes in (False, True) if turn % 2 == 0 else (True, False):
             show(lamps, yes)
-            made = [picture(scene, samples[yes], seed + k) for k in (0, 1)]
-            pictures[yes].append([p for p, _ in made])
-            seconds[yes].append(max(1e-3, sum(s for _, s in made) / 2 - one[yes]))
-    mean = sum(sum(pair) for yes in pictures for pair in pictures[yes]) / (4 * PAIRS)
+            first[yes].append(picture(scene, 1, 1)[1])
+            made = [picture(scene, samples, 2 * turn + k) for k in (1, 2)]
+            pairs[yes].append([p for p, _ in made])
+            whole[yes].append([s for _, s in made])
+    mean = sum(sum(pair) for yes in pairs for pair in pairs[yes]) / (4 * PAIRS)
     h, w = (side // BLOCK * BLOCK for side in mean.shape)
     rows = numpy.repeat(numpy.repeat(blocks_of(mean).reshape(h // BLOCK, -1), BLOCK, 0), BLOCK, 1)
     scale = rows**2 + (0.01 * mean.mean()) ** 2 + 1e-30
-    errors = {yes: numpy.array([blocks_of((a - b)[:h, :w] ** 2 / scale) / 2 for a, b in pairs]) for yes, pairs in pictures.items()}
-    times = {yes: numpy.array(of) for yes, of in seconds.items()}
+    errors = {yes: numpy.array([blocks_of((a - b)[:h, :w] ** 2 / scale) for a, b in of]) for yes, of in pairs.items()}
+    whole, first = ({yes: numpy.array(of) for yes, of in times.items()} for times in (whole, first))
 
-    def gain(pairs, blocks):
-        cost = {yes: errors[yes][pairs][:, blocks].mean() * numpy.median(times[yes][pairs]) for yes in errors}
+    def gain(turns, blocks):
+        seconds = {yes: max(1e-3, numpy.median(whole[yes][turns]) - numpy.median(first[yes][turns])) for yes in errors}
+        cost = {yes: errors[yes][turns][:, blocks].mean() * seconds[yes] for yes in errors}
         return cost[False] / max(cost[True], 1e-30)
 
     rng, n = numpy.random.default_rng(1), errors[True].shape[1]
-    every = numpy.arange(PAIRS), numpy.arange(n)
     gains = [gain(rng.integers(0, PAIRS, PAIRS), rng.integers(0, n, n)) for _ in range(400)]
     low, high = numpy.quantile(gains, (0.05, 0.95))
-    return {"gain": float(gain(*every)), "low": float(low), "high": float(high)}
+    return {"gain": float(gain(numpy.arange(PAIRS), numpy.arange(n))), "low": float(low), "high": float(high)}
 
 
 def main():
