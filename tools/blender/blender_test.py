@@ -87,7 +87,10 @@ class Finding(unittest.TestCase):
         self.assertEqual(find(measure=True), {"FINISHED"})
         (lamp,) = portals.lamps_of(scene)
         self.assertTrue(lamp.data.cycles.is_portal)
-        self.assertFalse(lamp.hide_render)
+        gain = float(scene.tdpt.found.split("Cycles is ")[1].split()[0])
+        self.assertGreater(gain, 2, scene.tdpt.found)  # 8 to 11
+        # On a busy machine the interval may be too wide to tell.
+        self.assertEqual(lamp.hide_render, "left off" in scene.tdpt.found)
         self.assertLess((lamp.matrix_world.translation - Vector((6.05, 1.5, 1.5))).length, 0.1)
         self.assertLess((lamp.matrix_world.to_3x3() @ Vector((0, 0, -1)) - Vector((-1, 0, 0))).length, 0.05)
         self.assertAlmostEqual(lamp.data.size, 1.4, delta=0.1)

@@ -41,7 +41,8 @@ std::string portals_for_mitsuba(const PortalFile& file) {
   for (const std::string& remark : remarks_on(file))
     text += fmt::format("<!-- {} -->\n", in_comment(remark));
   text +=
-      "<!-- Mitsuba 3 with the emitter \"portal\", which its sources have since September 2026 and\n"
+      "<!-- Mitsuba 3 with the emitter \"portal\", which its sources have since September 2026 "
+      "and\n"
       "     version 3.9.1 lacks:\n"
       "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
       "<scene version=\"3.0.0\">\n";

@@ -102,11 +102,12 @@ for name, width, height, matrix in PORTALS:
 }
 
 TEST(Renderers, MitsubaHasAnEmitterForAWindow) {
-  EXPECT_EQ(portals_for_mitsuba(one_window()),
-            "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + remarks("<!-- ", " -->\n") +
-                // XML comments may not contain two dashes in a row.
-                "<!-- made by portalfit 0.1.0: portalfit - -for usd -->\n" +
-                R"(<!-- Mitsuba 3 with the emitter "portal", which its sources have since September 2026 and
+  EXPECT_EQ(
+      portals_for_mitsuba(one_window()),
+      "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n" + remarks("<!-- ", " -->\n") +
+          // XML comments may not contain two dashes in a row.
+          "<!-- made by portalfit 0.1.0: portalfit - -for usd -->\n" +
+          R"(<!-- Mitsuba 3 with the emitter "portal", which its sources have since September 2026 and
      version 3.9.1 lacks:
      <include filename="portals.xml"/> in the scene, beside its envmap or constant. -->
 <scene version="3.0.0">
