@@ -354,10 +354,11 @@ TEST(SkyOptions, WhatBlenderLeavesOutIsToldWhereThereIsNoLight) {
   };
   EXPECT_EQ(note(), "") << "nobody knows who wrote it";
   scene.by_blender = true;
-  EXPECT_NE(note().find("Blender's exporter leaves out the world (sky) and area lamps: "
-                        "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
-                        "gltf-scene(5)"),
-            std::string::npos);
+  EXPECT_NE(
+      note().find("Blender's exporter leaves out the world (sky) and area lamps: "
+                  "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
+                  "gltf-scene(5)"),
+      std::string::npos);
   scene.materials.emplace_back().emission = Rgb(1);
   EXPECT_EQ(note(), "");
   scene.materials.clear();

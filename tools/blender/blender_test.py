@@ -279,6 +279,29 @@ class Rendering(unittest.TestCase):
         alpha = rendered(scene, samples=1, denoise=False)["Combined.A"]
         self.assertEqual((alpha.min(), alpha.max()), (0, 1))
 
+    @unittest.skipUnless(bpy.app.version < (5, 0), "scenes of Blender 5 have no tree of their own")
+    def test_the_compositor(self):
+        """An exposure of one stop, by nodes: twice as bright."""
+        means = []
+        for nodes in (False, True):
+            scene = rooms.three_rooms()
+            scene.view_settings.view_transform = "Raw"
+            scene.render.engine, scene.tdpt.samples, scene.tdpt.denoise = "TDPT", 4, False
+            if nodes:
+                scene.use_nodes = True
+                tree = scene.node_tree
+                tree.nodes.clear()
+                layers, exposure, out = (tree.nodes.new("CompositorNode" + n) for n in ("RLayers", "Exposure", "Composite"))
+                exposure.inputs["Exposure"].default_value = 1
+                tree.links.new(layers.outputs["Image"], exposure.inputs["Image"])
+                tree.links.new(exposure.outputs["Image"], out.inputs["Image"])
+            path = os.path.join(FOLDER, "composite.exr")
+            scene.render.filepath = path
+            scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
+            bpy.ops.render.render(write_still=True)
+            means.append(exr.read(path, {"G"})["G"].mean())
+        self.assertAlmostEqual(means[1] / means[0], 2, delta=1e-3)
+
     def test_closing_stops_all_programs(self):
         scene = rooms.three_rooms()
         exported(scene)

@@ -8,7 +8,11 @@ trap 'rm -rf "$home"' EXIT
 export TDPT_BIN="$bin" HOME="$home" BLENDER_USER_RESOURCES="$home" BLENDER_USER_CONFIG="$home/config" \
   BLENDER_USER_SCRIPTS="$home/scripts" PYTHONDONTWRITEBYTECODE=1
 mkdir "$home/config" "$home/scripts"
-[ "$(basename "$script")" = zip_test.py ] || zip=
+case $script in
+  *zip_test.py) ;;
+  *compare.py) zip=$home/compare.json; export PATH="$bin:$PATH" ;;
+  *) zip= ;;
+esac
 if [ "$with" = blender ]; then
   command -v blender >/dev/null || { echo "skipped: there is no blender"; exit 77; }
   # It takes the first Python on the PATH for its own; the distribution's has numpy.

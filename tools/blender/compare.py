@@ -1,4 +1,5 @@
-"""compare.py OUT.json [SCENE ...]: brightness of Blender scenes by tdpt and by Cycles, both through Blender's own F12.
+"""compare.py OUT.json [SCENE ...]: brightness of Blender scenes by tdpt and by Cycles, both through Blender's own F12. Exit code
+1 where a colour differs by more than 1 % beyond 3 standard errors, or where a fault of 5 % would not show.
 Run in Blender (-P) or with the Python module bpy; the programs are found as by the extension."""
 import json
 import math
@@ -62,6 +63,10 @@ def compare(name):
             "tdpt": a.tolist(), "cycles": b.tolist()}
 
 
+def differs(ratio, error):
+    return any(abs(r - 1) > 0.01 + 3 * e for r, e in zip(ratio, error))
+
+
 def main():
     words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     tdpt.register()
@@ -70,6 +75,10 @@ def main():
         print(line)
     with open(words[0], "w", encoding="utf-8") as file:
         json.dump(told, file)
+    wrong = [line["scene"] for line in told if differs(line["ratio"], line["error"])]
+    blind = [line["scene"] for line in told if not differs([1.05 * r for r in line["ratio"]], line["error"])]
+    print(f"differ: {wrong}; would not notice 5 %: {blind}", flush=True)
+    os._exit(1 if wrong or blind else 0)
 
 
 main()

@@ -163,12 +163,12 @@ class TdptEngine(bpy.types.RenderEngine):
             left, right = (pixels(x, film.width) for x in (render.border_min_x, render.border_max_x))
             top, bottom = (film.height - pixels(y, film.height) for y in (render.border_max_y, render.border_min_y))
         rows = slice(film.cut_y + top, film.cut_y + bottom)
-        return rows, slice(film.cut_x + left, film.cut_x + right), left, film.height - bottom
+        return rows, slice(film.cut_x + left, film.cut_x + right)
 
     def deliver(self, path, depsgraph):
         wanted = {*CHANNELS, *(name for _, names in EXTRA.values() for name in names)}
         found = exr.read(path, wanted)
-        rows, columns, left, low = self.window(depsgraph.scene)
+        rows, columns = self.window(depsgraph.scene)
         cut = {name: array[rows, columns][::-1].astype(numpy.float32) for name, array in found.items()}
         height, width = cut["R"].shape
         if "normal.Y" in cut:  # +Z is up in Blender
@@ -196,11 +196,11 @@ def pixels(share, side):
 
 
 def fill(target, channels, names):
-    pixels = numpy.stack([channels[name] for name in names], -1)
+    values = numpy.stack([channels[name] for name in names], -1)
     try:
-        target.rect.foreach_set(pixels.ravel())
+        target.rect.foreach_set(values.ravel())
     except TypeError:  # before Blender 4
-        target.rect = pixels.reshape(-1, len(names)).tolist()
+        target.rect = values.reshape(-1, len(names)).tolist()
 
 
 CLASSES = (TdptEngine,)
