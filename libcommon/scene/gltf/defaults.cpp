@@ -56,10 +56,10 @@ std::string environment_of(const gltf::Checker& c, const Json& value, const std:
 }
 
 /// A file with exactly this name takes precedence, even if the name looks like a URI.
-std::string path_of(const gltf::Namer& namer, const std::string& name, const std::string& at) {
+std::string path_of(const Namer& namer, const std::string& name, const std::string& at) {
   try {
     return local_file(namer, name, at).path;
-  } catch (const gltf::NothingThere&) {
+  } catch (const NothingThere&) {
     const std::string decoded = gltf::percent_decode(name);
     if (decoded == name) throw;
     return local_file(namer, decoded, at).path;
@@ -69,7 +69,7 @@ std::string path_of(const gltf::Namer& namer, const std::string& name, const std
 void find_environment_file(const std::string& file, SceneDefaults& d) {
   if (!d.has_environment() || means_colour(d.environment)) return;
   try {
-    d.environment_file = path_of({display_name(file), gltf::folder_of(file)}, d.environment,
+    d.environment_file = path_of({display_name(file), folder_of(file)}, d.environment,
                                  d.place_of("tdpt_environment"));
   } catch (const InputError& e) {
     d.environment_fault = std::make_shared<const InputError>(e);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/local_file.h"
 
 namespace tdpt::gltf {
 
@@ -79,13 +80,6 @@ nlohmann::json parse_json(std::string_view text, const std::string& file);
 /// get distinct names; those that are not among `animations` (empty: all are wanted) move nothing.
 Checked check_json(nlohmann::json& json, const std::string& file,
                    const std::vector<std::string>& animations);
-
-/// A URI that may be followed but leads to nothing; `what_is`, for a sentence about it: "a file
-/// that is not there".
-struct NothingThere : InputError {
-  NothingThere(const InputError& error, std::string what_) : InputError(error), what_is(what_) {}
-  std::string what_is;
-};
 
 /// The bytes behind a URI: a base64 data URI, or a file in the scene's folder or below. Throws
 /// InputError if it points elsewhere, NothingThere if it is missing or cannot be decoded.

@@ -17,13 +17,13 @@ const std::vector<float> kWeights = {1,     0,     0, 0, 0, 1,     0, 0,
 const std::vector<uint8_t> kJoints = {0, 1, 1, 1, 0, 1, 7, 7, 0, 1, 0, 0, 0, 0, 0, 1};
 
 /// The effect of skinned()'s joints on a vertex, by textbook matrices.
-gltf::Affine joint(int k) {
+Affine joint(int k) {
   // Joint 0 translates by (0, 0, 2); joint 1 rotates by a quarter about z, x to y, at (1, 0, 0),
   // and is a child of joint 0; the inverse bind matrix of joint 1 translates by (-1, 0, 0).
-  const gltf::Affine move{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}};
+  const Affine move{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}};
   if (k == 0) return move;
-  const gltf::Affine turn{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
-  const gltf::Affine unbind{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}};
+  const Affine turn{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 0, 0}};
+  const Affine unbind{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}};
   return move * turn * unbind;
 }
 
@@ -54,13 +54,13 @@ Scene skinned(const Strip& s, GlbBuilder b = {}, int weights = -1) {
 /// The same explicitly: each vertex through the blend of its joints' matrices.
 Strip bent(Strip s, const std::vector<float>& weights) {
   for (size_t v = 0; v < 4; ++v) {
-    gltf::Affine blend{{}, {}, {}, {}};
+    Affine blend{{}, {}, {}, {}};
     double total = 0;
     for (size_t k = 0; k < 4; ++k) total += weights[4 * v + k];
     for (size_t k = 0; k < 4; ++k) {
       const double w = weights[4 * v + k] / total;
       if (w == 0) continue;
-      const gltf::Affine a = joint(kJoints[4 * v + k]);
+      const Affine a = joint(kJoints[4 * v + k]);
       blend.x += a.x * w, blend.y += a.y * w, blend.z += a.z * w, blend.t += a.t * w;
     }
     const auto vec = [&](const std::vector<float>& from, size_t n) {
@@ -70,7 +70,7 @@ Strip bent(Strip s, const std::vector<float>& weights) {
       for (size_t c = 0; c < 3; ++c) to[n * v + c] = static_cast<float>(value[static_cast<int>(c)]);
     };
     // Cofactors: the inverse transpose up to the determinant.
-    const gltf::Affine cofactors{
+    const Affine cofactors{
         cross(blend.y, blend.z), cross(blend.z, blend.x), cross(blend.x, blend.y), {}};
     put(s.positions, 3, blend.point(vec(s.positions, 3)));
     put(s.normals, 3, normalize(cofactors.vector(vec(s.normals, 3))));

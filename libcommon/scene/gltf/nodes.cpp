@@ -87,29 +87,6 @@ bool is_hidden(const nlohmann::json& node) {
   return it != extensions->end() && !it->value("visible", true);
 }
 
-bool Affine::mirrors() const {
-  // Only the sign matters, so each column may be scaled: products stay in range.
-  const auto scaled = [](const Vec3d& v) {
-    const double s = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    return s > 0 ? v / s : v;
-  };
-  return dot(cross(scaled(x), scaled(y)), scaled(z)) < 0;
-}
-
-std::optional<Affine> affine_of(const Vec3d& translation, const std::array<double, 4>& rotation,
-                                const Vec3d& scale) {
-  auto [x, y, z, w] = rotation;
-  const double l = std::hypot(std::hypot(x, y), std::hypot(z, w));
-  if (!(l > 0)) return {};
-  x /= l, y /= l, z /= l, w /= l;
-  Affine a;
-  a.x = Vec3d(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)) * scale.x;
-  a.y = Vec3d(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)) * scale.y;
-  a.z = Vec3d(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)) * scale.z;
-  a.t = translation;
-  return a;
-}
-
 Affine local_map(const Document& d, size_t index) {
   const tinygltf::Node& n = d.model.nodes[index];
   if (!n.matrix.empty()) return from_matrix(d, index, n.matrix);

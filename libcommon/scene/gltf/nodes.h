@@ -1,33 +1,15 @@
 // Flattens the node hierarchy: every node of the scene with its world transform, in double
 // precision. Internal to this room.
 #pragma once
-#include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "libcommon/math/affine.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/gltf/document.h"
 
 namespace tdpt::gltf {
-
-/// Affine map p -> x p.x + y p.y + z p.z + t.
-struct Affine {
-  Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{};
-  Vec3d vector(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
-  Vec3d point(const Vec3d& p) const { return vector(p) + t; }
-  Affine operator*(const Affine& b) const {
-    return {vector(b.x), vector(b.y), vector(b.z), point(b.t)};
-  }
-  /// Whether it changes handedness (negative determinant).
-  bool mirrors() const;
-};
-
-/// Translation * rotation (a quaternion x, y, z, w of any length) * scale; empty for a rotation of
-/// zeros.
-std::optional<Affine> affine_of(const Vec3d& translation, const std::array<double, 4>& rotation,
-                                const Vec3d& scale);
 
 /// The map of a node into its parent. Throws InputError if it is invalid.
 Affine local_map(const Document& document, size_t node);
