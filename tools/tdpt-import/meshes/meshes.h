@@ -1,0 +1,41 @@
+// Meshes in the formats of other renderers, and shapes that become meshes. All readers throw
+// InputError with `name` for malformed files; sizes are checked before memory is taken.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "tools/tdpt-import/described.h"
+
+namespace tdpt::foreign {
+
+/// Wavefront OBJ: all faces of all groups as one mesh, polygons cut into triangles; materials are
+/// ignored. v of texture coordinates grows upwards in the file and downwards in the mesh.
+Mesh read_obj(std::string_view bytes, const std::string& name);
+/// PLY, ASCII or binary of either endianness: x y z, nx ny nz, u v or s t; faces of any number of
+/// corners. v is as in the file: see flip_v().
+Mesh read_ply(std::string_view bytes, const std::string& name);
+/// Mitsuba's .serialized, shape number `index` of the file. v as in the file.
+Mesh read_serialized(std::string_view bytes, const std::string& name, size_t index);
+/// Tungsten's .wo3. v grows upwards in the file and downwards in the mesh.
+Mesh read_wo3(std::string_view bytes, const std::string& name);
+
+/// v becomes 1 - v.
+void flip_v(Mesh& mesh);
+/// Smooth normals: at each position the mean of its triangles' normals, weighted by their angles.
+void smooth(Mesh& mesh);
+
+/// The square [-1, 1]^2 at z = 0, front +z, uv (0, 1) at its corner (-1, -1): an image stands
+/// upright.
+Mesh square();
+/// The cube [-1, 1]^3, front outside. Each face shows a whole image, turned as on Mitsuba's cube.
+Mesh cube();
+/// The unit sphere about +z with smooth normals, front outside; its area is that of the sphere.
+/// u = phi / (2 pi) from +x towards +y, as of all round ones; v = 0 at +z.
+Mesh sphere();
+/// The disc of radius 1 at z = 0, front +z; its area is that of the disc. v = 1 at the rim.
+Mesh disc();
+/// The open cylinder of radius 1 about z from 0 to 1, front outside; its area is that of a round
+/// one. v = 0 at z = 1.
+Mesh cylinder();
+
+}  // namespace tdpt::foreign

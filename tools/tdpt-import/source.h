@@ -1,0 +1,67 @@
+// The files of a scene, and what is lost of them.
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "libcommon/base/error.h"
+
+namespace tdpt::foreign {
+
+/// A place in a file, as messages name it.
+struct Place {
+  std::string file;   ///< as displayed
+  std::string where;  ///< "line 45", "primitives[3].emission"
+};
+
+/// Reads the scene's files and remembers them, and collects what is lost.
+class Source {
+ public:
+  /// `path`: the scene file; its folder is all that is read.
+  explicit Source(const std::string& path);
+
+  const std::string& path() const { return path_; }
+  /// The scene file itself.
+  const std::string& text() const { return text_; }
+
+  /// Contents of the file called `name` by the scene, relative to its folder or to one of the
+  /// search paths. Backslashes count as slashes. Throws InputError naming `place` if it lies
+  /// outside the scene's folder or is missing.
+  std::string read(const std::string& name, const Place& place);
+  /// Whether there is such a file.
+  bool has(const std::string& name, const Place& place);
+  /// Name in messages of a file that read() was given: beside the scene's own path.
+  std::string shown_name(const std::string& name) const;
+  /// A folder, relative to that of the scene, which read() tries before the others.
+  void search(const std::string& folder, const Place& place);
+
+  /// Says that something of the scene is lost. The same sentence again only counts.
+  void lose(const Place& place, const std::string& sentence);
+
+  struct Loss {
+    std::string sentence;
+    Place first;
+    size_t times = 1;
+  };
+  const std::vector<Loss>& losses() const { return losses_; }
+  struct File {
+    std::string path, hash;
+  };
+  /// All that were read, the scene first.
+  const std::vector<File>& files() const { return files_; }
+
+  [[noreturn]] static void fail(const Place& place, const std::string& message) {
+    throw InputError(place.file, place.where, message);
+  }
+
+ private:
+  std::string found(const std::string& name, const Place& place, std::string& real) const;
+
+  std::string path_, folder_, text_;
+  std::vector<std::string> searched_;
+  std::vector<Loss> losses_;
+  std::map<std::string, size_t> lost_;
+  std::vector<File> files_;
+};
+
+}  // namespace tdpt::foreign
