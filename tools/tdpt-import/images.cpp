@@ -1,0 +1,129 @@
+#include "tools/tdpt-import/images.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include <fmt/format.h>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#define STBI_NO_HDR
+#define STBI_MAX_DIMENSIONS 65536
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wall"
+#pragma GCC diagnostic ignored "-Wextra"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wduplicated-branches"
+#pragma GCC diagnostic ignored "-Wuseless-cast"
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#endif
+#include <stb/stb_image.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+#include "libcommon/base/error.h"
+#include "libcommon/formats/picture.h"
+#include "libcommon/formats/radiance_hdr.h"
+
+namespace tdpt::foreign {
+namespace {
+
+constexpr int kMostTexels = 1 << 26;
+constexpr int kMostSide = 16384;
+
+[[noreturn]] void fail(const std::string& name, const std::string& message) {
+  throw InputError(name, "", message);
+}
+
+Texels of_picture(Picture&& picture) {
+  return {picture.width, picture.height, false, std::move(picture.pixels), {}};
+}
+
+// Portable float maps: "PF" (colour) or "Pf" (grey), width, height, a scale whose sign gives the
+// byte order, then rows from the bottom.
+Texels decode_pfm(std::string_view bytes, const std::string& name) {
+  const bool colour = bytes[1] == 'F';
+  size_t at = 2;
+  double header[3];
+  for (double& value : header) {
+    while (at < bytes.size() && std::isspace(static_cast<unsigned char>(bytes[at]))) ++at;
+    const size_t from = at;
+    while (at < bytes.size() && !std::isspace(static_cast<unsigned char>(bytes[at]))) ++at;
+    if (from == at || at - from > 32) fail(name, "the header of the PFM is cut short");
+    char* end = nullptr;
+    const std::string word(bytes.substr(from, at - from));
+    value = std::strtod(word.c_str(), &end);
+    if (end == word.c_str() || *end || !std::isfinite(value))
+      fail(name, "the header of the PFM has \"" + word + "\" for a number");
+  }
+  ++at;
+  const double w = header[0], h = header[1];
+  if (!(w >= 1 && h >= 1 && w <= kMostSide && h <= kMostSide && w * h <= kMostTexels))
+    fail(name, fmt::format("is {} x {} texels, expected 1 to {} a side", w, h, kMostSide));
+  Texels t{static_cast<int>(w), static_cast<int>(h), false, {}, {}};
+  const size_t channels = colour ? 3 : 1, count = static_cast<size_t>(w * h);
+  if (at > bytes.size() || (bytes.size() - at) / 4 / channels < count)
+    fail(name, "the PFM is cut short");
+  const bool swap = header[2] > 0;
+  const auto value = [&](size_t i) {
+    unsigned char b[4];
+    for (size_t k = 0; k < 4; ++k)
+      b[k] = static_cast<unsigned char>(bytes[at + 4 * i + (swap ? 3 - k : k)]);
+    float f;
+    std::memcpy(&f, b, 4);
+    return std::isfinite(f) ? f : 0;
+  };
+  t.rgb.resize(count);
+  const auto width = static_cast<size_t>(t.width);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t row = static_cast<size_t>(t.height) - 1 - i / width;
+    const size_t from = (row * width + i % width) * channels;
+    t.rgb[i] = colour ? Rgb(value(from), value(from + 1), value(from + 2)) : Rgb(value(from));
+  }
+  return t;
+}
+
+Texels decode_8bit(std::string_view bytes, const std::string& name) {
+  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
+  const int size = static_cast<int>(std::min<size_t>(bytes.size(), 0x7fffffff));
+  int w = 0, h = 0, channels = 0;
+  if (!stbi_info_from_memory(data, size, &w, &h, &channels))
+    fail(name,
+         "is no picture that can be read (PNG, JPEG, TGA, BMP, PNM, PSD, GIF, HDR, PFM, EXR)");
+  if (w < 1 || h < 1 || w > kMostSide || h > kMostSide || int64_t{w} * h > kMostTexels)
+    fail(name, fmt::format("is {} x {} texels, expected 1 to {} a side", w, h, kMostSide));
+  const bool with_alpha = channels == 2 || channels == 4;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> texels(
+      stbi_load_from_memory(data, size, &w, &h, &channels, 4), stbi_image_free);
+  if (!texels) fail(name, fmt::format("cannot be decoded: {}", stbi_failure_reason()));
+  Texels t{w, h, true, {}, {}};
+  const auto count = static_cast<size_t>(w) * static_cast<size_t>(h);
+  t.rgb.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const stbi_uc* p = texels.get() + 4 * i;
+    t.rgb.emplace_back(p[0] / 255.0f, p[1] / 255.0f, p[2] / 255.0f);
+    if (with_alpha) t.alpha.push_back(p[3] / 255.0f);
+  }
+  return t;
+}
+
+}  // namespace
+
+Texels decode(std::string_view bytes, const std::string& name) {
+  if (bytes.size() < 4) fail(name, "is no picture");
+  if (bytes.substr(0, 4) == std::string_view("\x76\x2f\x31\x01", 4))
+    return of_picture(parse_exr_picture(bytes, name, kMostSide, kMostSide));
+  if (is_radiance_hdr(bytes))
+    return of_picture(parse_radiance_hdr(bytes, name, kMostSide, kMostSide));
+  if (bytes[0] == 'P' && (bytes[1] == 'F' || bytes[1] == 'f')) return decode_pfm(bytes, name);
+  return decode_8bit(bytes, name);
+}
+
+}  // namespace tdpt::foreign

@@ -1,0 +1,21 @@
+// Pictures of other renderers' scenes: decoding, scaling, and what glTF wants of them.
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "tools/tdpt-import/described.h"
+
+namespace tdpt::foreign {
+
+/// Texels of an image as linear or encoded numbers.
+struct Texels {
+  int width = 0, height = 0;
+  bool is_8bit = false;  ///< values were bytes: 0..1, encoded as in the file
+  std::vector<Rgb> rgb{};
+  std::vector<float> alpha{};  ///< empty: 1 everywhere
+};
+
+/// Decodes PNG, JPEG, TGA, BMP, PNM, PSD, GIF, Radiance .hdr, PFM and OpenEXR. Throws InputError.
+Texels decode(std::string_view bytes, const std::string& name);
+
+}  // namespace tdpt::foreign

@@ -1,0 +1,129 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "libcommon/testing/files/temp_folder.h"
+#include "tools/tdpt-import/images.h"
+#include "tools/tdpt-import/materials.h"
+#include "tools/tdpt-import/source.h"
+
+namespace tdpt::foreign::import_test {
+
+template <class F>
+std::string complaint(const F& f) {
+  try {
+    f();
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(Source, ReadsBelowItsFolderOnly) {
+  const testing::TempFolder folder;
+  folder.write("above.txt", "secret");
+  folder.write("scene/models/a.txt", "a");
+  Source source(folder.write("scene/scene.xml", "<scene/>"));
+  const Place place{"scene.xml", "line 3"};
+  EXPECT_EQ(source.read("models/a.txt", place), "a");
+  EXPECT_EQ(source.read("models\\a.txt", place), "a");  // as Windows writes it
+  EXPECT_EQ(complaint([&] { source.read("../above.txt", place); }),
+            "scene.xml:line 3: \"../above.txt\" is not a file in the scene's folder, which is all "
+            "that is read");
+  std::filesystem::create_symlink(folder.path / "above.txt", folder.path / "scene/link.txt");
+  EXPECT_NE(
+      complaint([&] { source.read("link.txt", place); }).find("leads out of the scene's folder"),
+      std::string::npos);
+  EXPECT_NE(complaint([&] { source.read("/etc/passwd", place); }), "");
+  EXPECT_FALSE(source.has("b.txt", place));
+  EXPECT_EQ(source.files().size(), 2u);  // the scene and a.txt, once
+}
+
+TEST(Source, SearchesFoldersOfItsOwn) {
+  const testing::TempFolder folder;
+  folder.write("models/a.txt", "in models");
+  Source source(folder.write("scene.xml", ""));
+  const Place place{"scene.xml", "line 1"};
+  source.search("models", place);
+  EXPECT_EQ(source.read("a.txt", place), "in models");
+  EXPECT_NE(complaint([&] { source.search("../x", place); }), "");
+  EXPECT_NE(complaint([&] { source.search("/tmp", place); }), "");
+}
+
+TEST(Source, CountsWhatIsLostAgain) {
+  const testing::TempFolder folder;
+  Source source(folder.write("scene.xml", ""));
+  source.lose({"scene.xml", "line 2"}, "fog");
+  source.lose({"scene.xml", "line 5"}, "fog");
+  ASSERT_EQ(source.losses().size(), 1u);
+  EXPECT_EQ(source.losses()[0].first.where, "line 2");
+  EXPECT_EQ(source.losses()[0].times, 2u);
+}
+
+TEST(Materials, DiffuseFresnelOfGlass) {
+  EXPECT_NEAR(diffuse_fresnel(1.5), 0.0918, 2e-4);      // tables: 0.092 from outside
+  EXPECT_NEAR(diffuse_fresnel(1 / 1.5), 0.5963, 2e-4);  // and 0.596 from inside
+  EXPECT_NEAR(1 - diffuse_fresnel(1 / 1.5), (1 - diffuse_fresnel(1.5)) / 2.25, 1e-4);
+}
+
+TEST(Materials, TexturedPlasticIsColouredPerTexel) {
+  Colour wood{{0.5f, 0.5f, 0.5f}, Texture{}, {}};
+  const Material m = plastic(wood, 1.5, {0.25f, {}, {}}, true);
+  ASSERT_TRUE(m.base.curve);
+  const Material flat = plastic({{0.4f, 0.4f, 0.4f}, {}, {}}, 1.5, {0.25f, {}, {}}, true);
+  EXPECT_NEAR(m.base.curve({0.8f, 0.8f, 0.8f}).x * m.base.factor.x, flat.base.factor.x, 1e-6);
+  EXPECT_NEAR(m.roughness.factor, 0.5f, 1e-6);
+}
+
+TEST(Materials, SpectraHaveTheColoursOfTheirNames) {
+  const Rgb even = rgb_of_spectrum({{400, 0.3}, {700, 0.3}});
+  EXPECT_NEAR(even.x, 0.3, 1e-4);
+  EXPECT_NEAR(even.y, 0.3, 1e-4);
+  EXPECT_NEAR(even.z, 0.3, 1e-4);
+  const Rgb red = rgb_of_spectrum({{400, 0}, {590, 0}, {600, 1}, {700, 1}});
+  EXPECT_GT(red.x, 5 * red.y);
+  const Rgb warm = rgb_of_blackbody(2856), cold = rgb_of_blackbody(10000);
+  EXPECT_GT(warm.x, warm.z);
+  EXPECT_GT(cold.z, cold.x);
+  EXPECT_NEAR(luminance(warm), 1, 2e-3);
+  const Rgb d65 = rgb_of_xyz({0.95047f, 1.0f, 1.08883f});
+  EXPECT_NEAR(d65.x, 1, 1e-3);
+  EXPECT_NEAR(d65.z, 1, 1e-3);
+}
+
+std::string pfm(const std::string& head, std::initializer_list<float> values) {
+  std::string bytes = head;
+  for (const float v : values) bytes.append(reinterpret_cast<const char*>(&v), 4);
+  return bytes;
+}
+
+TEST(Images, PfmRowsGoUpwards) {
+  const Texels t = decode(pfm("PF\n1 2\n-1.0\n", {1, 2, 3, 4, 5, 6}), "a.pfm");
+  EXPECT_FALSE(t.is_8bit);
+  EXPECT_EQ(t.rgb.at(0).x, 4);  // the last row of the file is the upper one
+  EXPECT_EQ(t.rgb.at(1).z, 3);
+  EXPECT_EQ(decode(pfm("Pf\n1 1\n-1\n", {7}), "a.pfm").rgb.at(0).y, 7);
+}
+
+TEST(Images, ErrorsAreOneLine) {
+  EXPECT_EQ(complaint([] { decode("PF\n2 2\n-1\n123", "a.pfm"); }), "a.pfm: the PFM is cut short");
+  EXPECT_EQ(complaint([] { decode("PF\nx 2\n-1\n", "a.pfm"); }),
+            "a.pfm: the header of the PFM has \"x\" for a number");
+  EXPECT_EQ(complaint([] { decode("PF\n99999 2\n-1\n", "a.pfm"); }),
+            "a.pfm: is 99999 x 2 texels, expected 1 to 16384 a side");
+  EXPECT_EQ(complaint([] { decode("abc", "a.png"); }), "a.png: is no picture");
+  EXPECT_NE(
+      complaint([] { decode("something else", "a.png"); }).find("is no picture that can be read"),
+      std::string::npos);
+  EXPECT_NE(complaint([] { decode("\x89PNG\r\n\x1a\n broken", "a.png"); }), "");
+}
+
+// A grey TGA of one texel, as painting programs write it.
+TEST(Images, TgaIsRead) {
+  const unsigned char tga[] = {0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 8, 0, 51};
+  const Texels t = decode({reinterpret_cast<const char*>(tga), sizeof tga}, "a.tga");
+  EXPECT_TRUE(t.is_8bit);
+  EXPECT_NEAR(t.rgb.at(0).x, 0.2, 1e-6);
+}
+
+}  // namespace tdpt::foreign::import_test

@@ -1,0 +1,170 @@
+#include "tools/tdpt-import/materials.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tdpt::foreign {
+namespace {
+
+struct Conductor {
+  const char* name;
+  Rgb eta, k;
+};
+// Complex indices of evaporated metals in red, green and blue, as Mitsuba and Tungsten weight the
+// measured spectra: by the colour matching functions, so that a constant spectrum is no constant.
+constexpr Conductor kConductors[] = {
+    {"a-C", {2.944f, 2.227f, 1.968f}, {0.8875f, 0.7993f, 0.8153f}},
+    {"Ag", {0.1553f, 0.1167f, 0.1384f}, {4.828f, 3.122f, 2.147f}},
+    {"Al", {1.658f, 0.8804f, 0.5212f}, {9.224f, 6.27f, 4.837f}},
+    {"Au", {0.143f, 0.3753f, 1.442f}, {3.983f, 2.386f, 1.603f}},
+    {"Be", {4.185f, 3.185f, 2.784f}, {3.835f, 3.01f, 2.869f}},
+    {"Cr", {4.37f, 2.917f, 1.655f}, {5.207f, 4.231f, 3.755f}},
+    {"Cu", {0.201f, 0.9237f, 1.102f}, {3.913f, 2.453f, 2.142f}},
+    {"Cu2O", {3.552f, 2.95f, 2.752f}, {0.1142f, 0.1939f, 0.6061f}},
+    {"CuO", {3.248f, 2.448f, 2.21f}, {0.5211f, 0.57f, 0.7222f}},
+    {"Hg", {2.399f, 1.44f, 0.9096f}, {6.328f, 4.372f, 3.422f}},
+    {"Ir", {3.086f, 2.082f, 1.618f}, {5.592f, 4.067f, 3.267f}},
+    {"K", {0.06404f, 0.04641f, 0.03818f}, {2.104f, 1.349f, 0.9131f}},
+    {"Li", {0.2658f, 0.1956f, 0.2209f}, {3.54f, 2.311f, 1.669f}},
+    {"Mo", {4.484f, 3.525f, 2.776f}, {4.111f, 3.421f, 3.151f}},
+    {"Nb", {3.42f, 2.79f, 2.396f}, {3.441f, 2.738f, 2.58f}},
+    {"Rh", {2.586f, 1.86f, 1.554f}, {6.782f, 4.703f, 3.976f}},
+    {"Ta", {2.063f, 2.393f, 2.628f}, {2.408f, 1.741f, 1.947f}},
+    {"TiC", {3.701f, 2.837f, 2.582f}, {3.266f, 2.352f, 2.173f}},
+    {"TiN", {1.648f, 1.151f, 1.38f}, {3.368f, 1.943f, 1.102f}},
+    {"VC", {3.658f, 2.753f, 2.533f}, {3.068f, 2.199f, 1.963f}},
+    {"VN", {2.866f, 2.119f, 1.94f}, {3.032f, 2.056f, 1.616f}},
+    {"W", {4.371f, 3.3f, 2.998f}, {3.501f, 2.605f, 2.273f}},
+};
+
+struct Dielectric {
+  const char* name;
+  double ior;
+};
+constexpr Dielectric kDielectrics[] = {
+    {"vacuum", 1.0},       {"helium", 1.000036},        {"hydrogen", 1.000132},
+    {"air", 1.000277},     {"carbon dioxide", 1.00045}, {"water", 1.3330},
+    {"acetone", 1.36},     {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
+    {"glycerol", 1.4729},  {"benzene", 1.501},          {"silicone oil", 1.52045},
+    {"bromine", 1.661},    {"water ice", 1.31},         {"fused quartz", 1.458},
+    {"pyrex", 1.470},      {"acrylic glass", 1.49},     {"polypropylene", 1.49},
+    {"bk7", 1.5046},       {"sodium chloride", 1.544},  {"amber", 1.55},
+    {"pet", 1.5750},       {"diamond", 2.419},          {"glass-BK7", 1.5168},
+    {"glass-BAF10", 1.67}, {"glass-FK51A", 1.4866},     {"glass-LASF9", 1.8503},
+    {"glass-F5", 1.6034},  {"glass-F10", 1.6228},       {"glass-F11", 1.6206}};
+
+constexpr double kLeast = 1e-6;  // an index this near 1 has no interface
+
+Number root(const Number& alpha) {
+  Number r = alpha;
+  r.factor = std::sqrt(std::clamp(alpha.factor, 0.0f, 1.0f));
+  if (alpha.texture)
+    r.curve = [before = alpha.curve](float a) {
+      return std::sqrt(std::clamp(before ? before(a) : a, 0.0f, 1.0f));
+    };
+  return r;
+}
+
+// Applies a function to a colour, per texel if it has a texture.
+Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f) {
+  if (!c.texture) return {f(c.factor), {}, {}};
+  return {Rgb(1), c.texture, [f, factor = c.factor, before = c.curve](const Rgb& texel) {
+            return f((before ? before(texel) : texel) * factor);
+          }};
+}
+
+float f0_of(float eta, float k) {
+  return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k);
+}
+
+// Reflectance of a smooth dielectric at cosine c in front, ratio eta.
+double fresnel(double c, double eta) {
+  const double s2 = (1 - c * c) / (eta * eta);
+  if (s2 >= 1) return 1;
+  const double q = std::sqrt(1 - s2);
+  const double s = (c - eta * q) / (c + eta * q), p = (eta * c - q) / (eta * c + q);
+  return 0.5 * (s * s + p * p);
+}
+
+}  // namespace
+
+double diffuse_fresnel(double eta) {
+  constexpr int kCells = 1024;  // midpoints in sin^2, where the cosine weight is uniform
+  double sum = 0;
+  for (int i = 0; i < kCells; ++i) sum += fresnel(std::sqrt(1 - (i + 0.5) / kCells), eta);
+  return sum / kCells;
+}
+
+Material diffuse(const Colour& reflectance) {
+  Material m;
+  m.base = reflectance;
+  return m;
+}
+
+Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
+  Material m = diffuse(reflectance);
+  if (std::abs(ior - 1) < kLeast) return m;
+  if (ior < 1) ior = 1 / ior;  // the same reflectance at normal incidence
+  if (nonlinear) {
+    const auto inside = static_cast<float>(diffuse_fresnel(1 / ior));
+    m.base = through(reflectance, [inside](const Rgb& r) {
+      const auto out = [inside](float v) { return v * (1 - inside) / (1 - v * inside); };
+      return Rgb(out(r.x), out(r.y), out(r.z));
+    });
+  }
+  m.specular = 1;
+  m.ior = static_cast<float>(ior);
+  m.roughness = root(alpha);
+  return m;
+}
+
+Material metal(const Colour& reflectance, const Number& alpha) {
+  Material m = diffuse(reflectance);
+  m.metallic = 1;
+  m.specular = 1;
+  m.roughness = root(alpha);
+  return m;
+}
+
+Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Number& alpha) {
+  const Rgb f0{f0_of(eta.x, k.x), f0_of(eta.y, k.y), f0_of(eta.z, k.z)};
+  Colour base = tint;
+  base.factor = tint.factor * f0;
+  Material m = metal(base, alpha);
+  const bool tinted = tint.factor.x != 1 || tint.factor.y != 1 || tint.factor.z != 1;
+  if (!tinted) m.eta_k = {eta, k};
+  return m;
+}
+
+Material mirror(const Colour& reflectance) {
+  return metal(reflectance, {0.0f, {}, {}});
+}
+
+Material glass(double ior, const Colour& tint, const Number& alpha, bool solid) {
+  Material m = diffuse(tint);
+  m.transmission = 1;
+  m.solid = solid;
+  m.specular = 1;
+  m.roughness = root(alpha);
+  if (!solid) {
+    // Light bounces to and fro between the two sides of a sheet, which reflects 2 f / (1 + f).
+    const double f = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)), both = 2 * f / (1 + f);
+    ior = (1 + std::sqrt(both)) / (1 - std::sqrt(both));
+  }
+  m.ior = static_cast<float>(ior);
+  return m;
+}
+
+std::optional<std::array<Rgb, 2>> conductor_named(const std::string& name) {
+  for (const Conductor& c : kConductors)
+    if (name == c.name) return std::array<Rgb, 2>{c.eta, c.k};
+  return {};
+}
+
+std::optional<double> ior_named(const std::string& name) {
+  for (const Dielectric& d : kDielectrics)
+    if (name == d.name) return d.ior;
+  return {};
+}
+
+}  // namespace tdpt::foreign

@@ -1,0 +1,49 @@
+// The words that renderers have for surfaces, as glTF's surfaces. What one cannot say is the
+// caller's to name as lost.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "tools/tdpt-import/described.h"
+
+namespace tdpt::foreign {
+
+/// Lambertian of this reflectance.
+Material diffuse(const Colour& reflectance);
+
+/// Lambertian base under a dielectric interface of relative index `ior` and GGX `alpha` (0:
+/// smooth). `reflectance` is that of the base itself. `nonlinear`: light that the interface throws
+/// back onto the base is coloured again, so that of what enters R (1 - F) / (1 - R F) comes out, F
+/// the interface's mean reflectance from inside; otherwise R comes out.
+Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
+
+/// A conductor of complex index eta + i k (relative to the outside), times `tint`.
+Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Number& alpha);
+/// A metal of this reflectance at normal incidence.
+Material metal(const Colour& reflectance, const Number& alpha);
+/// A mirror that reflects `reflectance` at all angles.
+Material mirror(const Colour& reflectance);
+
+/// Glass: a solid body's surface, or both sides of a thin sheet.
+Material glass(double ior, const Colour& tint, const Number& alpha, bool solid);
+
+/// The complex index of a conductor of these names ("Al", "Cu", "Au", "Ag", ...; those of Mitsuba,
+/// Tungsten and pbrt, which all come from the same measured tables), for red, green and blue.
+std::optional<std::array<Rgb, 2>> conductor_named(const std::string& name);
+
+/// Index of refraction of a dielectric of Mitsuba's and pbrt's names ("bk7", "water", "glass-BK7").
+std::optional<double> ior_named(const std::string& name);
+
+/// Mean reflectance of a smooth interface of relative index `eta` (behind / in front) for diffuse
+/// light from the front.
+double diffuse_fresnel(double eta);
+
+/// Linear Rec.709 of CIE XYZ.
+Rgb rgb_of_xyz(const Rgb& xyz);
+/// Linear Rec.709 of a black body's colour of this temperature [K] with luminance 1.
+Rgb rgb_of_blackbody(double kelvin);
+/// Mean of a spectrum of (wavelength [nm], value) pairs, sorted by wavelength, over the responses
+/// of red, green and blue, such that a constant spectrum gives that constant.
+Rgb rgb_of_spectrum(const std::vector<std::array<double, 2>>& samples);
+
+}  // namespace tdpt::foreign
