@@ -1,0 +1,29 @@
+// A described scene as a .glb, and its environment beside it.
+#pragma once
+#include <string>
+
+#include "libcommon/base/provenance.h"
+#include "tools/tdpt-import/gltf/frame.h"
+#include "tools/tdpt-import/source.h"
+
+namespace tdpt::foreign {
+
+struct Writing {
+  Up up = Up::by_camera;
+  int longest_texture = 0;  ///< 0: of any size
+  std::string environment;  ///< name of the file beside the scene, without suffix
+  std::string format;       ///< of the source, such as "Tungsten"
+  Provenance provenance{};
+};
+
+struct Written {
+  std::string glb;
+  std::string environment, environment_suffix;  ///< its bytes; empty: there is no such file
+  Frame frame;
+  size_t triangles = 0, shapes = 0, materials = 0, textures = 0, emitters = 0;
+};
+
+/// Names what glTF cannot hold as lost.
+Written written(const Described& scene, const Writing& writing, Source& source);
+
+}  // namespace tdpt::foreign

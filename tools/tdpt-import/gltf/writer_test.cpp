@@ -1,0 +1,310 @@
+#include "tools/tdpt-import/gltf/writer.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/formats/environment.h"
+#include "libcommon/formats/picture.h"
+#include "libcommon/scene/scene.h"
+#include "libcommon/testing/files/temp_folder.h"
+#include "tools/tdpt-import/meshes/meshes.h"
+
+namespace tdpt::foreign::writer_test {
+
+using std::numbers::pi;
+
+// A lamp in front of a camera that looks along -z of `to_world`, and a floor.
+Described room(const Affine& to_world) {
+  Described d;
+  d.title = "room";
+  d.meshes.push_back(square());
+  Material grey;
+  grey.name = "grey";
+  grey.base.factor = Rgb(0.5f);
+  d.materials.push_back(grey);
+  Shape lamp;
+  lamp.name = "lamp";
+  lamp.to_world = to_world * Affine{{1, 0, 0}, {0, 2, 0}, {0, 0, 1}, {3, 1, -5}};
+  lamp.emission = Emission{{{8, 4, 2}, {}, {}}, false};
+  Shape floor;
+  floor.to_world = to_world * Affine{{10, 0, 0}, {0, 0, -10}, {0, 10, 0}, {0, -4, 0}};
+  d.shapes = {lamp, floor};
+  Camera camera;
+  camera.name = "camera";
+  camera.to_world = to_world;
+  camera.width = 200, camera.height = 100;
+  d.cameras = {camera};
+  return d;
+}
+
+struct Result {
+  Written written;
+  tdpt::Scene scene;
+  nlohmann::json json;
+  std::vector<std::string> losses;
+};
+
+Result write(const Described& d, Up up = Up::by_camera, int longest = 0) {
+  const testing::TempFolder folder;
+  Source source(folder.write("scene.xml", ""));
+  Writing how;
+  how.up = up;
+  how.environment = "room.environment";
+  how.format = "Mitsuba";
+  how.longest_texture = longest;
+  Result r{written(d, how, source), {}, {}, {}};
+  for (const auto& loss : source.losses()) r.losses.push_back(loss.sentence);
+  uint32_t length;
+  std::memcpy(&length, r.written.glb.data() + 12, 4);
+  r.json = nlohmann::json::parse(r.written.glb.substr(20, length));
+  if (!r.written.environment.empty())
+    folder.write("room.environment" + r.written.environment_suffix, r.written.environment);
+  r.scene = read_gltf(folder.write("room.glb", r.written.glb));
+  return r;
+}
+
+// Axes at right angles, right-handed, of no axis' own.
+Affine turned() {
+  return *affine_of({4, -2, 7}, {0.1, 0.5, -0.2, 0.8}, Vec3d(1));
+}
+Affine mirrored() {
+  return turned() * Affine{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+}
+
+// What a camera sees stays, whatever the frame of the source: the corners of the lamp lie where
+// they lay in the camera's own frame, and it shines towards the camera.
+TEST(ImportWriter, CameraSeesTheSame) {
+  for (const Affine& at : {Affine{}, turned(), mirrored()})
+    for (const Up up : {Up::by_camera, Up::x, Up::y, Up::z}) {
+      const Result r = write(room(at), up);
+      const tdpt::Camera& c = r.scene.cameras.at(0);
+      EXPECT_EQ(r.written.frame.mirrored, at.mirrors());
+      EXPECT_NEAR(length(cross(c.right, c.up) + c.forward), 0, 1e-9);  // no mirror image
+      Vec3d low(1e9), high(-1e9);
+      size_t emitting = 0;
+      for (uint32_t t = 0; t < r.scene.triangles.size(); ++t) {
+        if (!(r.scene.material_of(t).emission.x > 0)) continue;
+        ++emitting;
+        Vec3d p[3];
+        for (int k = 0; k < 3; ++k) {
+          const Vec3f v = r.scene.vertex(t, k);
+          const Vec3d d = (Vec3d(v.x, v.y, v.z) - c.position) / r.scene.frame.scale;
+          p[k] = {dot(d, c.right), dot(d, c.up), dot(d, c.forward)};
+          low = min(low, p[k]), high = max(high, p[k]);
+        }
+        // In a frame of right, up and forward, which is left-handed, a front has +z towards us.
+        EXPECT_GT(cross(p[1] - p[0], p[2] - p[0]).z, 0);
+      }
+      EXPECT_EQ(emitting, 2u);
+      EXPECT_NEAR(length(low - Vec3d(2, -1, 5)), 0, 1e-5);
+      EXPECT_NEAR(length(high - Vec3d(4, 3, 5)), 0, 1e-5);
+      EXPECT_EQ(r.scene.material_of(0).emission.y * 2, r.scene.material_of(0).emission.x);
+      EXPECT_EQ(r.scene.defaults.width, 200);
+    }
+}
+
+TEST(ImportWriter, UpGoesByTheCamera) {
+  const auto up_of = [](const Vec3d& y) {
+    const Vec3d z = Onb<double>(y).x;
+    return write(room({cross(y, z), y, z, {}})).written.frame;
+  };
+  EXPECT_EQ(up_of({0, 1, 0}).up, Up::y);
+  EXPECT_EQ(up_of(normalize(Vec3d(0.1, 0.3, 0.9))).up, Up::z);
+  EXPECT_EQ(up_of({-1, 0, 0}).up, Up::x);
+  EXPECT_TRUE(up_of({-1, 0, 0}).downwards);
+  const tdpt::Camera c =
+      write(room(*affine_of({}, {0.7071067811865476, 0, 0, 0.7071067811865476}, Vec3d(1))))
+          .scene.cameras[0];
+  EXPECT_NEAR(c.up.y, 1, 1e-6);  // z was up
+}
+
+TEST(ImportWriter, TurnedShapesShineBackwards) {
+  Described d = room({});
+  d.shapes[0].turned = true;
+  const tdpt::Scene s = write(d).scene;
+  const auto n = [](const tdpt::Scene& scene) {
+    const auto at = [&](int k) {
+      const Vec3f v = scene.vertex(0, k);
+      return Vec3d(v.x, v.y, v.z);
+    };
+    return cross(at(1) - at(0), at(2) - at(0)).z;
+  };
+  EXPECT_LT(n(s), 0);
+  EXPECT_GT(n(write(room({})).scene), 0);
+}
+
+TEST(ImportWriter, ShearIsPutIntoTheMesh) {
+  Described d = room({});
+  d.shapes[0].to_world = {{1, 0, 0}, {0.5, 2, 0}, {0, 0, 1}, {0, 0, -5}};
+  const Result r = write(d);
+  float most = -1e9f;
+  for (int k = 0; k < 3; ++k)
+    for (uint32_t t = 0; t < 2; ++t)
+      most = std::max(
+          most, static_cast<float>(r.scene.frame.to_metres({r.scene.vertex(t, k).x, 0, 0}).x));
+  EXPECT_NEAR(most, 1.5, 1e-5);
+  EXPECT_FALSE(r.json["nodes"][1].contains("matrix"));
+  EXPECT_FALSE(r.json["nodes"][1].contains("scale"));
+}
+
+TEST(ImportWriter, MeshesAreSharedAndSaysWhereItIsFrom) {
+  Described d = room({});
+  d.shapes.push_back(d.shapes[1]);
+  d.shapes.back().to_world.t = {1, 2, 3};
+  const Result r = write(d);
+  EXPECT_EQ(r.json["meshes"].size(), 2u);  // with and without light
+  EXPECT_EQ(r.json["asset"]["extras"]["source"], "Mitsuba");
+  EXPECT_EQ(r.scene.warnings, std::vector<std::string>{});
+  EXPECT_EQ(r.losses, std::vector<std::string>{});
+}
+
+// The sky is seen in the same direction as in the source.
+void expect_sky(const Described& d, Up up, double tolerance) {
+  const Result r = write(d, up);
+  const std::string& bytes = r.written.environment;
+  const tdpt::Sky sky(parse_environment(bytes, "sky"),
+                      r.scene.defaults.rotation.value_or(0) * pi / 180);
+  const double scale = r.scene.defaults.scale.value_or(1);
+  const tdpt::Sky source_map({d.images[0].width, d.images[0].height, d.images[0].texels}, 0);
+  for (const Vec3d& towards : {Vec3d(1, 0.3, 0.2), Vec3d(-0.3, -0.5, 0.8), Vec3d(0.1, 0.9, -0.4),
+                               Vec3d(-0.9, 0.2, -0.3)}) {
+    const Vec3d in_source = normalize(towards);
+    const Rgb expected = source_map.radiance(d.sky->to_map.vector(in_source)) * d.sky->colour;
+    const Rgb found =
+        sky.radiance(r.written.frame.to_gltf.vector(in_source)) * static_cast<float>(scale);
+    EXPECT_NEAR(found.x, expected.x, tolerance);
+    EXPECT_NEAR(found.y, expected.y, tolerance);
+    EXPECT_NEAR(found.z, expected.z, tolerance);
+  }
+}
+
+Described with_sky(const Affine& camera, const Affine& to_map, bool as_file) {
+  Described d = room(camera);
+  d.images.push_back({"sky", {}, 64, 32, {}});
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double phi = ((x + 0.5) / 64 - 0.5) * 2 * pi, theta = (y + 0.5) / 32 * pi,
+                   s = std::sin(theta);
+      d.images[0].texels.emplace_back(static_cast<float>(1.5 + s * std::sin(phi)),
+                                      static_cast<float>(1.5 + std::cos(theta)),
+                                      static_cast<float>(1.5 - s * std::cos(phi)));
+    }
+  if (as_file) {
+    ExrFile file;
+    file.picture = {64, 32, d.images[0].texels, {}};
+    d.images[0].bytes = exr_bytes(file);
+  }
+  foreign::Sky sky;
+  sky.colour = Rgb(0.5f);
+  sky.image = 0;
+  sky.to_map = to_map;
+  d.sky = sky;
+  return d;
+}
+
+TEST(ImportWriter, SkyKeepsItsDirections) {
+  const Affine quarter{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {}};
+  const Affine mirror{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+  for (const bool as_file : {true, false}) {
+    expect_sky(with_sky({}, {}, as_file), Up::y, 0.02);
+    expect_sky(with_sky({}, quarter, as_file), Up::y, 0.02);
+    expect_sky(with_sky({}, mirror, as_file), Up::y, 0.02);
+    expect_sky(with_sky(mirrored(), quarter, as_file), Up::y, 0.02);
+    Affine r = turned();
+    r.t = {};
+    expect_sky(with_sky({}, r, as_file), Up::z, 0.03);
+  }
+  // A copy where turning is enough, a new map where it is not.
+  const Described d = with_sky({}, quarter, true);
+  EXPECT_EQ(write(d, Up::y).written.environment, d.images[0].bytes);
+  EXPECT_NE(write(with_sky({}, mirror, true), Up::y).written.environment, d.images[0].bytes);
+}
+
+TEST(ImportWriter, OpacityBecomesAlpha) {
+  Described d = room({});
+  d.images.push_back({"mask", {}, 2, 1, {Rgb(0), Rgb(1)}});
+  Texture mask;
+  mask.srgb = false;
+  d.materials[0].opacity.texture = mask;
+  const Result r = write(d);
+  ASSERT_EQ(r.scene.images.size(), 1u);
+  EXPECT_EQ(r.scene.images[0].texels[3], 0);
+  EXPECT_EQ(r.scene.images[0].texels[7], 255);
+  EXPECT_EQ(r.scene.images[0].texels[0], 255);
+  EXPECT_EQ(r.json["materials"][0]["alphaMode"], "BLEND");
+}
+
+TEST(ImportWriter, TexturesKeepTheirValues) {
+  Described d = room({});
+  d.images.push_back({"wood", {}, 4, 4, std::vector<Rgb>(16, Rgb(0.2f, 0.5f, 0.8f))});
+  d.images[0].texels[15] = Rgb(0.9f);
+  d.materials[0].base.factor = Rgb(1);
+  d.materials[0].base.texture = Texture{};
+  d.materials[0].base.texture->map = {2, 0, 0.25, 0, 3, 0.5};
+  const Result r = write(d);
+  ASSERT_EQ(r.scene.images.size(), 1u);
+  EXPECT_EQ(r.scene.images[0].texels[0], 124);  // sRGB of 0.2
+  EXPECT_EQ(r.scene.images[0].texels[1], 188);  // of 0.5
+  const nlohmann::json& t = r.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+  EXPECT_EQ(t["extensions"]["KHR_texture_transform"]["scale"][1], 3);
+  EXPECT_EQ(t["extensions"]["KHR_texture_transform"]["offset"][0], 0.25);
+  EXPECT_EQ(write(d, Up::y, 2).scene.images[0].width, 2);
+}
+
+// Of a rotation after a scale, as KHR_texture_transform has it.
+TEST(ImportWriter, TextureMapsTurn) {
+  Described d = room({});
+  d.images.push_back({"wood", {}, 2, 1, {Rgb(0.1f), Rgb(0.9f)}});
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  d.materials[0].base.texture = Texture{};
+  d.materials[0].base.texture->map = {2 * c, 5 * s, 0, -2 * s, 5 * c, 0};
+  const Result r = write(d);
+  const auto& m = r.scene.materials[0].maps[0].image >= 0 ? r.scene.materials[0].maps[0].transform
+                                                          : r.scene.materials[1].maps[0].transform;
+  for (size_t i = 0; i < 6; ++i) EXPECT_NEAR(m[i], d.materials[0].base.texture->map[i], 1e-6) << i;
+  EXPECT_TRUE(r.losses.empty());
+  d.materials[0].base.texture->map = {2, 1, 0, 0, 2, 0};
+  EXPECT_EQ(write(d).losses,
+            std::vector<std::string>{"texture coordinates that shear are not sheared"});
+}
+
+TEST(ImportWriter, LampsShineWhereTheyDid) {
+  Described d = room(mirrored());
+  Lamp spot;
+  spot.kind = Lamp::Kind::spot;
+  spot.at = {1, 2, 3}, spot.towards = {0.3, -1, 0.2};
+  spot.intensity = {3, 6, 9}, spot.inner = 0.2, spot.outer = 0.4;
+  Lamp sun;
+  sun.kind = Lamp::Kind::sun;
+  sun.towards = {0, 0, 2}, sun.intensity = {1, 1, 1};
+  d.lamps = {spot, sun};
+  const Result r = write(d);
+  ASSERT_EQ(r.scene.lights.size(), 2u);
+  const Vec3d at = r.scene.frame.to_metres(r.scene.lights[0].position);
+  EXPECT_NEAR(length(at - r.written.frame.to_gltf.point(spot.at)), 0, 1e-6);
+  EXPECT_NEAR(
+      length(r.scene.lights[0].direction - normalize(r.written.frame.to_gltf.vector(spot.towards))),
+      0, 1e-6);
+  EXPECT_NEAR(r.scene.lights[0].cos_inner, std::cos(0.2), 1e-6);
+  EXPECT_NEAR(length(r.scene.lights[1].direction - r.written.frame.to_gltf.vector({0, 0, 1})), 0,
+              1e-6);
+  EXPECT_NEAR(r.scene.lights[1].intensity.x, 1, 1e-6);
+}
+
+TEST(ImportWriter, WhatGltfLacksIsNamed) {
+  Described d = room({});
+  d.cameras[0].lens_radius = 0.1, d.cameras[0].focus_distance = 3;
+  d.materials[0].bump = Texture{};
+  d.images.push_back({"bump", {}, 1, 1, {Rgb(0)}});
+  d.materials[0].base.factor = Rgb(1.5f);
+  const std::vector<std::string> losses = write(d).losses;
+  ASSERT_EQ(losses.size(), 3u);
+  EXPECT_NE(losses[0].find("--focus 3"), std::string::npos);
+  EXPECT_EQ(losses[1], "reflectances above 1 are taken as 1");
+  EXPECT_EQ(losses[2], "bump maps are left out");
+}
+
+}  // namespace tdpt::foreign::writer_test
