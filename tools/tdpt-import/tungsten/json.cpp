@@ -1,0 +1,150 @@
+#include "tools/tdpt-import/tungsten/json.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/base/shown.h"
+
+namespace tdpt::foreign::tungsten {
+
+std::optional<Node> Node::find(const char* key) const {
+  if (!json_->is_object()) return {};
+  const auto it = json_->find(key);
+  if (it == json_->end()) return {};
+  return Node(*it, *source_, *read_, where_.empty() ? key : where_ + "." + key);
+}
+
+Node Node::item(size_t index) const {
+  return Node((*json_)[index], *source_, *read_, fmt::format("{}[{}]", where_, index));
+}
+
+double Node::number() const {
+  if (!json_->is_number()) fail("is no number");
+  const double v = json_->get<double>();
+  if (!(std::abs(v) < 1e30)) fail("is a number beyond 1e30");
+  return v;
+}
+
+Vec3d Node::vector() const {
+  if (json_->is_number()) return Vec3d(number());
+  if (!json_->is_array() || json_->size() != 3) fail("is no number and no array of three");
+  return {item(0).number(), item(1).number(), item(2).number()};
+}
+
+std::string Node::text() const {
+  if (!json_->is_string()) fail("is no string");
+  return json_->get<std::string>();
+}
+
+double Node::number(const char* key, double otherwise) const {
+  const auto n = find(key);
+  return n ? n->number() : otherwise;
+}
+
+Vec3d Node::vector(const char* key, const Vec3d& otherwise) const {
+  const auto n = find(key);
+  return n ? n->vector() : otherwise;
+}
+
+std::string Node::text(const char* key, const std::string& otherwise) const {
+  const auto n = find(key);
+  return n ? n->text() : otherwise;
+}
+
+bool Node::flag(const char* key, bool otherwise) const {
+  const auto n = find(key);
+  if (!n) return otherwise;
+  if (!n->json().is_boolean()) n->fail("is neither true nor false");
+  return n->json().get<bool>();
+}
+
+void Node::ignore(std::initializer_list<const char*> keys) const {
+  for (const char* key : keys) find(key);
+}
+
+void Node::tell_unread(const std::string& what) const {
+  for (const auto& [key, value] : json_->items())
+    if (!read_->contains(&value))
+      lose(fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
+}
+
+namespace {
+
+// Makes a, b and c orthonormal: a keeps its direction, b its part across a.
+void orthonormalise(const Node& node, Vec3d& a, Vec3d& b, Vec3d& c) {
+  if (!(dot(a, a) > 0)) node.fail("has an axis of length 0");
+  a = normalize(a);
+  b = b - a * dot(a, b);
+  if (dot(b, b) < 1e-5)
+    b = Onb<double>(a).x;
+  else
+    b = normalize(b);
+  c = c - a * dot(a, c);
+  c = c - b * dot(b, c);
+  if (dot(c, c) < 1e-5)
+    c = cross(a, b);
+  else
+    c = normalize(c);
+}
+
+// About y, then x, then z of the turned frame; degrees.
+Affine rotation_of(const Vec3d& degrees) {
+  const Vec3d r = degrees * (std::numbers::pi / 180);
+  const double cx = std::cos(r.x), cy = std::cos(r.y), cz = std::cos(r.z);
+  const double sx = std::sin(r.x), sy = std::sin(r.y), sz = std::sin(r.z);
+  return {{cy * cz - sy * sx * sz, cx * sz, sy * cz + cy * sx * sz},
+          {-cy * sz - sy * sx * cz, cx * cz, -sy * sz + cy * sx * cz},
+          {-sy * cx, -sx, cy * cx},
+          {}};
+}
+
+Affine matrix_of(const Node& node) {
+  if (node.json().size() != 16)
+    node.fail(fmt::format("is a matrix of {} numbers, expected 16", node.json().size()));
+  double m[16];
+  for (size_t i = 0; i < 16; ++i) m[i] = node.item(i).number();
+  return {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}, {m[3], m[7], m[11]}};
+}
+
+}  // namespace
+
+Affine transform_of(const Node& node) {
+  if (node.is_array()) return matrix_of(node);
+  if (!node.is_object()) node.fail("is neither an object nor a matrix");
+  Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+  const Vec3d position = node.vector("position", Vec3d(0));
+  bool has_x = false, has_y = false, has_z = false;
+  const auto axis = [&](const char* key, Vec3d& v, bool& has) {
+    if (const auto n = node.find(key)) v = n->vector(), has = true;
+  };
+  if (const auto at = node.find("look_at")) z = at->vector() - position, has_z = true;
+  axis("up", y, has_y);
+  axis("x_axis", x, has_x);
+  axis("y_axis", y, has_y);
+  axis("z_axis", z, has_z);
+  if (has_z && has_x && !has_y)
+    orthonormalise(node, z, x, y);
+  else if (has_z || !(has_x || has_y))
+    orthonormalise(node, z, y, x);
+  else if (has_x && has_y)
+    orthonormalise(node, y, x, z);
+  else if (has_x)
+    orthonormalise(node, x, z, y);
+  else
+    orthonormalise(node, y, z, x);
+  if (dot(cross(x, y), z) < 0) {
+    if (!has_x)
+      x = -x;
+    else if (!has_y)
+      y = -y;
+    else
+      z = -z;
+  }
+  const Vec3d scale = node.vector("scale", Vec3d(1));
+  const Affine turn = rotation_of(node.vector("rotation", Vec3d(0)));
+  node.tell_unread("a transform");
+  return {turn.vector(x * scale.x), turn.vector(y * scale.y), turn.vector(z * scale.z), position};
+}
+
+}  // namespace tdpt::foreign::tungsten

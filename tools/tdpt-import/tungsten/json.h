@@ -1,0 +1,63 @@
+// Checked access to JSON: every error and every key that is not read is told with its place.
+// Internal to this room.
+#pragma once
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "tools/tdpt-import/described.h"
+#include "tools/tdpt-import/source.h"
+
+namespace tdpt::foreign::tungsten {
+
+using Json = nlohmann::ordered_json;
+
+/// A value and its place, such as "primitives[3].transform".
+class Node {
+ public:
+  Node(const Json& json, Source& source, std::set<const Json*>& read, std::string where)
+      : json_(&json), source_(&source), read_(&read), where_(std::move(where)) {
+    read_->insert(json_);
+  }
+
+  const Json& json() const { return *json_; }
+  Place place() const { return {source_->path(), where_}; }
+  Source& source() const { return *source_; }
+  [[noreturn]] void fail(const std::string& message) const { Source::fail(place(), message); }
+  void lose(const std::string& sentence) const { source_->lose(place(), sentence); }
+
+  /// The member of an object; empty if there is none.
+  std::optional<Node> find(const char* key) const;
+  Node item(size_t index) const;
+  bool is_string() const { return json_->is_string(); }
+  bool is_object() const { return json_->is_object(); }
+  bool is_array() const { return json_->is_array(); }
+  bool is_number() const { return json_->is_number(); }
+
+  double number() const;
+  Vec3d vector() const;  ///< three numbers, or one for all
+  std::string text() const;
+
+  double number(const char* key, double otherwise) const;
+  Vec3d vector(const char* key, const Vec3d& otherwise) const;
+  std::string text(const char* key, const std::string& otherwise) const;
+  bool flag(const char* key, bool otherwise) const;
+
+  /// Keys that say nothing about the scene.
+  void ignore(std::initializer_list<const char*> keys) const;
+  /// Names the keys of this object that nobody has read.
+  void tell_unread(const std::string& what) const;
+
+ private:
+  const Json* json_;
+  Source* source_;
+  std::set<const Json*>* read_;
+  std::string where_;
+};
+
+/// The map that a "transform" describes.
+Affine transform_of(const Node& node);
+
+}  // namespace tdpt::foreign::tungsten

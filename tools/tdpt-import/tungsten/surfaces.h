@@ -1,0 +1,36 @@
+// Surfaces and textures of Tungsten. Internal to this room.
+#pragma once
+#include <map>
+
+#include "tools/tdpt-import/tungsten/json.h"
+
+namespace tdpt::foreign::tungsten {
+
+class Surfaces {
+ public:
+  Surfaces(Described& scene, const std::optional<Node>& bsdfs);
+
+  /// Index of the material that a "bsdf" means: by name, or on the spot.
+  size_t material(const std::optional<Node>& bsdf);
+  /// A constant, a file's name or a texture.
+  Colour colour(const Node& node);
+  Number number(const Node& node);
+  /// An image of the scene's files, once for each name.
+  size_t image(const Node& node, const std::string& name);
+
+ private:
+  Material read(const Node& bsdf, int depth);
+  Material read_nested(const Node& bsdf, int depth);
+  Colour albedo(const Node& bsdf);
+  Number roughness(const Node& bsdf, double otherwise);
+  Material conductor_of(const Node& bsdf, const Number& alpha);
+  std::optional<Texture> texture(const Node& node, Rgb& constant);
+  Texture checker(const Node& node);
+
+  Described& scene_;
+  std::map<std::string, Node> named_;
+  std::map<std::string, size_t> made_, images_;
+  std::optional<size_t> plain_;
+};
+
+}  // namespace tdpt::foreign::tungsten

@@ -1,0 +1,295 @@
+#include "tools/tdpt-import/tungsten/tungsten.h"
+
+#include <fmt/format.h>
+#include <cmath>
+#include <numbers>
+
+#include "libcommon/base/json_depth.h"
+#include "libcommon/base/shown.h"
+#include "tools/tdpt-import/meshes/meshes.h"
+#include "tools/tdpt-import/tungsten/surfaces.h"
+
+namespace tdpt::foreign {
+namespace tungsten {
+namespace {
+
+using std::numbers::pi;
+
+// Shapes lie in Tungsten's own places: y is the axis of all.
+constexpr Affine kHalfSquare{{0.5, 0, 0}, {0, 0, 0.5}, {0, 0.5, 0}, {}};
+constexpr Affine kDisc{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {}};
+constexpr Affine kHalfCube{{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {}};
+// From z = 0..1 to y = -1/2..1/2.
+constexpr Affine kCylinder{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, -0.5, 0}};
+// From the directions of an infinite sphere to those of the map [described.h].
+constexpr Affine kToMap{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {}};
+
+// The rotation of a map: its axes at length 1.
+Affine rotation_in(const Affine& map, const Node& node) {
+  for (const Vec3d& axis : {map.x, map.y, map.z})
+    if (!(dot(axis, axis) > 0)) node.fail("has an axis of length 0");
+  return {normalize(map.x), normalize(map.y), normalize(map.z), {}};
+}
+
+Affine transposed(const Affine& r) {
+  return {{r.x.x, r.y.x, r.z.x}, {r.x.y, r.y.y, r.z.y}, {r.x.z, r.y.z, r.z.z}, {}};
+}
+
+double largest_scale(const Affine& m) {
+  return std::sqrt(std::max({dot(m.x, m.x), dot(m.y, m.y), dot(m.z, m.z)}));
+}
+
+// Area of a placed mesh.
+double area_of(const Mesh& mesh, const Affine& to_world) {
+  double sum = 0;
+  const auto at = [&](uint32_t i) {
+    const Vec3f& p = mesh.positions[i];
+    return to_world.point({p.x, p.y, p.z});
+  };
+  for (const auto& [a, b, c] : mesh.triangles)
+    sum += length(cross(at(b) - at(a), at(c) - at(a))) / 2;
+  return sum;
+}
+
+class Reader {
+ public:
+  explicit Reader(Source& source) : source_(source) {}
+
+  Described read() {
+    if (nested_too_deep(source_.text()))
+      throw InputError(source_.path(), "", "is nested too deeply, expected a Tungsten scene");
+    try {
+      json_ = Json::parse(source_.text());
+    } catch (const Json::exception& e) {
+      std::string why = e.what();
+      if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);
+      throw InputError(source_.path(), "", "is no JSON: " + shown(why, 160));
+    }
+    const Node root(json_, source_, read_, "");
+    if (!root.is_object()) root.fail("is no Tungsten scene: expected an object");
+    const auto primitives = root.find("primitives");
+    if (!primitives || !primitives->is_array())
+      root.fail("is no Tungsten scene: expected an array \"primitives\"");
+    root.ignore({"integrator", "renderer", "media"});
+    surfaces_.emplace(scene_, root.find("bsdfs"));
+    if (const auto camera = root.find("camera")) read_camera(*camera);
+    for (size_t i = 0; i < primitives->json().size(); ++i) read_primitive(primitives->item(i));
+    root.tell_unread("the scene");
+    return std::move(scene_);
+  }
+
+ private:
+  void read_camera(const Node& node);
+  void read_primitive(const Node& node);
+  void read_sky(const Node& node, const Affine& map);
+  void read_sun(const Node& node, const Affine& map);
+  void read_point(const Node& node, const Affine& map);
+  std::optional<Affine> place_mesh(const Node& node, const std::string& type, Shape& shape);
+  size_t mesh_of(const Node& node);
+  size_t made(const std::string& name, Mesh (*make)());
+
+  // Radiance from "emission", or from "power" by its factor 1 / (pi area) and the like.
+  std::optional<Colour> emitted(const Node& node, double per_power) {
+    if (const auto power = node.find("power")) {
+      Colour c = surfaces_->colour(*power);
+      c.factor = c.factor * static_cast<float>(per_power);
+      node.ignore({"emission"});
+      return c;
+    }
+    if (const auto emission = node.find("emission")) return surfaces_->colour(*emission);
+    return {};
+  }
+
+  Source& source_;
+  Json json_;
+  std::set<const Json*> read_;
+  Described scene_;
+  std::optional<Surfaces> surfaces_;
+  std::map<std::string, size_t> meshes_;
+};
+
+void Reader::read_camera(const Node& node) {
+  const std::string type = node.text("type", "pinhole");
+  Camera c;
+  c.name = "camera";
+  node.ignore({"tonemap", "reconstruction_filter", "type", "name", "medium"});
+  double width = 1000, height = 563;
+  if (const auto size = node.find("resolution")) {
+    if (size->is_number())
+      width = height = size->number();
+    else if (size->is_array() && size->json().size() == 2)
+      width = size->item(0).number(), height = size->item(1).number();
+    else
+      size->fail("is neither a number nor an array of two");
+    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
+      size->fail(fmt::format("is {} x {} pixels, expected 1 to 65536", width, height));
+  }
+  c.width = static_cast<int>(width), c.height = static_cast<int>(height);
+  const double fov = node.number("fov", 60);
+  if (!(fov > 0 && fov < 180)) node.fail(fmt::format("has a field of view of {} degrees", fov));
+  c.yfov = 2 * std::atan(std::tan(fov * pi / 360) * height / width);  // fov is horizontal
+  Affine map;
+  if (const auto transform = node.find("transform")) map = transform_of(*transform);
+  for (const Vec3d& axis : {map.x, map.y, map.z})
+    if (!(dot(axis, axis) > 0)) node.fail("has a transform with an axis of length 0");
+  c.to_world = {-normalize(map.x), normalize(map.y), -normalize(map.z), map.t};
+  if (type == "thinlens") {
+    c.lens_radius = node.number("aperture_size", 0.001);
+    c.focus_distance = node.number("focus_distance", 1);
+    node.ignore({"aperture", "cateye", "focus_pivot"});
+  } else if (type != "pinhole") {
+    node.lose(fmt::format("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40)));
+    return scene_.cameras.push_back(c);
+  }
+  node.tell_unread("the camera");
+  scene_.cameras.push_back(c);
+}
+
+size_t Reader::made(const std::string& name, Mesh (*make)()) {
+  const auto [it, is_new] = meshes_.try_emplace("\n" + name, scene_.meshes.size());
+  if (is_new) scene_.meshes.push_back(make());
+  return it->second;
+}
+
+size_t Reader::mesh_of(const Node& node) {
+  const auto file = node.find("file");
+  if (!file) node.fail("has no \"file\"");
+  const std::string name = file->text();
+  const bool smoothed = node.flag("smooth", false), again = node.flag("recompute_normals", false);
+  const auto key = fmt::format("{}\n{}{}", name, smoothed, again);
+  const auto it = meshes_.find(key);
+  if (it != meshes_.end()) return it->second;
+  const std::string bytes = source_.read(name, file->place()), shown_as = source_.shown_name(name);
+  Mesh mesh = name.ends_with(".wo3") ? read_wo3(bytes, shown_as) : read_obj(bytes, shown_as);
+  if (!smoothed)
+    mesh.normals.clear();
+  else if (again || mesh.normals.empty())
+    smooth(mesh);
+  scene_.meshes.push_back(std::move(mesh));
+  return meshes_[key] = scene_.meshes.size() - 1;
+}
+
+// Where its mesh is to stand in the frame of the primitive; empty: it has none.
+std::optional<Affine> Reader::place_mesh(const Node& node, const std::string& type, Shape& shape) {
+  if (type == "mesh") {
+    shape.mesh = mesh_of(node);
+    node.ignore({"backface_culling"});
+    return Affine{};
+  }
+  if (type == "quad") {
+    shape.mesh = made(type, square);
+    return kHalfSquare;
+  }
+  if (type == "cube") {
+    shape.mesh = made(type, cube);
+    return kHalfCube;
+  }
+  if (type == "sphere") {
+    shape.mesh = made(type, sphere);
+    return Affine{};
+  }
+  if (type == "disk") {
+    node.ignore({"cone_angle"});
+    shape.mesh = made(type, disc);
+    return kDisc;
+  }
+  if (type == "cylinder") {
+    if (node.flag("capped", true)) node.lose("the caps of cylinders are left out");
+    shape.mesh = made(type, cylinder);
+    return kCylinder;
+  }
+  return {};
+}
+
+void Reader::read_primitive(const Node& node) {
+  if (!node.is_object()) node.fail("is no object");
+  const std::string type = node.text("type", "");
+  Affine map;
+  if (const auto transform = node.find("transform")) map = transform_of(*transform);
+  node.ignore({"name", "bump_strength"});
+  for (const char* side : {"int_medium", "ext_medium"})
+    if (node.find(side)) node.lose("media (fog, absorption, scattering) are left out");
+
+  if (type == "infinite_sphere") return read_sky(node, map);
+  if (type == "infinite_sphere_cap") return read_sun(node, map);
+  if (type == "point") return read_point(node, map);
+
+  Shape shape;
+  shape.name = node.text("name", "");
+  const std::optional<Affine> inside = place_mesh(node, type, shape);
+  if (!inside) {
+    node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
+    return;
+  }
+  if (type == "sphere") {  // of the largest scale in all directions
+    const double r = largest_scale(map);
+    const Affine turn = rotation_in(map, node);
+    map = {turn.x * r, turn.y * r, turn.z * r, map.t};
+  }
+  shape.to_world = map * *inside;
+  // Tungsten takes the front of triangles and quads after they are placed.
+  shape.turned = (type == "mesh" || type == "quad") && map.mirrors();
+  shape.material = surfaces_->material(node.find("bsdf"));
+  if (node.find("emission") || node.find("power")) {
+    const double area = area_of(scene_.meshes[shape.mesh], shape.to_world);
+    const auto radiance = emitted(node, area > 0 ? 1 / (pi * area) : 0);
+    shape.emission = Emission{*radiance, false};
+  }
+  node.tell_unread("a " + type);
+  scene_.shapes.push_back(std::move(shape));
+}
+
+void Reader::read_sky(const Node& node, const Affine& map) {
+  const auto radiance = emitted(node, 1 / (4 * pi));
+  node.ignore({"sample", "bsdf"});
+  node.tell_unread("an infinite_sphere");
+  if (!radiance) return;
+  if (scene_.sky) return node.lose("of several skies the first is taken");
+  Sky sky;
+  sky.colour = radiance->factor;
+  if (radiance->texture) sky.image = radiance->texture->image;
+  sky.to_map = kToMap * transposed(rotation_in(map, node));
+  scene_.sky = sky;
+}
+
+void Reader::read_sun(const Node& node, const Affine& map) {
+  const double angle = node.number("cap_angle", 10) * pi / 180;
+  if (!(angle > 0 && angle <= pi / 2)) node.fail("has a cap_angle that is not within 0 to 90");
+  const auto radiance = emitted(node, 1 / (2 * pi * (1 - std::cos(angle))));
+  node.ignore({"sample", "bsdf"});
+  if (node.find("skydome"))
+    node.lose("a sun takes its direction from its own transform, not from a skydome");
+  node.tell_unread("an infinite_sphere_cap");
+  if (!radiance) return;
+  node.lose(
+      fmt::format("the sun of {:.4g} degrees becomes a point: give --sun-angle {:.4g} to tdpt",
+                  angle * 360 / pi, angle * 360 / pi));
+  const double s = std::sin(angle);
+  Lamp sun;
+  sun.kind = Lamp::Kind::sun;
+  sun.name = node.text("name", "sun");
+  sun.towards = -map.y;
+  sun.intensity = radiance->factor * static_cast<float>(pi * s * s);
+  scene_.lamps.push_back(sun);
+}
+
+void Reader::read_point(const Node& node, const Affine& map) {
+  const auto intensity = emitted(node, 1 / (4 * pi));
+  node.ignore({"bsdf"});
+  node.tell_unread("a point");
+  if (!intensity) return;
+  Lamp lamp;
+  lamp.name = node.text("name", "point");
+  lamp.at = map.t;
+  lamp.intensity = intensity->factor;
+  scene_.lamps.push_back(lamp);
+}
+
+}  // namespace
+}  // namespace tungsten
+
+Described read_tungsten(Source& source) {
+  return tungsten::Reader(source).read();
+}
+
+}  // namespace tdpt::foreign
