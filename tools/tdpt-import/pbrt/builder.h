@@ -1,0 +1,70 @@
+// Carries out the directives of a scene.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-import/pbrt/geometry.h"
+#include "tools/tdpt-import/pbrt/painter.h"
+#include "tools/tdpt-import/pbrt/state.h"
+#include "tools/tdpt-import/pbrt/textures.h"
+#include "tools/tdpt-import/pbrt/tokens.h"
+
+namespace tdpt::foreign::pbrt {
+
+class Builder {
+ public:
+  Builder(Source& source, bool is_v4);
+  Described run();
+
+ private:
+  friend struct Directives;
+  enum class Saved { attributes, transform, object, import };
+  struct Save {
+    Saved kind;
+    State state;
+    Place place;
+    size_t depth = 0;  // of an imported file
+  };
+  struct Entity {  // a directive that is carried out later
+    std::string kind;
+    Parameters list{};
+  };
+
+  // Of the tokens that follow.
+  std::string name();
+  double number();
+  std::vector<double> numbers(size_t count);
+  Parameters parameters() { return Parameters::read(tokens_); }
+  Parameters parameters(size_t attribute);
+
+  void transform(const Affine& by);
+  void set_transform(const Affine& to);
+  void save(Saved kind);
+  void restore(Saved kind, const char* directive);
+  void end_imports();
+  void finish_camera();
+  void add_shape(const std::string& kind, const Parameters& list);
+  void keep(Shape&& shape);
+  std::optional<Emission> emission(const Geometry& geometry, const Affine& to_world);
+
+  Context context_;
+  Tokens tokens_;
+  State state_;
+  std::vector<Save> saved_;
+  std::map<std::string, Affine> systems_;  // CoordinateSystem
+  std::map<std::string, std::vector<Shape>> objects_;
+  std::optional<std::string> object_;  // being defined
+  size_t shapes_ = 0;
+  Textures textures_;
+  Painter painter_;
+  Geometries geometries_;
+  Surfaces named_;
+  std::map<std::string, size_t> painted_;  // named surfaces in painter_
+  std::optional<Entity> camera_, film_;
+  Affine camera_from_world_{};
+  bool in_world_ = false, is_done_ = false;
+};
+
+}  // namespace tdpt::foreign::pbrt

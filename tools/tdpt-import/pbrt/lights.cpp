@@ -1,0 +1,210 @@
+// By pbrt-v3's lights/*.cpp and pbrt-v4's lights.cpp. In pbrt-v4, an `rgb` stands for that colour
+// in daylight, and "scale" is divided by the daylight's luminance: rgb 1 1 1 is radiance 1 1 1.
+#include "tools/tdpt-import/pbrt/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "libcommon/base/shown.h"
+#include "tools/tdpt-import/images.h"
+#include "tools/tdpt-import/pbrt/spectra.h"
+#include "tools/tdpt-import/pbrt/textures.h"
+#include "tools/tdpt-import/pbrt/transforms.h"
+
+namespace tdpt::foreign::pbrt {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Rgb times(const Rgb& c, double k) {
+  return c * static_cast<float>(k);
+}
+
+// "scale" is a spectrum in pbrt-v3.
+Rgb light_colour(Context& context, const Parameters& list, const std::string& name) {
+  Rgb colour = colour_of(context, list, name, Use::light, Rgb(1));
+  list.ignore({"samples", "nsamples"});
+  colour = context.v4 ? times(colour, list.number("scale", 1))
+                      : colour * colour_of(context, list, "scale", Use::light, Rgb(1));
+  if (!is_finite(colour)) Source::fail(list.place, "the light is too bright");
+  return colour;
+}
+
+// What a light of `per_unit` must be multiplied by to have the power or illuminance `name`.
+double to_reach(const Parameters& list, const std::string& name, double per_unit) {
+  const double wanted = list.number(name, -1);
+  constexpr double kMost = 1e30;
+  if (wanted > kMost) Source::fail(list.place, fmt::format("\"{}\" is above 1e30", name));
+  return wanted > 0 && per_unit > 0 ? wanted / per_unit : 1;
+}
+
+Vec3d position(const Context& context, const Parameters& list, const Affine& to_world) {
+  const Vec3d from = list.point("from", {});
+  // pbrt-v3 moves its point lights after the transformation.
+  return context.v4 ? to_world.point(from) : to_world.t + from;
+}
+
+void add_point(Context& context, const Parameters& list, const Affine& to_world) {
+  Lamp lamp;
+  lamp.name = "point";
+  lamp.at = position(context, list, to_world);
+  lamp.intensity = times(light_colour(context, list, "I"), to_reach(list, "power", 4 * kPi));
+  context.scene.lamps.push_back(lamp);
+}
+
+void add_spot(Context& context, const Parameters& list, const Affine& to_world) {
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::spot;
+  lamp.name = "spot";
+  const Vec3d from = list.point("from", {}), to = list.point("to", {0, 0, 1});
+  lamp.at = to_world.point(from);
+  lamp.towards = to_world.vector(to - from);
+  const double cone = std::clamp(list.number("coneangle", 30), 0.0, 180.0);
+  const double delta = std::clamp(list.number("conedeltaangle", 5), 0.0, cone);
+  lamp.outer = cone * kPi / 180;
+  lamp.inner = (cone - delta) * kPi / 180;
+  const double start = std::cos(lamp.inner), end = std::cos(lamp.outer);
+  lamp.intensity = times(light_colour(context, list, "I"),
+                         to_reach(list, "power", 2 * kPi * ((1 - start) + (start - end) / 2)));
+  if (delta > 0)
+    context.source.lose(list.place,
+                        "the course of a spot's intensity between its two cones "
+                        "becomes glTF's");
+  if (!(length(lamp.towards) > 0)) Source::fail(list.place, "the spot has no direction");
+  context.scene.lamps.push_back(lamp);
+}
+
+void add_distant(Context& context, const Parameters& list, const Affine& to_world) {
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::sun;
+  lamp.name = "distant";
+  lamp.towards = to_world.vector(list.point("to", {0, 0, 1}) - list.point("from", {}));
+  if (!(length(lamp.towards) > 0)) Source::fail(list.place, "the distant light has no direction");
+  lamp.intensity = times(light_colour(context, list, "L"), to_reach(list, "illuminance", 1));
+  context.scene.lamps.push_back(lamp);
+}
+
+// The upper half of the equal-area square about +z: its inner diamond |2u-1| + |2v-1| < 1.
+// Cosine there: 1 - r^2 with r = |2u-1| + |2v-1| (Clarberg 2008).
+double illuminance_of_square(const Image& image) {
+  const Texels t = decode(image.bytes, image.name);
+  double sum = 0;
+  for (int y = 0; y < t.height; ++y)
+    for (int x = 0; x < t.width; ++x) {
+      const double u = 2 * (x + 0.5) / t.width - 1, v = 2 * (y + 0.5) / t.height - 1;
+      const double r = std::abs(u) + std::abs(v);
+      if (r < 1)
+        sum += luminance(t.rgb[static_cast<size_t>(y) * static_cast<size_t>(t.width) +
+                               static_cast<size_t>(x)]) *
+               (1 - r * r);
+    }
+  return sum * 4 * kPi / (static_cast<double>(t.width) * t.height);
+}
+
+void add_infinite(Context& context, const Parameters& list, const Affine& to_world) {
+  Sky sky;
+  sky.colour = light_colour(context, list, "L");
+  list.ignore({"portal"});  // only a hint for sampling
+  Affine from_world = inverse(to_world, list.place);
+  from_world.t = {};
+  const std::string file = list.text(context.v4 ? "filename" : "mapname");
+  if (!file.empty()) sky.image = context.image(file, list.place);
+  if (context.v4) {
+    // pbrt scales by the mean over the square, which counts the upper half alone: 2 pi, not 4 pi.
+    const double per_unit = sky.image && list.find("illuminance")
+                                ? illuminance_of_square(context.scene.images[*sky.image]) / 2
+                                : kPi;
+    sky.colour = times(sky.colour, to_reach(list, "illuminance", per_unit));
+    sky.layout = Sky::Layout::octahedral;
+    sky.to_map = from_world;
+  } else {
+    // u = phi / 2 pi about +z from +x, v = theta / pi from +z: (x, y, z) -> (-y, z, x).
+    Affine turn;
+    turn.x = {0, 0, 1};
+    turn.y = {-1, 0, 0};
+    turn.z = {0, 1, 0};
+    sky.to_map = turn * from_world;
+  }
+  if (!context.scene.sky) {
+    context.scene.sky = sky;
+  } else if (!sky.image && !context.scene.sky->image) {
+    context.scene.sky->colour = context.scene.sky->colour + sky.colour;
+  } else {
+    context.source.lose(list.place, "infinite lights after the first");
+  }
+}
+
+void add_goniometric(Context& context, const Parameters& list, const Affine& to_world) {
+  context.source.lose(list.place, "the distribution of a goniometric light, which becomes a point");
+  list.ignore({"filename", "mapname"});
+  add_point(context, list, to_world);
+}
+
+void add_projection(Context& context, const Parameters& list, const Affine& to_world) {
+  context.source.lose(list.place, "the image of a projector, which becomes a spot");
+  list.ignore({"filename", "mapname", "power"});
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::spot;
+  lamp.name = "projection";
+  lamp.at = to_world.t;
+  lamp.towards = to_world.z;
+  lamp.outer = lamp.inner =
+      std::clamp(list.number("fov", context.v4 ? 90 : 45), 0.0, 179.0) * kPi / 360;
+  lamp.intensity = light_colour(context, list, "I");
+  context.scene.lamps.push_back(lamp);
+}
+
+struct Kind {
+  const char* name;
+  void (*add)(Context&, const Parameters&, const Affine&);
+};
+constexpr Kind kKinds[] = {{"point", add_point},          {"spot", add_spot},
+                           {"distant", add_distant},      {"infinite", add_infinite},
+                           {"exinfinite", add_infinite},  {"goniometric", add_goniometric},
+                           {"projection", add_projection}};
+
+}  // namespace
+
+void add_light(Context& context, const std::string& kind, const Parameters& list,
+               const Affine& to_world) {
+  for (const Kind& known : kKinds)
+    if (kind == known.name) {
+      known.add(context, list, to_world);
+      list.lose_unread(context.source, fmt::format("the light \"{}\"", kind));
+      return;
+    }
+  context.source.lose(list.place, fmt::format("the light \"{}\" is not known", shown(kind)));
+}
+
+AreaLight area_light(Context& context, const std::string& kind, const Parameters& list) {
+  AreaLight light;
+  if (kind != "diffuse" && kind != "area") {
+    context.source.lose(list.place, fmt::format("the area light \"{}\" is not known", shown(kind)));
+    return light;
+  }
+  light.emission.radiance.factor = light_colour(context, list, "L");
+  light.emission.both_sides = list.flag("twosided", false);
+  if (context.v4) {
+    light.power = std::max(list.number("power", -1), 0.0);
+    const std::string file = list.text("filename");
+    if (!file.empty()) {
+      light.emission.radiance.texture = picture(context, file, list.place, true);
+      light.emission.radiance.texture->wrap_u = light.emission.radiance.texture->wrap_v =
+          Texture::Wrap::clamp;
+      if (light.power > 0) {  // the power is that of the mean luminance of the image
+        const Image& image = context.scene.images[light.emission.radiance.texture->image];
+        const Texels t = decode(image.bytes, image.name);
+        double mean = 0;
+        for (const Rgb& texel : t.rgb) mean += luminance(texel) / static_cast<double>(t.rgb.size());
+        if (mean > 0) light.power /= mean;
+      }
+    }
+  }
+  list.lose_unread(context.source, "the area light");
+  return light;
+}
+
+}  // namespace tdpt::foreign::pbrt

@@ -1,0 +1,66 @@
+// Parameter lists: "type name" [values] after a directive.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/tdpt-import/described.h"
+#include "tools/tdpt-import/pbrt/tokens.h"
+
+namespace tdpt::foreign::pbrt {
+
+struct Parameter {
+  std::string type, name;
+  std::vector<double> numbers{};
+  std::vector<std::string> strings{};
+  std::vector<char> flags{};
+  Place place;
+  mutable bool used = false;
+};
+
+/// Finite number of a token; throws InputError at `place`.
+double number_of(const Token& token, const Place& place);
+
+/// A list with its directive. A parameter is found by name and type, as in pbrt: one of another
+/// type counts as absent, and stays unread.
+class Parameters {
+ public:
+  Parameters() = default;
+  explicit Parameters(Place directive) : place(std::move(directive)) {}
+  /// Reads the list that stands next in `tokens`.
+  static Parameters read(Tokens& tokens);
+
+  /// pbrt-v4's Attribute: defaults, which nobody has to read.
+  void defaults(const std::vector<Parameter>& of_attribute);
+
+  const Parameter* find(const std::string& name, std::initializer_list<const char*> types) const;
+  /// The first of that name with any type.
+  const Parameter* find(const std::string& name) const;
+
+  double number(const std::string& name, double absent) const;
+  int integer(const std::string& name, int absent) const;
+  bool flag(const std::string& name, bool absent) const;
+  std::string text(const std::string& name, const std::string& absent = "") const;
+  std::string texture(const std::string& name) const;  ///< name of a texture; empty: none
+  Vec3d point(const std::string& name, const Vec3d& absent) const;
+  const std::vector<double>* floats(const std::string& name) const;
+  /// Points, vectors or normals of `size` numbers each.
+  const std::vector<double>* tuples(const std::string& name, size_t size) const;
+  const std::vector<double>* integers(const std::string& name) const;
+  const std::vector<std::string>* texts(const std::string& name) const;
+
+  /// Marks parameters as known and without meaning here.
+  void ignore(std::initializer_list<const char*> names) const;
+  void ignore_all() const;
+  /// Names what nobody read as lost; `whose`: "the material \"matte\"".
+  void lose_unread(Source& source, const std::string& whose) const;
+
+  Place place;
+  std::vector<Parameter> all{};
+
+ private:
+  const Parameter* one(const std::string& name, std::initializer_list<const char*> types,
+                       size_t values) const;
+};
+
+}  // namespace tdpt::foreign::pbrt
