@@ -37,7 +37,7 @@ TEST_STATUS ?=
 
 # All that is there to run; `make build` adds every test and benchmark.
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
-PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt
+PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt-import tdpt
 
 .PHONY: all help build programs demo figures stages bench peers stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build

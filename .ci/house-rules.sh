@@ -54,6 +54,8 @@ BEGIN {
   home["^(cairo|pango)"] = "^libcommon/draw/canvas[.]cpp$"
   home["^OpenMesh/"] = "^tools/ffgraph/"
   home["^CGAL/"] = "^tools/portalfit/"
+  home["^pugixml"] = "^tools/tdpt-import/mitsuba/"
+  home["^tiny_obj_loader"] = "^tools/tdpt-import/meshes/obj[.]cpp$"
 }
 {
   split($1, from, "/")

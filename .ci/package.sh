@@ -18,7 +18,7 @@ trap 'umount "$bare/proc"; rm -rf "$context"' EXIT
 container "$here/../Containerfile" "$context"
 cp "$here/../testdata/scenes/two-rooms.glb" "$bare/work/room.glb"
 inside "chown -R $user /work"
-for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt; do
+for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt-import tdpt; do
   as_user "$user" "$program --version"
 done
 make='make -f /usr/share/tdpt/tdpt.mk QUALITY=draft PREVIEWS=1 TDPT_RENDER_FLAGS="--spp 1 --width 64" room.exr'

@@ -24,7 +24,7 @@ as_user nobody 'tar xf tdpt.tar.gz; mv tdpt-*/ tdpt; PATH=$PWD/tdpt/bin:$PATH; H
   tdpt-render room.glb --portal room.portal.glb --spp 16 --width 160 -o room.exr --preview'
 echo "tarball.sh: from the archive to the first picture on $suite: $(($(date +%s) - begun)) s"
 as_user nobody 'PATH=$PWD/tdpt/bin:$PATH; HOME=/work
-  for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt; do
+  for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt-import tdpt; do
     $program --version | head -n 1
   done
   tdpt room.glb --quality draft --spp 1 -o again.exr

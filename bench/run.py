@@ -71,6 +71,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
                   "minutes; DEVICE=gpu:WHICH)"),
     "public-files": ("public_files", "public_files", "what becomes of every glTF file below a folder: prints the table "
                      "of doc/scenes.md"),
+    "imported": ("imported", "imported", "scenes of Mitsuba, pbrt and Tungsten beside Mitsuba's own pictures, by `make peers`: "
+                 "prints the table of doc/scenes.md (FOLDER=FOLDER; half an hour)"),
     "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),

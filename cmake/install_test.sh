@@ -22,7 +22,7 @@ uninstall() { DESTDIR=$1 PATH=$work/bin sh "$here/uninstall.sh" "$2" >"$work/log
 empty=$work/an\ empty\ one
 mkdir "$empty"
 install "$empty" /opt/tdpt
-for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt; do
+for program in ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt-import tdpt; do
   "$empty/opt/tdpt/bin/$program" --version >/dev/null || complain "$program: does not run where it is installed"
   [ -s "$empty/opt/tdpt/share/man/man1/$program.1" ] || complain "$program: its page is not installed"
 done

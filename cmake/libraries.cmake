@@ -52,7 +52,9 @@ function(tdpt_library_name link out)
     fmt::fmt "fmt ${fmt_VERSION}"
     meshoptimizer::meshoptimizer "meshoptimizer ${meshoptimizer_VERSION}"
     nlohmann_json::nlohmann_json "nlohmann_json ${nlohmann_json_VERSION}"
+    pugixml::pugixml "pugixml ${pugixml_VERSION}"
     stb "stb_image_write ${stb_VERSION}"
+    tinyobjloader::tinyobjloader "tinyobjloader ${tinyobjloader_VERSION}"
     dl "-")
   list(FIND names "${link}" at)
   if(at LESS 0)

@@ -4,7 +4,7 @@
 # that the scripts are installed where shells look for them. Exit 1 if not; 77, with a word, if the shell is missing.
 what=${1:?usage: completion_test.sh bash|zsh|fish|installation BUILD}
 build=$(cd "${2:?usage: completion_test.sh bash|zsh|fish|installation BUILD}" && pwd) || exit 2
-tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt'
+tools='ffgraph mincut lightgrid portalfit tdpt-render exrdiff exrmerge exrdenoise tdpt-info tdpt-import tdpt'
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 failed=0

@@ -114,7 +114,50 @@ Texels decode_8bit(std::string_view bytes, const std::string& name) {
   return t;
 }
 
+uint32_t big_endian(const std::string& s, size_t at, size_t bytes) {
+  uint32_t v = 0;
+  for (size_t i = 0; i < bytes; ++i) v = v << 8 | static_cast<unsigned char>(s[at + i]);
+  return v;
+}
+
+// Length, type, data and check of each chunk.
+std::string plain_png(const std::string& png) {
+  std::string out = png.substr(0, 8);
+  for (size_t at = 8; at + 12 <= png.size();) {
+    const size_t length = size_t{big_endian(png, at, 4)} + 12;
+    if (length > png.size() - at) return png;
+    const std::string_view type(png.data() + at + 4, 4);
+    for (const char* kept : {"IHDR", "PLTE", "tRNS", "IDAT", "IEND"})
+      if (type == kept) out.append(png, at, length);
+    at += length;
+  }
+  return out;
+}
+
+// Segments of a marker and a length, up to the start of the scan.
+std::string plain_jpeg(const std::string& jpeg) {
+  std::string out = jpeg.substr(0, 2);
+  size_t at = 2;
+  while (at + 4 <= jpeg.size() && jpeg[at] == '\xff' && jpeg[at + 1] != '\xda') {
+    const size_t length = size_t{big_endian(jpeg, at + 2, 2)} + 2;
+    if (length < 4 || length > jpeg.size() - at) return jpeg;
+    std::string segment = jpeg.substr(at, length);
+    const char marker = jpeg[at + 1];
+    if (marker == '\xe0' && length >= 16 &&
+        segment.compare(4, 5, std::string_view("JFIF\0", 5)) == 0)
+      segment.replace(11, 5, std::string("\0\0\1\0\1", 5));  // no unit, 1 : 1
+    if (marker != '\xe2') out += segment;                    // profiles are in APP2
+    at += length;
+  }
+  return out.append(jpeg, at, std::string::npos);
+}
+
 }  // namespace
+
+std::string plain_file(const std::string& bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return plain_png(bytes);
+  return bytes.starts_with("\xff\xd8") ? plain_jpeg(bytes) : bytes;
+}
 
 Texels decode(std::string_view bytes, const std::string& name) {
   if (bytes.size() < 4) fail(name, "is no picture");

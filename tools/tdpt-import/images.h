@@ -18,4 +18,9 @@ struct Texels {
 /// Decodes PNG, JPEG, TGA, BMP, PNM, PSD, GIF, Radiance .hdr, PFM and OpenEXR. Throws InputError.
 Texels decode(std::string_view bytes, const std::string& name);
 
+/// A PNG or JPEG without what glTF does not allow and readers ignore: of a PNG the pixels alone, in
+/// square pixels without colour profiles, of a JPEG everything but its profile and density. Other
+/// bytes are returned as they are.
+std::string plain_file(const std::string& bytes);
+
 }  // namespace tdpt::foreign

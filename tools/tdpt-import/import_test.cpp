@@ -126,4 +126,26 @@ TEST(Images, TgaIsRead) {
   EXPECT_NEAR(t.rgb.at(0).x, 0.2, 1e-6);
 }
 
+std::string chunk(const std::string& type, const std::string& data) {
+  return std::string{0, 0, 0, static_cast<char>(data.size())} + type + data + "CRC.";
+}
+
+TEST(Images, PngKeepsItsPixelsOnly) {
+  const std::string head = "\x89PNG\r\n\x1a\n" + chunk("IHDR", "size and kind");
+  const std::string tail = chunk("IDAT", "pixels") + chunk("IEND", "");
+  EXPECT_EQ(plain_file(head + chunk("gAMA", "2.2!") + chunk("pHYs", "1:2") + tail), head + tail);
+  const std::string cut = (head + tail).substr(0, head.size() + 14);
+  EXPECT_EQ(plain_file(cut), cut);
+}
+
+TEST(Images, JpegBecomesSquare) {
+  using namespace std::string_literals;
+  const auto jfif = [](const std::string& density) {
+    return "\xff\xe0\0\x10JFIF\0\1\2"s + density + "\0\0"s;
+  };
+  const std::string profile = "\xff\xe2\0\6ICC!"s, scan = "\xff\xda\0\4ab and pixels"s;
+  EXPECT_EQ(plain_file("\xff\xd8"s + jfif("\1\0\x48\0\x96"s) + profile + scan),
+            "\xff\xd8"s + jfif("\0\0\1\0\1"s) + scan);
+}
+
 }  // namespace tdpt::foreign::import_test

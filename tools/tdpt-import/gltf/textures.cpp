@@ -198,7 +198,7 @@ GltfJson Textures::colour(const Colour& colour, const Number* opacity, float sca
   const Texture& lead = colour.texture ? *colour.texture : *cut;
   const Image& image = scene_.images[lead.image];
   if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb && passes(lead))
-    return info(lead, image.bytes, image.name);
+    return info(lead, plain_file(image.bytes), image.name);
 
   const Texels* t = texels(lead);
   const Texels* holes = cut ? texels(*cut) : nullptr;
@@ -237,7 +237,7 @@ GltfJson Textures::roughness(const Number& roughness) {
 
 GltfJson Textures::normal_map(const Texture& texture) {
   const Image& image = scene_.images[texture.image];
-  if (passes(texture)) return info(texture, image.bytes, image.name);
+  if (passes(texture)) return info(texture, plain_file(image.bytes), image.name);
   const Texels* t = texels(texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {

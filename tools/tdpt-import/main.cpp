@@ -1,0 +1,204 @@
+// tdpt-import: scenes of Mitsuba, pbrt and Tungsten as glTF.
+#include <fmt/format.h>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/counted.h"
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/shown.h"
+#include "libcommon/cli/built_with.h"
+#include "libcommon/cli/cli.h"
+#include "tools/tdpt-import/gltf/writer.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
+#include "tools/tdpt-import/pbrt/pbrt.h"
+#include "tools/tdpt-import/tungsten/tungsten.h"
+
+namespace tdpt {
+namespace {
+
+constexpr cli::Program kProgram{"tdpt-import",
+                                "Converts scenes of Mitsuba, pbrt and Tungsten to glTF.",
+                                "Scene to write (.glb); its environment becomes a file beside it",
+                                cli::Result::binary,
+                                cli::kLibraries,
+                                cli::kCommit,
+                                cli::kQuiet};
+
+struct Arguments {
+  std::string scene;
+  std::vector<std::string> parameters;
+  bool strict = false;
+  std::string up = "auto";
+  int64_t texture_size = 0;
+};
+
+void declare_options(cli::Options& options, Arguments& a) {
+  options.argument("scene", a.scene,
+                   "Scene of Tungsten (.json), Mitsuba 0.4 to 3 (.xml) or pbrt-v3 and -v4 (.pbrt)");
+  options.flag("--strict", a.strict, "Write nothing if anything of the scene would be lost");
+  options.option("-D,--define", a.parameters, "NAME=VALUE",
+                 "Set a parameter $NAME of a Mitsuba scene");
+  options.choice("--up", a.up, {"auto", "x", "y", "z"},
+                 "Axis of the scene that points up; auto goes by the camera");
+  options.option("--texture-size", a.texture_size, "PIXELS",
+                 "Scale larger textures down until no side is longer; 0 keeps all as they are", 0,
+                 16384);
+}
+
+enum class Format { tungsten, mitsuba, pbrt };
+
+Format format_of(const std::string& path, const std::string& text) {
+  const std::string suffix = std::filesystem::path(path).extension().string();
+  if (suffix == ".json") return Format::tungsten;
+  if (suffix == ".xml") return Format::mitsuba;
+  if (suffix == ".pbrt") return Format::pbrt;
+  const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != text.npos && text[first] == '<') return Format::mitsuba;
+  if (first != text.npos && text[first] == '{') return Format::tungsten;
+  return Format::pbrt;
+}
+
+std::map<std::string, std::string> parameters_of(const Arguments& a, Format format) {
+  std::map<std::string, std::string> out;
+  for (const std::string& p : a.parameters) {
+    const size_t equals = p.find('=');
+    if (equals == p.npos || equals == 0)
+      throw UsageError("--define: \"" + shown(p) + "\" is not of the form NAME=VALUE");
+    out[p.substr(0, equals)] = p.substr(equals + 1);
+  }
+  if (!out.empty() && format != Format::mitsuba)
+    throw UsageError("--define: only Mitsuba's scenes have parameters");
+  return out;
+}
+
+foreign::Up up_of(const std::string& word) {
+  using foreign::Up;
+  return word == "x" ? Up::x : word == "y" ? Up::y : word == "z" ? Up::z : Up::by_camera;
+}
+
+std::string line_of(const foreign::Source::Loss& loss) {
+  const std::string where =
+      loss.first.file + (loss.first.where.empty() ? "" : ":" + loss.first.where);
+  return fmt::format("{}: {}{}", where, loss.sentence,
+                     loss.times > 1 ? fmt::format(" ({} times)", loss.times) : "");
+}
+
+// Without its suffix, the name of the file beside the result.
+std::string stem_of(const std::string& output) {
+  return std::filesystem::path(output).stem().string() + ".environment";
+}
+
+void tell(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
+          const std::vector<foreign::Source::Loss>& losses, const std::string& environment) {
+  for (const auto& loss : losses) common.warn(line_of(loss));
+  std::string light = counted(w.emitters, "emitting triangle");
+  if (!scene.lamps.empty()) light += ", " + counted(scene.lamps.size(), "lamp");
+  if (!environment.empty())
+    light += ", the environment in " + environment;
+  else if (scene.sky)
+    light += ", one colour of sky";
+  common.note(fmt::format("{} in {}, {}, {}; light: {}.", counted(w.triangles, "triangle"),
+                          counted(w.shapes, "shape"), counted(w.materials, "material"),
+                          counted(w.textures, "texture"), light));
+  if (scene.cameras.empty())
+    common.note("The scene has no camera: give one to the renderer (--frame, --look-from).");
+  common.explain_by([&] {
+    const auto& f = w.frame;
+    const char* up = f.up == foreign::Up::x ? "x" : f.up == foreign::Up::y ? "y" : "z";
+    return cli::Decisions{
+        {"up", std::string(f.downwards ? "-" : "+") + up,
+         f.downwards || f.up != foreign::Up::y ? "it becomes +y, which is up in glTF"
+                                               : "it is up in glTF, too",
+         ""},
+        {"handedness", f.mirrored ? "left" : "right",
+         f.mirrored ? "the camera shows a mirror image, so x changes its sign"
+                    : "the camera shows no mirror image",
+         ""},
+        {"losses", fmt::format("{}", losses.size()),
+         losses.empty() ? "glTF holds all of the scene" : "glTF lacks what is named above", ""}};
+  });
+}
+
+std::string json_of(const foreign::Described& scene, const foreign::Written& w,
+                    const std::vector<foreign::Source::Loss>& losses, const char* format) {
+  nlohmann::ordered_json out = {{"format", format},
+                                {"triangles", w.triangles},
+                                {"shapes", w.shapes},
+                                {"materials", w.materials},
+                                {"textures", w.textures},
+                                {"cameras", scene.cameras.size()},
+                                {"emitting_triangles", w.emitters},
+                                {"lamps", scene.lamps.size()},
+                                {"environment", scene.sky.has_value()}};
+  out["losses"] = nlohmann::ordered_json::array();
+  for (const auto& loss : losses)
+    out["losses"].push_back({{"file", loss.first.file},
+                             {"place", loss.first.where},
+                             {"what", loss.sentence},
+                             {"times", loss.times}});
+  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+foreign::Described described(foreign::Source& source, Format format, const Arguments& a) {
+  const auto parameters = parameters_of(a, format);
+  if (format == Format::mitsuba) return foreign::read_mitsuba(source, parameters);
+  return format == Format::pbrt ? foreign::read_pbrt(source) : foreign::read_tungsten(source);
+}
+
+int run(const Arguments& a, const cli::Common& common) {
+  foreign::Source source(a.scene);
+  const Format format = format_of(a.scene, source.text());
+  const char* name = format == Format::mitsuba ? "Mitsuba"
+                     : format == Format::pbrt  ? "pbrt"
+                                               : "Tungsten";
+  const foreign::Described scene = described(source, format, a);
+  if (scene.shapes.empty())
+    throw InputError(display_name(a.scene), "", "has no shape that can be read");
+
+  std::vector<std::string> others;
+  std::vector<cli::Common::Input> inputs;
+  for (const auto& file : source.files()) {
+    if (file.path != a.scene) others.push_back(file.path);
+    inputs.push_back({file.path, file.hash, {}});
+  }
+  common.also_read(others);
+
+  foreign::Writing how;
+  how.up = up_of(a.up);
+  how.longest_texture = static_cast<int>(a.texture_size);
+  how.environment = stem_of(common.output);
+  how.format = name;
+  how.provenance = common.provenance({inputs.front()});
+  const foreign::Written w = written(scene, how, source);
+
+  if (a.strict && !source.losses().empty()) {
+    for (size_t i = 1; i < source.losses().size(); ++i) common.warn(line_of(source.losses()[i]));
+    throw InputError(line_of(source.losses().front()) + " (--strict)");
+  }
+  std::vector<OutputFile> files{{common.output, w.glb}};
+  std::string environment;
+  if (!w.environment.empty()) {
+    if (common.output == "-")
+      throw UsageError("the environment becomes a file beside the scene, so -o must name a file");
+    const auto folder = std::filesystem::path(common.output).parent_path();
+    environment = (folder / (how.environment + w.environment_suffix)).string();
+    for (const auto& file : source.files())
+      if (std::filesystem::path(file.path).lexically_normal() ==
+          std::filesystem::path(environment).lexically_normal())
+        throw UsageError(environment + " would be written over a file that the scene uses");
+    files.push_back({environment, w.environment});
+  }
+  write_outputs(files);
+  tell(common, scene, w, source.losses(), environment);
+  common.summary(json_of(scene, w, source.losses(), name));
+  return 0;
+}
+
+}  // namespace
+}  // namespace tdpt
+
+int main(int argc, char** argv) {
+  return tdpt::cli::run_program(argc, argv, tdpt::kProgram, tdpt::declare_options, tdpt::run);
+}

@@ -1,0 +1,72 @@
+// A Mitsuba scene as objects with named values, before anything is made of them.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libcommon/math/affine.h"
+#include "tools/tdpt-import/source.h"
+
+namespace tdpt::foreign::mitsuba {
+
+struct Object;
+
+/// A child element of an object: a parameter, a nested object or a reference to one.
+struct Value {
+  std::string
+      tag;  ///< "float", "rgb", "transform"; of an object and a reference to it: the object's
+  std::string name;  ///< in snake_case; may be empty for objects
+  Place place;
+  std::map<std::string, std::string> attributes{};
+  Affine map{};              ///< of a transform
+  bool is_animated = false;  ///< `map` is its first place
+  const Object* object = nullptr;
+  std::string id{};  ///< that a reference names
+  mutable bool used = false;
+
+  [[noreturn]] void fail(const std::string& message) const;
+  /// An attribute, which must be there.
+  const std::string& text(const std::string& attribute = "value") const;
+  double number(const std::string& attribute = "value") const;
+};
+
+/// An element with a type: `<bsdf type="diffuse">`. What is asked for counts as read; see
+/// tell_unread().
+struct Object {
+  std::string tag, type, id;
+  Place place;
+  bool old = false;  ///< of a file for Mitsuba 0.x
+  std::vector<Value> values{};
+  mutable bool told = false;
+
+  [[noreturn]] void fail(const std::string& message) const;
+
+  /// The last value of that name.
+  const Value* find(const std::string& name) const;
+  double number(const std::string& name, double otherwise) const;
+  int integer(const std::string& name, int otherwise) const;
+  bool flag(const std::string& name, bool otherwise) const;
+  std::string text(const std::string& name, const std::string& otherwise) const;
+  std::string needed_text(const std::string& name) const;
+  std::optional<Vec3d> vector(const std::string& name) const;
+  /// A transform; the identity without one. An animated one is named as lost.
+  Affine map(const std::string& name, Source& source) const;
+  /// Nested objects of a kind, named or not.
+  std::vector<const Object*> nested(const std::string& kind) const;
+  void ignore(std::initializer_list<const char*> names) const;
+  void ignore_all() const;
+
+  /// Names parameters that nobody asked for as lost, once.
+  void tell_unread(Source& source) const;
+};
+
+/// A finite number; std::nullopt for other texts. White space around it is allowed.
+std::optional<double> number_of(const std::string& text);
+/// Parts of a text between any of `separators`, without empty ones.
+std::vector<std::string> split(const std::string& text, const std::string& separators = " ,\t\r\n");
+
+/// "the bitmap", "the shape "hair"" in messages.
+std::string described(const Object& object);
+
+}  // namespace tdpt::foreign::mitsuba

@@ -1,0 +1,245 @@
+// uv of described.h are Mitsuba's own: its v = 0 is the top row of an image as well.
+#include "tools/tdpt-import/mitsuba/shapes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "libcommon/base/shown.h"
+#include "tools/tdpt-import/meshes/meshes.h"
+#include "tools/tdpt-import/mitsuba/transforms.h"
+
+namespace tdpt::foreign::mitsuba {
+namespace {
+
+constexpr size_t kMostShapes = 1000000;
+
+Vec3d in_double(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+
+Vec3d across(const Mesh& mesh, const std::array<uint32_t, 3>& t) {
+  const Vec3d a = in_double(mesh.positions[t[0]]);
+  return cross(in_double(mesh.positions[t[1]]) - a, in_double(mesh.positions[t[2]]) - a);
+}
+
+// Smooth as Mitsuba: over the triangles of a vertex, by their angles; vertices at one place that
+// the file keeps apart stay apart.
+void smooth_vertices(Mesh& mesh) {
+  std::vector<Vec3d> sums(mesh.positions.size(), Vec3d(0));
+  for (const auto& t : mesh.triangles) {
+    const Vec3d n = across(mesh, t);
+    const double l = length(n);
+    if (!(l > 0)) continue;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3d p = in_double(mesh.positions[t[k]]);
+      const Vec3d a = in_double(mesh.positions[t[(k + 1) % 3]]) - p;
+      const Vec3d b = in_double(mesh.positions[t[(k + 2) % 3]]) - p;
+      sums[t[k]] = sums[t[k]] + n * (std::atan2(length(cross(a, b)), dot(a, b)) / l);
+    }
+  }
+  mesh.normals.clear();
+  for (const Vec3d& sum : sums) {
+    const double l = length(sum);
+    const Vec3d n = l > 0 ? sum / l : Vec3d{0, 0, 1};
+    mesh.normals.push_back(
+        {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
+  }
+}
+
+// The front is where a file's normals point to, whichever way its triangles run.
+void front_by_normals(Mesh& mesh) {
+  for (auto& t : mesh.triangles) {
+    const Vec3d n = in_double(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]);
+    if (dot(across(mesh, t), n) < 0) std::swap(t[1], t[2]);
+  }
+}
+
+Mesh with_swapped_uv(Mesh mesh) {
+  for (auto& uv : mesh.uv) std::swap(uv[0], uv[1]);
+  return mesh;
+}
+
+Mesh with_flipped_v(Mesh mesh) {
+  flip_v(mesh);
+  return mesh;
+}
+
+Affine scaling(double x, double y, double z) {
+  return {{x, 0, 0}, {0, y, 0}, {0, 0, z}, {}};
+}
+
+}  // namespace
+
+size_t Shapes::mesh(const std::string& key, const std::function<Mesh()>& make) {
+  const auto it = meshes_.find(key);
+  if (it != meshes_.end()) return it->second;
+  scene_.meshes.push_back(make());
+  return meshes_[key] = scene_.meshes.size() - 1;
+}
+
+Shape Shapes::from_file(const Object& shape) {
+  const std::string file = shape.needed_text("filename");
+  const Place& place = shape.find("filename")->place;
+  const bool flat = shape.flag("face_normals", false);
+  const bool flip = shape.flag("flip_tex_coords", shape.type == "obj");
+  const int index = shape.integer("shape_index", shape.type == "obj" ? -1 : 0);
+  if (shape.type == "obj" && index >= 0)
+    source_.lose(place, "of an OBJ file all shapes are taken, not the one that shape_index names");
+  if (shape.type == "serialized" && index < 0) shape.fail("a negative shape_index");
+  shape.ignore({"collapse", "load_materials", "srgb"});
+  Shape out;
+  // Meshes are the same if they are read alike.
+  const std::string key = fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file);
+  bool has_normals = false;
+  out.mesh = mesh(key, [&] {
+    const std::string bytes = source_.read(file, place), name = source_.shown_name(file);
+    Mesh m = shape.type == "obj"   ? read_obj(bytes, name)
+             : shape.type == "ply" ? read_ply(bytes, name)
+                                   : read_serialized(bytes, name, static_cast<size_t>(index));
+    if (flip != (shape.type == "obj")) flip_v(m);
+    has_normals = !m.normals.empty() && !flat;
+    if (flat)
+      m.normals.clear();
+    else if (has_normals)
+      front_by_normals(m);
+    else
+      smooth_vertices(m);
+    return m;
+  });
+  if (has_normals) with_normals_.insert(out.mesh);
+  out.to_world = shape.map("to_world", source_);
+  // Without normals the front is found after the mesh is placed.
+  out.turned = !with_normals_.contains(out.mesh) && out.to_world.mirrors();
+  return out;
+}
+
+std::optional<Shape> Shapes::round_or_flat(const Object& shape) {
+  Shape out;
+  const Affine to_world = shape.map("to_world", source_);
+  out.to_world = to_world;
+  const std::string& type = shape.type;
+  if (type == "rectangle") {
+    out.mesh = mesh(type, [] { return with_flipped_v(square()); });
+  } else if (type == "cube") {
+    out.mesh = mesh(type, [] { return cube(); });
+  } else if (type == "disk") {
+    out.mesh = mesh(type, [] { return with_swapped_uv(disc()); });
+  } else if (type == "sphere") {
+    out.mesh = mesh(type, [] { return sphere(); });
+    const Vec3d centre = shape.vector("center").value_or(Vec3d(0));
+    double r = shape.number("radius", 1);
+    if (!(r > 0)) shape.fail(fmt::format("a sphere of radius {}", r));
+    if (shape.old) {  // the scale counts for the radius, not for the centre
+      const double scale = length(to_world.x);
+      if (!(scale > 0)) shape.fail("a transform with an axis of no length");
+      out.to_world = {to_world.x / scale, to_world.y / scale, to_world.z / scale, to_world.t};
+      r *= scale;
+    } else {
+      out.turned = to_world.mirrors();
+    }
+    Affine inside = scaling(r, r, r);
+    inside.t = centre;
+    out.to_world = out.to_world * inside;
+  } else if (type == "cylinder") {
+    out.mesh = mesh(type, [] { return with_flipped_v(cylinder()); });
+    const Vec3d from = shape.vector("p0").value_or(Vec3d(0));
+    const Vec3d to = shape.vector("p1").value_or(Vec3d{0, 0, 1});
+    const double r = shape.number("radius", 1), l = length(to - from);
+    if (!(r > 0) || !(l > 0))
+      shape.fail(fmt::format("a cylinder of radius {} and length {}", r, l));
+    const Onb<double> frame((to - from) / l);
+    out.to_world = to_world * Affine{frame.x * r, frame.y * r, frame.z * l, from};
+  } else {
+    return {};
+  }
+  return out;
+}
+
+std::optional<Shape> Shapes::geometry(const Object& shape) {
+  if (shape.type == "obj" || shape.type == "ply" || shape.type == "serialized")
+    return from_file(shape);
+  return round_or_flat(shape);
+}
+
+// Surface, medium and emission.
+void Shapes::dress(const Object& shape, Shape& out) {
+  const auto bsdfs = shape.nested("bsdf");
+  if (bsdfs.size() > 1) source_.lose(shape.place, "of several bsdfs of a shape the first is taken");
+  const Object* interior = nullptr;
+  bool has_medium = false;
+  for (const Value& v : shape.values)
+    if (v.object && v.object->tag == "medium") {
+      v.used = has_medium = true;
+      if (v.name == "interior" && !bsdfs.empty())
+        interior = v.object;
+      else
+        source_.lose(v.place, "media (fog, absorption, scattering) are left out");
+    }
+  const auto emitters = shape.nested("emitter");
+  using Default = Surfaces::Default;
+  const Default without = !emitters.empty()         ? Default::black
+                          : has_medium && shape.old ? Default::invisible
+                                                    : Default::grey;
+  const Surfaces::Made made =
+      bsdfs.empty() ? surfaces_.material(without) : surfaces_.material(*bsdfs[0], interior);
+  out.material = made.material;
+  out.turned ^= made.turned;
+  for (const Object* e : emitters)
+    if (e->type != "area") {
+      source_.lose(e->place, fmt::format("emitters of type \"{}\" are not read and left out",
+                                         shown(e->type, 40)));
+    } else {
+      out.emission = Emission{textures_.colour(*e, "radiance", Rgb(1), Of::light), false};
+      e->ignore({"sampling_weight"});
+      e->tell_unread(source_);
+    }
+  const bool closed = shape.type == "sphere" || shape.type == "cube";
+  if (made.one_sided && !closed)
+    source_.lose(shape.place,
+                 "surfaces that are not \"twosided\" are black on their back in Mitsuba "
+                 "and have two sides in glTF");
+}
+
+void Shapes::place_instance(const Object& shape, const Affine& outer) {
+  const Affine map = outer * shape.map("to_world", source_);
+  const auto groups = shape.nested("shape");
+  if (groups.empty()) shape.fail("the instance has no shapegroup");
+  for (const Object* group : groups) {
+    if (group->type != "shapegroup")
+      shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", described(*group)));
+    for (const Object* inner : group->nested("shape")) place(*inner, map, true);
+    group->tell_unread(source_);
+  }
+  shape.tell_unread(source_);
+}
+
+void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
+  if (++visited_ > kMostShapes) shape.fail(fmt::format("more than {} shapes", kMostShapes));
+  if (shape.type == "shapegroup") return;  // only its instances are seen
+  if (shape.type == "instance") {
+    if (in_group) shape.fail("an instance in a shapegroup, which Mitsuba does not allow");
+    return place_instance(shape, outer);
+  }
+  if (shape.type == "merge") {
+    for (const Object* inner : shape.nested("shape")) place(*inner, outer, in_group);
+    return shape.tell_unread(source_);
+  }
+  std::optional<Shape> out = geometry(shape);
+  if (!out) {
+    source_.lose(shape.place,
+                 fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
+    return;
+  }
+  out->to_world = outer * out->to_world;
+  for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
+    if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");
+  if (shape.flag("flip_normals", false)) out->turned = !out->turned;
+  dress(shape, *out);
+  out->name = shape.id;
+  shape.ignore({"silhouette_sampling_weight"});
+  shape.tell_unread(source_);
+  scene_.shapes.push_back(std::move(*out));
+}
+
+}  // namespace tdpt::foreign::mitsuba

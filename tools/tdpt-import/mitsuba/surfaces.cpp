@@ -1,0 +1,369 @@
+#include "tools/tdpt-import/mitsuba/surfaces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libcommon/base/shown.h"
+#include "tools/tdpt-import/materials.h"
+
+namespace tdpt::foreign::mitsuba {
+namespace {
+
+float single(double v) {
+  return static_cast<float>(v);
+}
+
+bool is_one(const Rgb& c) {
+  return is_grey(c) && c.x == 1;
+}
+bool is_zero(const Rgb& c) {
+  return is_grey(c) && c.x == 0;
+}
+
+}  // namespace
+
+void Surfaces::near_to(const Object& bsdf, const char* what) {
+  lose(bsdf, fmt::format("surfaces of type \"{}\" become {}", shown(bsdf.type, 40), what));
+}
+
+double Surfaces::ior(const Object& bsdf, const char* name, const char* otherwise) {
+  const Value* v = bsdf.find(name);
+  double n = 0;
+  if (v && v->tag != "string") {
+    n = bsdf.number(name, 1);
+  } else {
+    std::string material = bsdf.text(name, otherwise);
+    std::transform(material.begin(), material.end(), material.begin(), [](char c) {
+      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    });
+    const auto known = ior_named(material);
+    if (!known)
+      v->fail(
+          fmt::format("no material \"{}\" has a known index of refraction", shown(material, 40)));
+    n = *known;
+  }
+  if (!(n > 0.1 && n < 100)) v->fail(fmt::format("an index of refraction of {}", n));
+  return n;
+}
+
+double Surfaces::relative_ior(const Object& bsdf, const char* inside) {
+  if (bsdf.find("eta") && !bsdf.find("int_ior")) return bsdf.number("eta", 1);
+  return ior(bsdf, "int_ior", inside) / ior(bsdf, "ext_ior", "air");
+}
+
+Number Surfaces::alpha(const Object& bsdf) {
+  const std::string distribution = bsdf.text("distribution", "beckmann");
+  if (distribution != "ggx")
+    lose(bsdf, fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
+  bsdf.ignore({"sample_visible"});
+  if (!bsdf.find("alpha_u") && !bsdf.find("alpha_v")) return textures_.number(bsdf, "alpha", 0.1);
+  const double u = textures_.plain_number(bsdf, "alpha_u", 0.1),
+               v = textures_.plain_number(bsdf, "alpha_v", 0.1);
+  if (u != v) lose(bsdf, "anisotropic roughness becomes isotropic");
+  return {single(std::sqrt(std::max(0.0, u * v))), {}, {}};
+}
+
+Surfaces::Read Surfaces::nested(const Object& bsdf) {
+  const auto all = bsdf.nested("bsdf");
+  if (all.empty()) bsdf.fail(fmt::format("the {} has no bsdf in it", described(bsdf)));
+  return read(*all[0]);
+}
+
+// ---- each type
+
+Surfaces::Read Surfaces::twosided(const Object& bsdf) {
+  Read out = nested(bsdf);
+  if (bsdf.nested("bsdf").size() > 1)
+    lose(bsdf, "of the two bsdfs of a twosided surface the first is taken");
+  bsdf.ignore({"allow_transmission"});
+  out.two_sided = true;
+  return out;
+}
+
+Surfaces::Read Surfaces::plain(const Object& bsdf) {
+  if (bsdf.type == "roughdiffuse") {
+    near_to(bsdf, "Lambertian");
+    bsdf.ignore({"alpha", "use_fast_approx"});
+  }
+  const bool other_name = !bsdf.find("reflectance") && bsdf.find("diffuse_reflectance");
+  return {diffuse(
+      textures_.colour(bsdf, other_name ? "diffuse_reflectance" : "reflectance", Rgb(0.5f)))};
+}
+
+// Those of which only the diffuse part is understood.
+Surfaces::Read Surfaces::coloured_plain(const Object& bsdf) {
+  const bool has_colour = bsdf.find("diffuse_reflectance") || bsdf.find("reflectance");
+  lose(bsdf, fmt::format("surfaces of type \"{}\" are not read: Lambertian of {} in their place",
+                         shown(bsdf.type, 40), has_colour ? "their diffuse colour" : "grey 0.5"));
+  bsdf.ignore_all();
+  return {diffuse(textures_.colour(
+      bsdf, bsdf.find("diffuse_reflectance") ? "diffuse_reflectance" : "reflectance", Rgb(0.5f)))};
+}
+
+Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
+  const Number rough = bsdf.type == "plastic" ? Number{0.0f, {}, {}} : alpha(bsdf);
+  const Colour base = textures_.colour(bsdf, "diffuse_reflectance", Rgb(0.5f));
+  const double n = relative_ior(bsdf, "polypropylene");
+  Read out{plastic(base, n, rough, bsdf.flag("nonlinear", false))};
+  const Rgb tint = textures_.plain_colour(bsdf, "specular_reflectance", Rgb(1));
+  if (!is_one(tint)) {
+    lose(bsdf,
+         "where the specular_reflectance of a plastic is not 1, its base is off by what its "
+         "interface keeps back");
+    const float most = std::clamp(max_component(tint), 0.0f, 1.0f);
+    out.material.specular *= most;
+    if (most > 0) out.material.specular_colour = tint / most;
+  }
+  bsdf.ignore({"specular_sampling_weight"});
+  return out;
+}
+
+Surfaces::Read Surfaces::conductor_like(const Object& bsdf) {
+  const Number rough = bsdf.type == "conductor" ? Number{0.0f, {}, {}} : alpha(bsdf);
+  const Colour tint = textures_.colour(bsdf, "specular_reflectance", Rgb(1));
+  const bool has_eta = bsdf.find("eta") || (bsdf.old && bsdf.find("k"));
+  const std::string name = bsdf.text("material", bsdf.old ? "Cu" : "none");
+  // A whole mirror: also what Mitsuba 3 takes without a material.
+  const bool is_none = name == "none" && !has_eta;
+  if (is_none && !(bsdf.find("k") && !bsdf.old)) {
+    if (bsdf.old) bsdf.ignore({"ext_eta"});
+    return {metal(tint, rough)};
+  }
+  std::array<Rgb, 2> eta_k{Rgb(0), Rgb(1)};
+  if (name != "none") {
+    const auto known = conductor_named(name);
+    if (!known && !has_eta)
+      lose(bsdf,
+           fmt::format("the metal \"{}\" is not known: aluminium in its place", shown(name, 40)));
+    if (known || !has_eta) eta_k = known ? *known : *conductor_named("Al");
+  }
+  if (has_eta || name == "none") {
+    if (!bsdf.old) eta_k = {Rgb(0), Rgb(1)};
+    eta_k = {textures_.plain_colour(bsdf, "eta", eta_k[0]),
+             textures_.plain_colour(bsdf, "k", eta_k[1])};
+  }
+  if (bsdf.old) {  // Mitsuba 3 has no ext_eta
+    const float outside = single(ior(bsdf, "ext_eta", "air"));
+    for (Rgb& c : eta_k) c = c / outside;
+  }
+  eta_k = {max(eta_k[0], Rgb(0)), max(eta_k[1], Rgb(0))};
+  return {conductor(eta_k[0], eta_k[1], tint, rough)};
+}
+
+Surfaces::Read Surfaces::glass_like(const Object& bsdf) {
+  const bool solid = bsdf.type != "thindielectric";
+  const Number rough = bsdf.type == "roughdielectric" ? alpha(bsdf) : Number{0.0f, {}, {}};
+  double n = relative_ior(bsdf, "bk7");
+  Read out;
+  // A body that is thinner than what is around it is what is around it, seen from the back.
+  out.turned = solid && n < 1;
+  if (n < 1) n = 1 / n;
+  out.material = glass(n, textures_.colour(bsdf, "specular_transmittance", Rgb(1)), rough, solid);
+  out.opaque = false;
+  const Rgb mirrored = textures_.plain_colour(bsdf, "specular_reflectance", Rgb(1));
+  if (!is_one(mirrored)) lose(bsdf, "the specular_reflectance of glass is left out");
+  return out;
+}
+
+Surfaces::Read Surfaces::mask(const Object& bsdf) {
+  Read out = nested(bsdf);
+  Number opacity = textures_.number(bsdf, "opacity", 0.5);
+  opacity.factor *= out.material.opacity.factor;
+  if (out.material.opacity.texture) {
+    lose(bsdf, "of a mask in a mask the outer texture is taken");
+    if (!opacity.texture) opacity.texture = out.material.opacity.texture;
+  }
+  out.material.opacity = opacity;
+  if (const Value* v = bsdf.find("opacity"); v && is_colour(*v))
+    if (!is_grey(colour_of(*v, bsdf.old, Of::surface, source_)))
+      lose(bsdf, "the colour of an opacity becomes grey");
+  return out;
+}
+
+Surfaces::Read Surfaces::bump(const Object& bsdf) {
+  Read out = nested(bsdf);
+  const auto maps = bsdf.nested("texture");
+  if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", described(bsdf)));
+  bsdf.ignore({"flip_invalid_normals", "use_shadowing_function"});
+  // 0.x reads bitmaps of these as numbers.
+  const Colour c = textures_.of(*maps[0], Of::surface, bsdf.old);
+  if (!c.texture) return out;
+  if (bsdf.type == "normalmap") {
+    out.material.normal = c.texture;
+  } else {
+    out.material.bump = c.texture;
+    out.material.bump_scale = mean(c.factor) * bsdf.number("scale", 1);
+  }
+  return out;
+}
+
+Surfaces::Read Surfaces::blend(const Object& bsdf) {
+  const auto all = bsdf.nested("bsdf");
+  if (all.size() != 2)
+    bsdf.fail(fmt::format("the blendbsdf has {} bsdfs in it, expected 2", all.size()));
+  near_to(bsdf, "the heavier of the two");
+  const Number weight = textures_.number(bsdf, "weight", 0.5);
+  return read(*all[!weight.texture && weight.factor > 0.5f ? 1 : 0]);
+}
+
+Surfaces::Read Surfaces::mixture(const Object& bsdf) {
+  const auto all = bsdf.nested("bsdf");
+  std::vector<double> weights;
+  for (const std::string& word : split(bsdf.needed_text("weights"), " ,;\t\r\n")) {
+    const auto w = number_of(word);
+    if (!w)
+      bsdf.find("weights")->fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
+    weights.push_back(*w);
+  }
+  if (weights.size() != all.size() || all.empty())
+    bsdf.fail(
+        fmt::format("the mixturebsdf has {} bsdfs and {} weights", all.size(), weights.size()));
+  near_to(bsdf, "the heaviest of those mixed");
+  return read(*all[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) -
+                                       weights.begin())]);
+}
+
+Surfaces::Read Surfaces::coated(const Object& bsdf) {
+  Read out = nested(bsdf);
+  const double n = relative_ior(bsdf, "bk7");
+  if (std::abs(n - 1.5) > 0.02)
+    lose(bsdf, fmt::format("coats of index {:.4g} become ones of index 1.5", n));
+  out.material.coat = 1;
+  if (bsdf.type == "roughcoating") {
+    const Number rough = alpha(bsdf);
+    if (rough.texture) lose(bsdf, "the texture of a coat's roughness is left out");
+    out.material.coat_roughness =
+        std::sqrt(std::clamp(rough.texture ? 0.1f : rough.factor, 0.0f, 1.0f));
+  }
+  const double thickness = bsdf.number("thickness", 1);
+  if (thickness != 0 && !is_zero(textures_.plain_colour(bsdf, "sigma_a", Rgb(0))))
+    lose(bsdf, "the absorption in coats is left out");
+  if (!is_one(textures_.plain_colour(bsdf, "specular_reflectance", Rgb(1))))
+    lose(bsdf, "the specular_reflectance of coats is left out");
+  return out;
+}
+
+Surfaces::Read Surfaces::invisible(const Object& bsdf) {
+  bsdf.ignore_all();
+  Read out{diffuse({Rgb(0), {}, {}})};
+  out.material.invisible = true;
+  out.opaque = false;
+  return out;
+}
+
+// [Burley 2012, 2015]: what glTF has of it.
+Surfaces::Read Surfaces::principled(const Object& bsdf) {
+  const bool thin = bsdf.type == "principledthin";
+  Read out;
+  Material& m = out.material;
+  m = diffuse(textures_.colour(bsdf, "base_color", Rgb(0.5f)));
+  m.roughness = textures_.number(bsdf, "roughness", 0.5);
+  m.metallic = single(textures_.plain_number(bsdf, "metallic", 0));
+  m.transmission = single(textures_.plain_number(bsdf, "spec_trans", 0));
+  m.solid = !thin;
+  m.specular = 1;
+  const double specular = std::clamp(bsdf.number("specular", 0.5), 0.0, 12.0);
+  double n = 2 / (1 - std::sqrt(0.08 * specular)) - 1;
+  if (bsdf.find("eta")) n = textures_.plain_number(bsdf, "eta", 1.5);
+  if (!(n > 0.1 && n < 100)) bsdf.fail(fmt::format("an index of refraction of {}", n));
+  m.ior = single(n < 1 ? 1 / n : n);
+  m.coat = single(0.25 * textures_.plain_number(bsdf, "clearcoat", 0));
+  const double gloss = textures_.plain_number(bsdf, "clearcoat_gloss", 0);
+  m.coat_roughness = single(std::sqrt(0.1 + std::clamp(gloss, 0.0, 1.0) * (0.001 - 0.1)));
+  for (const char* name : {"anisotropic", "sheen", "flatness", "spec_tint", "diff_trans"}) {
+    const Number v = textures_.number(bsdf, name, 0);
+    if (v.texture || v.factor != 0)
+      lose(bsdf, fmt::format("the \"{}\" of principled surfaces is left out", name));
+  }
+  bsdf.ignore({"sheen_tint", "main_specular_sampling_rate", "clearcoat_sampling_rate",
+               "diffuse_reflectance_sampling_rate", "specular_reflectance_sampling_rate",
+               "specular_transmittance_sampling_rate", "diffuse_transmittance_sampling_rate"});
+  if (m.coat == 0) m.coat_roughness = 0;
+  out.opaque = m.transmission == 0;
+  return out;
+}
+
+Surfaces::Read Surfaces::read_known(const Object& bsdf) {
+  static const std::map<std::string, Reader> kReaders = {
+      {"twosided", &Surfaces::twosided},
+      {"diffuse", &Surfaces::plain},
+      {"lambertian", &Surfaces::plain},
+      {"roughdiffuse", &Surfaces::plain},
+      {"plastic", &Surfaces::plastic_like},
+      {"roughplastic", &Surfaces::plastic_like},
+      {"conductor", &Surfaces::conductor_like},
+      {"roughconductor", &Surfaces::conductor_like},
+      {"dielectric", &Surfaces::glass_like},
+      {"roughdielectric", &Surfaces::glass_like},
+      {"thindielectric", &Surfaces::glass_like},
+      {"mask", &Surfaces::mask},
+      {"bumpmap", &Surfaces::bump},
+      {"bump", &Surfaces::bump},
+      {"normalmap", &Surfaces::bump},
+      {"blendbsdf", &Surfaces::blend},
+      {"mixturebsdf", &Surfaces::mixture},
+      {"coating", &Surfaces::coated},
+      {"roughcoating", &Surfaces::coated},
+      {"null", &Surfaces::invisible},
+      {"principled", &Surfaces::principled},
+      {"principledthin", &Surfaces::principled},
+  };
+  const auto it = kReaders.find(bsdf.type);
+  return (this->*(it == kReaders.end() ? &Surfaces::coloured_plain : it->second))(bsdf);
+}
+
+Surfaces::Read Surfaces::read(const Object& bsdf) {
+  Read out = read_known(bsdf);
+  bsdf.tell_unread(source_);
+  return out;
+}
+
+// ---- media
+
+// What is in a body: glTF has absorption alone.
+void Surfaces::absorb(const Object& medium, Read& surface) {
+  const std::string sentence = "media (fog, absorption, scattering) are left out";
+  if (medium.type != "homogeneous" || surface.opaque || !surface.material.solid || surface.turned)
+    return lose(medium, sentence);
+  for (const Value& v : medium.values)  // volumes and named materials
+    if ((v.object && v.object->tag != "phase") || v.name == "material")
+      return lose(medium, sentence);
+  const Rgb scale = Rgb(single(medium.number("scale", 1)));
+  Rgb absorbed(0), scattered(0);
+  if (medium.find("sigma_t") || medium.find("albedo")) {
+    const Rgb all = textures_.plain_colour(medium, "sigma_t", Rgb(1));
+    const Rgb albedo = textures_.plain_colour(medium, "albedo", Rgb(0.75f));
+    absorbed = all * (Rgb(1) - albedo), scattered = all * albedo;
+  } else {
+    absorbed = textures_.plain_colour(medium, "sigma_a", Rgb(0));
+    scattered = textures_.plain_colour(medium, "sigma_s", Rgb(0));
+  }
+  if (!is_zero(scattered)) return lose(medium, sentence);
+  const Rgb a = max(absorbed * scale, Rgb(0));
+  surface.material.attenuation = {std::exp(-a.x), std::exp(-a.y), std::exp(-a.z)};
+}
+
+Surfaces::Made Surfaces::material(const Object& bsdf, const Object* interior) {
+  const auto key = std::pair{&bsdf, interior};
+  if (const auto it = made_.find(key); it != made_.end()) return it->second;
+  Read r = read(bsdf);
+  if (interior) absorb(*interior, r);
+  r.material.name = bsdf.id.empty() ? bsdf.type : bsdf.id;
+  const bool black =
+      !r.material.base.texture && is_zero(r.material.base.factor) && r.material.specular == 0;
+  scene_.materials.push_back(std::move(r.material));
+  return made_[key] = {scene_.materials.size() - 1, r.turned, r.opaque && !r.two_sided && !black};
+}
+
+Surfaces::Made Surfaces::material(Default without) {
+  if (const auto it = defaults_.find(without); it != defaults_.end()) return it->second;
+  Material m = diffuse({Rgb(without == Default::grey ? 0.5f : 0.0f), {}, {}});
+  m.invisible = without == Default::invisible;
+  m.name = without == Default::grey ? "default" : without == Default::black ? "black" : "null";
+  scene_.materials.push_back(std::move(m));
+  return defaults_[without] = {scene_.materials.size() - 1, false, without == Default::grey};
+}
+
+}  // namespace tdpt::foreign::mitsuba
