@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tdpt::foreign {
 namespace {
@@ -101,21 +102,94 @@ Material diffuse(const Colour& reflectance) {
   return m;
 }
 
-Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
-  Material m = diffuse(reflectance);
-  if (std::abs(ior - 1) < kLeast) return m;
-  if (ior < 1) ior = 1 / ior;  // the same reflectance at normal incidence
-  if (nonlinear) {
-    const auto inside = static_cast<float>(diffuse_fresnel(1 / ior));
-    m.base = through(reflectance, [inside](const Rgb& r) {
-      const auto out = [inside](float v) { return v * (1 - inside) / (1 - v * inside); };
-      return Rgb(out(r.x), out(r.y), out(r.z));
-    });
-  }
+namespace {
+
+// A Lambertian base under an interface, of whose light base(reflectance) comes out again.
+Material under_interface(const Colour& reflectance, double ior, const Number& alpha,
+                         const std::function<float(float)>& base) {
+  Material m = diffuse(
+      through(reflectance, [base](const Rgb& r) { return Rgb(base(r.x), base(r.y), base(r.z)); }));
   m.specular = 1;
   m.ior = static_cast<float>(ior);
   m.roughness = root(alpha);
   return m;
+}
+
+// An index below 1 becomes the one with the same reflectance at normal incidence.
+double index_above_1(double ior) {
+  return ior < 1 ? 1 / ior : ior;
+}
+bool has_interface(double ior) {
+  return std::abs(ior - 1) >= kLeast;
+}
+
+// Of GGX: the visible normal from `v` (front, z > 0) for two numbers in 0..1 [Heitz 2018].
+Vec3d visible_normal(const Vec3d& v, double alpha, double u1, double u2) {
+  const Vec3d s = normalize(Vec3d(alpha * v.x, alpha * v.y, v.z));
+  const Onb<double> frame(s);
+  const double r = std::sqrt(u1), phi = 2 * std::numbers::pi * u2;
+  const double x = r * std::cos(phi), share = 0.5 * (1 + s.z);
+  // The frame's second axis lies in the plane of s and z.
+  const double across = std::hypot(s.x, s.y);
+  const Vec3d t1 = across > 1e-9 ? Vec3d(-s.y / across, s.x / across, 0) : frame.x;
+  const Vec3d t2 = cross(s, t1);
+  const double y = (1 - share) * std::sqrt(1 - x * x) + share * r * std::sin(phi);
+  const Vec3d h = t1 * x + t2 * y + s * std::sqrt(std::max(0.0, 1 - x * x - y * y));
+  return normalize(Vec3d(alpha * h.x, alpha * h.y, std::max(1e-9, h.z)));
+}
+
+// Smith's shadowing at cosine mu.
+double unshadowed(double mu, double alpha) {
+  const double tan2 = (1 - mu * mu) / (mu * mu);
+  return 2 / (1 + std::sqrt(1 + alpha * alpha * tan2));
+}
+
+}  // namespace
+
+InterfaceShares rough_interface(double eta, double alpha) {
+  constexpr int kCosines = 32, kNormals = 16;
+  InterfaceShares sum{0, 0};
+  for (int i = 0; i < kCosines; ++i) {
+    const double mu = std::sqrt((i + 0.5) / kCosines);
+    const Vec3d v(std::sqrt(1 - mu * mu), 0, mu);
+    for (int j = 0; j < kNormals; ++j)
+      for (int k = 0; k < kNormals; ++k) {
+        const Vec3d h = visible_normal(v, alpha, (j + 0.5) / kNormals, (k + 0.5) / kNormals);
+        const double c = std::clamp(dot(v, h), 1e-9, 1.0), f = fresnel(c, eta);
+        const double reflected = 2 * c * h.z - v.z;
+        if (reflected > 0) sum.reflected += f * unshadowed(reflected, alpha);
+        if (f < 1) {
+          const double behind = std::sqrt(std::max(0.0, 1 - (1 - c * c) / (eta * eta)));
+          const double z = (c / eta - behind) * h.z - v.z / eta;
+          if (z < 0) sum.transmitted += (1 - f) * unshadowed(-z, alpha);
+        }
+      }
+  }
+  constexpr double n = kCosines * kNormals * kNormals;
+  return {sum.reflected / n, sum.transmitted / n};
+}
+
+Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
+  if (!has_interface(ior)) return diffuse(reflectance);
+  ior = index_above_1(ior);
+  const auto back = static_cast<float>(diffuse_fresnel(1 / ior));
+  return under_interface(reflectance, ior, alpha, [back, nonlinear](float r) {
+    return nonlinear ? r * (1 - back) / (1 - r * back) : r;
+  });
+}
+
+Material rough_plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
+  if (!has_interface(ior)) return diffuse(reflectance);
+  ior = index_above_1(ior);
+  const double a = std::clamp(static_cast<double>(alpha.factor), 1e-3, 1.0);
+  const InterfaceShares outside = rough_interface(ior, a), inside = rough_interface(1 / ior, a);
+  const auto back = static_cast<float>(inside.reflected);
+  // What enters is 1 - reflected in glTF's words, and comes out by the same share as it went in.
+  const auto out = static_cast<float>(outside.transmitted * outside.transmitted / (ior * ior) /
+                                      (1 - outside.reflected));
+  return under_interface(reflectance, ior, alpha, [back, out, nonlinear](float r) {
+    return r * out / (1 - (nonlinear ? r : 1) * back);
+  });
 }
 
 Material metal(const Colour& reflectance, const Number& alpha) {

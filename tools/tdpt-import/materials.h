@@ -17,6 +17,18 @@ Material diffuse(const Colour& reflectance);
 /// the interface's mean reflectance from inside; otherwise R comes out.
 Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
 
+/// The same as Mitsuba's "roughplastic", whose interface scatters light once: what would meet it a
+/// second time is lost, inside as well, so rough ones have darker bases. `alpha` is its mean.
+Material rough_plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
+
+/// Of diffuse light that meets a rough dielectric interface (GGX, separable Smith shadowing, single
+/// scattering) of relative index `eta` (behind / in front): the shares that it reflects and lets
+/// through.
+struct InterfaceShares {
+  double reflected, transmitted;
+};
+InterfaceShares rough_interface(double eta, double alpha);
+
 /// A conductor of complex index eta + i k (relative to the outside), times `tint`.
 Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Number& alpha);
 /// A metal of this reflectance at normal incidence.

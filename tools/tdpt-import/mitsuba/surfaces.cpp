@@ -106,7 +106,9 @@ Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
   const Number rough = bsdf.type == "plastic" ? Number{0.0f, {}, {}} : alpha(bsdf);
   const Colour base = textures_.colour(bsdf, "diffuse_reflectance", Rgb(0.5f));
   const double n = relative_ior(bsdf, "polypropylene");
-  Read out{plastic(base, n, rough, bsdf.flag("nonlinear", false))};
+  const bool nonlinear = bsdf.flag("nonlinear", false);
+  Read out{bsdf.type == "plastic" ? plastic(base, n, rough, nonlinear)
+                                  : rough_plastic(base, n, rough, nonlinear)};
   const Rgb tint = textures_.plain_colour(bsdf, "specular_reflectance", Rgb(1));
   if (!is_one(tint)) {
     lose(bsdf,

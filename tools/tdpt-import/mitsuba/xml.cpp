@@ -14,7 +14,8 @@ namespace tdpt::foreign::mitsuba {
 namespace {
 
 constexpr int kDeepestInclude = 15, kDeepest = 64;
-constexpr size_t kLongestValue = size_t{1} << 26;  // of an attribute after substitution
+// Included and substituted text [bytes], which could else grow without bound.
+constexpr size_t kMostText = size_t{1} << 28;
 
 bool is_any_of(const std::string& word, std::initializer_list<const char*> all) {
   return std::any_of(all.begin(), all.end(), [&](const char* w) { return word == w; });
@@ -79,13 +80,14 @@ class Parser {
     parameters_.insert(at, {key, value});
   }
 
-  std::string substituted(std::string text, const Place& place) const {
+  std::string substituted(std::string text, const Place& place) {
     if (text.find('$') == text.npos) return text;
     for (const auto& [key, value] : parameters_)
       for (size_t at = 0; (at = text.find(key, at)) != text.npos; at += value.size()) {
         text.replace(at, key.size(), value);
-        if (text.size() > kLongestValue) Source::fail(place, "a value that is too long");
+        if (text.size() > kMostText) Source::fail(place, "a value that is too long");
       }
+    take(text.size(), place);
     const size_t left = text.find('$');
     if (left == text.npos) return text;
     size_t end = left + 1;
@@ -96,8 +98,12 @@ class Parser {
                             "\" has no value: neither a default nor --define gives it one");
   }
 
-  std::map<std::string, std::string> attributes_of(const pugi::xml_node& node,
-                                                   const Place& place) const {
+  void take(size_t bytes, const Place& place) {
+    taken_ += bytes;
+    if (taken_ > kMostText) Source::fail(place, "the scene's includes and $names grow too large");
+  }
+
+  std::map<std::string, std::string> attributes_of(const pugi::xml_node& node, const Place& place) {
     std::map<std::string, std::string> out;
     for (const pugi::xml_attribute& a : node.attributes())
       out[a.name()] = substituted(a.value(), place);
@@ -130,9 +136,9 @@ class Parser {
 
   void include(const Place& place, const std::string& name, int depth, Object& into) {
     if (depth + 1 > kDeepestInclude) Source::fail(place, "includes are nested too deeply");
-    included_ += 1;
-    if (included_ > 10000) Source::fail(place, "more than 10000 includes");
-    read_file(source_.read(name, place), source_.shown_name(name), depth + 1, into);
+    const std::string text = source_.read(name, place);
+    take(text.size() + 1024, place);
+    read_file(text, source_.shown_name(name), depth + 1, into);
   }
 
   // ---- elements
@@ -207,7 +213,7 @@ class Parser {
     bsdf.type = "twosided";
   }
 
-  Affine map_of(const pugi::xml_node& node, const File& file) const {
+  Affine map_of(const pugi::xml_node& node, const File& file) {
     Affine map;
     for (const pugi::xml_node& step : node.children()) {
       if (step.type() != pugi::node_element) continue;
@@ -263,7 +269,7 @@ class Parser {
   std::vector<std::pair<std::string, std::string>> parameters_;  // "$name", value
   std::unordered_map<std::string, const Object*> named_;
   std::unordered_map<const Object*, int> heights_;
-  size_t included_ = 0;
+  size_t taken_ = 0;  // of kMostText
 };
 
 }  // namespace
