@@ -32,15 +32,20 @@ def mean_of(path):
     return np.minimum(exr_read(path)[0][..., :3], PEAK).mean(axis=(0, 1))
 
 
-def by_mitsuba(bench, name, path):
-    """A picture by Mitsuba 3, or why there is none."""
+def by_mitsuba(bench, name, paths):
+    """A picture by Mitsuba 3 of the first file that it reads, or why there is none."""
     out = bench.cache / f"{name}.mitsuba.exr"
     told = out.with_suffix(".json")
     if not told.exists():
-        run = measure([peers_python(), str(INSIDE), str(path), str(out), str(bench.settings.width),
-                       str(bench.settings.peer_spp)])
-        lines = (run.said if run.status == 0 else run.errors).strip().split("\n")
-        told.write_text(lines[-1] if run.status == 0 else json.dumps({"failed": lines[-1][:200]}))
+        facts = {"failed": "no file for Mitsuba"}
+        for path in paths:
+            run = measure([peers_python(), str(INSIDE), str(path), str(out), str(bench.settings.width),
+                           str(bench.settings.peer_spp)])
+            if run.status == 0:
+                facts = json.loads(run.said.strip().split("\n")[-1])
+                break
+            facts = {"failed": next((line for line in run.errors.split("\n") if "Error" in line), "")[-150:]}
+        told.write_text(json.dumps(facts))
     facts = json.loads(told.read_text())
     return (out, facts) if "failed" not in facts else (None, facts)
 
@@ -78,7 +83,7 @@ def imported(bench):
     for name in dict.fromkeys(name for name, _, _ in found):
         of_name = [(form, path) for n, form, path in found if n == name]
         references = sorted((path for form, path in of_name if form == "Mitsuba"), key=version_of, reverse=True)
-        reference, facts = by_mitsuba(bench, name, references[0]) if references else (None, {"failed": "no such file"})
+        reference, facts = by_mitsuba(bench, name, references)
         for form, path in of_name:
             label = f"{form} {version_of(path)}" if form == "Mitsuba" else f"{form} {path.parent.parent.name}"
             told, picture, cpu = ours(bench, name, path.parent.parent.name, path)
@@ -92,7 +97,7 @@ def imported(bench):
                 checked([bench.store.program("exrdiff"), str(picture), str(reference), "--side-by-side", str(pair)])
             rows.append((name, label, told["triangles"],
                          f"{cpu:.1f}", len(told["losses"]), ratio,
-                         f"{facts['error'] * 100:.1f} %" if reference else facts["failed"][:60]))
+                         f"{facts['error'] * 100:.1f} %" if reference else facts["failed"]))
             bench.say(" | ".join(map(str, rows[-1])))
     print(pages.table(("scene", "format", "triangles", "CPU s", "losses", "ours / Mitsuba (red green blue)", "s.e."), rows))
     for name, label, why in refused:

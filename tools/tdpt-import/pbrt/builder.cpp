@@ -89,7 +89,8 @@ Parameters Builder::parameters(size_t attribute) {
 
 void Builder::set_transform(const Affine& to) {
   if (!state_.is_active) {
-    context_.source.lose(tokens_.place(), "movement: the transformations at the start are kept");
+    context_.source.lose(tokens_.place(),
+                         "movement is left out: the transformations at the start are kept");
     return;
   }
   if (!is_finite(to)) Source::fail(tokens_.place(), "the transformation is too large");
@@ -174,11 +175,12 @@ void Builder::add_shape(const std::string& kind, const Parameters& list) {
   const bool is_body_turned = painter_[state_.surface].turned;
   shape.turned = state_.is_reversed != is_body_turned;
   if (state_.area && object_)
-    context_.source.lose(list.place, "the light of shapes of an object with instances, as in pbrt");
+    context_.source.lose(list.place,
+                         "the light of shapes of an object with instances is left out, as in pbrt");
   else
     shape.emission = emission(*geometry, shape.to_world);
   if (shape.emission && is_body_turned && !shape.emission->both_sides) {
-    context_.source.lose(list.place, "the side from which a body of glass emits light");
+    context_.source.lose(list.place, "the side from which a body of glass emits light is not kept");
     shape.emission->both_sides = true;
   }
   list.lose_unread(context_.source, fmt::format("the shape \"{}\"", shown(kind)));

@@ -51,13 +51,14 @@ Film read_film(Context& context, const std::string& kind, const Parameters& list
     scale = exposure_time * list.number("iso", 100) / 100;
     const std::string sensor = list.text("sensor", "cie1931");
     if (sensor != "cie1931" || list.number("whitebalance", 0) != 0)
-      context.source.lose(list.place, "the film's sensor and white balance, which change colours");
+      context.source.lose(
+          list.place, "the film's sensor and white balance, which change colours, are left out");
   } else {
     scale = list.number("scale", 1);
   }
   if (std::abs(scale - 1) > 1e-6)
     context.source.lose(list.place, fmt::format("the film's exposure, which multiplies the picture "
-                                                "by {:.6g}",
+                                                "by {:.6g}, is left out",
                                                 scale));
   if (kind != "image" && kind != "rgb" && kind != "gbuffer" && kind != "spectral")
     context.source.lose(list.place, fmt::format("the film \"{}\" is not known", shown(kind)));
@@ -73,9 +74,10 @@ void add_camera(Context& context, const std::string& kind, const Parameters& lis
   const double open = list.number("shutteropen", 0), close = list.number("shutterclose", 1);
   const Film film = read_film(context, film_kind, film_list, std::abs(close - open));
   if (kind != "perspective") {
-    context.source.lose(list.place, fmt::format("the camera \"{}\", as only perspective ones "
-                                                "can be written",
-                                                shown(kind)));
+    context.source.lose(list.place,
+                        fmt::format("the camera \"{}\" is left out, as only perspective ones "
+                                    "can be written",
+                                    shown(kind)));
     return;
   }
   const double aspect = static_cast<double>(film.width) / film.height;

@@ -44,7 +44,8 @@ struct Directives {
   static void use_coordinate_system(Builder& b) {
     const auto it = b.systems_.find(b.name());
     if (it == b.systems_.end())
-      b.context_.source.lose(b.tokens_.place(), "a coordinate system that was not defined");
+      b.context_.source.lose(b.tokens_.place(),
+                             "a coordinate system that was not defined is ignored");
     else
       b.set_transform(it->second);
   }
@@ -111,7 +112,9 @@ struct Directives {
   static void world_end(Builder& b) {
     b.is_done_ = true;
     const std::optional<Token> more = b.tokens_.next();
-    if (more) b.context_.source.lose(b.tokens_.place(), "what follows the end of the first world");
+    if (more)
+      b.context_.source.lose(b.tokens_.place(),
+                             "what follows the end of the first world is left out");
   }
 
   // The world.

@@ -62,11 +62,13 @@ Lists read_lists(Context& context, const Parameters& list, size_t corners) {
   const size_t count = l.points->size() / 3;
   if (!l.indices && count != corners) Source::fail(list.place, "a mesh without \"indices\"");
   if (l.normals && l.normals->size() != l.points->size()) {
-    context.source.lose(list.place, "normals of a mesh that has another number of points");
+    context.source.lose(list.place,
+                        "normals of a mesh that has another number of points are left out");
     l.normals = nullptr;
   }
   if (l.uv && l.uv->size() / 2 < count) {
-    context.source.lose(list.place, "texture coordinates of a mesh that has more points");
+    context.source.lose(list.place,
+                        "texture coordinates of a mesh that has more points are left out");
     l.uv = nullptr;
   }
   if (l.indices)
@@ -150,7 +152,8 @@ Geometry patches(Context& context, const Parameters& list) {
 }
 
 Geometry subdivided(Context& context, const Parameters& list) {
-  context.source.lose(list.place, "the subdivision of \"loopsubdiv\", whose control mesh is kept");
+  context.source.lose(list.place,
+                      "the subdivision of \"loopsubdiv\" is left out: its control mesh is kept");
   list.ignore({"levels", "nlevels", "scheme"});
   Geometry g = triangles(context, list, "loopsubdiv");
   smooth(context.scene.meshes[g.mesh]);
@@ -172,7 +175,7 @@ double positive(const Parameters& list, const std::string& name, double absent) 
 void lose_parts(Context& context, const Parameters& list, const std::string& kind, bool is_part) {
   if (list.number("phimax", 360) < 360 || is_part)
     context.source.lose(list.place,
-                        fmt::format("parts cut from a \"{}\", which becomes whole", kind));
+                        fmt::format("a \"{}\" of which parts are cut away becomes whole", kind));
 }
 
 }  // namespace
@@ -220,7 +223,7 @@ std::optional<Geometry> Geometries::read(Context& context, const std::string& ki
     });
     g.faces = context.scene.meshes[g.mesh].triangles.size();
     if (!list.texture("displacement").empty())
-      context.source.lose(list.place, "the displacement of meshes");
+      context.source.lose(list.place, "the displacement of meshes is left out");
     list.ignore({"edgelength", "shadowalpha"});
     return g;
   }
@@ -244,7 +247,9 @@ std::optional<Geometry> Geometries::read(Context& context, const std::string& ki
     g.mesh = shared("[cylinder]", [] { return cylinder(); });
     g.to_object = translated({0, 0, low}) * scaled_by({r, r, high - low});
   } else {
-    context.source.lose(list.place, fmt::format("shapes of the kind \"{}\"", shown(kind)));
+    context.source.lose(
+        list.place,
+        fmt::format("shapes of the kind \"{}\" are not read and left out", shown(kind)));
     list.ignore_all();
     return {};
   }

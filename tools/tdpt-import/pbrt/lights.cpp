@@ -133,18 +133,18 @@ void add_infinite(Context& context, const Parameters& list, const Affine& to_wor
   } else if (!sky.image && !context.scene.sky->image) {
     context.scene.sky->colour = context.scene.sky->colour + sky.colour;
   } else {
-    context.source.lose(list.place, "infinite lights after the first");
+    context.source.lose(list.place, "infinite lights after the first are left out");
   }
 }
 
 void add_goniometric(Context& context, const Parameters& list, const Affine& to_world) {
-  context.source.lose(list.place, "the distribution of a goniometric light, which becomes a point");
+  context.source.lose(list.place, "a goniometric light becomes a point that shines evenly");
   list.ignore({"filename", "mapname"});
   add_point(context, list, to_world);
 }
 
 void add_projection(Context& context, const Parameters& list, const Affine& to_world) {
-  context.source.lose(list.place, "the image of a projector, which becomes a spot");
+  context.source.lose(list.place, "a projector becomes a spot without its image");
   list.ignore({"filename", "mapname", "power"});
   Lamp lamp;
   lamp.kind = Lamp::Kind::spot;
@@ -176,13 +176,15 @@ void add_light(Context& context, const std::string& kind, const Parameters& list
       list.lose_unread(context.source, fmt::format("the light \"{}\"", kind));
       return;
     }
-  context.source.lose(list.place, fmt::format("the light \"{}\" is not known", shown(kind)));
+  context.source.lose(list.place,
+                      fmt::format("the light \"{}\" is not known and left out", shown(kind)));
 }
 
 AreaLight area_light(Context& context, const std::string& kind, const Parameters& list) {
   AreaLight light;
   if (kind != "diffuse" && kind != "area") {
-    context.source.lose(list.place, fmt::format("the area light \"{}\" is not known", shown(kind)));
+    context.source.lose(
+        list.place, fmt::format("the area light \"{}\" is not known and left out", shown(kind)));
     return light;
   }
   light.emission.radiance.factor = light_colour(context, list, "L");

@@ -28,8 +28,9 @@ size_t Painter::material(Context& context, const Textures& textures, size_t surf
   // Behind an opaque surface a medium is never seen.
   const bool is_open = m.transmission > 0 || m.invisible || m.opacity.factor < 1 || alpha;
   if (!inside.empty() && !attenuation && is_open)
-    context.source.lose(shape.place, "media other than absorbing ones within glass");
-  if (!outside.empty()) context.source.lose(shape.place, "media in front of a surface");
+    context.source.lose(shape.place, "media other than absorbing ones within glass are left out");
+  if (!outside.empty())
+    context.source.lose(shape.place, "media in front of a surface are left out");
 
   const std::string alpha_key =
       alpha ? alpha->texture ? shape.texture("alpha") : fmt::format("{}", alpha->factor) : "";

@@ -143,7 +143,7 @@ const SurfaceKind* kind_of(const std::string& name) {
 void read_bumps(const Reader& r, Material& m) {
   const auto bump = r.textures.number(r.context, r.list, r.context.v4 ? "displacement" : "bumpmap");
   if (bump && bump->texture) {
-    if (bump->curve) r.lose("the curve of the heights of bumps");
+    if (bump->curve) r.lose("the curve of the heights of bumps is left out");
     m.bump = bump->texture;
     m.bump_scale = bump->factor;
   }

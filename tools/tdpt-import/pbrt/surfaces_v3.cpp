@@ -12,7 +12,8 @@ namespace {
 
 Surface matte(const Reader& r) {
   const Number sigma = r.number("sigma", 0);
-  if (sigma.factor != 0 || sigma.texture) r.lose("the roughness \"sigma\" of the diffuse surface");
+  if (sigma.factor != 0 || sigma.texture)
+    r.lose("the roughness \"sigma\" of the diffuse surface is left out");
   return {diffuse(r.colour("Kd", 0.5f))};
 }
 
@@ -81,7 +82,7 @@ Surface translucent(const Reader& r) {
   const Colour kd = r.colour("Kd", 0.25f);
   const Rgb ks = r.flat_colour("Ks", 0.25f), reflect = r.flat_colour("reflect", 0.5f);
   const Rgb transmit = r.flat_colour("transmit", 0.5f);
-  if (!is_black(transmit)) r.lose("light that is scattered through the surface");
+  if (!is_black(transmit)) r.lose("light that is scattered through the surface is left out");
   Colour seen = kd;
   seen.factor = kd.factor * reflect;
   return {lobes(r, seen, ks * reflect, 1.5, alpha(r, 0.1))};
@@ -119,11 +120,11 @@ Surface disney(const Reader& r) {
   const float tint = r.flat_number("speculartint", 0), y = luminance(m.base.factor);
   if (tint > 0 && y > 0 && !m.base.texture)
     m.specular_colour = Rgb(1 - tint) + m.base.factor * (tint / y);
-  if (r.flat_number("sheen", 0) > 0) r.lose("sheen");
-  if (r.flat_number("anisotropic", 0) > 0) r.lose("anisotropic roughness");
-  if (!is_black(r.flat_colour("scatterdistance", 0))) r.lose("subsurface scattering");
+  if (r.flat_number("sheen", 0) > 0) r.lose("sheen is left out");
+  if (r.flat_number("anisotropic", 0) > 0) r.lose("anisotropic roughness is left out");
+  if (!is_black(r.flat_colour("scatterdistance", 0))) r.lose("subsurface scattering is left out");
   if (is_thin && r.flat_number("difftrans", 1) > 0)
-    r.lose("light that is scattered through the surface");
+    r.lose("light that is scattered through the surface is left out");
   r.list.ignore({"sheentint", "flatness", "difftrans"});
   return s;
 }

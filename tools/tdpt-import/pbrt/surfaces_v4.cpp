@@ -21,7 +21,7 @@ double ior_v4(const Reader& r, const std::string& name, double absent) {
 // Light passes the layer twice, at a mean of 1 / cosine of 1.15 each way: exp(-2.3 thickness).
 Surface coateddiffuse(const Reader& r) {
   const float thickness = r.flat_number("thickness", 0.01);
-  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat");
+  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
   r.list.ignore({"maxdepth", "nsamples", "g"});
   const Colour base =
       scaled(r.colour("reflectance", 0.5f), std::exp(-2.3f * std::clamp(thickness, 0.0f, 100.0f)));
@@ -62,7 +62,7 @@ Surface thindielectric(const Reader& r) {
 Surface diffusetransmission(const Reader& r) {
   const float scale = static_cast<float>(r.list.number("scale", 1));
   r.colour("transmittance", 0.25f);
-  r.lose("light that is scattered through the surface");
+  r.lose("light that is scattered through the surface is left out");
   return {diffuse(scaled(r.colour("reflectance", 0.25f), scale))};
 }
 
