@@ -39,11 +39,17 @@ def by_mitsuba(bench, name, paths):
     if not told.exists():
         facts = {"failed": "no file for Mitsuba"}
         for path in paths:
+            same = bench.cache / f"{name.rpartition('.')[0]}.{version_of(path)}.mitsuba.json"
+            if same != told and same.exists() and "failed" not in json.loads(same.read_text()):
+                return same.with_suffix(".exr"), json.loads(same.read_text())
             run = measure([peers_python(), str(INSIDE), str(path), str(out), str(bench.settings.width),
                            str(bench.settings.peer_spp)])
             if run.status == 0:
                 facts = json.loads(run.said.strip().split("\n")[-1])
-                break
+                if any(facts["mean"]):
+                    break
+                facts = {"failed": "Mitsuba 3 reads no light of it"}
+                continue
             facts = {"failed": next((line for line in run.errors.split("\n") if "Error" in line), "")[-150:]}
         told.write_text(json.dumps(facts))
     facts = json.loads(told.read_text())
@@ -82,11 +88,13 @@ def imported(bench):
     rows, refused = [], []
     for name in dict.fromkeys(name for name, _, _ in found):
         of_name = [(form, path) for n, form, path in found if n == name]
-        references = sorted((path for form, path in of_name if form == "Mitsuba"), key=version_of, reverse=True)
-        reference, facts = by_mitsuba(bench, name, references)
+        references = sorted((path for form, path in of_name if form == "Mitsuba"), key=version_of)
         for form, path in of_name:
-            label = f"{form} {version_of(path)}" if form == "Mitsuba" else f"{form} {path.parent.parent.name}"
+            label = f"{form} {version_of(path)}" if form == "Mitsuba" else path.parent.parent.name
             told, picture, cpu = ours(bench, name, path.parent.parent.name, path)
+            # A file of Mitsuba's is compared with itself, others with the oldest, which was edited least.
+            reference, facts = (by_mitsuba(bench, f"{name}.{version_of(path)}", [path]) if form == "Mitsuba" else
+                                by_mitsuba(bench, f"{name}.first", references))
             if picture is None:
                 refused.append((name, label, told["refused"]))
                 continue

@@ -73,6 +73,8 @@ BENCHMARKS = {  # name: (module, function, what it does)
                      "of doc/scenes.md"),
     "imported": ("imported", "imported", "scenes of Mitsuba, pbrt and Tungsten beside Mitsuba's own pictures, by `make peers`: "
                  "prints the table of doc/scenes.md (FOLDER=FOLDER; half an hour)"),
+    "paper-scenes": ("paper_scenes", "paper_scenes", "the paper's scenes out of Bitterli's archives for Mitsuba, edited and "
+                     "imported (FOLDER=FOLDER OUT=FOLDER)"),
     "work-model": ("promises", "work_model", "fits the tables of tools/tdpt-render/plan/work_model.h"),
     "rooms": ("rooms", "write_all_rooms", "made-up rooms for an environment, in a folder"),
     "many-triangles": ("rooms", "write_many_triangles", "two rooms of so many triangles, in a file"),

@@ -161,11 +161,15 @@ void Writer::add(const Camera& camera) {
       {{"name", shown(camera.name, 200)},
        {"type", "perspective"},
        {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
-  if (camera.lens_radius > 0)
-    source_.lose({source_.path(), ""},
-                 fmt::format("depth of field is left out: give --focus {:.4g} and an aperture of "
-                             "{:.4g} across to tdpt (--fstop)",
-                             camera.focus_distance, 2 * camera.lens_radius));
+  if (camera.lens_radius > 0) {
+    // As tdpt has it: a film 36 mm along its longer side.
+    const double focal = 0.018 / (std::tan(camera.yfov / 2) * std::max(1.0, aspect));
+    source_.lose(
+        {source_.path(), ""},
+        fmt::format(
+            "depth of field is no part of glTF: give --f-stop {:.4g} --focus {:.4g} to tdpt",
+            focal / (2 * camera.lens_radius), camera.focus_distance));
+  }
   if (camera.shift_x != 0 || camera.shift_y != 0)
     source_.lose({source_.path(), ""}, "the shift of the camera is left out");
   // Exactly at right angles: y is kept up in the picture.

@@ -302,7 +302,8 @@ TEST(ImportWriter, WhatGltfLacksIsNamed) {
   d.materials[0].base.factor = Rgb(1.5f);
   const std::vector<std::string> losses = write(d).losses;
   ASSERT_EQ(losses.size(), 3u);
-  EXPECT_NE(losses[0].find("--focus 3"), std::string::npos);
+  // 18 mm / (2 tan 0.25) of focal length, over 0.2 m.
+  EXPECT_NE(losses[0].find("--f-stop 0.1762 --focus 3"), std::string::npos) << losses[0];
   EXPECT_EQ(losses[1], "reflectances above 1 are taken as 1");
   EXPECT_EQ(losses[2], "bump maps are left out");
 }
