@@ -78,6 +78,7 @@ struct Material {
   std::optional<Texture> normal{};  ///< a tangent-space map, +Y up in the image
   std::optional<Texture> bump{};    ///< heights; times bump_scale in units of length
   double bump_scale = 1;
+  bool tinted = false;     ///< a metal that reflects less than all light at grazing angles, too
   bool invisible = false;  ///< shapes of it are left out, unless they emit
 };
 

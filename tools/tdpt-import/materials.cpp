@@ -206,12 +206,16 @@ Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Numbe
   base.factor = tint.factor * f0;
   Material m = metal(base, alpha);
   const bool tinted = tint.factor.x != 1 || tint.factor.y != 1 || tint.factor.z != 1;
+  m.tinted = tinted || tint.texture;
   if (!tinted) m.eta_k = {eta, k};
   return m;
 }
 
 Material mirror(const Colour& reflectance) {
-  return metal(reflectance, {0.0f, {}, {}});
+  Material m = metal(reflectance, {0.0f, {}, {}});
+  const Rgb& r = reflectance.factor;
+  m.tinted = reflectance.texture || r.x != 1 || r.y != 1 || r.z != 1;
+  return m;
 }
 
 Material glass(double ior, const Colour& tint, const Number& alpha, bool solid) {

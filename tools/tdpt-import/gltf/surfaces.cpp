@@ -88,6 +88,10 @@ GltfJson Surfaces::surface(const Material& m) {
   if (m.normal)
     if (GltfJson t = textures_.normal_map(*m.normal); !t.is_null())
       out["normalTexture"] = std::move(t);
+  if (m.tinted)
+    source_.lose(
+        {source_.path(), ""},
+        "metals and mirrors that are darkened at all angles reflect all light at grazing ones");
   if (m.bump) source_.lose({source_.path(), ""}, "bump maps are left out");
   if (m.eta_k) {
     out["extras"]["tdpt_eta"] = three((*m.eta_k)[0]);

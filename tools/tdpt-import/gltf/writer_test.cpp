@@ -298,14 +298,16 @@ TEST(ImportWriter, WhatGltfLacksIsNamed) {
   Described d = room({});
   d.cameras[0].lens_radius = 0.1, d.cameras[0].focus_distance = 3;
   d.materials[0].bump = Texture{};
+  d.materials[0].tinted = true;
   d.images.push_back({"bump", {}, 1, 1, {Rgb(0)}});
   d.materials[0].base.factor = Rgb(1.5f);
   const std::vector<std::string> losses = write(d).losses;
-  ASSERT_EQ(losses.size(), 3u);
+  ASSERT_EQ(losses.size(), 4u);
   // 18 mm / (2 tan 0.25) of focal length, over 0.2 m.
   EXPECT_NE(losses[0].find("--f-stop 0.1762 --focus 3"), std::string::npos) << losses[0];
   EXPECT_EQ(losses[1], "reflectances above 1 are taken as 1");
-  EXPECT_EQ(losses[2], "bump maps are left out");
+  EXPECT_NE(losses[2].find("at grazing ones"), std::string::npos);
+  EXPECT_EQ(losses[3], "bump maps are left out");
 }
 
 }  // namespace tdpt::foreign::writer_test
