@@ -141,7 +141,9 @@ Material Surfaces::read(const Node& bsdf, int depth) {
   const auto ior = [&](double otherwise) {
     const double v = bsdf.number("ior", otherwise);
     if (!(v > 0.1 && v < 100)) bsdf.fail(fmt::format("has an index of refraction of {}", v));
-    return v;
+    if (v >= 1) return v;
+    bsdf.lose("an index of refraction below 1 becomes its inverse");
+    return 1 / v;
   };
   const auto nested = [&](const char* key) {
     const auto inner = bsdf.find(key);

@@ -1,13 +1,16 @@
-// Parses arbitrary bytes as a Tungsten scene.
+// Parses arbitrary bytes as a Tungsten scene; what was read must hold together.
 #include "tools/tdpt-import/tungsten/tungsten.h"
 
-#include "libcommon/testing/files/fuzz.h"
+#include "tools/tdpt-import/testing/sound.h"
+
+using namespace tdpt;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace tdpt;
-  testing::reads([&] {
-    foreign::Source source(testing::file_of(testing::text_of(data, size)));
-    foreign::read_tungsten(source);
-  });
+  foreign::Described scene;
+  if (testing::reads([&] {
+        foreign::Source source(testing::file_of(testing::text_of(data, size)));
+        scene = foreign::read_tungsten(source);
+      }))
+    foreign::require_sound(scene);
   return 0;
 }
