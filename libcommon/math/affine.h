@@ -16,6 +16,8 @@ struct Affine {
   Affine operator*(const Affine& b) const {
     return {vector(b.x), vector(b.y), vector(b.z), point(b.t)};
   }
+  /// Without the translation; of a rotation the inverse.
+  Affine transposed() const { return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}, {}}; }
   /// Whether it changes handedness (negative determinant).
   bool mirrors() const {
     // Only the sign matters, so each column may be scaled: products stay in range.

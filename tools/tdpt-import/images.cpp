@@ -1,5 +1,6 @@
 #include "tools/tdpt-import/images.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -31,6 +32,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/formats/radiance_hdr.h"
+#include "libcommon/scene/srgb.h"
 
 namespace tdpt::foreign {
 namespace {
@@ -153,6 +155,14 @@ std::string plain_jpeg(const std::string& jpeg) {
 }
 
 }  // namespace
+
+Rgb linear_of(const Rgb& coded) {
+  const LinearTable& table = linear_of_srgb();
+  const auto one = [&](float v) {
+    return table[static_cast<size_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)))];
+  };
+  return {one(coded.x), one(coded.y), one(coded.z)};
+}
 
 std::string plain_file(const std::string& bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return plain_png(bytes);

@@ -18,6 +18,9 @@ struct Texels {
 /// Decodes PNG, JPEG, TGA, BMP, PNM, PSD, GIF, Radiance .hdr, PFM and OpenEXR. Throws InputError.
 Texels decode(std::string_view bytes, const std::string& name);
 
+/// A colour of an 8-bit file, 0..1, decoded from sRGB.
+Rgb linear_of(const Rgb& coded);
+
 /// A PNG or JPEG without what glTF does not allow and readers ignore: of a PNG the pixels alone, in
 /// square pixels without colour profiles, of a JPEG everything but its profile and density. Other
 /// bytes are returned as they are.

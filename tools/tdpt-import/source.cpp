@@ -72,8 +72,8 @@ std::string Source::shown_name(const std::string& name) const {
 void Source::search(const std::string& folder, const Place& place) {
   const fs::path normal = fs::path(with_slashes(folder)).lexically_normal();
   if (normal.is_absolute() || (!normal.empty() && *normal.begin() == ".."))
-    fail(place,
-         "\"" + shown(folder) + "\" is not a folder in the scene's own, which is all that is read");
+    return lose(place, "the search path \"" + shown(folder) +
+                           "\" leads out of the scene's folder and is not searched");
   searched_.push_back(normal.string());
 }
 

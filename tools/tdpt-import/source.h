@@ -32,7 +32,8 @@ class Source {
   bool has(const std::string& name, const Place& place);
   /// Name in messages of a file that read() was given: beside the scene's own path.
   std::string shown_name(const std::string& name) const;
-  /// A folder, relative to that of the scene, which read() tries before the others.
+  /// A folder, relative to that of the scene, which read() tries before the others. One outside
+  /// is named as lost and not searched.
   void search(const std::string& folder, const Place& place);
 
   /// Says that something of the scene is lost. The same sentence again only counts.

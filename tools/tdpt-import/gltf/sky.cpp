@@ -16,10 +16,6 @@ using std::numbers::pi;
 
 constexpr int kWidest = 8192;  // of an environment
 
-Affine transposed(const Affine& r) {
-  return {{r.x.x, r.y.x, r.z.x}, {r.x.y, r.y.y, r.z.y}, {r.x.z, r.y.z, r.z.z}, {}};
-}
-
 // Texel at continuous coordinates, bilinear; columns wrap, rows end.
 Rgb sample_latlong(const Texels& t, const Vec3d& d) {
   const double u = 0.5 + std::atan2(d.x, -d.z) / (2 * pi);
@@ -96,12 +92,10 @@ WrittenSky written_sky(const Described& scene, const Frame& frame, Source& sourc
   Texels t = image.bytes.empty() ? Texels{image.width, image.height, false, image.texels, {}}
                                  : decode(image.bytes, source.shown_name(image.name));
   if (t.is_8bit)
-    for (Rgb& c : t.rgb)
-      for (float* v : {&c.x, &c.y, &c.z})
-        *v = *v <= 0.04045f ? *v / 12.92f : std::pow((*v + 0.055f) / 1.055f, 2.4f);
+    for (Rgb& c : t.rgb) c = linear_of(c);
   for (Rgb& c : t.rgb) c = max(c, Rgb(0));
 
-  const Affine to_map = sky.to_map * transposed(frame.to_gltf);
+  const Affine to_map = sky.to_map * frame.to_gltf.transposed();
   const bool grey = sky.colour.x == sky.colour.y && sky.colour.y == sky.colour.z;
   const bool turned = is_near(to_map.y, {0, 1, 0}) && !to_map.mirrors();
   const bool plain =
@@ -112,7 +106,7 @@ WrittenSky written_sky(const Described& scene, const Frame& frame, Source& sourc
     out.bytes = image.bytes;
     // The map's -z lies at to_map's inverse of it; a positive rotation is counter-clockwise from
     // above.
-    const Vec3d centre = transposed(to_map).vector({0, 0, -1});
+    const Vec3d centre = to_map.transposed().vector({0, 0, -1});
     const double degrees = std::atan2(-centre.x, -centre.z) * 180 / pi;
     if (std::abs(degrees) > 1e-9) out.extras["tdpt_environment_rotation"] = degrees;
     if (sky.colour.x != 1) out.extras["tdpt_environment_scale"] = sky.colour.x;

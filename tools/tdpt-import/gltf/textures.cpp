@@ -11,10 +11,6 @@
 namespace tdpt::foreign {
 namespace {
 
-float linear_of(float coded) {
-  return coded <= 0.04045f ? coded / 12.92f : std::pow((coded + 0.055f) / 1.055f, 2.4f);
-}
-
 uint8_t byte_of(float v) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
 }
@@ -27,8 +23,7 @@ uint8_t coded_of(float linear) {
 // A texel as a linear colour, or as a number.
 Rgb colour_at(const Texels& t, const Texture& how, size_t i) {
   const Rgb& c = t.rgb[i];
-  if (!t.is_8bit || !how.srgb) return c;
-  return {linear_of(c.x), linear_of(c.y), linear_of(c.z)};
+  return t.is_8bit && how.srgb ? linear_of(c) : c;
 }
 
 float number_at(const Texels& t, const Texture& how, size_t i) {

@@ -9,6 +9,7 @@ namespace tdpt::foreign::tungsten {
 namespace {
 
 constexpr int kDeepest = 16;  // nested surfaces
+const Number kSmooth{0.0f, {}, {}};
 
 Rgb rgb(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -135,90 +136,108 @@ Material Surfaces::read_nested(const Node& bsdf, int depth) {
   return read(it->second, depth);
 }
 
-Material Surfaces::read(const Node& bsdf, int depth) {
-  if (!bsdf.is_object()) bsdf.fail("is no surface: neither a name nor an object");
-  const std::string type = bsdf.text("type", "");
-  const auto ior = [&](double otherwise) {
-    const double v = bsdf.number("ior", otherwise);
-    if (!(v > 0.1 && v < 100)) bsdf.fail(fmt::format("has an index of refraction of {}", v));
-    if (v >= 1) return v;
-    bsdf.lose("an index of refraction below 1 becomes its inverse");
-    return 1 / v;
-  };
-  const auto nested = [&](const char* key) {
-    const auto inner = bsdf.find(key);
-    if (!inner) bsdf.fail(fmt::format("has no \"{}\"", key));
-    return read_nested(*inner, depth + 1);
-  };
+double Surfaces::ior(const Node& bsdf) {
+  const double v = bsdf.number("ior", 1.5);
+  if (!(v > 0.1 && v < 100)) bsdf.fail(fmt::format("has an index of refraction of {}", v));
+  if (v >= 1) return v;
+  bsdf.lose("an index of refraction below 1 becomes its inverse");
+  return 1 / v;
+}
+
+Material Surfaces::inner(const Node& bsdf, const char* key, int depth) {
+  const auto node = bsdf.find(key);
+  if (!node) bsdf.fail(fmt::format("has no \"{}\"", key));
+  return read_nested(*node, depth + 1);
+}
+
+Material Surfaces::plastic_of(const Node& bsdf, const Number& alpha) {
+  const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
+  if (max_component(absorbed) > 0) bsdf.lose("the absorption in the coat of plastics is left out");
+  return plastic(albedo(bsdf), ior(bsdf), alpha, true);
+}
+
+Material Surfaces::glass_of(const Node& bsdf, const Number& alpha) {
+  if (!bsdf.flag("enable_refraction", true))
+    bsdf.lose("glass that only reflects (enable_refraction) refracts");
+  return glass(ior(bsdf), albedo(bsdf), alpha, true);
+}
+
+Material Surfaces::sheet_of(const Node& bsdf) {
+  if (bsdf.flag("enable_interference", false))
+    bsdf.lose("the interference of thin sheets is left out");
+  if (max_component(bsdf.vector("sigma_a", Vec3d(0))) > 0)
+    bsdf.lose("the absorption of thin sheets is left out");
+  bsdf.ignore({"thickness"});
+  return glass(ior(bsdf), albedo(bsdf), kSmooth, false);
+}
+
+Material Surfaces::transparent(const Node& bsdf, int depth) {
+  Material m = inner(bsdf, "base", depth);
+  bsdf.ignore({"albedo"});
+  const auto alpha = bsdf.find("alpha");
+  if (alpha) m.opacity = number(*alpha);
+  if (m.opacity.texture) m.opacity.texture->alpha = true;
+  return m;
+}
+
+Material Surfaces::coated(const Node& bsdf, const Number& alpha, int depth) {
+  Material m = inner(bsdf, "substrate", depth);
+  m.coat = 1;
+  m.coat_roughness = std::sqrt(std::clamp(alpha.factor, 0.0f, 1.0f));
+  bsdf.ignore({"albedo", "ior", "thickness", "sigma_a"});
+  return m;
+}
+
+Material Surfaces::heavier(const Node& bsdf, int depth) {
+  const auto share = bsdf.find("ratio");
+  bsdf.ignore({"bsdf0", "bsdf1", "albedo"});
+  return inner(bsdf, !share || number(*share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
+}
+
+Material Surfaces::of_type(const std::string& type, const Node& bsdf, int depth) {
   const auto near_to = [&](const char* what) {
     bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(type, 40), what));
   };
-  const Number smooth_alpha{0.0f, {}, {}};
-
-  Material m;
-  if (type == "lambert") {
-    m = diffuse(albedo(bsdf));
-  } else if (type == "oren_nayar") {
+  if (type == "lambert") return diffuse(albedo(bsdf));
+  if (type == "mirror") return mirror(albedo(bsdf));
+  if (type == "conductor") return conductor_of(bsdf, kSmooth);
+  if (type == "rough_conductor") return conductor_of(bsdf, roughness(bsdf, 0.1));
+  if (type == "plastic") return plastic_of(bsdf, kSmooth);
+  if (type == "rough_plastic") return plastic_of(bsdf, roughness(bsdf, 0.02));
+  if (type == "dielectric") return glass_of(bsdf, kSmooth);
+  if (type == "rough_dielectric") return glass_of(bsdf, roughness(bsdf, 0.1));
+  if (type == "thinsheet") return sheet_of(bsdf);
+  if (type == "transparency") return transparent(bsdf, depth);
+  if (type == "oren_nayar") {
     near_to("Lambertian");
     bsdf.ignore({"roughness"});
-    m = diffuse(albedo(bsdf));
-  } else if (type == "null") {
-    bsdf.ignore({"albedo"});
-    m = diffuse({Rgb(0), {}, {}});
-  } else if (type == "forward") {
-    bsdf.ignore({"albedo"});
-    m.invisible = true;
-  } else if (type == "mirror") {
-    m = mirror(albedo(bsdf));
-  } else if (type == "conductor") {
-    m = conductor_of(bsdf, smooth_alpha);
-  } else if (type == "rough_conductor") {
-    m = conductor_of(bsdf, roughness(bsdf, 0.1));
-  } else if (type == "plastic" || type == "rough_plastic") {
-    const Number alpha = type == "plastic" ? smooth_alpha : roughness(bsdf, 0.02);
-    m = plastic(albedo(bsdf), ior(1.5), alpha, true);
-    const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
-    if (max_component(absorbed) > 0)
-      bsdf.lose("the absorption in the coat of plastics is left out");
-  } else if (type == "dielectric" || type == "rough_dielectric") {
-    const Number alpha = type == "dielectric" ? smooth_alpha : roughness(bsdf, 0.1);
-    m = glass(ior(1.5), albedo(bsdf), alpha, true);
-    if (!bsdf.flag("enable_refraction", true))
-      bsdf.lose("glass that only reflects (enable_refraction) refracts");
-  } else if (type == "thinsheet") {
-    m = glass(ior(1.5), albedo(bsdf), smooth_alpha, false);
-    if (bsdf.flag("enable_interference", false))
-      bsdf.lose("the interference of thin sheets is left out");
-    if (max_component(bsdf.vector("sigma_a", Vec3d(0))) > 0)
-      bsdf.lose("the absorption of thin sheets is left out");
-    bsdf.ignore({"thickness"});
-  } else if (type == "transparency") {
-    m = nested("base");
-    if (const auto alpha = bsdf.find("alpha")) {
-      m.opacity = number(*alpha);
-      if (m.opacity.texture) m.opacity.texture->alpha = true;
-    }
-    bsdf.ignore({"albedo"});
-  } else if (type == "smooth_coat" || type == "rough_coat") {
+    return diffuse(albedo(bsdf));
+  }
+  if (type == "smooth_coat" || type == "rough_coat") {
     near_to("a clear coat of index 1.5");
-    m = nested("substrate");
-    m.coat = 1;
-    if (type == "rough_coat")
-      m.coat_roughness = std::sqrt(std::clamp(roughness(bsdf, 0.02).factor, 0.0f, 1.0f));
-    bsdf.ignore({"albedo", "ior", "thickness", "sigma_a"});
-  } else if (type == "mixed") {
+    return coated(bsdf, type == "smooth_coat" ? kSmooth : roughness(bsdf, 0.02), depth);
+  }
+  if (type == "mixed") {
     near_to("the heavier of the two");
-    const auto share = bsdf.find("ratio");
-    m = nested(!share || number(*share).factor >= 0.5f ? "bsdf0" : "bsdf1");
-    bsdf.ignore({"bsdf0", "bsdf1", "albedo"});
-  } else {
-    bsdf.lose(
-        fmt::format("surfaces of type \"{}\" are not read: Lambertian of their albedo in "
-                    "their place",
-                    shown(type, 40)));
-    m = diffuse(albedo(bsdf));
+    return heavier(bsdf, depth);
+  }
+  if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
+    bsdf.ignore({"albedo"});
+    Material m = diffuse({Rgb(0), {}, {}});
+    m.invisible = type == "forward";
     return m;
   }
+  for (const auto& [key, value] : bsdf.json().items()) bsdf.ignore({key.c_str()});
+  bsdf.lose(
+      fmt::format("surfaces of type \"{}\" are not read: Lambertian of their albedo in their place",
+                  shown(type, 40)));
+  return diffuse(albedo(bsdf));
+}
+
+Material Surfaces::read(const Node& bsdf, int depth) {
+  if (!bsdf.is_object()) bsdf.fail("is no surface: neither a name nor an object");
+  const std::string type = bsdf.text("type", "");
+  Material m = of_type(type, bsdf, depth);
   if (const auto bump = bsdf.find("bump"); bump && !bump->is_number()) {
     Rgb scale;
     m.bump = texture(*bump, scale);

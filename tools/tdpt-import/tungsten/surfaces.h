@@ -23,7 +23,16 @@ class Surfaces {
   Material read_nested(const Node& bsdf, int depth);
   Colour albedo(const Node& bsdf);
   Number roughness(const Node& bsdf, double otherwise);
+  double ior(const Node& bsdf);
+  Material of_type(const std::string& type, const Node& bsdf, int depth);
+  Material inner(const Node& bsdf, const char* key, int depth);
   Material conductor_of(const Node& bsdf, const Number& alpha);
+  Material plastic_of(const Node& bsdf, const Number& alpha);
+  Material glass_of(const Node& bsdf, const Number& alpha);
+  Material sheet_of(const Node& bsdf);
+  Material transparent(const Node& bsdf, int depth);
+  Material coated(const Node& bsdf, const Number& alpha, int depth);
+  Material heavier(const Node& bsdf, int depth);
   std::optional<Texture> texture(const Node& node, Rgb& constant);
   Texture checker(const Node& node);
 

@@ -31,10 +31,6 @@ Affine rotation_in(const Affine& map, const Node& node) {
   return {normalize(map.x), normalize(map.y), normalize(map.z), {}};
 }
 
-Affine transposed(const Affine& r) {
-  return {{r.x.x, r.y.x, r.z.x}, {r.x.y, r.y.y, r.z.y}, {r.x.z, r.y.z, r.z.z}, {}};
-}
-
 double largest_scale(const Affine& m) {
   return std::sqrt(std::max({dot(m.x, m.x), dot(m.y, m.y), dot(m.z, m.z)}));
 }
@@ -248,7 +244,7 @@ void Reader::read_sky(const Node& node, const Affine& map) {
   Sky sky;
   sky.colour = radiance->factor;
   if (radiance->texture) sky.image = radiance->texture->image;
-  sky.to_map = kToMap * transposed(rotation_in(map, node));
+  sky.to_map = kToMap * rotation_in(map, node).transposed();
   scene_.sky = sky;
 }
 
