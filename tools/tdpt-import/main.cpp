@@ -143,8 +143,11 @@ std::string json_of(const foreign::Described& scene, const foreign::Written& w,
 
 foreign::Described described(foreign::Source& source, Format format, const Arguments& a) {
   const auto parameters = parameters_of(a, format);
-  if (format == Format::mitsuba) return foreign::read_mitsuba(source, parameters);
-  return format == Format::pbrt ? foreign::read_pbrt(source) : foreign::read_tungsten(source);
+  foreign::Described scene = format == Format::mitsuba ? foreign::read_mitsuba(source, parameters)
+                             : format == Format::pbrt  ? foreign::read_pbrt(source)
+                                                       : foreign::read_tungsten(source);
+  source.lose_unread();
+  return scene;
 }
 
 int run(const Arguments& a, const cli::Common& common) {

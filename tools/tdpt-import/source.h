@@ -1,4 +1,4 @@
-// The files of a scene, and what is lost of them.
+// The files of a scene, what is lost of them, and the account of their keys.
 #pragma once
 #include <map>
 #include <string>
@@ -12,6 +12,21 @@ namespace tdpt::foreign {
 struct Place {
   std::string file;   ///< as displayed
   std::string where;  ///< "line 45", "primitives[3].emission"
+};
+
+class Source;
+
+/// A key of the scene's files: a member of an object, a parameter, an attribute. It is entered when
+/// it is parsed and taken by whoever reads its value [Source::enter].
+class Key {
+ public:
+  Key() = default;  ///< of no file
+  void take() const;
+
+ private:
+  friend class Source;
+  Source* source_ = nullptr;
+  size_t number_ = 0;
 };
 
 /// Reads the scene's files and remembers them, and collects what is lost.
@@ -39,6 +54,15 @@ class Source {
   /// Says that something of the scene is lost. The same sentence again only counts.
   void lose(const Place& place, const std::string& sentence);
 
+  /// The same of paths of more than so many edges, which the source leaves out, unless they hold
+  /// next to no light.
+  void lose_longer_paths(const Place& place, double edges);
+  /// Enters a key into the account. `sentence` is what is lost if nobody takes it; empty: nothing.
+  /// `holder` is the key in whose value this one stands: if nobody takes that, nobody misses this.
+  Key enter(const Key& holder, const Place& place, const std::string& sentence);
+  /// Names the keys that nobody took as lost.
+  void lose_unread();
+
   struct Loss {
     std::string sentence;
     Place first;
@@ -56,6 +80,7 @@ class Source {
   }
 
  private:
+  friend class Key;
   std::string found(const std::string& name, const Place& place, std::string& real) const;
 
   std::string path_, folder_, text_;
@@ -63,6 +88,13 @@ class Source {
   std::vector<Loss> losses_;
   std::map<std::string, size_t> lost_;
   std::vector<File> files_;
+  struct Unread {
+    size_t holder;
+    Place place;
+    std::string sentence;
+  };
+  std::map<size_t, Unread> unread_;  // of keys that nobody took yet, in their order in the files
+  size_t entered_ = 0;
 };
 
 }  // namespace tdpt::foreign

@@ -19,7 +19,6 @@ class Lights {
       : e_(emitter), scene_(scene), source_(source), textures_(textures) {}
 
   void add() {
-    e_.ignore({"sampling_weight", "mis_compensation", "cache"});
     if (e_.type == "point")
       point();
     else if (e_.type == "spot")
@@ -33,9 +32,9 @@ class Lights {
     else
       return source_.lose(e_.place, fmt::format("emitters of type \"{}\" are not read and left out",
                                                 shown(e_.type, 40)));
+    e_.ignore({"sampling_weight", "mis_compensation", "cache"});  // how it is sampled and kept
     for (const Object* medium : e_.nested("medium"))
       source_.lose(medium->place, "media (fog, absorption, scattering) are left out");
-    e_.tell_unread(source_);
   }
 
  private:

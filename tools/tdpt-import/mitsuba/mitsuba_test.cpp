@@ -29,6 +29,7 @@ class scene : public ::testing::Test {
   Described read(const std::string& text, const Parameters& parameters = {}) {
     Source source(folder_.write("a.xml", text));
     Described d = read_mitsuba(source, parameters);
+    source.lose_unread();
     losses_.clear();
     for (const Source::Loss& loss : source.losses())
       losses_ += loss.first.where + ": " + loss.sentence + "\n";

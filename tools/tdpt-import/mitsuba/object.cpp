@@ -44,10 +44,12 @@ void Value::fail(const std::string& message) const {
 }
 
 const std::string& Value::text(const std::string& attribute) const {
+  contents.take();
   const auto it = attributes.find(attribute);
   if (it == attributes.end())
     fail(fmt::format("the {} \"{}\" has no attribute \"{}\"", tag, shown(name, 40), attribute));
-  return it->second;
+  it->second.key.take();
+  return it->second.text;
 }
 
 double Value::number(const std::string& attribute) const {
@@ -61,9 +63,10 @@ void Object::fail(const std::string& message) const {
 }
 
 const Value* Object::find(const std::string& name) const {
+  key.take();
   for (auto v = values.rbegin(); v != values.rend(); ++v)
     if (v->name == name) {
-      v->used = true;
+      v->key.take();
       return &*v;
     }
   return nullptr;
@@ -137,10 +140,11 @@ Affine Object::map(const std::string& name, Source& source) const {
 }
 
 std::vector<const Object*> Object::nested(const std::string& kind) const {
+  key.take();
   std::vector<const Object*> out;
   for (const Value& v : values)
     if (v.object && v.object->tag == kind) {
-      v.used = true;
+      v.key.take();
       out.push_back(v.object);
     }
   return out;
@@ -151,20 +155,7 @@ void Object::ignore(std::initializer_list<const char*> names) const {
 }
 
 void Object::ignore_all() const {
-  for (const Value& v : values) v.used = true;
-}
-
-void Object::tell_unread(Source& source) const {
-  if (told) return;
-  told = true;
-  for (const Value& v : values)
-    if (!v.used && v.object)
-      source.lose(v.place, fmt::format("the {} in a {} is left out", described(*v.object),
-                                       described(*this)));
-    else if (!v.used)
-      source.lose(v.place,
-                  fmt::format("the parameter \"{}\" of the {} is not read",
-                              shown(v.name.empty() ? v.tag : v.name, 40), described(*this)));
+  for (const Value& v : values) v.key.take();
 }
 
 }  // namespace tdpt::foreign::mitsuba

@@ -12,18 +12,26 @@ namespace tdpt::foreign::mitsuba {
 
 struct Object;
 
+/// An attribute of an element.
+struct Attribute {
+  std::string text;
+  Key key{};
+};
+using Attributes = std::map<std::string, Attribute>;
+
 /// A child element of an object: a parameter, a nested object or a reference to one.
 struct Value {
   std::string
       tag;  ///< "float", "rgb", "transform"; of an object and a reference to it: the object's
   std::string name;  ///< in snake_case; may be empty for objects
   Place place;
-  std::map<std::string, std::string> attributes{};
+  Attributes attributes{};
   Affine map{};              ///< of a transform
   bool is_animated = false;  ///< `map` is its first place
   const Object* object = nullptr;
   std::string id{};  ///< that a reference names
-  mutable bool used = false;
+  Key key{};
+  Key contents{};  ///< taken by the first question about its attributes: before, nobody misses them
 
   [[noreturn]] void fail(const std::string& message) const;
   /// An attribute, which must be there.
@@ -31,14 +39,13 @@ struct Value {
   double number(const std::string& attribute = "value") const;
 };
 
-/// An element with a type: `<bsdf type="diffuse">`. What is asked for counts as read; see
-/// tell_unread().
+/// An element with a type: `<bsdf type="diffuse">`. What is asked for counts as read.
 struct Object {
   std::string tag, type, id;
   Place place;
   bool old = false;  ///< of a file for Mitsuba 0.x
   std::vector<Value> values{};
-  mutable bool told = false;
+  Key key{};  ///< taken by the first question about its values
 
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -54,11 +61,9 @@ struct Object {
   Affine map(const std::string& name, Source& source) const;
   /// Nested objects of a kind, named or not.
   std::vector<const Object*> nested(const std::string& kind) const;
+  /// Takes values that do not change the picture, or whose loss is named otherwise.
   void ignore(std::initializer_list<const char*> names) const;
   void ignore_all() const;
-
-  /// Names parameters that nobody asked for as lost, once.
-  void tell_unread(Source& source) const;
 };
 
 /// A finite number; std::nullopt for other texts. White space around it is allowed.

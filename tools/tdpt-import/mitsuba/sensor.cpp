@@ -13,6 +13,17 @@ namespace {
 
 constexpr int kMostPixels = 65535;  // on a side
 
+// Whether Mitsuba cuts something away that lies ahead of the camera.
+bool is_clipped(const Described& scene, const Camera& camera, double near, double far) {
+  for (const Shape& shape : scene.shapes)
+    for (const Vec3f& p : scene.meshes[shape.mesh].positions) {
+      const double ahead =
+          -dot(shape.to_world.point({p.x, p.y, p.z}) - camera.to_world.t, camera.to_world.z);
+      if ((ahead > 0 && ahead < near) || ahead > far) return true;
+    }
+  return false;
+}
+
 // Width and height of the picture.
 void read_film(const Object& sensor, Source& source, Camera& camera) {
   camera.width = 768, camera.height = 576;
@@ -28,6 +39,11 @@ void read_film(const Object& sensor, Source& source, Camera& camera) {
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
     source.lose(film.place, "the crop window is left out");
+  film.nested("rfilter");
+  film.ignore({"attach_log", "banner", "burn", "channel_names", "compensate", "component_format",
+               "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges", "key",
+               "pixel_format", "sample_border", "tonemap_method",
+               "variable"});  // of the file that is written
 }
 
 double in_radians(double degrees) {
@@ -80,12 +96,13 @@ void add_camera(const Object& sensor, Described& scene, Source& source) {
       sensor.fail(fmt::format("a lens of radius {} focused at {}", camera.lens_radius,
                               camera.focus_distance));
   }
-  sensor.ignore(
-      {"near_clip", "far_clip", "focus_distance", "shutter_open", "shutter_close", "kc", "srf"});
+  if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
+    source.lose(sensor.place,
+                "what is nearer than near_clip or farther than far_clip is not cut away");
+  sensor.ignore({"focus_distance", "shutter_open", "shutter_close"});  // nothing moves
   sensor.nested("sampler");
   for (const Object* medium : sensor.nested("medium"))
     source.lose(medium->place, "media (fog, absorption, scattering) are left out");
-  sensor.tell_unread(source);
   scene.cameras.push_back(camera);
 }
 

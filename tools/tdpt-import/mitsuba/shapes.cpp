@@ -87,7 +87,7 @@ Shape Shapes::from_file(const Object& shape) {
   if (shape.type == "obj" && index >= 0)
     source_.lose(place, "of an OBJ file all shapes are taken, not the one that shape_index names");
   if (shape.type == "serialized" && index < 0) shape.fail("a negative shape_index");
-  shape.ignore({"collapse", "load_materials", "srgb"});
+  shape.ignore({"collapse", "load_materials", "srgb"});  // of parts and colours that are not read
   Shape out;
   // Meshes are the same if they are read alike.
   const std::string key = fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file);
@@ -170,7 +170,8 @@ void Shapes::dress(const Object& shape, Shape& out) {
   bool has_medium = false;
   for (const Value& v : shape.values)
     if (v.object && v.object->tag == "medium") {
-      v.used = has_medium = true;
+      v.key.take();
+      has_medium = true;
       if (v.name == "interior" && !bsdfs.empty())
         interior = v.object;
       else
@@ -191,8 +192,7 @@ void Shapes::dress(const Object& shape, Shape& out) {
                                          shown(e->type, 40)));
     } else {
       out.emission = Emission{textures_.colour(*e, "radiance", Rgb(1), Of::light), false};
-      e->ignore({"sampling_weight"});
-      e->tell_unread(source_);
+      e->ignore({"sampling_weight"});  // how it is sampled
     }
   const bool closed = shape.type == "sphere" || shape.type == "cube";
   if (made.one_sided && !closed)
@@ -209,9 +209,7 @@ void Shapes::place_instance(const Object& shape, const Affine& outer) {
     if (group->type != "shapegroup")
       shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", described(*group)));
     for (const Object* inner : group->nested("shape")) place(*inner, map, true);
-    group->tell_unread(source_);
   }
-  shape.tell_unread(source_);
 }
 
 void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
@@ -223,13 +221,13 @@ void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
   }
   if (shape.type == "merge") {
     for (const Object* inner : shape.nested("shape")) place(*inner, outer, in_group);
-    return shape.tell_unread(source_);
+    return;
   }
   std::optional<Shape> out = geometry(shape);
   if (!out) {
     source_.lose(shape.place,
                  fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
-    return;
+    return shape.ignore_all();
   }
   out->to_world = outer * out->to_world;
   for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
@@ -237,8 +235,7 @@ void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
   if (shape.flag("flip_normals", false)) out->turned = !out->turned;
   dress(shape, *out);
   out->name = shape.id;
-  shape.ignore({"silhouette_sampling_weight"});
-  shape.tell_unread(source_);
+  shape.ignore({"silhouette_sampling_weight"});  // how it is sampled
   scene_.shapes.push_back(std::move(*out));
 }
 

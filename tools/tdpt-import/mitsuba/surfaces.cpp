@@ -57,7 +57,7 @@ Number Surfaces::alpha(const Object& bsdf) {
   const std::string distribution = bsdf.text("distribution", "beckmann");
   if (distribution != "ggx")
     lose(bsdf, fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
-  bsdf.ignore({"sample_visible"});
+  bsdf.ignore({"sample_visible"});  // how it is sampled
   if (!bsdf.find("alpha_u") && !bsdf.find("alpha_v")) return textures_.number(bsdf, "alpha", 0.1);
   const double u = textures_.plain_number(bsdf, "alpha_u", 0.1),
                v = textures_.plain_number(bsdf, "alpha_v", 0.1);
@@ -77,7 +77,7 @@ Surfaces::Read Surfaces::twosided(const Object& bsdf) {
   Read out = nested(bsdf);
   if (bsdf.nested("bsdf").size() > 1)
     lose(bsdf, "of the two bsdfs of a twosided surface the first is taken");
-  bsdf.ignore({"allow_transmission"});
+  bsdf.ignore({"allow_transmission"});  // lets a nested bsdf transmit
   out.two_sided = true;
   return out;
 }
@@ -85,7 +85,7 @@ Surfaces::Read Surfaces::twosided(const Object& bsdf) {
 Surfaces::Read Surfaces::plain(const Object& bsdf) {
   if (bsdf.type == "roughdiffuse") {
     near_to(bsdf, "Lambertian");
-    bsdf.ignore({"alpha", "use_fast_approx"});
+    bsdf.ignore({"alpha", "use_fast_approx"});  // of Oren-Nayar
   }
   const bool other_name = !bsdf.find("reflectance") && bsdf.find("diffuse_reflectance");
   return {diffuse(
@@ -118,7 +118,7 @@ Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
     out.material.specular *= most;
     if (most > 0) out.material.specular_colour = tint / most;
   }
-  bsdf.ignore({"specular_sampling_weight"});
+  bsdf.ignore({"specular_sampling_weight"});  // how it is sampled
   return out;
 }
 
@@ -130,7 +130,7 @@ Surfaces::Read Surfaces::conductor_like(const Object& bsdf) {
   // A whole mirror: also what Mitsuba 3 takes without a material.
   const bool is_none = name == "none" && !has_eta;
   if (is_none && !(bsdf.find("k") && !bsdf.old)) {
-    if (bsdf.old) bsdf.ignore({"ext_eta"});
+    if (bsdf.old) bsdf.ignore({"ext_eta"});  // a mirror in any medium
     return {metal(tint, rough)};
   }
   std::array<Rgb, 2> eta_k{Rgb(0), Rgb(1)};
@@ -188,7 +188,7 @@ Surfaces::Read Surfaces::bump(const Object& bsdf) {
   Read out = nested(bsdf);
   const auto maps = bsdf.nested("texture");
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", described(bsdf)));
-  bsdf.ignore({"flip_invalid_normals", "use_shadowing_function"});
+  bsdf.ignore({"flip_invalid_normals", "use_shadowing_function"});  // of normals seen from behind
   // 0.x reads bitmaps of these as numbers.
   const Colour c = textures_.of(*maps[0], Of::surface, bsdf.old);
   if (!c.texture) return out;
@@ -247,8 +247,7 @@ Surfaces::Read Surfaces::coated(const Object& bsdf) {
   return out;
 }
 
-Surfaces::Read Surfaces::invisible(const Object& bsdf) {
-  bsdf.ignore_all();
+Surfaces::Read Surfaces::invisible(const Object&) {
   Read out{diffuse({Rgb(0), {}, {}})};
   out.material.invisible = true;
   out.opaque = false;
@@ -281,13 +280,14 @@ Surfaces::Read Surfaces::principled(const Object& bsdf) {
   }
   bsdf.ignore({"sheen_tint", "main_specular_sampling_rate", "clearcoat_sampling_rate",
                "diffuse_reflectance_sampling_rate", "specular_reflectance_sampling_rate",
-               "specular_transmittance_sampling_rate", "diffuse_transmittance_sampling_rate"});
+               "specular_transmittance_sampling_rate",
+               "diffuse_transmittance_sampling_rate"});  // of sheen; how it is sampled
   if (m.coat == 0) m.coat_roughness = 0;
   out.opaque = m.transmission == 0;
   return out;
 }
 
-Surfaces::Read Surfaces::read_known(const Object& bsdf) {
+Surfaces::Read Surfaces::read(const Object& bsdf) {
   static const std::map<std::string, Reader> kReaders = {
       {"twosided", &Surfaces::twosided},
       {"diffuse", &Surfaces::plain},
@@ -312,14 +312,9 @@ Surfaces::Read Surfaces::read_known(const Object& bsdf) {
       {"principled", &Surfaces::principled},
       {"principledthin", &Surfaces::principled},
   };
+  bsdf.key.take();
   const auto it = kReaders.find(bsdf.type);
   return (this->*(it == kReaders.end() ? &Surfaces::coloured_plain : it->second))(bsdf);
-}
-
-Surfaces::Read Surfaces::read(const Object& bsdf) {
-  Read out = read_known(bsdf);
-  bsdf.tell_unread(source_);
-  return out;
 }
 
 // ---- media
@@ -332,6 +327,8 @@ void Surfaces::absorb(const Object& medium, Read& surface) {
   for (const Value& v : medium.values)  // volumes and named materials
     if ((v.object && v.object->tag != "phase") || v.name == "material")
       return lose(medium, sentence);
+  medium.nested("phase");
+  medium.ignore({"has_spectral_extinction", "sample_emitters"});  // how it is sampled
   const Rgb scale = Rgb(single(medium.number("scale", 1)));
   Rgb absorbed(0), scattered(0);
   if (medium.find("sigma_t") || medium.find("albedo")) {
@@ -342,7 +339,10 @@ void Surfaces::absorb(const Object& medium, Read& surface) {
     absorbed = textures_.plain_colour(medium, "sigma_a", Rgb(0));
     scattered = textures_.plain_colour(medium, "sigma_s", Rgb(0));
   }
-  if (!is_zero(scattered)) return lose(medium, sentence);
+  if (!is_zero(scattered)) {
+    medium.ignore_all();
+    return lose(medium, sentence);
+  }
   const Rgb a = max(absorbed * scale, Rgb(0));
   surface.material.attenuation = {std::exp(-a.x), std::exp(-a.y), std::exp(-a.z)};
 }

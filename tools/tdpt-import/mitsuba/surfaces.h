@@ -32,7 +32,6 @@ class Surfaces {
   using Reader = Read (Surfaces::*)(const Object&);
 
   Read read(const Object& bsdf);
-  Read read_known(const Object& bsdf);
   Read twosided(const Object& bsdf);
   Read plain(const Object& bsdf);
   Read coloured_plain(const Object& bsdf);

@@ -62,7 +62,6 @@ Colour Textures::of(const Object& texture, Of of, bool raw) {
   const auto key = std::tuple{&texture, of, raw};
   if (const auto it = made_.find(key); it != made_.end()) return it->second;
   Colour c = read(texture, of, raw);
-  texture.tell_unread(source_);
   return made_[key] = c;
 }
 
@@ -99,13 +98,13 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
     std::string pairs;
     for (size_t i = 0; i < nm.size(); ++i) pairs += nm[i] + ":" + v[i] + " ";
     return plain(
-        colour_of({"spectrum", "", texture.place, {{"value", pairs}}}, texture.old, of, source_));
+        colour_of({"spectrum", "", texture.place, {{"value", {pairs}}}}, texture.old, of, source_));
   }
   if (type == "blackbody") {
     if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
     texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
     const std::string kelvin = fmt::format("{}", texture.number("temperature", 0));
-    return plain(colour_of({"blackbody", "", texture.place, {{"temperature", kelvin}}}, texture.old,
+    return plain(colour_of({"blackbody", "", texture.place, {{"temperature", {kelvin}}}}, texture.old,
                            of, source_));
   }
   source_.lose(texture.place, fmt::format("textures of type \"{}\" are not read: grey of 0.5 in "
@@ -119,10 +118,10 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
 void Textures::place(const Object& texture, Texture& out) {
   if (texture.old) {
     const double both = texture.number("uvscale", 1);
+    texture.ignore({"coordinates"});  // "uv" is the only one
     out.map = {texture.number("uscale", both), 0,
                texture.number("uoffset", 0),   0,
                texture.number("vscale", both), texture.number("voffset", 0)};
-    texture.ignore({"coordinates"});
   }
   if (texture.find("to_uv")) {
     const Affine m = texture.map("to_uv", source_);
@@ -159,7 +158,7 @@ Colour Textures::bitmap(const Object& texture, bool raw) {
     source_.lose(texture.place,
                  fmt::format("of the picture's channel \"{}\" all three colours are taken",
                              shown(channel, 40)));
-  texture.ignore({"cache", "max_anisotropy", "accel", "format"});
+  texture.ignore({"cache", "max_anisotropy", "accel", "format"});  // how it is kept and filtered
   return {Rgb(1), t, {}};
 }
 

@@ -7,12 +7,9 @@
 #include <vector>
 
 #include "libcommon/base/shown.h"
-#include "tools/tdpt-import/mitsuba/object.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
-
-using Attributes = std::map<std::string, std::string>;
 
 class Step {
  public:
@@ -22,13 +19,15 @@ class Step {
 
   bool has(const char* name) const {
     const auto it = attributes_.find(name);
-    return it != attributes_.end() && !it->second.empty();
+    if (it == attributes_.end()) return false;
+    it->second.key.take();
+    return !it->second.text.empty();
   }
 
   std::vector<double> numbers(const char* name) const {
     if (!has(name)) fail(fmt::format("no attribute \"{}\"", name));
     std::vector<double> out;
-    for (const std::string& word : split(attributes_.at(name))) {
+    for (const std::string& word : split(attributes_.at(name).text)) {
       const auto n = number_of(word);
       if (!n) fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
       out.push_back(*n);

@@ -1,16 +1,11 @@
 // Transforms of Mitsuba scenes.
 #pragma once
-#include <map>
-#include <string>
-
-#include "libcommon/math/affine.h"
-#include "tools/tdpt-import/source.h"
+#include "tools/tdpt-import/mitsuba/object.h"
 
 namespace tdpt::foreign::mitsuba {
 
 /// One step of a transform: translate, rotate, scale, lookat, matrix. Empty: no such step.
-std::optional<Affine> step_of(const std::string& tag,
-                              const std::map<std::string, std::string>& attributes,
+std::optional<Affine> step_of(const std::string& tag, const Attributes& attributes,
                               const Place& place);
 
 /// The inverse; `place` is named if there is none.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <pugixml.hpp>
+#include <set>
 #include <unordered_map>
 
 #include "libcommon/base/shown.h"
@@ -57,14 +58,20 @@ class Parser {
  public:
   Parser(Source& source, const std::map<std::string, std::string>& parameters, Document& out)
       : source_(source), out_(out) {
-    for (const auto& [name, value] : parameters) define(name, value);
+    for (const auto& [name, value] : parameters) {
+      define(name, value);
+      unused_.insert("$" + name);
+    }
   }
 
   void parse() {
     out_.objects.push_back({"scene", "scene", "", {source_.path(), ""}});
     out_.scene = &out_.objects.back();
+    out_.objects.back().key = source_.enter({}, {source_.path(), ""}, "");
     read_file(source_.text(), source_.path(), 0, out_.objects.back());
     resolve();
+    if (!unused_.empty())
+      throw UsageError("--define: the scene does not use " + shown(*unused_.begin(), 60));
   }
 
  private:
@@ -84,6 +91,7 @@ class Parser {
     if (text.find('$') == text.npos) return text;
     for (const auto& [key, value] : parameters_)
       for (size_t at = 0; (at = text.find(key, at)) != text.npos; at += value.size()) {
+        unused_.erase(key);
         text.replace(at, key.size(), value);
         if (text.size() > kMostText) Source::fail(place, "a value that is too long");
       }
@@ -103,10 +111,14 @@ class Parser {
     if (taken_ > kMostText) Source::fail(place, "the scene's includes and $names grow too large");
   }
 
-  std::map<std::string, std::string> attributes_of(const pugi::xml_node& node, const Place& place) {
-    std::map<std::string, std::string> out;
+  // `holder`: the key of the element.
+  Attributes attributes_of(const pugi::xml_node& node, const Place& place, const Key& holder) {
+    Attributes out;
     for (const pugi::xml_attribute& a : node.attributes())
-      out[a.name()] = substituted(a.value(), place);
+      out[a.name()] = {substituted(a.value(), place),
+                       source_.enter(holder, place,
+                                     fmt::format("the attribute \"{}\" of a <{}> is not read",
+                                                 shown(a.name(), 40), shown(node.name(), 40)))};
     return out;
   }
 
@@ -128,10 +140,13 @@ class Parser {
     if (version.empty() && depth == 0) Source::fail(place, "the scene has no version");
     file.old = version.empty() ? into.old : version[0] == '0' || version[0] == '1';
     if (depth == 0) into.old = file.old, into.place = place;
-    if (std::string(root.name()) == "scene")
+    if (std::string(root.name()) == "scene") {
+      for (const auto& [name, attribute] : attributes_of(root, place, {}))
+        if (name == "version") attribute.key.take();
       read_children(root, file, depth, 0, into);
-    else
+    } else {
       read_child(root, file, depth, 0, into);
+    }
   }
 
   void include(const Place& place, const std::string& name, int depth, Object& into) {
@@ -142,6 +157,20 @@ class Parser {
   }
 
   // ---- elements
+
+  // What to say if nobody reads an element.
+  static std::string missing(const pugi::xml_node& node, bool is_object, const Object& of) {
+    const auto named = [&](const char* attribute) {
+      const std::string word = node.attribute(attribute).value();
+      return shown(word.empty() ? node.name() : word, 40);
+    };
+    if (is_object)
+      return fmt::format("the {} \"{}\" in a {} is left out", node.name(), named("type"),
+                         described(of));
+    if (std::string(node.name()) == "ref")
+      return fmt::format("the reference to \"{}\" in a {} is left out", named("id"), described(of));
+    return fmt::format("the parameter \"{}\" of the {} is not read", named("name"), described(of));
+  }
 
   void read_children(const pugi::xml_node& node, const File& file, int includes, int depth,
                      Object& into) {
@@ -154,8 +183,19 @@ class Parser {
     const Place place = file.place(node.offset_debug());
     if (depth > kDeepest) Source::fail(place, "is nested too deeply");
     Value v{node.name(), "", place};
-    v.attributes = attributes_of(node, place);
-    v.name = v.attributes["name"];
+    const bool is_object =
+        is_any_of(v.tag, {"shape", "bsdf", "texture", "emitter", "sensor", "medium", "film",
+                          "integrator", "sampler", "rfilter", "phase", "volume", "subsurface",
+                          "random", "scene"}) ||
+        (v.tag == "spectrum" && node.attribute("type"));
+    v.key = source_.enter(into.key, place, missing(node, is_object, into));
+    v.contents = source_.enter(v.key, place, "");
+    v.attributes = attributes_of(node, place, v.contents);
+    v.name = v.attributes["name"].text;
+    for (const auto& [name, attribute] : v.attributes)
+      if (is_any_of(name, {"name", "id", "type", "intent"}))  // RGB has no intent
+        attribute.key.take();
+    if (is_any_of(v.tag, {"default", "include", "path", "alias", "null"})) v.key.take();
     if (v.tag == "default") return define(v.text("name"), v.text());
     if (v.tag == "include") return include(place, v.text("filename"), includes, into);
     if (v.tag == "path") return source_.search(v.text(), place);
@@ -164,17 +204,14 @@ class Parser {
     if (v.tag == "ref") {
       v.id = v.text("id");
     } else if (v.tag == "transform") {
-      v.map = map_of(node, file);
+      v.map = map_of(node, file, v.key);
     } else if (v.tag == "animation") {
       v.is_animated = true;
       for (const pugi::xml_node& key : node.children("transform")) {
-        v.map = map_of(key, file);
+        v.map = map_of(key, file, v.key);
         break;
       }
-    } else if (is_any_of(v.tag, {"shape", "bsdf", "texture", "emitter", "sensor", "medium", "film",
-                                 "integrator", "sampler", "rfilter", "phase", "volume",
-                                 "subsurface", "random", "scene"}) ||
-               (v.tag == "spectrum" && v.attributes.contains("type"))) {
+    } else if (is_object) {
       v.object = &read_object(node, file, includes, depth, v);
       v.tag = v.object->tag;
     } else if (v.tag == "null") {
@@ -192,7 +229,11 @@ class Parser {
                       const Value& v) {
     out_.objects.push_back({v.tag == "spectrum" ? "texture" : v.tag, "", "", v.place, file.old});
     Object& object = out_.objects.back();
-    if (v.attributes.contains("type") || v.tag != "bsdf") object.type = v.text("type");
+    object.key = v.contents;
+    if (v.attributes.contains("type"))
+      object.type = v.attributes.at("type").text;
+    else if (v.tag != "bsdf")
+      v.text("type");  // fails
     // Types count without case in 0.x.
     if (file.old)
       for (char& c : object.type)
@@ -200,7 +241,7 @@ class Parser {
     read_children(node, file, includes, depth + 1, object);
     if (object.type.empty() && object.tag == "bsdf") wrap(object);
     if (const auto it = v.attributes.find("id"); it != v.attributes.end()) {
-      object.id = it->second;
+      object.id = it->second.text;
       name_object(object.id, &object, v.place);
     }
     return object;
@@ -213,12 +254,12 @@ class Parser {
     bsdf.type = "twosided";
   }
 
-  Affine map_of(const pugi::xml_node& node, const File& file) {
+  Affine map_of(const pugi::xml_node& node, const File& file, const Key& holder) {
     Affine map;
     for (const pugi::xml_node& step : node.children()) {
       if (step.type() != pugi::node_element) continue;
       const Place place = file.place(step.offset_debug());
-      const auto m = step_of(step.name(), attributes_of(step, place), place);
+      const auto m = step_of(step.name(), attributes_of(step, place, holder), place);
       if (!m)
         Source::fail(place, fmt::format("<{}> is no step of a transform", shown(step.name(), 40)));
       map = *m * map;
@@ -269,7 +310,8 @@ class Parser {
   std::vector<std::pair<std::string, std::string>> parameters_;  // "$name", value
   std::unordered_map<std::string, const Object*> named_;
   std::unordered_map<const Object*, int> heights_;
-  size_t taken_ = 0;  // of kMostText
+  std::set<std::string> unused_;  // "$name" of --define
+  size_t taken_ = 0;              // of kMostText
 };
 
 }  // namespace

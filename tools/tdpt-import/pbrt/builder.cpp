@@ -44,6 +44,7 @@ Described Builder::run() {
     const Directive* directive = directive_of(token->text);
     if (!directive)
       Source::fail(place, fmt::format("\"{}\" is not a directive", shown(token->text)));
+    directive_ = whose_ = directive->name;
     directive->run(*this);
   }
   if (context_.v4 && !saved_.empty())
@@ -58,6 +59,7 @@ std::string Builder::name() {
   const std::optional<Token> token = tokens_.next();
   if (!token || token->kind != Token::Kind::quoted)
     Source::fail(tokens_.place(), "a name in quotes should follow");
+  whose_ = fmt::format("{} \"{}\"", directive_, shown(token->text));
   return token->text;
 }
 
@@ -81,8 +83,8 @@ std::vector<double> Builder::numbers(size_t count) {
   return out;
 }
 
-Parameters Builder::parameters(size_t attribute) {
-  Parameters list = Parameters::read(tokens_);
+Parameters Builder::parameters(size_t attribute, const Key& holder) {
+  Parameters list = parameters(holder);
   if (const auto& defaults = state_.attributes[attribute]) list.defaults(*defaults);
   return list;
 }
@@ -164,7 +166,7 @@ std::optional<Emission> Builder::emission(const Geometry& geometry, const Affine
 
 void Builder::add_shape(const std::string& kind, const Parameters& list) {
   const std::optional<Geometry> geometry = geometries_.read(context_, kind, list);
-  if (!geometry || context_.scene.meshes[geometry->mesh].triangles.empty()) return;
+  if (!geometry || context_.scene.meshes[geometry->mesh].triangles.empty()) return list.ignore_all();
   Shape shape;
   shape.name = geometry->name;
   shape.mesh = geometry->mesh;
@@ -183,7 +185,8 @@ void Builder::add_shape(const std::string& kind, const Parameters& list) {
     context_.source.lose(list.place, "the side from which a body of glass emits light is not kept");
     shape.emission->both_sides = true;
   }
-  list.lose_unread(context_.source, fmt::format("the shape \"{}\"", shown(kind)));
+  if (list.number("shadowalpha", 1) == 0 || !list.texture("shadowalpha").empty())
+    context_.source.lose(list.place, "an alpha that counts for shadows alone is left out");
   keep(std::move(shape));
 }
 

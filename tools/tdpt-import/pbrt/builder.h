@@ -36,8 +36,12 @@ class Builder {
   std::string name();
   double number();
   std::vector<double> numbers(size_t count);
-  Parameters parameters() { return Parameters::read(tokens_); }
-  Parameters parameters(size_t attribute);
+  Parameters parameters(const Key& holder = {}) {
+    return Parameters::read(tokens_, context_.source, holder, whose_);
+  }
+  Parameters parameters(size_t attribute, const Key& holder = {});
+  /// Of an object that others may name: nobody misses what it holds before.
+  Key waiting() { return context_.source.enter({}, tokens_.place(), ""); }
 
   void transform(const Affine& by);
   void set_transform(const Affine& to);
@@ -51,6 +55,7 @@ class Builder {
 
   Context context_;
   Tokens tokens_;
+  std::string directive_, whose_;  // that is carried out; with the last name after it
   State state_;
   std::vector<Save> saved_;
   std::map<std::string, Affine> systems_;  // CoordinateSystem

@@ -62,7 +62,11 @@ Film read_film(Context& context, const std::string& kind, const Parameters& list
                                                 scale));
   if (kind != "image" && kind != "rgb" && kind != "gbuffer" && kind != "spectral")
     context.source.lose(list.place, fmt::format("the film \"{}\" is not known", shown(kind)));
-  list.ignore_all();
+  for (const char* limit : {"maxcomponentvalue", "maxsampleluminance"})
+    if (list.number(limit, HUGE_VAL) < 1e30)
+      context.source.lose(list.place, "the film's limit on bright samples is left out");
+  list.ignore({"coordinatesystem", "diagonal", "filename", "lambdamax", "lambdamin", "nbuckets",
+               "savefp16"});  // of the file that is written
   return f;
 }
 
@@ -78,7 +82,7 @@ void add_camera(Context& context, const std::string& kind, const Parameters& lis
                         fmt::format("the camera \"{}\" is left out, as only perspective ones "
                                     "can be written",
                                     shown(kind)));
-    return;
+    return list.ignore_all();
   }
   const double aspect = static_cast<double>(film.width) / film.height;
   const double frame = list.number("frameaspectratio", aspect);
@@ -126,7 +130,6 @@ void add_camera(Context& context, const std::string& kind, const Parameters& lis
   camera.to_world.t = to_world.t;
   camera.lens_radius = std::max(list.number("lensradius", 0), 0.0) * scale;
   camera.focus_distance = std::max(list.number("focaldistance", 1e6), 0.0) * scale;
-  list.lose_unread(context.source, "the camera");
   context.scene.cameras.push_back(camera);
 }
 

@@ -14,6 +14,11 @@ namespace tdpt::foreign::pbrt {
 enum Attribute : size_t { kShape, kLight, kMaterial, kMedium, kTexture };
 constexpr const char* kAttributes[] = {"shape", "light", "material", "medium", "texture"};
 
+// Integrators that find all light.
+constexpr std::string_view kWhole[] = {"bdpt",       "lightpath",     "metropolis", "mlt",
+                                       "path",       "pathtracer",    "randomwalk", "simplepath",
+                                       "simplevolpath", "sppm",       "volpath"};
+
 struct Directives {
   // Transformations.
   static void identity(Builder& b) { b.set_transform({}); }
@@ -90,9 +95,35 @@ struct Directives {
   // What a picture is made with.
   static void ignored(Builder& b) {
     b.name();
-    b.parameters();
+    b.parameters().ignore_all();
   }
-  static void option(Builder& b) { b.parameters(); }
+  static void integrator(Builder& b) {
+    const std::string kind = b.name();
+    const Parameters list = b.parameters();
+    if (std::find(std::begin(kWhole), std::end(kWhole), kind) == std::end(kWhole))
+      b.context_.source.lose(list.place,
+                             fmt::format("the integrator \"{}\", which shows other light than "
+                                         "all that there is, is left out",
+                                         shown(kind)));
+    if (list.find("maxdepth"))  // counts bounces
+      b.context_.source.lose_longer_paths(list.place, list.integer("maxdepth", 5) + 1.0);
+    if (list.flag("regularize", false))
+      b.context_.source.lose(list.place, "the smoothing of caustics (regularize) is left out");
+    list.ignore({"bootstrapsamples", "chains", "cossample", "imagefilename", "imagewritefrequency",
+                 "iterations", "largestepprobability", "lightsampler", "lightsamplestrategy",
+                 "mutationsperpixel", "nsamples", "numiterations", "photonsperiteration", "radius",
+                 "rrthreshold", "samplebsdf", "samplelights", "seed", "strategy",
+                 "visualizestrategies", "visualizeweights"});  // how it samples
+  }
+  static void option(Builder& b) {
+    const Parameters list = b.parameters();
+    list.ignore({"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
+                 "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats",
+                 "rendercoordsys", "seed", "wavefront"});  // how it samples
+    if (!list.flag("forcediffuse", false)) list.ignore({"forcediffuse"});
+    else
+      b.context_.source.lose(list.place, "materials that are all diffuse (forcediffuse) are not");
+  }
   static void camera(Builder& b) {
     const std::string kind = b.name();
     b.camera_ = Builder::Entity{kind, b.parameters()};
@@ -120,7 +151,8 @@ struct Directives {
   // The world.
   static void texture(Builder& b) {
     const std::string name = b.name(), type = b.name(), kind = b.name();
-    b.textures_.make(b.context_, name, type, kind, b.parameters(kTexture));
+    const Key key = b.waiting();
+    b.textures_.make(b.context_, name, type, kind, b.parameters(kTexture, key), key);
   }
   static size_t painted(Builder& b, Surface surface, const std::string& name) {
     surface.material.name = name;
@@ -133,9 +165,11 @@ struct Directives {
   }
   static void make_named_material(Builder& b) {
     const std::string name = b.name();
-    const Parameters list = b.parameters(kMaterial);
+    const Key key = b.waiting();
+    const Parameters list = b.parameters(kMaterial, key);
     const std::string kind = list.text("type");
-    const Surface surface = surface_of(b.context_, b.textures_, b.named_, kind, list);
+    Surface surface = surface_of(b.context_, b.textures_, b.named_, kind, list);
+    surface.key = key;
     b.painted_[name] = painted(b, surface, name);
     b.named_[name] = surface;
   }
@@ -144,6 +178,7 @@ struct Directives {
     const auto it = b.painted_.find(name);
     if (it != b.painted_.end()) {
       b.state_.surface = it->second;
+      b.painter_[it->second].key.take();
       return;
     }
     b.context_.source.lose(b.tokens_.place(),
@@ -227,7 +262,7 @@ constexpr Directive kDirectives[] = {
     {"Identity", Directives::identity},
     {"Import", Directives::import},
     {"Include", Directives::include},
-    {"Integrator", Directives::ignored},
+    {"Integrator", Directives::integrator},
     {"LightSource", Directives::light_source},
     {"LookAt", Directives::look_at},
     {"MakeNamedMaterial", Directives::make_named_material},
@@ -245,7 +280,7 @@ constexpr Directive kDirectives[] = {
     {"Sampler", Directives::ignored},
     {"Scale", Directives::scale},
     {"Shape", Directives::shape},
-    {"SurfaceIntegrator", Directives::ignored},
+    {"SurfaceIntegrator", Directives::integrator},
     {"Texture", Directives::texture},
     {"Transform", Directives::set_matrix},
     {"TransformBegin", Directives::transform_begin},

@@ -57,7 +57,7 @@ struct Lists {
 Lists read_lists(Context& context, const Parameters& list, size_t corners) {
   Lists l{list.tuples("P", 3), list.tuples("N", 3), list.tuples("uv", 2), list.integers("indices")};
   if (!l.uv) l.uv = list.tuples("st", 2);
-  list.ignore({"S", "faceIndices", "shadowalpha"});
+  list.ignore({"S", "faceIndices"});  // tangents; for Ptex
   if (!l.points || l.points->empty()) Source::fail(list.place, "a mesh without points \"P\"");
   const size_t count = l.points->size() / 3;
   if (!l.indices && count != corners) Source::fail(list.place, "a mesh without \"indices\"");
@@ -118,7 +118,7 @@ Geometry triangles(Context& context, const Parameters& list, const std::string& 
 
 Geometry patches(Context& context, const Parameters& list) {
   const Lists l = read_lists(context, list, 4);
-  list.ignore({"emissionfilename"});
+  list.ignore({"emissionfilename"});  // how it is sampled
   Mesh mesh = mesh_of(l, list.place);
   if (!l.uv) {  // each patch has (u, v) of its own
     const Mesh shared = std::move(mesh);
@@ -224,7 +224,7 @@ std::optional<Geometry> Geometries::read(Context& context, const std::string& ki
     g.faces = context.scene.meshes[g.mesh].triangles.size();
     if (!list.texture("displacement").empty())
       context.source.lose(list.place, "the displacement of meshes is left out");
-    list.ignore({"edgelength", "shadowalpha"});
+    list.ignore({"edgelength"});  // of the displacement
     return g;
   }
   g.is_mesh = false;

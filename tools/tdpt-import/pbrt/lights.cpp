@@ -26,7 +26,7 @@ Rgb times(const Rgb& c, double k) {
 // "scale" is a spectrum in pbrt-v3.
 Rgb light_colour(Context& context, const Parameters& list, const std::string& name) {
   Rgb colour = colour_of(context, list, name, Use::light, Rgb(1));
-  list.ignore({"samples", "nsamples"});
+  list.ignore({"samples", "nsamples"});  // how it is sampled
   colour = context.v4 ? times(colour, list.number("scale", 1))
                       : colour * colour_of(context, list, "scale", Use::light, Rgb(1));
   if (!is_finite(colour)) Source::fail(list.place, "the light is too bright");
@@ -145,7 +145,7 @@ void add_goniometric(Context& context, const Parameters& list, const Affine& to_
 
 void add_projection(Context& context, const Parameters& list, const Affine& to_world) {
   context.source.lose(list.place, "a projector becomes a spot without its image");
-  list.ignore({"filename", "mapname", "power"});
+  list.ignore({"filename", "mapname"});
   Lamp lamp;
   lamp.kind = Lamp::Kind::spot;
   lamp.name = "projection";
@@ -171,13 +171,10 @@ constexpr Kind kKinds[] = {{"point", add_point},          {"spot", add_spot},
 void add_light(Context& context, const std::string& kind, const Parameters& list,
                const Affine& to_world) {
   for (const Kind& known : kKinds)
-    if (kind == known.name) {
-      known.add(context, list, to_world);
-      list.lose_unread(context.source, fmt::format("the light \"{}\"", kind));
-      return;
-    }
+    if (kind == known.name) return known.add(context, list, to_world);
   context.source.lose(list.place,
                       fmt::format("the light \"{}\" is not known and left out", shown(kind)));
+  list.ignore_all();
 }
 
 AreaLight area_light(Context& context, const std::string& kind, const Parameters& list) {
@@ -185,6 +182,7 @@ AreaLight area_light(Context& context, const std::string& kind, const Parameters
   if (kind != "diffuse" && kind != "area") {
     context.source.lose(
         list.place, fmt::format("the area light \"{}\" is not known and left out", shown(kind)));
+    list.ignore_all();
     return light;
   }
   light.emission.radiance.factor = light_colour(context, list, "L");
@@ -205,7 +203,6 @@ AreaLight area_light(Context& context, const std::string& kind, const Parameters
       }
     }
   }
-  list.lose_unread(context.source, "the area light");
   return light;
 }
 

@@ -11,11 +11,12 @@ void Painter::add_medium(Context& context, const std::string& name, const Parame
   const Rgb absorbed = colour_of(context, list, "sigma_a", Use::index, {.0011f, .0024f, .014f});
   const auto scale = static_cast<float>(list.number("scale", 1));
   const std::string kind = list.text("type"), preset = list.text("preset");
-  list.ignore_all();
   absorbing_[name] = {};
-  if (kind == "homogeneous" && preset.empty() && max_component(scattered) <= 0)
-    absorbing_[name] = Rgb(std::exp(-absorbed.x * scale), std::exp(-absorbed.y * scale),
-                           std::exp(-absorbed.z * scale));
+  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || list.find("Le"))
+    return list.ignore_all();  // lost where it is used
+  absorbing_[name] = Rgb(std::exp(-absorbed.x * scale), std::exp(-absorbed.y * scale),
+                         std::exp(-absorbed.z * scale));
+  list.ignore({"g"});  // nothing scatters
 }
 
 size_t Painter::material(Context& context, const Textures& textures, size_t surface,

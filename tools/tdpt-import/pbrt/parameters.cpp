@@ -61,7 +61,8 @@ double number_of(const Token& token, const Place& place) {
   return is_tiny ? 0 : value;
 }
 
-Parameters Parameters::read(Tokens& tokens) {
+Parameters Parameters::read(Tokens& tokens, Source& source, const Key& holder,
+                            const std::string& whose) {
   Parameters list(tokens.place());
   while (std::optional<Token> token = tokens.next()) {
     if (token->kind != Token::Kind::quoted) {
@@ -84,26 +85,27 @@ Parameters Parameters::read(Tokens& tokens) {
     if (!value) Source::fail(p.place, fmt::format("no end of the values of \"{}\"", shown(p.name)));
     if (!in_brackets && value->kind == Token::Kind::close)
       Source::fail(tokens.place(), "a ']' without its '['");
+    p.key = source.enter(
+        holder, p.place,
+        fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), whose));
     list.all.push_back(std::move(p));
   }
   return list;
 }
 
 void Parameters::defaults(const std::vector<Parameter>& of_attribute) {
-  for (auto p = of_attribute.rbegin(); p != of_attribute.rend(); ++p) {
-    all.push_back(*p);
-    all.back().used = true;
-  }
+  all.insert(all.end(), of_attribute.rbegin(), of_attribute.rend());
 }
 
 const Parameter* Parameters::find(const std::string& name,
                                   std::initializer_list<const char*> types) const {
+  const Parameter* first = nullptr;
   for (const Parameter& p : all)
     if (p.name == name && is_one_of(p.type, types)) {
-      p.used = true;
-      return &p;
+      p.key.take();  // also of those that the first overrides
+      if (!first) first = &p;
     }
-  return nullptr;
+  return first;
 }
 
 const Parameter* Parameters::find(const std::string& name) const {
@@ -193,20 +195,11 @@ const std::vector<std::string>* Parameters::texts(const std::string& name) const
 
 void Parameters::ignore(std::initializer_list<const char*> names) const {
   for (const Parameter& p : all)
-    if (is_one_of(p.name, names)) p.used = true;
+    if (is_one_of(p.name, names)) p.key.take();
 }
 
 void Parameters::ignore_all() const {
-  for (const Parameter& p : all) p.used = true;
-}
-
-void Parameters::lose_unread(Source& source, const std::string& whose) const {
-  for (const Parameter& p : all)
-    if (!p.used) {
-      source.lose(p.place,
-                  fmt::format("\"{} {}\" of {} is not read", shown(p.type), shown(p.name), whose));
-      p.used = true;
-    }
+  for (const Parameter& p : all) p.key.take();
 }
 
 }  // namespace tdpt::foreign::pbrt

@@ -15,7 +15,7 @@ struct Parameter {
   std::vector<std::string> strings{};
   std::vector<char> flags{};
   Place place;
-  mutable bool used = false;
+  Key key{};
 };
 
 /// Finite number of a token; throws InputError at `place`.
@@ -27,10 +27,12 @@ class Parameters {
  public:
   Parameters() = default;
   explicit Parameters(Place directive) : place(std::move(directive)) {}
-  /// Reads the list that stands next in `tokens`.
-  static Parameters read(Tokens& tokens);
+  /// Reads the list that stands next in `tokens`, of `whose`: "Material "matte"". While nobody takes
+  /// `holder`, nobody misses its parameters.
+  static Parameters read(Tokens& tokens, Source& source, const Key& holder,
+                         const std::string& whose);
 
-  /// pbrt-v4's Attribute: defaults, which nobody has to read.
+  /// Appends those of pbrt-v4's Attribute, the last of a name first.
   void defaults(const std::vector<Parameter>& of_attribute);
 
   const Parameter* find(const std::string& name, std::initializer_list<const char*> types) const;
@@ -49,11 +51,9 @@ class Parameters {
   const std::vector<double>* integers(const std::string& name) const;
   const std::vector<std::string>* texts(const std::string& name) const;
 
-  /// Marks parameters as known and without meaning here.
+  /// Takes parameters that do not change the picture, or whose loss is named otherwise.
   void ignore(std::initializer_list<const char*> names) const;
   void ignore_all() const;
-  /// Names what nobody read as lost; `whose`: "the material \"matte\"".
-  void lose_unread(Source& source, const std::string& whose) const;
 
   Place place;
   std::vector<Parameter> all{};

@@ -28,6 +28,7 @@ class scene : public ::testing::Test {
     const std::string path = folder_.write("a.pbrt", text);
     Source source(path);
     Described d = read_pbrt(source);
+    source.lose_unread();
     losses_.clear();
     for (const Source::Loss& loss : source.losses())
       losses_ += loss.first.where + ": " + loss.sentence + "\n";
@@ -363,7 +364,7 @@ TEST_F(scene, has_materials_of_pbrt_v4) {
   made("\"dielectric\" \"float uroughness\" [0.1] \"float vroughness\" [0.4]");
   expect_lost("different roughness along u and v");
   made("\"diffuse\" \"float foo\" [1]");
-  expect_lost("\"float foo\" of the material \"diffuse\" is not read");
+  expect_lost("\"float foo\" of Material \"diffuse\" is not read");
 }
 
 TEST_F(scene, turns_bodies_that_are_thinner_than_their_outside) {

@@ -48,6 +48,7 @@ Surface mix(const Reader& r) {
     if (it == r.named.end())
       Source::fail(r.list.place, fmt::format("no material is named \"{}\"", shown(names[i])));
     both[i] = it->second;
+    it->second.key.take();
   }
   // The share of the second; pbrt-v3's amount is that of the first and may be coloured.
   float amount = 0.5f;
@@ -96,8 +97,10 @@ Surface subsurface(const Reader& r) {
     const Rgb k = r.textures.colour(r.context, r.list, "sigma_a", {.0011f, .0024f, .014f}).factor;
     base.factor = {albedo_seen(k.x, s.x, ior), albedo_seen(k.y, s.y, ior),
                    albedo_seen(k.z, s.z, ior)};
+  } else {
+    r.lose("a preset of subsurface scattering becomes a grey of 0.8");
   }
-  r.list.ignore({"mfp", "g", "scale", "Kr", "Kt", "name"});
+  r.list.ignore({"mfp", "g", "scale"});  // of the scattering
   return {plastic(base, ior, a, false)};
 }
 
@@ -157,7 +160,6 @@ void read_bumps(const Reader& r, Material& m) {
 Surface surface_of(Context& context, const Textures& textures, const Surfaces& named,
                    const std::string& kind, const Parameters& list) {
   const Reader reader{context, textures, named, kind, list};
-  list.ignore({"type"});
   const SurfaceKind* known = kind_of(kind);
   Surface s;
   if (!known) {
@@ -169,7 +171,6 @@ Surface surface_of(Context& context, const Textures& textures, const Surfaces& n
     s = known->read(reader);
   }
   read_bumps(reader, s.material);
-  list.lose_unread(context.source, fmt::format("the material \"{}\"", shown(kind)));
   return s;
 }
 

@@ -22,7 +22,7 @@ double ior_v4(const Reader& r, const std::string& name, double absent) {
 Surface coateddiffuse(const Reader& r) {
   const float thickness = r.flat_number("thickness", 0.01);
   if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
-  r.list.ignore({"maxdepth", "nsamples", "g"});
+  r.list.ignore({"maxdepth", "nsamples", "g"});  // how the coat is sampled and scatters
   const Colour base =
       scaled(r.colour("reflectance", 0.5f), std::exp(-2.3f * std::clamp(thickness, 0.0f, 100.0f)));
   const double ior = ior_v4(r, "eta", 1.5);
@@ -44,7 +44,9 @@ Surface coatedconductor(const Reader& r) {
   s.material.coat_roughness = std::sqrt(coat.texture ? 0.5f : coat.factor);
   if (std::abs(ior_v4(r, "interface.eta", 1.5) - 1.5) > 0.01)
     r.lose("the coat's index of refraction becomes 1.5");
-  r.list.ignore({"thickness", "albedo", "g", "maxdepth", "nsamples"});
+  if (r.flat_number("thickness", 0.01) > 0.01f) r.lose("absorption in the coat is left out");
+  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
+  r.list.ignore({"maxdepth", "nsamples", "g"});  // how the coat is sampled and scatters
   r.lose("the metal's reflectance below the coat becomes that in air");
   return s;
 }

@@ -61,7 +61,7 @@ std::array<double, 6> map_of(Context& context, const Parameters& list) {
     context.source.lose(list.place, fmt::format("textures with the mapping \"{}\" use the "
                                                 "coordinates of the mesh",
                                                 shown(mapping)));
-    list.ignore({"v1", "v2", "udelta", "vdelta"});
+    list.ignore({"v1", "v2", "udelta", "vdelta"});  // of that mapping
     return {1, 0, 0, 0, 1, 0};
   }
   const double su = list.number("uscale", 1), sv = list.number("vscale", 1);
@@ -116,7 +116,7 @@ Value imagemap(Context& context, const Parameters& list) {
   value.factor = value.factor * static_cast<float>(list.number("scale", 1));
   if (context.v4 && list.flag("invert", false))
     pass(value, [](float v) { return std::max(0.0f, 1 - v); });
-  list.ignore({"trilinear", "maxanisotropy"});
+  list.ignore({"trilinear", "maxanisotropy"});  // how it is filtered
   return value;
 }
 
@@ -139,7 +139,7 @@ template <class Value>
 Value checkerboard(Context& context, const Parameters& list, const Value& even, const Value& odd) {
   using Plain = typename Of<Value>::Plain;
   const int dimension = list.integer("dimension", 2);
-  list.ignore({"aamode"});
+  list.ignore({"aamode"});  // how it is filtered
   if (dimension != 2 || even.texture || odd.texture) {
     context.source.lose(list.place, "checkerboards in space or of textures become one value");
     list.ignore_all();
@@ -270,8 +270,9 @@ Value Textures::made(Context& context, const std::string& kind, const Parameters
 }
 
 void Textures::make(Context& context, const std::string& name, const std::string& type,
-                    const std::string& kind, const Parameters& list) {
+                    const std::string& kind, const Parameters& list, const Key& key) {
   below_ = 0;
+  keys_[name] = key;
   if (type == "float")
     numbers_[name] = made<Number>(context, kind, list);
   else if (type == "spectrum" || type == "color")
@@ -284,14 +285,21 @@ void Textures::make(Context& context, const std::string& name, const std::string
   depth = std::max(depth, below_ + 1);
   if (depth > kDeepest)
     Source::fail(list.place, fmt::format("textures of textures, more than {} deep", kDeepest));
-  list.lose_unread(context.source, fmt::format("the texture \"{}\"", shown(kind)));
+}
+
+// The texture that a parameter names, now used; empty: none.
+std::string Textures::named(const Parameters& list, const std::string& name) const {
+  const std::string texture = list.texture(name);
+  if (const auto depth = depths_.find(texture); depth != depths_.end()) {
+    below_ = std::max(below_, depth->second);
+    keys_.at(texture).take();
+  }
+  return texture;
 }
 
 Colour Textures::colour(Context& context, const Parameters& list, const std::string& name,
                         const Rgb& absent, Use use) const {
-  const std::string texture = list.texture(name);
-  if (const auto depth = depths_.find(texture); depth != depths_.end())
-    below_ = std::max(below_, depth->second);
+  const std::string texture = named(list, name);
   if (!texture.empty()) {
     const auto it = colours_.find(texture);
     if (it != colours_.end()) return it->second;
@@ -316,9 +324,7 @@ Colour Textures::colour(Context& context, const Parameters& list, const std::str
 
 std::optional<Number> Textures::number(Context& context, const Parameters& list,
                                        const std::string& name) const {
-  const std::string texture = list.texture(name);
-  if (const auto depth = depths_.find(texture); depth != depths_.end())
-    below_ = std::max(below_, depth->second);
+  const std::string texture = named(list, name);
   if (!texture.empty()) {
     const auto it = numbers_.find(texture);
     if (it != numbers_.end()) return it->second;

@@ -12,9 +12,10 @@ namespace tdpt::foreign::pbrt {
 
 class Textures {
  public:
-  /// `type`: "float", "spectrum" or "color"; `kind`: "imagemap", "scale", ...
+  /// `type`: "float", "spectrum" or "color"; `kind`: "imagemap", "scale", ...; `key` is
+  /// taken when something names the texture.
   void make(Context& context, const std::string& name, const std::string& type,
-            const std::string& kind, const Parameters& list);
+            const std::string& kind, const Parameters& list, const Key& key);
 
   Colour colour(Context& context, const Parameters& list, const std::string& name,
                 const Rgb& absent, Use use = Use::reflectance) const;
@@ -24,6 +25,7 @@ class Textures {
                                const std::string& name) const;
 
  private:
+  std::string named(const Parameters& list, const std::string& name) const;
   template <class Value>
   Value made(Context& context, const std::string& kind, const Parameters& list);
   template <class Value>
@@ -31,6 +33,7 @@ class Textures {
 
   std::map<std::string, Colour> colours_;
   std::map<std::string, Number> numbers_;
+  std::map<std::string, Key> keys_;
   std::map<std::string, size_t> depths_;  // of textures that are made of others
   mutable size_t below_ = 0;              // greatest depth that was asked for since make() began
 };

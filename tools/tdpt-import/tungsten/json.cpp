@@ -8,15 +8,45 @@
 
 namespace tdpt::foreign::tungsten {
 
+namespace {
+
+std::string inside(const std::string& where, const std::string& key) {
+  return where.empty() ? key : where + "." + key;
+}
+
+}  // namespace
+
+void Keys::enter(const Json& json, Source& source, const std::string& where,
+                 const std::string& name) {
+  if (json.is_array())
+    for (size_t i = 0; i < json.size(); ++i)
+      enter(json[i], source, fmt::format("{}[{}]", where, i), name);
+  if (!json.is_object()) return;
+  const auto type = json.find("type");
+  const std::string what = type != json.end() && type->is_string()
+                               ? "a " + shown(type->get<std::string>(), 40)
+                           : name.empty() ? "the scene"
+                                          : "\"" + shown(name, 40) + "\"";
+  const Place place{source.path(), where};
+  const Key object = of_object[&json] = source.enter({}, place, "");
+  for (const auto& [key, value] : json.items()) {
+    of_member[&value] = source.enter(
+        object, place, fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
+    enter(value, source, inside(where, key), key);
+  }
+}
+
 std::optional<Node> Node::find(const char* key) const {
   if (!json_->is_object()) return {};
+  keys_->of_object.at(json_).take();
   const auto it = json_->find(key);
   if (it == json_->end()) return {};
-  return Node(*it, *source_, *read_, where_.empty() ? key : where_ + "." + key);
+  keys_->of_member.at(&*it).take();
+  return Node(*it, *source_, *keys_, inside(where_, key));
 }
 
 Node Node::item(size_t index) const {
-  return Node((*json_)[index], *source_, *read_, fmt::format("{}[{}]", where_, index));
+  return Node((*json_)[index], *source_, *keys_, fmt::format("{}[{}]", where_, index));
 }
 
 double Node::number() const {
@@ -63,10 +93,8 @@ void Node::ignore(std::initializer_list<const char*> keys) const {
   for (const char* key : keys) find(key);
 }
 
-void Node::tell_unread(const std::string& what) const {
-  for (const auto& [key, value] : json_->items())
-    if (!read_->contains(&value))
-      lose(fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
+void Node::ignore_all() const {
+  for (const auto& [key, value] : json_->items()) keys_->of_member.at(&value).take();
 }
 
 namespace {
@@ -143,7 +171,6 @@ Affine transform_of(const Node& node) {
   }
   const Vec3d scale = node.vector("scale", Vec3d(1));
   const Affine turn = rotation_of(node.vector("rotation", Vec3d(0)));
-  node.tell_unread("a transform");
   return {turn.vector(x * scale.x), turn.vector(y * scale.y), turn.vector(z * scale.z), position};
 }
 

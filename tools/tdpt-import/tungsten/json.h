@@ -1,11 +1,11 @@
-// Checked access to JSON: every error and every key that is not read is told with its place.
+// Checked access to JSON: every error is told with its place, every key that is read is taken.
 // Internal to this room.
 #pragma once
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
+#include <unordered_map>
 
 #include "tools/tdpt-import/described.h"
 #include "tools/tdpt-import/source.h"
@@ -14,13 +14,19 @@ namespace tdpt::foreign::tungsten {
 
 using Json = nlohmann::ordered_json;
 
+/// Keys by their values; and for each object the key that its members wait for.
+struct Keys {
+  std::unordered_map<const Json*, Key> of_member, of_object;
+
+  /// Enters the members of all objects in a value. `name`: the key that holds it.
+  void enter(const Json& json, Source& source, const std::string& where, const std::string& name);
+};
+
 /// A value and its place, such as "primitives[3].transform".
 class Node {
  public:
-  Node(const Json& json, Source& source, std::set<const Json*>& read, std::string where)
-      : json_(&json), source_(&source), read_(&read), where_(std::move(where)) {
-    read_->insert(json_);
-  }
+  Node(const Json& json, Source& source, const Keys& keys, std::string where)
+      : json_(&json), source_(&source), keys_(&keys), where_(std::move(where)) {}
 
   const Json& json() const { return *json_; }
   Place place() const { return {source_->path(), where_}; }
@@ -45,15 +51,14 @@ class Node {
   std::string text(const char* key, const std::string& otherwise) const;
   bool flag(const char* key, bool otherwise) const;
 
-  /// Keys that say nothing about the scene.
+  /// Takes keys that do not change the picture, or whose loss is named otherwise.
   void ignore(std::initializer_list<const char*> keys) const;
-  /// Names the keys of this object that nobody has read.
-  void tell_unread(const std::string& what) const;
+  void ignore_all() const;
 
  private:
   const Json* json_;
   Source* source_;
-  std::set<const Json*>* read_;
+  const Keys* keys_;
   std::string where_;
 };
 

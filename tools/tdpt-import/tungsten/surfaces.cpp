@@ -73,7 +73,6 @@ std::optional<Texture> Surfaces::texture(const Node& node, Rgb& constant) {
     t.nearest = !node.flag("interpolate", true);
     if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
     constant = Rgb(static_cast<float>(node.number("scale", 1)));
-    node.tell_unread("a bitmap");
     return t;
   }
   if (type == "checker") return checker(node);
@@ -83,6 +82,7 @@ std::optional<Texture> Surfaces::texture(const Node& node, Rgb& constant) {
   }
   node.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
                         shown(type, 40)));
+  node.ignore_all();
   constant = Rgb(0.5f);
   return {};
 }
@@ -167,13 +167,13 @@ Material Surfaces::sheet_of(const Node& bsdf) {
     bsdf.lose("the interference of thin sheets is left out");
   if (max_component(bsdf.vector("sigma_a", Vec3d(0))) > 0)
     bsdf.lose("the absorption of thin sheets is left out");
-  bsdf.ignore({"thickness"});
+  bsdf.ignore({"thickness"});  // of interference and absorption
   return glass(ior(bsdf), albedo(bsdf), kSmooth, false);
 }
 
 Material Surfaces::transparent(const Node& bsdf, int depth) {
   Material m = inner(bsdf, "base", depth);
-  bsdf.ignore({"albedo"});
+  bsdf.ignore({"albedo"});  // the base's counts
   const auto alpha = bsdf.find("alpha");
   if (alpha) m.opacity = number(*alpha);
   if (m.opacity.texture) m.opacity.texture->alpha = true;
@@ -190,7 +190,7 @@ Material Surfaces::coated(const Node& bsdf, const Number& alpha, int depth) {
 
 Material Surfaces::heavier(const Node& bsdf, int depth) {
   const auto share = bsdf.find("ratio");
-  bsdf.ignore({"bsdf0", "bsdf1", "albedo"});
+  bsdf.ignore({"bsdf0", "bsdf1"});
   return inner(bsdf, !share || number(*share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
 }
 
@@ -210,7 +210,7 @@ Material Surfaces::of_type(const std::string& type, const Node& bsdf, int depth)
   if (type == "transparency") return transparent(bsdf, depth);
   if (type == "oren_nayar") {
     near_to("Lambertian");
-    bsdf.ignore({"roughness"});
+    bsdf.ignore({"roughness"});  // of Oren-Nayar
     return diffuse(albedo(bsdf));
   }
   if (type == "smooth_coat" || type == "rough_coat") {
@@ -222,12 +222,12 @@ Material Surfaces::of_type(const std::string& type, const Node& bsdf, int depth)
     return heavier(bsdf, depth);
   }
   if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
-    bsdf.ignore({"albedo"});
+    bsdf.ignore({"albedo"});  // of no surface
     Material m = diffuse({Rgb(0), {}, {}});
     m.invisible = type == "forward";
     return m;
   }
-  for (const auto& [key, value] : bsdf.json().items()) bsdf.ignore({key.c_str()});
+  bsdf.ignore_all();
   bsdf.lose(
       fmt::format("surfaces of type \"{}\" are not read: Lambertian of their albedo in their place",
                   shown(type, 40)));
@@ -244,7 +244,6 @@ Material Surfaces::read(const Node& bsdf, int depth) {
     m.bump_scale = scale.x;
   }
   bsdf.ignore({"name"});
-  bsdf.tell_unread("a surface of type \"" + shown(type, 40) + "\"");
   return m;
 }
 

@@ -21,6 +21,7 @@ constexpr Affine kDisc{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {}};
 constexpr Affine kHalfCube{{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {}};
 // From z = 0..1 to y = -1/2..1/2.
 constexpr Affine kCylinder{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, -0.5, 0}};
+constexpr const char* kMedia = "media (fog, absorption, scattering) are left out";
 // From the directions of an infinite sphere to those of the map [described.h].
 constexpr Affine kToMap{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {}};
 
@@ -61,20 +62,22 @@ class Reader {
       if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);
       throw InputError(source_.path(), "", "is no JSON: " + shown(why, 160));
     }
-    const Node root(json_, source_, read_, "");
+    keys_.enter(json_, source_, "", "");
+    const Node root(json_, source_, keys_, "");
     if (!root.is_object()) root.fail("is no Tungsten scene: expected an object");
     const auto primitives = root.find("primitives");
     if (!primitives || !primitives->is_array())
       root.fail("is no Tungsten scene: expected an array \"primitives\"");
-    root.ignore({"integrator", "renderer", "media"});
+    root.ignore({"name", "renderer", "media"});  // files and samples; lost where they are used
+    if (const auto integrator = root.find("integrator")) read_integrator(*integrator);
     surfaces_.emplace(scene_, root.find("bsdfs"));
     if (const auto camera = root.find("camera")) read_camera(*camera);
     for (size_t i = 0; i < primitives->json().size(); ++i) read_primitive(primitives->item(i));
-    root.tell_unread("the scene");
     return std::move(scene_);
   }
 
  private:
+  static void read_integrator(const Node& node);
   void read_camera(const Node& node);
   void read_primitive(const Node& node);
   void read_sky(const Node& node, const Affine& map);
@@ -89,7 +92,7 @@ class Reader {
     if (const auto power = node.find("power")) {
       Colour c = surfaces_->colour(*power);
       c.factor = c.factor * static_cast<float>(per_power);
-      node.ignore({"emission"});
+      node.ignore({"emission"});  // the power counts
       return c;
     }
     if (const auto emission = node.find("emission")) return surfaces_->colour(*emission);
@@ -98,17 +101,36 @@ class Reader {
 
   Source& source_;
   Json json_;
-  std::set<const Json*> read_;
+  Keys keys_;
   Described scene_;
   std::optional<Surfaces> surfaces_;
   std::map<std::string, size_t> meshes_;
 };
 
+// What an integrator leaves out of the light.
+void Reader::read_integrator(const Node& node) {
+  node.source().lose_longer_paths(node.place(), node.number("max_bounces", 64));
+  if (node.number("min_bounces", 0) > 0) node.lose("light of few bounces (min_bounces) is kept");
+  if (!node.flag("enable_two_sided_shading", true))
+    node.lose("surfaces that are black on their back (enable_two_sided_shading) have two sides");
+  if (!node.flag("include_surfaces", true) || !node.flag("low_order_scattering", true))
+    node.lose("light that the integrator leaves out is kept");
+  node.ignore({"adaptive_sampling", "alpha", "bidirectional", "current_spp",
+               "enable_consistency_checks", "enable_light_sampling", "enable_volume_light_sampling",
+               "fixed_volume_radius", "gather_photon_count", "gather_radius", "gaussian_mutation",
+               "grid_memory", "image_pyramid", "initial_sample_pool", "iterations_per_batch",
+               "large_step_probability", "name", "photon_count", "stratified_sampler",
+               "strategy_perturbation_probability", "type", "use_frustum_grid", "use_grid",
+               "volume_gather_radius", "volume_photon_count",
+               "volume_photon_type"});  // how it samples
+}
+
 void Reader::read_camera(const Node& node) {
   const std::string type = node.text("type", "pinhole");
   Camera c;
   c.name = "camera";
-  node.ignore({"tonemap", "reconstruction_filter", "type", "name", "medium"});
+  node.ignore({"tonemap", "reconstruction_filter", "name"});  // how the picture is written
+  if (node.find("medium")) node.lose(kMedia);
   double width = 1000, height = 563;
   if (const auto size = node.find("resolution")) {
     if (size->is_number())
@@ -132,12 +154,13 @@ void Reader::read_camera(const Node& node) {
   if (type == "thinlens") {
     c.lens_radius = node.number("aperture_size", 0.001);
     c.focus_distance = node.number("focus_distance", 1);
-    node.ignore({"aperture", "cateye", "focus_pivot"});
+    if (node.number("cateye", 0) != 0) node.lose("the cat's eyes of a lens (cateye) are left out");
+    if (const auto shape = node.find("aperture"); shape && shape->text("type", "") != "disk")
+      node.lose("the aperture becomes a disc");
   } else if (type != "pinhole") {
     node.lose(fmt::format("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40)));
     return scene_.cameras.push_back(c);
   }
-  node.tell_unread("the camera");
   scene_.cameras.push_back(c);
 }
 
@@ -169,7 +192,8 @@ size_t Reader::mesh_of(const Node& node) {
 std::optional<Affine> Reader::place_mesh(const Node& node, const std::string& type, Shape& shape) {
   if (type == "mesh") {
     shape.mesh = mesh_of(node);
-    node.ignore({"backface_culling"});
+    if (node.flag("backface_culling", false))
+      node.lose("triangles that are not seen from behind (backface_culling) are seen");
     return Affine{};
   }
   if (type == "quad") {
@@ -202,9 +226,9 @@ void Reader::read_primitive(const Node& node) {
   const std::string type = node.text("type", "");
   Affine map;
   if (const auto transform = node.find("transform")) map = transform_of(*transform);
-  node.ignore({"name", "bump_strength"});
+  node.ignore({"name", "bump_strength"});  // Tungsten itself does not read bump_strength
   for (const char* side : {"int_medium", "ext_medium"})
-    if (node.find(side)) node.lose("media (fog, absorption, scattering) are left out");
+    if (node.find(side)) node.lose(kMedia);
 
   if (type == "infinite_sphere") return read_sky(node, map);
   if (type == "infinite_sphere_cap") return read_sun(node, map);
@@ -215,7 +239,7 @@ void Reader::read_primitive(const Node& node) {
   const std::optional<Affine> inside = place_mesh(node, type, shape);
   if (!inside) {
     node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
-    return;
+    return node.ignore_all();
   }
   if (type == "sphere") {  // of the largest scale in all directions
     const double r = largest_scale(map);
@@ -231,14 +255,12 @@ void Reader::read_primitive(const Node& node) {
     const auto radiance = emitted(node, area > 0 ? 1 / (pi * area) : 0);
     shape.emission = Emission{*radiance, false};
   }
-  node.tell_unread("a " + type);
   scene_.shapes.push_back(std::move(shape));
 }
 
 void Reader::read_sky(const Node& node, const Affine& map) {
   const auto radiance = emitted(node, 1 / (4 * pi));
-  node.ignore({"sample", "bsdf"});
-  node.tell_unread("an infinite_sphere");
+  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
   if (!radiance) return;
   if (scene_.sky) return node.lose("of several skies the first is taken");
   Sky sky;
@@ -252,10 +274,9 @@ void Reader::read_sun(const Node& node, const Affine& map) {
   const double angle = node.number("cap_angle", 10) * pi / 180;
   if (!(angle > 0 && angle <= pi / 2)) node.fail("has a cap_angle that is not within 0 to 90");
   const auto radiance = emitted(node, 1 / (2 * pi * (1 - std::cos(angle))));
-  node.ignore({"sample", "bsdf"});
+  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
   if (node.find("skydome"))
     node.lose("a sun takes its direction from its own transform, not from a skydome");
-  node.tell_unread("an infinite_sphere_cap");
   if (!radiance) return;
   node.lose(
       fmt::format("the sun of {:.4g} degrees becomes a point: give --sun-angle {:.4g} to tdpt",
@@ -271,8 +292,7 @@ void Reader::read_sun(const Node& node, const Affine& map) {
 
 void Reader::read_point(const Node& node, const Affine& map) {
   const auto intensity = emitted(node, 1 / (4 * pi));
-  node.ignore({"bsdf"});
-  node.tell_unread("a point");
+  node.ignore({"bsdf"});  // of no surface
   if (!intensity) return;
   Lamp lamp;
   lamp.name = node.text("name", "point");

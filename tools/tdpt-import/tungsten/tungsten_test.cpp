@@ -22,6 +22,7 @@ Read read(const std::string& json) {
   folder.write("wood.png", "not decoded here");
   Source source(folder.write("scene.json", json));
   Read r{read_tungsten(source), {}};
+  source.lose_unread();
   for (const auto& loss : source.losses())
     r.losses.push_back(loss.first.where + ": " + loss.sentence);
   return r;
