@@ -39,6 +39,51 @@ TEST(Source, ReadsBelowItsFolderOnly) {
   EXPECT_EQ(source.files().size(), 2u);  // the scene and a.txt, once
 }
 
+TEST(Source, SkipsByteOrderMarks) {
+  const testing::TempFolder folder;
+  folder.write("a.obj", "\xEF\xBB\xBFv 0 0 0");
+  Source source(folder.write("scene.json", "\xEF\xBB\xBF{}"));
+  EXPECT_EQ(source.text(), "{}");
+  EXPECT_EQ(source.read("a.obj", {"scene.json", ""}), "v 0 0 0");
+}
+
+TEST(Source, GoesOnWithoutMissingFilesIfAllowed) {
+  const testing::TempFolder folder;
+  const std::string path = folder.write("scene.json", "{}");
+  const Place place{"scene.json", "a"};
+  Source strict(path), lenient(path, true);
+  EXPECT_EQ(complaint([&] { strict.read_picture("b.png", place); }),
+            "scene.json:a: \"b.png\" cannot be opened: No such file or directory "
+            "(--allow-missing goes on without it)");
+  EXPECT_NE(complaint([&] { strict.read_mesh("b.ply", place); }), "");
+  EXPECT_FALSE(lenient.read_mesh("b.ply", place));
+  const Texels grey = decode(lenient.read_picture("b.png", place), "b.png");
+  EXPECT_EQ(grey.rgb.at(0).y, 0.5f);
+  ASSERT_EQ(lenient.losses().size(), 2u);
+  EXPECT_EQ(lenient.losses()[0].sentence, "\"b.ply\" is missing: what shows it is left out");
+  EXPECT_NE(complaint([&] { lenient.read_mesh("../b.ply", place); }),
+            "");  // not missing, but outside
+}
+
+TEST(Source, NamesKeysThatNobodyTook) {
+  const testing::TempFolder folder;
+  Source source(folder.write("scene.json", "{}"));
+  const Place place{"scene.json", ""};
+  const Key held = source.enter({}, place, "held"), read = source.enter({}, place, "read");
+  source.enter(held, place, "in what nobody took");
+  source.enter(read, place, "in what was read");
+  source.enter({}, place, "");
+  read.take();
+  read.take();
+  Key().take();
+  source.lose_unread();
+  source.lose_unread();
+  ASSERT_EQ(source.losses().size(), 2u);
+  EXPECT_EQ(source.losses()[0].sentence, "held");
+  EXPECT_EQ(source.losses()[1].sentence, "in what was read");
+  EXPECT_EQ(source.losses()[0].times, 1u);
+}
+
 TEST(Source, SearchesFoldersOfItsOwn) {
   const testing::TempFolder folder;
   folder.write("scene/models/a.txt", "in models");

@@ -29,7 +29,7 @@ constexpr cli::Program kProgram{"tdpt-import",
 struct Arguments {
   std::string scene;
   std::vector<std::string> parameters;
-  bool strict = false;
+  bool strict = false, allow_missing = false;
   std::string up = "auto";
   int64_t texture_size = 0;
 };
@@ -38,6 +38,8 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.argument("scene", a.scene,
                    "Scene of Tungsten (.json), Mitsuba 0.4 to 3 (.xml) or pbrt-v3 and -v4 (.pbrt)");
   options.flag("--strict", a.strict, "Write nothing if anything of the scene would be lost");
+  options.flag("--allow-missing", a.allow_missing,
+               "Go on without pictures and meshes that are missing");
   options.option("-D,--define", a.parameters, "NAME=VALUE",
                  "Set a parameter $NAME of a Mitsuba scene");
   options.choice("--up", a.up, {"auto", "x", "y", "z"},
@@ -151,7 +153,7 @@ foreign::Described described(foreign::Source& source, Format format, const Argum
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  foreign::Source source(a.scene);
+  foreign::Source source(a.scene, a.allow_missing);
   const Format format = format_of(a.scene, source.text());
   const char* name = format == Format::mitsuba ? "Mitsuba"
                      : format == Format::pbrt  ? "pbrt"

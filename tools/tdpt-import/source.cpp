@@ -26,7 +26,8 @@ void drop_byte_order_mark(std::string& bytes) {
 
 }  // namespace
 
-Source::Source(const std::string& path) : path_(path), folder_(folder_of(path)) {
+Source::Source(const std::string& path, bool allow_missing)
+    : path_(path), folder_(folder_of(path)), allow_missing_(allow_missing) {
   text_ = read_file(path);
   files_.push_back({path, content_hash(text_)});
   drop_byte_order_mark(text_);
@@ -61,6 +62,28 @@ std::string Source::read(const std::string& name, const Place& place) {
     files_.push_back({file, content_hash(bytes)});
   drop_byte_order_mark(bytes);
   return bytes;
+}
+
+std::optional<std::string> Source::read_if_there(const std::string& name, const Place& place,
+                                                 const char* otherwise) {
+  try {
+    return read(name, place);
+  } catch (const NothingThere& error) {
+    if (!allow_missing_)
+      throw InputError(std::string(error.what()) + " (--allow-missing goes on without it)");
+  }
+  lose(place, "\"" + shown(name) + "\" is missing: " + otherwise);
+  return {};
+}
+
+std::string Source::read_picture(const std::string& name, const Place& place) {
+  const std::string half("\0\0\0\x3f", 4);  // 0.5
+  return read_if_there(name, place, "grey of 0.5 in its place")
+      .value_or("PF\n1 1\n-1\n" + half + half + half);
+}
+
+std::optional<std::string> Source::read_mesh(const std::string& name, const Place& place) {
+  return read_if_there(name, place, "what shows it is left out");
 }
 
 bool Source::has(const std::string& name, const Place& place) {

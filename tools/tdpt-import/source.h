@@ -1,6 +1,7 @@
 // The files of a scene, what is lost of them, and the account of their keys.
 #pragma once
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ class Key {
 class Source {
  public:
   /// `path`: the scene file; its folder is all that is read.
-  explicit Source(const std::string& path);
+  explicit Source(const std::string& path, bool allow_missing = false);
 
   const std::string& path() const { return path_; }
   /// The scene file itself.
@@ -43,6 +44,10 @@ class Source {
   /// search paths. Backslashes count as slashes. Throws InputError naming `place` if it lies
   /// outside the scene's folder or is missing.
   std::string read(const std::string& name, const Place& place);
+  /// The same of a picture and of a mesh. If they are missing and this is allowed, they are named
+  /// as lost, and a picture of one grey texel, and nothing, stand in for them.
+  std::string read_picture(const std::string& name, const Place& place);
+  std::optional<std::string> read_mesh(const std::string& name, const Place& place);
   /// Whether there is such a file.
   bool has(const std::string& name, const Place& place);
   /// Name in messages of a file that read() was given: beside the scene's own path.
@@ -83,7 +88,11 @@ class Source {
   friend class Key;
   std::string found(const std::string& name, const Place& place, std::string& real) const;
 
+  std::optional<std::string> read_if_there(const std::string& name, const Place& place,
+                                           const char* otherwise);
+
   std::string path_, folder_, text_;
+  bool allow_missing_;
   std::vector<std::string> searched_;
   std::vector<Loss> losses_;
   std::map<std::string, size_t> lost_;

@@ -163,6 +163,106 @@ std::string camera(const std::string& inside) {
          "<integer name=\"height\" value=\"100\"/></film></sensor>";
 }
 
+TEST_F(scene, takes_lamps_by_reference) {
+  const Described d =
+      v3("<emitter type=\"area\" id=\"e\"><rgb name=\"radiance\" value=\"2\"/></emitter>"
+         "<bsdf type=\"twosided\" id=\"b\"><bsdf type=\"diffuse\"/></bsdf>"
+         "<shape type=\"rectangle\"><ref id=\"e\"/><ref id=\"b\"/></shape>"
+         "<shape type=\"rectangle\"><ref id=\"e\"/><ref id=\"b\"/></shape>");
+  EXPECT_EQ(d.shapes.at(1).emission->radiance.factor.x, 2);
+  expect_nothing_lost();
+  v3("<shape type=\"sphere\"><sampler type=\"independent\"/></shape>");
+  expect_lost("the sampler \"independent\" in a shape \"sphere\" is left out");
+}
+
+TEST_F(scene, names_limits_of_integrators) {
+  const auto integrator = [&](const std::string& type, const std::string& inside) {
+    v3("<integrator type=\"" + type + "\">" + inside + "</integrator>");
+    return losses_;
+  };
+  const std::string depth = "<integer name=\"max_depth\" value=\"";
+  EXPECT_NE(integrator("path", depth + "8\"/>").find("--max-depth 8 "), std::string::npos);
+  EXPECT_NE(integrator("direct", "").find("--max-depth 2 "), std::string::npos);
+  EXPECT_NE(integrator("ao", "").find("shows other light"), std::string::npos);
+  EXPECT_NE(integrator("path", "<boolean name=\"hide_emitters\" value=\"true\"/>"), "");
+  EXPECT_EQ(integrator("path", depth + "-1\"/>"), "");
+  EXPECT_EQ(integrator("path", depth + "65\"/>"), "");
+}
+
+// Mitsuba cuts away what is nearer or farther than its camera's planes.
+TEST_F(scene, names_what_a_camera_cuts_away) {
+  const auto camera = [&](const std::string& name, const char* value) {
+    v3("<sensor type=\"perspective\"><float name=\"" + name + "\" value=\"" + value +
+       "\"/><transform name=\"to_world\"><lookat origin=\"0,0,5\" target=\"0,0,0\" up=\"0,1,0\"/>"
+       "</transform></sensor><shape type=\"sphere\"/>");
+    return losses_;
+  };
+  EXPECT_EQ(camera("near_clip", "3.9"), "");
+  EXPECT_NE(camera("near_clip", "4.1"), "");
+  EXPECT_EQ(camera("far_clip", "6.1"), "");
+  EXPECT_NE(camera("far_clip", "5.9"), "");
+}
+
+TEST_F(scene, refuses_parameters_that_it_does_not_use) {
+  EXPECT_THROW(v3("<shape type=\"sphere\"/>", {{"width", "3"}}), UsageError);
+  EXPECT_THROW(v3("<default name=\"width\" value=\"4\"/>", {{"width", "3"}}), UsageError);
+  v3("<shape type=\"sphere\"><float name=\"radius\" value=\"$width\"/></shape>", {{"width", "3"}});
+}
+
+// A value or attribute that nobody knows is named once, in whatever element it stands.
+TEST_F(scene, names_every_unknown_key) {
+  folder_.write("wood.png", "not decoded here");
+  const std::string inside =
+      "<integrator type=\"path\"><integer name=\"max_depth\" value=\"-1\"/></integrator>"
+      "<sensor type=\"thinlens\"><float name=\"fov\" value=\"40\"/><transform name=\"to_world\">"
+      "<lookat origin=\"0,0,5\" target=\"0,0,0\" up=\"0,1,0\"/><scale value=\"1\"/></transform>"
+      "<film type=\"hdrfilm\"><integer name=\"width\" value=\"64\"/></film></sensor>"
+      "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"wood.png\"/></texture>"
+      "<bsdf type=\"twosided\" id=\"b\"><bsdf type=\"roughplastic\"><string name=\"distribution\" "
+      "value=\"ggx\"/><ref name=\"diffuse_reflectance\" id=\"t\"/></bsdf></bsdf>"
+      "<bsdf type=\"mask\" id=\"m\"><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></bsdf>"
+      "<emitter type=\"area\" id=\"e\"><rgb name=\"radiance\" value=\"2\"/></emitter>"
+      "<emitter type=\"constant\"><blackbody name=\"radiance\" temperature=\"5000\"/></emitter>"
+      "<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/></emitter>"
+      "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><ref id=\"b\"/></shape></shape>"
+      "<shape type=\"instance\"><ref id=\"g\"/></shape>"
+      "<shape type=\"rectangle\"><ref id=\"m\"/><ref id=\"e\"/></shape>"
+      "<shape type=\"sphere\"><bsdf type=\"dielectric\"/><medium type=\"homogeneous\" "
+      "name=\"interior\"><rgb name=\"sigma_a\" value=\"1\"/></medium></shape>"
+      "<shape type=\"sphere\"><bsdf type=\"null\"/></shape>";
+  v3(inside);
+  expect_nothing_lost();
+  size_t elements = 0;
+  for (size_t at = 0; (at = inside.find('<', at)) != inside.npos; ++at) {
+    if (inside[at + 1] == '/') continue;
+    const size_t name_end = inside.find(' ', at), end = inside.find('>', at);
+    v3(inside.substr(0, name_end) + " unheard=\"1\"" + inside.substr(name_end));
+    EXPECT_EQ(losses_, "line 2: the attribute \"unheard\" of a <" +
+                           inside.substr(at + 1, name_end - at - 1) + "> is not read\n")
+        << inside.substr(at, 60);
+    ++elements;
+    const bool holds_values = inside.compare(at, 10, "<transform") != 0;
+    if (!holds_values) continue;
+    const std::string junk = "<float name=\"unheard\" value=\"1\"/>";
+    const bool is_object = inside.find("type=", at) < end;
+    if (!is_object) continue;
+    const bool is_empty = inside[end - 1] == '/';
+    const std::string closed =
+        is_empty ? ">" + junk + "</" + inside.substr(at + 1, name_end - at - 1) + ">" : ">" + junk;
+    v3(inside.substr(0, is_empty ? end - 1 : end) + closed + inside.substr(end + 1));
+    EXPECT_NE(losses_.find("the parameter \"unheard\" of the "), std::string::npos)
+        << inside.substr(at, 60);
+    EXPECT_EQ(std::count(losses_.begin(), losses_.end(), '\n'), 1) << losses_;
+  }
+  EXPECT_EQ(elements, 38u);
+  // Of the scene itself; and nobody needs the values of what nobody uses.
+  v3("<float name=\"unheard\" value=\"1\"/>");
+  expect_lost("\"unheard\" of the scene");
+  v3("<bsdf type=\"diffuse\" id=\"x\" unheard=\"1\"><float name=\"unheard\" value=\"1\"/></bsdf>"
+     "<shape type=\"shapegroup\"><float name=\"unheard\" value=\"1\"/></shape>");
+  expect_nothing_lost();
+}
+
 TEST_F(scene, turns_cameras_round) {
   // By Mitsuba 3.9: looks along +z, the left of the picture is +x.
   const Camera c = v3(camera("")).cameras.at(0);

@@ -135,6 +135,7 @@ Affine Object::map(const std::string& name, Source& source) const {
   if (!v) return {};
   if (v->tag != "transform" && v->tag != "animation")
     v->fail(fmt::format("\"{}\" is a {}, expected a transform", name, shown(v->tag, 40)));
+  v->contents.take();
   if (v->is_animated) source.lose(v->place, "of moving objects the first place is taken");
   return v->map;
 }

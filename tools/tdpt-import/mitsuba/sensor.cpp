@@ -41,8 +41,8 @@ void read_film(const Object& sensor, Source& source, Camera& camera) {
     source.lose(film.place, "the crop window is left out");
   film.nested("rfilter");
   film.ignore({"attach_log", "banner", "burn", "channel_names", "compensate", "component_format",
-               "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges", "key",
-               "pixel_format", "sample_border", "tonemap_method",
+               "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges",
+               "key", "pixel_format", "sample_border", "tonemap_method",
                "variable"});  // of the file that is written
 }
 

@@ -93,10 +93,12 @@ Shape Shapes::from_file(const Object& shape) {
   const std::string key = fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file);
   bool has_normals = false;
   out.mesh = mesh(key, [&] {
-    const std::string bytes = source_.read(file, place), name = source_.shown_name(file);
-    Mesh m = shape.type == "obj"   ? read_obj(bytes, name)
-             : shape.type == "ply" ? read_ply(bytes, name)
-                                   : read_serialized(bytes, name, static_cast<size_t>(index));
+    const auto bytes = source_.read_mesh(file, place);
+    if (!bytes) return Mesh{};
+    const std::string name = source_.shown_name(file);
+    Mesh m = shape.type == "obj"   ? read_obj(*bytes, name)
+             : shape.type == "ply" ? read_ply(*bytes, name)
+                                   : read_serialized(*bytes, name, static_cast<size_t>(index));
     if (flip != (shape.type == "obj")) flip_v(m);
     has_normals = !m.normals.empty() && !flat;
     if (flat)
@@ -229,6 +231,7 @@ void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
                  fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
     return shape.ignore_all();
   }
+  if (scene_.meshes[out->mesh].triangles.empty()) return shape.ignore_all();
   out->to_world = outer * out->to_world;
   for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
     if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");

@@ -193,7 +193,9 @@ Surfaces::Read Surfaces::bump(const Object& bsdf) {
   const Colour c = textures_.of(*maps[0], Of::surface, bsdf.old);
   if (!c.texture) return out;
   if (bsdf.type == "normalmap") {
-    out.material.normal = c.texture;
+    const Image& image = scene_.images[c.texture->image];
+    if (image.bytes.empty() || source_.has(image.name, bsdf.place))  // a stand-in is no normal
+      out.material.normal = c.texture;
   } else {
     out.material.bump = c.texture;
     out.material.bump_scale = mean(c.factor) * bsdf.number("scale", 1);

@@ -20,7 +20,7 @@ Colour plain(const Rgb& c) {
 size_t Textures::image(const std::string& file, const Place& place) {
   const auto it = images_.find(file);
   if (it != images_.end()) return it->second;
-  scene_.images.push_back({file, source_.read(file, place)});
+  scene_.images.push_back({file, source_.read_picture(file, place)});
   return images_[file] = scene_.images.size() - 1;
 }
 
@@ -104,8 +104,8 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
     if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
     texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
     const std::string kelvin = fmt::format("{}", texture.number("temperature", 0));
-    return plain(colour_of({"blackbody", "", texture.place, {{"temperature", {kelvin}}}}, texture.old,
-                           of, source_));
+    return plain(colour_of({"blackbody", "", texture.place, {{"temperature", {kelvin}}}},
+                           texture.old, of, source_));
   }
   source_.lose(texture.place, fmt::format("textures of type \"{}\" are not read: grey of 0.5 in "
                                           "their place",

@@ -183,11 +183,10 @@ class Parser {
     const Place place = file.place(node.offset_debug());
     if (depth > kDeepest) Source::fail(place, "is nested too deeply");
     Value v{node.name(), "", place};
-    const bool is_object =
-        is_any_of(v.tag, {"shape", "bsdf", "texture", "emitter", "sensor", "medium", "film",
-                          "integrator", "sampler", "rfilter", "phase", "volume", "subsurface",
-                          "random", "scene"}) ||
-        (v.tag == "spectrum" && node.attribute("type"));
+    const bool is_object = is_any_of(v.tag, {"shape", "bsdf", "texture", "emitter", "sensor",
+                                             "medium", "film", "integrator", "sampler", "rfilter",
+                                             "phase", "volume", "subsurface", "random", "scene"}) ||
+                           (v.tag == "spectrum" && node.attribute("type"));
     v.key = source_.enter(into.key, place, missing(node, is_object, into));
     v.contents = source_.enter(v.key, place, "");
     v.attributes = attributes_of(node, place, v.contents);

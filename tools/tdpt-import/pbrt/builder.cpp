@@ -166,7 +166,8 @@ std::optional<Emission> Builder::emission(const Geometry& geometry, const Affine
 
 void Builder::add_shape(const std::string& kind, const Parameters& list) {
   const std::optional<Geometry> geometry = geometries_.read(context_, kind, list);
-  if (!geometry || context_.scene.meshes[geometry->mesh].triangles.empty()) return list.ignore_all();
+  if (!geometry || context_.scene.meshes[geometry->mesh].triangles.empty())
+    return list.ignore_all();
   Shape shape;
   shape.name = geometry->name;
   shape.mesh = geometry->mesh;

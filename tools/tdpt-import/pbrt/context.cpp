@@ -11,7 +11,7 @@ size_t Context::image(const std::string& name, const Place& place) {
   if (is_new) {
     Image image;
     image.name = name;
-    image.bytes = source.read(name, place);
+    image.bytes = source.read_picture(name, place);
     scene.images.push_back(std::move(image));
   }
   return it->second;

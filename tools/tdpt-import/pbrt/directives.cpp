@@ -15,8 +15,8 @@ enum Attribute : size_t { kShape, kLight, kMaterial, kMedium, kTexture };
 constexpr const char* kAttributes[] = {"shape", "light", "material", "medium", "texture"};
 
 // Integrators that find all light.
-constexpr std::string_view kWhole[] = {"bdpt",       "lightpath",     "metropolis", "mlt",
-                                       "path",       "pathtracer",    "randomwalk", "simplepath",
+constexpr std::string_view kWhole[] = {"bdpt",          "lightpath",  "metropolis", "mlt",
+                                       "path",          "pathtracer", "randomwalk", "simplepath",
                                        "simplevolpath", "sppm",       "volpath"};
 
 struct Directives {
@@ -109,18 +109,35 @@ struct Directives {
       b.context_.source.lose_longer_paths(list.place, list.integer("maxdepth", 5) + 1.0);
     if (list.flag("regularize", false))
       b.context_.source.lose(list.place, "the smoothing of caustics (regularize) is left out");
-    list.ignore({"bootstrapsamples", "chains", "cossample", "imagefilename", "imagewritefrequency",
-                 "iterations", "largestepprobability", "lightsampler", "lightsamplestrategy",
-                 "mutationsperpixel", "nsamples", "numiterations", "photonsperiteration", "radius",
-                 "rrthreshold", "samplebsdf", "samplelights", "seed", "strategy",
-                 "visualizestrategies", "visualizeweights"});  // how it samples
+    list.ignore({"bootstrapsamples",
+                 "chains",
+                 "cossample",
+                 "imagefilename",
+                 "imagewritefrequency",
+                 "iterations",
+                 "largestepprobability",
+                 "lightsampler",
+                 "lightsamplestrategy",
+                 "mutationsperpixel",
+                 "nsamples",
+                 "numiterations",
+                 "photonsperiteration",
+                 "radius",
+                 "rrthreshold",
+                 "samplebsdf",
+                 "samplelights",
+                 "seed",
+                 "strategy",
+                 "visualizestrategies",
+                 "visualizeweights"});  // how it samples
   }
   static void option(Builder& b) {
     const Parameters list = b.parameters();
     list.ignore({"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
                  "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats",
                  "rendercoordsys", "seed", "wavefront"});  // how it samples
-    if (!list.flag("forcediffuse", false)) list.ignore({"forcediffuse"});
+    if (!list.flag("forcediffuse", false))
+      list.ignore({"forcediffuse"});
     else
       b.context_.source.lose(list.place, "materials that are all diffuse (forcediffuse) are not");
   }

@@ -212,7 +212,9 @@ std::optional<Geometry> Geometries::read(Context& context, const std::string& ki
     if (file.empty()) Source::fail(list.place, "the mesh names no file");
     g.name = stem_of(file);
     g.mesh = shared(file, [&] {
-      std::string bytes = context.source.read(file, list.place);
+      const auto found = context.source.read_mesh(file, list.place);
+      if (!found) return Mesh{};
+      std::string bytes = *found;
       const std::string shown_name = context.source.shown_name(file);
       if (is_gzip(bytes)) bytes = inflated(bytes, shown_name);
       Mesh mesh = read_ply(bytes, shown_name);

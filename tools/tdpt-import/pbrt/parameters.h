@@ -27,8 +27,8 @@ class Parameters {
  public:
   Parameters() = default;
   explicit Parameters(Place directive) : place(std::move(directive)) {}
-  /// Reads the list that stands next in `tokens`, of `whose`: "Material "matte"". While nobody takes
-  /// `holder`, nobody misses its parameters.
+  /// Reads the list that stands next in `tokens`, of `whose`: "Material "matte"". While nobody
+  /// takes `holder`, nobody misses its parameters.
   static Parameters read(Tokens& tokens, Source& source, const Key& holder,
                          const std::string& whose);
 

@@ -481,6 +481,78 @@ TEST_F(scene, keeps_states_apart) {
   expect_near(d.shapes.at(2).to_world.x, {3, 0, 0});
 }
 
+TEST_F(scene, names_limits_of_integrators) {
+  const auto integrator = [&](const std::string& words) {
+    read("Integrator " + words + "\n" + kFilm4 + "WorldBegin\n" + kTriangle);
+    return losses_;
+  };
+  EXPECT_NE(integrator("\"path\" \"integer maxdepth\" [1]").find("--max-depth 2 "),
+            std::string::npos);  // of bounces
+  EXPECT_NE(integrator("\"volpath\" \"bool regularize\" true"), "");
+  EXPECT_NE(integrator("\"ambientocclusion\" \"float maxdistance\" 3").find("shows other light"),
+            std::string::npos);
+  EXPECT_EQ(integrator("\"volpath\" \"integer maxdepth\" [100] \"string lightsampler\" \"bvh\""),
+            "");
+}
+
+TEST_F(scene, begins_with_a_byte_order_mark_or_without) {
+  folder_.write("more.pbrt", "\xEF\xBB\xBF" + kTriangle);
+  EXPECT_EQ(read("\xEF\xBB\xBF" + kFilm4 + "WorldBegin Include \"more.pbrt\"").shapes.size(), 1u);
+}
+
+// A parameter that nobody knows is named once, in whatever list it stands.
+TEST_F(scene, names_every_unknown_key) {
+  folder_.write("wood.png", "not decoded here");
+  const std::vector<std::string> lines = {
+      "Option \"integer seed\" 3 *",
+      "Camera \"perspective\" \"float fov\" 40 *",
+      "Film \"rgb\" \"integer xresolution\" [200] *",
+      "Integrator \"volpath\" *",
+      "WorldBegin",
+      "Attribute \"shape\" \"float radius\" 2 *",
+      "Attribute \"material\" \"float roughness\" 0 *",
+      "LightSource \"infinite\" \"rgb L\" [1 1 1] *",
+      "LightSource \"point\" *",
+      "LightSource \"distant\" *",
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.png\" *",
+      "Texture \"u\" \"spectrum\" \"scale\" \"texture tex\" \"t\" \"float scale\" 0.5 *",
+      "MakeNamedMaterial \"m\" \"string type\" \"coateddiffuse\" \"texture reflectance\" \"u\" *",
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [0 0 0] *",
+      "NamedMaterial \"m\"",
+      "AreaLightSource \"diffuse\" *",
+      "Shape \"disk\" *",
+      "MediumInterface \"fog\" \"\"",
+      "Material \"dielectric\" *",
+      "Shape \"sphere\" \"float radius\" 1 *",
+      "MediumInterface \"\" \"\"",
+      "Material \"conductor\" *",
+      kTriangle + " *",
+      "Material \"interface\" *",
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] *"};
+  const auto with_unknown = [&](size_t line) {
+    std::string text;
+    for (size_t i = 0; i < lines.size(); ++i)
+      text +=
+          lines[i].substr(0, lines[i].find(" *")) + (i == line ? " \"float unheard\" [1]\n" : "\n");
+    return text;
+  };
+  read(with_unknown(lines.size()));
+  expect_nothing_lost();
+  for (size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].find(" *") == std::string::npos) continue;
+    read(with_unknown(i));
+    EXPECT_NE(losses_.find("\"float unheard\" of " + lines[i].substr(0, lines[i].find(' '))),
+              std::string::npos)
+        << lines[i] << losses_;
+    EXPECT_EQ(std::count(losses_.begin(), losses_.end(), '\n'), 1) << losses_;
+  }
+  // Nobody needs the parameters of what nobody names.
+  v4("MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"float unheard\" 1\n"
+     "Texture \"t\" \"spectrum\" \"constant\" \"float unheard\" 1\n" +
+     kTriangle);
+  expect_nothing_lost();
+}
+
 TEST_F(scene, with_errors_is_refused_with_the_line) {
   const auto expect_refused = [&](const std::string& text, const std::string& words) {
     const std::string message = refusal(text);

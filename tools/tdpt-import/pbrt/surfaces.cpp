@@ -152,7 +152,9 @@ void read_bumps(const Reader& r, Material& m) {
   }
   if (!r.context.v4) return;
   const std::string normals = r.list.text("normalmap");
-  if (!normals.empty()) m.normal = picture(r.context, normals, r.list.place, false);
+  if (normals.empty()) return;
+  const Texture map = picture(r.context, normals, r.list.place, false);
+  if (r.context.source.has(normals, r.list.place)) m.normal = map;  // grey is no normal
 }
 
 }  // namespace

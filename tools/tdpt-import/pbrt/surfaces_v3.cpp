@@ -125,7 +125,8 @@ Surface disney(const Reader& r) {
   if (!is_black(r.flat_colour("scatterdistance", 0))) r.lose("subsurface scattering is left out");
   if (is_thin && r.flat_number("difftrans", 1) > 0)
     r.lose("light that is scattered through the surface is left out");
-  if (is_thin && r.flat_number("flatness", 0) > 0) r.lose("the flatness of thin surfaces is left out");
+  if (is_thin && r.flat_number("flatness", 0) > 0)
+    r.lose("the flatness of thin surfaces is left out");
   r.list.ignore({"sheentint", "flatness", "difftrans"});  // of sheen and of thin surfaces alone
   return s;
 }

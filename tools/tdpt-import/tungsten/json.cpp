@@ -30,8 +30,8 @@ void Keys::enter(const Json& json, Source& source, const std::string& where,
   const Place place{source.path(), where};
   const Key object = of_object[&json] = source.enter({}, place, "");
   for (const auto& [key, value] : json.items()) {
-    of_member[&value] = source.enter(
-        object, place, fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
+    of_member[&value] =
+        source.enter(object, place, fmt::format("\"{}\" of {} is not read", shown(key, 40), what));
     enter(value, source, inside(where, key), key);
   }
 }
@@ -94,6 +94,7 @@ void Node::ignore(std::initializer_list<const char*> keys) const {
 }
 
 void Node::ignore_all() const {
+  if (!json_->is_object()) return;
   for (const auto& [key, value] : json_->items()) keys_->of_member.at(&value).take();
 }
 
@@ -116,9 +117,13 @@ void orthonormalise(const Node& node, Vec3d& a, Vec3d& b, Vec3d& c) {
     c = normalize(c);
 }
 
-// About y, then x, then z of the turned frame; degrees.
+// About y, then x, then z of the turned frame; degrees. Radians are rounded as in Tungsten: the
+// frame of a disk hangs on the sign of its normal's z, be that no more than the rounding's.
 Affine rotation_of(const Vec3d& degrees) {
-  const Vec3d r = degrees * (std::numbers::pi / 180);
+  const auto radians = [](double v) {
+    return double{static_cast<float>(v) * std::numbers::pi_v<float> / 180};
+  };
+  const Vec3d r{radians(degrees.x), radians(degrees.y), radians(degrees.z)};
   const double cx = std::cos(r.x), cy = std::cos(r.y), cz = std::cos(r.z);
   const double sx = std::sin(r.x), sy = std::sin(r.y), sz = std::sin(r.z);
   return {{cy * cz - sy * sx * sz, cx * sz, sy * cz + cy * sx * sz},

@@ -19,6 +19,11 @@ float mean(const Rgb& c) {
   return (c.x + c.y + c.z) / 3;
 }
 
+void lose_absorption(const Node& bsdf) {
+  const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
+  if (max_component(absorbed) > 0) bsdf.lose("the absorption (sigma_a) in coats is left out");
+}
+
 }  // namespace
 
 Surfaces::Surfaces(Described& scene, const std::optional<Node>& bsdfs) : scene_(scene) {
@@ -26,15 +31,17 @@ Surfaces::Surfaces(Described& scene, const std::optional<Node>& bsdfs) : scene_(
   if (!bsdfs->is_array()) bsdfs->fail("is no array");
   for (size_t i = 0; i < bsdfs->json().size(); ++i) {
     const Node bsdf = bsdfs->item(i);
-    if (const std::string name = bsdf.text("name", ""); !name.empty())
-      named_.emplace(name, bsdf);  // of two of a name, the first counts
+    if (!bsdf.is_object()) bsdf.fail("is no object");
+    // Not asked for: a surface that nobody uses stays unread.
+    const Json name = bsdf.json().value("name", Json());
+    if (name.is_string()) named_.emplace(name, bsdf);  // of two of a name, the first counts
   }
 }
 
 size_t Surfaces::image(const Node& node, const std::string& name) {
   const auto it = images_.find(name);
   if (it != images_.end()) return it->second;
-  scene_.images.push_back({name, node.source().read(name, node.place())});
+  scene_.images.push_back({name, node.source().read_picture(name, node.place())});
   return images_[name] = scene_.images.size() - 1;
 }
 
@@ -72,7 +79,8 @@ std::optional<Texture> Surfaces::texture(const Node& node, Rgb& constant) {
     t.srgb = node.flag("gamma_correct", true);
     t.nearest = !node.flag("interpolate", true);
     if (node.flag("clamp", false)) t.wrap_u = t.wrap_v = Texture::Wrap::clamp;
-    constant = Rgb(static_cast<float>(node.number("scale", 1)));
+    const double scale = node.number("scale", 1);
+    if (!t.nearest) constant = Rgb(static_cast<float>(scale));  // as in Tungsten
     return t;
   }
   if (type == "checker") return checker(node);
@@ -98,7 +106,7 @@ Number Surfaces::number(const Node& node) {
   Number n;
   n.texture = texture(node, constant);
   n.factor = mean(constant);
-  if (n.texture) n.texture->srgb = n.texture->srgb && !node.is_string();
+  if (n.texture) n.texture->srgb = false;  // whatever gamma_correct says
   return n;
 }
 
@@ -151,8 +159,7 @@ Material Surfaces::inner(const Node& bsdf, const char* key, int depth) {
 }
 
 Material Surfaces::plastic_of(const Node& bsdf, const Number& alpha) {
-  const Vec3d absorbed = bsdf.vector("sigma_a", Vec3d(0)) * bsdf.number("thickness", 1);
-  if (max_component(absorbed) > 0) bsdf.lose("the absorption in the coat of plastics is left out");
+  lose_absorption(bsdf);
   return plastic(albedo(bsdf), ior(bsdf), alpha, true);
 }
 
@@ -183,14 +190,18 @@ Material Surfaces::transparent(const Node& bsdf, int depth) {
 Material Surfaces::coated(const Node& bsdf, const Number& alpha, int depth) {
   Material m = inner(bsdf, "substrate", depth);
   m.coat = 1;
-  m.coat_roughness = std::sqrt(std::clamp(alpha.factor, 0.0f, 1.0f));
-  bsdf.ignore({"albedo", "ior", "thickness", "sigma_a"});
+  if (alpha.texture) bsdf.lose("the texture of a coat's roughness is left out");
+  m.coat_roughness = std::sqrt(alpha.texture ? 0.1f : std::clamp(alpha.factor, 0.0f, 1.0f));
+  lose_absorption(bsdf);
+  bsdf.ignore({"albedo", "ior"});  // the substrate's counts; named
   return m;
 }
 
 Material Surfaces::heavier(const Node& bsdf, int depth) {
   const auto share = bsdf.find("ratio");
   bsdf.ignore({"bsdf0", "bsdf1"});
+  if (const Colour all = albedo(bsdf); all.texture || mean(all.factor) != 1)
+    bsdf.lose("the albedo of mixed surfaces, which multiplies both, is left out");
   return inner(bsdf, !share || number(*share).factor >= 0.5f ? "bsdf0" : "bsdf1", depth);
 }
 
@@ -222,7 +233,7 @@ Material Surfaces::of_type(const std::string& type, const Node& bsdf, int depth)
     return heavier(bsdf, depth);
   }
   if (type == "null" || type == "forward") {  // absorbs all light; lets all pass
-    bsdf.ignore({"albedo"});  // of no surface
+    bsdf.ignore({"albedo"});                  // of no surface
     Material m = diffuse({Rgb(0), {}, {}});
     m.invisible = type == "forward";
     return m;
@@ -239,9 +250,9 @@ Material Surfaces::read(const Node& bsdf, int depth) {
   const std::string type = bsdf.text("type", "");
   Material m = of_type(type, bsdf, depth);
   if (const auto bump = bsdf.find("bump"); bump && !bump->is_number()) {
-    Rgb scale;
-    m.bump = texture(*bump, scale);
-    m.bump_scale = scale.x;
+    const Number heights = number(*bump);
+    m.bump = heights.texture;
+    m.bump_scale = heights.factor;
   }
   bsdf.ignore({"name"});
   return m;

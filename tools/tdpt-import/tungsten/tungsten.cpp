@@ -7,6 +7,7 @@
 #include "libcommon/base/json_depth.h"
 #include "libcommon/base/shown.h"
 #include "tools/tdpt-import/meshes/meshes.h"
+#include "tools/tdpt-import/tungsten/shapes.h"
 #include "tools/tdpt-import/tungsten/surfaces.h"
 
 namespace tdpt::foreign {
@@ -15,26 +16,9 @@ namespace {
 
 using std::numbers::pi;
 
-// Shapes lie in Tungsten's own places: y is the axis of all.
-constexpr Affine kHalfSquare{{0.5, 0, 0}, {0, 0, 0.5}, {0, 0.5, 0}, {}};
-constexpr Affine kDisc{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {}};
-constexpr Affine kHalfCube{{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}, {}};
-// From z = 0..1 to y = -1/2..1/2.
-constexpr Affine kCylinder{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0, -0.5, 0}};
 constexpr const char* kMedia = "media (fog, absorption, scattering) are left out";
 // From the directions of an infinite sphere to those of the map [described.h].
 constexpr Affine kToMap{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {}};
-
-// The rotation of a map: its axes at length 1.
-Affine rotation_in(const Affine& map, const Node& node) {
-  for (const Vec3d& axis : {map.x, map.y, map.z})
-    if (!(dot(axis, axis) > 0)) node.fail("has an axis of length 0");
-  return {normalize(map.x), normalize(map.y), normalize(map.z), {}};
-}
-
-double largest_scale(const Affine& m) {
-  return std::sqrt(std::max({dot(m.x, m.x), dot(m.y, m.y), dot(m.z, m.z)}));
-}
 
 // Area of a placed mesh.
 double area_of(const Mesh& mesh, const Affine& to_world) {
@@ -46,6 +30,12 @@ double area_of(const Mesh& mesh, const Affine& to_world) {
   for (const auto& [a, b, c] : mesh.triangles)
     sum += length(cross(at(b) - at(a), at(c) - at(a))) / 2;
   return sum;
+}
+
+// Of a lamp, which has one colour.
+Rgb without_texture(const Node& node, const Colour& light) {
+  if (light.texture) node.lose("the texture of a lamp's light is left out");
+  return light.factor;
 }
 
 class Reader {
@@ -83,9 +73,9 @@ class Reader {
   void read_sky(const Node& node, const Affine& map);
   void read_sun(const Node& node, const Affine& map);
   void read_point(const Node& node, const Affine& map);
-  std::optional<Affine> place_mesh(const Node& node, const std::string& type, Shape& shape);
+  void read_cone(const Node& node, const Colour& radiance, const Affine& to_world, double angle);
   size_t mesh_of(const Node& node);
-  size_t made(const std::string& name, Mesh (*make)());
+  size_t made(Mesh (*make)());
 
   // Radiance from "emission", or from "power" by its factor 1 / (pi area) and the like.
   std::optional<Colour> emitted(const Node& node, double per_power) {
@@ -105,6 +95,7 @@ class Reader {
   Described scene_;
   std::optional<Surfaces> surfaces_;
   std::map<std::string, size_t> meshes_;
+  std::map<Mesh (*)(), size_t> made_;
 };
 
 // What an integrator leaves out of the light.
@@ -115,13 +106,31 @@ void Reader::read_integrator(const Node& node) {
     node.lose("surfaces that are black on their back (enable_two_sided_shading) have two sides");
   if (!node.flag("include_surfaces", true) || !node.flag("low_order_scattering", true))
     node.lose("light that the integrator leaves out is kept");
-  node.ignore({"adaptive_sampling", "alpha", "bidirectional", "current_spp",
-               "enable_consistency_checks", "enable_light_sampling", "enable_volume_light_sampling",
-               "fixed_volume_radius", "gather_photon_count", "gather_radius", "gaussian_mutation",
-               "grid_memory", "image_pyramid", "initial_sample_pool", "iterations_per_batch",
-               "large_step_probability", "name", "photon_count", "stratified_sampler",
-               "strategy_perturbation_probability", "type", "use_frustum_grid", "use_grid",
-               "volume_gather_radius", "volume_photon_count",
+  node.ignore({"adaptive_sampling",
+               "alpha",
+               "bidirectional",
+               "current_spp",
+               "enable_consistency_checks",
+               "enable_light_sampling",
+               "enable_volume_light_sampling",
+               "fixed_volume_radius",
+               "gather_photon_count",
+               "gather_radius",
+               "gaussian_mutation",
+               "grid_memory",
+               "image_pyramid",
+               "initial_sample_pool",
+               "iterations_per_batch",
+               "large_step_probability",
+               "name",
+               "photon_count",
+               "stratified_sampler",
+               "strategy_perturbation_probability",
+               "type",
+               "use_frustum_grid",
+               "use_grid",
+               "volume_gather_radius",
+               "volume_photon_count",
                "volume_photon_type"});  // how it samples
 }
 
@@ -155,8 +164,10 @@ void Reader::read_camera(const Node& node) {
     c.lens_radius = node.number("aperture_size", 0.001);
     c.focus_distance = node.number("focus_distance", 1);
     if (node.number("cateye", 0) != 0) node.lose("the cat's eyes of a lens (cateye) are left out");
-    if (const auto shape = node.find("aperture"); shape && shape->text("type", "") != "disk")
-      node.lose("the aperture becomes a disc");
+    if (const auto shape = node.find("aperture")) {
+      if (shape->text("type", "") != "disk") node.lose("the aperture becomes a disc");
+      shape->ignore_all();
+    }
   } else if (type != "pinhole") {
     node.lose(fmt::format("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40)));
     return scene_.cameras.push_back(c);
@@ -164,8 +175,8 @@ void Reader::read_camera(const Node& node) {
   scene_.cameras.push_back(c);
 }
 
-size_t Reader::made(const std::string& name, Mesh (*make)()) {
-  const auto [it, is_new] = meshes_.try_emplace("\n" + name, scene_.meshes.size());
+size_t Reader::made(Mesh (*make)()) {
+  const auto [it, is_new] = made_.try_emplace(make, scene_.meshes.size());
   if (is_new) scene_.meshes.push_back(make());
   return it->second;
 }
@@ -175,50 +186,22 @@ size_t Reader::mesh_of(const Node& node) {
   if (!file) node.fail("has no \"file\"");
   const std::string name = file->text();
   const bool smoothed = node.flag("smooth", false), again = node.flag("recompute_normals", false);
+  if (node.flag("backface_culling", false))
+    node.lose("triangles that are not seen from behind (backface_culling) are seen");
   const auto key = fmt::format("{}\n{}{}", name, smoothed, again);
   const auto it = meshes_.find(key);
   if (it != meshes_.end()) return it->second;
-  const std::string bytes = source_.read(name, file->place()), shown_as = source_.shown_name(name);
-  Mesh mesh = name.ends_with(".wo3") ? read_wo3(bytes, shown_as) : read_obj(bytes, shown_as);
+  const auto bytes = source_.read_mesh(name, file->place());
+  const std::string shown_as = source_.shown_name(name);
+  Mesh mesh = !bytes                   ? Mesh{}
+              : name.ends_with(".wo3") ? read_wo3(*bytes, shown_as)
+                                       : read_obj(*bytes, shown_as);
   if (!smoothed)
     mesh.normals.clear();
   else if (again || mesh.normals.empty())
     smooth(mesh);
   scene_.meshes.push_back(std::move(mesh));
   return meshes_[key] = scene_.meshes.size() - 1;
-}
-
-// Where its mesh is to stand in the frame of the primitive; empty: it has none.
-std::optional<Affine> Reader::place_mesh(const Node& node, const std::string& type, Shape& shape) {
-  if (type == "mesh") {
-    shape.mesh = mesh_of(node);
-    if (node.flag("backface_culling", false))
-      node.lose("triangles that are not seen from behind (backface_culling) are seen");
-    return Affine{};
-  }
-  if (type == "quad") {
-    shape.mesh = made(type, square);
-    return kHalfSquare;
-  }
-  if (type == "cube") {
-    shape.mesh = made(type, cube);
-    return kHalfCube;
-  }
-  if (type == "sphere") {
-    shape.mesh = made(type, sphere);
-    return Affine{};
-  }
-  if (type == "disk") {
-    node.ignore({"cone_angle"});
-    shape.mesh = made(type, disc);
-    return kDisc;
-  }
-  if (type == "cylinder") {
-    if (node.flag("capped", true)) node.lose("the caps of cylinders are left out");
-    shape.mesh = made(type, cylinder);
-    return kCylinder;
-  }
-  return {};
 }
 
 void Reader::read_primitive(const Node& node) {
@@ -236,26 +219,48 @@ void Reader::read_primitive(const Node& node) {
 
   Shape shape;
   shape.name = node.text("name", "");
-  const std::optional<Affine> inside = place_mesh(node, type, shape);
-  if (!inside) {
+  const std::optional<Placed> solid = placed(node, type, map);
+  if (!solid && type != "mesh") {
     node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
     return node.ignore_all();
   }
-  if (type == "sphere") {  // of the largest scale in all directions
-    const double r = largest_scale(map);
-    const Affine turn = rotation_in(map, node);
-    map = {turn.x * r, turn.y * r, turn.z * r, map.t};
-  }
-  shape.to_world = map * *inside;
+  shape.mesh = solid ? made(solid->mesh) : mesh_of(node);
+  shape.to_world = solid ? solid->to_world : map;
+  if (scene_.meshes[shape.mesh].triangles.empty()) return node.ignore_all();
   // Tungsten takes the front of triangles and quads after they are placed.
   shape.turned = (type == "mesh" || type == "quad") && map.mirrors();
   shape.material = surfaces_->material(node.find("bsdf"));
   if (node.find("emission") || node.find("power")) {
-    const double area = area_of(scene_.meshes[shape.mesh], shape.to_world);
+    const double area =
+        area_of(scene_.meshes[shape.mesh], shape.to_world) + (solid ? solid->more_area : 0);
     const auto radiance = emitted(node, area > 0 ? 1 / (pi * area) : 0);
-    shape.emission = Emission{*radiance, false};
+    const double cone = type == "disk" ? node.number("cone_angle", 90) : 90;
+    if (cone < 90)
+      read_cone(node, *radiance, shape.to_world, cone * pi / 180);
+    else
+      shape.emission = Emission{*radiance, false};
   }
+  if (type == "disk") node.ignore({"cone_angle"});  // of its light
   scene_.shapes.push_back(std::move(shape));
+}
+
+// A disk that shines within a cone about its normal.
+void Reader::read_cone(const Node& node, const Colour& radiance, const Affine& to_world,
+                       double angle) {
+  if (!(angle >= 0)) node.fail("has a cone_angle below 0");
+  if (angle == 0) return;  // shines nowhere
+  node.lose("a disk that shines within a cone (cone_angle) becomes a spot of the same power");
+  const double r = length(to_world.x);
+  Lamp spot;
+  spot.kind = Lamp::Kind::spot;
+  spot.name = node.text("name", "disk");
+  spot.at = to_world.t + to_world.z * (1e-3 * r);  // the disk itself casts no shadow
+  spot.towards = to_world.z;
+  spot.inner = spot.outer = angle;
+  // Its mean over the cone: pi sin^2 is that of the cosine.
+  const double s = std::sin(angle), mean = s * s / (2 * (1 - std::cos(angle)));
+  spot.intensity = without_texture(node, radiance) * static_cast<float>(pi * r * r * mean);
+  scene_.lamps.push_back(spot);
 }
 
 void Reader::read_sky(const Node& node, const Affine& map) {
@@ -265,7 +270,10 @@ void Reader::read_sky(const Node& node, const Affine& map) {
   if (scene_.sky) return node.lose("of several skies the first is taken");
   Sky sky;
   sky.colour = radiance->factor;
-  if (radiance->texture) sky.image = radiance->texture->image;
+  if (radiance->texture) {
+    sky.image = radiance->texture->image;
+    if (!radiance->texture->srgb) node.lose("the sky's picture is decoded from sRGB");
+  }
   sky.to_map = kToMap * rotation_in(map, node).transposed();
   scene_.sky = sky;
 }
@@ -286,7 +294,7 @@ void Reader::read_sun(const Node& node, const Affine& map) {
   sun.kind = Lamp::Kind::sun;
   sun.name = node.text("name", "sun");
   sun.towards = -map.y;
-  sun.intensity = radiance->factor * static_cast<float>(pi * s * s);
+  sun.intensity = without_texture(node, *radiance) * static_cast<float>(pi * s * s);
   scene_.lamps.push_back(sun);
 }
 
