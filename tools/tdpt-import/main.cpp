@@ -56,7 +56,7 @@ Format format_of(const std::string& path, const std::string& text) {
   if (suffix == ".json") return Format::tungsten;
   if (suffix == ".xml") return Format::mitsuba;
   if (suffix == ".pbrt") return Format::pbrt;
-  const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  const size_t first = text.find_first_not_of(" \t\r\n");
   if (first != text.npos && text[first] == '<') return Format::mitsuba;
   if (first != text.npos && text[first] == '{') return Format::tungsten;
   return Format::pbrt;

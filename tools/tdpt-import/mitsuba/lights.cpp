@@ -87,6 +87,7 @@ class Lights {
   void constant() {
     Sky sky;
     sky.colour = textures_.plain_colour(e_, "radiance", Rgb(1), Of::light);
+    e_.ignore({"to_world"});  // the same all around
     keep(sky);
   }
 

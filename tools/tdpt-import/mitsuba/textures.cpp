@@ -83,11 +83,12 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
   }
   if (type == "uniform" || type == "rawconstant" || type == "d65") {
     const Colour c = inner(texture.find("color") ? "color" : "value", 1);
+    // Outside of what is visible.
     texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
     return {c.factor * single(texture.number("scale", 1)), c.texture, {}};
   }
   if (type == "srgb") {
-    texture.ignore({"unbounded"});
+    texture.ignore({"unbounded"});  // a check
     return inner("color", 0);
   }
   if (type == "irregular" && texture.find("wavelengths")) {
@@ -102,6 +103,7 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
   }
   if (type == "blackbody") {
     if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
+    // Outside of what is visible.
     texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
     const std::string kelvin = fmt::format("{}", texture.number("temperature", 0));
     return plain(colour_of({"blackbody", "", texture.place, {{"temperature", {kelvin}}}},

@@ -173,6 +173,7 @@ void Builder::add_shape(const std::string& kind, const Parameters& list) {
   shape.mesh = geometry->mesh;
   shape.to_world = state_.to_world * geometry->to_object;
   if (!is_finite(shape.to_world)) Source::fail(list.place, "the transformation is too large");
+  painter_[state_.surface].key.take();
   shape.material =
       painter_.material(context_, textures_, state_.surface, list, state_.inside, state_.outside);
   const bool is_body_turned = painter_[state_.surface].turned;

@@ -100,36 +100,22 @@ struct Directives {
   static void integrator(Builder& b) {
     const std::string kind = b.name();
     const Parameters list = b.parameters();
-    if (std::find(std::begin(kWhole), std::end(kWhole), kind) == std::end(kWhole))
+    if (std::find(std::begin(kWhole), std::end(kWhole), kind) == std::end(kWhole)) {
       b.context_.source.lose(list.place,
                              fmt::format("the integrator \"{}\", which shows other light than "
                                          "all that there is, is left out",
                                          shown(kind)));
+      return list.ignore_all();
+    }
     if (list.find("maxdepth"))  // counts bounces
       b.context_.source.lose_longer_paths(list.place, list.integer("maxdepth", 5) + 1.0);
     if (list.flag("regularize", false))
       b.context_.source.lose(list.place, "the smoothing of caustics (regularize) is left out");
-    list.ignore({"bootstrapsamples",
-                 "chains",
-                 "cossample",
-                 "imagefilename",
-                 "imagewritefrequency",
-                 "iterations",
-                 "largestepprobability",
-                 "lightsampler",
-                 "lightsamplestrategy",
-                 "mutationsperpixel",
-                 "nsamples",
-                 "numiterations",
-                 "photonsperiteration",
-                 "radius",
-                 "rrthreshold",
-                 "samplebsdf",
-                 "samplelights",
-                 "seed",
-                 "strategy",
-                 "visualizestrategies",
-                 "visualizeweights"});  // how it samples
+    list.ignore({"bootstrapsamples", "chains", "cossample", "imagefilename", "imagewritefrequency",
+                 "iterations", "largestepprobability", "lightsampler", "lightsamplestrategy",
+                 "mutationsperpixel", "nsamples", "numiterations", "photonsperiteration", "radius",
+                 "rrthreshold", "samplebsdf", "samplelights", "seed"});  // how it samples
+    list.ignore({"strategy", "visualizestrategies", "visualizeweights"});
   }
   static void option(Builder& b) {
     const Parameters list = b.parameters();
@@ -177,8 +163,11 @@ struct Directives {
   }
   static void material(Builder& b) {
     const std::string kind = b.name();
-    const Parameters list = b.parameters(kMaterial);
-    b.state_.surface = painted(b, surface_of(b.context_, b.textures_, b.named_, kind, list), kind);
+    const Key key = b.waiting();
+    const Parameters list = b.parameters(kMaterial, key);
+    Surface surface = surface_of(b.context_, b.textures_, b.named_, kind, list);
+    surface.key = key;
+    b.state_.surface = painted(b, surface, kind);
   }
   static void make_named_material(Builder& b) {
     const std::string name = b.name();
@@ -195,7 +184,6 @@ struct Directives {
     const auto it = b.painted_.find(name);
     if (it != b.painted_.end()) {
       b.state_.surface = it->second;
-      b.painter_[it->second].key.take();
       return;
     }
     b.context_.source.lose(b.tokens_.place(),

@@ -11,7 +11,7 @@ struct Surface {
   Material material{};
   /// Front and back of its shapes are exchanged: a body whose inside is thinner than its outside.
   bool turned = false;
-  Key key{};  ///< of a named material
+  Key key{};  ///< taken when a shape shows it
 };
 
 using Surfaces = std::map<std::string, Surface>;

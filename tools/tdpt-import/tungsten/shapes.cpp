@@ -40,11 +40,11 @@ Mesh box() {
   return mesh;
 }
 
-// Its half turn is that of placed().
-Mesh capped_cylinder() {
+// Of diameter 1, from z = 0 to 1; caps are turned by half as the shape is [placed()].
+Mesh tube(bool is_capped) {
   Mesh mesh = cylinder();
   for (const float z : {1.0f, 0.0f}) {
-    const Mesh cap = disc();
+    const Mesh cap = is_capped ? disc() : Mesh{};
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     for (const Vec3f& p : cap.positions) {
       mesh.positions.push_back({p.x, p.y, z});
@@ -56,7 +56,16 @@ Mesh capped_cylinder() {
       mesh.triangles.push_back({first + a, first + b, first + c});
     }
   }
+  for (Vec3f& p : mesh.positions) p.x /= 2, p.y /= 2;
   return mesh;
+}
+
+Mesh open_tube() {
+  return tube(false);
+}
+
+Mesh capped_tube() {
+  return tube(true);
 }
 
 }  // namespace
@@ -82,11 +91,10 @@ std::optional<Placed> placed(const Node& node, const std::string& type, const Af
     const Onb<double> frame(turn.y);
     return Placed{disk, {frame.y * -across, frame.x * -across, turn.y, map.t}};
   }
-  const double r = across / 2;
   const bool is_capped = node.flag("capped", true);
-  return Placed{is_capped ? capped_cylinder : cylinder,
-                {turn.x * -r, turn.z * -r, map.y, map.t - map.y / 2.0},
-                is_capped ? 0 : 2 * pi * r * r};
+  return Placed{is_capped ? capped_tube : open_tube,
+                {turn.x * -across, turn.z * -across, map.y, map.t - map.y / 2.0},
+                is_capped ? 0 : pi / 2 * across * across};
 }
 
 }  // namespace tdpt::foreign::tungsten

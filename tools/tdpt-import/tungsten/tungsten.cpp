@@ -106,32 +106,14 @@ void Reader::read_integrator(const Node& node) {
     node.lose("surfaces that are black on their back (enable_two_sided_shading) have two sides");
   if (!node.flag("include_surfaces", true) || !node.flag("low_order_scattering", true))
     node.lose("light that the integrator leaves out is kept");
-  node.ignore({"adaptive_sampling",
-               "alpha",
-               "bidirectional",
-               "current_spp",
-               "enable_consistency_checks",
-               "enable_light_sampling",
-               "enable_volume_light_sampling",
-               "fixed_volume_radius",
-               "gather_photon_count",
-               "gather_radius",
-               "gaussian_mutation",
-               "grid_memory",
-               "image_pyramid",
-               "initial_sample_pool",
-               "iterations_per_batch",
-               "large_step_probability",
-               "name",
-               "photon_count",
-               "stratified_sampler",
-               "strategy_perturbation_probability",
-               "type",
-               "use_frustum_grid",
-               "use_grid",
-               "volume_gather_radius",
-               "volume_photon_count",
-               "volume_photon_type"});  // how it samples
+  node.ignore({"adaptive_sampling", "alpha", "bidirectional", "current_spp",
+               "enable_consistency_checks", "enable_light_sampling", "enable_volume_light_sampling",
+               "fixed_volume_radius", "gather_photon_count", "gather_radius", "gaussian_mutation",
+               "grid_memory", "image_pyramid", "initial_sample_pool", "iterations_per_batch",
+               "large_step_probability", "name", "photon_count"});  // how it samples
+  node.ignore({"stratified_sampler", "strategy_perturbation_probability", "type",
+               "use_frustum_grid", "use_grid", "volume_gather_radius", "volume_photon_count",
+               "volume_photon_type"});
 }
 
 void Reader::read_camera(const Node& node) {
@@ -260,6 +242,7 @@ void Reader::read_cone(const Node& node, const Colour& radiance, const Affine& t
   // Its mean over the cone: pi sin^2 is that of the cosine.
   const double s = std::sin(angle), mean = s * s / (2 * (1 - std::cos(angle)));
   spot.intensity = without_texture(node, radiance) * static_cast<float>(pi * r * r * mean);
+  if (!is_finite(spot.intensity)) node.fail("is too large or too bright");
   scene_.lamps.push_back(spot);
 }
 

@@ -267,7 +267,7 @@ TEST(Tungsten, CylindersAreHalfAsWideAsTheirScale) {
     surface += length(front) / 2;
     EXPECT_GT(dot(front, (at(a) + at(b) + at(c)) / 3.0 - Vec3d{0, 0, 0.5}), 0);  // outside
   }
-  EXPECT_NEAR(surface, 2 * pi + 2 * pi, 1e-4);  // of radius 1 and height 1
+  EXPECT_NEAR(surface, pi + pi / 2, 1e-4);  // of radius 1/2 and height 1
 }
 
 TEST(Tungsten, DisksAreRoundAndShineWithinTheirCone) {
