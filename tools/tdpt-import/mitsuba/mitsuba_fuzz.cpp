@@ -22,9 +22,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   require(written, "there are files");
   const std::string path = folder.write("a.xml", std::string(testing::text_of(data, size)));
   foreign::Described scene;
+  const auto read = [&](const std::map<std::string, std::string>& parameters) {
+    foreign::Source source(path);
+    scene = foreign::read_mitsuba(source, parameters);
+    source.lose_unread();
+  };
   if (!testing::reads([&] {
-        foreign::Source source(path);
-        scene = foreign::read_mitsuba(source, {{"given", "1"}});
+        try {
+          read({{"given", "1"}});
+        } catch (const UsageError&) {  // it is not used
+          read({});
+        }
       }))
     return 0;
   foreign::require_sound(scene);

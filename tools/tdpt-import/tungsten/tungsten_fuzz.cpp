@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (testing::reads([&] {
         foreign::Source source(testing::file_of(testing::text_of(data, size)));
         scene = foreign::read_tungsten(source);
+        source.lose_unread();
       }))
     foreign::require_sound(scene);
   return 0;
