@@ -122,9 +122,7 @@ struct Directives {
     list.ignore({"disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter",
                  "displacementedgescale", "msereferenceimage", "msereferenceout", "pixelstats",
                  "rendercoordsys", "seed", "wavefront"});  // how it samples
-    if (!list.flag("forcediffuse", false))
-      list.ignore({"forcediffuse"});
-    else
+    if (list.flag("forcediffuse", false))
       b.context_.source.lose(list.place, "materials that are all diffuse (forcediffuse) are not");
   }
   static void camera(Builder& b) {

@@ -18,11 +18,16 @@ double ior_v4(const Reader& r, const std::string& name, double absent) {
   return ior == 0 ? 1 : ior;
 }
 
+void lose_in_coat(const Reader& r) {
+  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
+  if (r.list.integer("maxdepth", 10) < 10) r.lose("light of many bounces in the coat is kept");
+  r.list.ignore({"nsamples", "g"});  // how it is sampled and scatters
+}
+
 // Light passes the layer twice, at a mean of 1 / cosine of 1.15 each way: exp(-2.3 thickness).
 Surface coateddiffuse(const Reader& r) {
   const float thickness = r.flat_number("thickness", 0.01);
-  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
-  r.list.ignore({"maxdepth", "nsamples", "g"});  // how the coat is sampled and scatters
+  lose_in_coat(r);
   const Colour base =
       scaled(r.colour("reflectance", 0.5f), std::exp(-2.3f * std::clamp(thickness, 0.0f, 100.0f)));
   const double ior = ior_v4(r, "eta", 1.5);
@@ -45,8 +50,7 @@ Surface coatedconductor(const Reader& r) {
   if (std::abs(ior_v4(r, "interface.eta", 1.5) - 1.5) > 0.01)
     r.lose("the coat's index of refraction becomes 1.5");
   if (r.flat_number("thickness", 0.01) > 0.01f) r.lose("absorption in the coat is left out");
-  if (!is_black(r.flat_colour("albedo", 0))) r.lose("scattering in the coat is left out");
-  r.list.ignore({"maxdepth", "nsamples", "g"});  // how the coat is sampled and scatters
+  lose_in_coat(r);
   r.lose("the metal's reflectance below the coat becomes that in air");
   return s;
 }

@@ -92,12 +92,11 @@ Value imagemap(Context& context, const Parameters& list) {
   if (context.v4) {
     // Only PNGs heed the encoding; other files of bytes are sRGB.
     const std::string encoding = list.text("encoding", "sRGB");
-    if (is_png && encoding == "linear") srgb = false;
-    if (is_png && encoding.starts_with("gamma ")) {
-      gamma = std::strtod(encoding.c_str() + 6, nullptr);
+    srgb = !is_png || encoding == "sRGB";
+    if (!srgb && encoding != "linear") {
+      if (encoding.starts_with("gamma ")) gamma = std::strtod(encoding.c_str() + 6, nullptr);
       if (!(gamma > 0 && gamma < 100))
         Source::fail(list.place, fmt::format("\"{}\" is not an encoding", shown(encoding)));
-      srgb = false;
     }
   } else {
     srgb = list.flag("gamma", is_png || is_file_of(file, ".tga"));

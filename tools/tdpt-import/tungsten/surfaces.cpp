@@ -124,13 +124,15 @@ Number Surfaces::roughness(const Node& bsdf, double otherwise) {
 }
 
 Material Surfaces::conductor_of(const Node& bsdf, const Number& alpha) {
-  const auto eta = bsdf.find("eta"), k = bsdf.find("k");
-  const std::string name = bsdf.text("material", eta && k ? "" : "Cu");
-  if (name.empty()) return conductor(rgb(eta->vector()), rgb(k->vector()), albedo(bsdf), alpha);
-  const auto known = conductor_named(name);
+  const auto name = bsdf.find("material"), eta = bsdf.find("eta"), k = bsdf.find("k");
+  const auto known = conductor_named(name ? name->text() : "Cu");
   if (!known)
-    bsdf.lose("the metal \"" + shown(name, 40) + "\" is not known: aluminium in its place");
-  const auto& [n, kappa] = known ? *known : *conductor_named("Al");
+    bsdf.lose("the metal \"" + shown(name->text(), 40) + "\" is not known: aluminium in its place");
+  auto [n, kappa] = known ? *known : *conductor_named("Al");
+  if (!name && eta) {  // a material prevails; without eta, Tungsten does not read k
+    n = rgb(eta->vector());
+    if (k) kappa = rgb(k->vector());
+  }
   return conductor(n, kappa, albedo(bsdf), alpha);
 }
 

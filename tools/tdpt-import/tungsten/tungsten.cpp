@@ -217,6 +217,7 @@ void Reader::read_primitive(const Node& node) {
         area_of(scene_.meshes[shape.mesh], shape.to_world) + (solid ? solid->more_area : 0);
     const auto radiance = emitted(node, area > 0 ? 1 / (pi * area) : 0);
     const double cone = type == "disk" ? node.number("cone_angle", 90) : 90;
+    if (cone > 90) node.lose("a cone_angle above 90 becomes 90");
     if (cone < 90)
       read_cone(node, *radiance, shape.to_world, cone * pi / 180);
     else

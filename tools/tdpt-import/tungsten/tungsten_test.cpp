@@ -137,6 +137,12 @@ TEST(Tungsten, SurfacesKeepTheirMeaning) {
   ASSERT_TRUE(metal.eta_k);
   EXPECT_NEAR(metal.roughness.factor, 0.5, 1e-6);
   EXPECT_NEAR(metal.base.factor.x, 0.931, 0.01);
+  // A material prevails over eta and k, and eta stands alone beside copper's k.
+  EXPECT_EQ((*material(R"({"type": "conductor", "eta": 2})").eta_k)[0].x, 2);
+  EXPECT_GT((*material(R"({"type": "conductor", "eta": 2})").eta_k)[1].x, 3);
+  EXPECT_EQ((*material(R"({"type": "conductor", "eta": 2, "k": 7})").eta_k)[1].x, 7);
+  EXPECT_NE((*material(R"({"type": "conductor", "material": "Al", "eta": 2, "k": 7})").eta_k)[1].x,
+            7);
   const Material glass = material(R"({"type": "dielectric", "ior": 1.33})");
   EXPECT_TRUE(glass.solid);
   EXPECT_NEAR(glass.ior, 1.33, 1e-6);
