@@ -216,7 +216,8 @@ TEST_F(scene, names_every_unknown_key) {
       "<integrator type=\"path\"><integer name=\"max_depth\" value=\"-1\"/></integrator>"
       "<sensor type=\"thinlens\"><float name=\"fov\" value=\"40\"/><transform name=\"to_world\">"
       "<lookat origin=\"0,0,5\" target=\"0,0,0\" up=\"0,1,0\"/><scale value=\"1\"/></transform>"
-      "<film type=\"hdrfilm\"><integer name=\"width\" value=\"64\"/></film></sensor>"
+      "<film type=\"hdrfilm\"><integer name=\"width\" value=\"64\"/><rfilter "
+      "type=\"gaussian\"/></film><sampler type=\"independent\"/></sensor>"
       "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"wood.png\"/></texture>"
       "<bsdf type=\"twosided\" id=\"b\"><bsdf type=\"roughplastic\"><string name=\"distribution\" "
       "value=\"ggx\"/><ref name=\"diffuse_reflectance\" id=\"t\"/></bsdf></bsdf>"
@@ -254,7 +255,7 @@ TEST_F(scene, names_every_unknown_key) {
         << inside.substr(at, 60);
     EXPECT_EQ(std::count(losses_.begin(), losses_.end(), '\n'), 1) << losses_;
   }
-  EXPECT_EQ(elements, 38u);
+  EXPECT_EQ(elements, 40u);
   // Of the scene itself; and nobody needs the values of what nobody uses.
   v3("<float name=\"unheard\" value=\"1\"/>");
   expect_lost("\"unheard\" of the scene");

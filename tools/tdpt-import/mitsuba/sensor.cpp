@@ -39,7 +39,8 @@ void read_film(const Object& sensor, Source& source, Camera& camera) {
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
     source.lose(film.place, "the crop window is left out");
-  film.nested("rfilter");
+  for (const Object* filter : film.nested("rfilter"))
+    filter->ignore({"B", "C", "lobes", "radius", "stddev"});  // other than this renderer's
   film.ignore({"attach_log", "banner", "burn", "channel_names", "compensate", "component_format",
                "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges",
                "key", "pixel_format", "sample_border", "tonemap_method",
@@ -100,7 +101,8 @@ void add_camera(const Object& sensor, Described& scene, Source& source) {
     source.lose(sensor.place,
                 "what is nearer than near_clip or farther than far_clip is not cut away");
   sensor.ignore({"focus_distance", "shutter_open", "shutter_close"});  // nothing moves
-  sensor.nested("sampler");
+  for (const Object* sampler : sensor.nested("sampler"))
+    sampler->ignore({"dimension", "jitter", "sample_count", "scramble", "seed", "strength"});
   for (const Object* medium : sensor.nested("medium"))
     source.lose(medium->place, "media (fog, absorption, scattering) are left out");
   scene.cameras.push_back(camera);

@@ -95,7 +95,12 @@ struct Directives {
   // What a picture is made with.
   static void ignored(Builder& b) {
     b.name();
-    b.parameters().ignore_all();
+    const Parameters list = b.parameters();
+    list.ignore({"jitter", "dimensions", "pixelsamples", "randomization", "samplepixelcenter",
+                 "seed", "xsamples", "ysamples"});  // of samplers
+    list.ignore({"B", "C", "alpha", "sigma", "tau", "xradius", "yradius", "xwidth", "ywidth"});
+    list.ignore({"emptybonus", "intersectcost", "maxdepth", "maxnodeprims", "maxprims",
+                 "splitmethod", "traversalcost"});  // filters and accelerators
   }
   static void integrator(Builder& b) {
     const std::string kind = b.name();

@@ -58,7 +58,13 @@ class Reader {
     const auto primitives = root.find("primitives");
     if (!primitives || !primitives->is_array())
       root.fail("is no Tungsten scene: expected an array \"primitives\"");
-    root.ignore({"name", "renderer", "media"});  // files and samples; lost where they are used
+    root.ignore({"name", "media"});  // lost where they are used
+    if (const auto renderer = root.find("renderer"))
+      renderer->ignore({"adaptive_sampling", "checkpoint_interval", "enable_resume_render",
+                        "hdr_output_file", "name", "output_buffers", "output_directory",
+                        "output_file", "overwrite_output_files", "resume_render_file", "scene_bvh",
+                        "spp", "spp_step", "stratified_sampler", "timeout",
+                        "variance_output_file"});  // files and samples
     if (const auto integrator = root.find("integrator")) read_integrator(*integrator);
     surfaces_.emplace(scene_, root.find("bsdfs"));
     if (const auto camera = root.find("camera")) read_camera(*camera);

@@ -366,7 +366,7 @@ TEST(Tungsten, EveryUnknownKeyIsNamed) {
       {"type": "mesh", "file": "room.obj", "bsdf": ["paint"]},
       {"type": "point", "power": 3}, {"type": "infinite_sphere", "emission": 1}],
     "camera": {"type": "thinlens", "transform": {"look_at": [0, 0, 1]}},
-    "integrator": {"type": "path_tracer"}})";
+    "integrator": {"type": "path_tracer"}, "renderer": {"spp": 64, "scene_bvh": true}})";
   EXPECT_TRUE(read(scene).losses.empty());
   size_t objects = 0;
   for (size_t at = 0; (at = scene.find('{', at)) != scene.npos; ++at, ++objects) {
@@ -375,7 +375,7 @@ TEST(Tungsten, EveryUnknownKeyIsNamed) {
     ASSERT_EQ(r.losses.size(), 1u) << scene.substr(at, 60);
     EXPECT_NE(r.losses[0].find("\"unheard\" of "), std::string::npos) << r.losses[0];
   }
-  EXPECT_EQ(objects, 26u);
+  EXPECT_EQ(objects, 27u);
   // Nobody needs the keys of what nobody uses.
   EXPECT_TRUE(read(R"({"bsdfs": [{"name": "a", "type": "lambert", "unheard": 1}],
     "media": [{"unheard": 1}], "primitives": []})")
