@@ -94,15 +94,16 @@ Parameters Parameters::read(Tokens& tokens, Source& source, const Key& holder,
 }
 
 void Parameters::defaults(const std::vector<Parameter>& of_attribute) {
+  own_ = all.size();
   all.insert(all.end(), of_attribute.rbegin(), of_attribute.rend());
 }
 
 const Parameter* Parameters::find(const std::string& name,
                                   std::initializer_list<const char*> types) const {
   const Parameter* first = nullptr;
-  for (const Parameter& p : all)
-    if (p.name == name && is_one_of(p.type, types)) {
-      p.key.take();  // also of those that the first overrides
+  for (size_t i = 0; i < all.size(); ++i)
+    if (const Parameter& p = all[i]; p.name == name && is_one_of(p.type, types)) {
+      if (!first || i >= own_) p.key.take();  // also of defaults that are overridden
       if (!first) first = &p;
     }
   return first;

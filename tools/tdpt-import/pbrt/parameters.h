@@ -59,6 +59,7 @@ class Parameters {
   std::vector<Parameter> all{};
 
  private:
+  size_t own_ = SIZE_MAX;  // of these, the others are defaults
   const Parameter* one(const std::string& name, std::initializer_list<const char*> types,
                        size_t values) const;
 };

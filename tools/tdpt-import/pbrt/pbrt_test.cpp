@@ -549,6 +549,9 @@ TEST_F(scene, names_every_unknown_key) {
         << lines[i] << losses_;
     EXPECT_EQ(std::count(losses_.begin(), losses_.end(), '\n'), 1) << losses_;
   }
+  v4("Attribute \"shape\" \"float radius\" 2\nShape \"sphere\" \"float radius\" 1 \"float radius\" "
+     "3");
+  EXPECT_EQ(losses_, "line 4: \"float radius\" of Shape \"sphere\" is not read\n");
   // Nobody needs the parameters of what nobody names.
   v4("MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"float unheard\" 1\n"
      "Texture \"t\" \"spectrum\" \"constant\" \"float unheard\" 1\n" +

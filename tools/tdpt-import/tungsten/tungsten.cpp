@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "libcommon/base/json_depth.h"
 #include "libcommon/base/shown.h"
@@ -46,7 +47,20 @@ class Reader {
     if (nested_too_deep(source_.text()))
       throw InputError(source_.path(), "", "is nested too deeply, expected a Tungsten scene");
     try {
-      json_ = Json::parse(source_.text());
+      std::vector<std::set<std::string>> keys;  // of the objects that are open
+      json_ = Json::parse(source_.text(), [&](int depth, Json::parse_event_t event, Json& value) {
+        if (event == Json::parse_event_t::object_start) {
+          keys.resize(static_cast<size_t>(depth));
+          keys.emplace_back();
+        }
+        if (event != Json::parse_event_t::key) return true;
+        const auto key = value.get<std::string>();
+        const bool is_first = keys.at(static_cast<size_t>(depth) - 1).insert(key).second;
+        if (!is_first)  // only that counts
+          source_.lose({source_.path(), ""},
+                       "\"" + shown(key, 40) + "\" stands twice in one object");
+        return is_first;
+      });
     } catch (const Json::exception& e) {
       std::string why = e.what();
       if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);

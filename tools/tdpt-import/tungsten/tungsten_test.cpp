@@ -376,6 +376,11 @@ TEST(Tungsten, EveryUnknownKeyIsNamed) {
     EXPECT_NE(r.losses[0].find("\"unheard\" of "), std::string::npos) << r.losses[0];
   }
   EXPECT_EQ(objects, 27u);
+  const Read twice = read(R"({"primitives":
+    [{"type": "point", "power": 3, "power": {"name": [{"name": 5}]}, "name": "a"}]})");
+  EXPECT_NEAR(twice.scene.lamps.at(0).intensity.x, 3 / (4 * pi), 1e-6);  // as in Tungsten
+  EXPECT_EQ(twice.scene.lamps[0].name, "a");
+  EXPECT_EQ(twice.losses, std::vector<std::string>{": \"power\" stands twice in one object"});
   // Nobody needs the keys of what nobody uses.
   EXPECT_TRUE(read(R"({"bsdfs": [{"name": "a", "type": "lambert", "unheard": 1}],
     "media": [{"unheard": 1}], "primitives": []})")
