@@ -76,8 +76,18 @@ Colour Buffers::colour(const Picture& picture, const std::string& layer) const {
     planes[c].reserve(picture.pixels.size());
     for (const Rgb& p : picture.pixels) planes[c].push_back(p[static_cast<int>(c)]);
     check(planes[c], layer + "RGB"[c]);
-    for (float& v : planes[c]) v = std::max(v, 0.0f);
   }
+  const auto largest = [](const Rgb& p) { return static_cast<double>(max_component(p)); };
+  double brightest = 0;
+  for (const Rgb& p : picture.pixels) brightest = std::max(brightest, largest(p));
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < planes[c].size(); ++i) {
+      float& v = planes[c][i];
+      const double rounded = kNotItsHalves * largest(picture.pixels[i]) + kNothingOfIt * brightest;
+      if (static_cast<double>(v) < -std::max(rounded, 0.0))
+        refuse(layer + "RGB"[c], i, fmt::format("is {}, expected light from 0", v));
+      v = std::max(v, 0.0f);
+    }
   return planes;
 }
 
@@ -120,14 +130,15 @@ double Buffers::share_of(const Colour& picture, const Colour& a, const Colour& b
     squares += (x - y) / bright * ((x - y) / bright);
   });
   const double share = squares > 0 ? products / squares : 0.5;
-  bool are_halves = true;
+  size_t visited = 0;
   each([&](double p, double x, double y) {
     const double most = kNotItsHalves * std::max({p, x, y}) + kNothingOfIt * brightest;
-    are_halves = are_halves && std::abs(p - share * x - (1 - share) * y) <= most;
+    if (!(std::abs(p - share * x - (1 - share) * y) <= most))
+      refuse(fmt::format("{}.{}", kHalves[0], "RGB"[visited / size().pixels()]),
+             visited % size().pixels(),
+             "is not half of this picture's samples, or lost digits in compression");
+    ++visited;
   });
-  if (!are_halves)
-    throw InputError(name_, "channel halfA.R",
-                     "is not half of this picture's samples, or lost digits in compression");
   if (!(share > 1e-6 && share < 1 - 1e-6))
     throw InputError(name_, "channel halfB.R",
                      "is empty: a filter needs two samples per pixel or more");
@@ -137,12 +148,15 @@ double Buffers::share_of(const Colour& picture, const Colour& a, const Colour& b
 void Buffers::check(const Plane& plane, const std::string& channel) const {
   const auto bad =
       std::find_if(plane.begin(), plane.end(), [](float v) { return !std::isfinite(v); });
-  if (bad == plane.end()) return;
-  const auto pixel = bad - plane.begin();
+  if (bad != plane.end())
+    refuse(channel, static_cast<size_t>(bad - plane.begin()), "is no finite number");
+}
+
+void Buffers::refuse(const std::string& channel, size_t pixel, const std::string& words) const {
+  const auto width = static_cast<size_t>(file_.picture.width);
   throw InputError(name_,
-                   fmt::format("channel {} at pixel {} {}", channel, pixel % file_.picture.width,
-                               pixel / file_.picture.width),
-                   "is no finite number");
+                   fmt::format("channel {} at pixel {} {}", channel, pixel % width, pixel / width),
+                   words);
 }
 
 }  // namespace tdpt::denoise

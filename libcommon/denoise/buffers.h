@@ -36,6 +36,8 @@ class Buffers {
   Features features(bool& any) const;
   double share_of(const Colour& picture, const Colour& a, const Colour& b) const;
   void check(const Plane& plane, const std::string& channel) const;
+  [[noreturn]] void refuse(const std::string& channel, size_t pixel,
+                           const std::string& words) const;
 
   const ExrFile& file_;
   const std::string& name_;

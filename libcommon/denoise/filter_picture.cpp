@@ -108,8 +108,9 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
     const bool in_layer =
         dot != std::string::npos && file.layers.contains(channel.substr(0, dot)) &&
         (channel.ends_with(".R") || channel.ends_with(".G") || channel.ends_with(".B"));
-    if (in_layer || channel == "R" || channel == "G" || channel == "B") continue;
-    read(channel, channel == "A" ? file.picture.alpha : file.channels[channel]);
+    const bool in_picture = channel == "R" || channel == "G" || channel == "B" ||
+                            (channel == "A" && !file.picture.alpha.empty());
+    if (!in_layer && !in_picture) read(channel, file.channels[channel]);
   }
   if (!words.empty()) parse_exr_words(bytes, name, file.picture.width, file.picture.height, words);
   return file;

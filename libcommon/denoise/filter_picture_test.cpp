@@ -98,6 +98,18 @@ TEST(FilterPicture, FindsTheShareOfTheHalves) {
   EXPECT_NEAR(filter_picture(file, "a.exr").share_a, 2.0 / 3, 1e-6);
 }
 
+// As rounding and conversion of colours leave it.
+TEST(FilterPicture, ATraceBelowZeroIsZero) {
+  ExrFile file = file_of(TestPicture(), 0.3), zero = file;
+  for (const char* layer : {"", "halfA", "halfB"}) {
+    (*layer ? file.layers[layer] : file.picture).pixels[7].x = -1e-7f;
+    (*layer ? zero.layers[layer] : zero.picture).pixels[7].x = 0;
+  }
+  filter_picture(file, "a.exr");
+  filter_picture(zero, "a.exr");
+  EXPECT_EQ(file.picture.pixels, zero.picture.pixels);
+}
+
 TEST(FilterPicture, WithoutFeatures) {
   const TestPicture test;
   ExrFile file = file_of(test, 0.3);
@@ -124,8 +136,17 @@ TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
   bad = good;
   bad.picture.pixels[5] = bad.picture.pixels[5] * 2;
   EXPECT_EQ(message(bad),
-            "a.exr:channel halfA.R: is not half of this picture's samples, or lost digits in "
-            "compression");
+            "a.exr:channel halfA.R at pixel 5 0: is not half of this picture's samples, or lost "
+            "digits in compression");
+  bad = good;
+  bad.layers["halfB"].pixels[96 * 3 + 4].z = -0.01f;
+  EXPECT_EQ(message(bad), "a.exr:channel halfB.B at pixel 4 3: is -0.01, expected light from 0");
+  bad = good;
+  for (Rgb& p : bad.layers["halfA"].pixels) p *= -1;
+  EXPECT_EQ(message(bad).find("a.exr:channel halfA.R at pixel 0 0: is -"), 0u);
+  bad = good;
+  bad.picture.pixels[96].y = -2;
+  EXPECT_EQ(message(bad), "a.exr:channel G at pixel 0 1: is -2, expected light from 0");
   bad = good;
   bad.picture = bad.layers["halfA"];
   EXPECT_EQ(message(bad),

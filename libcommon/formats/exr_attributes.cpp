@@ -105,12 +105,14 @@ bool is_sound(std::string_view type, std::string_view value) {
 }
 
 struct Headers {
-  std::string fault;
+  std::string fault{};
   size_t end = 0;
+  std::string compressions{};  // one of each header
 };
 
 Headers walk_through(std::string_view bytes) {
-  if (bytes.size() < 8) return {"the file ends too early"};
+  Headers headers{"the file ends too early"};
+  if (bytes.size() < 8) return headers;
   const bool many_parts = (static_cast<unsigned char>(bytes[5]) & 0x10) != 0;
   Walk walk(bytes);
   walk.take(8);
@@ -118,7 +120,11 @@ Headers walk_through(std::string_view bytes) {
   while (walk.left() > 0) {
     const std::string_view name = walk.text();
     if (name.empty()) {
-      if (!many_parts || !in_header) return {"", bytes.size() - walk.left()};
+      headers.end = bytes.size() - walk.left();
+      if (!many_parts || !in_header) {
+        headers.fault.clear();
+        return headers;
+      }
       in_header = false;
       continue;
     }
@@ -126,20 +132,30 @@ Headers walk_through(std::string_view bytes) {
     const std::string_view type = walk.text();
     if (!walk.has(4)) break;
     const uint32_t size = walk.u32();
-    if (!walk.has(size))
-      return {fmt::format("attribute {} of {} bytes in a file with {} more", shown(name, 40), size,
-                          walk.left())};
-    if (!is_sound(type, walk.take(size)))
-      return {
-          fmt::format("attribute {} of {} bytes is no {}", shown(name, 40), size, shown(type, 40))};
+    if (!walk.has(size)) {
+      headers.fault = fmt::format("attribute {} of {} bytes in a file with {} more",
+                                  shown(name, 40), size, walk.left());
+      break;
+    }
+    const std::string_view value = walk.take(size);
+    if (!is_sound(type, value)) {
+      headers.fault =
+          fmt::format("attribute {} of {} bytes is no {}", shown(name, 40), size, shown(type, 40));
+      break;
+    }
+    if (type == "compression") headers.compressions += value;
   }
-  return {"the file ends too early"};
+  return headers;
 }
 
 }  // namespace
 
 std::string fault_of_exr_attributes(std::string_view bytes) {
   return walk_through(bytes).fault;
+}
+
+std::string exr_compressions(std::string_view bytes) {
+  return walk_through(bytes).compressions;
 }
 
 size_t end_of_exr_headers(std::string_view bytes) {

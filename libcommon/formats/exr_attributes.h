@@ -12,6 +12,8 @@ inline constexpr const char* kVersionAttribute = "tdptFormat";
 /// contents; "" if there is none. The OpenEXR library allocates whatever size an attribute declares
 /// before reading it, and reads past its end: it must not see such a file.
 std::string fault_of_exr_attributes(std::string_view bytes);
+/// Value of the attribute `compression` of each header [Imf::Compression, and what comes after].
+std::string exr_compressions(std::string_view bytes);
 /// Offset where the headers of such a file end and the tables of offsets begin.
 size_t end_of_exr_headers(std::string_view bytes);
 

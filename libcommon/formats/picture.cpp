@@ -1,6 +1,7 @@
 #include "libcommon/formats/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <stdexcept>
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
@@ -24,6 +26,7 @@
 #include "libcommon/formats/format_version.h"
 #include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"
+#include "libcommon/formats/primaries.h"
 
 namespace tdpt {
 namespace {
@@ -83,6 +86,23 @@ void check_channels(const Imf::Header& header, const std::vector<std::string>& p
     }
 }
 
+// From the file's colours to Rec.709; nothing if they are that.
+std::optional<Affine> to_rec709(const Imf::Header& header, const std::string& name) {
+  const auto* a = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities");
+  if (!a) return {};
+  const Imf::Chromaticities& c = a->value();
+  Primaries p{};
+  size_t i = 0;
+  for (const Imath::V2f& v : {c.red, c.green, c.blue, c.white})
+    for (const float x : {v.x, v.y}) p[i++] = static_cast<double>(x);
+  try {
+    return tdpt::to_rec709(p);
+  } catch (const std::invalid_argument& e) {
+    throw InputError(name, "chromaticities",
+                     fmt::format("{:.4g}: {}", fmt::join(p, " "), e.what()));
+  }
+}
+
 // Data window, display window and their intersection.
 struct Windows {
   Imath::Box2i data, shown, both;
@@ -103,39 +123,45 @@ struct Windows {
 };
 
 // Appends the rows that are in both windows, padded to the display window's width, to each picture.
-// pictures: one per prefix.
+// pictures: one per prefix. alpha: of channel A; null: there is none.
 void read_rows(Imf::InputPart& part, const Windows& w, const std::vector<std::string>& prefixes,
-               const std::vector<Picture*>& pictures) {
+               const std::vector<Picture*>& pictures, std::vector<float>* alpha) {
   const auto data_width = static_cast<size_t>(exr::extent(w.data).x);
   const auto from = static_cast<size_t>(w.both.min.x - w.data.min.x);
   const auto to = static_cast<size_t>(w.both.min.x - w.shown.min.x);
   std::vector<std::vector<Rgb>> blocks(prefixes.size());
+  std::vector<float> block_of_alpha;
   const int rows_in_block = exr::rows_at_once(part.header(), prefixes.size());
   for (int y = w.both.min.y; y <= w.both.max.y; y += rows_in_block) {
     const int last = std::min(w.both.max.y, y + rows_in_block - 1);
     const auto rows = static_cast<size_t>(last - y + 1);
+    const Imath::Box2i window({w.data.min.x, y}, {w.data.max.x, last});
     Imf::FrameBuffer buffer;
     for (size_t k = 0; k < prefixes.size(); ++k) {
       blocks[k].assign(rows * data_width, Rgb{});
       const char* const channel[3] = {"R", "G", "B"};
       float* const first[3] = {&blocks[k][0].x, &blocks[k][0].y, &blocks[k][0].z};
       for (int c = 0; c < 3; ++c)
-        buffer.insert(prefixes[k] + channel[c],
-                      Imf::Slice::Make(Imf::FLOAT, first[c],
-                                       Imath::Box2i({w.data.min.x, y}, {w.data.max.x, last}),
-                                       sizeof(Rgb), sizeof(Rgb) * data_width));
+        buffer.insert(
+            prefixes[k] + channel[c],
+            Imf::Slice::Make(Imf::FLOAT, first[c], window, sizeof(Rgb), sizeof(Rgb) * data_width));
+    }
+    if (alpha) {
+      block_of_alpha.assign(rows * data_width, 0);
+      buffer.insert("A", Imf::Slice::Make(Imf::FLOAT, block_of_alpha.data(), window));
     }
     part.setFrameBuffer(buffer);
     part.readPixels(y, last);
-    for (size_t k = 0; k < prefixes.size(); ++k) {
-      std::vector<Rgb>& pixels = pictures[k]->pixels;
+    const auto append = [&](auto& pixels, const auto& block) {
       for (size_t row = 0; row < rows; ++row) {
         pixels.resize(pixels.size() + to);
-        const Rgb* source = blocks[k].data() + row * data_width + from;
+        const auto* source = block.data() + row * data_width + from;
         pixels.insert(pixels.end(), source, source + w.columns);
         pixels.resize(pixels.size() + (w.width - to - w.columns));
       }
-    }
+    };
+    for (size_t k = 0; k < prefixes.size(); ++k) append(pictures[k]->pixels, blocks[k]);
+    if (alpha) append(*alpha, block_of_alpha);
   }
 }
 
@@ -157,9 +183,21 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
     p.pixels.resize(w.width * static_cast<size_t>(w.both.min.y - w.shown.min.y));
     pictures.push_back(&p);
   }
+  const Imf::Channel* const covers = header.channels().findChannel("A");
+  std::vector<float>* const alpha =
+      covers && covers->type != Imf::UINT && covers->xSampling == 1 && covers->ySampling == 1
+          ? &result.picture.alpha
+          : nullptr;
+  if (alpha) alpha->resize(result.picture.pixels.size());
+  const std::optional<Affine> to = to_rec709(header, name);
   Imf::InputPart part(file, index);
-  read_rows(part, w, prefixes, pictures);
-  for (Picture* p : pictures) p->pixels.resize(w.width * w.height);
+  read_rows(part, w, prefixes, pictures, alpha);
+  for (Picture* p : pictures) {
+    p->pixels.resize(w.width * w.height);
+    if (!to) continue;
+    for (Rgb& pixel : p->pixels) pixel = Rgb(to->vector(Vec3d(pixel)));
+  }
+  if (alpha) alpha->resize(w.width * w.height);
   const auto covered = w.columns * static_cast<size_t>(w.both.max.y - w.both.min.y + 1);
   result.pixels_without_data = static_cast<int64_t>(w.width * w.height - covered);
   for (auto a = header.begin(); a != header.end(); ++a) {
@@ -171,14 +209,39 @@ ExrFile read_part(Imf::MultiPartInputFile& file, int index,
   return result;
 }
 
-// Opens a file and passes the first part that has R, G and B to `read`.
-template <class Read>
-auto parse(std::string_view bytes, const std::string& name, const Read& read) {
+// Refuses what the library must not see, and names what OpenEXR has gained since: that is no
+// damage.
+void check_headers(std::string_view bytes, const std::string& name) {
+  constexpr int version = 2, flags = 0x1e;  // tiles, long names, deep pixels, parts
+  constexpr std::array later{"HTJ2K256", "HTJ2K32", "LJ2K", "ZSTD"};  // after DWAB
+  const auto byte = [&](size_t i) { return static_cast<unsigned char>(bytes[i]); };
   const char magic[4] = {0x76, 0x2f, 0x31, 0x01};
   if (bytes.size() < 4 || std::memcmp(bytes.data(), magic, 4) != 0)
     throw InputError(name, "", "is not an OpenEXR file");
+  if (bytes.size() >= 8 && byte(4) != version)
+    throw InputError(name, "version", fmt::format("{}, expected {}", byte(4), version));
+  if (bytes.size() >= 8 && ((byte(5) & ~flags) != 0 || byte(6) != 0 || byte(7) != 0))
+    throw InputError(name, "version", "has flags of features that this program does not know");
   if (const std::string fault = fault_of_exr_attributes(bytes); !fault.empty())
     throw InputError(name, "", "is damaged: " + fault);
+  for (const char c : exr_compressions(bytes)) {
+    const int compression = static_cast<unsigned char>(c),
+              more = compression - Imf::DWAB_COMPRESSION;
+    if (more > 0)
+      throw InputError(
+          name, "compression",
+          fmt::format("{}, which this program does not support, expected none, RLE, ZIPS, ZIP, "
+                      "PIZ, PXR24, B44, B44A, DWAA or DWAB",
+                      more <= static_cast<int>(later.size())
+                          ? later[static_cast<size_t>(more - 1)]
+                          : fmt::format("number {}", compression)));
+  }
+}
+
+// Opens a file and passes the first part that has R, G and B to `read`.
+template <class Read>
+auto parse(std::string_view bytes, const std::string& name, const Read& read) {
+  check_headers(bytes, name);
   try {
     Imf::Header::setMaxImageSize(exr::largest_side, exr::largest_side);
     MemoryInput stream(bytes, name);
@@ -254,7 +317,10 @@ Picture parse_exr_picture(std::string_view bytes, const std::string& name, int m
       throw InputError(name, "header",
                        fmt::format("{} x {} pixels, expected at most {} x {}", size.x, size.y,
                                    most_width, most_height));
-    return read_part(input, part, {""}, bytes, name);
+    ExrFile read = read_part(input, part, {""}, bytes, name);
+    if (to_rec709(input.header(part), name))
+      for (Rgb& pixel : read.picture.pixels) pixel = within_gamut(pixel);
+    return read;
   });
   if (file.pixels_without_data > 0)
     throw InputError(name, "data window",

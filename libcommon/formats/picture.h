@@ -50,14 +50,16 @@ Provenance provenance_of(const ExrFile& file);
 /// Sets it; an empty provenance adds no attribute.
 void set_provenance(ExrFile& file, const Provenance& provenance);
 
-/// Reads channels R G B (half or float, scan lines or tiles) of the first part that has them, and
-/// its layers. The picture is the display window: a larger or offset data window is cropped, a
-/// smaller one padded with black. At most 65536 pixels a side. Throws InputError.
+/// Reads channels R G B (half or float, scan lines or tiles) of the first part that has them, A if
+/// it is there, and its layers. Colours of other primaries (attribute `chromaticities`) become
+/// Rec.709 [primaries.h]. The picture is the display window: a larger or offset data window is
+/// cropped, a smaller one padded with black. At most 65536 pixels a side. Throws InputError.
 ExrFile read_exr(const std::string& path);
 /// The same for a file in memory; `name` is used in messages.
 ExrFile parse_exr(std::string_view bytes, const std::string& name);
-/// R, G and B only, of a file in memory, without layers. Checks the size of the display window
-/// before allocating. Throws InputError if the data window does not cover it.
+/// R, G, B and A only, of a file in memory, without layers: light or reflectance, so that colours
+/// of other primaries become such within the gamut of Rec.709. Checks the size of the display
+/// window before allocating. Throws InputError if the data window does not cover it.
 Picture parse_exr_picture(std::string_view bytes, const std::string& name, int most_width,
                           int most_height);
 /// Names of all channels of the part that parse_exr() reads. Throws InputError.
@@ -76,9 +78,9 @@ struct Storage {
   float largest() const { return compression == zip ? 65504.0f : 60000.0f; }
 };
 
-/// The file as bytes, in scan lines; with a channel A if the picture has alpha, which no reader
-/// here uses. The same input gives the same bytes. Layers must have the picture's size; an
-/// attribute must not have the name of one that OpenEXR defines with another type.
+/// The file as bytes, in scan lines; with a channel A if the picture has alpha. The same input
+/// gives the same bytes. Layers must have the picture's size; an attribute must not have the name
+/// of one that OpenEXR defines with another type.
 ///
 /// Half floats and DWA, whose numbers are half floats as well, are for colours: channels R, G, B
 /// and A, alone or of a layer; what is beyond the largest is stored as that. All else is float or

@@ -56,7 +56,7 @@ cli::Decisions with_exposure(cli::Decisions decisions, std::optional<double> giv
   if (!used) return decisions;
   decisions.push_back(
       {"exposure", fmt::format("{} stops", *used),
-       given ? "--exposure says so" : "what is shown is then middle grey in the mean",
+       given ? "--exposure says so" : "most of the picture is then middle grey",
        given ? "" : fmt::format("--exposure {} shows other pictures alike", *used)});
   return decisions;
 }

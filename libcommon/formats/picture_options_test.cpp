@@ -67,7 +67,7 @@ TEST(PictureOptions, ExposureIsExplained) {
   };
   EXPECT_EQ(told({}, {}), "");
   EXPECT_EQ(told({}, -2.37),
-            "exposure: -2.37 stops, because what is shown is then middle grey in the mean "
+            "exposure: -2.37 stops, because most of the picture is then middle grey "
             "(--exposure -2.37 shows other pictures alike)");
   EXPECT_EQ(told(1.5, 1.5), "exposure: 1.5 stops, because --exposure says so");
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticities.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
 #include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -15,6 +16,7 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <fmt/format.h>
@@ -233,6 +235,112 @@ TEST(Picture, AloneItHasNoLayersAndABound) {
             "a.exr:channels: Y, expected R, G and B");
 }
 
+const Imf::Chromaticities kXyz({1, 0}, {0, 1}, {0, 0}, {1 / 3.0f, 1 / 3.0f});
+const Imf::Chromaticities kAces({0.7347f, 0.2653f}, {0, 1}, {0.0001f, -0.077f},
+                                {0.32168f, 0.33767f});
+
+// A picture of one colour, with a layer of the same, that declares these primaries.
+std::string with_primaries(const Imf::Chromaticities& primaries, const Rgb& colour) {
+  const TemporaryFile file;
+  std::vector<Rgb> pixels(32, colour);
+  Imf::Header header(8, 4);
+  Imf::addChromaticities(header, primaries);
+  Imf::FrameBuffer buffer;
+  for (const char* layer : {"", "a."})
+    for (int c = 0; c < 3; ++c) {
+      const std::string name = std::string(layer) + "RGB"[c];
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(&pixels[0][c]),
+                                     sizeof(Rgb), 8 * sizeof(Rgb)));
+    }
+  {
+    Imf::OutputFile output(file.name(), header);
+    output.setFrameBuffer(buffer);
+    output.writePixels(4);
+  }
+  return file.bytes();
+}
+
+void expect_near(const Rgb& a, const Rgb& b, double tolerance) {
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(static_cast<double>(a[c]), static_cast<double>(b[c]), tolerance) << c;
+}
+
+TEST(Picture, ColoursOfOtherPrimariesBecomeRec709) {
+  // The colour 0.5 0.25 0.1 of Rec.709 in CIE XYZ, by the matrix of IEC 61966-2-1.
+  const ExrFile xyz = parse_exr(with_primaries(kXyz, {0.313658f, 0.292353f, 0.134498f}), "a.exr");
+  for (const Picture& p : {xyz.picture, xyz.layers.at("a")})
+    for (const Rgb& pixel : p.pixels) expect_near(pixel, {0.5f, 0.25f, 0.1f}, 2e-4);
+  // The white of ACES stays what it is: XYZ 0.95265 1 1.00883.
+  expect_near(parse_exr(with_primaries(kAces, Rgb(1)), "a.exr").picture.pixels[3],
+              {1.04696f, 0.99455f, 0.91562f}, 1e-3);
+  // Red and blue of which each stands for the other.
+  const Imf::Chromaticities own;
+  const Imf::Chromaticities swapped(own.blue, own.green, own.red, own.white);
+  expect_near(parse_exr(with_primaries(swapped, {1, 2, 3}), "a.exr").picture.pixels[0], {3, 2, 1},
+              1e-5);
+}
+
+TEST(Picture, PrimariesOfRec709ChangeNoBit) {
+  const Rgb colour(0.1f, 1e-20f, 7e9f);
+  for (const float rounded : {0.0f, 1e-5f, -2e-5f}) {
+    const Imf::Chromaticities own({0.64f, 0.33f}, {0.3f, 0.6f + rounded}, {0.15f, 0.06f},
+                                  {0.3127f + rounded, 0.329f});
+    EXPECT_EQ(parse_exr(with_primaries(own, colour), "a.exr").picture.pixels[0], colour);
+  }
+}
+
+TEST(Picture, PrimariesThatAreNoneAreRefused) {
+  const Imf::Chromaticities own;
+  EXPECT_EQ(complaint(with_primaries({{0, 0}, {0, 0}, {0, 0}, {0, 0}}, Rgb(1))),
+            "a.exr:chromaticities: 0 0 0 0 0 0 0 0: primaries that do not surround their white");
+  for (const Imf::Chromaticities& bad :
+       {Imf::Chromaticities(own.red, own.green, own.blue, {0.7f, 0.2f}),
+        Imf::Chromaticities(own.red, own.red, own.blue, own.white),
+        Imf::Chromaticities(own.red, own.green, {std::nanf(""), 0}, own.white),
+        Imf::Chromaticities(own.red, own.green, own.blue, {0.3f, INFINITY})})
+    EXPECT_NE(complaint(with_primaries(bad, Rgb(1))).find("do not surround"), std::string::npos);
+}
+
+// A green that no Rec.709 has.
+TEST(Picture, LightOutsideTheGamutIsClippedToIt) {
+  const std::string green = with_primaries(kXyz, {0, 1, 0});
+  EXPECT_LT(parse_exr(green, "a.exr").picture.pixels[0].x, -1);
+  const Rgb light = parse_exr_picture(green, "a.exr", 16, 8).pixels[0];
+  expect_near(light, {0, 1.876f, 0}, 1e-3);
+  EXPECT_EQ(light.x, 0);
+  // What is negative in its own primaries stays so, to be refused.
+  EXPECT_LT(parse_exr_picture(with_primaries(kXyz, Rgb(-1)), "a.exr", 16, 8).pixels[0].x, 0);
+}
+
+// A newer OpenEXR writes such files; they are not damaged.
+TEST(Picture, WhatOpenExrHasGainedIsNamed) {
+  ExrFile file;
+  file.picture = gradient(8, 8);
+  std::string bytes = exr_bytes(file);
+  using namespace std::string_view_literals;
+  const auto compression = "compression\0compression\0\1\0\0\0"sv;
+  const size_t at = bytes.find(compression) + compression.size();
+  const auto with = [&](size_t place, int value) {
+    std::string other = bytes;
+    other[place] = static_cast<char>(value);
+    return complaint(other);
+  };
+  for (const auto& [value, name] : {std::pair(10, "HTJ2K256"), std::pair(11, "HTJ2K32"),
+                                    std::pair(13, "ZSTD"), std::pair(200, "number 200")})
+    EXPECT_EQ(with(at, value),
+              fmt::format("a.exr:compression: {}, which this program does not support, expected "
+                          "none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA or DWAB",
+                          name));
+  EXPECT_EQ(with(4, 3), "a.exr:version: 3, expected 2");
+  EXPECT_EQ(with(5, 0x20), "a.exr:version: has flags of features that this program does not know");
+  // Of any part.
+  file.channels["depth.Z"].assign(64, 1);
+  bytes = exr_bytes(file, {Storage::half, Storage::dwaa});
+  EXPECT_NE(with(bytes.rfind(compression) + compression.size(), 11).find("HTJ2K32"),
+            std::string::npos);
+}
+
 TEST(Picture, HalvesOfInfinityAreInfinite) {
   const TemporaryFile file;
   Imf::Header header(8, 4);
@@ -292,7 +400,9 @@ TEST(Picture, AlphaIsAChannelOfItsOwn) {
   input.setFrameBuffer(buffer);
   input.readPixels(0, 2);
   EXPECT_EQ(alpha, exr.picture.alpha);
-  EXPECT_EQ(parse_exr(exr_bytes(exr), "a.exr").picture.pixels, exr.picture.pixels);
+  const ExrFile back = parse_exr(exr_bytes(exr), "a.exr");
+  EXPECT_EQ(back.picture.pixels, exr.picture.pixels);
+  EXPECT_EQ(back.picture.alpha, exr.picture.alpha);
   exr.picture.alpha.pop_back();
   EXPECT_THROW(exr_bytes(exr), std::invalid_argument);
 }

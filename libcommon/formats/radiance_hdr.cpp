@@ -1,5 +1,6 @@
 #include "libcommon/formats/radiance_hdr.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/memory_limit.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/primaries.h"
 
 namespace tdpt {
 namespace {
@@ -41,7 +43,11 @@ class Reader {
     for (int y = 0; y < p.height; ++y) {
       row_ = y;
       scan_line(row);
-      for (const Rgbe& texel : row) p.pixels.push_back(colour_of(texel) * scale_);
+      for (const Rgbe& texel : row) {
+        const Rgb colour = colour_of(texel) * scale_;
+        p.pixels.push_back(to_rec709_ ? within_gamut(Rgb(to_rec709_->vector(Vec3d(colour))))
+                                      : colour);
+      }
     }
     if (at_ < bytes_.size())
       fail("", fmt::format("{} after the last of {} x {} pixels",
@@ -74,25 +80,47 @@ class Reader {
         fail("header", fmt::format("\"{}\", expected FORMAT=32-bit_rle_rgbe", shown(text, 60)));
       if (text.starts_with("EXPOSURE=")) divide_by<1>(text.substr(9));
       if (text.starts_with("COLORCORR=")) divide_by<3>(text.substr(10));
+      if (text.starts_with("PRIMARIES=")) primaries(text.substr(10));
     }
+  }
+
+  // Numbers at the beginning of a text, separated by blanks; false if there are too few.
+  template <class T>
+  static bool read_numbers(std::string_view text, T* to, int count) {
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (int i = 0; i < count; ++i) {
+      while (at < end && *at == ' ') ++at;
+      const auto [next, error] = std::from_chars(at, end, to[i]);
+      if (error != std::errc() || !std::isfinite(to[i])) return false;
+      at = next;
+    }
+    return true;
+  }
+
+  // White stays white, as in Radiance: the picture is balanced for its own. Photoshop writes zeros.
+  void primaries(std::string_view numbers) {
+    Primaries p{};
+    try {
+      if (!read_numbers(numbers, p.data(), 8)) throw std::invalid_argument("no eight numbers");
+      if (p != Primaries{}) to_rec709_ = to_rec709(p);
+    } catch (const std::invalid_argument& e) {
+      fail("header", fmt::format("\"{}\" as primaries: {}", shown(numbers, 90), e.what()));
+    }
+    if (!to_rec709_) return;
+    const Vec3d white = to_rec709_->x + to_rec709_->y + to_rec709_->z;
+    for (Vec3d* column : {&to_rec709_->x, &to_rec709_->y, &to_rec709_->z})
+      *column = {column->x / white.x, column->y / white.y, column->z / white.z};
   }
 
   template <int n>
   void divide_by(std::string_view numbers) {
-    const char* at = numbers.data();
-    const char* const end = at + numbers.size();
-    float value = 0;
-    for (int c = 0; c < 3; ++c) {
-      if (c < n) {
-        while (at < end && *at == ' ') ++at;
-        const auto [next, error] = std::from_chars(at, end, value);
-        if (error != std::errc() || !(value > 0) || !std::isfinite(value))
-          fail("header", fmt::format("\"{}\" as exposure, expected {} above 0", shown(numbers, 60),
-                                     n == 1 ? "a number" : "three numbers"));
-        at = next;
-      }
-      scale_[c] /= value;
-    }
+    std::array<float, n> values{};
+    if (!read_numbers(numbers, values.data(), n) ||
+        !std::all_of(values.begin(), values.end(), [](float v) { return v > 0; }))
+      fail("header", fmt::format("\"{}\" as exposure, expected {} above 0", shown(numbers, 60),
+                                 n == 1 ? "a number" : "three numbers"));
+    for (int c = 0; c < 3; ++c) scale_[c] /= values[n == 1 ? 0 : static_cast<size_t>(c)];
   }
 
   void resolution(Picture& p, int most_width, int most_height) {
@@ -170,6 +198,7 @@ class Reader {
   size_t at_ = 0;
   int row_ = 0;
   Rgb scale_{1.0f};
+  std::optional<Affine> to_rec709_;  // nothing: the colours are that
 };
 
 }  // namespace

@@ -80,6 +80,28 @@ TEST(RadianceHdr, ExposuresAreDividedOut) {
   EXPECT_EQ(read(header(1, 1, lines) + kTexel).pixels[0], Rgb(2, 2, 0));
 }
 
+TEST(RadianceHdr, ColoursOfOtherPrimariesBecomeRec709) {
+  const std::string grey = bytes({128, 128, 128, 129}), red = bytes({128, 0, 0, 129});
+  const auto colour = [](const std::string& primaries, const std::string& texel) {
+    return read(header(1, 1, "PRIMARIES=" + primaries + "\n") + texel).pixels[0];
+  };
+  const std::string wide = " .708 .292 .170 .797 .131 .046 .3127 .329";  // Rec.2020
+  // White stays white, also that of Radiance, equal energy.
+  for (const std::string& p : {wide, std::string("0.64 0.33 0.29 0.6 0.15 0.06 0.333 0.333")})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour(p, grey)[c], 1, 1e-6f);
+  // Its red is outside the gamut: green and blue would be negative.
+  EXPECT_NEAR(colour(wide, red).x, 1.6605f, 1e-3f);
+  EXPECT_EQ(colour(wide, red).y, 0);
+  // Rec.709 itself, and what Photoshop writes.
+  for (const char* p : {"0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329", "0 0 0 0 0 0 0 0"})
+    EXPECT_EQ(colour(p, kTexel), Rgb(1, 0.5f, 0));
+  EXPECT_EQ(complaint(header(1, 1, "PRIMARIES=0.64 0.33 0.3\n") + red),
+            "a.hdr:header: \"0.64 0.33 0.3\" as primaries: no eight numbers");
+  EXPECT_EQ(complaint(header(1, 1, "PRIMARIES=1 1 1 1 1 1 1 1\n") + red),
+            "a.hdr:header: \"1 1 1 1 1 1 1 1\" as primaries: primaries that do not surround their "
+            "white");
+}
+
 TEST(RadianceHdr, SaysWhatIsWrongAndWhere) {
   const std::string right = header(2, 1) + kTexel + kTexel;
   EXPECT_EQ(complaint(right), "");

@@ -7,6 +7,7 @@ namespace tdpt {
 namespace {
 
 constexpr double kFade = 0.15, kGrey = 0.18;
+constexpr double kFarAbove = 8;       // times the median: three stops
 constexpr double kBrightest = 1e100;  // infinity is shown as this
 
 double rolled_off(double p) {  // [eq. 1]
@@ -45,6 +46,9 @@ double auto_exposure(const Picture& picture) {
     if (const auto l = static_cast<double>(luminance(pixel)); std::isfinite(l) && l > 0)
       lit.push_back(l);
   if (lit.empty()) return 0;
+  const auto median = lit.begin() + static_cast<std::ptrdiff_t>((lit.size() - 1) / 2);
+  std::nth_element(lit.begin(), median, lit.end());
+  std::erase_if(lit, [most = kFarAbove * *median](double l) { return l > most; });
   const auto too_dark = [&](int hundredths) {
     const double scale = std::exp2(0.01 * hundredths);
     double sum = 0;

@@ -29,8 +29,8 @@ std::string preview_bytes(const Picture& picture, double exposure);
 
 inline constexpr double kMostStops = 150;  ///< of an exposure: floats never need more
 /// Exposure [stops] at which the mean of [eq. 1] of luminance is 0.18, the grey that cameras expose
-/// for; in hundredths, so that it can be printed and given again. Black pixels do not count; 0 if
-/// all are.
+/// for; in hundredths, so that it can be printed and given again. Neither black pixels count, nor
+/// those more than three stops above the median: windows and lamps of a room. 0 if all are black.
 double auto_exposure(const Picture& picture);
 
 }  // namespace tdpt

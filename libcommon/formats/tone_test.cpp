@@ -156,6 +156,35 @@ TEST(Tone, HighlightsHardlyChangeAutomaticExposure) {
   EXPECT_NEAR(auto_exposure(p), before, 0.2);
 }
 
+// A room with a window, or lamp, on some of its 200 x 100 pixels.
+Picture room(double radiance, double window, double share) {
+  Picture p{200, 100, {}};
+  Rng rng(11, 0, 0);
+  for (int i = 0; i < 20000; ++i) {
+    const double surface = radiance * std::exp2(2 * rng.uniform() - 1);
+    p.pixels.push_back(Rgb(static_cast<float>(i < share * 20000 ? window : surface)));
+  }
+  return p;
+}
+
+// As it is without its window: a hundred times as bright, or ten thousand.
+TEST(Tone, ARoomIsSeenAsARoom) {
+  const double alone = auto_exposure(room(0.1, 0, 0));
+  EXPECT_NEAR(alone, std::log2(0.18 / 0.1), 0.2);
+  for (const double share : {0.001, 0.05, 0.2, 0.4})
+    for (const double window : {1.7, 10.0, 1000.0})
+      EXPECT_NEAR(auto_exposure(room(0.1, window, share)), alone, 0.02) << share << " " << window;
+}
+
+// What takes more than half of the picture is what it shows; of a sky little brighter than the
+// ground both count.
+TEST(Tone, WhatMostOfThePictureShowsIsExposedFor) {
+  EXPECT_NEAR(auto_exposure(room(0.1, 10, 0.98)), std::log2(0.18 / 10), 0.05);
+  const double landscape = auto_exposure(room(0.2, 1, 0.45));
+  EXPECT_LT(landscape, auto_exposure(room(0.2, 0, 0)) - 0.5);
+  EXPECT_GT(landscape, std::log2(0.18 / 1));
+}
+
 TEST(Tone, BlackPixelsDoNotCountForAutomaticExposure) {
   Picture p = greys();
   const double stops = auto_exposure(p);

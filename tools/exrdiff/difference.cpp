@@ -9,7 +9,7 @@
 namespace tdpt {
 
 Picture difference(const Picture& picture, const Picture& reference) {
-  Picture result = picture;
+  Picture result{picture.width, picture.height, picture.pixels};
   for (size_t k = 0; k < result.pixels.size(); ++k)
     result.pixels[k] = picture.pixels[k] - reference.pixels[k];
   return result;
@@ -17,7 +17,7 @@ Picture difference(const Picture& picture, const Picture& reference) {
 
 Picture false_colour(const Picture& picture, const Picture& reference) {
   const auto offset = static_cast<float>(relative_offset(reference));
-  Picture result = picture;
+  Picture result{picture.width, picture.height, picture.pixels};
   for (size_t k = 0; k < result.pixels.size(); ++k) {
     const float expected = luminance(reference.pixels[k]);
     const float error = (luminance(picture.pixels[k]) - expected) / (std::abs(expected) + offset);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/testing/files/temp_folder.h"
 
@@ -23,11 +24,14 @@ class films : public ::testing::Test {
     write_output(path, film_bytes(film, facts));
     return path;
   }
+  static FilmFile all_of(const std::vector<std::string>& paths) {
+    return merged(read_file(paths.front()), paths);
+  }
   testing::TempFolder folder_;
 };
 
 TEST_F(films, add_up) {
-  const FilmFile all = merged({film({4, 4}), film({0, 4})});
+  const FilmFile all = all_of({film({4, 4}), film({0, 4})});
   EXPECT_NO_THROW(check_whole(all, "a"));
   EXPECT_EQ(all.film.picture().pixels[0].x, 1);
   EXPECT_EQ(summary_json(all, 2, {}),
@@ -37,7 +41,7 @@ TEST_F(films, add_up) {
 }
 
 TEST_F(films, that_are_not_all_there_are_told) {
-  const FilmFile all = merged({film({4, 2})});
+  const FilmFile all = all_of({film({4, 2})});
   try {
     check_whole(all, "a.exr");
     FAIL();
@@ -46,7 +50,7 @@ TEST_F(films, that_are_not_all_there_are_told) {
                  "a.exr: samples 0 to 3 and 6 to 7 of 8 are missing; --gaps makes a picture of "
                  "the others");
   }
-  EXPECT_THROW(check_whole(merged({film({0, 0})}), "a.exr"), InputError);
+  EXPECT_THROW(check_whole(all_of({film({0, 0})}), "a.exr"), InputError);
 }
 
 }  // namespace tdpt::exrmerge_test

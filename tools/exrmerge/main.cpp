@@ -1,8 +1,10 @@
-// exrmerge: merges films, each with some of a picture's samples, into the picture.
+// exrmerge: merges films, each with some of a picture's samples, into the picture, and shows any
+// picture as a PNG.
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
@@ -15,8 +17,9 @@ namespace tdpt {
 namespace {
 
 constexpr cli::Program kProgram{"exrmerge",
-                                "Makes one picture of films that hold parts of its samples.",
-                                "Picture to write (OpenEXR); default standard output",
+                                "Makes one picture of films that hold parts of its samples, or a "
+                                "PNG of any picture.",
+                                "Picture to write (OpenEXR, or .png); default standard output",
                                 cli::Result::binary,
                                 cli::kLibraries,
                                 cli::kCommit,
@@ -28,22 +31,49 @@ struct Arguments : PictureArguments {
 };
 
 void declare_options(cli::Options& options, Arguments& a) {
-  options.arguments("films", a.films,
-                    "Shards or checkpoints of tdpt-render (OpenEXR); - is standard input");
+  options.arguments(
+      "films", a.films,
+      "Shards or checkpoints of tdpt-render, or, for a PNG, one picture (OpenEXR); - is "
+      "standard input");
   options.flag("--film", a.film, "Write a film, which can be merged and added to, gaps or not");
   options.flag("--gaps", a.gaps, "Write a picture of what there is where samples are missing");
   declare_picture_options(options, a);
 }
 
-std::string picture_bytes(const Arguments& a, FilmFile& film, const ExrFile& picture) {
-  return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
-                : exr_bytes(picture, a.storage());
+void check_arguments(const Arguments& a, bool is_png) {
+  if (!is_png) {
+    check_picture_arguments(a);
+    if (a.film) check_stores_film(a, "--film");
+  } else if (a.film || a.storage().rounds()) {
+    throw UsageError("--film, --set pixels and --set compression are for OpenEXR, -o is a PNG");
+  }
+}
+
+// The PNG of a picture that is no film.
+int show(const Arguments& a, const cli::Common& common, const ExrFile& file,
+         const std::string& name) {
+  const std::optional<double> exposure = exposure_of(file.picture, common.output, a.exposure);
+  if (file.pixels_without_data > 0)
+    common.warn(fmt::format("{}: {} without data, taken as black", name,
+                            counted(file.pixels_without_data, "pixel")));
+  cli::deliver({{common.output, [&] { return preview_bytes(file.picture, *exposure); }}}, common);
+  if (common.json) common.summary(summary_json(file.picture, exposure));
+  common.note(
+      fmt::format("{} x {} at exposure {}", file.picture.width, file.picture.height, *exposure));
+  common.explain_by([&] { return with_exposure({}, a.exposure, exposure); });
+  return 0;
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  check_picture_arguments(a);
-  if (a.film) check_stores_film(a, "--film");
-  FilmFile film = merged(a.films);
+  const bool is_png = common.output.ends_with(".png");
+  check_arguments(a, is_png);
+  std::string first = read_file(a.films.front());
+  if (is_png && a.films.size() == 1) {
+    const std::string name = display_name(a.films.front());
+    if (const ExrFile file = parse_exr(first, name); !is_film(file))
+      return show(a, common, file, name);
+  }
+  FilmFile film = merged(std::move(first), a.films);
   const std::string names = a.films.size() == 1
                                 ? a.films.front()
                                 : fmt::format("{} and {}", a.films.front(),
@@ -59,10 +89,15 @@ int run(const Arguments& a, const cli::Common& common) {
   const auto filtered =
       a.film ? std::nullopt : filter_as_asked(file, film.film.has_both_halves(), film.facts);
   const Picture& picture = file.picture;
-  const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
+  const std::string& png = is_png ? common.output : a.preview;
+  const std::optional<double> exposure = exposure_of(picture, png, a.exposure);
   warn_of_range(file, a.storage(), common);
-  cli::deliver({{common.output, [&] { return picture_bytes(a, film, file); }},
-                {a.preview, [&] { return preview_bytes(picture, *exposure); }}},
+  const auto bytes = [&] {
+    return a.film ? film_bytes(film.film, film.facts, {}, film.channels)
+                  : exr_bytes(file, a.storage());
+  };
+  cli::deliver({{is_png ? "" : common.output, bytes},
+                {png, [&] { return preview_bytes(picture, *exposure); }}},
                common);
   if (common.json) common.summary(summary_json(film, a.films.size(), exposure));
   common.note(fmt::format("{} per pixel of {} at {} x {} from {}",

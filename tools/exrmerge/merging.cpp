@@ -17,10 +17,26 @@ Json json_of(const std::vector<SampleRange>& ranges) {
   return list;
 }
 
+Json json_of(const Picture& picture) {
+  Vec3d sum;
+  size_t lit = 0;
+  for (const Rgb& p : picture.pixels) {
+    sum += Vec3d(p);
+    lit += p != Rgb{};
+  }
+  const auto pixels = static_cast<double>(picture.pixels.size());
+  const Vec3d mean = sum / pixels;
+  return {{"width", picture.width},
+          {"height", picture.height},
+          {"mean", {mean.x, mean.y, mean.z}},
+          {"nonzero", static_cast<double>(lit) / pixels}};
+}
+
 }  // namespace
 
-FilmFile merged(const std::vector<std::string>& paths) {
-  FilmFile all = read_film(paths.front());
+FilmFile merged(std::string first, const std::vector<std::string>& paths) {
+  FilmFile all = parse_film(first, display_name(paths.front()));
+  std::string().swap(first);
   all.facts.state.clear();
   all.blocks = {};
   for (size_t i = 1; i < paths.size(); ++i) all.merge(read_film(paths[i]), display_name(paths[i]));
@@ -36,25 +52,19 @@ void check_whole(const FilmFile& film, const std::string& file) {
                                words_of(gaps), film.facts.spp));
 }
 
+std::string summary_json(const Picture& picture, std::optional<double> exposure) {
+  Json j = json_of(picture);
+  if (exposure) j["exposure"] = *exposure;
+  return j.dump();
+}
+
 std::string summary_json(const FilmFile& film, size_t films, std::optional<double> exposure) {
-  const Picture picture = film.film.picture();
-  Vec3d sum;
-  size_t lit = 0;
-  for (const Rgb& p : picture.pixels) {
-    sum += Vec3d(p);
-    lit += p != Rgb{};
-  }
-  const auto pixels = static_cast<double>(picture.pixels.size());
-  const Vec3d mean = sum / pixels;
   Json j{{"films", films},
          {"spp", film.film.samples()},
          {"samples", json_of(film.film.ranges())},
-         {"missing", json_of(film.gaps())},
-         {"width", picture.width},
-         {"height", picture.height},
-         {"mean", {mean.x, mean.y, mean.z}},
-         {"nonzero", static_cast<double>(lit) / pixels},
-         {"processor", film.facts.processor}};
+         {"missing", json_of(film.gaps())}};
+  j.update(json_of(film.film.picture()));
+  j["processor"] = film.facts.processor;
   if (exposure) j["exposure"] = *exposure;
   return j.dump();
 }

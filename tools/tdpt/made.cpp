@@ -19,6 +19,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr size_t kMostMakers = 32;  // requests stored per picture
+const std::string kPreview = "--preview";
 
 // Words may hold invalid UTF-8; comparisons use the stored form.
 Json as_kept(const Words& words) {
@@ -34,17 +35,29 @@ Json json_of(const Made& made) {
 }
 
 std::vector<std::pair<std::string, std::string>> files_beside(const RenderArguments& a) {
-  return {{"--preview", a.preview}, {"--stats", a.stats}, {"--set nonzero", a.nonzero}};
+  return {{kPreview, a.preview}, {"--stats", a.stats}, {"--set nonzero", a.nonzero}};
 }
 
-bool all_are_there(const RenderArguments& a, const Made& made) {
+// Whether the file that an option names is as it was written with the picture.
+bool is_as_written(const std::string& option, const RenderArguments& a, const Made& made) {
   const auto now = files_written_beside(a);
-  for (const auto& [option, path] : files_beside(a)) {
-    if (path.empty()) continue;
-    const auto is = now.find(option), was = made.beside.find(option);
-    if (is == now.end() || was == made.beside.end() || is->second != was->second) return false;
-  }
+  const auto is = now.find(option), was = made.beside.find(option);
+  return is != now.end() && was != made.beside.end() && is->second == was->second;
+}
+
+// All but the preview, which can be made of the picture.
+bool all_are_there(const RenderArguments& a, const Made& made) {
+  for (const auto& [option, path] : files_beside(a))
+    if (!path.empty() && option != kPreview && !is_as_written(option, a, made)) return false;
   return true;
+}
+
+template <class Also>
+bool has_made(const Request& request, const Pipeline& p, const WorkFolder& work, const Also& also) {
+  const std::vector<Made> all = made_of(hash_of_picture(request.picture), work);
+  return std::any_of(all.begin(), all.end(), [&](const Made& made) {
+    return made.whole && made.key == p.key && also(made);
+  });
 }
 
 }  // namespace
@@ -102,18 +115,22 @@ std::map<std::string, std::string> files_written_beside(const RenderArguments& a
   std::map<std::string, std::string> hashes;
   for (const auto& [option, path] : files_beside(a))
     if (std::string hash = hash_of_picture(path); !hash.empty()) hashes[option] = std::move(hash);
-  if (const auto preview = hashes.find("--preview"); preview != hashes.end() && a.exposure)
+  if (const auto preview = hashes.find(kPreview); preview != hashes.end() && a.exposure)
     preview->second += fmt::format(" {}", *a.exposure);
   return hashes;
 }
 
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work) {
-  if (!p.repeatable) return false;
-  const std::vector<Made> all = made_of(hash_of_picture(request.picture), work);
-  return std::any_of(all.begin(), all.end(), [&](const Made& made) {
-    return made.whole && made.key == p.key && all_are_there(a, made);
-  });
+  return p.repeatable &&
+         has_made(request, p, work, [&](const Made& made) { return all_are_there(a, made); });
+}
+
+bool preview_is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
+                      const WorkFolder& work) {
+  return a.preview.empty() || has_made(request, p, work, [&](const Made& made) {
+           return is_as_written(kPreview, a, made);
+         });
 }
 
 std::string frame_mark_in(const std::string& path) {

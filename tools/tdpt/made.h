@@ -36,9 +36,14 @@ std::string hash_of_picture(const std::string& path);
 /// with the exposure, if it is given.
 std::map<std::string, std::string> files_written_beside(const RenderArguments& a);
 
-/// Whether the picture exists, complete, as `p` would make it, with all files that belong to it.
+/// Whether the picture exists, complete, as `p` would make it, with all files that belong to it but
+/// the preview.
 bool is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
               const WorkFolder& work);
+/// Whether the preview of that picture is there, with the exposure that is asked for, or none is
+/// asked for.
+bool preview_is_fresh(const Arguments& a, const Request& request, const Pipeline& p,
+                      const WorkFolder& work);
 
 /// The mark by which tdpt-render knows a frame of a shot, in a picture; empty for other files.
 std::string frame_mark_in(const std::string& path);

@@ -19,6 +19,8 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/outputs.h"
+#include "libcommon/formats/picture_options.h"
+#include "libcommon/formats/tone.h"
 #include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
@@ -124,7 +126,8 @@ bool Making::report_is_fresh() const {
 }
 
 bool Making::all_is_fresh() const {
-  return is_fresh(a_, request_, pipeline_, work_) && report_is_fresh();
+  return is_fresh(a_, request_, pipeline_, work_) &&
+         preview_is_fresh(a_, request_, pipeline_, work_) && report_is_fresh();
 }
 
 // Called while another run holds an entry: prints `sentence` once, and throws after a signal.
@@ -151,6 +154,7 @@ int Making::run() {
       pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
     }
     common_.also_read(state_.files);
+    if (is_fresh(a_, request_, pipeline_, work_)) mend_preview();
     if (all_is_fresh()) {
       common_.note(request_.picture + " is up to date");
       std::error_code ignored;
@@ -302,6 +306,18 @@ Making::Ending Making::run_stages(const Search& search) {
   }
   look_.reset();
   return {};
+}
+
+// Makes the preview of the picture that is there.
+void Making::mend_preview() {
+  if (preview_is_fresh(a_, request_, pipeline_, work_)) return;
+  const Picture picture = read_exr(request_.picture).picture;
+  const auto exposure = exposure_of(picture, a_.preview, a_.exposure);
+  write_output(a_.preview, preview_bytes(picture, *exposure));
+  keep({request_.identity, pipeline_.key, true, files_written_beside(a_)},
+       hash_of_picture(request_.picture), work_);
+  common_.note("wrote " + a_.preview);
+  common_.explain_by([&] { return with_exposure({}, a_.exposure, exposure); });
 }
 
 // Copies the renderer's preview to its place whenever it has changed.
@@ -493,7 +509,12 @@ int Making::print(std::set<std::string>& printed) {
   pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
   common_.also_read(state_.files);
   if (is_fresh(a_, request_, pipeline_, work_)) {
-    common_.note(request_.picture + " is up to date");
+    Words show{programs_ + "/exrmerge", request_.picture, "-o", a_.preview};
+    if (a_.exposure) show.push_back(fmt::format("--exposure={}", *a_.exposure));
+    if (preview_is_fresh(a_, request_, pipeline_, work_))
+      common_.note(request_.picture + " is up to date");
+    else
+      std::fputs((shell_text(show) + "\n").c_str(), stdout);
     return 0;
   }
   if (!a_.force) check_owners();

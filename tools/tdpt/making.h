@@ -53,6 +53,7 @@ class Making {
   void begin_step(const std::string& title, const Words& words);
   void place(bool whole);
   void publish_preview();
+  void mend_preview();
   bool has_changed() const;
   void settle();
   void tell_end(int code) const;

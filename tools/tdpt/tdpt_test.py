@@ -184,16 +184,28 @@ class Tdpt(unittest.TestCase):
         self.run_tdpt("a/room.glb", "-o", "a/p.exr", *QUICK, "--preview")
 
     def test_preview_has_the_exposure_that_is_asked_for(self):
-        words = ["room.glb", "-o", "p.exr", *QUICK, "--preview"]
+        words = ["room.glb", "-o", "p.exr", *QUICK]
         self.run_tdpt(*words)
-        picture, automatic = self.bytes_of("p.exr"), self.bytes_of("p.png")
-        for exposure, same in ((["--exposure=-3"], False), ([], True)):
-            _, err = self.run_tdpt(*words, *exposure)
-            self.assertIn("wrote p.exr, p.png", err)
-            self.assertEqual(self.bytes_of("p.png") == automatic, same)
-            self.assertEqual(self.bytes_of("p.exr"), picture)
-            _, err = self.run_tdpt(*words, *exposure)
-            self.assertIn("is up to date", err)
+        made = os.stat(self.path("p.exr"))
+        previews = {}
+        for exposure in ([], ["--exposure=-3"], ["--exposure=2"], []):
+            _, err = self.run_tdpt(*words, "--preview", *exposure)
+            self.assertIn("tdpt: wrote p.png\n", err)
+            self.assertNotIn("rendering", err)
+            _, err = self.run_tdpt(*words, "--preview", *exposure)
+            self.assertNotIn("wrote", err)
+            png = self.bytes_of("p.png")
+            self.assertEqual(previews.setdefault(str(exposure), png), png)
+        self.assertEqual(len(set(previews.values())), 3)
+        after = os.stat(self.path("p.exr"))
+        self.assertEqual((after.st_ino, after.st_mtime_ns), (made.st_ino, made.st_mtime_ns))
+        # As the renderer shows it.
+        self.run_tdpt(*words[:2], "q.exr", *QUICK, "--preview")
+        self.assertEqual(self.bytes_of("q.png"), self.bytes_of("p.png"))
+        os.remove(self.path("p.png"))
+        out, _ = self.run_tdpt(*words, "--preview", "--exposure=2", "--dry-run")
+        subprocess.run(["sh", "-c", out], cwd=self.here, check=True, stderr=subprocess.DEVNULL)
+        self.assertEqual(self.bytes_of("p.png"), previews["['--exposure=2']"])
 
     def test_another_command_s_picture_is_not_replaced(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)

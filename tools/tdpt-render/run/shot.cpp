@@ -245,12 +245,15 @@ class Previews {
     common_.note(fmt::format("previews are exposed as frame {}: --exposure {}",
                              *run.arguments.frame, number_words(*exposure_)));
   }
-  /// Writes that of a complete frame if it is not there.
+  /// Writes that of a complete frame if it is not there, or is not as it should be now.
   void mend(const FrameRun& run) const {
+    const std::string& path = run.arguments.preview;
+    if (path.empty()) return;
+    const std::string bytes =
+        preview_bytes(read_exr(run.common.output).picture, exposure().value_or(0));
     std::error_code failed;
-    if (a_.preview.empty() || std::filesystem::exists(run.arguments.preview, failed)) return;
-    const Picture picture = read_exr(run.common.output).picture;
-    write_output(run.arguments.preview, preview_bytes(picture, exposure().value_or(0)));
+    if (!std::filesystem::exists(path, failed) || read_file(path) != bytes)
+      write_output(path, bytes);
   }
   /// Nothing while no frame is there.
   std::optional<double> exposure() const { return a_.exposure ? a_.exposure : exposure_; }
