@@ -36,10 +36,13 @@ const Picture& Buffers::noisy() const {
 
 Shot Buffers::shot(bool& any) const {
   Shot shot{half(kHalves[0]), half(kHalves[1]), 0.5, features(any)};
-  const Picture& picture = noisy();
-  shot.share_a =
-      share_of(colour(picture, &picture == &file_.picture ? "" : "noisy."), shot.a, shot.b);
+  shot.share_a = share_of(light(), shot.a, shot.b);
   return shot;
+}
+
+Colour Buffers::light() const {
+  const Picture& picture = noisy();
+  return colour(picture, &picture == &file_.picture ? "" : "noisy.");
 }
 
 Plane Buffers::channel(const std::string& channel) const {

@@ -22,6 +22,8 @@ class Buffers {
   Size size() const { return {file_.picture.width, file_.picture.height}; }
   /// As it was rendered, whether or not it is filtered now.
   const Picture& noisy() const;
+  /// The same; also throws if there is a negative number.
+  Colour light() const;
   /// Checks that the picture is a weighted mean of its halves. `any`: whether there are features;
   /// those that are missing are 0.
   Shot shot(bool& any) const;

@@ -77,6 +77,7 @@ std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
 }
 
 void filter_by_oidn(const Buffers& buffers, Picture& picture, Filtered& filtered) {
+  buffers.light();  // throws for what is none
   OpenImageDenoise oidn;
   filtered.denoiser = fmt::format("{} {}", kKinds[1], oidn.version());
   const std::vector<Rgb> albedo = triples(buffers, 0);

@@ -98,6 +98,15 @@ TEST(FilterPicture, FindsTheShareOfTheHalves) {
   EXPECT_NEAR(filter_picture(file, "a.exr").share_a, 2.0 / 3, 1e-6);
 }
 
+// The guest filter is not even looked for.
+TEST(FilterPicture, NoFilterTakesWhatIsNoLight) {
+  ExrFile file = file_of(TestPicture(), 0.3);
+  for (const float bad : {std::nanf(""), INFINITY, -0.5f}) {
+    file.picture.pixels[96 * 3 + 4].y = bad;
+    EXPECT_THROW(filter_picture(file, "a.exr", Kind::oidn), InputError) << bad;
+  }
+}
+
 // As rounding and conversion of colours leave it.
 TEST(FilterPicture, ATraceBelowZeroIsZero) {
   ExrFile file = file_of(TestPicture(), 0.3), zero = file;
