@@ -104,7 +104,7 @@ TEST(Picture, HalfWithAnOffsetDataWindow) {
   std::vector<Imath::half> values(2 * 5);
   for (size_t i = 0; i < values.size(); ++i) values[i] = Imath::half(static_cast<float>(i + 1));
   Imf::FrameBuffer buffer;
-  for (const char* c : {"R", "G", "B"}) {
+  for (const char* c : {"R", "G", "B", "A"}) {
     header.channels().insert(c, Imf::Channel(Imf::HALF));
     buffer.insert(c, Imf::Slice::Make(Imf::HALF, values.data(), header.dataWindow()));
   }
@@ -122,6 +122,8 @@ TEST(Picture, HalfWithAnOffsetDataWindow) {
     EXPECT_EQ(row[1], Rgb(static_cast<float>(2 * y + 3)));
     EXPECT_EQ(row[2], Rgb(static_cast<float>(2 * y + 4)));
     EXPECT_EQ(row[3], Rgb(0));
+    for (int x = 0; x < 4; ++x)  // what has no data covers nothing
+      EXPECT_EQ(back.picture.alpha[static_cast<size_t>(4 * y + x)], row[x].x);
   }
   EXPECT_EQ(back.pixels_without_data, 6);
 }
