@@ -13,12 +13,11 @@ inline void say(const std::string& line) {
   std::fputs((line + "\n").c_str(), stderr);
 }
 
-/// Opens the standard streams that are closed as empty ones, so that no file that the program opens
-/// takes their place.
+/// Opens the standard streams that are closed, so that no file that the program opens takes their
+/// place: the wrong way round, so that whoever reads or writes one still fails.
 inline void open_standard_streams() {
-  int fd = 0;
-  while (fd >= 0 && fd <= 2) fd = ::open("/dev/null", O_RDWR);
-  if (fd > 2) ::close(fd);
+  for (int fd = 0; fd <= 2; ++fd)
+    if (::fcntl(fd, F_GETFD) < 0) (void)::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
 }
 
 }  // namespace tdpt

@@ -1,10 +1,15 @@
 #include "libcommon/cli/cli.h"
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <exception>
 #include <iostream>
 #include <new>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
@@ -22,6 +27,20 @@ namespace {
 struct Instead {
   std::function<std::string()> text;
 };
+
+// A library that lacks memory or threads may end the process where nothing can catch that, even
+// before main(), and nothing can be allocated any more.
+void end_with_last_words() {
+  for (const char* part : {static_cast<const char*>(program_invocation_short_name),
+                           ": cannot go on, perhaps for want of memory or threads\n"})
+    if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
+  ::_exit(static_cast<int>(Exit::internal));
+}
+void prepare_last_words() {
+  std::set_terminate(end_with_last_words);
+}
+// What stands in this section runs before the libraries' own initialization.
+[[gnu::used, gnu::section(".preinit_array")]] void (*const kFirst)() = prepare_last_words;
 }  // namespace
 
 Options::Options(const Program& program)
@@ -268,6 +287,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     return flushed(0);
   };
   open_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f` writing fails and says so
   try {
     try {
       std::vector<std::string> words = impl_->with_settings(without_short_forms(argc, argv));

@@ -81,6 +81,9 @@ struct Common {
   void warn_of(const std::string& file, const std::string& sentence) const;
   /// Prints one JSON text (already dumped) where --json says; nothing without --json.
   void summary(const std::string& json_text) const;
+  /// Prints what was asked for besides the result: on stdout, on stderr when the result goes there.
+  /// Throws OutputError.
+  void print(const std::string& text) const;
 
  private:
   friend class Options;

@@ -1,6 +1,9 @@
 // Implements Common: provenance, messages and the dependency file.
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 #include <fmt/format.h>
 
@@ -53,7 +56,15 @@ void Common::warn_of(const std::string& file, const std::string& sentence) const
 }
 
 void Common::summary(const std::string& json_text) const {
-  if (json) fmt::print(output == "-" ? stderr : stdout, "{}\n", json_text);
+  if (json) print(json_text + '\n');
+}
+
+void Common::print(const std::string& text) const {
+  const bool to_errors = output == "-";
+  std::FILE* const stream = to_errors ? stderr : stdout;
+  if (std::fputs(text.c_str(), stream) == EOF || std::fflush(stream) != 0)
+    throw OutputError(to_errors ? "(standard error)" : "(standard output)",
+                      std::string("cannot be written: ") + std::strerror(errno));
 }
 
 void Common::also_read(const std::vector<std::string>& paths) const {

@@ -52,7 +52,8 @@ RTCDevice new_device() {
   RTCDevice device = rtcNewDevice(embree_configuration().c_str());
   if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_UNSUPPORTED_CPU)
     throw Error(Exit::no_device, "this processor lacks the instructions that Embree needs");
-  if (!device) throw Error(Exit::internal, "Embree gives no device");
+  if (!device)
+    throw Error(Exit::internal, "Embree gives no device, perhaps for want of memory or threads");
   const auto has = [&](RTCDeviceProperty p) { return rtcGetDeviceProperty(device, p) != 0; };
   const char* wrong = nullptr;
   if (has(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED)) wrong = "with back-face culling";
@@ -194,7 +195,8 @@ Tracer::Tracer(const Scene& scene, bool culls)
   if (any) impl_->add_geometry(impl_->triangles[1], true);
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
-    throw Error(Exit::internal, "Embree cannot build its hierarchy");
+    throw Error(Exit::internal,
+                "Embree cannot build its hierarchy, perhaps for want of memory or threads");
   // Allocated last: the BVH build temporarily needs as much memory.
   impl_->shapes.reserve(n);
   for (uint32_t t = 0; t < n; ++t) impl_->shapes.push_back(shape_of(scene, t));

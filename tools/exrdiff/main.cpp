@@ -70,8 +70,7 @@ std::string difference_bytes(const Arguments& a, const cli::Common& common, cons
 }
 
 void report(const cli::Common& common, const Comparison& comparison) {
-  const std::string text = common.json ? report_json(comparison) + "\n" : report_text(comparison);
-  std::fputs(text.c_str(), common.output == "-" ? stderr : stdout);
+  common.print(common.json ? report_json(comparison) + "\n" : report_text(comparison));
 }
 
 int run(const Arguments& a, const cli::Common& common) {

@@ -30,21 +30,20 @@ void declare_options(cli::Options& options, Arguments& a) {
                  cli::Shapes::nothing);
 }
 
-int dump(const Arguments& a) {
+int dump(const Arguments& a, const cli::Common& common) {
   std::vector<cli::Common::Input> files;
-  std::fputs(light_table_text(read_light(a.files, files), a.dump).c_str(), stdout);
+  common.print(light_table_text(read_light(a.files, files), a.dump));
   return 0;
 }
 
 // Describes all files; the first damaged one decides the exit code.
 int run(const Arguments& a, const cli::Common& common) {
-  if (!a.dump.empty()) return dump(a);
+  if (!a.dump.empty()) return dump(a, common);
   int code = 0;
   for (const std::string& path : a.files) {
     try {
       const Knowledge known = knowledge_of(path);
-      const std::string text = common.json ? json_of(known) + "\n" : text_of(known);
-      std::fputs(text.c_str(), stdout);
+      common.print(common.json ? json_of(known) + "\n" : text_of(known));
     } catch (const InputError& e) {
       if (a.files.size() == 1) throw;
       say(fmt::format("{}: {}", common.tool, e.what()));

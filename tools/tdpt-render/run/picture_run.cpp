@@ -127,7 +127,7 @@ int write_plan(const Job& job, SampleRenderer& renderer, const Choice& choice) {
                  }},
                 {job.a.stats, [&] { return told + '\n'; }}},
                job.common);
-  if (job.common.json) fmt::print("{}\n", told);  // no picture goes to standard output
+  if (job.common.json) std::fputs((told + '\n').c_str(), stdout);  // no picture goes there
   job.common.note(fmt::format("{} will render {} per pixel at {} x {}", plan.label,
                               counted(plan.spp, "sample"), job.in.size.width, job.in.size.height));
   job.common.explain_by([&] {
