@@ -1,7 +1,9 @@
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <thread>
 
 #include <sys/stat.h>
@@ -27,6 +29,16 @@ struct Folder {
   fs::path path = fs::temp_directory_path() / ("tdpt_base_test." + std::to_string(::getpid()));
   Folder() { fs::create_directories(path); }
   ~Folder() { fs::remove_all(path); }
+};
+
+// The standard output of a shell command.
+class Pipe {
+ public:
+  explicit Pipe(const char* command) : end_(::popen(command, "r"), ::pclose) {}
+  std::string path() const { return "/proc/self/fd/" + std::to_string(::fileno(end_.get())); }
+
+ private:
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> end_;
 };
 
 TEST(memory_limit, sizes_are_read_and_told) {
@@ -68,15 +80,29 @@ TEST(number_words, of_shares_are_per_cent) {
 }
 
 TEST(memory_limit, no_file_is_read_beyond_it) {
+  const Folder folder;
+  const std::string text = folder.path / "text";
+  std::ofstream(text) << std::string(size_t{3} << 20, 'x');
+  const Pipe endless("seq 1000000000");
+  const std::string pipe = endless.path();
   const uint64_t machine = memory_limit();
-  limit_memory(1 << 20);
-  try {
-    read_file("/dev/zero");
-    ADD_FAILURE();
-  } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "/dev/zero: is larger than the 1 MiB of --max-memory");
-  }
+  limit_memory(2 << 20);
+  for (const std::string& name : {text, pipe}) try {
+      read_file(name);
+      ADD_FAILURE();
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.what(), name + ": is larger than the 2 MiB of --max-memory");
+    }
   limit_memory(machine);
+}
+
+TEST(read_file, of_endless_noise_takes_the_beginning) {
+  EXPECT_EQ(read_file("/dev/zero").size(), 65536u);
+  EXPECT_EQ(read_file("/dev/urandom").size(), 65536u);
+  EXPECT_EQ(read_file(Pipe("yes").path()).size(), 65536u);
+  EXPECT_EQ(read_file(Pipe("yes | head -n 100000; echo end").path()).size(), 65536u);
+  EXPECT_EQ(read_file(Pipe("yes | head -n 1000").path()).size(), 2000u);
+  EXPECT_EQ(read_file(Pipe("seq 100000").path()).size(), 588895u);
 }
 
 TEST(memory_limit, what_takes_more_is_refused_with_both_numbers) {

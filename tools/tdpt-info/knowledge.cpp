@@ -15,6 +15,7 @@
 #include "libcommon/base/hash.h"
 #include "libcommon/base/json_depth.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/replaced.h"
 #include "libcommon/base/shown.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/cut.h"
@@ -244,9 +245,13 @@ Knowledge knowledge_of_input() {
   const std::string path = keep_elsewhere("standard-input", read_file("-"));
   if (path.empty()) throw InputError("(standard input)", "", "cannot be kept while it is read");
   const std::unique_ptr<const char, int (*)(const char*)> removed(path.c_str(), std::remove);
-  Knowledge k = knowledge_of(path);
-  k.path = "-";
-  return k;
+  try {
+    Knowledge k = knowledge_of(path);
+    k.path = "-";
+    return k;
+  } catch (const InputError& e) {
+    throw InputError(replaced(e.what(), path, display_name("-")));
+  }
 }
 
 }  // namespace
