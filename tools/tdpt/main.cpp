@@ -79,7 +79,9 @@ ProgressForm form_of(const cli::Common& common) {
 }
 
 int clean(const Arguments& a) {
-  WorkFolder(a.work.empty() ? WorkFolder::usual_path() : a.work).shrink_to(0);
+  const WorkFolder work(a.work.empty() ? WorkFolder::usual_path() : a.work);
+  work.check_has_no_others();
+  work.shrink_to(0);
   return 0;
 }
 

@@ -130,10 +130,12 @@ void check_is_of_portals(const Arguments& a, const Request& r) {
 
 Request request_of(const Arguments& a, const cli::Common& common) {
   if (a.scene.empty()) throw UsageError("no scene is given; 'tdpt --help' tells how");
-  if (!a.scene.ends_with(".glb") && !a.scene.ends_with(".gltf"))
-    throw UsageError(a.scene + ": is no .glb or .gltf");
-  if (!common.output_given || common.output == "-")
+  if (a.scene == "-") throw UsageError("-: the scene is read more than once, name its file");
+  if (!common.output_given)
     throw UsageError("-o is missing: the picture to write; 'tdpt --help' tells how");
+  if (common.output == "-")
+    throw UsageError(
+        "-o -: the picture is read again, name a file in the place of standard output");
   if (!common.output.ends_with(".exr") && !asks_for_portals(common.output))
     throw UsageError("-o " + common.output +
                      ": the picture is OpenEXR, name it .exr (or .glb for the portals alone)");

@@ -528,7 +528,7 @@ class Tdpt(unittest.TestCase):
     def test_folders_of_others_stay(self):
         for name in ("w/picture-finals", "w/portals-of-the-church"):
             os.makedirs(self.path(name))
-        self.run_tdpt("--clean", "--work", "w")
+        self.run_tdpt("--clean", "--work", "w", expect=2)
         _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--work", "w", "--work-size", "1", expect=2)
         self.assertIn("has other things in it, expected a folder of its own", err)
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)

@@ -138,12 +138,19 @@ void WorkFolder::make() const {
   fs::create_directories(path_, failed);
   if (failed) fail(path_, failed.value());
   if (is_ours()) return;
+  check_has_no_others();
+  write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
+}
+
+void WorkFolder::check_has_no_others() const {
+  std::error_code failed;
+  if (is_ours() || !fs::exists(path_, failed)) return;
   for (const auto& file : fs::directory_iterator(path_, failed))
     if (file.path().filename() != "CACHEDIR.TAG" &&
         !file.path().filename().string().starts_with(".tdpt-"))  // a starting run's
       throw UsageError("--work " + path_ +
                        ": has other things in it, expected a folder of its own");
-  write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
+  if (failed) throw OutputError(path_, "cannot be listed: " + failed.message());
 }
 
 bool WorkFolder::is_ours() const {

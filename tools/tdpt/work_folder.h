@@ -53,6 +53,9 @@ class WorkFolder {
   /// Creates the folder if necessary. Throws OutputError if that fails, and UsageError for a folder
   /// with other contents.
   void make() const;
+  /// Throws UsageError for a folder with other contents, OutputError for what is no folder. None is
+  /// none.
+  void check_has_no_others() const;
 
   /// What is stored for bytes with that hash; nothing if unknown.
   std::optional<std::string> known(const std::string& hash) const;
