@@ -53,6 +53,8 @@ enum class Format { tungsten, mitsuba, pbrt };
 
 Format format_of(const std::string& path, const std::string& text) {
   const std::string suffix = std::filesystem::path(path).extension().string();
+  if (suffix == ".gltf" || text.starts_with("glTF"))
+    throw InputError(display_name(path), "", "is a glTF scene already: give it to tdpt as it is");
   if (suffix == ".json") return Format::tungsten;
   if (suffix == ".xml") return Format::mitsuba;
   if (suffix == ".pbrt") return Format::pbrt;

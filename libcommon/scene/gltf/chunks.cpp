@@ -1,4 +1,6 @@
 // Splits the container: .glb header and chunks (glTF 2.0, section 4.4).
+#include <cctype>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
@@ -15,6 +17,28 @@ uint32_t u32_at(std::string_view bytes, size_t at) {
 
 constexpr uint32_t kJson = 0x4E4F534A, kBin = 0x004E4942;
 constexpr size_t kHeader = 12, kChunkHeader = 8;
+
+struct Foreign {
+  const char* suffixes;
+  const char* advice;
+};
+constexpr Foreign kForeign[]{
+    {".blend ", "export it from Blender: File > Export > glTF 2.0"},
+    {".json .pbrt .xml ",
+     "if it is one of Tungsten, pbrt or Mitsuba, tdpt-import makes a .glb of it"},
+    {".3ds .abc .c4d .dae .fbx .ifc .ma .max .mb .obj .ply .skp .stl .usd .usda .usdc .usdz ",
+     "import it into Blender, or the program that made it, and export it as glTF 2.0"}};
+
+/// What to do with a file of another kind, by its name; empty: unknown.
+std::string advice_on(const std::string& file) {
+  const size_t dot = file.find_last_of('.');
+  std::string suffix = dot == file.npos ? " " : file.substr(dot) + ' ';
+  for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const Foreign& kind : kForeign)
+    if (suffix != " " && std::string_view(kind.suffixes).find(suffix) != std::string_view::npos)
+      return kind.advice;
+  return "";
+}
 
 /// Offset of the chunk after one that ends at `end`. Some writers pad that to a multiple of 4
 /// without counting the padding in its length.
@@ -37,7 +61,11 @@ Chunks split_chunks(std::string_view bytes, const std::string& file,
   if (bytes.empty()) fail("", "is empty, expected a glTF 2.0 scene");
   if (!bytes.starts_with("glTF")) {
     const size_t first = bytes.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-    if (first == bytes.npos || bytes[first] != '{')
+    const bool is_json = first != bytes.npos && bytes[first] == '{';
+    const std::string advice = advice_on(file);
+    if (!advice.empty() && !(is_json && bytes.find("\"asset\"") != bytes.npos))
+      fail("", "is no glTF scene: " + advice);
+    if (!is_json)
       fail("", "is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
     return {bytes, {}, false};
   }
