@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
 
 namespace tdpt {
 namespace {
@@ -142,8 +141,15 @@ std::string frame_sentence(const Scene& scene, const Camera& camera) {
     const Vec3d p = scene.frame.to_metres(canonical);
     return digits(p.x) + ',' + digits(p.y) + ',' + digits(p.z);
   };
-  return fmt::format("--frame is about --look-from {} --look-at {} --fov {:.3g} --cull",
-                     place(camera.position), place(box_of(scene).middle()), camera.yfov / kRadians);
+  const bool may_hide =
+      std::any_of(scene.triangles.begin(), scene.triangles.end(),
+                  [&](const Triangle& t) { return scene.materials[t.material].double_sided; });
+  return fmt::format(
+      "--frame is about --look-from {} --look-at {} --fov {:.3g} --cull{}", place(camera.position),
+      place(box_of(scene).middle()), camera.yfov / kRadians,
+      may_hide ? ", outside: walls and roofs with two sides hide the rooms, --look-from in one "
+                 "shows it"
+               : "");
 }
 
 }  // namespace
@@ -173,10 +179,6 @@ Camera one_camera(const Scene& scene, const CameraArguments& a, const std::strin
                   const cli::Common& common) {
   const double yfov = (a.fov > 0 ? a.fov : kUsualFov) * kRadians;
   const bool placed = !a.look_from.empty();
-  if (!placed && !a.frame && scene.cameras.empty())
-    throw InputError(display_name(scene.path), "cameras",
-                     "the scene has no perspective camera, expected one, or --look-from and "
-                     "--look-at, or --frame");
   Camera camera = placed    ? placed_camera(scene, a)
                   : a.frame ? framing_camera(scene, yfov)
                             : scene.camera(name);

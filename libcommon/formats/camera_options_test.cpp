@@ -179,9 +179,8 @@ TEST(CameraOptions, TheSceneMayNameTheOneThatIsTaken) {
 }
 
 TEST(CameraOptions, ASceneWithoutOneNamesTheOptions) {
-  EXPECT_EQ(complaint({}),
-            "3 box.glb:cameras: the scene has no perspective camera, expected one, or --look-from "
-            "and --look-at, or --frame");
+  for (const char* words : {"3 box.glb:cameras: ", "Include > Cameras", "--look-from", "--frame"})
+    EXPECT_NE(complaint({}).find(words), std::string::npos) << words;
 }
 
 TEST(CameraOptions, WhatContradictsItselfIsRefused) {

@@ -78,7 +78,10 @@ void check_made_from(const Scene& scene, const std::string& identity, const std:
 const Camera& Scene::camera(const std::string& name) const {
   const std::string file = display_name(path);
   if (cameras.empty())
-    throw InputError(file, "cameras", "the scene has no camera, expected a perspective camera");
+    throw InputError(file, "cameras",
+                     "the scene has no perspective camera, expected one (in Blender's export tick "
+                     "Include > Cameras, for lamps Punctual Lights), or --look-from and --look-at, "
+                     "or --frame");
   const std::string& wanted = name.empty() ? defaults.camera : name;
   if (wanted.empty()) return checked(file, cameras.front());
   const Camera* const found = find(cameras, wanted);

@@ -96,8 +96,7 @@ std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
   if (!may_be_several(a.camera.names) || a.scene.empty()) return {{a, common}};
   const Scene scene = read_gltf(a.scene);
   const std::vector<std::string> cameras = names_of_cameras(scene, a.camera.names);
-  if (cameras.empty())
-    throw InputError(a.scene, "cameras", "the scene has no camera, expected a perspective camera");
+  if (cameras.empty()) scene.camera("");  // throws
   if (!common.dependencies.empty())
     throw UsageError("--set dependencies: is for the picture of one camera");
   if (!common.output_given || cameras.size() == 1) return {{a, common}};

@@ -353,7 +353,7 @@ TEST(Cameras, ASceneMayHaveNone) {
     s.camera("");
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("the scene has no camera"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("the scene has no perspective camera"), std::string::npos);
   }
 }
 
