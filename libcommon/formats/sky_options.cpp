@@ -13,6 +13,7 @@
 #include "libcommon/base/number_words.h"
 #include "libcommon/formats/environment.h"
 #include "libcommon/scene/lights.h"
+#include "libcommon/scene/scene_unit.h"
 #include "libcommon/scene/sky_colour.h"
 
 namespace tdpt {
@@ -217,9 +218,27 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
 void note_lost_light(const Scene& scene, const cli::Common& common) {
   if (!scene.by_blender || scene.sky || scene.has_lamps() || has_emission(scene)) return;
   common.note_of(scene.path,
-                 "Blender's exporter leaves out the world (sky) and area lamps: "
-                 "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
-                 "gltf-scene(5)");
+                 "Blender's exporter leaves out the world (sky) and area lamps, and other lamps "
+                 "unless Include > Punctual Lights is ticked: tdpt's Blender extension exports "
+                 "them, or --environment a sky; see LIGHTS in gltf-scene(5)");
+}
+
+void tell_unit(const Scene& scene, const cli::Common& common) {
+  const std::optional<SceneUnit> unit = unit_of(scene);
+  if (!unit) return;
+  const std::string sentence =
+      fmt::format("{}: its rooms are {} m high, so it seems to be in {}, and glTF is in metres",
+                  display_name(scene.path), number_words(unit->height, 2), unit->name);
+  const std::string advice = fmt::format("export it scaled by {}", unit->metres);
+  const bool has_lamps = std::any_of(
+      scene.lights.begin(), scene.lights.end(),
+      [](const PunctualLight& lamp) { return lamp.kind != PunctualLight::Kind::directional; });
+  if (has_lamps)
+    common.warn_of(scene.path,
+                   fmt::format("{}: its lamps are {} times too weak; {}", sentence,
+                               number_words(1 / (unit->metres * unit->metres), 2), advice));
+  else
+    common.note_of(scene.path, sentence + ": " + advice);
 }
 
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {

@@ -355,9 +355,8 @@ TEST(SkyOptions, WhatBlenderLeavesOutIsToldWhereThereIsNoLight) {
   EXPECT_EQ(note(), "") << "nobody knows who wrote it";
   scene.by_blender = true;
   EXPECT_NE(
-      note().find("Blender's exporter leaves out the world (sky) and area lamps: "
-                  "tdpt's Blender extension exports them, or --environment a sky; see LIGHTS in "
-                  "gltf-scene(5)"),
+      note().find("Blender's exporter leaves out the world (sky) and area lamps, and other lamps "
+                  "unless Include > Punctual Lights is ticked: "),
       std::string::npos);
   scene.materials.emplace_back().emission = Rgb(1);
   EXPECT_EQ(note(), "");
