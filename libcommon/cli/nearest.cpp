@@ -44,7 +44,46 @@ std::string only_one_that_begins_with(const std::string& start,
   return found;
 }
 
+// Options of other renderers and tools, and ours for the same; the first that a program has.
+struct Synonym {
+  const char* ours;
+  const char* others;
+};
+constexpr Synonym kSynonyms[]{
+    {"spp", " samples sample-count samples-per-pixel pixel-samples num-samples nsamples passes "},
+    {"environment", " sky background envmap env env-map environment-map hdri hdr ibl world dome "},
+    {"width", " resolution res size film-size image-size dimensions crop "},
+    {"output", " out outfile output-file output-path render-output imgfile image "},
+    {"threads", " jobs cpus cores num-threads nthreads thread-count parallel "},
+    {"device", " gpu cuda optix vulkan backend "},
+    {"time", " time-limit timeout max-time seconds "},
+    {"target-error", " noise noise-threshold threshold error quality-target "},
+    {"max-depth", " bounces max-bounces depth path-length max-path-length "},
+    {"frames", " frame-range start end frame-start frame-end "},
+    {"look-from", " eye origin camera-position position "},
+    {"look-at", " target lookat "},
+    {"denoise", " oidn denoising filter "},
+    {"quiet", " silent "},
+    {"explain", " verbose debug log log-level verbosity "},
+    {"preview", " png jpg jpeg display show "},
+    {"for", " renderer export "},
+    {"force", " overwrite yes "},
+};
+
+std::string synonym(const std::string& given, const std::vector<std::string>& words) {
+  for (const Synonym& s : kSynonyms)
+    if (std::string_view(s.others).find(' ' + given + ' ') != std::string_view::npos &&
+        std::find(words.begin(), words.end(), s.ours) != words.end())
+      return s.ours;
+  return {};
+}
+
 }  // namespace
+
+std::string option_meant(std::string_view given, const std::vector<std::string>& options) {
+  const std::string meant = synonym(in_small_letters(given), options);
+  return meant.empty() ? nearest(given, options) : meant;
+}
 
 std::string nearest(std::string_view given, const std::vector<std::string>& words) {
   const std::string small = in_small_letters(given.substr(0, 64));

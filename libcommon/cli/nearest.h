@@ -12,4 +12,7 @@ namespace tdpt::cli {
 /// "". Ties go to the first.
 std::string nearest(std::string_view given, const std::vector<std::string>& words);
 
+/// Of the names of `options` the one that other renderers call `given`, else the nearest.
+std::string option_meant(std::string_view given, const std::vector<std::string>& options);
+
 }  // namespace tdpt::cli

@@ -35,4 +35,13 @@ TEST(nearest, is_the_only_word_that_begins_so) {
   EXPECT_EQ(nearest("en", kNames), "");   // too short
 }
 
+TEST(option_meant, is_ours_for_a_word_of_other_renderers_where_the_program_has_it) {
+  EXPECT_EQ(option_meant("samples", {"seed", "spp"}), "spp");
+  EXPECT_EQ(option_meant("samples", {"seed", "sample"}), "sample");  // the nearest
+  EXPECT_EQ(option_meant("Sky", {"seed", "environment"}), "environment");
+  EXPECT_EQ(option_meant("bounces", {"max-depth", "quality"}), "max-depth");
+  EXPECT_EQ(option_meant("", {"spp", "width"}), "");
+  EXPECT_EQ(option_meant("image samples", {"spp", "output"}), "") << "two words are none of them";
+}
+
 }  // namespace tdpt::cli::nearest_test

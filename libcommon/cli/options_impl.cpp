@@ -192,7 +192,7 @@ std::string Options::Impl::no_such_option(const std::string& given) const {
     for (const std::string& name : each->get_lnames()) names.push_back(name);
   names.insert(names.end(), known.begin(), known.end());
   const size_t start = std::min(option.find_first_not_of('-'), option.size());
-  const std::string meant = nearest(option.substr(start), names);
+  const std::string meant = option_meant(option.substr(start), names);
   const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
   return fmt::format("{}: no such option{}", for_people(option),
                      meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
