@@ -11,7 +11,8 @@ struct PictureSize {
 };
 
 /// Fills in what `width` and `height` leave open as 0: square pixels, the camera's aspect (16 : 9
-/// if it has none), 640 wide. Throws UsageError if too large.
+/// if it has none), 640 wide. Throws UsageError if too large, or if its film would take more than
+/// memory_limit().
 PictureSize picture_size(const Camera& camera, int64_t width, int64_t height);
 
 /// If neither is given, takes what the scene says, and fills in the rest as above. Throws

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/memory_limit.h"
 
 namespace tdpt::picture_size_test {
 
@@ -31,8 +32,14 @@ TEST(picture_size, has_a_pixel_at_least_and_as_many_as_memory_is_meant_for_at_mo
   camera.aspect = 1000;
   expect(picture_size(camera, 8, 0), 8, 1);
   EXPECT_THROW(picture_size(camera, 0, 100), UsageError);  // 100000 wide
+  const uint64_t machine = memory_limit();
+  limit_memory(uint64_t{6} << 30);
   expect(picture_size(camera, 16384, 8192), 16384, 8192);
   EXPECT_THROW(picture_size(camera, 16384, 8193), UsageError);
+  limit_memory(100 << 20);
+  expect(picture_size(camera, 1600, 1200), 1600, 1200);
+  EXPECT_THROW(picture_size(camera, 1600, 1400), UsageError) << "its film takes 103 MiB";
+  limit_memory(machine);
 }
 
 TEST(picture_size, is_that_of_the_scene_where_the_command_line_has_none) {
