@@ -28,7 +28,7 @@ struct Mesh {
 /// A picture: a file in one of the formats that images.h decodes, or texels of the reader's own.
 struct Image {
   std::string name;     ///< of the file, relative to the scene's folder, or a word for made ones
-  std::string bytes{};  ///< of the file; empty: `texels` are set
+  std::string bytes{};  ///< of the file, unless there are `texels`
   int width = 0, height = 0;
   std::vector<Rgb> texels{};  ///< linear, row by row from the top left
 };
@@ -140,6 +140,7 @@ struct Described {
   std::vector<Camera> cameras{};
   std::vector<Lamp> lamps{};
   std::optional<Sky> sky{};
+  std::vector<Shape> portals{};  ///< openings for the sky's light, fronts towards the room
 };
 
 }  // namespace tdpt::foreign

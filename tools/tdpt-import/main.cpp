@@ -18,13 +18,14 @@
 namespace tdpt {
 namespace {
 
-constexpr cli::Program kProgram{"tdpt-import",
-                                "Converts scenes of Mitsuba, pbrt and Tungsten to glTF.",
-                                "Scene to write (.glb); its environment becomes a file beside it",
-                                cli::Result::binary,
-                                cli::kLibraries,
-                                cli::kCommit,
-                                cli::kQuiet};
+constexpr cli::Program kProgram{
+    "tdpt-import",
+    "Converts scenes of Mitsuba, pbrt and Tungsten to glTF.",
+    "Scene to write (.glb); its environment and portals become files beside it",
+    cli::Result::binary,
+    cli::kLibraries,
+    cli::kCommit,
+    cli::kQuiet};
 
 struct Arguments {
   std::string scene;
@@ -89,13 +90,9 @@ std::string line_of(const foreign::Source::Loss& loss) {
                      loss.times > 1 ? fmt::format(" ({} times)", loss.times) : "");
 }
 
-// Without its suffix, the name of the file beside the result.
-std::string stem_of(const std::string& output) {
-  return std::filesystem::path(output).stem().string() + ".environment";
-}
-
 void tell(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
-          const std::vector<foreign::Source::Loss>& losses, const std::string& environment) {
+          const std::vector<foreign::Source::Loss>& losses, const std::string& environment,
+          const std::string& portals) {
   for (const auto& loss : losses) common.warn(line_of(loss));
   std::string light = counted(w.emitters, "emitting triangle");
   if (!scene.lamps.empty()) light += ", " + counted(scene.lamps.size(), "lamp");
@@ -106,6 +103,10 @@ void tell(const cli::Common& common, const foreign::Described& scene, const fore
   common.note(fmt::format("{} in {}, {}, {}; light: {}.", counted(w.triangles, "triangle"),
                           counted(w.shapes, "shape"), counted(w.materials, "material"),
                           counted(w.textures, "texture"), light));
+  if (!portals.empty())
+    common.note(fmt::format("{} in {}: tdpt renders through {}, tdpt-render does with --portal {}.",
+                            counted(scene.portals.size(), "portal"), portals,
+                            scene.portals.size() > 1 ? "them" : "it", portals));
   if (scene.cameras.empty())
     common.note("The scene has no camera: give one to the renderer (--frame, --look-from).");
   common.explain_by([&] {
@@ -135,7 +136,8 @@ std::string json_of(const foreign::Described& scene, const foreign::Written& w,
                                 {"cameras", scene.cameras.size()},
                                 {"emitting_triangles", w.emitters},
                                 {"lamps", scene.lamps.size()},
-                                {"environment", scene.sky.has_value()}};
+                                {"environment", scene.sky.has_value()},
+                                {"portals", scene.portals.size()}};
   out["losses"] = nlohmann::ordered_json::array();
   for (const auto& loss : losses)
     out["losses"].push_back({{"file", loss.first.file},
@@ -175,7 +177,9 @@ int run(const Arguments& a, const cli::Common& common) {
   foreign::Writing how;
   how.up = up_of(a.up);
   how.longest_texture = static_cast<int>(a.texture_size);
-  how.environment = stem_of(common.output);
+  const std::filesystem::path output = common.output;
+  const std::string stem = output.stem().string();
+  how.environment = stem + ".environment";
   how.format = name;
   how.provenance = common.provenance({inputs.front()});
   const foreign::Written w = written(scene, how, source);
@@ -185,20 +189,22 @@ int run(const Arguments& a, const cli::Common& common) {
     throw InputError(line_of(source.losses().front()) + " (--strict)");
   }
   std::vector<OutputFile> files{{common.output, w.glb}};
-  std::string environment;
-  if (!w.environment.empty()) {
+  const auto beside = [&](const std::string& file, const std::string& bytes, const char* what) {
+    if (bytes.empty()) return std::string();
     if (common.output == "-")
-      throw UsageError("the environment becomes a file beside the scene, so -o must name a file");
-    const auto folder = std::filesystem::path(common.output).parent_path();
-    environment = (folder / (how.environment + w.environment_suffix)).string();
-    for (const auto& file : source.files())
-      if (std::filesystem::path(file.path).lexically_normal() ==
-          std::filesystem::path(environment).lexically_normal())
-        throw UsageError(environment + " would be written over a file that the scene uses");
-    files.push_back({environment, w.environment});
-  }
+      throw UsageError(std::string(what) + " a file beside the scene, so -o must name a file");
+    const std::filesystem::path path = output.parent_path() / file;
+    for (const auto& read : source.files())
+      if (std::filesystem::path(read.path).lexically_normal() == path.lexically_normal())
+        throw UsageError(path.string() + " would be written over a file that the scene uses");
+    files.push_back({path.string(), bytes});
+    return path.string();
+  };
+  const std::string environment =
+      beside(how.environment + w.environment_suffix, w.environment, "the environment becomes");
+  const std::string portals = beside(stem + ".portal.glb", w.portals, "the portals become");
   write_outputs(files);
-  tell(common, scene, w, source.losses(), environment);
+  tell(common, scene, w, source.losses(), environment, portals);
   common.summary(json_of(scene, w, source.losses(), name));
   return 0;
 }

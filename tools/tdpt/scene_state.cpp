@@ -54,12 +54,14 @@ bool is_below(const fs::path& file, const fs::path& folder) {
   return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
 }
 
-// Portals drawn by an artist lie beside the scene.
+// Portals drawn by an artist, or imported with the scene, lie beside it; they name no scene.
 std::string drawn_portals(const std::string& scene) {
   const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
   std::error_code failed;
   if (path == scene || !fs::is_regular_file(path, failed)) return "";
-  const bool found = read_file(path).find("\"generator\":\"tdpt ") != std::string::npos;
+  const std::string bytes = read_file(path);
+  const bool found = bytes.find("\"generator\":\"tdpt ") != bytes.npos &&
+                     bytes.find("\"scene_hash\":\"\"") == bytes.npos;
   return found ? "" : path;
 }
 

@@ -102,7 +102,7 @@ const Texels* Textures::texels(const Texture& texture) {
   if (it == decoded_.end()) {
     const Image& image = scene_.images[texture.image];
     Texels t;
-    if (image.bytes.empty()) {
+    if (!image.texels.empty()) {
       t = {image.width, image.height, false, image.texels, {}};
     } else {
       try {

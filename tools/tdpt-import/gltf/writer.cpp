@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "libcommon/base/shown.h"
+#include "libcommon/formats/portal.h"
 #include "tdpt_version.h"
 #include "tools/tdpt-import/gltf/buffer.h"
 #include "tools/tdpt-import/gltf/sky.h"
@@ -120,6 +121,7 @@ class Writer {
     for (const Lamp& l : scene_.lamps) add(l);
     for (const Shape& s : scene_.shapes) add(s);
     add_defaults();
+    add_portals();
     put_extensions();
     out_.materials = root_.contains("materials") ? root_["materials"].size() : 0;
     out_.textures = root_.contains("images") ? root_["images"].size() : 0;
@@ -138,6 +140,7 @@ class Writer {
   size_t mesh_of(const Shape& shape, const Mesh& mesh, bool shared);
   GltfJson attributes_of(const Mesh& mesh, size_t index, bool turned, bool textured, bool shared);
   void add_defaults();
+  void add_portals();
   void put_extensions();
 
   const Described& scene_;
@@ -290,6 +293,33 @@ void Writer::add_defaults() {
   out_.environment = std::move(sky.bytes);
   out_.environment_suffix = sky.suffix;
   if (!extras.empty()) root_["scenes"][0]["extras"] = std::move(extras);
+}
+
+// Fronts face the first camera. Where the source says otherwise, light may pass both ways.
+void Writer::add_portals() {
+  PortalFile file;
+  file.provenance = how_.provenance;
+  for (const Shape& shape : scene_.portals) {
+    const Mesh mesh = baked(scene_.meshes[shape.mesh], out_.frame.to_gltf * shape.to_world);
+    Portal portal;
+    for (const Vec3f& p : mesh.positions) portal.vertices.push_back(of(p));
+    portal.triangles = mesh.triangles;
+    double towards_camera = shape.turned ? -1 : 1;
+    if (!scene_.cameras.empty()) {
+      const Vec3d eye = out_.frame.to_gltf.point(scene_.cameras.front().to_world.t);
+      double sum = 0;
+      for (const auto& [a, b, c] : portal.triangles) {
+        const Vec3d at = portal.vertices[a];
+        sum += dot(cross(portal.vertices[b] - at, portal.vertices[c] - at), eye - at);
+      }
+      portal.both_ways = sum * towards_camera < 0;
+      towards_camera = sum;
+    }
+    if (towards_camera < 0)
+      for (auto& t : portal.triangles) std::swap(t[1], t[2]);
+    file.portals.push_back(std::move(portal));
+  }
+  if (!file.portals.empty()) out_.portals = portal_bytes(file);
 }
 
 void Writer::put_extensions() {

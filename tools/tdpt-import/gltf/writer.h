@@ -19,6 +19,7 @@ struct Writing {
 struct Written {
   std::string glb;
   std::string environment, environment_suffix;  ///< its bytes; empty: there is no such file
+  std::string portals;                          ///< a file of portals; empty: there are none
   Frame frame;
   size_t triangles = 0, shapes = 0, materials = 0, textures = 0, emitters = 0;
 };

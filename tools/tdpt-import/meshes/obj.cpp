@@ -29,6 +29,34 @@ struct CornerHash {
   }
 };
 
+// The text with one kind of line end and without comments. A backslash at the end of a line joins
+// the next one to it; empty lines after them keep the numbers of all others.
+std::string whole_lines(std::string_view bytes) {
+  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+  std::string out;
+  out.reserve(bytes.size());
+  size_t joined = 0;
+  bool in_comment = false;
+  for (size_t at = 0; at < bytes.size(); ++at) {
+    const bool continues = bytes[at] == '\\' && !in_comment;
+    const std::string_view rest = bytes.substr(at + continues);
+    const size_t end =
+        rest.starts_with("\r\n") ? 2 : rest.starts_with('\n') || rest.starts_with('\r');
+    if (continues && (end > 0 || rest.empty())) {
+      out += ' ', ++joined;
+      at += end;
+    } else if (end > 0) {
+      out.append(1 + joined, '\n');
+      joined = 0, in_comment = false;
+      at += end - 1;
+    } else {
+      in_comment |= bytes[at] == '#';
+      out += in_comment ? ' ' : bytes[at];
+    }
+  }
+  return out;
+}
+
 // A file in memory as a stream that knows the line it is at.
 struct Lines : std::streambuf {
   explicit Lines(std::string_view bytes) {
@@ -49,7 +77,8 @@ struct Lines : std::streambuf {
 
 class Reader {
  public:
-  Reader(std::string_view bytes, const std::string& name) : lines_(bytes), name_(name) {}
+  Reader(std::string_view bytes, const std::string& name)
+      : text_(whole_lines(bytes)), lines_(text_), name_(name) {}
 
   Mesh mesh() {
     tinyobj::callback_t calls;
@@ -169,6 +198,7 @@ class Reader {
     return mesh;
   }
 
+  const std::string text_;
   Lines lines_;
   const std::string& name_;
   std::vector<Vec3f> positions_, normals_;

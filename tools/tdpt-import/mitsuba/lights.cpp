@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "libcommon/base/shown.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/mitsuba/transforms.h"
 
 namespace tdpt::foreign::mitsuba {
@@ -29,6 +30,8 @@ class Lights {
       constant();
     else if (e_.type == "envmap")
       envmap();
+    else if (e_.type == "portal")
+      portal();
     else
       return source_.lose(e_.place, fmt::format("emitters of type \"{}\" are not read and left out",
                                                 shown(e_.type, 40)));
@@ -99,6 +102,15 @@ class Lights {
     if (e_.number("gamma", 0) != 0) source_.lose(e_.place, "the gamma of an envmap is left out");
     sky.to_map = kHalfTurn * inverse(axes_of(e_.map("to_world", source_), e_.place), e_.place);
     keep(sky);
+  }
+
+  // The square of a rectangle; +z leads into the room.
+  void portal() {
+    Shape out;
+    out.mesh = scene_.meshes.size();
+    out.to_world = e_.map("to_world", source_);
+    scene_.meshes.push_back(square());
+    scene_.portals.push_back(out);
   }
 
   const Object& e_;

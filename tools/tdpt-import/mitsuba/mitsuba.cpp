@@ -98,6 +98,7 @@ Described read_mitsuba(Source& source, const std::map<std::string, std::string>&
                           "kd_max_bad_refines", "kd_max_depth", "kd_min_max_bins",
                           "kd_parallel_build", "kd_retract", "kd_retract_bad_splits",
                           "kd_stop_prims", "kd_traversal_cost"});  // how rays are traced
+  shapes.tell_backs();
   return scene;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "libcommon/base/shown.h"
@@ -13,6 +14,9 @@ namespace tdpt::foreign::mitsuba {
 namespace {
 
 constexpr size_t kMostShapes = 1000000;
+constexpr const char* kBlackBack =
+    "surfaces that are not \"twosided\" are black on their back in Mitsuba and have two sides in "
+    "glTF";
 
 Vec3d in_double(const Vec3f& v) {
   return {v.x, v.y, v.z};
@@ -196,11 +200,35 @@ void Shapes::dress(const Object& shape, Shape& out) {
       out.emission = Emission{textures_.colour(*e, "radiance", Rgb(1), Of::light), false};
       e->ignore({"sampling_weight"});  // how it is sampled
     }
-  const bool closed = shape.type == "sphere" || shape.type == "cube";
-  if (made.one_sided && !closed)
-    source_.lose(shape.place,
-                 "surfaces that are not \"twosided\" are black on their back in Mitsuba "
-                 "and have two sides in glTF");
+  const Number& opacity = scene_.materials[out.material].opacity;
+  const bool closed =
+      (shape.type == "sphere" || shape.type == "cube") && opacity.factor >= 1 && !opacity.texture;
+  if (made.one_sided && closed)
+    bodies_.emplace_back(shape.place, scene_.shapes.size());
+  else if (made.one_sided)
+    source_.lose(shape.place, kBlackBack);
+}
+
+// Cameras within a body see its inside, those without its outside.
+void Shapes::tell_backs() {
+  for (const auto& [place, index] : bodies_) {
+    const Shape& shape = scene_.shapes[index];
+    const Mesh& mesh = scene_.meshes[shape.mesh];
+    const double sign = shape.to_world.mirrors() ? -1 : 1;
+    const auto within = [&](const Camera& camera) {
+      return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+        Vec3d p[3];
+        for (size_t k = 0; k < 3; ++k)
+          p[k] = shape.to_world.point(in_double(mesh.positions[t[k]])) - camera.to_world.t;
+        return sign * dot(cross(p[1] - p[0], p[2] - p[0]), p[0]) > 0;
+      });
+    };
+    for (const Camera& camera : scene_.cameras)
+      if (within(camera) != shape.turned) {
+        source_.lose(place, kBlackBack);
+        break;
+      }
+  }
 }
 
 void Shapes::place_instance(const Object& shape, const Affine& outer) {
@@ -236,6 +264,12 @@ void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
   for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
     if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");
   if (shape.flag("flip_normals", false)) out->turned = !out->turned;
+  for (const Object* e : shape.nested("emitter"))
+    if (e->type == "portal") {  // an opening and no surface
+      shape.ignore_all();
+      scene_.portals.push_back(std::move(*out));
+      return;
+    }
   dress(shape, *out);
   out->name = shape.id;
   shape.ignore({"silhouette_sampling_weight"});  // how it is sampled

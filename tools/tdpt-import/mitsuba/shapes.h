@@ -15,6 +15,8 @@ class Shapes {
 
   /// A shape of the scene, with all that it holds.
   void add(const Object& shape) { place(shape, {}, false); }
+  /// When all is read: names bodies that a camera sees from behind.
+  void tell_backs();
 
  private:
   void place(const Object& shape, const Affine& outer, bool in_group);
@@ -30,7 +32,8 @@ class Shapes {
   Textures& textures_;
   Surfaces& surfaces_;
   std::map<std::string, size_t> meshes_;
-  std::set<size_t> with_normals_;  ///< meshes whose files give normals
+  std::set<size_t> with_normals_;                 ///< meshes whose files give normals
+  std::vector<std::pair<Place, size_t>> bodies_;  ///< one-sided ones, with their shapes' indices
   size_t visited_ = 0;
 };
 

@@ -229,17 +229,30 @@ Surfaces::Read Surfaces::mixture(const Object& bsdf) {
                                        weights.begin())]);
 }
 
+// A coat sends what its inside throws back nowhere, so it darkens what scatters widely
+// [coating.cpp]. Over a Lambertian surface it is plastic without that light; otherwise glTF's coat.
 Surfaces::Read Surfaces::coated(const Object& bsdf) {
   Read out = nested(bsdf);
-  const double n = relative_ior(bsdf, "bk7");
-  if (std::abs(n - 1.5) > 0.02)
-    lose(bsdf, fmt::format("coats of index {:.4g} become ones of index 1.5", n));
-  out.material.coat = 1;
-  if (bsdf.type == "roughcoating") {
-    const Number rough = alpha(bsdf);
+  Material& m = out.material;
+  const double n = relative_ior(bsdf, "bk7"), inside = n < 1 ? n : 1 / n;
+  const bool smooth = bsdf.type == "coating";
+  Number rough = smooth ? Number{0.0f, {}, {}} : alpha(bsdf);
+  const bool lambertian = m.specular == 0 && m.transmission == 0 && m.coat == 0 && !m.invisible;
+  if (lambertian) {
+    const double a = std::clamp(static_cast<double>(rough.factor), 1e-3, 1.0);
+    const double kept = smooth ? diffuse_fresnel(inside) : rough_interface(inside, a).reflected;
+    Colour base = m.base;
+    base.factor = base.factor * single(1 - kept);
+    const Material plain =
+        smooth ? plastic(base, n, rough, false) : rough_plastic(base, n, rough, false);
+    m.base = plain.base, m.roughness = plain.roughness;
+    m.specular = plain.specular, m.ior = plain.ior;
+  } else {
+    if (std::abs(n - 1.5) > 0.02)
+      lose(bsdf, fmt::format("coats of index {:.4g} become ones of index 1.5", n));
     if (rough.texture) lose(bsdf, "the texture of a coat's roughness is left out");
-    out.material.coat_roughness =
-        std::sqrt(std::clamp(rough.texture ? 0.1f : rough.factor, 0.0f, 1.0f));
+    m.coat = 1;
+    m.coat_roughness = std::sqrt(std::clamp(rough.texture ? 0.1f : rough.factor, 0.0f, 1.0f));
   }
   const double thickness = bsdf.number("thickness", 1);
   if (thickness != 0 && !is_zero(textures_.plain_colour(bsdf, "sigma_a", Rgb(0))))

@@ -14,6 +14,7 @@ struct Context {
   Source& source;
   bool v4;  ///< pbrt-v4, else pbrt-v3
   Described scene{};
+  std::optional<Sky> portals_sky{};  ///< of the first infinite light with a portal
 
   /// The picture of this file, read once.
   size_t image(const std::string& name, const Place& place);

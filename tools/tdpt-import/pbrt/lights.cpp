@@ -104,10 +104,36 @@ double illuminance_of_square(const Image& image) {
   return sum * 4 * kPi / (static_cast<double>(t.width) * t.height);
 }
 
+bool is_alike(const Sky& a, const Sky& b) {
+  const auto near = [](const auto& x, const auto& y) { return length(x - y) <= 1e-5f * length(x); };
+  return a.image == b.image && near(a.colour, b.colour) &&
+         (!a.image || (near(a.to_map.x, b.to_map.x) && near(a.to_map.y, b.to_map.y) &&
+                       near(a.to_map.z, b.to_map.z)));
+}
+
+// pbrt-v4's window for a light, in the world's own coordinates. Corners run counter-clockwise as
+// seen from the room [PortalImageInfiniteLight: Frame::FromXY(p03, p01), whose z leads out].
+bool add_portal(Context& context, const Parameters& list) {
+  const std::vector<double>* p = context.v4 ? list.tuples("portal", 3) : nullptr;
+  if (!p || p->empty()) return false;
+  if (p->size() != 12)
+    Source::fail(list.place, fmt::format("a portal of {} corners, expected 4", p->size() / 3));
+  Mesh mesh;
+  for (size_t i = 0; i < 12; i += 3)
+    mesh.positions.push_back({static_cast<float>((*p)[i]), static_cast<float>((*p)[i + 1]),
+                              static_cast<float>((*p)[i + 2])});
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Shape portal;
+  portal.mesh = context.scene.meshes.size();
+  context.scene.meshes.push_back(std::move(mesh));
+  context.scene.portals.push_back(portal);
+  return true;
+}
+
 void add_infinite(Context& context, const Parameters& list, const Affine& to_world) {
   Sky sky;
   sky.colour = light_colour(context, list, "L");
-  list.ignore({"portal"});  // only a hint for sampling
+  const bool has_portal = add_portal(context, list);
   Affine from_world = inverse(to_world, list.place);
   from_world.t = {};
   const std::string file = list.text(context.v4 ? "filename" : "mapname");
@@ -128,6 +154,16 @@ void add_infinite(Context& context, const Parameters& list, const Affine& to_wor
     turn.z = {0, 1, 0};
     sky.to_map = turn * from_world;
   }
+  if (has_portal)
+    context.source.lose(list.place,
+                        "in pbrt the light of a sky with portals comes in by these alone, here by "
+                        "every opening");
+  if (has_portal && context.portals_sky) {  // seen through another window
+    if (!is_alike(*context.portals_sky, sky))
+      context.source.lose(list.place, "all portals lead to the sky of the first one");
+    return;
+  }
+  if (has_portal) context.portals_sky = sky;
   if (!context.scene.sky) {
     context.scene.sky = sky;
   } else if (!sky.image && !context.scene.sky->image) {
