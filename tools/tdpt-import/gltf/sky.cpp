@@ -40,39 +40,37 @@ double solid_angle(Sky::Layout layout, double u0, double v0, double u1, double v
              : 4 * pi * (u1 - u0) * (v1 - v0);
 }
 
-// A convex polygon of columns (x) and cosines from the pole (y), in which areas are solid angles.
-struct Polygon {
-  std::array<std::array<double, 2>, 10> p{};
-  size_t n = 0;
+// A polygon of columns (x) and cosines from the pole (y), in which areas are solid angles.
+using Polygon = std::vector<std::array<double, 2>>;
 
-  double area() const {
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i) {
-      const auto &a = p[i], &b = p[(i + 1) % n];
-      sum += (a[0] - p[0][0]) * (b[1] - p[0][1]) - (b[0] - p[0][0]) * (a[1] - p[0][1]);
+double area_of(const Polygon& p) {
+  double sum = 0;
+  for (size_t i = 2; i < p.size(); ++i)
+    sum += (p[i - 1][0] - p[0][0]) * (p[i][1] - p[0][1]) -
+           (p[i][0] - p[0][0]) * (p[i - 1][1] - p[0][1]);
+  return std::abs(sum) / 2;
+}
+
+std::array<double, 2> range_of(const Polygon& p, size_t axis) {
+  const auto by = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+  const auto [low, high] = std::minmax_element(p.begin(), p.end(), by);
+  return {(*low)[axis], (*high)[axis]};
+}
+
+// The part where sign * coordinate <= sign * limit (Sutherland and Hodgman).
+const Polygon& cut(const Polygon& from, size_t axis, double limit, double sign, Polygon& to) {
+  to.clear();
+  for (size_t i = 0; i < from.size(); ++i) {
+    const auto &a = from[i], &b = from[i + 1 == from.size() ? 0 : i + 1];
+    const double within = sign * (limit - a[axis]), next = sign * (limit - b[axis]);
+    if (within >= 0) to.push_back(a);
+    if (within * next < 0) {
+      const double t = within / (within - next);
+      to.push_back({a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])});
     }
-    return std::abs(sum) / 2;
   }
-  std::array<double, 2> range(size_t axis) const {
-    const auto by = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
-    const auto [low, high] = std::minmax_element(p.begin(), p.begin() + n, by);
-    return {(*low)[axis], (*high)[axis]};
-  }
-  // The part where sign * coordinate <= sign * limit.
-  Polygon within(size_t axis, double limit, double sign) const {
-    Polygon out;
-    for (size_t i = 0; i < n && out.n + 2 <= p.size(); ++i) {
-      const auto &a = p[i], &b = p[(i + 1) % n];
-      const double from = sign * (limit - a[axis]), to = sign * (limit - b[axis]);
-      if (from >= 0) out.p[out.n++] = a;
-      if ((from > 0 && to < 0) || (from < 0 && to > 0)) {
-        const double t = from / (from - to);
-        out.p[out.n++] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
-      }
-    }
-    return out;
-  }
-};
+  return to;
+}
 
 // A map turned and mirrored: each texel's light goes to the texels that it covers, by the solid
 // angles that they have in common, so that a sun keeps its power and one colour stays one colour.
@@ -102,7 +100,7 @@ class Turned {
         const Rgb& texel =
             from_.rgb[static_cast<size_t>(y - 1) * static_cast<size_t>(from_.width) + i - 1];
         if (max_component(texel) > 0)
-          share({above[i - 1], above[i], below[i], below[i - 1]}, texel * sky_.colour, 0);
+          share({above[i - 1], above[i], below[i], below[i - 1]}, texel * sky_.colour);
       }
     }
     for (int row = 0; row < height_; ++row) {
@@ -134,52 +132,55 @@ class Turned {
     return std::clamp(static_cast<int>(below - edges_.begin()) - 1, 0, height_ - 1);
   }
 
-  // Of a rectangle of the given map, its corners from the upper left clockwise.
-  void share(const std::array<Spot, 4>& corners, const Rgb& radiance, int depth) {
-    constexpr double kStraight = 0.05;  // [rad] up to which edges count as straight
-    constexpr int kDeepest = 8;
-    Polygon quad;
-    double left = corners[0].column, right = left;
-    for (const Spot& c : corners) {
-      const double x = c.column - std::round((c.column - corners[0].column) / width_) * width_;
-      quad.p[quad.n++] = {x, c.towards.y};
-      left = std::min(left, x), right = std::max(right, x);
-    }
-    const auto& [a, b, c, d] = corners;
-    const bool bent =
-        (right - left) * 2 * pi / width_ > kStraight || length(a.towards - c.towards) > kStraight;
-    const double u = (a.u + c.u) / 2, v = (a.v + c.v) / 2;
-    const Spot middle = spot(u, v);
-    if (bent && depth < kDeepest) {
-      const Spot top = spot(u, a.v), bottom = spot(u, c.v), west = spot(a.u, v),
-                 east = spot(c.u, v);
-      share({a, top, middle, west}, radiance, depth + 1);
-      share({top, b, east, middle}, radiance, depth + 1);
-      share({middle, east, c, bottom}, radiance, depth + 1);
-      share({west, middle, bottom, d}, radiance, depth + 1);
-      return;
-    }
-    const Rgb light = radiance * static_cast<float>(solid_angle(sky_.layout, a.u, a.v, c.u, c.v));
-    const double area = quad.area();
-    if (bent || !(area > 0)) {  // next to a pole
-      Rgb& to = pixel(std::clamp(static_cast<int>(middle.column), 0, width_ - 1),
-                      row_of(middle.towards.y));
-      to = to + light;
+  // Adds an edge but its end to the outline, in straight pieces that miss less than a ten
+  // thousandth of the texel.
+  void trace(const Spot& a, const Spot& b, int depth) {
+    constexpr double kStraight = 0.05;  // [rad] of a piece
+    constexpr int kDeepest = 16;
+    const auto across = [&](const Spot& to) {
+      const double columns = to.column - a.column;
+      return (columns - std::round(columns / width_) * width_) * 2 * pi / width_;
+    };
+    const Spot middle = spot((a.u + b.u) / 2, (a.v + b.v) / 2);
+    const double missed = std::abs(across(b) * (middle.towards.y - a.towards.y) -
+                                   across(middle) * (b.towards.y - a.towards.y));
+    if (depth < kDeepest && (std::abs(across(b)) > kStraight || missed > 1e-4 * solid_angle_ ||
+                             length(a.towards - b.towards) > kStraight)) {
+      trace(a, middle, depth + 1);
+      trace(middle, b, depth + 1);
     } else {
-      spread(quad, light / static_cast<float>(area));
+      outline_.push_back({column_, a.towards.y});
+      column_ += across(b) * width_ / (2 * pi);
     }
   }
 
-  void spread(const Polygon& quad, const Rgb& per_area) {
-    const auto [low, high] = quad.range(1);
+  // Of a texel, its corners from the upper left clockwise.
+  void share(const std::array<Spot, 4>& corners, const Rgb& radiance) {
+    const auto& [first, b, last, d] = corners;
+    solid_angle_ = solid_angle(sky_.layout, first.u, first.v, last.u, last.v);
+    outline_.clear();
+    column_ = first.column;
+    trace(first, b, 0), trace(b, last, 0), trace(last, d, 0), trace(d, first, 0);
+    if (std::abs(column_ - first.column) > width_ / 2.0) {  // all round a pole
+      outline_.push_back({column_, first.towards.y});
+      outline_.push_back({column_, std::copysign(1, first.towards.y)});
+      outline_.push_back({first.column, std::copysign(1, first.towards.y)});
+    }
+    const double area = area_of(outline_);
+    if (area > 0) spread(radiance * static_cast<float>(solid_angle_ / area));
+  }
+
+  void spread(const Rgb& per_area) {
+    const auto [low, high] = range_of(outline_, 1);
     for (int row = row_of(high); row < height_ && edges_[static_cast<size_t>(row)] > low; ++row) {
-      const Polygon strip = quad.within(1, edges_[static_cast<size_t>(row)], 1)
-                                .within(1, edges_[static_cast<size_t>(row) + 1], -1);
-      if (strip.n < 3) continue;
-      const auto [left, right] = strip.range(0);
+      cut(cut(outline_, 1, edges_[static_cast<size_t>(row)], 1, part_), 1,
+          edges_[static_cast<size_t>(row) + 1], -1, strip_);
+      if (strip_.empty()) continue;
+      const auto [left, right] = range_of(strip_, 0);
       for (double x = std::floor(left); x < right; ++x) {
         Rgb& to = pixel((static_cast<int>(x) % width_ + width_) % width_, row);
-        to = to + per_area * static_cast<float>(strip.within(0, x + 1, 1).within(0, x, -1).area());
+        const double common = area_of(cut(cut(strip_, 0, x + 1, 1, part_), 0, x, -1, cell_));
+        to = to + per_area * static_cast<float>(common);
       }
     }
   }
@@ -190,6 +191,9 @@ class Turned {
   int width_, height_;
   std::vector<double> edges_;  // cosines between rows
   std::vector<Rgb> pixels_;    // power per texel until the end
+  Polygon outline_, strip_, part_, cell_;
+  double solid_angle_ = 0;  // of the texel [sr]
+  double column_ = 0;       // where the outline is, without a seam
 };
 
 bool is_near(const Vec3d& a, const Vec3d& b) {
@@ -223,6 +227,11 @@ WrittenSky written_sky(const Described& scene, const Frame& frame, Source& sourc
     t.rgb[i] = max(t.rgb[i], Rgb(0));
   }
   if (negative) source.lose({source.path(), ""}, "negative radiances of the sky become 0");
+  if (t.rgb.size() == 1) {
+    const Rgb c = t.rgb[0] * sky.colour;
+    out.extras["tdpt_environment"] = {c.x, c.y, c.z};
+    return out;
+  }
   if (std::all_of(t.rgb.begin(), t.rgb.end(), [](const Rgb& c) { return !(max_component(c) > 0); }))
     return out;
 
