@@ -142,6 +142,26 @@ TEST(Materials, RoughPlasticsAreDarkerInside) {
   EXPECT_GT(smooth, base(0.8f, 0.1f) + 0.02f);  // and the smooth one would be noticed
 }
 
+// Smooth, in closed form: the diffuse part keeps (1 - 1/42)^2 by its two factors 1 - (1-mu)^5 / 2,
+// the interface reflects F0 + (1 - F0) / 21 of diffuse light, both means over cosines.
+TEST(Materials, BurleysBaseKeepsTheLightOfAUniformSky) {
+  const Number smooth{0.0f, {}, {}};
+  const double diffuse = std::pow(1 - 1 / 42.0, 2), e = 0.04 + 0.96 / 21;
+  for (const float c : {0.0f, 0.2f, 0.8f}) {
+    EXPECT_NEAR(burley({Rgb(c), {}, {}}, 1.5, smooth, 0, 1).base.factor.x, c * diffuse / (1 - e),
+                0.002);
+    EXPECT_NEAR(burley({Rgb(c), {}, {}}, 1.5, smooth, 0, 0).base.factor.x, c * diffuse, 0.002);
+    EXPECT_NEAR(burley({Rgb(c), {}, {}}, 1.5, smooth, 1, 1).base.factor.x, c, 0.002);  // metal
+    const Material half = burley({Rgb(c), {}, {}}, 1.5, smooth, 0.5, 1);
+    const double b = half.base.factor.x, mixed = 0.02 + 0.5 * b;  // F0 of a half metal
+    const double reflected = mixed + (1 - mixed) / 21;
+    EXPECT_NEAR(0.5 * b * (1 - reflected) + reflected,
+                0.5 * (c * diffuse + e) + 0.5 * (c + (1 - c) / 21), 0.002);
+  }
+  EXPECT_GT(burley({Rgb(0.5f), {}, {}}, 1.5, {1.0f, {}, {}}, 0, 1).base.factor.x,
+            burley({Rgb(0.5f), {}, {}}, 1.5, {0.3f, {}, {}}, 0, 1).base.factor.x);
+}
+
 TEST(Materials, SpectraHaveTheColoursOfTheirNames) {
   const Rgb even = rgb_of_spectrum({{400, 0.3}, {700, 0.3}});
   EXPECT_NEAR(even.x, 0.3, 1e-4);

@@ -66,14 +66,6 @@ Number root(const Number& alpha) {
   return r;
 }
 
-// Applies a function to a colour, per texel if it has a texture.
-Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f) {
-  if (!c.texture) return {f(c.factor), {}, {}};
-  return {Rgb(1), c.texture, [f, factor = c.factor, before = c.curve](const Rgb& texel) {
-            return f((before ? before(texel) : texel) * factor);
-          }};
-}
-
 float f0_of(float eta, float k) {
   return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k);
 }
@@ -88,6 +80,13 @@ double fresnel(double c, double eta) {
 }
 
 }  // namespace
+
+Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f) {
+  if (!c.texture) return {f(c.factor), {}, {}};
+  return {Rgb(1), c.texture, [f, factor = c.factor, before = c.curve](const Rgb& texel) {
+            return f((before ? before(texel) : texel) * factor);
+          }};
+}
 
 double diffuse_fresnel(double eta) {
   constexpr int kCells = 1024;  // midpoints in sin^2, where the cosine weight is uniform
@@ -146,26 +145,38 @@ double unshadowed(double mu, double alpha) {
 
 }  // namespace
 
-InterfaceShares rough_interface(double eta, double alpha) {
+namespace {
+
+// Visits visible microfacets of all cosine-distributed directions: each with the cosine c of the
+// direction to it and the direction's and its own cosine to the surface. Returns their number.
+template <class Visit>
+double each_microfacet(double alpha, const Visit& visit) {
   constexpr int kCosines = 32, kNormals = 16;
-  InterfaceShares sum{0, 0};
   for (int i = 0; i < kCosines; ++i) {
     const double mu = std::sqrt((i + 0.5) / kCosines);
     const Vec3d v(std::sqrt(1 - mu * mu), 0, mu);
     for (int j = 0; j < kNormals; ++j)
       for (int k = 0; k < kNormals; ++k) {
         const Vec3d h = visible_normal(v, alpha, (j + 0.5) / kNormals, (k + 0.5) / kNormals);
-        const double c = std::clamp(dot(v, h), 1e-9, 1.0), f = fresnel(c, eta);
-        const double reflected = 2 * c * h.z - v.z;
-        if (reflected > 0) sum.reflected += f * unshadowed(reflected, alpha);
-        if (f < 1) {
-          const double behind = std::sqrt(std::max(0.0, 1 - (1 - c * c) / (eta * eta)));
-          const double z = (c / eta - behind) * h.z - v.z / eta;
-          if (z < 0) sum.transmitted += (1 - f) * unshadowed(-z, alpha);
-        }
+        visit(std::clamp(dot(v, h), 1e-9, 1.0), mu, h.z);
       }
   }
-  constexpr double n = kCosines * kNormals * kNormals;
+  return kCosines * kNormals * kNormals;
+}
+
+}  // namespace
+
+InterfaceShares rough_interface(double eta, double alpha) {
+  InterfaceShares sum{0, 0};
+  const double n = each_microfacet(alpha, [&](double c, double mu, double h) {
+    const double f = fresnel(c, eta), reflected = 2 * c * h - mu;
+    if (reflected > 0) sum.reflected += f * unshadowed(reflected, alpha);
+    if (f < 1) {
+      const double behind = std::sqrt(std::max(0.0, 1 - (1 - c * c) / (eta * eta)));
+      const double z = (c / eta - behind) * h - mu / eta;
+      if (z < 0) sum.transmitted += (1 - f) * unshadowed(-z, alpha);
+    }
+  });
   return {sum.reflected / n, sum.transmitted / n};
 }
 
@@ -190,6 +201,81 @@ Material rough_plastic(const Colour& reflectance, double ior, const Number& alph
   return under_interface(reflectance, ior, alpha, [back, out, nonlinear](float r) {
     return r * out / (1 - (nonlinear ? r : 1) * back);
   });
+}
+
+namespace {
+
+// Of diffuse light what a white base of [Burley 2012] scatters back.
+double burley_albedo(double roughness) {
+  constexpr int kCells = 24;
+  const auto rise = [](double mu) { return std::pow(1 - mu, 5); };
+  double sum = 0;
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j)
+      for (int k = 0; k < kCells; ++k) {
+        const double a = std::sqrt((i + 0.5) / kCells), b = std::sqrt((j + 0.5) / kCells);
+        const double between = a * b + std::sqrt((1 - a * a) * (1 - b * b)) *
+                                           std::cos(std::numbers::pi * (k + 0.5) / kCells);
+        const double fa = rise(a), fb = rise(b), retro = roughness * (1 + between);
+        sum += (1 - fa / 2) * (1 - fb / 2) + retro * (fa + fb + fa * fb * (retro - 1));
+      }
+  return sum / (kCells * kCells * kCells);
+}
+
+// Of diffuse light that an interface reflects whose reflectance rises from f0 to f90 by Schlick's
+// curve: f0 a + f90 b. Microfacets shadow each other as of one height or independently (Smith).
+struct SchlickShares {
+  double a = 0, b = 0;
+};
+struct Shadowings {
+  SchlickShares correlated, separable;
+};
+Shadowings rough_reflection(double alpha) {
+  Shadowings sum;
+  const double n = each_microfacet(alpha, [&](double c, double mu, double h) {
+    const double reflected = 2 * c * h - mu, rise = std::pow(1 - c, 5);
+    if (!(reflected > 0)) return;
+    const double out = unshadowed(reflected, alpha), in = unshadowed(mu, alpha);
+    const double both = 1 / (1 + in / out - in);  // (1 + L_in) / (1 + L_in + L_out), L = 1 / G - 1
+    sum.correlated.a += (1 - rise) * both, sum.correlated.b += rise * both;
+    sum.separable.a += (1 - rise) * out, sum.separable.b += rise * out;
+  });
+  for (SchlickShares* s : {&sum.correlated, &sum.separable}) s->a /= n, s->b /= n;
+  return sum;
+}
+
+}  // namespace
+
+double correlated_gain(double alpha) {
+  const auto [ours, theirs] = rough_reflection(std::clamp(alpha, 1e-3, 1.0));
+  return (ours.a + ours.b) / (theirs.a + theirs.b);
+}
+
+// Burley adds up what glTF lets one layer take from the next: the base gets the colour c with which
+// as much of a uniform sky's light comes back,
+//   (1 - m) c (1 - E) + E = all,  E = f0 a + f90 b,  f0 = (1 - m) F0 + m c,
+// where E is the interface by glTF, with shadowing that is correlated in height.
+Material burley(const Colour& base, double ior, const Number& roughness, double metallic,
+                double specular) {
+  const double r = roughness.texture ? 0.5 : std::clamp(roughness.factor, 0.0f, 1.0f);
+  const auto [ours, theirs] = rough_reflection(std::max(r * r, 1e-3));
+  const double m = metallic, f90 = (1 - m) * specular + m, a = ours.a, b = ours.b * f90;
+  const double f0 = (1 - m) * specular * std::pow((ior - 1) / (ior + 1), 2);
+  const double of_colour = (1 - m) * burley_albedo(r) + m * theirs.a;
+  const double of_interface = f0 * theirs.a + f90 * theirs.b;
+  const auto base_of = [=](float colour) {
+    const double all = colour * of_colour + of_interface;
+    const double p = (1 - m) * (1 - b - a * f0) + a * m, q = (1 - m) * a * m;
+    const double more = std::max(0.0, all - a * f0 - b);
+    return static_cast<float>(2 * more / (p + std::sqrt(std::max(0.0, p * p - 4 * q * more))));
+  };
+  Material out = diffuse(
+      through(base, [=](const Rgb& c) { return Rgb(base_of(c.x), base_of(c.y), base_of(c.z)); }));
+  out.metallic = static_cast<float>(m);
+  out.specular = static_cast<float>(specular);
+  out.ior = static_cast<float>(ior);
+  out.roughness = roughness;
+  return out;
 }
 
 Material metal(const Colour& reflectance, const Number& alpha) {

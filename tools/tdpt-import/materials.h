@@ -8,6 +8,9 @@
 
 namespace tdpt::foreign {
 
+/// A function of a colour, per texel if it has a texture.
+Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f);
+
 /// Lambertian of this reflectance.
 Material diffuse(const Colour& reflectance);
 
@@ -28,6 +31,15 @@ struct InterfaceShares {
   double reflected, transmitted;
 };
 InterfaceShares rough_interface(double eta, double alpha);
+
+/// A dielectric of this base colour, blended with a metal of that colour [Burley 2012], whose base
+/// is not darkened by the interface above it. `specular`: share of the interface that is there.
+Material burley(const Colour& base, double ior, const Number& roughness, double metallic,
+                double specular);
+
+/// How much more of diffuse light rough metal (GGX) reflects if its microfacets shadow each other
+/// as by their heights, as here, than if they did independently, as in Mitsuba and Tungsten.
+double correlated_gain(double alpha);
 
 /// A conductor of complex index eta + i k (relative to the outside), times `tint`.
 Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Number& alpha);

@@ -1,6 +1,7 @@
 #include "tools/tdpt-import/gltf/writer.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 #include "libcommon/formats/environment.h"
 #include "libcommon/formats/picture.h"
+#include "libcommon/formats/portal.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/tdpt-import/meshes/meshes.h"
@@ -221,6 +223,143 @@ TEST(ImportWriter, SkyKeepsItsDirections) {
   const Described d = with_sky({}, quarter, true);
   EXPECT_EQ(write(d, Up::y).written.environment, d.images[0].bytes);
   EXPECT_NE(write(with_sky({}, mirror, true), Up::y).written.environment, d.images[0].bytes);
+}
+
+// What lights a scene: power, and its vector, of the sky as the renderer reads it.
+std::array<double, 4> power_of(const tdpt::Sky& sky) {
+  std::array<double, 4> sum{};
+  const auto& map = sky.map();
+  for (int row = 0; row <= map.height; ++row)
+    for (int column = 0; column < map.width; ++column)
+      for (const double down : {0.21132486540518713, 0.7886751345948129})
+        for (const double across : {0.21132486540518713, 0.7886751345948129}) {
+          const Vec3d d = sky.towards(tdpt::Sky::Cell{column, row, across, down});
+          const double power = sky.radiance(d).x * sky.solid_angle(row) / 4;
+          sum[0] += power, sum[1] += power * d.x, sum[2] += power * d.y, sum[3] += power * d.z;
+        }
+  return sum;
+}
+
+// A sun of one texel, wherever it stands and however the map is turned: its power and direction;
+// and one colour stays one colour.
+struct TurnedSun {
+  double power, off, uneven;
+};
+TurnedSun turned_sun(const Affine& to_map, foreign::Sky::Layout layout, int width, size_t at,
+                     double solid_angle) {
+  const bool square = layout == foreign::Sky::Layout::octahedral;
+  Described d = with_sky({}, to_map, false);
+  d.sky->layout = layout;
+  d.sky->colour = Rgb(1);
+  Image& image = d.images[0];
+  image.width = width, image.height = square ? width : width / 2;
+  const auto map_of = [&](const Described& scene) {
+    return tdpt::Sky(parse_environment(write(scene, Up::y).written.environment, "sky"), 0);
+  };
+  image.texels.assign(static_cast<size_t>(image.width * image.height), Rgb(1));
+  const tdpt::Sky even = map_of(d);
+  image.texels.assign(image.texels.size(), Rgb(0));
+  image.texels[at] = Rgb(100);
+  const auto sun = power_of(map_of(d));
+  TurnedSun out{sun[0] / (100 * solid_angle), 1 - std::hypot(sun[1], sun[2], sun[3]) / sun[0], 0};
+  for (const Rgb& c : even.map().texels) out.uneven = std::max(out.uneven, std::abs(c.y - 1.0));
+  return out;
+}
+
+TEST(ImportWriter, TurnedSkiesKeepTheirPower) {
+  using enum foreign::Sky::Layout;
+  const Affine mirror{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+  Affine tilted = turned(), upright{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}};
+  tilted.t = {};
+  for (const Affine& to_map : {tilted, upright, tilted * mirror, mirror})
+    for (const int width : {64, 96})
+      for (const int row : {0, 1, width / 5, width / 4, width / 2 - 1}) {
+        const double angle = 2 * pi / width;
+        const double solid_angle = angle * (std::cos(angle * row) - std::cos(angle * (row + 1)));
+        const auto at = static_cast<size_t>(row * width + 7 * row % width);
+        const TurnedSun sun = turned_sun(to_map, latlong, width, at, solid_angle);
+        EXPECT_NEAR(sun.power, 1, 1e-5) << width << " " << row;
+        EXPECT_LT(sun.off, angle * angle) << width << " " << row;
+        EXPECT_LT(sun.uneven, 1.5e-3) << width << " " << row;
+      }
+  for (const size_t at : {0u, 31u, 32u * 15 + 15, 32u * 9 + 22}) {
+    const TurnedSun sun = turned_sun(tilted, octahedral, 32, at, 4 * pi / 1024);
+    EXPECT_NEAR(sun.power, 1, 1e-5) << at;
+    EXPECT_LT(sun.uneven, 1.5e-3) << at;
+  }
+}
+
+// The twin: the same sun where a sky is looked up once for each texel, as at first.
+TEST(ImportWriter, TwinOneSampleForATexelLosesPower) {
+  Affine to_map = turned();
+  to_map.t = {};
+  double worst = 0;
+  for (const int row : {3, 12, 16, 25}) {
+    tdpt::Sky::Map given{64, 32, std::vector<Rgb>(64 * 32, Rgb(0))}, out{64, 32, {}};
+    given.texels[static_cast<size_t>(row * 64 + row)] = Rgb(100);
+    const tdpt::Sky from(given, 0), grid(given, 0);
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 64; ++x)
+        out.texels.push_back(from.radiance(to_map.vector(grid.towards(x + 0.5, y + 0.5))));
+    const double ratio = power_of(tdpt::Sky(out, 0))[0] / power_of(from)[0];
+    worst = std::max(worst, std::abs(ratio - 1));
+  }
+  EXPECT_GT(worst, 0.05);
+}
+
+TEST(ImportWriter, SkiesThatAreNoneAreRefusedOrDark) {
+  const auto complaint = [](const Described& d) -> std::string {
+    try {
+      write(d);
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  };
+  Described d = with_sky({}, turned(), false);
+  d.images[0].texels[65].y = std::numeric_limits<float>::infinity();
+  EXPECT_NE(complaint(d).find("sky:pixel 1 1: is no radiance of a sky"), std::string::npos);
+  d.images[0].texels[65].y = -1;
+  EXPECT_EQ(write(d).losses, std::vector<std::string>{"negative radiances of the sky become 0"});
+  d.images[0].texels.assign(64 * 32, Rgb(0));
+  EXPECT_EQ(write(d).scene.defaults.environment, "");
+  d.images[0] = {"sky", {}, 1, 1, {Rgb(2, 4, 6)}};  // one texel is one colour
+  EXPECT_EQ(write(d).json["scenes"][0]["extras"]["tdpt_environment"],
+            nlohmann::json({1.0, 2.0, 3.0}));
+  d.images[0] = {"sky.hdr", "", 0, 0, {}};  // an empty file
+  EXPECT_NE(complaint(d).find("sky.hdr: is no picture"), std::string::npos) << complaint(d);
+  d.sky.reset();
+  d.materials[0].base.texture = Texture{};
+  ASSERT_EQ(write(d).losses.size(), 1u);
+  EXPECT_NE(write(d).losses[0].find("sky.hdr: is no picture"), std::string::npos);
+}
+
+// Portals lie where they lay, and their fronts face the camera; where the source says otherwise,
+// both ways are open. The camera of room() is at the origin of `at`.
+TEST(ImportWriter, PortalsLieBesideTheScene) {
+  EXPECT_EQ(write(room({})).written.portals, "");
+  for (const Affine& at : {Affine{}, turned(), mirrored()})
+    for (const bool away : {false, true}) {
+      Described d = room(at);
+      Shape portal;
+      portal.to_world = at * Affine{{2, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, -6}};
+      portal.turned = away;
+      d.portals = {portal};
+      const Result r = write(d);
+      const testing::TempFolder folder;
+      const PortalFile file = read_portals(folder.write("room.portal.glb", r.written.portals));
+      EXPECT_EQ(file.scene_hash, "");
+      ASSERT_EQ(file.portals.size(), 1u);
+      const tdpt::Portal& p = file.portals[0];
+      EXPECT_EQ(p.name, "portal.0");
+      EXPECT_NEAR(area_of(p), 8, 1e-5);
+      EXPECT_EQ(p.both_ways, away);
+      const Vec3d eye = r.written.frame.to_gltf.point(at.t);
+      for (const auto& [a, b, c] : p.triangles)
+        EXPECT_GT(dot(cross(p.vertices[b] - p.vertices[a], p.vertices[c] - p.vertices[a]),
+                      eye - p.vertices[a]),
+                  0);
+    }
 }
 
 TEST(ImportWriter, OpacityBecomesAlpha) {

@@ -59,6 +59,24 @@ TEST(Meshes, ObjPolygonsBecomeFans) {
   EXPECT_TRUE(m.uv.empty());
 }
 
+// A backslash goes on in the next line, whatever ends it; comments may follow; a line keeps its
+// number.
+TEST(Meshes, ObjLinesGoOn) {
+  const std::vector<Triangle> quad{{0, 1, 2}, {0, 2, 3}};
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string text =
+        "\xEF\xBB\xBFv 0 0 0 # first\nv 1 0 0 1 0.5 0.5 0.5\nv\t1\t1 \\\n0\nv 0 1 0 1\n"
+        "# not here \\\nf 1 2 \\\n  3 \\\n4 # the face\n";
+    for (size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size())
+      text.replace(at, 1, end);
+    const Mesh m = obj(text);
+    EXPECT_EQ(m.triangles, quad) << end.size();
+    EXPECT_EQ(m.positions[2], Vec3f(1, 1, 0));
+    EXPECT_EQ(obj_complaint(text + "f 1 2 \\" + end + "9" + end).substr(0, 15), "a.obj:line 10: ");
+    EXPECT_EQ(obj(text + "f 1 2 3 \\").triangles.size(), 3u);  // at the end of the file
+  }
+}
+
 TEST(Meshes, ObjMergesEqualCornersOnly) {
   const Mesh m =
       obj(kSquare + "vt 0 0\nvt 1 0.25\nvn 0 0 2\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 3/2/1 4/1/1\n");

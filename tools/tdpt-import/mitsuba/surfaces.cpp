@@ -124,6 +124,9 @@ Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
 
 Surfaces::Read Surfaces::conductor_like(const Object& bsdf) {
   const Number rough = bsdf.type == "conductor" ? Number{0.0f, {}, {}} : alpha(bsdf);
+  if (const double gain = correlated_gain(rough.factor); gain > 1.015)
+    lose(bsdf, fmt::format("metals of roughness {:.3g} reflect {:.0f} % more in glTF", rough.factor,
+                           100 * (gain - 1)));
   const Colour tint = textures_.colour(bsdf, "specular_reflectance", Rgb(1));
   const bool has_eta = bsdf.find("eta") || (bsdf.old && bsdf.find("k"));
   const std::string name = bsdf.text("material", bsdf.old ? "Cu" : "none");
@@ -272,22 +275,46 @@ Surfaces::Read Surfaces::invisible(const Object&) {
 // [Burley 2012, 2015]: what glTF has of it.
 Surfaces::Read Surfaces::principled(const Object& bsdf) {
   const bool thin = bsdf.type == "principledthin";
-  Read out;
-  Material& m = out.material;
-  m = diffuse(textures_.colour(bsdf, "base_color", Rgb(0.5f)));
-  m.roughness = textures_.number(bsdf, "roughness", 0.5);
-  m.metallic = single(textures_.plain_number(bsdf, "metallic", 0));
-  m.transmission = single(textures_.plain_number(bsdf, "spec_trans", 0));
-  m.solid = !thin;
-  m.specular = 1;
+  const Colour base = textures_.colour(bsdf, "base_color", Rgb(0.5f));
+  const Number roughness = textures_.number(bsdf, "roughness", 0.5);
+  const auto share = [&](const char* name) {
+    return std::clamp(textures_.plain_number(bsdf, name, 0), 0.0, 1.0);
+  };
+  const double metallic = share("metallic"), transmission = share("spec_trans");
   const double specular = std::clamp(bsdf.number("specular", 0.5), 0.0, 12.0);
   double n = 2 / (1 - std::sqrt(0.08 * specular)) - 1;
   if (bsdf.find("eta")) n = textures_.plain_number(bsdf, "eta", 1.5);
   if (!(n > 0.1 && n < 100)) bsdf.fail(fmt::format("an index of refraction of {}", n));
-  m.ior = single(n < 1 ? 1 / n : n);
+  if (n < 1) n = 1 / n;
+  Read out;
+  Material& m = out.material;
+  if (transmission == 1 && metallic == 0) {
+    // A body colours by the root of the base colour at each side.
+    const auto root = [](const Rgb& c) {
+      return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z));
+    };
+    m = diffuse(thin ? base : through(base, root));
+    m.specular = 1;
+    m.ior = single(n);
+    m.roughness = roughness;
+  } else {
+    // Thin sheets have an interface only where they transmit.
+    m = burley(base, n, roughness, metallic, thin ? transmission : 1);
+    if (transmission > 0)
+      lose(bsdf, "surfaces between opaque and transparent are mixed as glTF has it");
+    else if (metallic < 1)
+      lose(bsdf,
+           "principled surfaces reflect as much as in Mitsuba on the whole, but up to a tenth "
+           "more or less by direction");
+  }
+  m.transmission = single(transmission);
+  m.solid = !thin;
   m.coat = single(0.25 * textures_.plain_number(bsdf, "clearcoat", 0));
   const double gloss = textures_.plain_number(bsdf, "clearcoat_gloss", 0);
-  m.coat_roughness = single(std::sqrt(0.1 + std::clamp(gloss, 0.0, 1.0) * (0.001 - 0.1)));
+  if (m.coat > 0) {
+    lose(bsdf, "the highlights of clear coats become GGX");
+    m.coat_roughness = single(std::sqrt(0.1 + std::clamp(gloss, 0.0, 1.0) * (0.001 - 0.1)));
+  }
   for (const char* name : {"anisotropic", "sheen", "flatness", "spec_tint", "diff_trans"}) {
     const Number v = textures_.number(bsdf, name, 0);
     if (v.texture || v.factor != 0)
@@ -297,7 +324,6 @@ Surfaces::Read Surfaces::principled(const Object& bsdf) {
                "diffuse_reflectance_sampling_rate", "specular_reflectance_sampling_rate",
                "specular_transmittance_sampling_rate",
                "diffuse_transmittance_sampling_rate"});  // of sheen; how it is sampled
-  if (m.coat == 0) m.coat_roughness = 0;
   out.opaque = m.transmission == 0;
   return out;
 }

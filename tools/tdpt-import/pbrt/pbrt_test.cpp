@@ -298,6 +298,39 @@ TEST_F(scene, has_skies_in_the_frames_of_their_images) {
                 Rgb(1));
 }
 
+// One sky behind all windows, whatever the transformation: portals stand in the world.
+TEST_F(scene, has_one_sky_behind_its_portals) {
+  const auto light = [](double x, const char* radiance = "1 1 1") {
+    return fmt::format(
+        "AttributeBegin Translate 7 0 0 LightSource \"infinite\" \"rgb L\" [{}] \"point3 portal\" "
+        "[{} 1 -1  {} 1 1  {} 2 1  {} 2 -1] AttributeEnd\n",
+        radiance, x, x, x, x);
+  };
+  const Described one = v4(light(-3)), three = v4(light(-3) + light(3) + light(2));
+  for (const Described* d : {&one, &three}) expect_colour(d->sky->colour, Rgb(1));
+  expect_lost("by these alone, here by every opening");
+  ASSERT_EQ(three.portals.size(), 3u);
+  ASSERT_EQ(one.portals.size(), 1u);
+  const Mesh& m = one.meshes[one.portals[0].mesh];
+  EXPECT_EQ(m.positions[2], Vec3f(-3, 2, 1));
+  const auto edge = [&](size_t i) {
+    const Vec3f e = m.positions[i] - m.positions[0];
+    return Vec3d(e.x, e.y, e.z);
+  };
+  // pbrt's z leads out: p03 x p01 = y x z.
+  EXPECT_NEAR(dot(cross(edge(1), edge(2)), cross(edge(1), edge(3))), 4, 1e-6);
+  EXPECT_LT(cross(edge(1), edge(3)).x, 0);
+  // Another light elsewhere is added, another one behind a portal is not.
+  const std::string plain = "LightSource \"infinite\" \"rgb L\" [2 2 2]\n";
+  expect_colour(v4(plain + light(3) + light(2)).sky->colour, Rgb(3));
+  expect_colour(v4(light(3) + light(2, "5 5 5")).sky->colour, Rgb(1));
+  expect_lost("all portals lead to the sky of the first one");
+  EXPECT_NE(refusal(kFilm4 + "WorldBegin LightSource \"infinite\" \"rgb L\" [1 1 1] "
+                             "\"point3 portal\" [0 0 0 1 0 0 0 1 0]")
+                .find("a portal of 3 corners, expected 4"),
+            std::string::npos);
+}
+
 TEST_F(scene, has_emitters_with_their_power) {
   const Described d =
       v4("AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" [2]" + kTriangle);

@@ -104,22 +104,20 @@ Surface glass_v3(const Reader& r) {
 Surface disney(const Reader& r) {
   Surface s;
   Material& m = s.material;
-  m = diffuse(r.colour("color", 0.5f));
+  const Colour base = r.colour("color", 0.5f);
   const double ior = r.flat_number("eta", 1.5);
   if (!(ior >= 1 && ior < 100)) Source::fail(r.list.place, "the index of refraction is below 1");
-  m.ior = static_cast<float>(ior);
-  m.specular = 1;
-  m.metallic = std::clamp(r.flat_number("metallic", 0), 0.0f, 1.0f);
-  m.roughness = r.number("roughness", 0.5);
+  const float metallic = std::clamp(r.flat_number("metallic", 0), 0.0f, 1.0f);
+  m = burley(base, ior, r.number("roughness", 0.5), metallic, 1);
   m.transmission = std::clamp(r.flat_number("spectrans", 0), 0.0f, 1.0f);
   const bool is_thin = r.list.flag("thin", false);
   m.solid = m.transmission > 0 && !is_thin;
   m.coat = std::clamp(r.flat_number("clearcoat", 0), 0.0f, 1.0f);
   const float gloss = std::clamp(r.flat_number("clearcoatgloss", 1), 0.0f, 1.0f);
   m.coat_roughness = std::sqrt(0.1f + gloss * (0.001f - 0.1f));
-  const float tint = r.flat_number("speculartint", 0), y = luminance(m.base.factor);
-  if (tint > 0 && y > 0 && !m.base.texture)
-    m.specular_colour = Rgb(1 - tint) + m.base.factor * (tint / y);
+  const float tint = r.flat_number("speculartint", 0), y = luminance(base.factor);
+  if (tint > 0 && y > 0 && !base.texture)
+    m.specular_colour = Rgb(1 - tint) + base.factor * (tint / y);
   if (r.flat_number("sheen", 0) > 0) r.lose("sheen is left out");
   if (r.flat_number("anisotropic", 0) > 0) r.lose("anisotropic roughness is left out");
   if (!is_black(r.flat_colour("scatterdistance", 0))) r.lose("subsurface scattering is left out");
