@@ -111,6 +111,12 @@ const Texels* Textures::texels(const Texture& texture) {
         source_.lose({source_.path(), ""}, std::string("a picture is left out: ") + e.what());
       }
     }
+    const auto is_value = [](const Rgb& c) { return is_finite(c) && max_component(c) <= 1e30f; };
+    if (!std::all_of(t.rgb.begin(), t.rgb.end(), is_value)) {
+      for (Rgb& c : t.rgb)
+        if (!is_value(c)) c = Rgb(0);
+      source_.lose({source_.path(), ""}, "texels that are not finite or above 1e30 become 0");
+    }
     it = decoded_.emplace(texture.image, std::move(t)).first;
   }
   return it->second.rgb.empty() ? nullptr : &it->second;

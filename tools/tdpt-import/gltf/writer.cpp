@@ -302,7 +302,11 @@ void Writer::add_portals() {
   for (const Shape& shape : scene_.portals) {
     const Mesh mesh = baked(scene_.meshes[shape.mesh], out_.frame.to_gltf * shape.to_world);
     Portal portal;
-    for (const Vec3f& p : mesh.positions) portal.vertices.push_back(of(p));
+    for (const Vec3f& p : mesh.positions) {
+      if (!(length(of(p)) < 1e30))
+        throw InputError(source_.path(), "", "has a portal that is too large or too far away");
+      portal.vertices.push_back(of(p));
+    }
     portal.triangles = mesh.triangles;
     double towards_camera = shape.turned ? -1 : 1;
     if (!scene_.cameras.empty()) {

@@ -362,6 +362,14 @@ TEST(ImportWriter, PortalsLieBesideTheScene) {
     }
 }
 
+TEST(ImportWriter, PortalsBeyondAllNumbersAreRefused) {
+  Described d = room({});
+  Shape portal;
+  portal.to_world.t.x = 1e39;
+  d.portals = {portal};
+  EXPECT_THROW(write(d), InputError);
+}
+
 TEST(ImportWriter, OpacityBecomesAlpha) {
   Described d = room({});
   d.images.push_back({"mask", {}, 2, 1, {Rgb(0), Rgb(1)}});
@@ -374,6 +382,18 @@ TEST(ImportWriter, OpacityBecomesAlpha) {
   EXPECT_EQ(r.scene.images[0].texels[7], 255);
   EXPECT_EQ(r.scene.images[0].texels[0], 255);
   EXPECT_EQ(r.json["materials"][0]["alphaMode"], "BLEND");
+}
+
+// JSON has no infinity.
+TEST(ImportWriter, TexelsWithoutAValueAreBlack) {
+  Described d = room({});
+  d.images.push_back({"glow", {}, 2, 1, {Rgb(std::numeric_limits<float>::infinity()), Rgb(3)}});
+  d.shapes[0].emission->radiance.texture = Texture{};
+  const Result r = write(d);
+  EXPECT_EQ(r.losses,
+            std::vector<std::string>{"texels that are not finite or above 1e30 become 0"});
+  EXPECT_EQ(r.scene.images.at(0).texels[0], 0);
+  EXPECT_EQ(r.scene.images.at(0).texels[4], 255);
 }
 
 TEST(ImportWriter, TexturesKeepTheirValues) {

@@ -1,5 +1,6 @@
 #include "tools/tdpt-import/meshes/meshes.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -182,6 +183,18 @@ std::string ply_triangle(const std::string& properties, const std::string& value
          "property float z\r\n" +
          properties + "element face 1\r\nproperty list int int vertex_index\r\nend_header\r\n" +
          values;
+}
+
+// Of old Macintoshes.
+TEST(Meshes, PlyLinesThatEndInCarriageReturns) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  // The first float begins with a byte that is a line end, too.
+  text += as<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}) + as<uint8_t>({3, 0, 1, 2});
+  text[text.find("end_header\r") + 11] = '\n';
+  EXPECT_EQ(read_ply(text, "a.ply").triangles, (std::vector<Triangle>{{0, 1, 2}}));
 }
 
 TEST(Meshes, PlyNormalsAndTheNamesOfUv) {

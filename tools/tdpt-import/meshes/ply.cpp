@@ -90,7 +90,7 @@ class Reader {
   std::string line_place() const { return fmt::format("line {}", line_); }
 
   std::vector<std::string_view> line() {
-    const size_t end = rest_.find('\n');
+    const size_t end = rest_.find(line_end_);
     if (end == rest_.npos) fail("header", "ends before end_header");
     std::string_view text = rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
@@ -105,6 +105,7 @@ class Reader {
   }
 
   void header() {
+    if (rest_.starts_with("ply\r") && !rest_.starts_with("ply\r\n")) line_end_ = '\r';
     if (const auto words = line(); words.size() != 1 || words[0] != "ply")
       fail("line 1", "is not \"ply\"");
     for (;;) {
@@ -296,6 +297,7 @@ class Reader {
 
   std::string_view rest_;
   const std::string& name_;
+  char line_end_ = '\n';  ///< of the header
   size_t line_ = 0;
   bool has_format_ = false, ascii_ = false;
   std::endian order_ = std::endian::little;

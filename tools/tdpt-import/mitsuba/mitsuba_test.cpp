@@ -601,6 +601,7 @@ TEST_F(scene, reads_layers) {
   m = surface("<bsdf type=\"coating\"><bsdf type=\"conductor\"/></bsdf>", true);
   EXPECT_EQ(m.coat, 1);
   EXPECT_EQ(m.metallic, 1);
+  expect_nothing_lost();
   EXPECT_NE(refusal("<shape type=\"cube\"><bsdf type=\"twosided\"/></shape>"), "");
 }
 
@@ -633,6 +634,7 @@ TEST_F(scene, coats_diffuse_surfaces_as_plastic_without_light_from_within) {
   expect_lost("the absorption in coats is left out");
   m = surface("<bsdf type=\"coating\"><bsdf type=\"plastic\"/></bsdf>", true);
   EXPECT_EQ(m.coat, 1);  // not Lambertian
+  expect_lost("coats darken what scatters below them less than in Mitsuba");
 }
 
 TEST_F(scene, reads_bumps) {

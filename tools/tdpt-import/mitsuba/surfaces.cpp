@@ -251,6 +251,10 @@ Surfaces::Read Surfaces::coated(const Object& bsdf) {
     m.base = plain.base, m.roughness = plain.roughness;
     m.specular = plain.specular, m.ior = plain.ior;
   } else {
+    if (m.metallic < 1 || m.roughness.factor > 0 || m.roughness.texture)
+      lose(bsdf,
+           "coats darken what scatters below them less than in Mitsuba, which drops the light that "
+           "they throw back");
     if (std::abs(n - 1.5) > 0.02)
       lose(bsdf, fmt::format("coats of index {:.4g} become ones of index 1.5", n));
     if (rough.texture) lose(bsdf, "the texture of a coat's roughness is left out");
