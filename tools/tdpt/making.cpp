@@ -236,7 +236,8 @@ Making::Ending Making::check() {
 
 Making::Ending Making::find_portals() {
   if (!state_.drawn.empty())
-    common_.note("renders with " + state_.drawn + ", which no program of these has made");
+    common_.note("renders with " + state_.drawn +
+                 ", which lies beside the scene: no others are searched for");
   for (const Search& search : pipeline_.searches) {
     if (const Ending ending = find_portals(search); !ending.good()) return ending;
     if (pipeline_.portals_by_frame.empty()) continue;

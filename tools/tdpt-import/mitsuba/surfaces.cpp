@@ -109,6 +109,8 @@ Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
   const bool nonlinear = bsdf.flag("nonlinear", false);
   Read out{bsdf.type == "plastic" ? plastic(base, n, rough, nonlinear)
                                   : rough_plastic(base, n, rough, nonlinear)};
+  if (bsdf.type == "roughplastic")
+    lose(bsdf, "rough plastics reflect up to 4 % more or less than in Mitsuba");
   const Rgb tint = textures_.plain_colour(bsdf, "specular_reflectance", Rgb(1));
   if (!is_one(tint)) {
     lose(bsdf,
@@ -292,25 +294,19 @@ Surfaces::Read Surfaces::principled(const Object& bsdf) {
   if (n < 1) n = 1 / n;
   Read out;
   Material& m = out.material;
-  if (transmission == 1 && metallic == 0) {
-    // A body colours by the root of the base colour at each side.
-    const auto root = [](const Rgb& c) {
+  // Thin sheets have an interface only where they transmit.
+  m = burley(base, n, roughness, metallic, thin ? transmission : 1);
+  if (transmission == 1 && metallic == 0)  // a body colours by the root at each side
+    m.base = thin ? base : through(base, [](const Rgb& c) {
       return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z));
-    };
-    m = diffuse(thin ? base : through(base, root));
-    m.specular = 1;
-    m.ior = single(n);
-    m.roughness = roughness;
-  } else {
-    // Thin sheets have an interface only where they transmit.
-    m = burley(base, n, roughness, metallic, thin ? transmission : 1);
-    if (transmission > 0)
-      lose(bsdf, "surfaces between opaque and transparent are mixed as glTF has it");
-    else if (metallic < 1)
-      lose(bsdf,
-           "principled surfaces reflect as much as in Mitsuba on the whole, but up to a tenth "
-           "more or less by direction");
-  }
+    });
+  else if (transmission > 0)
+    lose(bsdf, "surfaces between opaque and transparent are mixed as glTF has it");
+  else if (metallic < 1)
+    lose(
+        bsdf,
+        "principled surfaces reflect as much as in Mitsuba on the whole, but up to a tenth more or "
+        "less by direction");
   m.transmission = single(transmission);
   m.solid = !thin;
   m.coat = single(0.25 * textures_.plain_number(bsdf, "clearcoat", 0));

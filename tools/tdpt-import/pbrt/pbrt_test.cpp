@@ -378,6 +378,22 @@ TEST_F(scene, has_materials_of_pbrt_v3) {
   EXPECT_NEAR(made("\"uber\" \"rgb opacity\" [.5 .5 .5]").opacity.factor, 0.5, 1e-6);
 }
 
+// Brighter than under glTF's interface, and glass coloured at both sides.
+TEST_F(scene, has_disneys_material) {
+  const auto base = [&](const std::string& list) {
+    const Described d =
+        v3("Material \"disney\" \"rgb color\" [0.25 0.25 0.25] " + list + " Shape \"sphere\"");
+    return d.materials.at(d.shapes.at(0).material).base.factor.x;
+  };
+  EXPECT_GT(base(""), 0.255f);
+  EXPECT_LT(base(""), 0.29f);
+  expect_lost("up to a tenth more or less by direction");
+  EXPECT_NEAR(base("\"float spectrans\" [1]"), 0.5, 1e-6);
+  expect_nothing_lost();
+  EXPECT_NEAR(base("\"float metallic\" [1] \"float roughness\" [0.1]"), 0.25, 0.01);
+  expect_nothing_lost();
+}
+
 TEST_F(scene, has_materials_of_pbrt_v4) {
   const auto made = [&](const std::string& text) {
     return v4("Material " + text + "\n" + kTriangle).materials.at(0);

@@ -17,13 +17,9 @@ float alpha_of(float roughness, bool v4) {
   return 1.62142f + x * (0.819955f + x * (0.1734f + x * (0.0171201f + x * 0.000640711f)));
 }
 
-// The colour passed through f, per texel.
+// Each of red, green and blue passed through f.
 Colour through(const Colour& c, const std::function<float(float)>& f) {
-  const auto all = [f](const Rgb& v) { return Rgb(f(v.x), f(v.y), f(v.z)); };
-  if (!c.texture) return {all(c.factor), {}, {}};
-  return {Rgb(1), c.texture, [all, factor = c.factor, before = c.curve](const Rgb& texel) {
-            return all((before ? before(texel) : texel) * factor);
-          }};
+  return foreign::through(c, [f](const Rgb& v) { return Rgb(f(v.x), f(v.y), f(v.z)); });
 }
 }  // namespace
 

@@ -108,8 +108,17 @@ Surface disney(const Reader& r) {
   const double ior = r.flat_number("eta", 1.5);
   if (!(ior >= 1 && ior < 100)) Source::fail(r.list.place, "the index of refraction is below 1");
   const float metallic = std::clamp(r.flat_number("metallic", 0), 0.0f, 1.0f);
+  const float transmission = std::clamp(r.flat_number("spectrans", 0), 0.0f, 1.0f);
   m = burley(base, ior, r.number("roughness", 0.5), metallic, 1);
-  m.transmission = std::clamp(r.flat_number("spectrans", 0), 0.0f, 1.0f);
+  if (transmission == 1 && metallic == 0)  // coloured by the root at each side
+    m.base = through(
+        base, [](const Rgb& c) { return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z)); });
+  else if (transmission > 0)
+    r.lose("surfaces between opaque and transparent are mixed as glTF has it");
+  else if (metallic < 1)
+    r.lose(
+        "it reflects as much as in pbrt on the whole, but up to a tenth more or less by direction");
+  m.transmission = transmission;
   const bool is_thin = r.list.flag("thin", false);
   m.solid = m.transmission > 0 && !is_thin;
   m.coat = std::clamp(r.flat_number("clearcoat", 0), 0.0f, 1.0f);
