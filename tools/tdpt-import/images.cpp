@@ -101,6 +101,13 @@ Texels decode_8bit(std::string_view bytes, const std::string& name) {
          "is no picture that can be read (PNG, JPEG, TGA, BMP, PNM, PSD, GIF, HDR, PFM, EXR)");
   if (w < 1 || h < 1 || w > kMostSide || h > kMostSide || int64_t{w} * h > kMostTexels)
     fail(name, fmt::format("is {} x {} texels, expected 1 to {} a side", w, h, kMostSide));
+  // stb_image takes what is missing of these for black.
+  const auto byte = [&](size_t i) { return i < bytes.size() ? static_cast<uint8_t>(bytes[i]) : 0; };
+  const bool pnm = bytes.starts_with("P5") || bytes.starts_with("P6");
+  const bool tga = !bytes.starts_with("BM") && (byte(2) == 2 || byte(2) == 3);
+  const size_t of_texel = pnm ? (byte(1) == '6' ? 3 : 1) : tga ? (byte(16) + 7) / 8 : 0;
+  if (bytes.size() < (tga ? 18u : 0u) + static_cast<size_t>(w) * static_cast<size_t>(h) * of_texel)
+    fail(name, fmt::format("is cut short: {} bytes for {} x {} texels", bytes.size(), w, h));
   const bool with_alpha = channels == 2 || channels == 4;
   const std::unique_ptr<stbi_uc, void (*)(void*)> texels(
       stbi_load_from_memory(data, size, &w, &h, &channels, 4), stbi_image_free);
@@ -170,6 +177,7 @@ std::string plain_file(const std::string& bytes) {
 }
 
 Texels decode(std::string_view bytes, const std::string& name) {
+  if (bytes.empty()) fail(name, "is empty, expected a picture");
   if (bytes.size() < 4) fail(name, "is no picture");
   if (bytes.substr(0, 4) == std::string_view("\x76\x2f\x31\x01", 4))
     return of_picture(parse_exr_picture(bytes, name, kMostSide, kMostSide));

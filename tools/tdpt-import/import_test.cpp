@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -199,6 +200,7 @@ TEST(Images, ErrorsAreOneLine) {
   EXPECT_EQ(complaint([] { decode("PF\n99999 2\n-1\n", "a.pfm"); }),
             "a.pfm: is 99999 x 2 texels, expected 1 to 16384 a side");
   EXPECT_EQ(complaint([] { decode("abc", "a.png"); }), "a.png: is no picture");
+  EXPECT_EQ(complaint([] { decode("", "a.hdr"); }), "a.hdr: is empty, expected a picture");
   EXPECT_NE(
       complaint([] { decode("something else", "a.png"); }).find("is no picture that can be read"),
       std::string::npos);
@@ -211,6 +213,20 @@ TEST(Images, TgaIsRead) {
   const Texels t = decode({reinterpret_cast<const char*>(tga), sizeof tga}, "a.tga");
   EXPECT_TRUE(t.is_8bit);
   EXPECT_NEAR(t.rgb.at(0).x, 0.2, 1e-6);
+  unsigned char high[sizeof tga];
+  std::copy(std::begin(tga), std::end(tga), high);
+  high[14] = 20;
+  EXPECT_EQ(complaint([&] {
+              decode({reinterpret_cast<const char*>(high), sizeof high}, "a.tga");
+            }),
+            "a.tga: is cut short: 19 bytes for 1 x 20 texels");
+}
+
+TEST(Images, PnmThatIsCutShortIsRefused) {
+  const std::string ppm = "P6\n2 2\n255\n" + std::string(12, 'x');
+  EXPECT_EQ(decode(ppm, "a.ppm").rgb.size(), 4u);
+  EXPECT_EQ(complaint([&] { decode(ppm.substr(0, 11), "a.ppm"); }),
+            "a.ppm: is cut short: 11 bytes for 2 x 2 texels");
 }
 
 std::string chunk(const std::string& type, const std::string& data) {

@@ -327,11 +327,12 @@ TEST(ImportWriter, SkiesThatAreNoneAreRefusedOrDark) {
   EXPECT_EQ(write(d).json["scenes"][0]["extras"]["tdpt_environment"],
             nlohmann::json({1.0, 2.0, 3.0}));
   d.images[0] = {"sky.hdr", "", 0, 0, {}};  // an empty file
-  EXPECT_NE(complaint(d).find("sky.hdr: is no picture"), std::string::npos) << complaint(d);
+  EXPECT_NE(complaint(d).find("sky.hdr: is empty, expected a picture"), std::string::npos)
+      << complaint(d);
   d.sky.reset();
   d.materials[0].base.texture = Texture{};
   ASSERT_EQ(write(d).losses.size(), 1u);
-  EXPECT_NE(write(d).losses[0].find("sky.hdr: is no picture"), std::string::npos);
+  EXPECT_NE(write(d).losses[0].find("sky.hdr: is empty"), std::string::npos);
 }
 
 // Portals lie where they lay, and their fronts face the camera; where the source says otherwise,
