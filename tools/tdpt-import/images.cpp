@@ -106,7 +106,10 @@ Texels decode_8bit(std::string_view bytes, const std::string& name) {
   const bool pnm = bytes.starts_with("P5") || bytes.starts_with("P6");
   const bool tga = !bytes.starts_with("BM") && (byte(2) == 2 || byte(2) == 3);
   const size_t of_texel = pnm ? (byte(1) == '6' ? 3 : 1) : tga ? (byte(16) + 7) / 8 : 0;
-  if (bytes.size() < (tga ? 18u : 0u) + static_cast<size_t>(w) * static_cast<size_t>(h) * of_texel)
+  if (bytes.size() < (tga   ? 18u
+                      : pnm ? 9u
+                            : 0u) +
+                         static_cast<size_t>(w) * static_cast<size_t>(h) * of_texel)
     fail(name, fmt::format("is cut short: {} bytes for {} x {} texels", bytes.size(), w, h));
   const bool with_alpha = channels == 2 || channels == 4;
   const std::unique_ptr<stbi_uc, void (*)(void*)> texels(

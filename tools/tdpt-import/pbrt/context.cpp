@@ -20,7 +20,8 @@ size_t Context::image(const std::string& name, const Place& place) {
 bool Context::has_alpha(size_t image) {
   const auto [it, is_new] = has_alpha_.try_emplace(image, false);
   if (is_new) {
-    const Texels texels = decode(scene.images[image].bytes, scene.images[image].name);
+    const Texels texels =
+        decode(scene.images[image].bytes, source.shown_name(scene.images[image].name));
     it->second =
         std::any_of(texels.alpha.begin(), texels.alpha.end(), [](float a) { return a < 1; });
   }

@@ -89,8 +89,8 @@ void add_distant(Context& context, const Parameters& list, const Affine& to_worl
 
 // The upper half of the equal-area square about +z: its inner diamond |2u-1| + |2v-1| < 1.
 // Cosine there: 1 - r^2 with r = |2u-1| + |2v-1| (Clarberg 2008).
-double illuminance_of_square(const Image& image) {
-  const Texels t = decode(image.bytes, image.name);
+double illuminance_of_square(const Context& context, const Image& image) {
+  const Texels t = decode(image.bytes, context.source.shown_name(image.name));
   double sum = 0;
   for (int y = 0; y < t.height; ++y)
     for (int x = 0; x < t.width; ++x) {
@@ -140,9 +140,13 @@ void add_infinite(Context& context, const Parameters& list, const Affine& to_wor
   if (!file.empty()) sky.image = context.image(file, list.place);
   if (context.v4) {
     // pbrt scales by the mean over the square, which counts the upper half alone: 2 pi, not 4 pi.
-    const double per_unit = sky.image && list.find("illuminance")
-                                ? illuminance_of_square(context.scene.images[*sky.image]) / 2
-                                : kPi;
+    // One colour behind a portal is a square of one texel, at the zenith.
+    const double per_unit =
+        sky.image && list.find("illuminance")
+            ? illuminance_of_square(context, context.scene.images[*sky.image]) / 2
+        : has_portal && !sky.image
+            ? 2 * kPi * luminance(colour_of(context, list, "L", Use::light, Rgb(1)))
+            : kPi;
     sky.colour = times(sky.colour, to_reach(list, "illuminance", per_unit));
     sky.layout = Sky::Layout::octahedral;
     sky.to_map = from_world;
@@ -232,7 +236,7 @@ AreaLight area_light(Context& context, const std::string& kind, const Parameters
           Texture::Wrap::clamp;
       if (light.power > 0) {  // the power is that of the mean luminance of the image
         const Image& image = context.scene.images[light.emission.radiance.texture->image];
-        const Texels t = decode(image.bytes, image.name);
+        const Texels t = decode(image.bytes, context.source.shown_name(image.name));
         double mean = 0;
         for (const Rgb& texel : t.rgb) mean += luminance(texel) / static_cast<double>(t.rgb.size());
         if (mean > 0) light.power /= mean;

@@ -320,6 +320,11 @@ TEST_F(scene, has_one_sky_behind_its_portals) {
   // pbrt's z leads out: p03 x p01 = y x z.
   EXPECT_NEAR(dot(cross(edge(1), edge(2)), cross(edge(1), edge(3))), 4, 1e-6);
   EXPECT_LT(cross(edge(1), edge(3)).x, 0);
+  // As pbrt scales one colour behind a portal: by 2 pi L.
+  expect_colour(v4("LightSource \"infinite\" \"rgb L\" [2 2 2] \"float illuminance\" [6.2831853] "
+                   "\"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]")
+                    .sky->colour,
+                Rgb(1));
   // Another light elsewhere is added, another one behind a portal is not.
   const std::string plain = "LightSource \"infinite\" \"rgb L\" [2 2 2]\n";
   expect_colour(v4(plain + light(3) + light(2)).sky->colour, Rgb(3));
