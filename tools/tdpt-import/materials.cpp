@@ -267,7 +267,8 @@ Material burley(const Colour& base, double ior, const Number& roughness, double 
     const double all = colour * of_colour + of_interface;
     const double p = (1 - m) * (1 - b - a * f0) + a * m, q = (1 - m) * a * m;
     const double more = std::max(0.0, all - a * f0 - b);
-    return static_cast<float>(2 * more / (p + std::sqrt(std::max(0.0, p * p - 4 * q * more))));
+    return static_cast<float>(
+        std::min(2 * more / (p + std::sqrt(std::max(0.0, p * p - 4 * q * more))), 1e30));
   };
   Material out = diffuse(
       through(base, [=](const Rgb& c) { return Rgb(base_of(c.x), base_of(c.y), base_of(c.z)); }));

@@ -135,7 +135,14 @@ void add_infinite(Context& context, const Parameters& list, const Affine& to_wor
   sky.colour = light_colour(context, list, "L");
   const bool has_portal = add_portal(context, list);
   Affine from_world = inverse(to_world, list.place);
-  from_world.t = {};
+  const double size = length(from_world.x);
+  from_world = {from_world.x / size, from_world.y / size, from_world.z / size, {}};
+  for (const Vec3d& axis : {from_world.y, from_world.z})
+    if (std::abs(length(axis) - 1) > 1e-5 || std::abs(dot(axis, from_world.x)) > 1e-5) {
+      context.source.lose(list.place, "a sky that is stretched or sheared is not turned");
+      from_world = {};
+      break;
+    }
   const std::string file = list.text(context.v4 ? "filename" : "mapname");
   if (!file.empty()) sky.image = context.image(file, list.place);
   if (context.v4) {

@@ -294,6 +294,10 @@ TEST_F(scene, has_skies_in_the_frames_of_their_images) {
   EXPECT_EQ(b.sky->layout, Sky::Layout::octahedral);
   expect_near(b.sky->to_map.vector({0, 1, 0}), {1, 0, 0});
   expect_colour(b.sky->colour, {1, 2, 3});
+  expect_near(v4("Scale 3 3 3 Rotate 90 0 0 1 LightSource \"infinite\"").sky->to_map.y, {1, 0, 0});
+  expect_nothing_lost();
+  expect_near(v4("Scale 3 3 2 LightSource \"infinite\"").sky->to_map.z, {0, 0, 1});
+  expect_lost("a sky that is stretched or sheared is not turned");
   expect_colour(v4("LightSource \"infinite\" \"float illuminance\" [3.1415927]").sky->colour,
                 Rgb(1));
 }

@@ -35,6 +35,8 @@ inline void require_sound(const Described& scene) {
                 is_finite(m.specular_colour),
             "a material's numbers are numbers");
   }
+  for (const Shape& portal : scene.portals)
+    require(portal.mesh < scene.meshes.size(), "a portal's mesh exists");
   for (const Camera& camera : scene.cameras)
     require(
         camera.width > 0 && camera.height > 0 && camera.yfov > 0 && is_finite(camera.to_world.z),
