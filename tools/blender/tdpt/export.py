@@ -2,10 +2,11 @@
   blender -b SCENE.blend --python-exit-code 1 -P export.py -- OUT.glb [--thin-glass]
 What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
 Blender's exporter leaves area lamps, worlds, the picture's size and the thickness of glass out. Here area lamps become
-lights of EXT_lights_area or emitting planes, Diffuse, Glossy and Glass BSDFs become Principled ones, instances become objects, and closed glass gets a
-thickness (--thin-glass: none). World, size and active camera go into the extras of the glTF scene [gltf-scene(5)], the
-world's picture beside OUT; custom properties of the scene called tdpt_... go before them. What is lost all the same is told
-at the end.
+lights of EXT_lights_area or emitting planes, smooth spots profiles of EXT_lights_ies, every shader a Principled BSDF,
+instances objects, and closed glass gets a thickness (--thin-glass: none). World, size and active camera go into the extras
+of the glTF scene [gltf-scene(5)], the world's picture beside OUT; custom properties of the scene called tdpt_... go before
+them. What is lost all the same is told at the end, the worst first: "light:" changes the light of the whole picture,
+"look:" the look of one thing, "note:" nothing.
 
 The extension runs it in a process of its own, on a copy of the scene: it changes what it exports."""
 import argparse
@@ -21,6 +22,7 @@ import instances  # noqa: E402
 import lamps  # noqa: E402
 import materials  # noqa: E402
 import said  # noqa: E402
+import settings  # noqa: E402
 import world  # noqa: E402
 
 KEYS = ("environment", "environment_rotation", "environment_scale", "width", "height", "camera")
@@ -60,7 +62,7 @@ def prepare_camera(shift_counts):
     if active.data.users > 1:
         active.data = active.data.copy()
     if shift_counts and (active.data.shift_x or active.data.shift_y):
-        said.say(f"camera {active.name}: its shift is lost")
+        said.say(said.LOOK, f"camera {active.name}: its shift is lost")
     return active.data.name
 
 
@@ -70,9 +72,9 @@ def camera_of(document, name):
     if cameras.count(name) == 1:
         return {"camera": name}
     if not cameras:
-        said.say("the scene has no perspective camera: give the programs --frame, or --look-from and --look-at")
+        said.say(said.LIGHT, "the scene has no perspective camera: give the programs --frame, or --look-from and --look-at")
     elif name:
-        said.say(f'the active camera {name} is not perspective, or not in the file: the programs take "{cameras[0]}"')
+        said.say(said.LIGHT, f'the active camera {name} is not perspective, or not in the file: the programs take "{cameras[0]}"')
     return {}
 
 
@@ -154,6 +156,7 @@ def main():
     instances.make_real()
     things = instances.placed()
     instances.tell_of_lost(things)
+    settings.tell_of_lost(scene, bpy.context.view_layer, not a.file)
     lamps.prepare(things)
     things = instances.placed()
     materials.prepare(things)
@@ -162,7 +165,7 @@ def main():
     camera, own = prepare_camera(not a.file), last_copy(out)  # the extension cuts shifted pictures
     export(out)
     add_extras(out, camera, own)
-    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in said.LINES]), flush=True)
+    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in said.lines()]), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,17 @@
 """Objects as the picture shows them: without what is not rendered, and instances that the exporter does not know."""
 import bpy
 
-from said import say
+from said import LIGHT, LOOK, NOTE, say
 
-LOST = {"VOLUME": "volume", "GPENCIL": "grease pencil", "GREASEPENCIL": "grease pencil", "CURVES": "hair", "POINTCLOUD": "points"}
+EXPORTED = ("MESH", "CURVE", "SURFACE", "FONT", "LIGHT", "CAMERA")
+UNSEEN = ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
+FLAGS = {  # of an object: (the harm, what that means in Cycles)
+    "visible_camera": (LIGHT, "is invisible to the camera"),
+    "visible_diffuse": (LIGHT, "is invisible to diffuse rays"),
+    "visible_glossy": (LOOK, "is invisible in reflections"),
+    "visible_transmission": (LOOK, "is invisible through glass"),
+    "visible_shadow": (LIGHT, "casts no shadow"),
+}
 
 
 def as_rendered():
@@ -56,7 +64,7 @@ def make_real():
             continue
         if instance.object.type != "MESH":
             if instance.object.type == "LIGHT":
-                say(f"object {parent.original.name}: its instances of lamp {original.name} are lost")
+                say(LIGHT, f"object {parent.original.name}: its instances of lamp {original.name} are lost")
             continue
         key = instance.object.data
         if key not in meshes:
@@ -68,7 +76,7 @@ def make_real():
             thing = bpy.data.objects.new(f"{parent.name} {number}", mesh)
             thing.matrix_world = matrix
             bpy.context.scene.collection.objects.link(thing)
-        say(f"object {parent.name}: {len(copies)} instances became objects")
+        say(NOTE, f"object {parent.name}: {len(copies)} instances became objects")
         if parent.instance_type in ("VERTS", "FACES"):
             parent.instance_type = "NONE"
             for child in parent.children:
@@ -76,9 +84,21 @@ def make_real():
 
 
 def tell_of_lost(things):
-    for thing in things:
-        if thing.type in LOST and not thing.hide_render:
-            say(f"object {thing.name}: is {LOST[thing.type]}, which is lost")
+    for thing in [t for t in things if not t.hide_render]:
+        lost = lambda harm, text: say(harm, f"object {thing.name}: {text}")  # noqa: E731
+        if thing.type not in EXPORTED and thing.type not in UNSEEN:
+            lost(LIGHT if thing.type in ("VOLUME", "META") else LOOK, f"is of type {thing.type.capitalize()}, which is lost")
+        if thing.type in EXPORTED and thing.type != "CAMERA":
+            for flag, (harm, words) in FLAGS.items():
+                # Lamps are invisible to the camera by default, and area lamps always show here, which is said of each.
+                if not getattr(thing, flag, True) and not (thing.type == "LIGHT" and flag == "visible_camera"):
+                    lost(harm, f"{words} in Cycles; here it is as others")
+            for flag, word in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
+                if thing.type != "LIGHT" and getattr(thing, flag, False):
+                    lost(LOOK, f"is {word} in Cycles; here it is as others")
+            linking = getattr(thing, "light_linking", None)
+            if linking and (linking.receiver_collection or linking.blocker_collection):
+                lost(LIGHT, "its light linking is lost: it lights and shades everything")
         for particles in thing.particle_systems if thing.type == "MESH" else ():
             if particles.settings.type == "HAIR" and particles.settings.render_type == "PATH":
-                say(f"object {thing.name}: its hair is lost")
+                lost(LOOK, "its hair is lost")

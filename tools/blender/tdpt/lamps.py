@@ -1,11 +1,14 @@
-"""Area lamps, which Blender's glTF exporter leaves out: lights of EXT_lights_area, or emitting planes."""
+"""Lamps that Blender's glTF exporter leaves out or changes: area lamps become lights of EXT_lights_area, or emitting planes,
+spots with a smooth edge profiles of EXT_lights_ies."""
+import base64
 import math
 
 import bpy
 from mathutils import Matrix
 
 from materials import emitting
-from said import say
+from said import LIGHT, LOOK, NOTE, say
+from trees import colour, constant, flatten, maker
 
 
 def is_portal(lamp):
@@ -57,7 +60,7 @@ def fold(lamp):
 
 
 Y_UP = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
-LIGHTS = []  # of EXT_lights_area: (light, matrix in the axes of glTF)
+LIGHTS = []  # that the exporter has not: (extension, light, what its node says of it, matrix in the axes of glTF)
 LUMENS_PER_WATT = 683  # as Blender's exporter converts the other lamps
 
 
@@ -83,43 +86,91 @@ def light_for(thing):
         return
     light = {"name": thing.name, "color": lamp.color[:], "intensity": radiance * LUMENS_PER_WATT, "size": high}
     light.update({"type": "disk"} if lamp.shape == "DISK" else {"type": "rect", "rect": {"aspect": lamp.size / high}})
-    LIGHTS.append((light, Y_UP @ matrix))
+    LIGHTS.append(("EXT_lights_area", light, {}, Y_UP @ matrix))
     tell(thing, radiance)
 
 
 def tell(thing, radiance):
     say(
-        f"area lamp {thing.name}: {thing.data.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
+        NOTE, f"area lamp {thing.name}: {thing.data.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
         "light; in Cycles it does neither"
     )
 
 
 def add_lights(document):
     """Puts them into the JSON of a glTF file."""
-    if not LIGHTS:
-        return
-    name = "EXT_lights_area"
-    document.setdefault("extensions", {})[name] = {"lights": [light for light, _ in LIGHTS]}
-    document.setdefault("extensionsUsed", []).append(name)
     nodes, shown = document.setdefault("nodes", []), document["scenes"][document.get("scene", 0)].setdefault("nodes", [])
-    for number, (light, matrix) in enumerate(LIGHTS):
+    for extension, light, reference, matrix in LIGHTS:
+        lights = document.setdefault("extensions", {}).setdefault(extension, {}).setdefault("lights", [])
+        used = document.setdefault("extensionsUsed", [])
+        used += [extension] if extension not in used else []
         shown.append(len(nodes))
         flat = [value for column in matrix.transposed() for value in column]
-        nodes.append({"name": light["name"], "matrix": flat, "extensions": {name: {"light": number}}})
+        nodes.append({"name": light["name"], "matrix": flat, "extensions": {extension: {"light": len(lights), **reference}}})
+        lights.append(light)
 
 
 def fold_nodes(lamp):
     """The one Emission that a lamp with nodes has, into power and colour."""
-    output = lamp.node_tree.get_output_node("ALL") if hasattr(lamp.node_tree, "get_output_node") else None
-    surface = output and output.inputs["Surface"]
-    node = surface.links[0].from_node if surface and surface.is_linked else None
-    plain = node and node.bl_idname == "ShaderNodeEmission" and not any(s.is_linked for s in node.inputs)
-    if not plain:
-        say(f"lamp {lamp.name}: its nodes are lost")
+    tree = lamp.node_tree
+    flatten(tree)
+    output = tree.get_output_node("CYCLES")
+    node = output and maker(output.inputs["Surface"])
+    plain = node and node.bl_idname == "ShaderNodeEmission"
+    tint, strength = (colour(node.inputs["Color"]), constant(node.inputs["Strength"])) if plain else (None, None)
+    if tint is None or strength is None:
+        say(LIGHT, f"lamp {lamp.name}: its nodes are lost")
         return
-    lamp.energy *= node.inputs["Strength"].default_value
-    lamp.color = [a * b for a, b in zip(lamp.color, node.inputs["Color"].default_value)]
+    lamp.energy *= strength
+    lamp.color = [a * b for a, b in zip(lamp.color, tint)]
     lamp.use_nodes = False
+
+
+def intensity_of(lamp, cosine):
+    """Of a spot in Cycles, over that on its axis; the edge is smooth in the cosine."""
+    edge = math.cos(lamp.spot_size / 2)
+    x = (cosine - edge) / max(1e-6, (1 - edge) * lamp.spot_blend)
+    x = min(max(x, 0.0), 1.0)
+    return x * x * (3 - 2 * x) * (1 if bpy.app.version >= (4, 0) else cosine)
+
+
+PROFILE_STEPS = 64  # across the smooth edge
+
+
+def profile_of(lamp):
+    """The text of an IES profile that is linear between so many angles."""
+    edge = math.cos(lamp.spot_size / 2)
+    full = edge + (1 - edge) * lamp.spot_blend
+    angles = [math.acos(min(1.0, full + (edge - full) * i / PROFILE_STEPS)) for i in range(PROFILE_STEPS + 1)]
+    angles = sorted({0.0, *(a * i / 8 for i in range(8) for a in angles[:1]), *angles, math.pi})
+    degrees = [f"{math.degrees(a):.7g}" for a in angles]
+    values = [f"{intensity_of(lamp, math.cos(a)):.7g}" for a in angles]
+    head = f"IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 {len(angles)} 1 1 2 0 0 0\n1 1 0\n"
+    return head + "\n".join([*degrees, "0", *values]) + "\n"
+
+
+def profile_for(thing):
+    """A spot with a smooth edge, for which glTF's own spots have another curve."""
+    lamp, greatest = thing.data, max(thing.data.color)
+    text = base64.b64encode(profile_of(lamp).encode()).decode()
+    candela = lamp.energy / (4 * math.pi) * LUMENS_PER_WATT
+    light = {"name": thing.name, "uri": "data:application/octet-stream;base64," + text}
+    reference = {"multiplier": candela * greatest, "color": [c / greatest for c in lamp.color]}
+    LIGHTS.append(("EXT_lights_ies", light, reference, Y_UP @ thing.matrix_world))
+    thing.hide_render = True
+
+
+def tell_of_lamp(thing):
+    """What glTF or the programs have no words for."""
+    lamp, lost = thing.data, lambda harm, text: say(harm, f"lamp {thing.name}: {text}")
+    if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
+        lost(LOOK, "its radius is lost, so its shadows are sharp")
+    if lamp.type == "AREA" and getattr(lamp, "spread", math.pi) < math.pi - 1e-4:
+        lost(LIGHT, f"its spread of {math.degrees(lamp.spread):.0f} degrees is lost: it shines to all sides of its front")
+    if lamp.type == "SPOT" and not is_uniform(thing.matrix_world):
+        lost(LIGHT, "it is stretched; its cone is taken as round")
+    if not getattr(lamp, "use_shadow", True):
+        lost(LIGHT, "it casts no shadows in Cycles; here it does")
 
 
 def prepare(things):
@@ -129,7 +180,7 @@ def prepare(things):
         fold(lamp)
         if lamp.type in ("POINT", "SPOT") and not getattr(lamp, "normalize", True):
             lamp.normalize = True
-            say(f"lamp {lamp.name}: is taken as normalised, so its brightness is lost")
+            say(LIGHT, f"lamp {lamp.name}: is taken as normalised, so its brightness is lost")
         if lamp.use_nodes and lamp.node_tree:
             fold_nodes(lamp)
     for thing in things:
@@ -139,8 +190,12 @@ def prepare(things):
         if is_portal(lamp):
             thing.hide_render = True  # so that an export is the same with and without them
             continue
-        if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
-            say(f"lamp {thing.name}: its radius is lost, so its shadows are sharp")
+        tell_of_lamp(thing)
         if lamp.type == "AREA" and lamp.size > 0:
             plain = lamp.shape != "ELLIPSE" and thing in alone and is_uniform(thing.matrix_world)
             light_for(thing) if plain and lamp.size_y > 0 else plane_for(thing)
+        elif lamp.type == "SPOT" and lamp.spot_blend > 0 and max(lamp.color) > 0:
+            if thing in alone:
+                profile_for(thing)
+            else:
+                say(LOOK, f"lamp {thing.name}: is in an instance, so the smooth edge of its cone is another")

@@ -1,18 +1,18 @@
-"""Materials: Blender's exporter has the Principled BSDF alone. Simple shaders become one; what is lost is told."""
+"""Materials: Blender's exporter knows the Principled BSDF alone, so every shader becomes one; what is lost is told."""
 import bmesh
 import bpy
 
-from said import say
+from nodes import Account
+from said import LIGHT, LOOK, NOTE, say
+from shaders import BLACK, PRINCIPLED, THIN, socket_of
+from trees import flatten, maker
+
+THIN_ONES = set()  # materials through which light passes undeflected, in bodies too
 
 
 def principled(material):
     nodes = material.node_tree.nodes if material and material.use_nodes else []
     return next((n for n in nodes if n.bl_idname == "ShaderNodeBsdfPrincipled"), None)
-
-
-def socket_of(shader, *names):
-    """The first of these inputs that this version of Blender has."""
-    return next(shader.inputs[name] for name in names if name in shader.inputs)
 
 
 # Of light that meets a lamp's plane. Cycles' lamps let it pass; what a black plane keeps made a room 2.5 % too dark.
@@ -33,63 +33,33 @@ def emitting(name, colour, radiance):
     return material
 
 
-def surface_of(material):
-    """The shader that the surface shows; None."""
-    output = material.node_tree.get_output_node("ALL")
-    surface = output and output.inputs["Surface"]
-    return surface.links[0].from_node if surface and surface.is_linked else None
+def output_of(material):
+    """The output that Cycles shows, which the exporter then takes, too."""
+    tree = material.node_tree
+    output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
+    output.is_active_output = True
+    return output
 
 
-def copy_input(tree, source, target):
-    if source.is_linked:
-        tree.links.new(source.links[0].from_socket, target)
-    elif hasattr(source, "default_value"):
-        target.default_value = source.default_value
-
-
-def set_value(shader, value, *names):
-    socket_of(shader, *names).default_value = value
-
-
-def as_principled(material, shader):
-    """Replaces a Diffuse, Glossy or Glass BSDF by a Principled BSDF of the same meaning."""
+def as_principled(material, look, surface):
+    """A Principled BSDF that looks so, in place of the shaders."""
     tree = material.node_tree
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    copy_input(tree, shader.inputs["Color"], node.inputs["Base Color"])
-    if shader.inputs["Normal"].is_linked:
-        copy_input(tree, shader.inputs["Normal"], node.inputs["Normal"])
-    if shader.bl_idname == "ShaderNodeBsdfDiffuse":
-        set_value(node, 0, "Specular IOR Level", "Specular")
-        set_value(node, 1, "Roughness")
-        if shader.inputs["Roughness"].is_linked or shader.inputs["Roughness"].default_value > 0:
-            say(f"material {material.name}: is taken as Lambertian, its roughness is lost")
-    else:
-        copy_input(tree, shader.inputs["Roughness"], node.inputs["Roughness"])
-    if shader.bl_idname in ("ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic"):
-        set_value(node, 1, "Metallic")
-    if shader.bl_idname == "ShaderNodeBsdfGlass":
-        set_value(node, 1, "Transmission Weight", "Transmission")
-        copy_input(tree, shader.inputs["IOR"], node.inputs["IOR"])
-    output = tree.get_output_node("ALL")
-    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    tree.nodes.remove(shader)
-
-
-SIMPLE = ("ShaderNodeBsdfDiffuse", "ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfGlass")
-KNOWN = ("ShaderNodeBsdfPrincipled", "ShaderNodeEmission", "ShaderNodeBackground")
-# Inputs of the Principled BSDF that glTF or the programs have no words for, by their names in all versions.
-LOST = ("Subsurface", "Subsurface Weight", "Anisotropic", "Thin Film Thickness")
-
-
-def tell_of_inputs(material, shader):
-    for name in LOST:
-        socket = shader.inputs.get(name)
-        if socket and (socket.is_linked or socket.default_value > 0):
-            say(f"material {material.name}: {name} is lost")
-    for socket in shader.inputs:
-        made = socket.is_linked and socket.links[0].from_node.bl_idname
-        if made and made.startswith("ShaderNodeTex") and made != "ShaderNodeTexImage":
-            say(f"material {material.name}: {socket.name} is procedural and lost; bake it to an image")
+    node.inputs["Roughness"].default_value = 1
+    if look["Base Color"] == BLACK:
+        look = {"Specular": 0.0, **look}
+    for name, value in look.items():
+        socket = socket_of(node, *PRINCIPLED.get(name, ()))
+        if not socket:
+            continue
+        if isinstance(value, bpy.types.NodeSocket):
+            tree.links.new(value.links[0].from_socket, socket)
+        else:
+            socket.default_value = value
+    if look.get(THIN):
+        THIN_ONES.add(material)
+    tree.links.new(node.outputs["BSDF"], surface)
+    return node
 
 
 def of_things(things):
@@ -100,22 +70,23 @@ def of_things(things):
 
 def prepare(things):
     for material in of_things(things):
-        shader = surface_of(material)
-        if shader and shader.bl_idname in SIMPLE:
-            as_principled(material, shader)
-        elif shader and shader.bl_idname not in KNOWN:
-            say(
-                f"material {material.name}: of its {shader.name} the exporter makes white metal, or a part; "
-                "use a Principled BSDF"
-            )
-        shader = principled(material)
-        if shader:
-            tell_of_inputs(material, shader)
-        output = material.node_tree.get_output_node("ALL")
-        for name in ("Volume", "Displacement") if output else ():
-            links = output.inputs[name].links
-            if links and links[0].from_node.bl_idname != "ShaderNodeVolumeAbsorption":  # the exporter knows that
-                say(f"material {material.name}: its {name.lower()} is lost")
+        tree = material.node_tree
+        flatten(tree)
+        output, account = output_of(material), Account(material)
+        surface, volume = output.inputs["Surface"], maker(output.inputs["Volume"])
+        if volume and not surface.is_linked:
+            tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], surface)
+        shader = as_principled(material, account.read(surface), surface)
+        for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled" and n != shader]:
+            tree.nodes.remove(node)
+        account.take(shader)
+        alpha = shader.inputs["Alpha"]
+        if alpha.is_linked or alpha.default_value < 1:
+            material.blend_method = "BLEND"  # for exporters before Blender 4.2
+        if volume and volume.bl_idname != "ShaderNodeVolumeAbsorption":  # the exporter knows that
+            account.say(LIGHT, f"its volume ({volume.bl_label}) is lost")
+        if output.inputs["Displacement"].is_linked:
+            account.say(LOOK, "its displacement is lost")
 
 
 def shape_of(mesh):
@@ -137,7 +108,7 @@ def shape_of(mesh):
 
 def is_glass(material):
     shader = principled(material)
-    return bool(shader) and socket_of(shader, "Transmission Weight", "Transmission").default_value > 0
+    return bool(shader) and material not in THIN_ONES and socket_of(shader, "Transmission Weight", "Transmission").default_value > 0
 
 
 def give_thickness(material):
@@ -155,7 +126,7 @@ def give_thickness(material):
     node = nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.inputs["Thickness"].default_value = 1
-    say(f"material {material.name}: solid glass")
+    say(NOTE, f"material {material.name}: solid glass")
 
 
 def fill_glass(things):
@@ -167,7 +138,7 @@ def fill_glass(things):
             continue
         shape = shape_of(thing.data)
         if shape == "open":
-            say(f"object {thing.name}: its glass is not closed, so it is taken as thin")
+            say(LOOK, f"object {thing.name}: its glass is not closed, so it is taken as thin")
         for slot in slots if shape == "solid" else ():
             glass = slot.material
             if glass not in solids and glass not in solids.values():

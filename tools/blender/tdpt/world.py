@@ -5,7 +5,8 @@ import os
 import bpy
 import numpy
 
-from said import say
+from said import LIGHT, LOOK, NOTE, say
+from trees import AS_IT_LIGHTS, flatten
 
 LARGEST = 8192  # pixels across that the programs read
 BAKED = (1024, 512)
@@ -75,6 +76,7 @@ def of(world, path):
         return {}, None
     if not world.use_nodes:
         return colour_of(world.color, 1), None
+    flatten(world.node_tree)
     background = background_of(world)
     if background and not background.inputs["Strength"].is_linked:
         factor, colour = background.inputs["Strength"].default_value, background.inputs["Color"]
@@ -95,13 +97,13 @@ def as_light_sees_it(world):
     """A sky that the camera sees otherwise is baked as it lights the scene."""
     for node in [n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeLightPath"]:
         for socket in node.outputs:
-            value = {"Is Diffuse Ray": 1.0, "Ray Length": 1e10}.get(socket.name, 0.0)
+            value = AS_IT_LIGHTS.get(socket.name, 0.0)
             for link in list(socket.links):
                 target = link.to_socket
                 world.node_tree.links.remove(link)
                 if isinstance(getattr(target, "default_value", None), float):
                     target.default_value = value
-        say("world: the camera sees another one than lights the scene; it is taken as it lights")
+        say(LOOK, "world: the camera sees another one than lights the scene; it is taken as it lights")
 
 
 def bake(world, path):
@@ -138,10 +140,10 @@ def bake(world, path):
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0
     bpy.ops.render.render(write_still=True, scene=scene.name)
     bpy.data.scenes.remove(scene)
-    say(f"world: its nodes are baked to a picture of {BAKED[0]} x {BAKED[1]} pixels")
+    say(NOTE, f"world: its nodes are baked to a picture of {BAKED[0]} x {BAKED[1]} pixels")
     image = bpy.data.images.load(path)
     if not max(image.pixels[:]) > 0:
-        say("world: its bake is black")
+        say(LIGHT, "world: its bake is black")
     image.colorspace_settings.is_data = True
     return image
 
@@ -187,7 +189,7 @@ def write_exr(image, path):
     wide = min(2 * height if width > 2 * height else width, LARGEST) // 2 * 2
     if (wide, wide // 2) != (width, height):
         copy.scale(wide, wide // 2)
-        say(f"world: its picture of {width} x {height} pixels became one of {wide} x {wide // 2}")
+        say(NOTE, f"world: its picture of {width} x {height} pixels became one of {wide} x {wide // 2}")
     copy.filepath_raw = path
     copy.file_format = "OPEN_EXR"
     copy.save()
@@ -212,7 +214,7 @@ def keep(image, out, own):
     """(name of the sky's picture, which lies beside OUT or below from now on, whether that is a copy)."""
     folder, stem = os.path.dirname(out), os.path.splitext(out)[0]
     if not image.has_data and not len(image.pixels):
-        say(f"world: its picture {image.name} cannot be loaded, and is lost")
+        say(LIGHT, f"world: its picture {image.name} cannot be loaded, and is lost")
         return None, False
     data, source = bytes_of(image)
     real = os.path.realpath(folder) + os.sep
@@ -228,5 +230,5 @@ def keep(image, out, own):
     else:
         with open(path, "wb") as file:
             file.write(data)
-    say(f"world: its picture is copied to {name}")
+    say(NOTE, f"world: its picture is copied to {name}")
     return name, True
