@@ -1,5 +1,6 @@
 """Render with tdpt: F12, animations and the compositor."""
 import os
+import time
 
 import bpy
 import numpy
@@ -19,7 +20,7 @@ CHECKPOINT = 3  # seconds between pictures that are shown
 class Told:
     """What the last rendering had to tell, for the panel: a rendering may not write to the scene."""
 
-    lost = []
+    lines = []  # of the export, the worst first, and then of the programs
 
 
 def options_of(settings, scene, film, portal_file):
@@ -59,6 +60,7 @@ class TdptEngine(bpy.types.RenderEngine):
         """Keeps the scene as it is now. Cameras and the like are those of the depsgraph, which knows the frame."""
         scene = depsgraph.scene
         self.failure, self.saved = "", ""
+        self.next_words, self.words_shown = 0.0, ""
         try:
             self.program = programs.needed()
             seen = scene.camera.evaluated_get(depsgraph) if scene.camera else None
@@ -90,9 +92,13 @@ class TdptEngine(bpy.types.RenderEngine):
         self.error_set(sentence)
 
     def show(self, progress):
+        """At most once a second: without a window Blender prints a line each time."""
         share, words = progress
-        self.update_progress(share)
-        self.update_stats("", words)
+        now = time.monotonic()
+        if now >= self.next_words and words != self.words_shown:
+            self.next_words, self.words_shown = now + 1, words
+            self.update_progress(share)
+            self.update_stats("", words)
 
     def rendering(self, depsgraph):
         """A generator of (share, words): exports, renders, and shows what there is."""
@@ -102,10 +108,11 @@ class TdptEngine(bpy.types.RenderEngine):
             if os.path.exists(path):
                 os.remove(path)
         steps = scene_file.exporting(self.saved, self.scene_name, self.frame, exported, depsgraph.view_layer.name)
-        Told.lost = yield from self.until_stopped(steps)
-        if Told.lost is None:
+        Told.lines = []
+        told = yield from self.until_stopped(steps)
+        if told is None:
             return
-        self.tell_of_lost()
+        self.tell(told)
         words = [self.program, exported, "-o", made, "--force", "--set", "progress=json", "--checkpoint", film, "--resume", film]
         words += ["--set", f"checkpoint-every={CHECKPOINT}", *self.words]
         now, shown = (0.0, "rendering"), None
@@ -115,6 +122,7 @@ class TdptEngine(bpy.types.RenderEngine):
                 if self.test_break():
                     break
                 now = programs.last_progress(new, now)
+                self.tell(programs.told_by(new))
                 shown = self.show_film(film, shown, depsgraph)
                 yield now
         finally:
@@ -136,11 +144,15 @@ class TdptEngine(bpy.types.RenderEngine):
         finally:
             steps.close()
 
-    def tell_of_lost(self):
-        lost = [line for line in Told.lost if "lost" in line]
-        if lost:
-            more = f", and {len(lost) - 1} more: see Light Portals in the render properties" if len(lost) > 1 else ""
-            self.report({"WARNING"}, lost[0] + more)
+    def tell(self, lines):
+        """All of it on the console, where a rendering without a window is read; the worst as a warning."""
+        Told.lines += lines
+        for line in lines:
+            print("tdpt: " + line, flush=True)
+        bad = [line for line in lines if not line.startswith("note: ")]
+        if bad:
+            more = f", and {len(bad) - 1} more: see Light Portals in the render properties" if len(bad) > 1 else ""
+            self.report({"WARNING"}, bad[0].split(": ", 1)[1] + more)
 
     def show_film(self, film, shown, depsgraph):
         """Shows the picture of the samples so far, where it has changed; when it did."""

@@ -93,18 +93,23 @@ def last_copy(path):
         return None
 
 
-def without_gloss(document):
-    """A specular of 0 is no reflection at all; Blender 3's exporter writes a black colour for it, which still reflects at
-    grazing angles."""
+def complete_gloss(document):
+    """What Blender's exporter leaves out of reflections: the index of refraction of what is opaque. A specular of 0 is none
+    at all; Blender 3's exporter writes a black colour for it, which still reflects at grazing angles."""
     for material in document.get("materials", []):
-        specular = material.get("extensions", {}).get("KHR_materials_specular")
+        extensions = material.get("extensions", {})
+        specular = extensions.get("KHR_materials_specular")
         if specular and specular.get("specularColorFactor") == [0, 0, 0]:
             specular.setdefault("specularFactor", 0)
+        ior = materials.ior_of(bpy.data.materials.get(material.get("name", "")))
+        if ior is not None and "KHR_materials_ior" not in extensions:
+            material["extensions"] = {**extensions, "KHR_materials_ior": {"ior": ior}}
+            document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), "KHR_materials_ior"})
 
 
 def add_extras(path, camera, own):
     document, rest = gltf_file.read(path)
-    without_gloss(document)
+    complete_gloss(document)
     lamps.add_lights(document)
     render = bpy.context.scene.render
     size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]

@@ -32,11 +32,13 @@ def scaled(generator, low, high):
 
 
 def searching(words):
-    """A generator that runs tdpt: (share, words)."""
-    now = (0.0, "looking for portals")
+    """A generator that runs tdpt: (share, words); its result: what the programs say."""
+    now, told = (0.0, "looking for portals"), []
     for lines in programs.running(words):
         now = programs.last_progress(lines, now)
+        told += programs.told_by(lines)
         yield now
+    return told
 
 
 def measuring(name, frame, saved, found):
@@ -77,13 +79,13 @@ def finding(scene, layer, measure=True, quality="normal"):
     name, frame = scene.name, scene.frame_current_final
     lost = yield from scaled(scene_file.exporting(saved, name, frame, exported, layer), 0, 0.1)
     words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
-    yield from scaled(searching(words), 0.1, 0.7)
+    said = yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
-    told = [portals.words_of(found)]
+    told = [portals.words_of(found), *sorted({s.split(": ", 1)[1] for s in said if s.startswith("light: ")})]
     scene = alive(name)
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)
-    scene.tdpt.found, scene.tdpt.lost = told[0], "\n".join(lost)
+    scene.tdpt.found, scene.tdpt.lost = "\n".join(told), "\n".join(lost + said)
     Now.placed = True
     worth = None
     windows = [p for p in found if portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0]

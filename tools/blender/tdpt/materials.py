@@ -15,6 +15,15 @@ def principled(material):
     return next((n for n in nodes if n.bl_idname == "ShaderNodeBsdfPrincipled"), None)
 
 
+def ior_of(material):
+    """Of a Principled BSDF, where it is not glTF's own; before Blender 4.0 reflections did not hang on it."""
+    shader = principled(material)
+    ior = shader and shader.inputs["IOR"]
+    if not ior or ior.is_linked or bpy.app.version < (4, 0) or abs(ior.default_value - 1.5) < 1e-6:
+        return None
+    return ior.default_value
+
+
 # Of light that meets a lamp's plane. Cycles' lamps let it pass; what a black plane keeps made a room 2.5 % too dark.
 LAMP_ALBEDO = 0.8
 

@@ -101,10 +101,10 @@ class TDPT_PT_lost(InRender, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return bool(Told.lost or context.scene.tdpt.lost)
+        return bool(Told.lines or context.scene.tdpt.lost)
 
     def draw(self, context):
-        for line in Told.lost or context.scene.tdpt.lost.splitlines():
+        for line in Told.lines or context.scene.tdpt.lost.splitlines():
             wrapped(self.layout, line, context)
 
 

@@ -156,6 +156,18 @@ def last_progress(lines, before):
     return before
 
 
+def told_by(lines):
+    """What the programs say in these lines, in the form of an export's sentences: a warning is of the light."""
+    told = []
+    for line in lines:
+        tool, colon, sentence = line.partition(": ")
+        if line.startswith("{") or not colon:
+            continue
+        warned = sentence.removeprefix("warning: ")
+        told.append(f"light: {warned}" if warned != sentence else f"note: {tool}: {sentence}")
+    return told
+
+
 def wait(generator, tick=0.02, seen=None):
     """Runs a generator to its end; its result."""
     while True:

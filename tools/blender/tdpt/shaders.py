@@ -47,6 +47,10 @@ def value_of(socket):
     return tuple(value) if hasattr(value, "__len__") else value
 
 
+def f0_of(ior):
+    return ((ior - 1) / (ior + 1)) ** 2
+
+
 def see_through(look):
     """Whether it is a Transparent BSDF."""
     return look.get("IOR") == 1.0 and look.get("Roughness") == 0.0 and look.get("Transmission") == 1.0
@@ -100,7 +104,11 @@ class Reader:
         self.tell_of_inputs(node, [name for names in PRINCIPLED.values() for name in names])
         found = {name: socket_of(node, *names) for name, names in PRINCIPLED.items()}
         look = {name: value_of(s) for name, s in found.items() if s and (s.is_linked or not name.endswith("Normal"))}
-        tint = look["Base Color"]
+        tint, level, ior = look["Base Color"], look["Specular"], look["IOR"]
+        if look["Transmission"] == 0 and isinstance(ior, float) and level not in (0, 0.5) and bpy.app.version >= (4, 0):
+            if isinstance(level, float):  # it scales the reflectance at normal incidence, but not at grazing angles
+                root = math.sqrt(min(2 * level, 1 / max(f0_of(ior), 1e-9)) * f0_of(ior))
+                look["IOR"], look["Specular"] = (1 + root) / max(1 - root, 1e-3), 0.5
         if look["Transmission"] == 1.0 and bpy.app.version >= (4, 0):  # each of two interfaces has a part of the tint
             if isinstance(tint, tuple):
                 look["Base Color"] = tuple(math.sqrt(max(0.0, c)) for c in tint)

@@ -132,7 +132,7 @@ def colour(socket):
     if node.bl_idname == "ShaderNodeBlackbody" and "temperature_color" in bpy.types.Light.bl_rna.properties:
         kelvin = constant(node.inputs["Temperature"])
         lamp = bpy.data.lights.new("kelvin", "POINT")
-        lamp.temperature = kelvin or 6500
+        lamp.use_temperature, lamp.temperature = True, kelvin or 6500
         made = (*lamp.temperature_color, 1.0)
         bpy.data.lights.remove(lamp)
         return made if kelvin else None
