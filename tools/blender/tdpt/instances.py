@@ -16,6 +16,9 @@ FLAGS = {  # of an object: (the harm, what that means in Cycles)
 
 def as_rendered():
     """What the viewport shows otherwise than the picture."""
+    for render in (scene.render for scene in bpy.data.scenes):
+        render.simplify_subdivision = render.simplify_subdivision_render
+        render.simplify_child_particles = render.simplify_child_particles_render
     for collection in bpy.data.collections:
         collection.hide_viewport = False
     for thing in bpy.data.objects:
@@ -58,8 +61,8 @@ def make_real():
         if not instance.is_instance or not parent or parent.original.instance_type == "COLLECTION":
             continue
         original = instance.object.original
-        if parent.original.hide_render or original == parent.original or instance.particle_system:
-            continue  # the exporter has particles itself; text and curves are instances of themselves
+        if parent.original.hide_render or original == parent.original:
+            continue  # text and curves are instances of themselves
         if not instance.show_self:
             continue
         if instance.object.type != "MESH":
@@ -77,6 +80,10 @@ def make_real():
             thing.matrix_world = matrix
             bpy.context.scene.collection.objects.link(thing)
         say(NOTE, f"object {parent.name}: {len(copies)} instances became objects")
+        for particles in parent.particle_systems:  # the exporter knows those whose objects are rendered themselves
+            particles.settings.render_type = "NONE"
+        if not parent.show_instancer_for_render:
+            parent.hide_render = True
         if parent.instance_type in ("VERTS", "FACES"):
             parent.instance_type = "NONE"
             for child in parent.children:

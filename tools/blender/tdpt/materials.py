@@ -94,6 +94,8 @@ def prepare(things):
             material.blend_method = "BLEND"  # for exporters before Blender 4.2
         if volume and volume.bl_idname != "ShaderNodeVolumeAbsorption":  # the exporter knows that
             account.say(LIGHT, f"its volume ({volume.bl_label}) is lost")
+        if not getattr(material, "use_transparent_shadow", True):
+            account.say(LIGHT, "its shadow is opaque in Cycles; here light passes as it does elsewhere")
         if output.inputs["Displacement"].is_linked:
             account.say(LOOK, "its displacement is lost")
 
