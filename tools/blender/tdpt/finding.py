@@ -81,7 +81,8 @@ def finding(scene, layer, measure=True, quality="normal"):
     words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
     said = yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
-    told = [portals.words_of(found), *sorted({s.split(": ", 1)[1] for s in said if s.startswith("light: ")})]
+    warned = sorted({line.removeprefix("light: ") for line in said if line.startswith("light: ")})
+    told = warned if warned and not found else [portals.words_of(found), *warned]
     scene = alive(name)
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)

@@ -95,7 +95,7 @@ class TDPT_PT_portals(InRender, bpy.types.Panel):
 
 
 class TDPT_PT_lost(InRender, bpy.types.Panel):
-    bl_label = "What tdpt Takes Otherwise"
+    bl_label = "What tdpt Says"
     bl_parent_id = "TDPT_PT_portals"
     bl_options = {"DEFAULT_CLOSED"}
 

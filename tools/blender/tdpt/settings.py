@@ -55,7 +55,7 @@ def tell_of_camera(scene, alone):
     for corner in [*frame, sum(frame, Vector()) / 4]:
         towards = matrix.to_3x3() @ corner
         hit, *_, thing, _ = scene.ray_cast(graph, eye, towards.normalized(), distance=near * corner.length / abs(corner.z))
-        if hit:
+        if hit and not thing.hide_render:
             say(LIGHT, f"camera {camera.name}: its clipping at {near:g} m cuts {thing.name} away in Cycles; here it stands in the picture")
 
 

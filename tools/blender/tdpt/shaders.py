@@ -74,6 +74,12 @@ def blend(share, x, y):
     return y if share > 0.5 else x
 
 
+def with_amounts(look, names):
+    """It has nothing of what only the other has; what is black reflects nothing, so there the other's kind counts."""
+    amounts = ("Emission Strength",) if look["Base Color"] == BLACK else ("Metallic", "Transmission", "Emission Strength")
+    return {**{name: 0.0 for name in amounts if name in names}, **look}
+
+
 class Reader:
     """Reads the shaders of one material."""
 
@@ -154,6 +160,8 @@ class Reader:
         for one, other in ((a, b), (b, a)):
             if one["Base Color"] == BLACK and "Emission Strength" in one and other.get("Emission Strength", 0.0) == 0.0:
                 return {**other, **{name: one[name] for name in ("Emission Color", "Emission Strength")}}
+        if see_through(a) or see_through(b):
+            self.say(LIGHT, "its Add Shader with a Transparent BSDF is taken as half of each")
         both = self.between(0.5, a, b)
         for name in ("Base Color", "Emission Strength"):
             value = both.get(name)
@@ -217,7 +225,7 @@ class Reader:
         if "Roughness" in top and (see_through(under) or "Roughness" not in under):
             look["Roughness"] = top["Roughness"]
         if see_through(under):
-            self.say(NOTE, "its Transparent BSDF under a reflection is taken as thin glass")
+            self.say(LIGHT, "its Transparent BSDF under a reflection is taken as thin glass; on back faces Cycles keeps up to half of the light back")
         return look
 
     def tell_of_tint(self, look):
@@ -228,13 +236,12 @@ class Reader:
         if share in (0.0, 1.0):
             return b if share else a
         for one, other, part in ((a, b, share), (b, a, 1 - share)):
-            if see_through(one) and not see_through(other) and not other.get(THIN):
+            if see_through(one) and not see_through(other):
                 self.tell_of_tint(one)
                 alpha = other.get("Alpha", 1.0)
                 if isinstance(alpha, float):
                     return {**other, "Alpha": alpha * part}
         if BLACK not in (a["Base Color"], b["Base Color"]) and a["Base Color"] != b["Base Color"]:
             self.say(LOOK, "its shaders are taken as one between them")
-        amounts = {name: 0.0 for name in ("Metallic", "Transmission", "Emission Strength") if name in {**a, **b}}
-        a, b = ({**amounts, **look} for look in (a, b))
+        a, b = (with_amounts(look, {**a, **b}) for look in (a, b))
         return {name: blend(share, a.get(name, b.get(name)), b.get(name, a.get(name))) for name in {**a, **b}}
