@@ -149,6 +149,7 @@ class Reading(unittest.TestCase):
         grey, brown = (0.5, 0.5, 0.5, 1), (0.2, 0.1, 0.05, 1)
         builders = {
             "plastic": lambda t: mixed(t, node(t, "Fresnel", IOR=1.3), node(t, "BsdfDiffuse", Color=brown), node(t, "BsdfGlossy", Roughness=0.3)),
+            "bark": lambda t: node(t, "BsdfPrincipled", Base_Color=node(t, "TexNoise"), Roughness=node(t, "TexNoise"), IOR=1.2),
             "shiny": lambda t: mixed(t, 0.1, node(t, "BsdfDiffuse", Color=grey), node(t, "BsdfGlossy", Color=grey, Roughness=0.3)),
             "lampshade": lambda t: mixed(t, 0.25, node(t, "BsdfGlossy", Color=grey, Roughness=0.3), node(t, "Emission", Strength=4)),
             "sheer": lambda t: mixed(t, 0.25, see_through(t), node(t, "BsdfTranslucent", Color=grey)),
@@ -167,6 +168,8 @@ class Reading(unittest.TestCase):
         numbers = numpy.testing.assert_allclose
         numbers(of["plastic"]["baseColorFactor"][:3], brown[:3], rtol=1e-5)
         numbers([of["plastic"]["KHR_materials_ior"]["ior"], of["plastic"]["roughnessFactor"], of["plastic"]["metallicFactor"]], [1.3, 0.3, 0], rtol=1e-5)
+        numbers(of["plastic"]["KHR_materials_specular"]["specularColorFactor"], [0.8] * 3, rtol=1e-5)  # a Glossy BSDF's default
+        numbers([*of["bark"]["baseColorFactor"][:3], of["bark"]["roughnessFactor"], of["bark"]["KHR_materials_ior"]["ior"]], [0.8, 0.8, 0.8, 0.5, 1.2], rtol=1e-5)
         numbers([of["shiny"]["metallicFactor"], of["shiny"]["roughnessFactor"]], [0.1, 0.3], rtol=1e-5)
         numbers([of["curtain"]["KHR_materials_transmission"]["transmissionFactor"], of["gauze"]["baseColorFactor"][3]], [0.4, 0.25], rtol=1e-5)
         self.assertEqual([of[name].get("alphaMode", "OPAQUE") for name in ("gauze", "leaf", "glow")], ["BLEND", "BLEND", "OPAQUE"])

@@ -5,7 +5,7 @@ import bpy
 from nodes import Account
 from said import LIGHT, LOOK, NOTE, say
 from shaders import BLACK, PRINCIPLED, THIN, socket_of
-from trees import flatten, maker
+from trees import connect_value, flatten, maker
 
 THIN_ONES = set()  # materials through which light passes undeflected, in bodies too
 
@@ -62,6 +62,7 @@ def as_principled(material, look, surface):
         if not socket:
             continue
         if isinstance(value, bpy.types.NodeSocket):
+            connect_value(value, socket)
             tree.links.new(value.links[0].from_socket, socket)
         else:
             socket.default_value = value

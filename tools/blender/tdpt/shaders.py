@@ -90,7 +90,7 @@ class Reader:
         say(harm, f"material {self.material.name}: {text}")
 
     def read(self, socket):
-        """The look of a shader input; None where a node is not read."""
+        """The look of a shader input."""
         node = maker(socket)
         if not node:
             return {"Base Color": BLACK}
@@ -154,7 +154,7 @@ class Reader:
             family = socket.name.split()[0].replace("Tangent", "Anisotropic")
             weight = next((s for s in node.inputs if s.name in (family, family + " Weight", family + " Film Thickness")), None)
             if weight in (None, socket) or weight.is_linked or weight.default_value > 0:
-                self.say(LIGHT if socket.name.startswith("Subsurface W") else LOOK, f"{socket.name} of its {node.bl_label} is lost")
+                self.say(LIGHT if family == "Subsurface" else LOOK, f"{socket.name} of its {node.bl_label} is lost")
 
     def added(self, a, b):
         for one, other in ((a, b), (b, a)):
@@ -182,12 +182,12 @@ class Reader:
             return self.between(min(max(share, 0.0), 1.0), a, b)
         angular = next((pair for pair in nodes if pair[0].bl_idname in ("ShaderNodeFresnel", "ShaderNodeLayerWeight")), None)
         if angular:
-            return self.layered(angular, maker(factor) != angular[0], a, b)
+            return self.layered(*angular, len(nodes) > 1, a, b)
         if see_through(a) and not see_through(b):
             self.tell_of_tint(a)
             return {**b, "Alpha": factor}
-        self.say(LIGHT, "its Mix Shader changes from place to place; it is taken as " + ("its second part" if see_through(b) else "its first part"))
-        return b if see_through(a) else a
+        self.say(LIGHT, "its Mix Shader changes from place to place; it is taken as half of each")
+        return self.between(0.5, a, b)
 
     def by_kind_of_ray(self, share, a, b):
         """A pane that lets light straight through, but looks like glass; or what looks otherwise than it lights."""
@@ -203,17 +203,15 @@ class Reader:
         self.say(harm, "it differs by kind of ray (Light Path); it is taken as diffuse rays see it")
         return self.between(min(max(share, 0.0), 1.0), a, b)
 
-    def layered(self, angular, bent, under, top):
-        """A reflection that grows towards grazing angles."""
-        node, output = angular
-        if node.bl_idname == "ShaderNodeFresnel":
-            ior = value_of(node.inputs["IOR"])
-        else:
-            blend = constant(node.inputs["Blend"])
-            ior = 1 / max(1 - (0.5 if blend is None else blend), 1e-3) if output.name == "Fresnel" else 1.5
-        if not isinstance(ior, float) or ior < 1:
+    def layered(self, node, output, bent, under, top):
+        """A reflection that grows towards grazing angles by a Fresnel or Layer Weight node; `bent`: and by others."""
+        of_weight = node.bl_idname == "ShaderNodeLayerWeight"
+        ior = constant(node.inputs["Blend" if of_weight else "IOR"])
+        if of_weight and ior is not None:
+            ior = 1 / max(1 - ior, 1e-3)
+        plain = not bent and output.name != "Facing" and ior is not None and ior >= 1
+        if not plain:
             ior = 1.5
-        if bent or output.name == "Facing":
             self.say(LOOK, f"its reflection by angle is taken as that of IOR {ior:.3g}")
         if is_mirror(under) and not is_mirror(top):
             under, top = top, under
@@ -222,6 +220,8 @@ class Reader:
             self.say(LIGHT, "its Mix Shader changes with the angle; it is taken as its first part")
             return under
         look = {**under, "IOR": ior, "Specular": 0.5}
+        if is_mirror(top) and bpy.app.version >= (4, 0):  # a number before
+            look["Specular Tint"] = top["Base Color"]
         if "Roughness" in top and (see_through(under) or "Roughness" not in under):
             look["Roughness"] = top["Roughness"]
         if see_through(under):

@@ -18,13 +18,19 @@ MATH = {
 }
 
 
+def connect_value(source, target):
+    """Gives a socket the value that another has of itself."""
+    if hasattr(source, "default_value"):
+        with contextlib.suppress(AttributeError, TypeError, ValueError):  # a colour for a number
+            target.default_value = source.default_value
+
+
 def connect(tree, source, target):
     """Gives an input what another input has: its link, or its value."""
     if source.is_linked:
         tree.links.new(source.links[0].from_socket, target)
-    elif hasattr(source, "default_value"):
-        with contextlib.suppress(TypeError, ValueError):  # a colour for a number
-            target.default_value = source.default_value
+    else:
+        connect_value(source, target)
 
 
 def bypass(tree, node):
@@ -47,9 +53,7 @@ def copy_of(tree, node):
     if getattr(node, "node_tree", None):
         new.node_tree = node.node_tree
     for old, fresh in [*zip(node.inputs, new.inputs), *zip(node.outputs, new.outputs)]:
-        if hasattr(old, "default_value"):
-            with contextlib.suppress(AttributeError, TypeError):
-                fresh.default_value = old.default_value
+        connect_value(old, fresh)
     return new
 
 
