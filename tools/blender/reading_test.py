@@ -18,7 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_test  # noqa: E402
 import rooms  # noqa: E402
 from blender_test import FOLDER, exported, rendered  # noqa: E402
-from tdpt import engine, exr, programs  # noqa: E402
+from tdpt import engine, exr, finding, portals, programs  # noqa: E402
 
 
 def shaded(name, build):
@@ -323,6 +323,13 @@ class Telling(unittest.TestCase):
     def test_what_the_programs_say(self):
         lines = ["tdpt-render: warning: no sample found light", "portalfit: 1 portal", '{"progress":{"step":1}}', ""]
         self.assertEqual(programs.told_by(lines), ["light: no sample found light", "note: portalfit: 1 portal"])
+
+    def test_why_there_is_no_portal(self):
+        """The search gives back what the programs say, and the panel shows their reason, not one of its own."""
+        lines = ["ffgraph: x", "mincut: no bottleneck: is its door shut?", '{"progress":{"step":1}}']
+        with mock.patch.object(programs, "running", lambda words: iter([lines[:1], lines[1:]])):
+            self.assertEqual(programs.wait(finding.searching([])), ["note: ffgraph: x", "note: mincut: no bottleneck: is its door shut?"])
+        self.assertEqual(portals.words_of([], "is its door shut?"), "No portal: is its door shut?")
 
     def test_a_dark_room(self):
         """What the programs warn of reaches the console and the panel."""

@@ -81,12 +81,12 @@ def finding(scene, layer, measure=True, quality="normal"):
     words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
     said = yield from scaled(searching(words), 0.1, 0.7)
     found = gltf_file.read_portals(result)
-    warned = sorted({line.removeprefix("light: ") for line in said if line.startswith("light: ")})
-    told = warned if warned and not found else [portals.words_of(found), *warned]
+    why = next((line.split(no, 1)[1] for line in said for no in (": no bottleneck: ", ": no portal: ") if no in line), "")
+    told = [portals.words_of(found, why)]
     scene = alive(name)
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)
-    scene.tdpt.found, scene.tdpt.lost = "\n".join(told), "\n".join(lost + said)
+    scene.tdpt.found, scene.tdpt.lost = told[0], "\n".join(lost + said)
     Now.placed = True
     worth = None
     windows = [p for p in found if portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0]

@@ -162,10 +162,10 @@ def write_used(scene, path, layer=0):
     return len(portals)
 
 
-def words_of(found):
-    """What was found, in a sentence."""
+def words_of(found, why):
+    """What was found, in a sentence; `why`: tdpt's reason where it is nothing, which it does not tell of a search that it has kept."""
     if not found:
-        return "No portal: the light does not pass a narrow place on its way to the camera"
+        return f"No portal: {why}" if why else "No portal"
     windows = sum(lets_in_sky(figures) and figures.get("sky", 0) > 0 for *_, figures in found)
     count = f"{len(found)} portal{'s' if len(found) > 1 else ''}"
     if not windows:
