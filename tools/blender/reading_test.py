@@ -5,6 +5,7 @@ import math
 import os
 import subprocess
 import sys
+import tempfile
 import time
 import types
 import unittest
@@ -260,6 +261,31 @@ class Reading(unittest.TestCase):
         _, told = exported(scene)
         self.assertNotIn("  light: ", told)
         self.assertNotIn("  look: ", told)
+
+    @unittest.skipIf(bpy.app.version < (5, 0), "other skies")
+    def test_a_baked_sun_keeps_its_power(self):
+        """Wherever its edge crosses the pixels of the sky's picture. Baked with few samples, which do for all but the sun."""
+        sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "tdpt"))
+        import world
+
+        def power(turn):
+            scene = rooms.empty()
+            scene.world = bpy.data.worlds.new("sky")
+            tree = scene.world.node_tree
+            sky = node(tree, "TexSky", sun_elevation=0.65, sun_rotation=turn)
+            tree.links.new(sky.outputs[0], next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground").inputs["Color"])
+            folder = tempfile.mkdtemp(dir=FOLDER)
+            name, _ = world.keep(world.bake(scene.world, os.path.join(FOLDER, "baked.exr")), os.path.join(folder, "sky.glb"), None)
+            light = exr.read(os.path.join(folder, name), {"G"})["G"]
+            return light[light > 100 * numpy.median(light)].sum()
+
+        few = mock.patch.multiple(world, BAKED_SAMPLES=2)
+        with few:
+            powers = [power(turn) for turn in (1.0, 1.002)]
+        with few, mock.patch.object(world, "bake_sun", lambda *_: None):
+            twin = [power(turn) for turn in (1.0, 1.002)]
+        self.assertLess(abs(powers[0] / powers[1] - 1), 0.005)
+        self.assertGreater(abs(twin[0] / twin[1] - 1), 0.02)
 
     def test_a_spot_s_edge(self):
         """On a floor, where its cone fades: beside Cycles."""

@@ -10,7 +10,8 @@ from trees import AS_IT_LIGHTS, flatten
 
 LARGEST = 8192  # pixels across that the programs read
 BAKED = (1024, 512)
-BAKED_SAMPLES = 64  # of a pixel: a sun is as wide as two
+BAKED_SAMPLES = 64  # of a pixel
+SUN_SAMPLES = 4096  # of a pixel near a sun, which is as wide as two
 
 
 def background_of(world):
@@ -106,6 +107,41 @@ def as_light_sees_it(world):
         say(LOOK, "world: the camera sees another one than lights the scene; it is taken as it lights")
 
 
+def rendered(scene):
+    bpy.ops.render.render(write_still=True, scene=scene.name)
+    image = bpy.data.images.load(scene.render.filepath)
+    image.colorspace_settings.is_data = True
+    return image
+
+
+def pixels_of(image):
+    pixels = numpy.empty(image.size[0] * image.size[1] * 4, numpy.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(image.size[1], image.size[0], 4)
+
+
+def bake_sun(scene, image):
+    """What is small and bright again, with more samples: its edge crosses few pixels, which must not change its power."""
+    pixels, render = pixels_of(image), scene.render
+    light = pixels[..., :3].mean(2)
+    rows, columns = numpy.nonzero(light > 8 * light.mean())
+    if not len(rows):
+        return
+    low = max(0, rows.min() - 2), max(0, columns.min() - 2)
+    high = min(light.shape[0], rows.max() + 3), min(light.shape[1], columns.max() + 3)
+    if (high[0] - low[0]) * (high[1] - low[1]) > light.size // 500:
+        return
+    render.use_border = render.use_crop_to_border = True
+    height, width = light.shape
+    render.border_min_x, render.border_max_x = ((x + 0.25) / width for x in (low[1], high[1]))
+    render.border_min_y, render.border_max_y = ((y + 0.25) / height for y in (low[0], high[0]))
+    scene.cycles.samples = SUN_SAMPLES
+    render.filepath += ".sun.exr"
+    finer = pixels_of(rendered(scene))
+    pixels[low[0] : high[0], low[1] : high[1]] = finer
+    image.pixels.foreach_set(pixels.ravel())
+
+
 def bake(world, path):
     """The world as Cycles sees it all around, as an image."""
     scene = bpy.data.scenes.new("sky")
@@ -138,13 +174,12 @@ def bake(world, path):
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BOX"
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0
-    bpy.ops.render.render(write_still=True, scene=scene.name)
+    image = rendered(scene)
+    bake_sun(scene, image)
     bpy.data.scenes.remove(scene)
     say(NOTE, f"world: its nodes are baked to a picture of {BAKED[0]} x {BAKED[1]} pixels")
-    image = bpy.data.images.load(path)
     if not max(image.pixels[:]) > 0:
         say(LIGHT, "world: its bake is black")
-    image.colorspace_settings.is_data = True
     return image
 
 
@@ -177,8 +212,7 @@ def bytes_of(image):
 def write_exr(image, path):
     """Linear, twice as wide as high, and no larger than is read. False, and no file, where it is black."""
     width, height = image.size
-    pixels = numpy.empty(width * height * 4, numpy.float32)
-    image.pixels.foreach_get(pixels)
+    pixels = pixels_of(image).ravel()
     rgb = pixels.reshape(-1, 4)[:, :3]
     if not rgb.max() > 0:
         return False
