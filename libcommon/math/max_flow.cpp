@@ -40,14 +40,13 @@ std::vector<uint8_t> residual_reach(const Graph& g, const std::vector<int64_t>& 
 
 }  // namespace
 
-// Each arc gives an edge and its reverse; the reverse has the capacity of the next arc, if that
-// leads back, as ffgraph writes them. The edges of a node are contiguous, in the order of the arcs;
-// loops carry nothing and are skipped.
+// Each arc gives an edge and its reverse; the reverse is the next arc's, if that leads back, as
+// ffgraph writes them. The edges of a node are contiguous, in the order of the arcs; loops carry
+// nothing and are skipped.
 struct FlowGraph::Layout {
   Graph graph;
-  std::vector<Edge> reverse;  // of each edge
-  // Per arc: the edge that it became; of a loop, or of an arc that leads back, UINT32_MAX.
-  std::vector<uint32_t> edge;
+  std::vector<Edge> reverse;   // of each edge
+  std::vector<uint32_t> edge;  // per arc; of a loop UINT32_MAX
 };
 
 FlowGraph::~FlowGraph() = default;
@@ -80,6 +79,7 @@ FlowGraph::FlowGraph(const FlowNetwork& network) {
     layout->reverse[forward.idx] = backward;
     layout->reverse[backward.idx] = forward;
     layout->edge[i] = forward.idx;
+    if (leads_back(i)) layout->edge[i + 1] = backward.idx;
   });
   layout->graph =
       Graph(boost::edges_are_sorted, ends.begin(), ends.end(), network.nodes, ends.size());
@@ -92,10 +92,7 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   const auto& [graph, reverse, edge] = *layout_;
   EdgeState state{std::vector<int64_t>(reverse.size(), 0), std::vector<int64_t>(reverse.size())};
   for (size_t i = 0; i < arcs.size(); ++i)
-    if (edge[i] != UINT32_MAX)
-      state.capacity[edge[i]] = arcs[i].capacity;
-    else if (arcs[i].from != arcs[i].to)
-      state.capacity[reverse[edge[i - 1]].idx] = arcs[i].capacity;
+    if (edge[i] != UINT32_MAX) state.capacity[edge[i]] = arcs[i].capacity;
   const auto index = boost::get(boost::vertex_index, g);
   const auto per_node = [&](auto& values) {
     return boost::make_iterator_property_map(values.begin(), index);
@@ -110,13 +107,12 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   result.value = boost::boykov_kolmogorov_max_flow(
       g, per_edge(state.capacity), per_edge(state.residual), per_edge(reverse), per_node(parent),
       per_node(tree), per_node(distance), index, network.source, network.sink);
+  // Of two arcs that are one edge at most one carries flow. Boost leaves the reverse of an edge at
+  // the source or the sink as it was, so that each arc asks its own.
   result.flow.assign(arcs.size(), 0);
-  for (size_t i = 0; i < arcs.size(); ++i) {
-    if (edge[i] == UINT32_MAX) continue;
-    const int64_t flow = arcs[i].capacity - state.residual[edge[i]];
-    result.flow[i] = std::max<int64_t>(flow, 0);
-    if (flow < 0) result.flow[i + 1] = -flow;
-  }
+  for (size_t i = 0; i < arcs.size(); ++i)
+    if (edge[i] != UINT32_MAX)
+      result.flow[i] = std::max<int64_t>(arcs[i].capacity - state.residual[edge[i]], 0);
   result.source_side = residual_reach(g, state.residual, network.source);
   return result;
 }

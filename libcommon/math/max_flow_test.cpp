@@ -88,6 +88,15 @@ TEST(max_flow, tells_the_flow_of_arcs_that_lead_back) {
   EXPECT_EQ(forth.flow, (std::vector<int64_t>{3, 3, 0, 3}));
 }
 
+// An arc into the source or out of the sink is the first of such a pair: the solver does not tell
+// the two residuals of an edge at a terminal from each other.
+TEST(max_flow, tells_the_flow_of_arcs_that_lead_back_at_the_source_and_the_sink) {
+  const MaxFlow direct = max_flow({2, 0, 1, {{1, 0, 1}, {0, 1, 1}}});
+  EXPECT_EQ(direct.flow, (std::vector<int64_t>{0, 1}));
+  const MaxFlow by_a_node = max_flow({3, 0, 1, {{2, 0, 4}, {0, 2, 5}, {1, 2, 2}, {2, 1, 3}}});
+  EXPECT_EQ(by_a_node.flow, (std::vector<int64_t>{0, 3, 0, 3}));
+}
+
 TEST(max_flow, is_0_without_a_path) {
   EXPECT_EQ(max_flow({3, 0, 1, {{0, 2, 5}, {1, 2, 5}}}).value, 0);
   EXPECT_EQ(max_flow({2, 0, 1, {}}).value, 0);
