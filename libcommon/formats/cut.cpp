@@ -3,6 +3,7 @@
 #include "libcommon/formats/cut.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
@@ -22,7 +23,11 @@ class CutReader {
       in_.fail_file(fmt::format("is no cut file, expected it to start with 'c tdpt cut {}'",
                                 format_version::cut));
     in_.expect_version(format_version::cut);
-    while (in_.next()) line(in_.word());
+    in_.expect_whole_lines();
+    while (in_.next()) {
+      if (has_end_) in_.fail("a line behind the 'e' line, expected the end of the file");
+      line(in_.word());
+    }
     finish();
     return std::move(out_);
   }
@@ -34,7 +39,9 @@ class CutReader {
     if (key == "n" || key == "k") return node(key == "k");
     if (key == "f") return read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
     if (key == "a") return arc();
-    in_.fail(TextLines::found(key) + " at the start of the line, expected one of c, s, n, k, f, a");
+    if (key == "e") return end();
+    in_.fail(TextLines::found(key) +
+             " at the start of the line, expected one of c, s, n, k, f, a, e");
   }
 
   void value() {
@@ -118,7 +125,18 @@ class CutReader {
     out_.arcs.push_back(a);
   }
 
+  void end() {
+    const int64_t nodes = in_.integer("number of nodes", 0, UINT32_MAX);
+    const int64_t arcs = in_.integer("number of arcs", 0, UINT32_MAX);
+    in_.end();
+    if (nodes != std::ssize(out_.patches) || arcs != std::ssize(out_.arcs))
+      in_.fail(fmt::format("{} nodes and {} arcs above, expected the {} and {} of this line",
+                           out_.patches.size(), out_.arcs.size(), nodes, arcs));
+    has_end_ = true;
+  }
+
   void finish() {
+    if (!has_end_) in_.fail_file("is cut short: no 'e' line, expected it at the end");
     if (out_.cuts.empty()) in_.fail_file("no 's' line, expected the value of the cut");
     if (!has_bottleneck_) in_.fail_file("no 'c bottleneck' line, expected yes or no");
     if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
@@ -139,7 +157,7 @@ class CutReader {
   CutFile out_;
   NodeIndex index_;
   SkyBinsSeen bins_;
-  bool has_grid_ = false, has_bottleneck_ = false;
+  bool has_grid_ = false, has_bottleneck_ = false, has_end_ = false;
 };
 
 }  // namespace
@@ -186,6 +204,7 @@ std::string cut_text(const CutFile& file) {
   for (const CutArc& a : file.arcs)
     fmt::format_to(to, "a {} {} {}\n", file.patches[a.from].node, file.patches[a.to].node,
                    a.capacity);
+  fmt::format_to(to, "e {} {}\n", file.patches.size(), file.arcs.size());
   return out;
 }
 

@@ -104,6 +104,7 @@ class DimacsReader {
   void version() {
     if (in_.word() != "max" || in_.rest().find_first_of("0123456789") != 0) return;
     in_.expect_version(format_version::max);
+    in_.expect_whole_lines();
     out_.has_patches = true;
   }
 

@@ -1,12 +1,12 @@
 #include "libcommon/formats/dimacs.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 
@@ -15,7 +15,7 @@ namespace tdpt::dimacs_test {
 std::string temporary(const std::string& text) {
   const std::string path = std::filesystem::temp_directory_path() /
                            ("tdpt_dimacs_test." + std::to_string(::getpid()) + ".max");
-  write_output(path, text);
+  std::ofstream(path, std::ios::binary) << text;  // not synchronised to disk: there are many
   return path;
 }
 
@@ -270,6 +270,16 @@ TEST(dimacs, says_what_is_wrong_with_a_sky_and_where) {
       {kOurs + "c sky 1 7 1\n" + kProblem + kArcs, " patch 1 is no inner node of the network"},
   };
   for (const auto& [text, expected] : cases) EXPECT_EQ(complaint(text), expected) << text;
+}
+
+// Wherever a file of ours ends early, even in the middle of a number.
+TEST(dimacs, is_refused_when_cut_short) {
+  const std::string whole = dimacs_text(example());
+  for (size_t n = 0; n < whole.size(); ++n)
+    ASSERT_NE(complaint(whole.substr(0, n)), "(accepted)") << whole.substr(0, n);
+  EXPECT_EQ(complaint(whole.substr(0, whole.size() - 1)),
+            " is cut short: its last line has no end");
+  EXPECT_EQ(complaint("p max 2 1\nn 1 s\nn 2 t\na 1 2 4"), "(accepted)") << "another program's";
 }
 
 // However a file is damaged, it is read or refused with a message; run under sanitizers, too.

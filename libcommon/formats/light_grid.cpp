@@ -221,12 +221,24 @@ class Reader {
           light.probes.push_back({line, joins});
         });
     }
+    if (light.bottleneck) expect_all(seen);
     return light;
   }
 
  private:
   [[noreturn]] void fail(const std::string& place, const std::string& what) const {
     throw InputError(name_, place, what);
+  }
+
+  // Programs that know no points or masks save the others alone.
+  void expect_all(const std::set<std::string>& seen) const {
+    std::vector<std::string> missing;
+    for (const char* grid : {"count", "air", "direction", "lines"})
+      if (!seen.contains(grid)) missing.emplace_back(grid);
+    if (!missing.empty())
+      fail("", fmt::format("has no grid {}, expected count, air, direction and lines: did another "
+                           "program save it again?",
+                           fmt::join(missing, ", ")));
   }
 
   // A vector of the file in the scene's axes.
@@ -531,7 +543,7 @@ std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   std::vector<Vec3f> direction = light.direction;
   if (z_up) std::transform(direction.begin(), direction.end(), direction.begin(), upright);
   grids.push_back(sparse<vdb::Vec3SGrid>(light, "direction", direction));
-  if (!light.lines.empty()) grids.push_back(points_of(light, "lines", light.lines, nullptr, z_up));
+  if (light.bottleneck) grids.push_back(points_of(light, "lines", light.lines, nullptr, z_up));
   if (!light.probes.empty()) {
     std::vector<LightLine> lines;
     std::vector<int32_t> joins;

@@ -236,6 +236,22 @@ TEST_F(LightGridFormat, RefusesAnotherVersion) {
             "tdpt_format: this file has version 3 of the format; this program reads version 2");
 }
 
+// As a program without points saves it, in a file of its own.
+TEST_F(LightGridFormat, IsRefusedWithoutOneOfItsGrids) {
+  for (const std::string grid : {"lines", "direction"}) {
+    std::string bytes = foreign(light_grid_bytes(small()));
+    const size_t at = bytes.find(grid);
+    ASSERT_NE(at, bytes.npos);
+    for (size_t next = at; next != bytes.npos; next = bytes.find(grid, next)) bytes[next] = 'x';
+    EXPECT_EQ(error_of(bytes),
+              " has no grid " + grid +
+                  ", expected count, air, direction and lines: did another program save it again?");
+  }
+  LightGrid none = small();
+  none.lines.clear(), none.probes.clear();
+  EXPECT_EQ(error_of(light_grid_bytes(none)), "no error") << "there may be no line";
+}
+
 TEST_F(LightGridFormat, RefusesLinesWithoutVoxels) {
   LightGrid g = small();
   g.dim = {0, 0, 0};

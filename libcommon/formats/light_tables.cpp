@@ -42,8 +42,10 @@ void write_ends(std::string& out, const LightLine& l) {
                  l.light.z, l.camera.x, l.camera.y, l.camera.z);
 }
 
-void write_header(std::string& out, const LightGrid& grid) {
+void write_header(std::string& out, const LightGrid& grid, size_t rows) {
   const auto to = std::back_inserter(out);
+  // Above the line that makes it a table: what is cut short between them is none.
+  fmt::format_to(to, "# rows {}\n", rows);
   fmt::format_to(to, "# tdpt {} {}\n", kFormat, format_version::light_table);
   for (const std::string& line : grid.provenance.lines) fmt::format_to(to, "# {}\n", line);
   if (!grid.scene_hash.empty()) fmt::format_to(to, "# scene {}\n", grid.scene_hash);
@@ -139,7 +141,8 @@ class TableReader {
       const auto rows = static_cast<uint64_t>(std::count(text_.begin(), text_.end(), '\n')) + 1;
       expect_memory(name, "", fmt::format("{} lines", rows), rows * sizeof(Probe));
     }
-    for (; more_; more_ = in_.next()) {
+    uint64_t rows = 0;
+    for (; more_; more_ = in_.next(), ++rows) {
       cells_ = in_.rest(), columns_ = all_columns_;
       if (cells_.front() == '#') in_.fail("a '#' line behind a row, expected it before");
       const auto cells = std::count(cells_.begin(), cells_.end(), ',') + 1;
@@ -148,6 +151,8 @@ class TableReader {
         in_.fail(fmt::format("a row of {} cells, expected {}", cells, expected));
       read_row(grid, limits);
     }
+    if (rows_ && rows != *rows_)
+      fail(fmt::format("{} rows, expected the {} of its '# rows' line", rows, *rows_));
   }
 
  private:
@@ -175,6 +180,10 @@ class TableReader {
         read_pane(panes++, all.panes);
       } else if (key == "camera") {
         read_camera(cameras++, all.cameras);
+      } else if (key == "rows") {
+        rows_ = in_.integer("number of rows", 0, INT64_MAX);
+        in_.end();
+        in_.expect_whole_lines();
       } else if (key == "made" || key == "from") {
         provenance.lines.push_back(fmt::format("{} {}", key, in_.rest()));
       } else {
@@ -349,6 +358,7 @@ class TableReader {
   std::string_view all_columns_;
   bool has_shares_ = false;           // of lines
   bool more_ = false;                 // in_ is at a row
+  std::optional<uint64_t> rows_;      // that the table says to have
   std::string_view cells_, columns_;  // the rest of the row
 };
 
@@ -422,9 +432,7 @@ std::vector<std::string> light_table_names() {
 
 std::string light_table_text(const LightGrid& grid, const std::string& table) {
   const auto which = std::find(kNames.begin(), kNames.end(), table) - kNames.begin();
-  std::string out(kColumns[static_cast<size_t>(which)]);
-  out += '\n';
-  write_header(out, grid);
+  std::string out;
   if (which == kLines)
     for (const LightLine& line : grid.lines) {
       write_ends(out, line);
@@ -434,7 +442,10 @@ std::string light_table_text(const LightGrid& grid, const std::string& table) {
     for (const Probe& p : grid.probes) write_ends(out, p.line), out += p.joins ? ",1\n" : ",0\n";
   else
     write_voxels(out, grid, which == kCount);
-  return out;
+  std::string head(kColumns[static_cast<size_t>(which)]);
+  head += '\n';
+  write_header(head, grid, static_cast<size_t>(std::count(out.begin(), out.end(), '\n')));
+  return head + out;
 }
 
 LightGrid parse_light_tables(const std::vector<TableText>& texts) {

@@ -163,40 +163,53 @@ std::string of_rows(const std::string& name, const std::string& rows, const std:
   g.air.assign(60, 0), g.count.assign(60, 0);
   g.provenance.lines.clear(), g.cameras.clear(), g.scene_hash.clear(), g.cuts.clear();
   g.walls.clear(), g.panes.clear();
-  return complaint({{name, replaced(light_table_text(g, name), was, is) + rows}});
+  const std::string head = replaced(light_table_text(g, name), "# rows 0\n", "");
+  return complaint({{name, replaced(head, was, is) + rows}});
+}
+
+// Wherever a table of ours ends early, even in the middle of a number.
+TEST(light_tables, are_refused_when_cut_short) {
+  for (const auto& [name, text] : tables_of(small())) {
+    EXPECT_EQ(complaint({{name, text}}), "(accepted)");
+    for (size_t n = 0; n < text.size(); n += std::min<size_t>(7, text.find('\n', n) - n + 1))
+      ASSERT_NE(complaint({{name, text.substr(0, n)}}), "(accepted)") << text.substr(0, n);
+  }
+  const std::string text = light_table_text(small(), "lines");
+  EXPECT_EQ(complaint({{"lines.csv", text.substr(0, text.rfind('\n', text.size() - 2) + 1)}}),
+            "lines.csv: 39 rows, expected the 40 of its '# rows' line");
 }
 
 TEST(light_tables, say_what_is_wrong_and_where_in_the_header) {
   EXPECT_EQ(complaint("lines", "# wall 0 1 0", "# wall 0 2 0"),
-            "lines:line 13: a wall that is 2 long, expected a unit vector");
+            "lines:line 14: a wall that is 2 long, expected a unit vector");
   EXPECT_EQ(complaint("lines", "# pane 1 2 3 1 2 3.01", "# pane 1 2 3 1 2 3"),
-            "lines:line 16: a pane without thickness, expected two places apart from each other");
+            "lines:line 17: a pane without thickness, expected two places apart from each other");
   EXPECT_EQ(
       complaint("lines", "light_x", "x"),
       "lines:line 1: 'cut,x,light_y,light_z,camera_x,camera_y,...' as columns, expected those "
       "of lines, probes, air, count");
   EXPECT_EQ(complaint("air", "light grid 1", "light grid 2"),
-            "air:line 2: this file has version 2 of the format; this program reads version 1");
+            "air:line 3: this file has version 2 of the format; this program reads version 1");
   EXPECT_EQ(complaint("air", "# tdpt", "# was"),
             "air: no '# tdpt light grid 1' line before the first row");
   EXPECT_EQ(complaint("air", "# grid", "# no grid"),
             "air: no '# grid' line in any table, expected the box of the voxels");
   EXPECT_EQ(complaint("air", " 0.3 5", " 0 5"),
-            "air:line 9: voxels of no size that single precision holds, expected a side above 0");
+            "air:line 10: voxels of no size that single precision holds, expected a side above 0");
   EXPECT_EQ(complaint("air", " 0.3 5", " 1e36 5"),
-            "air:line 9: voxels of no size that single precision holds, expected a side above 0");
+            "air:line 10: voxels of no size that single precision holds, expected a side above 0");
   EXPECT_EQ(complaint("air", " 5 4 3", " 5 4 2049"),
-            "air:line 9: '2049' as voxels along a side, expected a whole number from 0 to 2048");
+            "air:line 10: '2049' as voxels along a side, expected a whole number from 0 to 2048");
   EXPECT_EQ(complaint("air", " 5 4 3", " 2048 2048 2048"),
-            "air:line 9: 8589934592 voxels, expected at most 134217728");
+            "air:line 10: 8589934592 voxels, expected at most 134217728");
   EXPECT_EQ(complaint("air", " 5 4 3", " 5 4"),
-            "air:line 9: nothing as voxels along a side, expected a whole number from 0 to 2048");
+            "air:line 10: nothing as voxels along a side, expected a whole number from 0 to 2048");
   EXPECT_EQ(complaint("air", "bottleneck yes", "bottleneck maybe"),
-            "air:line 10: 'maybe' as bottleneck, expected yes or no");
+            "air:line 11: 'maybe' as bottleneck, expected yes or no");
   EXPECT_EQ(complaint("air", "cut 0", "cut 1"),
-            "air:line 11: '1' as cut, expected a whole number from 0 to 0");
-  EXPECT_EQ(complaint("air", "0.01 0.5", "0.01 1.5"), "air:line 11: 1.5 as share, expected 0 to 1");
-  EXPECT_TRUE(complaint("air", "fronts", "inside").starts_with("air:line 8: "));
+            "air:line 12: '1' as cut, expected a whole number from 0 to 0");
+  EXPECT_EQ(complaint("air", "0.01 0.5", "0.01 1.5"), "air:line 12: 1.5 as share, expected 0 to 1");
+  EXPECT_TRUE(complaint("air", "fronts", "inside").starts_with("air:line 9: "));
   EXPECT_EQ(complaint({{"air", std::string("i,j,k\n\0", 7)}}),
             "air: is a binary file, expected a table of a light grid");
 }
@@ -240,12 +253,12 @@ TEST(light_tables, of_different_grids_are_refused) {
     return complaint({{"air", air}, {"lines", replaced(lines, was, is)}});
   };
   const std::string as_well = " than above or in another table, expected the same";
-  EXPECT_EQ(with("scene abc", "scene abd"), "lines:line 7: another scene" + as_well);
-  EXPECT_EQ(with("fronts", "all"), "lines:line 8: another camera" + as_well);
-  EXPECT_EQ(with(" 5 4 3", " 5 4 4"), "lines:line 9: another grid" + as_well);
+  EXPECT_EQ(with("scene abc", "scene abd"), "lines:line 8: another scene" + as_well);
+  EXPECT_EQ(with("fronts", "all"), "lines:line 9: another camera" + as_well);
+  EXPECT_EQ(with(" 5 4 3", " 5 4 4"), "lines:line 10: another grid" + as_well);
   EXPECT_EQ(with("bottleneck yes", "bottleneck no light"),
-            "lines:line 10: another bottleneck" + as_well);
-  EXPECT_EQ(with("cut 0 0.01", "cut 0 0.02"), "lines:line 11: another cut" + as_well);
+            "lines:line 11: another bottleneck" + as_well);
+  EXPECT_EQ(with("cut 0 0.01", "cut 0 0.02"), "lines:line 12: another cut" + as_well);
   EXPECT_EQ(complaint({{"a", air}, {"b", air}}), "b: is a second table of air, beside a");
 }
 

@@ -26,6 +26,11 @@ class TextLines {
       fail_file("is a binary file, expected " + expected);
   }
 
+  /// Refuses a last line without an end: of a number that is cut short its digits are left.
+  void expect_whole_lines() const {
+    if (!text_.empty() && text_.back() != '\n') fail_file("is cut short: its last line has no end");
+  }
+
   /// Moves to the next line that is not blank; false at the end of the text.
   bool next() {
     while (at_ < text_.size()) {

@@ -152,9 +152,11 @@ std::string plain_cut_text(const DimacsFile& problem, const MaxFlow& flow,
   fmt::format_to(to, "s {}\n", flow.value);
   for (uint32_t v = 0; v < problem.network.nodes; ++v)
     fmt::format_to(to, "n {} {}\n", v + 1, flow.source_side[v] ? 's' : 't');
+  size_t arcs = 0;
   for (const FlowArc& a : problem.network.arcs)
     if (flow.source_side[a.from] && !flow.source_side[a.to])
-      fmt::format_to(to, "a {} {} {}\n", a.from + 1, a.to + 1, a.capacity);
+      fmt::format_to(to, "a {} {} {}\n", a.from + 1, a.to + 1, a.capacity), ++arcs;
+  fmt::format_to(to, "e {} {}\n", problem.network.nodes, arcs);
   return out;
 }
 
