@@ -1,6 +1,8 @@
 #include "tools/tdpt-info/knowledge.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <limits>
@@ -14,6 +16,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/json_depth.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/replaced.h"
 #include "libcommon/base/shown.h"
@@ -32,8 +35,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void fact(Knowledge& k, const std::string& name, const Json& value) {
-  k.facts.emplace_back(name, value.dump());
+void fact(Knowledge& k, const std::string& name, const Json& value,
+          std::vector<std::string> lines = {}) {
+  k.facts.push_back({name, value.dump(), std::move(lines)});
 }
 
 // Adds the cameras it was made for: the only one as "camera", several as "camera_1" and so on.
@@ -83,9 +87,12 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "images", scene.images.size());
   fact(k, "cameras", cameras);
   Json animations = Json::array();
-  for (const AnimationFacts& a : scene.animations)
+  std::vector<std::string> lines;
+  for (const AnimationFacts& a : scene.animations) {
     animations.push_back({{"name", a.name}, {"seconds", a.seconds}});
-  fact(k, "animations", animations);
+    lines.push_back(fmt::format("animation {}: {} s", a.name, number_words(a.seconds)));
+  }
+  fact(k, "animations", animations, lines);
   fact(k, "emitting_triangles", emitting);
   fact(k, "lamps", scene.lights.size());
   fact(k, "longest_side_m", longest_side(scene));
@@ -93,7 +100,49 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   std::vector<std::string> warnings = scene.warnings;
   if (const std::string faults = scene.faults_of_cameras_but(""); !faults.empty())
     warnings.push_back(faults);
-  fact(k, "warnings", warnings);
+  std::vector<std::string> warning_lines;
+  for (const std::string& warning : warnings) warning_lines.push_back("warning: " + warning);
+  fact(k, "warnings", warnings, warning_lines);
+}
+
+// Width and height of the rectangle around it that lies level [m].
+std::array<double, 2> size_of(const Portal& portal, const Vec3d& normal) {
+  const Vec3d level =
+      std::abs(normal.y) < 0.9 ? normalize(cross({0, 1, 0}, normal)) : Vec3d{1, 0, 0};
+  std::array<double, 2> size{};
+  for (size_t axis = 0; axis < 2; ++axis) {
+    const Vec3d along = axis == 0 ? level : cross(normal, level);
+    double low = INFINITY, high = -INFINITY;
+    for (const Vec3d& v : portal.vertices)
+      low = std::min(low, dot(v, along)), high = std::max(high, dot(v, along));
+    size[axis] = high - low;
+  }
+  return size;
+}
+
+// "portal.0: 0.9 x 2 m, 1.8 m2, at 1 1 0 m, light goes to 0 0 1, from another room; by the network
+// 71 % of the light; for hall".
+std::string words_of(const Portal& portal) {
+  constexpr double kOfTheSky = 0.1;        // of its lines, portal(5)
+  const auto words = [](const Vec3d& v) {  // to the millimetre
+    const auto rounded = [](double x) { return std::round(1000 * x) / 1000 + 0.0; };
+    return fmt::format("{} {} {}", rounded(v.x), rounded(v.y), rounded(v.z));
+  };
+  const auto& t = portal.triangles.front();
+  const Vec3d &a = portal.vertices[t[0]], &b = portal.vertices[t[1]], &c = portal.vertices[t[2]];
+  const Vec3d normal = normalize(cross(b - a, c - a));
+  Vec3d middle{};
+  for (const Vec3d& v : portal.vertices) middle += v / static_cast<double>(portal.vertices.size());
+  const auto [width, height] = size_of(portal, normal);
+  std::string text = fmt::format("{}: {} x {} m, {} m2, at {} m, light goes to {}", portal.name,
+                                 number_words(width), number_words(height),
+                                 number_words(area_of(portal)), words(middle), words(normal));
+  if (const auto sky = portal.figures.find("sky"); sky != portal.figures.end())
+    text += sky->second < kOfTheSky ? ", from another room" : ", from the sky";
+  if (const auto share = portal.figures.find("flux_share"); share != portal.figures.end())
+    text += fmt::format("; by the network {} of the light", percent_words(share->second));
+  for (const auto& [camera, share] : portal.cameras) text += "; for " + camera;
+  return text;
 }
 
 void tell_portals(const PortalFile& file, Knowledge& k) {
@@ -109,7 +158,9 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
                        {"figures", portal.figures}});
   for (size_t i = 0; i < file.portals.size(); ++i)
     if (!file.portals[i].cameras.empty()) portals[i]["cameras"] = file.portals[i].cameras;
-  fact(k, "portals", portals);
+  std::vector<std::string> lines;
+  for (const Portal& portal : file.portals) lines.push_back(words_of(portal));
+  fact(k, "portals", portals, lines);
 }
 
 // Portals made by a program are marked; drawn ones are triangles without a lamp or a camera.
@@ -148,9 +199,13 @@ void tell_cut(const CutFile& file, Knowledge& k) {
   tell_cameras(k, file.cameras);
   tell_bottleneck(k, file.bottleneck, file.reason);
   Json cuts = Json::array();
-  for (const Bottleneck& cut : file.cuts)
+  std::vector<std::string> lines;
+  for (const Bottleneck& cut : file.cuts) {
     cuts.push_back({{"flow", cut.flow}, {"conductance", cut.conductance}});
-  fact(k, "cuts", cuts);
+    lines.push_back(fmt::format("cut {}: flow {}, conductance {}", cuts.size(),
+                                number_words(cut.flow), number_words(cut.conductance)));
+  }
+  fact(k, "cuts", cuts, lines);
   fact(k, "pivot_pairs", file.arcs.size());
 }
 
@@ -294,11 +349,15 @@ Knowledge knowledge_of(const std::string& path) {
 std::string text_of(const Knowledge& k) {
   std::string text = fmt::format("{}: {}\n  hash: {}\n", display_name(k.path), k.kind, k.hash);
   if (!k.scene.empty()) text += fmt::format("  of scene: {}\n", shown(k.scene));
-  for (const auto& [name, value] : k.facts) {
+  for (const auto& [name, value, lines] : k.facts) {
+    for (const std::string& line : lines) text += fmt::format("  {}\n", shown(line, 400));
+    if (!lines.empty()) continue;
     const Json json = Json::parse(value);
     const std::string told = json.is_string() ? json.get<std::string>() : value;
     const auto camera = name.starts_with("camera") ? parse_viewpoint(told) : std::nullopt;
-    const std::string words = camera ? words_of(*camera) : told.empty() ? "none" : told;
+    const std::string words = camera                         ? words_of(*camera)
+                              : told.empty() || told == "[]" ? "none"
+                                                             : told;
     text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
   }
   for (const std::string& line : k.provenance.lines)
@@ -311,7 +370,7 @@ std::string json_of(const Knowledge& k) {
   json["scene"] = nullptr;
   if (!k.scene.empty()) json["scene"] = k.scene;
   Json& facts = json["facts"] = Json::object();
-  for (const auto& [name, value] : k.facts) facts[name] = Json::parse(value);
+  for (const auto& [name, value, lines] : k.facts) facts[name] = Json::parse(value);
   json["provenance"] = k.provenance.lines;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

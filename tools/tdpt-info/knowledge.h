@@ -2,7 +2,6 @@
 // The stages' own readers read it, so a file that is described is one that they accept.
 #pragma once
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "libcommon/base/provenance.h"
@@ -16,8 +15,11 @@ struct Knowledge {
                       ///< "portals", "picture", "film", "plan", "environment"
   std::string hash;   ///< of its bytes; for a scene with all files it reads
   std::string scene;  ///< hash of the scene it was made from; empty: unknown
-  /// Plain facts in order, as JSON values: "12", "\"text\"".
-  std::vector<std::pair<std::string, std::string>> facts;
+  struct Fact {
+    std::string name, json;          ///< a value such as "12", "\"text\""
+    std::vector<std::string> lines;  ///< of a list of things, each in words: "portal.0: 2 m2"
+  };
+  std::vector<Fact> facts;  ///< in order
   Provenance provenance;
 };
 

@@ -1,10 +1,13 @@
 #include "tools/tdpt-info/knowledge.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/light_tables.h"
+#include "libcommon/formats/portal.h"
 #include "libcommon/testing/files/temp_folder.h"
 
 namespace tdpt::tdpt_info_test {
@@ -89,6 +92,31 @@ TEST_F(files, of_films_tell_every_layer) {
       told("a.exr", film_bytes(film, facts, {}, {{"depth.Z", std::vector<float>{2}}}));
   EXPECT_TRUE(says(text, "  layers: [\"bi\",\"depth\",\"halfA\",\"halfB\",\"variance\"]\n"))
       << text;
+}
+
+// However many there are, each has a line of its own that ends; JSON has all figures.
+TEST_F(files, of_portals_have_a_line_for_each) {
+  PortalFile file;
+  for (int i = 0; i < 20; ++i) {
+    Portal p;
+    p.vertices = {{2, 0, 0}, {2, 2, 0}, {2, 2, 0.5}, {2, 0, 0.5}};
+    p.triangles = {{0, 1, 2}, {0, 2, 3}};
+    p.figures = {{"flux_share", 0.25}, {"sky", i == 7 ? 0.5 : 0.0}, {"tightness", 0.9}};
+    if (i == 3) p.cameras = {{"hall", 0.25}};
+    file.portals.push_back(p);
+  }
+  const std::string bytes = portal_bytes(file), text = told("a.glb", bytes);
+  for (int i = 0; i < 20; ++i) {
+    const std::string line = fmt::format(
+        "  portal.{}: 0.5 x 2 m, 1 m2, at 2 1 0.25 m, light goes to 1 0 0, from {}; by the network "
+        "25 % of the light{}\n",
+        i, i == 7 ? "the sky" : "another room", i == 3 ? "; for hall" : "");
+    EXPECT_TRUE(says(text, line)) << text;
+  }
+  EXPECT_FALSE(says(text, "...")) << text;
+  const std::string json = json_of(knowledge_of(folder_.write("a.glb", bytes)));
+  EXPECT_EQ(nlohmann::json::parse(json)["facts"]["portals"][19]["figures"]["tightness"], 0.9);
+  EXPECT_TRUE(says(told("b.glb", portal_bytes({})), "  portals: none\n"));
 }
 
 TEST_F(files, that_are_damaged_or_none_of_ours_are_refused) {
