@@ -59,9 +59,15 @@ std::optional<PaperPortal> portal_by_paper(const FitInput& in) {
   if (axes.centres.empty()) return {};
   Vec3d light{};
   for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);
-  const Plane plane{axes.mean, dot(axes.main, light) < 0 ? -axes.main : axes.main};
+  const auto fullest = std::max_element(grid.count.begin(), grid.count.end()) - grid.count.begin();
+  const Plane plane{centre_of(grid, static_cast<size_t>(fullest)),
+                    dot(axes.main, light) < 0 ? -axes.main : axes.main};
+  // Half the extent of a voxel along the normal.
+  const Vec3d& n = plane.n;
+  const double reach = 0.5 * grid.voxel * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
   std::vector<Vec2d> points;
-  for (const Vec3d& p : axes.centres) points.push_back(in_plane(plane, p));
+  for (const Vec3d& p : axes.centres)
+    if (std::abs(dot(p - plane.o, n)) <= reach) points.push_back(in_plane(plane, p));
   const Polygon hull = convex_hull(points);
   // Voxels in one row have no width: the hull is rounding error.
   if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};

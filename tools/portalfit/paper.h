@@ -1,5 +1,7 @@
 // The paper's rule (section 4.3), for comparison: the normal is the main principal axis (PCA) of
-// the full voxels, and the outline their hull.
+// the full voxels; those that the plane through the fullest of them intersects are projected onto
+// it, and the outline is their hull. Ours are the threshold of a full voxel, half the largest
+// count, since the paper gives none, and the side that the front faces.
 #pragma once
 #include <optional>
 
@@ -20,8 +22,8 @@ struct PaperPortal {
   Portal portal;
   std::vector<uint32_t> lines;  ///< that cross it along its normal, as indices into grid.lines
 };
-/// One portal: the convex hull of the full voxels' centres, projected along their main axis, which
-/// is turned the way the light goes. Nothing if they make no polygon.
+/// One portal, whose front is turned the way the light goes. Nothing if the centres of the voxels
+/// make no polygon.
 std::optional<PaperPortal> portal_by_paper(const FitInput& in);
 
 }  // namespace tdpt
