@@ -67,7 +67,9 @@ std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
   const double size = std::sqrt(area(a.polygon));
   const bool no_walls = std::find(grid.air.begin(), grid.air.end(), 0) == grid.air.end();
   if (no_walls || size < 2 * in.limits.resolved * grid.voxel) return {};
-  const double beyond = std::max(in.limits.resolved * grid.voxel, in.limits.beside * size),
+  // How far past the outline is looked: a wall may stand apart from it, or reach little beyond it.
+  const double apart = std::max(in.limits.resolved * grid.voxel, in.limits.beside * size),
+               close = std::min(apart, 2 * in.limits.resolved * grid.voxel),
                far = a.tube.half + 0.5 * size;
   const Vec2d middle = extents_of(a.polygon).mean;
   double before = 0, behind = 0, all = 0;
@@ -75,13 +77,16 @@ std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
     const Vec2d from = a.polygon[i], side = a.polygon[(i + 1) % a.polygon.size()] - from;
     const double length = std::sqrt(dot(side, side));
     if (!(length > 0)) continue;
-    const Vec2d out = Vec2d{side.y, -side.x} * (beyond / length);
+    const Vec2d out = Vec2d{side.y, -side.x} * (1 / length);
     for (int k = 0; k < kPlaces; ++k) {
       const Vec2d edge = from + side * ((k + 0.5) / kPlaces);
+      const auto ends_here = [&](double offset, double beyond) {
+        return !sees_past(grid, a, middle, edge, out * beyond, 0) &&
+               sees_past(grid, a, middle, edge, out * beyond, offset);
+      };
       all += length;
-      if (sees_past(grid, a, middle, edge, out, 0)) continue;
-      if (sees_past(grid, a, middle, edge, out, -far)) before += length;
-      if (sees_past(grid, a, middle, edge, out, far)) behind += length;
+      if (ends_here(-far, apart) || ends_here(-far, close)) before += length;
+      if (ends_here(far, apart) || ends_here(far, close)) behind += length;
     }
   }
   return std::max(before, behind) / all;

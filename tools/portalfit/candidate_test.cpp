@@ -48,6 +48,25 @@ TEST(Edge, TellsAHoleFromACorridor) {
   EXPECT_FALSE(edge_share({corridor, {}}, along));
 }
 
+// The wall around a window of 2.8 m reaches 0.5 m beyond it, less than a fifth of its size.
+TEST(Edge, OfAWindowAlmostAsWideAsItsRooms) {
+  LightGrid grid;
+  Aperture window = across_x(0, 0, grid);
+  const double half = 1.4;
+  window.polygon = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
+  const auto build = [&](bool wall) {
+    for (size_t v = 0; v < grid.air.size(); ++v) {
+      const Vec3d at = centre_of(grid, v);
+      const double off = std::max(std::abs(at.y), std::abs(at.z));
+      grid.air[v] = wall ? off < (std::abs(at.x) < 0.1 ? half : half + 0.5) : off < half;
+    }
+  };
+  build(true);
+  EXPECT_EQ(edge_share({grid, {}}, window).value_or(0), 1);
+  build(false);  // twin: rooms that end where the window does
+  EXPECT_EQ(edge_share({grid, {}}, window).value_or(1), 0);
+}
+
 // Beyond the grid, as under a sky, all is open.
 TEST(Edge, OfAWindowGoesOnOutsideTheGrid) {
   LightGrid grid;
