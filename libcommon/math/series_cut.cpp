@@ -123,8 +123,10 @@ class SeriesCutter {
       });
     };
     if (reaches_nothing(net_.source)) return "no light reaches a surface";
-    if (reaches_nothing(net_.sink)) return "the camera sees no surface";
-    return "";
+    if (!reaches_nothing(net_.sink)) return "";
+    const std::vector<double>& viewed = problem_.viewed;
+    const bool sees = std::any_of(viewed.begin(), viewed.end(), [](double n) { return n > 0; });
+    return sees ? kNoLightFound : "the camera sees no surface";
   }
 
   // Share of the surface, of the exchanged light or of the nodes' weight, whichever is largest.

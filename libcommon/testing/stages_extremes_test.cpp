@@ -309,8 +309,8 @@ std::vector<Without> without_portal() {
           {"the_back_of_a_lamp", lamp_alone({1, 3.5, 0.01}), "no light reaches a surface"},
           {"camera_behind_everything", camera_behind_everything(), "the camera sees no surface"},
           {"hole_of_a_ten_thousandth_of_the_room", two_rooms({0.9999, 1.0001, -1e-4, 1e-4}),
-           "no light was seen to pass"},
-          {"opening_of_all_of_the_wall", two_rooms({0, 2, -1, 1}), "no portal: "}};
+           "no light was found to reach the camera's room"},
+          {"opening_of_all_of_the_wall", two_rooms({0, 2, -1, 1}), "no bottleneck: "}};
 }
 
 class NoPortal : public ::testing::TestWithParam<Without> {};

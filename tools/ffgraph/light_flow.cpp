@@ -35,7 +35,7 @@ FlowNetwork network_of(const LightFlow& f, const std::vector<double>& sky_grade)
     const bool sky = f.patches.is_sky(i);
     add(net.source, i + 2, n[i] * (sky ? sky_grade[f.patches.bin_of(i)] : from_light[i]));
     for (size_t k = 0; k < to_camera.size(); ++k)
-      add(i + 2, k == 0 ? net.sink : f.more_sinks[k - 1], n[i] * to_camera[k][i]);
+      if (f.lit[k]) add(i + 2, k == 0 ? net.sink : f.more_sinks[k - 1], n[i] * to_camera[k][i]);
   }
   for (const Etendue::Pair& p : f.etendue.pairs) {
     add(p.i + 2, p.j + 2, 0.5 * p.count);
@@ -95,6 +95,60 @@ std::vector<double> hits_of(const PatchMap& patches, const PatchTrace& trace) {
   return hits;
 }
 
+// Whether light and camera reach one room: some place that a light walk hit can be seen from one
+// that a camera walk hit, both in one patch and lifted off their surfaces. That they share patches
+// does not tell: a patch of the floor may reach under a closed door.
+class Meeting {
+ public:
+  Meeting(const PatchMap& patches, const Tracer& tracer, const Walks& light,
+          const PatchTrace& of_light)
+      : patches_(patches), tracer_(tracer), lit_(patches.size()) {
+    for (size_t k = 0; k < light.size(); ++k)
+      if (const uint32_t p = of_light[k]; p < lit_.size() && lit_[p].size() < kPlaces)
+        lit_[p].push_back(lifted(light[k], p));
+  }
+
+  bool with(const Walks& camera, const PatchTrace& of_camera) const {
+    std::vector<uint8_t> tried(lit_.size(), 0);
+    for (size_t k = 0; k < camera.size(); ++k) {
+      const uint32_t p = of_camera[k];
+      if (p >= lit_.size() || tried[p] == kPlaces) continue;
+      if (patches_.is_sky(p)) return true;
+      const Lifted from = lifted(camera[k], p);
+      ++tried[p];
+      for (const Lifted& place : lit_[p])
+        if (is_free(from) && is_free(place) && tracer_.visible({from.above}, {place.above}))
+          return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr size_t kPlaces = 16;  // of a patch that are tried
+  static constexpr double kLift = 0.05;  // of its cell
+
+  struct Lifted {
+    Tracer::Origin place;
+    Vec3d above;
+  };
+
+  Lifted lifted(const WalkHit& hit, uint32_t patch) const {
+    if (!is_hit(hit)) return {};
+    const Scene& scene = patches_.scene();
+    const Vec3d front = shape_of(scene, hit.face / 2).normal,
+                normal = hit.face & 1 ? -front : front;
+    const double cell = std::ldexp(patches_.grid().base_cell, -2 * patches_.keys()[patch].level);
+    const Vec3d place(hit.position);
+    return {{place, normal}, place + normal * (kLift * cell * scene.frame.scale)};
+  }
+
+  bool is_free(const Lifted& l) const { return tracer_.visible(l.place, {l.above}); }
+
+  const PatchMap& patches_;
+  const Tracer& tracer_;
+  std::vector<std::vector<Lifted>> lit_;  // of each patch
+};
+
 // Calls visit(k, walk, first) for each hit k; first: of its walk.
 template <class Visit>
 void each_hit(const Walks& hits, const Visit& visit) {
@@ -141,7 +195,7 @@ void count_walks(const Scene& scene, const BothWalks& both, const std::vector<Pa
 
 LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& tracer, uint64_t seed,
                      uint32_t rays) {
-  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  LightFlow f{std::move(patches), {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
   std::vector<const Walks*> all{&both.light.hits};
   for (const Walks& walks : both.cameras) all.push_back(&walks);
   for (const Walks* walks : all)
@@ -164,6 +218,9 @@ LightFlow light_flow(PatchMap patches, const BothWalks& both, const Tracer& trac
   f.hits_light = hits_of(f.patches, traces[0]);
   for (size_t k = 1; k < traces.size(); ++k)
     f.hits_cameras.push_back(hits_of(f.patches, traces[k]));
+  const Meeting meeting(f.patches, tracer, both.light.hits, traces[0]);
+  for (size_t c = 0; c < both.cameras.size(); ++c)
+    f.lit.push_back(meeting.with(both.cameras[c], traces[1 + c]));
   f.etendue = measure_etendue(f.patches, fragments, tracer, seed, rays, traces);
   f.geometry = geometry_of(f.patches, fragments, f.etendue);
   std::vector<PatchTerms> terms(f.patches.size());

@@ -8,6 +8,9 @@
 // H_E, H_W  hits of light walks and of camera walks: capacity of source -> i is n_i grade(H_E), of
 //           i -> sink n_i grade(H_W), see terminal_grades(). Each camera has its own sink and H_W
 //
+// A camera whose room no light was found to reach has no arcs to its sink: a patch may lie on both
+// sides of a closed door, and its etendue would pass.
+//
 // Light from infinity has patches, too, one per bin of directions (sky_bins.h). The rays that leave
 // the scene connect them to surfaces, and their brightness connects them to the source. Walks that
 // begin there do not count in the grades of surfaces: their hits are spread over a wide ground, and
@@ -31,7 +34,8 @@ struct LightFlow {
   Etendue etendue;
   std::vector<double> hits_light;                 ///< H_E per patch
   std::vector<std::vector<double>> hits_cameras;  ///< H_W of each camera, per patch
-  std::vector<double> begun;                      ///< light walks that begin on each patch
+  std::vector<uint8_t> lit;          ///< of each camera: whether light was found to reach its room
+  std::vector<double> begun;         ///< light walks that begin on each patch
   std::vector<double> lit_by_sky;    ///< the part of H_E from walks that begin in the sky
   std::vector<PatchLight> light;     ///< per patch; empty: none reaches a camera
   FlowNetwork network;               ///< node 0: source, 1: the first camera's sink, k + 2: patch k

@@ -290,10 +290,10 @@ LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
   Rounds rounds(scene, cameras, settings, report);
   LightFlow flow = refine ? rounds.by_cut(*refine) : rounds.by_itself();
   for (size_t i = 0; i < flow.hits_light.size(); ++i) {
-    const auto reaches = [&](const std::vector<double>& hits) { return hits[i] > 0; };
-    report.reached_by_both +=
-        flow.hits_light[i] > 0 &&
-        std::any_of(flow.hits_cameras.begin(), flow.hits_cameras.end(), reaches);
+    bool viewed = false;
+    for (size_t k = 0; k < cameras.size(); ++k)
+      viewed |= flow.lit[k] && flow.hits_cameras[k][i] > 0;
+    report.reached_by_both += viewed && flow.hits_light[i] > 0;
   }
   report.phases.done("patches");
   return flow;

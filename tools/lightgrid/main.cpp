@@ -145,7 +145,7 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
 
 void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report,
           const Arguments& a) {
-  if (!grid.bottleneck) return common.note("no light grid: there is no bottleneck");
+  if (!grid.bottleneck) return common.note("no bottleneck: " + grid.reason);
   if (!a.lines_from.empty())
     return common.note(
         fmt::format("{} of {} join the two sides", report.joined, counted(report.tried, "line")));

@@ -194,8 +194,8 @@ TEST(cut_of, a_closed_door_is_none) {
   EXPECT_FALSE(cut.bottleneck);
   EXPECT_EQ(
       cut.reason,
-      "no light was seen to pass from the light's side of the cut to the camera's; it may pass "
-      "where no walk passed, through a keyhole: more walks look closer");
+      "no light was found to reach the camera's room: is its door shut? A very small opening may "
+      "have been missed");
 }
 
 // Two rooms joined by a door, and a camera in each; the lamp is in the first room, or both are lit.

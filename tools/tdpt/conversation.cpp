@@ -70,7 +70,10 @@ bool Conversation::heard(const std::string& line) {
   const bool may_tell = line.starts_with("{\"progress\"");
   Json json = may_tell ? Json::parse(line, nullptr, false) : Json();
   if (!json.is_object() || !json.contains("progress") || !json["progress"].is_object()) {
-    say(line);
+    // Which program finds that there is no bottleneck, tells it; those after it pass it on.
+    const size_t at = line.find(": no bottleneck: ");
+    if (at == line.npos || reasons_.emplace(line.substr(at), program_).first->second == program_)
+      say(line);
     return false;
   }
   Json& progress = json["progress"];

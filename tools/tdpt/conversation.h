@@ -2,6 +2,7 @@
 // messages as they come.
 #pragma once
 #include <chrono>
+#include <map>
 #include <string>
 
 #include "libcommon/base/progress.h"
@@ -34,7 +35,8 @@ class Conversation {
   std::string title_, program_;
   size_t number_ = 0, steps_ = 0;
   Clock::time_point began_ = Clock::now(), shown_ = began_;
-  std::string told_;  ///< progress last reported by the program
+  std::string told_;                            ///< progress last reported by the program
+  std::map<std::string, std::string> reasons_;  ///< why there is no bottleneck, by whom
   bool visible_ = false;
 };
 

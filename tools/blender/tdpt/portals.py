@@ -1,5 +1,4 @@
 """The portals of a scene: meshes in a collection, which can be moved, hidden and edited, and area lamps for Cycles."""
-import math
 import os
 
 import bpy
@@ -171,7 +170,3 @@ def words_of(found, why):
     if not windows:
         return count
     return f"{count}, of which {windows} let{'s' if windows == 1 else ''} in the sky"
-
-
-def percent(share):
-    return f"{100 * share:.2g} %" if share < 0.1 and not math.isclose(share, 0) else f"{100 * share:.0f} %"

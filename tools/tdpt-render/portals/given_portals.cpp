@@ -106,7 +106,9 @@ class Judge {
     const std::string& hash = out_.file.scene_hash;
     if (out_.file.hash == scene_.hash) refuse("is the scene itself");
     if (out_.file.portals.empty()) {
-      out_.notes.push_back("there is no portal in " + name_ + ": rendered as without");
+      // portalfit has said why it found none.
+      if (hash.empty())
+        out_.notes.push_back("there is no portal in " + name_ + ": rendered as without");
       return std::move(out_);
     }
     refuse_triangles_of_the_scene();
