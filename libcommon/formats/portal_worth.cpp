@@ -18,10 +18,7 @@ std::optional<double> figure(const std::map<std::string, double>& figures, const
 }  // namespace
 
 std::string drawback_of(const std::map<std::string, double>& figures) {
-  const auto share = figure(figures, "flux_share"), tightness = figure(figures, "tightness"),
-             conductance = figure(figures, "conductance");
-  if (share && *share < kNextToNothing)
-    return fmt::format("it carries {} of the light", percent_words(*share));
+  const auto tightness = figure(figures, "tightness"), conductance = figure(figures, "conductance");
   if (tightness && *tightness < kNextToNothing)
     return fmt::format("{} of the lines through it pass from one side to the other",
                        percent_words(*tightness));
@@ -33,8 +30,6 @@ std::string drawback_of(const std::map<std::string, double>& figures) {
 
 std::string worth_sentence(const std::map<std::string, double>& figures, double area) {
   std::string text = fmt::format("{} m2", number_words(figure(figures, "area").value_or(area), 4));
-  if (const auto share = figure(figures, "flux_share"))
-    text += fmt::format(", {:.1f} % of the light", 100 * *share);
   if (const auto tightness = figure(figures, "tightness"))
     text += fmt::format(", tightness {:.2f}", *tightness);
   if (const auto conductance = figure(figures, "conductance"))

@@ -53,10 +53,7 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
 
 std::string why_refused(const CutFacts& f, const CutLimits& limits) {
   const bool small = f.smaller_side() < limits.least_area;
-  if (f.crossing <= 0 && !small)
-    return "no light was seen to pass from the light's side of the cut to the camera's; it may "
-           "pass "
-           "where no walk passed, through a keyhole: more walks look closer";
+  if (f.crossing <= 0 && !small) return kNoLightFound;
   if (f.straight.value_or(0) >= limits.straight && f.seen.value_or(0) >= limits.seen)
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
@@ -71,8 +68,7 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         100 * limits.least_area);
   }
   if (f.carried && *f.carried < limits.least_carried)
-    return fmt::format("only {} of the light that the camera sees crosses the cut",
-                       percent(*f.carried));
+    return fmt::format("by the network only {} of the light crosses the cut", percent(*f.carried));
   if (f.conductance > limits.largest_conductance)
     return fmt::format(
         "{} of the smaller side's light crosses the cut, more than {}: the opening is wide",
@@ -85,7 +81,7 @@ std::string words_for(const CutFacts& f) {
       "{} of the surface lies on the light's side{}; {} of the smaller side's light crosses the "
       "cut",
       percent(f.area[0]),
-      f.carried ? fmt::format(", {} of the camera's light crosses", percent(*f.carried)) : "",
+      f.carried ? fmt::format(", by the network {} of the light crosses", percent(*f.carried)) : "",
       number_words(f.conductance, 2));
 }
 

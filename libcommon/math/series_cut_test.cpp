@@ -185,7 +185,7 @@ TEST(cut_facts, a_lamp_that_shines_through_its_opening_needs_no_portal) {
   EXPECT_EQ(why_refused(hidden, limits), "");
   CutFacts dark = others;
   dark.carried = 0.005;
-  EXPECT_EQ(why_refused(dark, limits).find("only 0.5 % of the light that the camera sees"), 0u);
+  EXPECT_EQ(why_refused(dark, limits).find("by the network only 0.5 % of the light"), 0u);
 }
 
 // Two rooms are the light's and this camera's; a third, on the other side of either, is only

@@ -18,14 +18,15 @@ std::string percent(double share) {
 // Why it was accepted as a portal.
 std::string merits(const Portal& portal, const PortalFitOptions& options) {
   const auto& f = portal.figures;
-  if (options.by_paper) return "the fullest voxels lie along it";
+  if (options.by_paper)
+    return "its normal is the main axis of the full voxels, and its plane holds the fullest";
   const std::string support =
       f.contains("support")
           ? fmt::format("; {} of the lines through it join the two sides, at least {}",
                         percent(f.at("support")), percent(kMost))
           : "";
   return fmt::format(
-      "it carries {} of the camera's light, at least {}{}; {}; {:.0f} degrees "
+      "by the network {} of the light crosses it, at least {}{}; {}; {:.0f} degrees "
       "between its normal and the mean direction of the light",
       percent(f.at("flux_share")), percent(options.limits.threshold), support,
       worth_sentence(f, f.at("area")), f.at("direction_angle"));

@@ -127,7 +127,7 @@ std::string why_none(const Arguments& a, const cli::Common& common, const LightG
   const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
   if (a.require_portal)
     throw InputError(display_name(a.grid.front()), "", "gives no portal: " + why);
-  common.note("no portal: " + why);
+  common.note((grid.bottleneck ? "no portal: " : "no bottleneck: ") + why);
   return why;
 }
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/number_words.h"
 #include "libcommon/draw/plan.h"
 #include "libcommon/draw/sheet.h"
 #include "tools/portalfit/preview.h"
@@ -71,8 +70,6 @@ Shown shown_of(const FitResult& found) {
   for (const Portal& portal : found.portals) {
     Opening o = opening_of(portal);
     o.label = fmt::format("portal.{}", shown.places.size());
-    if (const auto share = portal.figures.find("flux_share"); share != portal.figures.end())
-      o.label += "  " + percent_words(share->second);
     if (std::abs(o.way.y) > 0.7) o.label += o.way.y > 0 ? ", up" : ", down";
     shown.openings.push_back(std::move(o));
     shown.places.push_back(middle_of(portal.vertices));
@@ -105,8 +102,7 @@ std::vector<Box> panels_of(size_t plans, double aspect) {
 
 std::string sentence_of(const Shown& shown, size_t portals, const std::string& why_none) {
   if (portals == 0) return "no portal: " + why_none;
-  return fmt::format("{} portal{}, each with its share of the light{}", portals,
-                     portals == 1 ? "" : "s",
+  return fmt::format("{} portal{}{}", portals, portals == 1 ? "" : "s",
                      shown.reasons.empty() ? "" : "; grey: what was refused, by the letters below");
 }
 

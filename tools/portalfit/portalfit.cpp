@@ -290,9 +290,8 @@ class Fit {
       else
         enough.push_back(std::move(a));
     if (!weak.empty())
-      refuse(fmt::format("{} {} {:.1f} % of the camera's light only", weak.size(),
-                         weak.size() == 1 ? "candidate carries" : "candidates together carry",
-                         100 * too_little),
+      refuse(fmt::format("by the network only {:.1f} % of the light crosses {}", 100 * too_little,
+                         counted(weak.size(), "candidate")),
              at_least(limits_.threshold), weak);
     return enough;
   }
@@ -307,7 +306,7 @@ class Fit {
   std::vector<Aperture> fit_cut(const Bundle& all) {
     const double light = light_of(all);
     if (light < limits_.threshold) {
-      refuse(fmt::format("{} of the camera's light crosses a cut: it is not fitted",
+      refuse(fmt::format("by the network {} of the light crosses a cut: it is not fitted",
                          percent_words(light)),
              at_least(limits_.threshold));
       return {};

@@ -208,8 +208,6 @@ std::string words_for(const Portal& portal, size_t i) {
   const auto& f = portal.figures;
   std::string words = fmt::format("portal.{}", i);
   if (f.contains("area")) words += fmt::format(": {} m2", number_words(f.at("area")));
-  if (f.contains("flux_share"))
-    words += fmt::format(", {:.1f} % of the light", 100 * f.at("flux_share"));
   if (f.contains("support")) words += fmt::format(", support {:.2f}", f.at("support"));
   return words;
 }

@@ -19,9 +19,6 @@ std::string portals_sentence(const std::vector<Portal>& portals) {
   for (size_t i = 0; i < n && (n <= kMostNamed || i + 1 < kMostNamed); ++i) {
     const auto& f = portals[i].figures;
     std::string text = fmt::format("portal.{} {} m2", i, number_words(f.at("area"), 2));
-    if (const auto share = f.find("flux_share"); share != f.end())
-      text += fmt::format(" with {}{}", percent_words(share->second),
-                          i == 0 ? " of the camera's light" : "");
     if (const std::string drawback = drawback_of(f); !drawback.empty())
       text += " (" + drawback + ")";
     named.push_back(text);

@@ -7,7 +7,7 @@
 
 namespace tdpt {
 
-/// "3 portals: portal.0 0.69 m2 with 74 % of the light, ..."; of many only the first are named.
+/// "3 portals: portal.0 0.69 m2, ..."; of many only the first are named.
 /// There is at least one; each has its figures.
 std::string portals_sentence(const std::vector<Portal>& portals);
 

@@ -254,9 +254,7 @@ class Verdict:
         fit = next((s for s in m["stages"] if s["tool"] == "portalfit"), None)
         self.by_stages = fit is not None
         self.last = m["with"]["last"]
-        # What was looked at before rendering, the plan tells alone.
-        looked = {p.get("name"): p for p in get(m["with"], "first", "portals") or []}
-        self.portals = [{**p, "light": looked.get(p.get("name"), p).get("light")} for p in get(self.last, "portals") or []]
+        self.portals = get(self.last, "portals") or []
         self.fitted = {p.get("name"): p for p in get(fit, "json", "portals") or []}
         self.reason = get(fit, "json", "reason") or ""
         self.foretold = get(m["with"], "first", "pilot", "portals_gain")
@@ -476,8 +474,8 @@ STAGE_TEXT = {
                "The border between the colours is the cut; the lines are pairs of patches that exchange light across it."),
     "lightgrid": ("Where the light passes through the air", "Counts of lines of light in the air, from above, from the front and from the right",
                   "Each pixel is the fullest voxel behind it; the ring marks the fullest of all."),
-    "portalfit": ("The portals in plan", "The plan of each storey, with the portals, each with its share of the light, and the camera with what it sees",
-                  "Cut at eye height: walls are dark, panes blue. Green are the portals, each with the way of the light and its share of the "
+    "portalfit": ("The portals in plan", "The plan of each storey, with the portals, and the camera with what it sees",
+                  "Cut at eye height: walls are dark, panes blue. Green are the portals, each with the way of the "
                   "light; grey is what was refused, with the reason below.")}
 
 
@@ -531,17 +529,17 @@ def portals_part(m, v):
         f = dict(v.fitted.get(p.get("name")) or {})
         f.update({k: value for k, value in p.items() if value is not None})
         # What a portal drawn by hand has no figures for is left open.
-        rows.append((name(p.get("name", "")), figure(f.get("area"), 3), percent(f.get("flux_share"), 3), figure(f.get("conductance")),
+        rows.append((name(p.get("name", "")), figure(f.get("area"), 3), figure(f.get("conductance")),
                      figure(f.get("tightness")), percent(f.get("support"), 3), figure(f.get("direction_angle"), 2, "\u00b0"),
-                     percent(f.get("light"), 3), percent(f.get("energy"), 3)))
+                     percent(f.get("energy"), 3)))
     refused = get(next((s for s in m["stages"] if s["tool"] == "portalfit"), None), "json", "refused") or []
     cuts = get(next((s for s in m["stages"] if s["tool"] == "mincut"), None), "json", "refused") or []
     body = []
     if rows:
-        body.append(table("The portals. Light passing: share of a small picture\u2019s light, before rendering; by segments: share of the "
-                          "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]", "Share of the camera’s light",
-                          "Conduct\u00adance", "Tight\u00adness", "Support", "Normal off by", "Light passing", "By segments"), rows,
-                          numeric=range(1, 9), class_="stack"))
+        body.append(table("The portals. By segments: share of the "
+                          "picture\u2019s light that paths begun in the portal brought", ("Portal", "Area [m\u00b2]",
+                          "Conduct\u00adance", "Tight\u00adness", "Support", "Normal off by", "By segments"), rows,
+                          numeric=range(1, 7), class_="stack"))
         drawbacks = [el("li", name(n), f": {f['drawback']}.") for n, f in v.fitted.items() if f.get("drawback")]
         body.append(el("ul", drawbacks) if drawbacks else None)
         lead = f"Foretold by tdpt-render: {figure(v.foretold)} times the efficiency of {v.best_plain or 'the best way'} without, "\

@@ -93,7 +93,7 @@ def plant(value):
     return value + BAD if isinstance(value, str) and value not in KEPT and not value.endswith((".png", ".svg")) else value
 with open("evil/measured.json") as stream:
     m = plant(json.load(stream))
-m["with"]["last"]["portals"][0]["light"] = None
+m["with"]["last"]["portals"][0]["energy"] = None
 m["stages"][0]["json"] = None
 m["with"]["steps"][-1]["relmse"] = None
 m["black"] = None

@@ -78,15 +78,11 @@ class TDPT_PT_portals(InRender, bpy.types.Panel):
     def draw_list(layout, scene):
         meshes = portals.collection_of(scene)
         column = layout.column(align=True)
-        if meshes and any("flux_share" in thing for thing in meshes.objects):
-            column.label(text="With their share of the camera's light:")
         for thing in meshes.objects if meshes else ():
             if thing.type != "MESH":
                 continue
             row = column.row(align=True)
-            share = thing.get("flux_share")
-            words = f"{thing.name}, {portals.percent(share)}" if share is not None else thing.name
-            row.label(text=words, icon="LIGHT_SUN" if thing.get("sky", 0) >= portals.OF_THE_SKY else "MESH_PLANE")
+            row.label(text=thing.name, icon="LIGHT_SUN" if thing.get("sky", 0) >= portals.OF_THE_SKY else "MESH_PLANE")
             row.prop(thing, "hide_viewport", text="", emboss=False)
         lamps = portals.lamps_of(scene)
         if lamps:

@@ -114,7 +114,7 @@ Explored explore(World& world, const Camera& camera, const std::vector<Portal>& 
       out.samples += static_cast<uint64_t>(world.film.width() * world.film.height());
     }
   }
-  finder.tell(out.ways, out.light);
+  out.ways = finder.told();
   out.arriving = arriving.shares(world.lights.shares());
   if (max_depth < kMaxDepth) out.beyond = by_depth.beyond();
   return out;

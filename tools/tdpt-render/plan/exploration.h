@@ -16,8 +16,7 @@
 namespace tdpt {
 
 struct Explored {
-  std::vector<PortalWay> ways;     ///< by portal
-  std::vector<PortalLight> light;  ///< by portal
+  std::vector<PortalWay> ways;  ///< by portal
   Lights::KindProbabilities arriving;
   std::optional<Truncation> beyond;  ///< if there is a limit of depth
   uint64_t samples = 0;

@@ -70,7 +70,7 @@ void PassedPortals::see(const Path& path, double light) {
       if (openings_[p].front.density(from, b.position) > 0) of_sample_[p][0] += light;
       if (openings_[p].front.density(b.position, from) > 0) of_sample_[p][1] += light;
     }
-    if (passes) either_[p].share += light;
+    if (passes) either_[p] += light;
   }
 }
 
@@ -79,8 +79,6 @@ void PassedPortals::end_sample() {
   brightest_ = std::max(brightest_, sample_);
   sample_ = 0;
   for (size_t p = 0; p < openings_.size(); ++p) {
-    ++either_[p].of;
-    either_[p].samples += of_sample_[p][0] > 0 || of_sample_[p][1] > 0;
     for (size_t way = 0; way < 2; ++way) {
       double& light = of_sample_[p][way];
       PassedLight& sum = ways_[p][way];
@@ -97,9 +95,7 @@ void PassedPortals::merge(const PassedPortals& other) {
   lit_ += other.lit_;
   brightest_ = std::max(brightest_, other.brightest_);
   for (size_t p = 0; p < openings_.size(); ++p) {
-    either_[p].samples += other.either_[p].samples;
-    either_[p].of += other.either_[p].of;
-    either_[p].share += other.either_[p].share;
+    either_[p] += other.either_[p];
     for (size_t way = 0; way < 2; ++way) {
       PassedLight& sum = ways_[p][way];
       const PassedLight& part = other.ways_[p][way];
@@ -114,7 +110,6 @@ WayFinder::WayFinder(const std::vector<Portal>& portals)
     : portals_(portals),
       open_(std::min(portals.size(), kMostPortals)),
       ways_(portals.size()),
-      light_(portals.size()),
       dark_(portals.size()) {
   std::iota(open_.begin(), open_.end(), size_t{0});
   for (size_t i = 0; i < ways_.size(); ++i) ways_[i].portal = i;
@@ -140,22 +135,20 @@ void WayFinder::learn(const PassedPortals& passed, const World& world) {
     // Conductance is probed only where it matters.
     const bool wide = way(true) != way(false) && probed_conductance(world, portals_[i]) > kWideWay;
     ways_[i].way = way(wide);
-    light_[i] = passed.either_[k];
-    dark_[i] = light_[i].share < kNoLight * (passed.total_ - passed.brightest_);
-    if (passed.total_ > 0) light_[i].share /= passed.total_;
+    dark_[i] = passed.either_[k] < kNoLight * (passed.total_ - passed.brightest_);
     if (!tells(passed.ways_[k])) silent.push_back(i);
   }
   some_silent_ = !silent.empty() && silent.size() < open_.size();
   open_ = std::move(silent);
 }
 
-void WayFinder::tell(std::vector<PortalWay>& ways, std::vector<PortalLight>& light) const {
-  ways = ways_;
-  light = light_;
-  if (lit_ < kEnoughLit) return;
+std::vector<PortalWay> WayFinder::told() const {
+  std::vector<PortalWay> ways = ways_;
+  if (lit_ < kEnoughLit) return ways;
   for (size_t i = 0; i < ways.size(); ++i)
     if (dark_[i] || std::find(open_.begin(), open_.end(), i) != open_.end())
       ways[i].way = PortalWay::left_out;
+  return ways;
 }
 
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals) {

@@ -47,12 +47,6 @@ struct PassedLight {
 PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const PassedLight& against,
                       double total, bool wide);
 
-/// The light of a small picture that passes a portal.
-struct PortalLight {
-  uint64_t samples = 0, of = 0;  ///< samples whose light passed it, and all; 0 of 0: not measured
-  double share = 0;              ///< of the picture's light
-};
-
 /// Sums the light of paths through each of several portals.
 class PassedPortals {
  public:
@@ -76,7 +70,7 @@ class PassedPortals {
 
   const std::vector<Opening>& openings_;
   std::vector<BothWays> ways_;
-  std::vector<PortalLight> either_;   // either way, each path once; `share`: its sum
+  std::vector<double> either_;        // either way, each path once
   double total_ = 0, brightest_ = 0;  // of all samples; of the brightest
   uint64_t lit_ = 0;                  // samples that carried light
   std::vector<std::array<double, 2>> of_sample_;
@@ -96,13 +90,12 @@ class WayFinder {
   std::vector<Portal> opened() const;
   /// Takes in what passed them; `world` must have them.
   void learn(const PassedPortals& passed, const World& world);
-  void tell(std::vector<PortalWay>& ways, std::vector<PortalLight>& light) const;
+  std::vector<PortalWay> told() const;
 
  private:
   const std::vector<Portal>& portals_;
   std::vector<size_t> open_;
   std::vector<PortalWay> ways_;
-  std::vector<PortalLight> light_;
   std::vector<bool> dark_;
   uint64_t lit_ = 0;
   bool some_silent_ = false;  // some, but not all

@@ -72,12 +72,6 @@ void take_portals(const Explored& explored, World& world, std::vector<Portal>& p
   if (explored.ways.empty()) return;
   tell_left_out(world, portals, explored, common);
   use_portals(explored.ways, world, portals, common);
-  for (size_t i = 0; i < portals.size(); ++i) {
-    portals[i].figures.erase(kLight);
-    if (explored.light[i].of > 0) portals[i].figures[kLight] = explored.light[i].share;
-  }
-  if (const std::string sentence = light_sentence(portals); !sentence.empty())
-    common.note(sentence);
 }
 
 // By power alone a sky outranks every lamp indoors.
@@ -175,7 +169,6 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
     choice.ways = plan.ways;
     choice.probed = true;
     use_portals(choice.ways, world, portals, common);
-    for (Portal& portal : portals) portal.figures.erase(kLight);
   }
   choice.by_arrival = sampled && competes_with_sky(world);
   if (choice.by_arrival) {

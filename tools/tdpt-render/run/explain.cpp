@@ -120,14 +120,9 @@ Decisions portals(const Rendered& r) {
          "measured by the exploration"});
   for (const PortalWay& w : r.choice.ways) {
     const Portal& portal = r.portals[w.portal];
-    const auto light = portal.figures.find(kLight);
     all.push_back(
         {portal.name, way_words(w.way),
-         light == portal.figures.end()
-             ? (r.choice.planned ? "the plan says so"
-                                 : "too little of a small picture's light was seen to tell")
-             : fmt::format("{} of a small picture's light passed it",
-                           percent_words(light->second, 3)),
+         r.choice.planned ? "the plan says so" : "the small picture's light says so",
          w.way == PortalWay::left_out
              ? "no edge is tested against it"
              : "each edge is tested against " + counted(portal.triangles.size(), "triangle")});

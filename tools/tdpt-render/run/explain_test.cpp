@@ -66,7 +66,7 @@ TEST(explain, a_portal_is_told_with_what_passed_it) {
   const Told told("tdpt-org", {portal_in_the_hole()});
   const cli::Decision d = told.about(told.portals[0].name);
   EXPECT_EQ(d.chosen, "used as drawn");
-  EXPECT_NE(d.reason.find(" % of a small picture's light passed it"), std::string::npos);
+  EXPECT_NE(d.reason.find("the small picture's light says so"), std::string::npos);
 }
 
 // No light passes the wall beside the hole.

@@ -78,11 +78,14 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   if (job.a.frame) return;  // a shot has a line for each of its frames
   // Else the cause was told before, or the sky is left out, or longer paths are.
   if (is_black(result) && !result.longest && !settings.alpha && settings.max_depth == kMaxDepth)
-    common.warn("no sample found light: the picture is black; does its camera stand in a wall?");
+    common.warn(
+        "no sample found light: the picture is black; is a door shut, or does its camera stand in "
+        "a "
+        "wall?");
   if (const double share =
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
-    common.note(idleness(in.portals, share));
+    common.note(idleness(share));
   else if (const std::string useless = useless_portals(in.portals, result); !useless.empty())
     common.note(useless);
   const std::string name =
@@ -179,7 +182,7 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
 std::string told_of(const RenderResult& result) {
   std::string noise;
   if (is_black(result))
-    noise = ", all black: does the camera stand in a wall?";
+    noise = ", all black: is a door shut, or does the camera stand in a wall?";
   else if (result.noise)
     noise = result.noise->tells
                 ? ", relMSE about " + number_words(result.noise->relmse, 2)

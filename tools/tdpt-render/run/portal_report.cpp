@@ -1,7 +1,5 @@
 #include "tools/tdpt-render/run/portal_report.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -48,25 +46,6 @@ std::vector<std::string> first_few(std::vector<std::string> sentences) {
   return sentences;
 }
 
-std::string light_sentence(const std::vector<Portal>& portals) {
-  std::vector<const Portal*> passed;
-  for (const Portal& p : portals)
-    if (!p.triangles.empty() && p.figures.contains(kLight)) passed.push_back(&p);
-  if (passed.empty()) return "";
-  std::stable_sort(passed.begin(), passed.end(), [](const Portal* a, const Portal* b) {
-    return a->figures.at(kLight) > b->figures.at(kLight);
-  });
-  std::string text = "of the light that the camera sees ";
-  const size_t named = passed.size() <= kMostSentences ? passed.size() : kMostSentences - 1;
-  for (size_t i = 0; i < named; ++i)
-    text += fmt::format("{}{} passes {}", i == 0 ? "" : ", ",
-                        percent_words(passed[i]->figures.at(kLight)), passed[i]->name);
-  if (named < passed.size())
-    text += fmt::format(", at most {} each of {} others",
-                        percent_words(passed[named]->figures.at(kLight)), passed.size() - named);
-  return text;
-}
-
 std::string names_of(const std::vector<std::string>& names) {
   if (names.size() <= kMostSentences) return fmt::format("{}", fmt::join(names, ", "));
   const size_t named = kMostSentences - 1;
@@ -76,30 +55,9 @@ std::string names_of(const std::vector<std::string>& names) {
       names.size() - named);
 }
 
-namespace {
-
-// None where no portal has the figure.
-const Portal* with_most(const std::vector<Portal>& portals, const char* figure) {
-  const Portal* most = nullptr;
-  for (const Portal& p : portals)
-    if (const auto at = p.figures.find(figure);
-        at != p.figures.end() && (!most || at->second > most->figures.at(figure)))
-      most = &p;
-  return most;
-}
-
-}  // namespace
-
-std::string idleness(const std::vector<Portal>& portals, double share) {
-  const std::string brought =
-      fmt::format("paths through the portals brought {} of the light", percent_words(share));
-  if (const Portal* p = with_most(portals, kLight))
-    return brought + fmt::format("; of a small trial picture's light {} passed {}",
-                                 percent_words(p->figures.at(kLight)), p->name);
-  if (const Portal* p = with_most(portals, "flux_share"))
-    return brought + fmt::format("; says its file, {} of the camera's light passes {}",
-                                 percent_words(p->figures.at("flux_share")), p->name);
-  return "the portals brought less than 1 % of the light: do they lie on its way?";
+std::string idleness(double share) {
+  return fmt::format("paths that begin in the portals brought {} of the light",
+                     percent_words(share));
 }
 
 std::vector<std::string> turnings(const std::vector<Portal>& portals,
@@ -148,7 +106,7 @@ nlohmann::ordered_json portals_json(const std::vector<Portal>& portals,
     nlohmann::ordered_json entry{
         {"name", portals[i].name},
         {"area", used ? area_of(portals[i]) : portals[i].figures.at("area")}};
-    for (const char* key : {"flux_share", "tightness", "conductance", kLight})
+    for (const char* key : {"flux_share", "tightness", "conductance"})
       if (const auto at = portals[i].figures.find(key); at != portals[i].figures.end())
         entry[key] = at->second;
     entry["samples"] = d.samples;

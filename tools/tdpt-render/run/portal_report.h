@@ -16,19 +16,11 @@ inline constexpr uint64_t kEnoughSamples = 1000;
 /// The first of the sentences, one for each portal, and how many more there are.
 std::vector<std::string> first_few(std::vector<std::string> sentences);
 
-/// Name of the figure for the share of a small picture's light that passes the portal.
-inline constexpr const char* kLight = "light";
-
-/// How much of the light that the camera sees passes each portal that is used, those with most of
-/// it first; empty where none is, or nothing was measured.
-std::string light_sentence(const std::vector<Portal>& portals);
-
 /// "portal.0, portal.1 and 3 more".
 std::string names_of(const std::vector<std::string>& names);
 
-/// Why the segments through portals may have carried only a `share` of the light: from earlier
-/// measurements, here or by portalfit; a question if there are none.
-std::string idleness(const std::vector<Portal>& portals, double share);
+/// Of segments through portals that carried only a `share` of the light.
+std::string idleness(double share);
 
 /// A sentence for each portal, as drawn, that will work another way; only the first ones if there
 /// are many.
