@@ -323,7 +323,7 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
                 score(fit.portals[0], holes[1], light).coverage,
             0.95);
   ASSERT_FALSE(fit.refused.empty());
-  EXPECT_NE(fit.refused.back().why.find(" candidates together carry "), std::string::npos)
+  EXPECT_NE(fit.refused.back().why.find(" of the light crosses "), std::string::npos)
       << fit.refused.back().why;
   EXPECT_EQ(fit.refused.back().limit, "at least 5 %");
 }

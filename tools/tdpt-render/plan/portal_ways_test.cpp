@@ -180,26 +180,6 @@ TEST(portal_ways, knows_light_of_lamps_without_surface) {
   EXPECT_EQ(ways_in(scene, {turned_round(portal_in_the_hole())}), Ways{kBack});
 }
 
-// All light of the camera's room comes through the first of two holes in a row; through the second
-// the camera sees the wall of the middle room.
-TEST(portal_ways, measures_the_share_of_the_light_that_passes) {
-  const Scene scene = scene_of("three-rooms.glb");
-  const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25),
-               half = in_the_wall(4.15, 0.75, 1.25, -0.25, 0),
-               second = in_the_wall(2.05, 0.75, 1.25, -0.25, 0.25);
-  const std::vector<Portal> portals{first, half, second, in_the_wall(2.05, 1.5, 1.9, -0.8, 0.8)};
-  World world(scene, scene.camera(""), 320, 240, portals);
-  const auto light = explore(world, scene.camera(""), portals, 6, 1).light;
-  EXPECT_NEAR(light[0].share, 1, 1e-9);
-  EXPECT_NEAR(light[1].share, 0.5, 0.2);
-  EXPECT_GT(light[2].share, 0.1);
-  EXPECT_LT(light[2].share, 0.9);
-  EXPECT_EQ(light[3].samples, 0u);
-  EXPECT_EQ(light[3].share, 0);
-  EXPECT_GT(light[0].samples, 500u);
-  EXPECT_EQ(light[0].of, 3072u);
-}
-
 TEST(portal_ways, is_a_function_of_its_arguments) {
   const Scene scene = scene_of("door-ajar.glb");
   EXPECT_EQ(ways_in(scene, round_the_leaf(), 7), ways_in(scene, round_the_leaf(), 7));
