@@ -58,7 +58,7 @@ def portal_table(figures):
                  (("area", 1, 3, ""), ("flux_share", 100, 1, " %"), ("support", 1, 2, ""))]
         reason = f" ({said['reason']})" if not portals and said.get("reason") else ""
         rows.append([scene, f"{len(portals)}{reason}", *cells])
-    return pages.table(("scene", "portals", "area [m2]", "share of the light", "support"), rows)
+    return pages.table(("scene", "portals", "area [m2]", "flux_share", "support"), rows)
 
 
 def figure5(figures):
