@@ -145,15 +145,24 @@ Web all_around(const Reader& in, const Web& web) {
     if (side) columns.emplace_back(a <= 180 ? 180 - a : 540 - a, c);
     if (!side && last <= 180) columns.emplace_back(360 - a, c);
     if (last == 90) columns.emplace_back(180 - a, c), columns.emplace_back(180 + a, c);
-    if (a == 0 || (side && a == 180)) columns.emplace_back(360, c);
   }
   std::sort(columns.begin(), columns.end());
   Web out{web.rows, {}, {}};
-  for (const auto& [angle, c] : columns) {
-    if (!out.columns.empty() && angle < out.columns.back() + kClosest) continue;
+  const auto add = [&](double angle, const auto& value) {
+    if (!out.columns.empty() && angle < out.columns.back() + kClosest) return;
     out.columns.push_back(angle);
-    for (size_t r = 0; r < web.rows.size(); ++r) out.values.push_back(web.at(r, c));
-  }
+    for (size_t r = 0; r < web.rows.size(); ++r) out.values.push_back(value(r));
+  };
+  // 0 is 360, and mostly lies between two columns.
+  const auto [begin, from] = columns.front();
+  const auto [end, to] = columns.back();
+  const double share = (360 - end) / (begin + 360 - end);
+  const auto at_zero = [&, f = from, t = to](size_t r) {
+    return web.at(r, t) + share * (web.at(r, f) - web.at(r, t));
+  };
+  if (begin >= kClosest) add(0, at_zero);
+  for (const auto& [angle, c] : columns) add(angle, [&, k = c](size_t r) { return web.at(r, k); });
+  add(360, at_zero);
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "libcommon/scene/pane.h"
 #include "libcommon/scene/texture.h"
 #include "libcommon/trace/embree.h"
+#include "shaders/shared/triangle.h"
 
 namespace tdpt {
 
@@ -24,6 +25,8 @@ struct Tracer::Impl {
   std::array<std::vector<uint32_t>, 2> triangles;
   std::vector<Pane> panes;  ///< by material; empty: no panes
   const Scene* traced = nullptr;
+  double reach = 0;  // largest absolute coordinate
+  bool far = false;  // some lie well outside the frame
 
   uint32_t triangle(unsigned geometry, unsigned primitive) const {
     return triangles[geometry].empty() ? primitive : triangles[geometry][primitive];
@@ -43,8 +46,13 @@ struct Tracer::Impl {
 };
 
 namespace {
-// Canonical coordinates are at most 1 in magnitude: 4 units in the last place of 1.
+// 4 units in the last place of 1, which canonical coordinates rarely exceed.
 constexpr double kStep = 4 * 1.1920929e-7;
+constexpr double kFar = 2;
+
+double largest_coordinate(const Vec3d& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 // An Embree device that supports what is needed; otherwise throws.
@@ -177,6 +185,10 @@ Tracer::Tracer(const Scene& scene, bool culls)
                                        : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   impl_->traced = &scene;
+  for (const Triangle& t : scene.triangles)
+    for (const uint32_t v : t.vertex)
+      impl_->reach = std::max(impl_->reach, largest_coordinate(Vec3d(scene.positions[v])));
+  impl_->far = impl_->reach > kFar;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
   std::vector<uint8_t> filtered(scene.materials.size());
   std::vector<Pane> panes(scene.materials.size());
@@ -204,15 +216,38 @@ Tracer::Tracer(const Scene& scene, bool culls)
 
 Tracer::~Tracer() = default;
 
+double Tracer::reach() const {
+  return impl_->reach;
+}
+
 const TriangleShape& Tracer::shape(uint32_t triangle) const {
   return impl_->shapes[triangle];
 }
 
 // Called twice for every ray between two points: inlined.
 [[gnu::always_inline]] inline Vec3f Tracer::step_off(const Origin& from, const Vec3d& w) const {
+  if (impl_->far || largest_coordinate(from.position) > 8) [[unlikely]]
+    return step_off_afar(from, w);
   if (from.normal == Vec3d{}) return Vec3f(from.position + w * (kStep * offset_scale_ / length(w)));
   const double step = dot(from.normal, w) < 0 ? -kStep : kStep;
   return Vec3f(from.position + from.normal * (step * offset_scale_));
+}
+
+// In proportion to the coordinates that rounding depends on. An origin in the air before the whole
+// scene is moved up to it.
+[[gnu::noinline]] Vec3f Tracer::step_off_afar(const Origin& from, const Vec3d& w) const {
+  if (from.normal == Vec3d{}) {
+    const Vec3d unit = w / length(w);
+    const double before = std::max(0.0, -dot(from.position, unit) - 2 * impl_->reach);
+    const Vec3d p = from.position + unit * before;
+    return Vec3f(p + unit * (kStep * offset_scale_ * std::max(1.0, largest_coordinate(p))));
+  }
+  double size = std::max(1.0, largest_coordinate(from.position));
+  if (from.triangle != ~0u)
+    for (const uint32_t v : scene_.triangles[from.triangle].vertex)
+      size = std::max(size, largest_coordinate(Vec3d(scene_.positions[v])));
+  const double step = dot(from.normal, w) < 0 ? -kStep : kStep;
+  return Vec3f(from.position + from.normal * (step * offset_scale_ * size));
 }
 
 bool Tracer::first_hit(const Vec3f& from, const Vec3f& w, uint32_t coin, FloatHit& hit) const {
@@ -237,6 +272,17 @@ bool Tracer::segment_blocked(const Vec3f& a, const Vec3f& b, uint32_t coin) cons
   return tdpt_any_hit(impl_->scene, query, ray);
 }
 
+// Whether a ray that hits a triangle near one of its edges was stopped before by a neighbour.
+template <class Query>
+[[gnu::noinline]] bool Tracer::stopped_before(Query& query, const Vec3f& o, const Vec3d& w,
+                                              const Origin& at) const {
+  const double way = length(at.position - Vec3d(o));
+  const Vec3f from(Vec3d(o) + w * std::max(way - double{shader::kEdgeReach}, 0.0));
+  const Vec3f d = step_off(at, -w) - from;
+  RTCRay rest = embree::ray(from.x, from.y, from.z, d.x, d.y, d.z, 1);
+  return tdpt_any_hit(impl_->scene, query, rest);
+}
+
 template <class Query>
 [[gnu::always_inline]] inline bool Tracer::first_surface(Query& query, const Vec3f& o,
                                                          const Vec3d& from, const Vec3d& w,
@@ -250,10 +296,14 @@ template <class Query>
   const TriangleShape& s = impl_->shapes[hit.triangle];
   hit.b1 = found.hit.u;
   hit.b2 = found.hit.v;
+  const bool at_edge = shader::keep_off_edges(s.e1, s.e2, w, hit.b1, hit.b2);
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
   hit.normal = s.normal;
   hit.opacity = impl_->opacity(hit.triangle, w);
   hit.distance = length(hit.position - from);
+  if (at_edge) [[unlikely]] {
+    if (stopped_before(query, o, w, {hit.position, hit.normal, hit.triangle})) return false;
+  }
   return hit.distance > 0;
 }
 
@@ -311,6 +361,9 @@ template <class Query>
 [[gnu::always_inline]] inline bool Tracer::unblocked(Query& query, const Origin& a,
                                                      const Origin& b) const {
   flush_denormals();
+  // From the end with the smaller coordinates, which rounding moves less.
+  if (impl_->far && dot(a.position, a.position) > dot(b.position, b.position))
+    return unblocked(query, b, a);
   const Vec3d w = b.position - a.position;
   const Vec3f from = step_off(a, w);
   const Vec3f to = step_off(b, -w);

@@ -1,11 +1,14 @@
 // Ray queries: the closest hit, and mutual visibility of two points, in the canonical frame.
 //
 // Method: ray casting with a bounding volume hierarchy (Embree, which stays behind this header), in
-// floats; hit points are recomputed from barycentrics in double precision and never moved.
+// floats; hit points are recomputed from barycentrics in double precision. They stay where they
+// are, except next to an edge of their triangle: there the ray is looked at again, since rounding
+// may have let it pass the neighbour, and the hit moves off the edge [shaders/shared/triangle.h].
 //
 // Self-intersection: rays start exactly on surfaces, so their origins are offset by a few units in
-// the last place of the coordinates: along the geometric normal to the side that the ray leaves on,
-// or along the ray if the origin is in the air (even there a lamp or camera may lie in a surface).
+// the last place of the coordinates, of the triangle's corners too where a scene reaches far beyond
+// its frame: along the geometric normal to the side that the ray leaves on, or along the ray if the
+// origin is in the air (even there a lamp or camera may lie in a surface).
 //
 // Stochastic transparency: surfaces that are not opaque (alpha) and window panes (pane.h) have a
 // `coverage` at each point and stop that share of the rays, selected by a hash of the exact point.
@@ -38,16 +41,21 @@ class Tracer {
   explicit Tracer(const Scene& scene, bool culls = false);
   ~Tracer();
   bool culls() const { return culls_; }
+  /// Largest absolute coordinate of a triangle: 1 at most, unless the scene reaches far beyond its
+  /// frame.
+  double reach() const;
 
   /// Origin of rays. `normal` (unit, either side) is the direction of the offset from the surface;
-  /// zero in the air (camera, lamp, portal).
+  /// zero in the air (camera, lamp, portal). `triangle`: that it lies on, if known.
   struct Origin {
     Vec3d position;
     Vec3d normal{};
+    uint32_t triangle = ~0u;
   };
 
   /// First surface along unit direction `w`; false if there is none. Also false if the hit is at
-  /// `from` itself, because the ray did not leave the surface; then `hit` has its triangle.
+  /// `from` itself, because the ray did not leave the surface, or if a neighbour stopped the ray
+  /// before; then `hit` has its triangle.
   bool closest(const Origin& from, const Vec3d& w, Hit& hit) const;
 
   /// The same without an offset: rays both ways along a line from one point hit each surface once
@@ -100,8 +108,11 @@ class Tracer {
   friend struct TracerFaults;  // of tests [libcommon/testing/tracer_faults.h]
 
   Vec3f step_off(const Origin& from, const Vec3d& w) const;
+  Vec3f step_off_afar(const Origin& from, const Vec3d& w) const;
   bool first_drawn(const Vec3d& camera, const Vec3d& w, Hit& hit) const;
   bool no_front_between(const Vec3d& camera, const Origin& place) const;
+  template <class Query>
+  bool stopped_before(Query& query, const Vec3f& o, const Vec3d& w, const Origin& at) const;
   template <class Query>
   bool first_surface(Query& query, const Vec3f& o, const Vec3d& from, const Vec3d& w,
                      Hit& hit) const;

@@ -106,6 +106,108 @@ TEST(tracer, twin_without_the_step_surfaces_hide_themselves) {
   EXPECT_GT(hidden_pairs(0), 100);
 }
 
+// Closed boxes with the outsides of their walls in front: straight, turned, sheared to edges of 30
+// and 150 degrees, and thin; each with corners of its own at every wall, along either diagonal.
+struct Walls {
+  Walls(const char* name_, const std::array<Vec3d, 4>& p, bool other_diagonal) : name(name_) {
+    const auto corner = [&](int i) {
+      return p[0] + (i & 1 ? p[1] : Vec3d()) + (i & 2 ? p[2] : Vec3d()) + (i & 4 ? p[3] : Vec3d());
+    };
+    scene.materials.emplace_back();
+    for (const auto& f : {std::array{0, 4, 6, 2},
+                          {1, 3, 7, 5},
+                          {0, 1, 5, 4},
+                          {2, 6, 7, 3},
+                          {0, 2, 3, 1},
+                          {4, 5, 7, 6}}) {
+      const auto first = static_cast<uint32_t>(scene.positions.size());
+      for (const int i : f) scene.positions.emplace_back(corner(i));
+      const uint32_t turn = other_diagonal ? 1 : 0, third = first + 2 + turn;
+      scene.triangles.push_back({{first + turn, first + 1 + turn, third}, 0});
+      scene.triangles.push_back({{first + turn, third, first + (3 + turn) % 4}, 0});
+      for (size_t i = 0; i < 4; ++i) edges.push_back({corner(f[i]), corner(f[(i + 1) % 4])});
+    }
+    middle = (corner(0) + corner(7)) / 2;
+    tracer = std::make_unique<Tracer>(scene);
+  }
+  const char* name;
+  Scene scene;
+  std::vector<std::array<Vec3d, 2>> edges;
+  Vec3d middle;
+  std::unique_ptr<Tracer> tracer;
+};
+std::vector<std::unique_ptr<Walls>> all_walls() {
+  const Vec3d x = normalize(Vec3d(0.7, 0.2, -0.4)), y = normalize(cross(x, Vec3d(0.1, 1, 0.3)));
+  const Vec3d z = cross(x, y), low(-0.9, -0.61, -0.7);
+  std::vector<std::unique_ptr<Walls>> all;
+  const auto add = [&](const char* name, const std::array<Vec3d, 4>& p) {
+    for (const bool other : {false, true}) all.push_back(std::make_unique<Walls>(name, p, other));
+  };
+  add("straight", {low, {1.8, 0, 0}, {0, 1.37, 0}, {0, 0, 1.8}});
+  add("turned", {Vec3d(-0.2, -0.1, 0.1), x * 0.9, y * 0.7, z * 0.5});
+  add("sheared", {low, {1.1, 0, 0}, {0.6, 0.4, 0}, {0, 0, 1.5}});
+  add("thin", {Vec3d(-0.9, 0.3, 0.3), {1.8, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}});
+  return all;
+}
+// The same without looking again at what lies near an edge.
+bool plain_hit(const Walls& walls, const Tracer::Origin& from, const Vec3d& w, Hit& hit) {
+  Tracer::FloatHit found;
+  const double step = from.normal == Vec3d() ? 0 : dot(from.normal, w) < 0 ? -4.8e-7 : 4.8e-7;
+  hit.triangle = ~0u;
+  if (!walls.tracer->first_hit(Vec3f(from.position + from.normal * step), Vec3f(w), 0, found))
+    return false;
+  const TriangleShape& s = walls.tracer->shape(found.triangle);
+  hit.triangle = found.triangle, hit.normal = s.normal;
+  hit.position = s.p0 + s.e1 * found.b1 + s.e2 * found.b2;
+  return true;
+}
+// Rays to places within rounding of an edge: those from outside that meet the inside of a wall, and
+// those from inside that leave after they have scattered there.
+template <class Closest>
+std::array<int, 2> leaks(const Walls& walls, const Closest& closest) {
+  std::array<int, 2> leaks{};
+  Rng rng(11, 0, 0);
+  for (int i = 0; i < 20000; ++i) {
+    const auto& [a, b] = walls.edges[rng.below(static_cast<uint32_t>(walls.edges.size()))];
+    const double along = rng.uniform();
+    const Vec3d at = a + (b - a) * along + random_direction(rng) * (1.5e-7 * rng.uniform());
+    const Vec3d w = random_direction(rng);
+    const Vec3d between = a + (b - a) * rng.uniform();
+    Hit hit;
+    if (closest({at - w * 3.5, {}}, w, hit)) leaks[0] += dot(hit.normal, w) > 0;
+    const Vec3d inside = walls.middle + (between - walls.middle) * (0.9 * rng.uniform());
+    if (!closest({inside, {}}, normalize(at - inside), hit)) {
+      leaks[1] += hit.triangle == ~0u;
+      continue;
+    }
+    const Vec3d out = random_direction(rng);
+    const Tracer::Origin wall{hit.position, hit.normal, hit.triangle};
+    const Vec3d v = dot(out, hit.normal) < 0 ? out : -out;
+    if (closest(wall, v, hit))
+      leaks[1] += dot(hit.normal, v) < 0;
+    else
+      leaks[1] += hit.triangle == ~0u;
+  }
+  return leaks;
+}
+TEST(tracer, walls_that_meet_in_an_edge_let_no_light_through) {
+  for (const auto& walls : all_walls()) {
+    const auto [in, out] = leaks(*walls, [&](const Tracer::Origin& from, const Vec3d& w, Hit& hit) {
+      return walls->tracer->closest(from, w, hit);
+    });
+    EXPECT_EQ(in, 0) << walls->name;
+    EXPECT_EQ(out, 0) << walls->name;
+  }
+}
+TEST(tracer, twin_without_a_second_look_edges_leak) {
+  for (const auto& walls : all_walls()) {
+    const auto [in, out] = leaks(*walls, [&](const Tracer::Origin& from, const Vec3d& w, Hit& hit) {
+      return plain_hit(*walls, from, w, hit);
+    });
+    EXPECT_GT(in + out, 10) << walls->name;
+  }
+}
+
 TEST(tracer, a_wall_hides_and_an_empty_scene_has_no_hits) {
   Box box;
   const Tracer::Origin inside{{0, 0, 0}, {}}, outside{{3, 0, 0}, {}};

@@ -14,7 +14,7 @@
 #ifndef TDPT_SHADERS_SHARED_TRIANGLE_H
 #define TDPT_SHADERS_SHARED_TRIANGLE_H
 
-#include "shaders/shared/real.h"
+#include "shaders/shared/vector.h"
 
 #include "shaders/shared/language.h"
 
@@ -151,6 +151,52 @@ SHARED bool line_meets(AxisRay ray, vec3 p0, vec3 p1, vec3 p2, OUT(float) depth,
   // Seen from its front by an incoming ray a triangle is clockwise; the plane is mirrored if the
   // ray runs down its main axis.
   back = (det > 0.0f) == (ray.sign > 0.0f) ? 1u : 0u;
+  return true;
+}
+
+/// Paths keep this far from the edges of triangles (canonical). Where walls meet, rounding may put
+/// a hit beyond the neighbouring wall, or let a ray meet the inside of a wall before the outside of
+/// its neighbour: both move by less than this.
+const float kEdgeMargin = 1.90734863e-6f;
+/// From this far before a hit its surroundings are looked at again: a ray at 1e-4 to a wall passes
+/// it that much earlier than it meets the next one within rounding of their edge.
+const float kEdgeReach = 9.765625e-4f;
+
+/// Barycentrics `b`, moved off an edge that lies nearer than the margin; `own`: that of the corner
+/// opposite to it, `along`: scalar products of the edge with all three, `length2`: with itself.
+GENERIC VEC3 off_edge(VEC3 b, REAL own, VEC3 along, REAL length2, REAL twice_area) {
+  REAL size = root(length2);
+  REAL missing = kEdgeMargin - own * twice_area * reciprocal(size);
+  return missing > 0.0f ? b + along * (missing * reciprocal(size * twice_area)) : b;
+}
+
+/// Moves a place of the triangle with the edges e1 = p1 - p0 and e2 = p2 - p0 off its edges. Whether
+/// it lies so near to one that rounding may decide if a ray along unit w meets the triangle or its
+/// neighbour there: the depth at which it meets a triangle edge-on is the least certain. False if
+/// the triangle is too narrow.
+GENERIC bool keep_off_edges(VEC3 e1, VEC3 e2, VEC3 w, INOUT(REAL) b1, INOUT(REAL) b2) {
+  const float margin2 = 3.63797881e-12f;  // of kEdgeMargin
+  // Edge i lies opposite to corner i; they run round the triangle.
+  VEC3 e0 = e2 - e1;
+  REAL l0 = dot(e0, e0);
+  REAL l1 = dot(e2, e2);
+  REAL l2 = dot(e1, e1);
+  VEC3 n = cross(e1, e2);
+  REAL area2 = dot(n, n);
+  REAL longest2 = max(l0, max(l1, l2));
+  VEC3 b = VEC3(1.0f - b1 - b2, b1, b2);
+  REAL least = max(min(b.x, min(b.y, b.z)), REAL(0));
+  REAL across = least * dot(n, w);
+  if (across * across >= margin2 * longest2 || area2 < 64.0f * margin2 * longest2) return false;
+  REAL twice_area = root(area2);
+  REAL e01 = -dot(e0, e2);
+  REAL e02 = dot(e0, e1);
+  REAL e12 = -dot(e1, e2);
+  b = off_edge(b, b.x, VEC3(l0, e01, e02), l0, twice_area);
+  b = off_edge(b, b.y, VEC3(e01, l1, e12), l1, twice_area);
+  b = off_edge(b, b.z, VEC3(e02, e12, l2), l2, twice_area);
+  b1 = b.y;
+  b2 = b.z;
   return true;
 }
 

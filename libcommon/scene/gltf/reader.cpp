@@ -32,6 +32,7 @@ using namespace gltf;
 using Json = nlohmann::json;
 
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
+constexpr double kLargestReach = 1e9;  // of its frame
 constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
 
 /// Hash of where everything stands that light meets or comes from, of what moves at all: cameras
@@ -130,11 +131,63 @@ class SceneReader {
     return c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type == "perspective";
   }
 
-  void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
-    Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+  struct Box {
+    Vec3d low = Vec3d(std::numeric_limits<double>::infinity()), high = -low;
+    void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
+    Vec3d middle() const { return low * 0.5 + high * 0.5; }
+    double longest() const { return max_component(high - low); }
+  };
+
+  // The box that the frame is made for: of all triangles, unless others than those around the
+  // cameras lie very much farther away. Floats are fine near the origin, so the room of the cameras
+  // must be there, whatever stands at the horizon.
+  Box box_of_frame(const std::vector<Vec3d>& world, const Box& all) const {
+    // A box of 2^8 times the room's size costs it 8 of the 24 bits of floats.
+    constexpr double kFarther = 256;
+    Box cameras;
+    for (const Camera& c : scene_.cameras)
+      if (!c.fault) cameras.add(c.position);
+    const Vec3d middle = cameras.low.x <= cameras.high.x ? cameras.middle() : middle_of(world);
+    std::vector<double> distances;
+    for (const Triangle& t : scene_.triangles) distances.push_back(distance_of(t, world, middle));
+    std::sort(distances.begin(), distances.end());
+    const double least = std::max(0.5 * cameras.longest(), all.longest() / kLargestReach);
+    const auto far = std::adjacent_find(
+        distances.begin(), distances.end(),
+        [&](double near, double next) { return near >= least && next > kFarther * near; });
+    if (far == distances.end()) return all;
+    Box room;
     for (const Triangle& t : scene_.triangles)
-      for (uint32_t v : t.vertex) low = min(low, world[v]), high = max(high, world[v]);
-    const double longest = max_component(high - low);
+      if (distance_of(t, world, middle) <= *far)
+        for (uint32_t v : t.vertex) room.add(world[v]);
+    return room.longest() > 0 ? room : all;
+  }
+  // Of the farthest corner, along an axis.
+  static double distance_of(const Triangle& t, const std::vector<Vec3d>& world,
+                            const Vec3d& middle) {
+    double distance = 0;
+    for (uint32_t v : t.vertex)
+      distance = std::max(distance, max_component(max(world[v] - middle, middle - world[v])));
+    return distance;
+  }
+  // Where half of the triangles lie on either side, along each axis.
+  Vec3d middle_of(const std::vector<Vec3d>& world) const {
+    Vec3d middle;
+    for (int c = 0; c < 3; ++c) {
+      std::vector<double> places;
+      for (const Triangle& t : scene_.triangles) places.push_back(world[t.vertex[0]][c]);
+      const auto half = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
+      std::nth_element(places.begin(), half, places.end());
+      middle[c] = *half;
+    }
+    return middle;
+  }
+
+  void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
+    Box all;
+    for (const Triangle& t : scene_.triangles)
+      for (uint32_t v : t.vertex) all.add(world[v]);
+    const double longest = all.longest();
     if (longest == 0) d_.fail("", "has no triangle with an area");
     if (!(longest >= kShortest && longest <= kLongest))
       d_.fail("", fmt::format("is {} m long, expected {} to {}", longest, kShortest, kLongest));
@@ -143,12 +196,15 @@ class SceneReader {
           fmt::format("the scene lies so far from the origin that its vertices are known to {} "
                       "m only, {} of its size",
                       number_words(grain, 1), number_words(grain / longest, 1)));
+    const Box box = box_of_frame(world, all);
     int exponent = 0;
-    const double mantissa = std::frexp(longest, &exponent);  // in [0.5, 1)
+    const double mantissa = std::frexp(box.longest(), &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
-    scene_.frame.centre = low * 0.5 + high * 0.5;
+    scene_.frame.centre = box.middle();
+    const double reach = 2 * longest * scene_.frame.scale;  // of any used vertex
     scene_.positions.reserve(world.size() + 1);  // one more, so that a Tracer needs no copy
-    for (const Vec3d& p : world) scene_.positions.push_back(rounded(scene_.frame.to_canonical(p)));
+    for (const Vec3d& p : world)
+      scene_.positions.push_back(rounded(scene_.frame.to_canonical(p), std::max(reach, 4.0)));
     world = {};
     for (Camera& c : scene_.cameras) c.position = scene_.frame.to_canonical(c.position);
     for (PunctualLight& l : scene_.lights) to_canonical(d_, scene_.frame, l);
@@ -157,8 +213,8 @@ class SceneReader {
   }
 
   /// Vertices that no triangle uses may lie anywhere, even outside the range of float.
-  static Vec3f rounded(const Vec3d& p) {
-    const Vec3d limit(4.0);
+  static Vec3f rounded(const Vec3d& p, double farthest) {
+    const Vec3d limit(farthest);
     return Vec3f(max(min(p, limit), -limit));
   }
 

@@ -18,10 +18,11 @@
 // Schlick's [fresnel.h]; E ignores this, which only makes walks live longer.
 // Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's
 // directional albedo: white under any interface reflects all that the interface does not.
-// Opaque and thin surfaces look the same from both sides. A solid has a diffuse lobe on its front
-// only; with both `diffuse` and `through`, whose sum must be at most 1 and eta at least 1,
-// Schlick's curve (of the cosine in front) replaces the exact one, so that E stays known. A thin
-// sheet transmits by the reflected lobe, mirrored to the other side.
+// Opaque and thin surfaces look the same from both sides. With both `diffuse` and `through`, whose
+// sum must be at most 1 and eta at least 1, Schlick's curve (of the cosine in front) replaces the
+// exact one in a solid, so that E stays known. Seen from inside such a solid, `glass`, the share of
+// `through` in both, is interface, and the rest is bare paint on it. A thin sheet transmits by the
+// reflected lobe, mirrored to the other side.
 // The sheen lies above all but a coat [sheen.h]. It leaves to the other lobes the lesser of 1 -
 // max(colour) E_s along the two directions, as in KHR_materials_sheen. A coat leaves the lesser of
 // c = 1 - E_c [coat.h]; to the diffuse lobe it leaves (1 - E) c at both ends over their common
@@ -62,6 +63,8 @@ struct OrientedBsdf {
   bool interfaced;
   bool diffuse;
   bool sheen;
+  bool under;   ///< the diffuse lobe lies under the interface, not beside it
+  REAL glass;   ///< share of the surface that is interface
   REAL alpha;   ///< 0: smooth
   REAL ratio;   ///< index behind the interface / in front of it, for Fresnel
   REAL rise;    ///< ratio - 1
@@ -77,7 +80,7 @@ SHARED VEC3 interface_left_over(IN(Bsdf) b, InterfaceAlbedo e) MEMBER_CONST {
 }
 /// 1 - E over the diffuse lobe at cosine mu.
 SHARED VEC3 left_over(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu) MEMBER_CONST {
-  if (!view.interfaced) return VEC3(1.0f);
+  if (!view.under) return VEC3(1.0f);
   if (!(view.alpha > 0.0f)) return interface_left_over(b, smooth_interface_albedo(mu));
   return interface_left_over(b, interface_albedo_in(view.row, mu));
 }
@@ -93,7 +96,11 @@ SHARED OrientedBsdf view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
   view.solid = view.passes && b.thin == 0u;
   view.interfaced = view.passes || b.f90 > 0.0f;
   bool inside = view.solid && view.back;
-  view.diffuse = is_positive(b.diffuse) && !inside;
+  view.diffuse = is_positive(b.diffuse);
+  view.under = view.interfaced && !inside;
+  view.glass = 1.0f;
+  if (view.diffuse && inside)
+    view.glass = sum_of(VEC3(b.through)) * reciprocal(sum_of(VEC3(b.through) + VEC3(b.diffuse)));
   view.sheen = has_sheen(b) && !inside;
   REAL eta = REAL(b.eta);
   REAL rise = eta - 1.0f;
@@ -106,7 +113,7 @@ SHARED OrientedBsdf view_of(IN(Bsdf) b, VEC3 from) MEMBER_CONST {
   view.left = VEC3(1.0f);
   view.row.node = 0u;
   view.row.rest = 0.0f;
-  if (!view.diffuse || !view.interfaced) return view;
+  if (!view.diffuse || !view.under) return view;
   if (view.alpha > 0.0f) view.row = interface_row(view.alpha);
   view.left = left_over(b, view, view.from.z);
   return view;
@@ -118,7 +125,7 @@ SHARED bool is_smooth(IN(OrientedBsdf) view) MEMBER_CONST {
   return view.interfaced && !(view.alpha > 0.0f);
 }
 
-/// Reflectance of the interface, and the remainder; both of basic radiance.
+/// Reflectance of the interface, times `glass`, and its transmittance; both of basic radiance.
 struct Reflectance {
   VEC3 back;
   VEC3 rest;
@@ -133,7 +140,7 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(OrientedBsdf) view, REAL cosine
   if (!view.passes) {
     curve = schlick_curve(c);
   } else {
-    r.back = VEC3(1.0f);
+    r.back = VEC3(view.glass);
     r.rest = VEC3(0.0f);
     if (q < 0.0f) return r;
     if (is_positive(b.diffuse))
@@ -143,7 +150,7 @@ SHARED Reflectance reflectance_at(IN(Bsdf) b, IN(OrientedBsdf) view, REAL cosine
   }
   REAL f90 = REAL(b.f90);
   VEC3 way = VEC3(f90) - VEC3(b.f0);
-  r.back = VEC3(b.f0) + way * curve.part;
+  r.back = (VEC3(b.f0) + way * curve.part) * view.glass;
   r.rest = VEC3(1.0f - f90) + way * curve.rest;
   if (view.passes || !is_positive(b.dip)) return r;
   VEC3 back = r.back;
@@ -208,6 +215,7 @@ SHARED VEC3 average_under_coat(IN(Bsdf) b) MEMBER_CONST {
 SHARED VEC3 diffuse_lobe(IN(Bsdf) b, IN(OrientedBsdf) view, REAL mu_to,
                          Covers covers) MEMBER_CONST {
   VEC3 d = VEC3(b.diffuse) * INVERSE_PI;
+  if (view.interfaced && !view.under) return d * reciprocal(view.n_from * view.n_from);
   if (!view.interfaced && !has_coat(b)) return d;
   VEC3 p = view.left * left_over(b, view, mu_to);
   VEC3 mean = VEC3(1.0f);
@@ -234,6 +242,7 @@ SHARED REAL diffuse_or_interface(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST
   } else {
     // At some angles microfacets reflect more than their mean: keep a minimum probability.
     i = sum_of(VEC3(1.0f) - view.left + view.left * VEC3(b.through)) + 3e-3f * b.f90;
+    if (!view.under) i = 3.0f * view.glass;
   }
   return d + i > 1e-30f ? d * reciprocal(d + i) : REAL(-1.0f);
 }
@@ -378,7 +387,11 @@ SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities sha
 SHARED VEC3 bsdf_albedo(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
   if (view.solid && view.back && is_rough(view)) return VEC3(1.0f);  // all, beyond some angle
   VEC3 left = VEC3(1.0f);
-  if (is_smooth(view)) left = reflectance_at(b, view, view.from.z).rest;
+  if (is_smooth(view)) {
+    Reflectance r = reflectance_at(b, view, view.from.z);
+    left = r.rest;
+    if (view.diffuse && !view.under) return r.back + r.rest * VEC3(b.through) + VEC3(b.diffuse);
+  }
   if (is_rough(view))
     left = view.diffuse ? view.left
                         : interface_left_over(b, interface_albedo(view.from.z, view.alpha));

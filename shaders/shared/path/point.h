@@ -37,6 +37,9 @@ using Source = uint;  // code in doubles has its own
 /// points nearer to it rounding would decide.
 const float kPlaneMargin = 2e-6f;
 
+/// Light from infinity is followed from so far before the origin (canonical).
+const float kBeforeTheScene = 4.0f;
+
 /// The unit direction back along which a walk arrived at a point; 0: it begins there.
 #ifdef __cplusplus
 using Arrival = vec3;  // code in doubles has its own
@@ -131,10 +134,14 @@ SHARED float to_area(float pdf_w, Edge e, Point to) {
 SHARED float geometry(Point a, Point b, Edge e) {
   return cosine_to(a, e.w) * cosine_to(b, e.w) * reciprocal(e.d2);
 }
-/// A point on the line of light through `p` along unit w that lies before all of the scene, which
-/// is within 2 of the origin.
+/// A point on the line of light through `p` along unit w that lies `distance` before the origin,
+/// and never behind p.
+SHARED vec3 before_the_origin(vec3 p, vec3 w, float distance) {
+  return p - w * max(dot(p, w) + distance, 1.0f);
+}
+/// The same before all of the scene's frame, which is within 2 of the origin.
 SHARED vec3 before_the_scene(vec3 p, vec3 w) {
-  return p - w * (dot(p, w) + 4.0f);
+  return before_the_origin(p, w, kBeforeTheScene);
 }
 SHARED bool same_side(Point p, vec3 wi, vec3 wo) {
   return dot(p.normal, wi) * dot(p.normal, wo) > 0.0f;

@@ -32,12 +32,31 @@ SHARED uint ray_coin(vec3 origin, vec3 w) MEMBER_CONST {
   return high_word(mix64(sum64(mix64(sum64(mix64(a), b)), c)));
 }
 
-/// Offset ray origin: off the surface by a few units in the last place, on the side that the ray
-/// leaves from; from a point in the air, along the ray.
-SHARED vec3 step_off(vec3 position, vec3 normal, vec3 w) MEMBER_CONST {
-  const float kStep = 4.76837158e-7f;
-  if (is_zero(normal)) return position + w * kStep;
-  return position + normal * (dot(normal, w) < 0.0f ? -kStep : kStep);
+/// Largest absolute coordinate of all triangles: 1 at most, unless the scene reaches far beyond its
+/// frame.
+SHARED float scene_reach() MEMBER_CONST {
+  return load_bvh_node(0u).extent;
+}
+SHARED float largest_coordinate(vec3 p) MEMBER_CONST {
+  return max(max(abs(p.x), abs(p.y)), abs(p.z));
+}
+/// Offset ray origin: off the surface by a few units in the last place of the coordinates, of the
+/// triangle's corners too where the scene reaches far, on the side that the ray leaves from; from a
+/// point in the air, along the ray. `triangle`: that it lies on, or kNoTriangle.
+SHARED vec3 step_off(vec3 position, vec3 normal, uint triangle, vec3 w) MEMBER_CONST {
+  float size = 1.0f;
+  if (scene_reach() > 2.0f) {
+    size = max(size, largest_coordinate(position));
+    if (triangle != kNoTriangle) {
+      Face face = load_face(triangle);
+      size = max(size, largest_coordinate(face.p0));
+      size = max(size, largest_coordinate(face.p0 + face.e1));
+      size = max(size, largest_coordinate(face.p0 + face.e2));
+    }
+  }
+  float step = 4.76837158e-7f * size;
+  if (is_zero(normal)) return position + w * step;
+  return position + normal * (dot(normal, w) < 0.0f ? -step : step);
 }
 
 SHARED bool at_infinity(Point p) MEMBER_CONST {
@@ -71,12 +90,13 @@ SHARED vec3 absorbed(vec3 value, Point a, Point b, Edge e) MEMBER_CONST {
 
 /// Whether two points see each other.
 SHARED bool sees(Point a, Point b) MEMBER {
-  vec3 place_a = at_infinity(a) ? before_the_scene(b.position, a.position) : a.position;
-  vec3 place_b = at_infinity(b) ? before_the_scene(a.position, b.position) : b.position;
+  float before = max(kBeforeTheScene, 2.0f * scene_reach());
+  vec3 place_a = at_infinity(a) ? before_the_origin(b.position, a.position, before) : a.position;
+  vec3 place_b = at_infinity(b) ? before_the_origin(a.position, b.position, before) : b.position;
   vec3 d = place_b - place_a;
   vec3 w = normalized(d);
-  vec3 from = step_off(place_a, a.normal, w);
-  vec3 to = step_off(place_b, b.normal, -w);
+  vec3 from = step_off(place_a, a.normal, a.triangle, w);
+  vec3 to = step_off(place_b, b.normal, b.triangle, -w);
   count_ray(RAYS_SHADOW);
   return !segment_blocked(from, to, ray_coin(from, to));
 }
@@ -109,8 +129,8 @@ SHARED bool seen_by_camera(Point p) MEMBER {
   vec3 w = normalized(p.position - camera);
   if (!camera_draws(p.triangle, w)) return false;
   count_ray(RAYS_SHADOW);
-  vec3 from = step_off(camera, vec3(0.0f, 0.0f, 0.0f), w);
-  vec3 to = step_off(p.position, p.normal, -w);
+  vec3 from = step_off(camera, vec3(0.0f, 0.0f, 0.0f), kNoTriangle, w);
+  vec3 to = step_off(p.position, p.normal, p.triangle, -w);
   vec3 d = to - from;
   SurfaceHit hit;
   if (!first_met(from, w, true, hit) || hit.triangle == p.triangle) return true;

@@ -241,7 +241,8 @@ SHARED void begin_camera_walk(uint walk) MEMBER {
     float x = float(name.pixel % render.width) + uniform_of(numbers);
     float y = float(name.pixel / render.width) + uniform_of(numbers);
     ray.w = camera_direction(x, y);
-    ray.origin = step_off(render.camera_position, vec3(0.0f, 0.0f, 0.0f), ray.w);
+    ray.origin =
+        step_off(render.camera_position, vec3(0.0f, 0.0f, 0.0f), kNoTriangle, ray.w);
     ray.flags = RAY_THERE | RAY_BY_FILM;
   }
   walk_rays[walk] = ray;
@@ -288,7 +289,9 @@ SHARED void begin_light_walk(uint walk, uint slot) MEMBER {
   ray.throughput = at.throughput * emitted(y0, ray.w) * cos_per_pdf_w(place.source, ray.w);
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = slot;
-  ray.origin = step_off(origin, y0.normal, ray.w);
+  if (at_infinity(y0) && scene_reach() > 2.0f)
+    origin = before_the_origin(origin, ray.w, 2.0f * scene_reach());
+  ray.origin = step_off(origin, y0.normal, y0.triangle, ray.w);
   ray.flags = RAY_THERE;
   walk_rays[walk] = ray;
 }
@@ -382,9 +385,22 @@ SHARED void go_on(uint from, uint here, uint i) MEMBER {
   ray.throughput = at.throughput * t.weight * reciprocal(chance_to_go_on(known));
   if (!(largest(ray.throughput) > 0.0f)) return;
   ray.here = here;
-  ray.origin = step_off(p.position, p.normal, t.w);
+  ray.origin = step_off(p.position, p.normal, p.triangle, t.w);
   ray.flags = RAY_THERE | (t.dirac ? RAY_DIRAC : 0u);
   walk_rays[i] = ray;
+}
+
+/// Whether a ray that hits a triangle near one of its edges was stopped before by a neighbour;
+/// moves the hit off the edge.
+SHARED bool stopped_at_edge(WalkRay ray, INOUT(SurfaceHit) hit) MEMBER_CONST {
+  Face face = load_face(hit.triangle);
+  if (!keep_off_edges(face.e1, face.e2, ray.w, hit.b1, hit.b2)) return false;
+  if (camera_culls && (ray.flags & RAY_BY_FILM) != 0u) return false;
+  vec3 position = face.p0 + face.e1 * hit.b1 + face.e2 * hit.b2;
+  vec3 way = position - ray.origin;
+  vec3 from = ray.origin + ray.w * max(root(dot(way, way)) - kEdgeReach, 0.0f);
+  return segment_blocked(from, step_off(position, face.normal, hit.triangle, -ray.w),
+                         ray_coin(ray.origin, ray.w));
 }
 
 /// Finds what the ray of a walk hits.
@@ -394,6 +410,7 @@ SHARED void trace_ray(uint i) MEMBER {
   count_ray(RAYS_CLOSEST);
   SurfaceHit hit;
   bool met = first_met(ray.origin, ray.w, (ray.flags & RAY_BY_FILM) != 0u, hit);
+  if (met && stopped_at_edge(ray, hit)) walk_rays[i].flags = 0u;
   walk_rays[i].triangle = met ? hit.triangle : kNoTriangle;
   walk_rays[i].b1 = hit.b1;
   walk_rays[i].b2 = hit.b2;

@@ -53,7 +53,7 @@ Box box_of(const Portal& portal, const Frame& frame) {
     for (const uint32_t v : t) box.add(frame.to_canonical(portal.vertices[v]));
   return box;
 }
-// Bounds of everything that light travels between, except lamps at infinity.
+// Bounds of everything that light travels between, except the sky and lamps at infinity.
 Box box_of(const Scene& scene) {
   Box box;
   for (const Vec3f& p : scene.positions) box.add(Vec3d(p));
@@ -245,11 +245,22 @@ class Judge {
                                        portal.triangles.size(), mesh.triangles));
   }
 
+  // Whether light from infinity passes there on its way to the scene.
+  bool lit_from_afar(const Box& box) const {
+    const bool parallel =
+        std::any_of(scene_.lights.begin(), scene_.lights.end(), [](const PunctualLight& l) {
+          return l.kind == PunctualLight::Kind::directional;
+        });
+    return (scene_.sky || parallel) &&
+           length(max(box.high, Vec3d() - box.low)) < shader::kBeforeTheScene;
+  }
+
   bool is_elsewhere(const Portal& portal) {
     constexpr double kMargin = 1e-3;
     const Box box = box_of(portal, scene_.frame);
+    const bool outside = !box.touches(box_, kMargin * box_.extent());
     std::string why;
-    if (!box.touches(box_, kMargin * box_.extent()))
+    if (outside)
       why = "lies outside the scene";
     else if (box.extent() > kFarLarger * box_.extent())
       why = fmt::format("is {} times as large as the scene",
@@ -258,6 +269,7 @@ class Judge {
       return false;
     if (!tracer_) tracer_ = std::make_unique<Tracer>(scene_);
     std::string unit = unit_words(portal, *tracer_, scene_.frame);
+    if (outside && unit.empty() && lit_from_afar(box)) return false;
     if (unit.empty()) unit = unit_by_size(portal);
     warn(portal, why + (unit.empty() ? "" : ", " + unit) + ": left out");
     return true;

@@ -61,7 +61,7 @@ class given_portals : public ::testing::Test {
     return "no error";
   }
 
-  const Scene scene_ = read_gltf(two_rooms_path());
+  Scene scene_ = read_gltf(two_rooms_path());
 
  private:
   std::filesystem::path folder_;
@@ -102,10 +102,29 @@ TEST_F(given_portals, outside_the_scene_they_are_left_out) {
   EXPECT_EQ(two.warnings, Strings{"portal.1: lies outside the scene: left out"});
   // Partly inside, reaching far out: it is used.
   EXPECT_EQ(given({rectangle({2, 0.8, -9}, {0, 0, 18}, {0, 0.25, 0})}).warnings, Strings{});
-  // Beside the scene's box, unless there is a lamp out there.
-  Scene lit = scene_;
-  const Portal beside = rectangle({2, 0.8, 2}, {0, 0, 0.25}, {0, 0.25, 0});
-  EXPECT_EQ(given({beside}).file.portals.size(), 0u);
+}
+
+// Light from infinity passes in front of a house, too; a lamp out there is part of the scene.
+TEST_F(given_portals, outside_the_scene_they_are_taken_if_light_comes_from_there) {
+  const auto taken = [&](double z) {
+    return given({rectangle({2, 0.8, z}, {0, 0, 0.25}, {0, 0.25, 0})}).file.portals.size();
+  };
+  const double side = scene_.frame.to_metres({0, 0, 1}).z;
+  EXPECT_EQ(taken(side + 1), 0u);
+  scene_.sky = std::make_shared<const Sky>(Sky::Map{1, 1, {Rgb(1)}}, 0);
+  for (const double z : {side + 0.01, side + 1, -side - 1}) EXPECT_EQ(taken(z), 1u) << z;
+  EXPECT_EQ(taken(side + 30), 0u);
+  EXPECT_EQ(given({scaled(portal_in_the_hole(), 3.28084)}).warnings,
+            Strings{"portal.0: lies outside the scene, seems drawn in feet: left out"});
+  scene_.sky = nullptr;
+  scene_.lights = {PunctualLight()};
+  scene_.lights[0].kind = PunctualLight::Kind::directional;
+  EXPECT_EQ(taken(side + 1), 1u);
+  scene_.lights[0].kind = PunctualLight::Kind::point;
+  scene_.lights[0].position = {0, 0, 2};
+  EXPECT_EQ(taken(side + 1), 1u);
+  scene_.lights[0].position = {0, 0, 0};
+  EXPECT_EQ(taken(side + 1), 0u);
 }
 
 TEST_F(given_portals, in_another_unit_they_are_left_out_and_told_so) {

@@ -57,12 +57,15 @@ struct OrientedBsdf {
         through(b.through),
         solid(positive(through) && !b.thin),
         interface(positive(through) || b.f90 > 0),
-        diffuse(solid && back ? Vec3d() : Vec3d(b.diffuse)),
+        diffuse(b.diffuse),
         sheen(b.sheen_alpha > 0 && !(solid && back) ? Vec3d(b.sheen) : Vec3d()),
         alpha(b.alpha < kLeastAlpha || (solid && std::abs(b.eta - 1) < 1e-4) ? 0.0 : b.alpha),
         ratio(solid && back ? 1 / double{b.eta} : double{b.eta}) {
     if (solid) (back ? n_from : n_behind) = b.eta;
+    if (painted()) glass = sum(through) / sum(through + diffuse);
   }
+  // Inside a solid diffuse paint covers the rest of the glass.
+  bool painted() const { return solid && back && positive(diffuse); }
 
   Vec3d turn(const Vec3d& w) const { return back ? mirrored(w) : w; }
   bool rough() const { return interface && alpha > 0; }
@@ -74,7 +77,7 @@ struct OrientedBsdf {
     double s = schlick(c);
     if (positive(through)) {
       const double sin2 = (1 - c * c) / (ratio * ratio);  // behind
-      if (sin2 >= 1) return Vec3d(1.0);
+      if (sin2 >= 1) return Vec3d(glass);
       const double ct = std::sqrt(1 - sin2);
       if (positive(Vec3d(b.diffuse))) {
         s = schlick(ratio >= 1 ? c : ct);
@@ -85,10 +88,12 @@ struct OrientedBsdf {
         s = std::max(0.0, (0.5 * (rs * rs + rp * rp) - r0) / (1 - r0));
       }
     }
-    const Vec3d f = Vec3d(b.f0) + (Vec3d(double{b.f90}) - Vec3d(b.f0)) * s;
+    const Vec3d f = (Vec3d(b.f0) + (Vec3d(double{b.f90}) - Vec3d(b.f0)) * s) * glass;
     return positive(through) ? f : max(f - Vec3d(b.dip) * (c * std::pow(1 - c, 6)), Vec3d(0.0));
   }
-  Vec3d transmittance(const Vec3d& fresnel) const { return (Vec3d(1.0) - fresnel) * through; }
+  Vec3d transmittance(const Vec3d& fresnel) const {
+    return (Vec3d(1.0) - fresnel / glass) * through;
+  }
 
   // 1 - E, what the interface leaves to the diffuse lobe.
   Vec3d left_over(const shader::Surfaces::InterfaceAlbedo& e) const {
@@ -112,6 +117,7 @@ struct OrientedBsdf {
   Vec3d diffuse_lobe(const Vec3d& to) const {
     const Vec3d d = diffuse * inv_pi;
     const double c = under_coat(from) * under_coat(to);
+    if (painted()) return d / square(n_from);
     if (!interface && !(b.coat.strength > 0)) return d;
     const Vec3d both = left_over(from.z) * left_over(to.z) * c;
     const Vec3d mean = b.coat.strength > 0 ? average_under_coat() : left_over(average_albedo());
@@ -137,8 +143,9 @@ struct OrientedBsdf {
   double diffuse_or_interface() const {
     if (!positive(diffuse)) return interface ? 0 : -1;
     if (!interface) return 1;
-    const Vec3d left = left_over(from.z), F = fresnel(from.z);
+    const Vec3d left = painted() ? Vec3d(1.0) : left_over(from.z), F = fresnel(from.z);
     const double d = sum(diffuse * left);
+    if (painted() && rough()) return d / (d + 3 * glass);
     const double i = smooth() ? sum(F) + sum(transmittance(F))
                               : sum(Vec3d(1.0) - left + left * through) + 3e-3 * b.f90;
     return d + i > 0 ? d / (d + i) : -1;
@@ -169,6 +176,7 @@ struct OrientedBsdf {
   double alpha;                     // 0: smooth
   double ratio;                     // index behind the interface / in front of it, for Fresnel
   double n_from = 1, n_behind = 1;  // indices of refraction on either side
+  double glass = 1;                 // share of the surface that is interface
 };
 
 // The microfacet that connects view.from and `to` (mirrored like it), with its Jacobians.
@@ -242,6 +250,8 @@ double pdf_w(const Bsdf& b, const Vec3d& from, const Vec3d& to) {
 Vec3d albedo(const Bsdf& b, const Vec3d& from) {
   const OrientedBsdf view(b, from);
   if (view.solid && view.back && view.rough()) return Vec3d(1.0);  // all, beyond some angle
+  if (const Vec3d F = view.fresnel(view.from.z); view.painted())
+    return F + view.transmittance(F) + view.diffuse;
   const Vec3d left =
       view.smooth() ? Vec3d(1.0) - view.fresnel(view.from.z) : view.left_over(view.from.z);
   Vec3d all = Vec3d(1.0) - left + left * (view.through + view.diffuse);

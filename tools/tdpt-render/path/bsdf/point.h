@@ -35,7 +35,7 @@ struct Point {
   bool met() const { return !source || source->met(); }
   /// |cos| to the surface; 1 if not on a surface.
   double cosine(const Vec3d& w) const { return on_surface() ? std::abs(dot(normal, w)) : 1; }
-  Tracer::Origin origin() const { return {position, normal}; }
+  Tracer::Origin origin() const { return {position, normal, triangle}; }
 };
 
 /// The connection from one point to another.
@@ -55,10 +55,11 @@ inline Edge between(const Point& a, const Point& b) {
   return {d / std::sqrt(d2), d2};
 }
 
-/// A point on the line of light through `p` along unit w that lies before all of the scene, which
-/// is within 2 of the origin (canonical).
-inline Vec3d before_the_scene(const Vec3d& p, const Vec3d& w) {
-  return p - w * (dot(p, w) + 4);
+/// A point on the line of light through `p` along unit w that lies before all of the scene's frame,
+/// which is within 2 of the origin (canonical), or `distance` before the origin; never behind p.
+inline Vec3d before_the_scene(const Vec3d& p, const Vec3d& w,
+                              double distance = shader::kBeforeTheScene) {
+  return p - w * std::max(dot(p, w) + distance, 1.0);
 }
 
 /// G without visibility [1/m2]: |cos_a cos_b| / d^2.

@@ -150,9 +150,10 @@ double PathSampler::to_film(const Contribution& found, double raster_x, double r
 
 bool PathSampler::visible(const Point& a, const Point& b) {
   ++tally_.rays.shadow;
-  const auto origin = [](const Point& p, const Point& other) {
+  const double before = std::max<double>(shader::kBeforeTheScene, 2 * world_.tracer.reach());
+  const auto origin = [&](const Point& p, const Point& other) {
     if (!p.at_infinity()) return p.origin();
-    return Tracer::Origin{before_the_scene(other.position, p.position)};
+    return Tracer::Origin{before_the_scene(other.position, p.position, before)};
   };
   return world_.tracer.visible(origin(a, b), origin(b, a));
 }

@@ -215,7 +215,10 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
   const Rgb throughput = walk.state(0).throughput * Le *
                          static_cast<float>(light.source->cos_per_pdf_w(ray.direction));
   if (max_component(throughput) <= 0) return;
-  const Tracer::Origin origin{ray.origin, y0.normal};
+  // A guided walk begins before the frame, but some of the scene may lie beyond.
+  if (y0.at_infinity() && world.tracer.reach() > 2)
+    ray.origin = before_the_scene(ray.origin, ray.direction, 2 * world.tracer.reach());
+  const Tracer::Origin origin{ray.origin, y0.normal, y0.triangle};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
     walker.scatter(edges);
 }
