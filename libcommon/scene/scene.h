@@ -17,9 +17,9 @@
 namespace tdpt {
 
 /// Canonical frame: canonical = (metres - centre) * scale. `centre` is the middle of the bounding
-/// box (of what stands around the cameras, if the rest lies at the horizon); `scale` is the power of
-/// two that brings its longest side into (1, 2]. Rays are traced in it, so units and the origin cost
-/// no precision; areas and distances in it are NOT metres. Radiance is the same in both.
+/// box (of what stands around the cameras, if the rest lies at the horizon); `scale` is the power
+/// of two that brings its longest side into (1, 2]. Rays are traced in it, so units and the origin
+/// cost no precision; areas and distances in it are NOT metres. Radiance is the same in both.
 struct Frame {
   Vec3d centre{};
   double scale = 1;

@@ -170,10 +170,10 @@ GENERIC VEC3 off_edge(VEC3 b, REAL own, VEC3 along, REAL length2, REAL twice_are
   return missing > 0.0f ? b + along * (missing * reciprocal(size * twice_area)) : b;
 }
 
-/// Moves a place of the triangle with the edges e1 = p1 - p0 and e2 = p2 - p0 off its edges. Whether
-/// it lies so near to one that rounding may decide if a ray along unit w meets the triangle or its
-/// neighbour there: the depth at which it meets a triangle edge-on is the least certain. False if
-/// the triangle is too narrow.
+/// Moves a place of the triangle with the edges e1 = p1 - p0 and e2 = p2 - p0 off its edges.
+/// Whether it lies so near to one that rounding may decide if a ray along unit w meets the triangle
+/// or its neighbour there: the depth at which it meets a triangle edge-on is the least certain.
+/// False if the triangle is too narrow.
 GENERIC bool keep_off_edges(VEC3 e1, VEC3 e2, VEC3 w, INOUT(REAL) b1, INOUT(REAL) b2) {
   const float margin2 = 3.63797881e-12f;  // of kEdgeMargin
   // Edge i lies opposite to corner i; they run round the triangle.

@@ -5,6 +5,7 @@
 // techniques that connect walks vary, and reveal wrong densities.
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
+#include "tools/tdpt-render/testing/sky.h"
 
 namespace tdpt::extremes_white_room_test {
 
@@ -121,6 +122,28 @@ const std::vector<Extreme> kExtremes{
     {"scaled_unevenly", [](Room& r) { scaled(r, 3, 0.5, 1.5); }},
     {"mirrored", [](Room& r) { scaled(r, -1, 1, 1); }},
     {"mirrored_thrice", [](Room& r) { scaled(r, -1, -2, -1); }},
+    // At the horizon.
+    {"a_triangle_5000_sizes_away",
+     [](Room& r) {
+       r.stands({{{1e4, 0, 3e3}, {1e4, 1, 3e3}, {1e4, 0, 3e3 + 1}}});
+     }},
+    {"a_triangle_5e6_sizes_away",
+     [](Room& r) {
+       r.stands({{{0, -1e7, 0}, {5, -1e7, 0}, {0, -1e7, 5}}});
+     }},
+    {"a_ground_of_50000_sizes_below",
+     [](Room& r) {
+       r.stands(sheet({-5e4, 0, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}));
+     }},
+    {"a_ground_of_50000_sizes_below_turned",
+     [](Room& r) {
+       r.stands(sheet({-5e4, 0, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}));
+       r.placed["rotation"] = {0.1, 0.7, -0.3, 0.64}, r.portals.clear();
+     }},
+    {"a_dome_5000_sizes_around",
+     [](Room& r) {
+       r.stands(sphere({20, -30, 10}, 1e4, true));
+     }},
     // Triangles.
     {"with_triangles_of_area_0",
      [](Room& r) {
@@ -272,6 +295,44 @@ TEST(white_room_twin, a_leak_is_caught) {
   const Scene scene = room.read();
   const World world(scene, scene.camera(""), room.width, room.height, {});
   EXPECT_LT(rendered(world, pt, 64, 2).mean, 1 - 1e-4);
+}
+
+// The light in a closed box under a sky, a sun and a lamp, with a portal in a wall and one through
+// two. `apart`: of a wall from the others.
+double light_in_box(const Vec3d& size, const nlohmann::ordered_json& placed, double apart,
+                    const Integrator& integrator) {
+  SceneParts parts;
+  const Vec3d low = -0.5 * size, high = 0.5 * size;
+  Mesh walls = open_box(low, {high.x, high.y - apart, high.z}) + ceiling(low, high);
+  parts.add(walls, parts.material(0.7));
+  parts.camera({0.9 * low.x, 0, 0}, {0, 0.1 * high.y, 0.2 * high.z});
+  if (!placed.empty()) parts.below(placed);
+  const std::vector<Sky::Sun> suns{sun_of({1, 2, 3}, 0.01, 10)};
+  Scene scene =
+      under(parts.read(), std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1000)}}, 0, suns));
+  scene.lights.resize(1);
+  scene.lights[0].position = {-1.3, 1.2, 0.9};
+  scene.lights[0].intensity = Rgb(100);
+  std::vector<Portal> portals{rectangle(low, {size.x, 0, 0}, {0, size.y, 0}),
+                              rectangle(1.1 * low, {0, 2.2 * size.y, 0}, {2.2 * size.x, 0, 0})};
+  const World world(scene, scene.camera(""), 8, 6, portals);
+  return rendered(world, integrator, 64, 1).mean;
+}
+TEST(white_room, closed_boxes_keep_light_out) {
+  using Json = nlohmann::ordered_json;
+  const Json turned = {{"rotation", {0.1, 0.7, -0.3, 0.64}}, {"translation", {30, -20, 10}}};
+  for (const Integrator* integrator : integrators_under_test()) {
+    EXPECT_EQ(light_in_box({4, 3, 4}, {}, 0, *integrator), 0) << integrator->name;
+    // Long and narrow: a thousand times as much of the walls lies at their edges.
+    EXPECT_EQ(light_in_box({4, 0.008, 0.006}, {}, 0, *integrator), 0) << integrator->name;
+    EXPECT_EQ(light_in_box({4, 0.02, 0.03}, turned, 0, *integrator), 0) << integrator->name;
+    EXPECT_EQ(light_in_box({4e3, 8, 6}, {}, 0, *integrator), 0) << integrator->name;
+    EXPECT_EQ(light_in_box({4e-3, 8e-6, 6e-6}, {}, 0, *integrator), 0) << integrator->name;
+  }
+}
+TEST(white_room_twin, a_crack_of_a_hundredth_is_caught) {
+  for (const Integrator* integrator : integrators_under_test())
+    EXPECT_GT(light_in_box({4, 0.008, 0.006}, {}, 8e-5, *integrator), 0) << integrator->name;
 }
 
 TEST(white_room_twin, a_portal_density_off_by_a_fifth_is_caught) {

@@ -13,6 +13,7 @@
 #include "libcommon/base/number_words.h"
 #include "libcommon/formats/shot_options.h"
 #include "libcommon/formats/viewpoint.h"
+#include "shaders/shared/path/point.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/portals/portal_mesh.h"
 
