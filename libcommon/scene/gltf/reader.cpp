@@ -134,6 +134,9 @@ class SceneReader {
   struct Box {
     Vec3d low = Vec3d(std::numeric_limits<double>::infinity()), high = -low;
     void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
+    bool touches(const Box& o) const {
+      return max_component(low - o.high) <= 0 && max_component(o.low - high) <= 0;
+    }
     Vec3d middle() const { return low * 0.5 + high * 0.5; }
     double longest() const { return max_component(high - low); }
   };
@@ -141,7 +144,7 @@ class SceneReader {
   // The box that the frame is made for: of all triangles, unless others than those around the
   // cameras lie very much farther away. Floats are fine near the origin, so the room of the cameras
   // must be there, whatever stands at the horizon.
-  Box box_of_frame(const std::vector<Vec3d>& world, const Box& all) const {
+  Box box_of_frame(const std::vector<Vec3d>& world, const Box& all) {
     // A box of 2^8 times the room's size costs it 8 of the 24 bits of floats.
     constexpr double kFarther = 256;
     Box cameras;
@@ -160,7 +163,26 @@ class SceneReader {
     for (const Triangle& t : scene_.triangles)
       if (distance_of(t, world, middle) <= *far)
         for (uint32_t v : t.vertex) room.add(world[v]);
-    return room.longest() > 0 ? room : all;
+    if (!(room.longest() > 0)) return all;
+    for (const Triangle& t : scene_.triangles) {
+      Box own;
+      for (uint32_t v : t.vertex) own.add(world[v]);
+      // Floats hold where a ray meets such a triangle only if it lies across an axis.
+      const Vec3d d = own.high - own.low;
+      if (std::min({d.x, d.y, d.z}) <= room.longest() || !own.touches(room)) continue;
+      warn_of_slope(own.longest(), all.longest(), room.longest());
+      return all;
+    }
+    return room;
+  }
+  // Ray origins are offset by 2^-21 in the frame [tracer.cpp], and pictures are wrong by about as
+  // much of the room.
+  void warn_of_slope(double size, double all, double room) {
+    const double offset = std::exp2(std::floor(std::log2(all)) - 21);
+    scene_.warnings.push_back(fmt::format(
+        "a triangle {} m long passes what stands around the cameras, at an angle to all axes: rays "
+        "start {} m off surfaces, and the picture is wrong by about {} %; divide that triangle",
+        number_words(size, 2), number_words(offset, 1), number_words(100 * offset / room, 1)));
   }
   // Of the farthest corner, along an axis.
   static double distance_of(const Triangle& t, const std::vector<Vec3d>& world,
