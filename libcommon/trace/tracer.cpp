@@ -16,6 +16,16 @@
 
 namespace tdpt {
 
+namespace {
+// 4 units in the last place of 1, which canonical coordinates rarely exceed.
+constexpr double kStep = 4 * 1.1920929e-7;
+constexpr double kFar = 2;
+
+double largest_coordinate(const Vec3d& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+}  // namespace
+
 struct Tracer::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -39,6 +49,27 @@ struct Tracer::Impl {
     const Pane& pane = panes[traced->triangles[triangle].material];
     return pane ? pane.opacity(dot(shapes[triangle].normal, w) / length(w)) : 1;
   }
+  double reach_of(uint32_t triangle) const {
+    double farthest = 0;
+    for (const uint32_t v : traced->triangles[triangle].vertex)
+      farthest = std::max(farthest, largest_coordinate(Vec3d(traced->positions[v])));
+    return farthest;
+  }
+  /// Then rounding does not depend on how far the triangle reaches.
+  bool lies_across_axis(uint32_t triangle) const {
+    const Vec3d &a = shapes[triangle].e1, &b = shapes[triangle].e2;
+    return std::min({std::max(std::abs(a.x), std::abs(b.x)), std::max(std::abs(a.y), std::abs(b.y)),
+                     std::max(std::abs(a.z), std::abs(b.z))}) < kFar;
+  }
+  /// Where the line from `o` along w meets the triangle's plane, if it reaches far: barycentrics
+  /// are floats.
+  Vec3d refined(uint32_t triangle, const Vec3d& o, const Vec3d& w, const Vec3d& place) const {
+    if (reach_of(triangle) <= 4 * kFar) return place;
+    const TriangleShape& s = shapes[triangle];
+    const double cosine = dot(s.normal, w);
+    const Vec3d exact = o + w * (dot(s.normal, s.p0 - o) / cosine);
+    return std::abs(cosine) > 1e-4 && length(exact - place) < 1e-5 * reach ? exact : place;
+  }
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
     if (device) rtcReleaseDevice(device);
@@ -46,13 +77,6 @@ struct Tracer::Impl {
 };
 
 namespace {
-// 4 units in the last place of 1, which canonical coordinates rarely exceed.
-constexpr double kStep = 4 * 1.1920929e-7;
-constexpr double kFar = 2;
-
-double largest_coordinate(const Vec3d& p) {
-  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-}
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 // An Embree device that supports what is needed; otherwise throws.
@@ -185,9 +209,8 @@ Tracer::Tracer(const Scene& scene, bool culls)
                                        : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
   impl_->traced = &scene;
-  for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex)
-      impl_->reach = std::max(impl_->reach, largest_coordinate(Vec3d(scene.positions[v])));
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
+    impl_->reach = std::max(impl_->reach, impl_->reach_of(t));
   impl_->far = impl_->reach > kFar;
   const auto n = static_cast<uint32_t>(scene.triangles.size());
   std::vector<uint8_t> filtered(scene.materials.size());
@@ -243,9 +266,8 @@ const TriangleShape& Tracer::shape(uint32_t triangle) const {
     return Vec3f(p + unit * (kStep * offset_scale_ * std::max(1.0, largest_coordinate(p))));
   }
   double size = std::max(1.0, largest_coordinate(from.position));
-  if (from.triangle != ~0u)
-    for (const uint32_t v : scene_.triangles[from.triangle].vertex)
-      size = std::max(size, largest_coordinate(Vec3d(scene_.positions[v])));
+  if (from.triangle != ~0u && !impl_->lies_across_axis(from.triangle))
+    size = std::max(size, impl_->reach_of(from.triangle));
   const double step = dot(from.normal, w) < 0 ? -kStep : kStep;
   return Vec3f(from.position + from.normal * (step * offset_scale_ * size));
 }
@@ -298,6 +320,8 @@ template <class Query>
   hit.b2 = found.hit.v;
   const bool at_edge = shader::keep_off_edges(s.e1, s.e2, w, hit.b1, hit.b2);
   hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2;
+  if (impl_->far) [[unlikely]]
+    hit.position = impl_->refined(hit.triangle, Vec3d(o), w, hit.position);
   hit.normal = s.normal;
   hit.opacity = impl_->opacity(hit.triangle, w);
   hit.distance = length(hit.position - from);

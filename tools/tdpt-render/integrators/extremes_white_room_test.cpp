@@ -133,7 +133,7 @@ const std::vector<Extreme> kExtremes{
      }},
     {"a_ground_of_50000_sizes_below",
      [](Room& r) {
-       r.stands(sheet({-5e4, 0, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}));
+       r.stands(sheet({-5e4, -0.2, -5e4}, {0, 0, 1e5}, {1e5, 0, 0}));
      }},
     {"a_dome_5000_sizes_around",
      [](Room& r) {
@@ -368,6 +368,17 @@ TEST(white_room, moved_by_1e7_sizes_away_has_the_same_pixels) {
   const std::vector<Rgb> plain = picture_of([](Room&) {});
   EXPECT_LT(largest_difference(plain, picture_of([](Room& r) { moved(r, 2e7); })), 1e-5);
   EXPECT_GT(largest_difference(plain, picture_of([](Room& r) { scaled(r, 1, 1, 1.001); })), 1e-3);
+}
+
+// The frame is that of the room: nothing is rounded otherwise.
+TEST(white_room, a_triangle_at_the_horizon_changes_no_byte) {
+  const std::vector<Rgb> plain = picture_of([](Room&) {});
+  EXPECT_EQ(plain, picture_of([](Room& r) {
+              r.stands({{{1e4, -3, 1e4}, {1e4, -2, 1e4}, {1e4, -3, 1e4 + 1}}});
+            }));
+  EXPECT_EQ(plain, picture_of([](Room& r) {
+              r.stands({{{0, -5e6, 0}, {1, -5e6, 0}, {0, -5e6, 1}}});
+            }));
 }
 
 TEST(white_room, what_a_ground_at_an_angle_costs_is_said) {
