@@ -44,14 +44,13 @@ void append_words(const Film::Numbers& numbers, std::vector<WordChannel>& words)
     }
 }
 
-// A vector of doubles as 64-bit numbers.
-void append_words(std::vector<Vec3d>& values, std::vector<WordChannel>& words) {
-  static_assert(sizeof(Vec3d) == 24 && std::endian::native == std::endian::little);
-  for (size_t c = 0; c < 3 && !values.empty(); ++c)
-    for (size_t w = 0; w < 2; ++w)
-      words.push_back({fmt::format("before.{}.{}", kColours[c], w),
-                       reinterpret_cast<unsigned char*>(values.data()) + 8 * c + 4 * w,
-                       sizeof(Vec3d), WordChannel::whole});
+// As many channels of that many pixels as they fill, "state.0" first; made longer by zeros.
+void append_words(StateWords& state, size_t pixels, std::vector<WordChannel>& words) {
+  state.resize((state.size() + pixels - 1) / pixels * pixels);
+  for (size_t at = 0; at < state.size(); at += pixels)
+    words.push_back({fmt::format("state.{}", at / pixels),
+                     reinterpret_cast<unsigned char*>(state.data() + at), sizeof(uint32_t),
+                     WordChannel::whole});
 }
 
 void append_words(const std::string& name, std::vector<float>& values,
@@ -60,13 +59,9 @@ void append_words(const std::string& name, std::vector<float>& values,
       {name, reinterpret_cast<unsigned char*>(values.data()), sizeof(float), WordChannel::real});
 }
 
-std::string block_name(size_t i) {
-  return fmt::format("block{}", i);
-}
-
 // Hash of everything in a film file, to detect damage. `facts`: as JSON.
 std::string hash_of(const std::string& facts, const std::map<std::string, std::string>& attributes,
-                    Film& film, const FilmBlocks& blocks, const Channels& channels) {
+                    Film& film, const StateWords& words, const Channels& channels) {
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   const auto view = [](const auto* first, size_t bytes) {
     return std::string_view(reinterpret_cast<const char*>(first), bytes);
@@ -76,9 +71,7 @@ std::string hash_of(const std::string& facts, const std::map<std::string, std::s
     hashes += fmt::format("{} {}{} {}", name.size(), name, value.size(), value);
   for (const Film::Numbers& n : film.numbers())
     hashes += content_hash(view(n.first, pixels * n.each * n.bytes));
-  for (const Picture& block : blocks.blocks)
-    hashes += content_hash(view(block.pixels.data(), block.pixels.size() * sizeof(Rgb)));
-  hashes += content_hash(view(blocks.before.data(), blocks.before.size() * sizeof(Vec3d)));
+  hashes += content_hash(view(words.data(), words.size() * sizeof(uint32_t)));
   for (const auto& [name, values] : channels)
     hashes += content_hash(view(values.data(), values.size() * sizeof(float)));
   return content_hash(hashes);
@@ -90,7 +83,7 @@ std::string hexadecimal(Units units) {
   return fmt::format("{:x}", units);
 }
 
-Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
+Json json_of(const Film& film, const FilmFacts& facts, const StateWords& words,
              const Channels& channels) {
   std::vector<std::string> names;
   for (const auto& [name, values] : channels) names.push_back(name);
@@ -101,8 +94,7 @@ Json json_of(const Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
          {"layers", film.options().layers},
          {"alpha", film.options().alpha},
          {"halves", film.options().halves},
-         {"blocks", blocks.blocks.size()},
-         {"before", !blocks.before.empty()},
+         {"words", words.size()},
          {"channels", names},
          {"derived", facts.derived},
          {"spp", facts.spp},
@@ -213,13 +205,13 @@ Film::Options options_of(const Reader& in) {
 }
 
 // Before allocating sums: whether the file has all of them, and their memory.
-void check_sums(const Film::Options& options, bool has_before, const ExrFile& exr,
+void check_sums(const Film::Options& options, size_t state_channels, const ExrFile& exr,
                 std::string_view bytes, const std::string& name) {
   Film pixel(1, 1, 1, options);
-  std::vector<Vec3d> before(has_before ? 1 : 0);
+  StateWords state(state_channels);
   std::vector<WordChannel> words;
   for (const Film::Numbers& n : pixel.numbers()) append_words(n, words);
-  append_words(before, words);
+  append_words(state, 1, words);
   const std::vector<std::string> all = exr_channels(bytes, name);
   const std::set<std::string> there(all.begin(), all.end());
   for (const WordChannel& word : words)
@@ -243,25 +235,22 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
   in.whole("height", height, height);
   const auto unit = static_cast<int>(in.whole("unit", -1000, 900));
   const Film::Options options = options_of(in);
-  const bool has_before = in.flag("before");
-  check_sums(options, has_before, exr, bytes, name);
-  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(in), {}, {}};
-  const auto blocks = static_cast<size_t>(in.whole("blocks", 0, 7));
-  for (size_t i = 0; i < blocks; ++i) {
-    const auto layer = exr.layers.find(block_name(i));
-    if (layer == exr.layers.end()) in.fail("blocks", block_name(i) + " is missing");
-    file.blocks.blocks.push_back(std::move(layer->second));
-  }
-  if (has_before) file.blocks.before.resize(exr.picture.pixels.size());
+  const size_t pixels = exr.picture.pixels.size();
+  const auto state_words =
+      static_cast<size_t>(in.whole("words", 0, static_cast<int64_t>(kMostChannels * pixels)));
+  check_sums(options, (state_words + pixels - 1) / pixels, exr, bytes, name);
+  FilmFile file{Film(width, height, std::ldexp(1.0, unit + 64), options), facts_of(in)};
+  file.words.resize(state_words);
   std::vector<WordChannel> words;
   for (const Film::Numbers& n : file.film.numbers()) append_words(n, words);
-  append_words(file.blocks.before, words);
+  append_words(file.words, pixels, words);
   for (const std::string& channel : in.texts("channels", kMostChannels)) {
     std::vector<float>& values = file.channels[channel];
     values.resize(exr.picture.pixels.size());
     append_words(channel, values, words);
   }
   parse_exr_words(bytes, name, width, height, words);
+  file.words.resize(state_words);
   try {
     file.film.restore(ranges_of(in));
   } catch (const std::invalid_argument&) {
@@ -369,11 +358,11 @@ void FilmFile::merge(const FilmFile& other, const std::string& name) {
   facts.attributes = std::min(facts.attributes, other.facts.attributes);
   facts.processor = merged_words(facts.processor, other.facts.processor);
   facts.state.clear();
-  blocks = {};
+  words.clear();
   if (channels.empty()) channels = other.channels;
 }
 
-std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks,
+std::string film_bytes(Film& film, const FilmFacts& facts, const StateWords& words,
                        const Channels& channels) {
   ExrFile exr;
   exr.picture = film.picture();
@@ -381,14 +370,13 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blo
   exr.attributes["spp"] = std::to_string(film.samples());
   exr.channels = channels;
   const std::string text =
-      json_of(film, facts, blocks, channels).dump(-1, ' ', false, Json::error_handler_t::replace);
+      json_of(film, facts, words, channels).dump(-1, ' ', false, Json::error_handler_t::replace);
   exr.attributes[film_attribute] = Json{
-      {"hash", hash_of(text, facts.attributes, film, blocks, channels)},
+      {"hash", hash_of(text, facts.attributes, film, words, channels)},
       {"facts", text}}.dump();
-  for (size_t i = 0; i < blocks.blocks.size(); ++i) exr.layers[block_name(i)] = blocks.blocks[i];
-  std::vector<Vec3d> before = blocks.before;
+  StateWords state = words;
   for (const Film::Numbers& n : film.numbers()) append_words(n, exr.words);
-  append_words(before, exr.words);
+  append_words(state, exr.picture.pixels.size(), exr.words);
   return exr_bytes(exr);
 }
 
@@ -413,7 +401,7 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   file.facts.attributes = std::move(exr.attributes);
   file.facts.attributes.erase(film_attribute);
   file.facts.attributes.erase("spp");
-  if (hash != hash_of(text, file.facts.attributes, file.film, file.blocks, file.channels))
+  if (hash != hash_of(text, file.facts.attributes, file.film, file.words, file.channels))
     throw InputError(name, "film", "is damaged");
   return file;
 }

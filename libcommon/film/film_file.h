@@ -52,11 +52,8 @@ struct FilmFacts {
   friend bool operator==(const FilmFacts&, const FilmFacts&) = default;
 };
 
-/// For a rendering to a target error: its sums at the ends of blocks of samples.
-struct FilmBlocks {
-  std::vector<Picture> blocks;
-  std::vector<Vec3d> before;  ///< sums at the end of the last block; empty: none yet
-};
+/// More of a rendering's state than its facts hold, as its program understands it.
+using StateWords = std::vector<uint32_t>;
 
 /// "variance": of the mean luminance, "halves": the means of even and of odd samples
 /// [denoise::kHalves], both of a film that keeps halves; "samples": number per pixel.
@@ -67,19 +64,19 @@ inline constexpr std::array kDenoised{"denoise", "denoise-oidn"};
 struct FilmFile {
   Film film;
   FilmFacts facts;
-  FilmBlocks blocks;
+  StateWords words{};
   Channels channels{};  ///< of the finished picture, independent of samples
 
   /// Ranges of [0, spp) that are missing.
   std::vector<SampleRange> gaps() const;
-  /// Adds another part of the same picture; state and blocks are then dropped. The result does not
+  /// Adds another part of the same picture; its state is then dropped. The result does not
   /// depend on the order of parts. Throws InputError naming `name` for a part of another picture or
   /// plan, and for samples that are present already.
   void merge(const FilmFile& other, const std::string& name);
 };
 
 /// The file as bytes. No thread may add to the film meanwhile.
-std::string film_bytes(Film& film, const FilmFacts& facts, const FilmBlocks& blocks = {},
+std::string film_bytes(Film& film, const FilmFacts& facts, const StateWords& words = {},
                        const Channels& channels = {});
 /// Throws InputError if it is no film or has been changed.
 FilmFile parse_film(std::string_view bytes, const std::string& name);

@@ -86,17 +86,16 @@ TEST(film_file, comes_back_as_it_was_kept) {
   }
 }
 
-TEST(film_file, keeps_the_blocks_of_a_picture_of_given_error) {
-  Film film = film_with({0, 3});
-  FilmBlocks blocks;
-  for (int b = 0; b < 2; ++b)
-    blocks.blocks.push_back(film_with({static_cast<uint64_t>(b), 1}).picture());
-  blocks.before = film_with({0, 2}).sums();
-  const FilmFile back = parse_film(film_bytes(film, facts(), blocks), "a.exr");
-  expect_same(back.film, film);
-  EXPECT_EQ(back.blocks.before, blocks.before);
-  ASSERT_EQ(back.blocks.blocks.size(), 2u);
-  for (size_t b = 0; b < 2; ++b) EXPECT_EQ(back.blocks.blocks[b].pixels, blocks.blocks[b].pixels);
+// More than the picture has pixels, and fewer.
+TEST(film_file, keeps_the_state_of_a_rendering) {
+  for (const size_t count : {1, 5, 6, 13}) {
+    Film film = film_with({0, 3});
+    StateWords words;
+    for (size_t i = 0; i < count; ++i) words.push_back(0xffffffffu - static_cast<uint32_t>(i));
+    const FilmFile back = parse_film(film_bytes(film, facts(), words), "a.exr");
+    expect_same(back.film, film);
+    EXPECT_EQ(back.words, words);
+  }
 }
 
 TEST(film_file, is_a_picture_of_its_samples_that_any_reader_shows) {
@@ -173,12 +172,11 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
   EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), "a.exr:film.width: is out of range");
   EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), "a.exr:film.spp: is missing");
   EXPECT_EQ(
-      message("\\\"format\\\":1", "\\\"format\\\":2"),
-      "a.exr:film.format: this file has version 2 of the format; this program reads version 1");
+      message("\\\"format\\\":2", "\\\"format\\\":1"),
+      "a.exr:film.format: this file has version 1 of the format; this program reads version 2");
   EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"),
             "a.exr:film.alpha: is of another type");
-  EXPECT_EQ(message("\\\"blocks\\\":0", "\\\"blocks\\\":1"),
-            "a.exr:film.blocks: block0 is missing");
+  EXPECT_EQ(message("\\\"words\\\":0", "\\\"words\\\":1"), "a.exr:channel state.0: is missing");
   EXPECT_EQ(message("camera.sum.R.0", "camera.sum.Q.0"),
             "a.exr:channel camera.sum.R.0: is missing");
   EXPECT_EQ(message("met.1", "mot.1"), "a.exr:channel met.1: is missing");

@@ -9,8 +9,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   testing::reads([&] {
     FilmFile file = parse_film(testing::text_of(data, size), "input");
     const FilmFile again =
-        parse_film(film_bytes(file.film, file.facts, file.blocks, file.channels), "output");
+        parse_film(film_bytes(file.film, file.facts, file.words, file.channels), "output");
     require(again.facts == file.facts, "facts come back");
+    require(again.words == file.words, "the state comes back");
     require(again.channels.size() == file.channels.size(), "channels come back");
     require(again.film.sums() == file.film.sums(), "sums come back");
     require(again.film.ranges() == file.film.ranges(), "ranges come back");

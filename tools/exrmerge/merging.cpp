@@ -38,7 +38,7 @@ FilmFile merged(std::string first, const std::vector<std::string>& paths) {
   FilmFile all = parse_film(first, display_name(paths.front()));
   std::string().swap(first);
   all.facts.state.clear();
-  all.blocks = {};
+  all.words.clear();
   for (size_t i = 1; i < paths.size(); ++i) all.merge(read_film(paths[i]), display_name(paths[i]));
   return all;
 }

@@ -17,16 +17,20 @@ struct Known {
   std::optional<Truncation> beyond;  ///< light lost by the limit of depth
 };
 
-struct Decision {
+/// What was measured before the first sample and is told with the picture, whoever ends it.
+struct Measured {
+  Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
+  uint64_t pilot_samples = 0;  ///< samples behind the forecast
+  double pilot_cpu_seconds = 0;
+};
+
+struct Decision : Measured {
   Plan plan;               ///< everything decided by measuring
   bool cut_short = false;  ///< by a signal: another run would decide otherwise
   SampleCount count;
   std::optional<int> longest;  ///< path worth sampling, if shorter than asked [longest_path.h]
   size_t chosen = 0;           ///< index of the candidate that renders
   std::string chosen_label;    ///< empty when there is only one
-  Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
-  uint64_t pilot_samples = 0;  ///< samples behind the forecast
-  double pilot_cpu_seconds = 0;
 };
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and its

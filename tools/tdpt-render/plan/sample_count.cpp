@@ -120,10 +120,12 @@ SampleCount count_samples(Session& session, const Integrator& integrator, const 
   return count;
 }
 
-// Uses the blocks; or the pilot's parts, if the blocks' estimate does not suffice or there are
-// fewer than three.
+// The picture's noise; where that is not told, what its blocks show, or the pilot's parts, if the
+// blocks' estimate does not suffice or there are fewer than three.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target) {
   target.stop = stop_of(settings, at, target);
+  target.relmse.reset();
+  std::optional<Noise> noise = at.noise;
   ErrorEstimate estimate = estimate_of(at.blocks);
   uint64_t of = at.blocks.size();
   if (!tells(estimate) && of < kTelling && !at.pilot.rounds.empty()) {
@@ -131,11 +133,16 @@ void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutco
     if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !estimate.lit))
       estimate = round.estimate, of = round.samples;
   }
-  target.relmse.reset();
-  if (!estimate.lit) return;
-  target.relmse = estimate.relmse * static_cast<double>(of) / static_cast<double>(at.samples);
-  target.low = *target.relmse / interval_factor(estimate);
-  target.high = *target.relmse * interval_factor(estimate);
+  if (!noise && estimate.lit) {
+    const double relmse =
+        estimate.relmse * static_cast<double>(of) / static_cast<double>(at.samples);
+    const double factor = interval_factor(estimate);
+    noise = {relmse, relmse / factor, relmse * factor};
+  }
+  if (!noise) return;
+  target.relmse = noise->relmse;
+  target.low = noise->low;
+  target.high = noise->high;
 }
 
 std::optional<uint64_t> goal_of_retry(const RenderSettings& settings, const TargetProgress& at,

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "tools/tdpt-render/plan/error_pilot.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/session.h"
 
 namespace tdpt {
@@ -30,7 +31,7 @@ struct TargetOutcome {
   Stop stop = Stop::fixed;
   bool dark = false;             ///< nothing in the scene emits light: there is no error
   std::optional<double> relmse;  ///< of the picture, estimated; none if no light was met
-  double low = 0, high = 0;      ///< its interval, about 95 %
+  double low = 0, high = 0;      ///< its interval, 90 %
   bool reached() const { return dark || (relmse && *relmse <= error); }
 };
 
@@ -50,8 +51,10 @@ struct TargetProgress {
   bool interrupted;        ///< by a signal
   const PictureBlocks& blocks;
   const ErrorPilot& pilot;
+  std::optional<Noise> noise;
 };
-/// Estimates the error from the picture's own blocks, and sets what ended the rendering.
+/// Takes over the picture's noise, or where that is not known what the pilot predicts, and sets
+/// what ended the rendering.
 void judge(const RenderSettings& settings, const TargetProgress& at, TargetOutcome& target);
 /// The new goal if a second try is due. The samples rendered so far are kept.
 std::optional<uint64_t> goal_of_retry(const RenderSettings& settings, const TargetProgress& at,

@@ -15,6 +15,8 @@ struct Arguments : RenderArguments {
   bool check = false;
   /// Set for one frame of a shot [shot.h]: its number; none: a picture of its own.
   std::optional<int64_t> frame{};
+  /// "frame 7: ", before what is told of it; nothing for a picture of its own.
+  std::string of_frame() const { return frame ? "frame " + std::to_string(*frame) + ": " : ""; }
   /// Of a frame: the first of those whose samples it has; they have its seed. Its own with
   /// --accumulate off, or once something has moved.
   int64_t since = 0;

@@ -58,21 +58,44 @@ std::string units_of_lamps(const Scene& scene) {
   return names_of_lamp_units().at(static_cast<size_t>(scene.lamp_units.kind));
 }
 
-// Restores the limits of the first run. Options given now must agree with them.
-void take_limits(const Arguments& a, const Limits& then, RenderSettings& settings) {
-  const auto refuse = [&](const char* option, double now, double before) {
-    throw UsageError(fmt::format("{} {}: {} was begun with {}; leave it out{}", option, now,
+// To the command that began the picture, in its provenance.
+void add_option(const std::string& option, std::map<std::string, std::string>& attributes) {
+  const auto provenance = attributes.find(provenance_attribute);
+  if (provenance != attributes.end())
+    provenance->second = with_option(provenance->second, "tdpt-render", option);
+}
+
+// Throws UsageError for limits given now that the first run did not have.
+void check_limits(const Arguments& a, const Limits& then) {
+  const auto check = [&](const char* option, double now, double before) {
+    if (now == 0 || now == before) return;
+    throw UsageError(fmt::format("{} {}: {} was begun with {}; leave it out", option, now,
                                  display_name(a.resume),
-                                 before > 0 ? fmt::format("{}", before) : "another limit",
-                                 a.spp > 0 ? ", --add-samples adds some" : ""));
+                                 before > 0 ? fmt::format("{}", before) : "another limit"));
   };
+  check("--spp", static_cast<double>(a.spp), static_cast<double>(then.spp));
+  check("--time", a.seconds, then.seconds);
+  check("--target-error", a.target_error, then.target_error);
+}
+
+// More samples than the first run was to have, or more time. A target error was aimed at before the
+// first sample, and a shard is of a fixed size.
+void take_limits(const Arguments& a, RenderState& render_state,
+                 std::map<std::string, std::string>& attributes) {
+  Limits& limits = render_state.limits;
   const auto spp = static_cast<uint64_t>(a.spp);
-  if (spp > 0 && spp != then.spp)
-    refuse("--spp", static_cast<double>(spp), static_cast<double>(then.spp));
-  if (a.seconds > 0 && a.seconds != then.seconds) refuse("--time", a.seconds, then.seconds);
-  if (a.target_error > 0 && a.target_error != then.target_error)
-    refuse("--target-error", a.target_error, then.target_error);
-  static_cast<Limits&>(settings) = then;
+  if (limits.target_error > 0 || a.target_error > 0 || render_state.whole > 0)
+    return check_limits(a, limits);
+  if (spp == 0 && a.seconds == 0) return;
+  if (spp == limits.spp && a.seconds == limits.seconds) return;
+  if (spp > 0 && spp < render_state.film.samples())
+    throw UsageError(fmt::format("--spp {}: {} has {} per pixel already", spp,
+                                 display_name(a.resume),
+                                 counted(render_state.film.samples(), "sample")));
+  limits = {.spp = spp, .seconds = a.seconds};
+  render_state.goal = spp;
+  render_state.added = 0;
+  if (spp > 0) add_option(fmt::format("--spp {}", spp), attributes);
 }
 
 // Raises the picture's goal. If the last --add-samples asked for as many and was cut short, this is
@@ -95,14 +118,12 @@ void limit_to(uint64_t spp, RenderSettings& settings) {
 
 // Of a frame: its plan says how many samples it has. One that a time or an error made is another
 // each time unless a file keeps it: then that of the film stands.
-void take_limits_of_frame(const Arguments& a, const Plan& planned, const Limits& then,
-                          RenderSettings& settings) {
+void check_limits_of_frame(const Arguments& a, const Plan& planned, const Limits& then) {
   const uint64_t spp = samples_of(planned, a);
   const bool measured = a.plan.empty() && (a.seconds > 0 || a.target_error > 0);
   if (!measured && spp != then.spp)
     throw InputError(display_name(a.resume), "",
                      fmt::format("is of {}, this frame has {}", counted(then.spp, "sample"), spp));
-  static_cast<Limits&>(settings) = then;
 }
 
 // Refuses a film that cannot hold this world's samples, whatever its file claims.
@@ -171,17 +192,15 @@ Checkpoint resumed(const Arguments& a, const Shaping& by, const World& world, co
                                    words_of({{render_state.first, render_state.goal}}), a.shard));
   }
   if (a.frame && plan)
-    take_limits_of_frame(a, *planned(a, by, *plan).schedule.plan, render_state.limits, settings);
+    check_limits_of_frame(a, *planned(a, by, *plan).schedule.plan, render_state.limits);
   else
-    take_limits(a, render_state.limits, settings);
+    take_limits(a, render_state, given.attributes);
+  static_cast<Limits&>(settings) = render_state.limits;
   if (a.add_samples > 0) {
     if (render_state.first > 0 || render_state.whole > 0)
       throw UsageError("--add-samples: " + name + " is a shard, which is of a fixed size");
-    const auto provenance = given.attributes.find(provenance_attribute);
-    if (add_samples(static_cast<uint64_t>(a.add_samples), render_state) &&
-        provenance != given.attributes.end())
-      provenance->second = with_option(provenance->second, "tdpt-render",
-                                       fmt::format("--add-samples {}", a.add_samples));
+    if (add_samples(static_cast<uint64_t>(a.add_samples), render_state))
+      add_option(fmt::format("--add-samples {}", a.add_samples), given.attributes);
   }
   if (render_state.added > 0) limit_to(render_state.goal, settings);
   given.schedule.render_state.emplace(std::move(render_state));

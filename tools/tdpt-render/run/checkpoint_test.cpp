@@ -190,6 +190,14 @@ TEST(render_state, is_read_as_it_was_written) {
   round.estimate.spread = std::numeric_limits<double>::infinity();
   a.pilot.rounds.push_back(round);
   a.blocks.add({{1, 2, 3}, {4, 5, 6}});
+  Measured& measured = a.measured.emplace();
+  measured.forecast.estimates = {{"bdpt", false, 0.5, 100, std::numeric_limits<double>::infinity()},
+                                 {"tdpt", true, 0.25, 200, 50}};
+  measured.forecast.best = 1;
+  measured.forecast.portals = {{2, 1, 4}, 1, 0};
+  measured.pilot_samples = 64, measured.pilot_cpu_seconds = 0.5;
+  a.frames = {{1, 0.5, {0.1, 0.2, 0.3}, 1, 2}};
+  a.tally.not_finite_at = {{17, 0, 1}};
   FilmFacts facts;
   facts.state = render_state_text(a);
   facts.counts = counts_of(a.tally);
@@ -200,6 +208,8 @@ TEST(render_state, is_read_as_it_was_written) {
   EXPECT_EQ(counts_of(b.tally), facts.counts);
   EXPECT_EQ(b.blocks.blocks(), a.blocks.blocks());
   EXPECT_EQ(b.blocks.before(), a.blocks.before());
+  EXPECT_EQ(b.frames, a.frames);
+  EXPECT_EQ(b.tally.not_finite_at, a.tally.not_finite_at);
   EXPECT_EQ(b.next(), 20u);
   EXPECT_EQ(b.spp(), 64u);
   EXPECT_EQ(b.pilot.rounds[0].estimate.spread, std::numeric_limits<double>::infinity());

@@ -27,10 +27,10 @@ std::vector<Candidate> candidates_of(const Request& request, const World& world)
   return auto_candidates(world, request.guided);
 }
 
-void tell_left_out(const World& world, const std::vector<Portal>& portals, const Explored& explored,
+void tell_left_out(const World& world, const std::vector<Portal>& portals, const Known& known,
                    const cli::Common& common) {
   std::vector<std::string> names, suspicious;
-  for (const PortalWay& w : explored.ways) {
+  for (const PortalWay& w : known.ways) {
     if (w.way != PortalWay::left_out) continue;
     const Portal& portal = portals[w.portal];
     names.push_back(portal.name);
@@ -59,19 +59,13 @@ bool goes_through_portals(const Request& request, const World& world) {
          (named.looks_out() && !world.windows.empty());
 }
 
-void use_portals(const std::vector<PortalWay>& ways, World& world, std::vector<Portal>& portals,
-                 const cli::Common& common) {
-  for (const std::string& turning : turnings(portals, ways)) common.note(turning);
-  apply_ways(ways, portals);
-  world.fill_openings(PortalSet(portals, world.scene.frame));
-}
-
 // As they were seen to be of use.
-void take_portals(const Explored& explored, World& world, std::vector<Portal>& portals,
+void take_portals(const Known& known, World& world, std::vector<Portal>& portals,
                   const cli::Common& common) {
-  if (explored.ways.empty()) return;
-  tell_left_out(world, portals, explored, common);
-  use_portals(explored.ways, world, portals, common);
+  tell_left_out(world, portals, known, common);
+  for (const std::string& turning : turnings(portals, known.ways)) common.note(turning);
+  apply_ways(known.ways, portals);
+  world.fill_openings(PortalSet(portals, world.scene.frame));
 }
 
 // By power alone a sky outranks every lamp indoors.
@@ -149,7 +143,7 @@ Choice choose(const Request& request, const RenderSettings& settings, const Came
     static_cast<Known&>(choice) = {explored.ways, explored.beyond};
     choice.explored = explored.samples;
     if (choice.by_arrival) world.lights.choose_by(explored.arriving);
-    take_portals(explored, world, portals, common);
+    if (!choice.ways.empty()) take_portals(choice, world, portals, common);
   }
   find_candidates(request, world, choice);
   warn_of_missing_light(choice, world, common);
@@ -168,7 +162,7 @@ Choice choose_as_planned(const Plan& plan, const std::string& file, const Reques
         throw InputError(file, "portals", "speak of one that there is not");
     choice.ways = plan.ways;
     choice.probed = true;
-    use_portals(choice.ways, world, portals, common);
+    take_portals(choice, world, portals, common);
   }
   choice.by_arrival = sampled && competes_with_sky(world);
   if (choice.by_arrival) {

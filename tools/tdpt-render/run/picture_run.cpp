@@ -71,10 +71,10 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   common.summary(
       finished_json(summary_json(choice.integrator, settings, result, in.portals), delivered));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
-    common.warn(
-        fmt::format("pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
-                    "holds, and is left out",
-                    place.x, place.y, place.sample));
+    common.warn(fmt::format(
+        "{}pixel {} {} sample {}: a contribution was not finite, or beyond what a splat "
+        "holds, and is left out",
+        job.a.of_frame(), place.x, place.y, place.sample));
   if (job.a.frame) return;  // a shot has a line for each of its frames
   // Else the cause was told before, or the sky is left out, or longer paths are.
   if (is_black(result) && !result.longest && !settings.alpha && settings.max_depth == kMaxDepth)
@@ -98,10 +98,11 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.cut_short && !(job.checkpoint() + job.a.plan).empty())
     common.note("not all was decided before the signal: no plan and no checkpoint is kept");
-  if (result.target) common.note(target_sentence(*result.target, result.spp));
-  if (result.noise)
+  if (result.target)
+    common.note(target_sentence(*result.target, result.spp));
+  else if (!is_black(result) && !result.cut_short && (result.noise || !result.longest))
     common.note((job.a.filters() ? "before filtering " : "") +
-                noise_sentence(*result.noise, result.seconds));
+                noise_sentence(result.noise, result.seconds));
   if (const std::string length = length_sentence(settings, result); !length.empty())
     common.note(length);
 }
@@ -184,9 +185,7 @@ std::string told_of(const RenderResult& result) {
   if (is_black(result))
     noise = ", all black: is a door shut, or does the camera stand in a wall?";
   else if (result.noise)
-    noise = result.noise->tells
-                ? ", relMSE about " + number_words(result.noise->relmse, 2)
-                : ", relMSE above " + number_words(std::min(result.noise->low, 0.5), 2);
+    noise = ", " + words_of(*result.noise);
   return fmt::format("{} per pixel in {}{}", counted(result.spp, "sample"),
                      duration_words(result.seconds), noise);
 }
@@ -220,6 +219,7 @@ void accumulate(Workshop& shop, Job& job) {
   if (!(still->plan == *schedule.plan) || before.film.samples() > all) return;
   before.goal = before.limits.spp = all;
   before.seconds = before.cpu_seconds = before.began = 0;  // of this frame
+  before.frames.clear();
   schedule.render_state.emplace(std::move(before));
 }
 
@@ -235,7 +235,8 @@ Made render(Prepared& p, Workshop& shop) {
   const RenderResult result = rendered(job, *p.renderer, p.choice, std::move(p.job.given.schedule));
   if (const std::string verdict = verdict_sentence(result); !verdict.empty())
     job.common.note(verdict);
-  if (job.request.automatic && !p.choice.planned) job.common.note(choice_sentence(result));
+  if (job.request.automatic && result.render_state->measured)
+    job.common.note(choice_sentence(result));
   if (result.cut_short && job.is_shard()) {
     job.common.note("stopped by a signal before all was decided: no shard is written");
     return {static_cast<int>(Exit::interrupted), ""};
@@ -340,8 +341,7 @@ MadeNoisy render_noisy(const Arguments& a, const cli::Common& common, Workshop& 
 DecidedFrame decide_frame(const Arguments& a, const cli::Common& common, Workshop& shop) {
   const Prepared p = prepared(a, common, shop, nullptr, "");
   const RenderResult decided = decide(*p.renderer, p.choice.candidates, p.job.settings, p.choice);
-  if (p.job.request.automatic)
-    common.note(fmt::format("frame {}: {}", *a.frame, choice_sentence(decided)));
+  if (p.job.request.automatic) common.note(a.of_frame() + choice_sentence(decided));
   DecidedFrame frame{{*a.frame, {{decided.plan}}}, p.job.shape};
   // A number of samples that was measured belongs to the candidate that it was measured with.
   const std::vector<CandidateEstimate>& all = decided.forecast.estimates;

@@ -1,5 +1,6 @@
 #include "tools/tdpt-render/run/render.h"
 
+#include <bit>
 #include <chrono>
 
 #include <fmt/format.h>
@@ -45,16 +46,16 @@ class Rendering {
         result_(result),
         render_state_(*result.render_state),
         film_(render_state_.film),
-        framed_(film_.samples()) {
-    const uint64_t done = film_.samples(), goal = render_state_.goal;
-    const bool unstopped = session.renderer.on_device() && goal > done;
-    if (!render_state_.watch) render_state_.watch.emplace(film_, unstopped ? goal - done : 0);
+        framed_(render_state_.frames.empty() ? film_.samples() : render_state_.frames.back().spp) {
+    begin_blocks();
   }
 
   /// Until all samples are rendered or the time is up.
   void run();
 
  private:
+  void begin_blocks();
+  void look();
   uint64_t next_pass() const;
   void receive_visitors();
   void render_pass(uint64_t samples, Progress& progress);
@@ -62,7 +63,6 @@ class Rendering {
   void render_goal();
   TargetProgress stand() const;
   std::string error_so_far() const;
-  NoiseWatch& watch() const { return *render_state_.watch; }
 
   Session& session_;
   const RenderSettings& settings_;
@@ -71,21 +71,37 @@ class Rendering {
   RenderState& render_state_;
   Film& film_;
   uint64_t framed_;          // samples when the last frame was recorded
+  std::string noise_words_;  // as of the last block
   std::vector<double> due_;  // when each visitor's period last began [s]
 };
 
+// A device would rather not be stopped: its first block is a fourth of the picture. Samples without
+// blocks, as a film merged from shards has them, are a block together.
+void Rendering::begin_blocks() {
+  const uint64_t done = film_.samples(), fourth = render_state_.goal / 4;
+  PictureBlocks& blocks = render_state_.blocks;
+  if (done == 0 && session_.renderer.on_device() && fourth > 1)
+    blocks = PictureBlocks(std::bit_floor(fourth), {}, {});
+  if (done > blocks.next()) blocks = PictureBlocks(done, {}, {});
+  look();
+}
+
+// Where a block ends.
+void Rendering::look() {
+  if (film_.samples() != render_state_.blocks.next()) return;
+  render_state_.blocks.add(film_.sums(watched_step(film_)));
+  const std::optional<Noise> noise = noise_of(film_, render_state_.blocks);
+  noise_words_ = noise ? fmt::format("relMSE about {}", number_words(noise->relmse, 2)) : "";
+}
+
 TargetProgress Rendering::stand() const {
-  return {film_.samples(), render_state_.goal, result_.interrupted, render_state_.blocks,
-          render_state_.pilot};
+  return {film_.samples(),      render_state_.goal,  result_.interrupted,
+          render_state_.blocks, render_state_.pilot, result_.noise};
 }
 
 // "relMSE about 0.02", predicted by the pilot, or estimated from the picture.
 std::string Rendering::error_so_far() const {
-  if (!render_state_.target) {
-    const std::optional<Noise> noise = watch().noise(film_);
-    return noise && noise->tells ? fmt::format("relMSE about {}", number_words(noise->relmse, 2))
-                                 : "";
-  }
+  if (!render_state_.target) return noise_words_;
   if (render_state_.pilot.rounds.empty() || film_.samples() == 0) return "";
   const ErrorPilot::Round& round = render_state_.pilot.about(film_.samples());
   if (!(round.estimate.relmse > 0)) return "";
@@ -98,7 +114,7 @@ void Rendering::record_frame() {
   const double seconds = clock.seconds(), cpu = clock.cpu();
   clock.aside([&] {
     const Picture picture = film_.picture();
-    result_.frames.push_back(
+    render_state_.frames.push_back(
         {film_.samples(), nonzero_of(picture), mean_of(picture), seconds, cpu});
     framed_ = film_.samples();
   });
@@ -111,7 +127,7 @@ uint64_t Rendering::next_pass() const {
   const uint64_t most =
       std::max<uint64_t>(session_.renderer.samples_of_pass() / session_.pixels, 1);
   uint64_t n = goal == 0 ? most : std::min(most, goal - done);
-  n = std::min(n, (render_state_.target ? render_state_.blocks.next() : watch().next()) - done);
+  n = std::min(n, render_state_.blocks.next() - done);
   if (settings_.frames) n = std::min(n, next_frame(framed_) - done);
   if (session_.longest == 0) return 0;
   if (settings_.seconds == 0) return n;
@@ -168,14 +184,11 @@ void Rendering::render_goal() {
     if (result_.interrupted) break;
     progress.tell(error_so_far());
     render_pass(n, progress);
-    if (render_state_.target) {
-      if (film_.samples() == render_state_.blocks.next()) render_state_.blocks.add(film_.sums());
-    } else if (film_.samples() == watch().next()) {
-      watch().look(film_);
-    }
+    look();
     if (settings_.frames && film_.samples() == next_frame(framed_)) record_frame();
     receive_visitors();
   }
+  result_.noise = noise_of(film_, render_state_.blocks);
 }
 
 void Rendering::run() {
@@ -187,11 +200,11 @@ void Rendering::run() {
       render_goal();
       judge(settings_, stand(), *target);
     }
-  } else {
-    result_.noise = watch().noise(film_);
   }
-  const std::vector<FrameRecord>& frames = result_.frames;
-  if (settings_.frames && (frames.empty() || frames.back().spp != film_.samples())) record_frame();
+  result_.frames = render_state_.frames;
+  if (!settings_.frames || (!result_.frames.empty() && framed_ == film_.samples())) return;
+  record_frame();  // the last one, which is none of those that are recorded on the way
+  std::swap(result_.frames, render_state_.frames);
 }
 
 std::shared_ptr<RenderState> beginning(const Session& session,
@@ -216,6 +229,12 @@ void take_count(const SampleCount& count, const RenderSchedule& schedule,
   render_state.first = schedule.part.first;
   render_state.goal = schedule.part.count;
   render_state.whole = schedule.whole;
+}
+
+// What was told when the picture was begun.
+void take_measured(const Measured& measured, size_t candidates, Measured& result) {
+  const size_t estimates = measured.forecast.estimates.size();
+  if (estimates == 0 || estimates == candidates) result = measured;
 }
 
 // Fills in the result when all is rendered.
@@ -249,6 +268,10 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& give
   static_cast<Decision&>(result) = schedule.plan
                                        ? obeyed(*schedule.plan, session, candidates)
                                        : decided(session, candidates, known, render_state.film);
+  if (goes_on && render_state.measured)
+    take_measured(*render_state.measured, candidates.size(), result);
+  else if (!schedule.plan)
+    render_state.measured.emplace(result);
   if (!goes_on) take_count(result.count, schedule, render_state);
   if (!goes_on) render_state.began = session.clock.seconds();
   Rendering(session, schedule, result).run();

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tools/tdpt-render/plan/decision.h"
-#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/run/render_state.h"
 
 namespace tdpt {
@@ -38,14 +37,6 @@ struct RenderSchedule {
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
 double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
 
-/// The picture after its first `spp` samples per pixel.
-struct FrameRecord {
-  uint64_t spp = 0;
-  double nonzero = 0;                   ///< share of pixels that are not black
-  Vec3d mean;                           ///< over all pixels
-  double seconds = 0, cpu_seconds = 0;  ///< of rendering so far
-};
-
 /// The next number of samples above `spp` that is recorded: each up to 256, then each a sixteenth
 /// more than the one before.
 uint64_t next_frame(uint64_t spp);
@@ -62,7 +53,7 @@ struct RenderResult : Decision {
   std::vector<FrameRecord> frames;        ///< the last one is the picture
 
   std::optional<TargetOutcome> target;  ///< its outcome, if the settings have one
-  std::optional<Noise> noise;           ///< if they have none, as far as it can be estimated
+  std::optional<Noise> noise;           ///< of the picture, if it is known
 
   Vec3d mean() const { return mean_of(picture); }
   double nonzero() const { return nonzero_of(picture); }

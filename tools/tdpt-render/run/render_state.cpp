@@ -1,6 +1,8 @@
 #include "tools/tdpt-render/run/render_state.h"
 
 #include <array>
+#include <bit>
+#include <cstring>
 #include <limits>
 
 #include <nlohmann/json.hpp>
@@ -67,9 +69,25 @@ class Reader {
     if (!at(key).is_boolean()) fail(key, "is no yes or no");
     return at(key).get<bool>();
   }
+  std::string text(const char* key) const {
+    if (!at(key).is_string()) fail(key, "is no text");
+    return at(key).get<std::string>();
+  }
   Reader of(const char* key) const {
     if (!at(key).is_object()) fail(key, "is no object");
     return {at(key), file_};
+  }
+  // What `read` makes of each object of a list.
+  template <class Read>
+  auto list(const char* key, size_t most, Read read) const {
+    const Json& entries = at(key);
+    if (!entries.is_array() || entries.size() > most) fail(key, "is no list");
+    std::vector<decltype(read(*this))> all;
+    for (const Json& entry : entries) {
+      if (!entry.is_object()) fail(key, "has an entry that is no object");
+      all.push_back(read(Reader(entry, file_)));
+    }
+    return all;
   }
   const std::string& file() const { return file_; }
 
@@ -100,23 +118,83 @@ Json json_of(const ErrorPilot& pilot) {
   return {{"needed", pilot.needed}, {"rounds", rounds}};
 }
 
+ErrorPilot::Round round_of(const Reader& in) {
+  return {in.whole("samples"),
+          {in.flag("lit"), in.real("relmse"), in.real("spread"), in.real("pixels")}};
+}
+
 ErrorPilot pilot_of(const Reader& in) {
-  ErrorPilot pilot;
-  pilot.needed = in.whole("needed");
-  const Json& rounds = in.at("rounds");
-  if (!rounds.is_array() || rounds.size() > 64) in.fail("rounds", "are no list");
-  for (const Json& entry : rounds) {
-    if (!entry.is_object()) in.fail("rounds", "has an entry that is no object");
-    const Reader round(entry, in.file());
-    ErrorPilot::Round r;
-    r.samples = round.whole("samples");
-    r.estimate.lit = round.flag("lit");
-    r.estimate.relmse = round.real("relmse");
-    r.estimate.spread = round.real("spread");
-    r.estimate.pixels = round.real("pixels");
-    pilot.rounds.push_back(r);
-  }
-  return pilot;
+  return {in.list("rounds", 64, round_of), in.whole("needed")};
+}
+
+Json json_of(const Measured& measured) {
+  const Forecast& forecast = measured.forecast;
+  Json estimates = Json::array(), gain;
+  for (const CandidateEstimate& c : forecast.estimates)
+    estimates.push_back({{"integrator", c.integrator},
+                         {"portals", c.with_portals},
+                         {"relmse", c.relmse},
+                         {"work", c.work},
+                         {"cost", c.cost}});
+  if (const auto& g = forecast.portals)
+    gain = {{"times", g->times},
+            {"low", g->low},
+            {"high", g->high},
+            {"with", g->with},
+            {"without", g->without}};
+  return {{"estimates", estimates},
+          {"best", forecast.best},
+          {"gain", gain},
+          {"samples", measured.pilot_samples},
+          {"cpu", measured.pilot_cpu_seconds}};
+}
+
+CandidateEstimate estimate_of(const Reader& in) {
+  return {in.text("integrator"), in.flag("portals"), in.real("relmse"), in.real("work"),
+          in.real("cost")};
+}
+
+PortalsGain gain_of(const Reader& in) {
+  return {{in.real("times"), in.real("low"), in.real("high")},
+          static_cast<size_t>(in.whole("with")),
+          static_cast<size_t>(in.whole("without"))};
+}
+
+Measured measured_of(const Reader& in) {
+  Measured measured;
+  Forecast& forecast = measured.forecast;
+  forecast.estimates = in.list("estimates", 64, estimate_of);
+  const size_t n = forecast.estimates.size();
+  forecast.best = static_cast<size_t>(in.whole("best"));
+  if (!in.at("gain").is_null()) forecast.portals = gain_of(in.of("gain"));
+  if (forecast.best > 0 && forecast.best >= n) in.fail("best", "is out of range");
+  if (forecast.portals && std::max(forecast.portals->with, forecast.portals->without) >= n)
+    in.fail("gain", "is of other candidates");
+  measured.pilot_samples = in.whole("samples");
+  measured.pilot_cpu_seconds = in.finite("cpu");
+  return measured;
+}
+
+Json json_of(const FrameRecord& frame) {
+  return {{"spp", frame.spp},        {"nonzero", frame.nonzero}, {"r", frame.mean.x},
+          {"g", frame.mean.y},       {"b", frame.mean.z},        {"seconds", frame.seconds},
+          {"cpu", frame.cpu_seconds}};
+}
+
+FrameRecord frame_of(const Reader& in) {
+  return {in.whole("spp"),
+          in.real("nonzero"),
+          {in.real("r"), in.real("g"), in.real("b")},
+          in.finite("seconds"),
+          in.finite("cpu")};
+}
+
+Json json_of(const Tally::SamplePixel& place) {
+  return {{"sample", place.sample}, {"y", place.y}, {"x", place.x}};
+}
+
+Tally::SamplePixel place_of(const Reader& in) {
+  return {in.whole("sample"), static_cast<int>(in.whole("y")), static_cast<int>(in.whole("x"))};
 }
 
 Json json_of(const TargetOutcome& target) {
@@ -147,8 +225,36 @@ void stand_without_state(const FilmFacts& facts, RenderState& render_state) {
   render_state.limits.spp = facts.spp;
 }
 
-void read_state(const Reader& in, PictureParts parts, std::vector<Vec3d> before,
-                RenderState& render_state) {
+// ---- The blocks as words: the means block after block, then the sums at the end of the last ----
+
+static_assert(sizeof(Rgb) == 12 && sizeof(Vec3d) == 24 &&
+              std::endian::native == std::endian::little);
+
+size_t watched_pixels(const Film& film) {
+  const size_t step = watched_step(film);
+  const size_t all = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
+  return (all + step - 1) / step;
+}
+
+PictureBlocks blocks_of(const StateWords& words, uint64_t size, size_t pixels, const Reader& in) {
+  if (size == 0) in.fail("block_samples", "is out of range");
+  if (words.empty()) return PictureBlocks(size, {}, {});
+  const size_t of_block = 3 * pixels, of_sums = 6 * pixels;
+  if (words.size() < of_sums || (words.size() - of_sums) % of_block != 0 ||
+      words.size() > of_sums + 7 * of_block)
+    in.fail("block_samples", "has blocks of another size");
+  PictureParts parts((words.size() - of_sums) / of_block, std::vector<Rgb>(pixels));
+  const uint32_t* from = words.data();
+  for (std::vector<Rgb>& part : parts) {
+    std::memcpy(part.data(), from, 4 * of_block);
+    from += of_block;
+  }
+  std::vector<Vec3d> before(pixels);
+  std::memcpy(before.data(), from, 4 * of_sums);
+  return {size, std::move(parts), std::move(before)};
+}
+
+void read_state(const Reader& in, const StateWords& words, RenderState& render_state) {
   render_state.limits = limits_of(in.of("limits"));
   render_state.first = in.whole("first");
   render_state.goal = in.whole("goal");
@@ -161,9 +267,11 @@ void read_state(const Reader& in, PictureParts parts, std::vector<Vec3d> before,
   if (render_state.goal == 0 && render_state.limits.seconds == 0)
     in.fail("goal", "is 0, and no time ends the rendering");
   render_state.pilot = pilot_of(in.of("pilot"));
-  const uint64_t size = in.whole("block_samples");
-  if (size == 0) in.fail("block_samples", "is out of range");
-  render_state.blocks = PictureBlocks(size, std::move(parts), std::move(before));
+  if (!in.at("measured").is_null()) render_state.measured = measured_of(in.of("measured"));
+  render_state.frames = in.list("frames", 1 << 12, frame_of);
+  render_state.tally.not_finite_at = in.list("not_finite_at", Tally::kMostPlaces, place_of);
+  render_state.blocks =
+      blocks_of(words, in.whole("block_samples"), watched_pixels(render_state.film), in);
 }
 
 }  // namespace
@@ -204,8 +312,12 @@ void add_counts(const Counts& counts, Tally& tally) {
 }
 
 std::string render_state_text(const RenderState& render_state) {
-  Json target;
+  Json target, measured, frames = Json::array(), places = Json::array();
   if (render_state.target) target = json_of(*render_state.target);
+  if (render_state.measured) measured = json_of(*render_state.measured);
+  for (const FrameRecord& frame : render_state.frames) frames.push_back(json_of(frame));
+  for (const Tally::SamplePixel& place : render_state.tally.not_finite_at)
+    places.push_back(json_of(place));
   return Json{{"limits", json_of(render_state.limits)},
               {"first", render_state.first},
               {"goal", render_state.goal},
@@ -216,16 +328,24 @@ std::string render_state_text(const RenderState& render_state) {
               {"began", render_state.began},
               {"target", target},
               {"pilot", json_of(render_state.pilot)},
+              {"measured", measured},
+              {"frames", frames},
+              {"not_finite_at", places},
               {"block_samples", render_state.blocks.size()}}
       .dump();
 }
 
-FilmBlocks blocks_of(const RenderState& render_state) {
-  FilmBlocks blocks;
-  for (const std::vector<Rgb>& pixels : render_state.blocks.blocks())
-    blocks.blocks.push_back({render_state.film.width(), render_state.film.height(), pixels});
-  blocks.before = render_state.blocks.before();
-  return blocks;
+StateWords blocks_of(const RenderState& render_state) {
+  const PictureBlocks& blocks = render_state.blocks;
+  StateWords words;
+  const auto append = [&](const auto& values) {
+    const size_t at = words.size(), bytes = values.size() * sizeof values[0];
+    words.resize(at + bytes / 4);
+    if (bytes > 0) std::memcpy(words.data() + at, values.data(), bytes);
+  };
+  for (const std::vector<Rgb>& part : blocks.blocks()) append(part);
+  append(blocks.before());
+  return words;
 }
 
 RenderState render_state_of(FilmFile file, const std::string& name) {
@@ -237,9 +357,7 @@ RenderState render_state_of(FilmFile file, const std::string& name) {
     const std::string& state = file.facts.state;
     const Json json = nested_too_deep(state) ? Json() : Json::parse(state, nullptr, false);
     if (!json.is_object()) throw InputError(name, "film.state", "is no JSON object");
-    PictureParts parts;
-    for (Picture& block : file.blocks.blocks) parts.push_back(std::move(block.pixels));
-    read_state(Reader(json, name), std::move(parts), std::move(file.blocks.before), render_state);
+    read_state(Reader(json, name), file.words, render_state);
   }
   const std::vector<SampleRange>& ranges = render_state.film.ranges();
   if (ranges.size() > 1 || (!ranges.empty() && ranges[0].first != render_state.first))

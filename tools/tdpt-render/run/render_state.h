@@ -7,10 +7,18 @@
 
 #include "libcommon/film/film_file.h"
 #include "tools/tdpt-render/path/sample/tally.h"
-#include "tools/tdpt-render/plan/noise.h"
-#include "tools/tdpt-render/plan/sample_count.h"
+#include "tools/tdpt-render/plan/decision.h"
 
 namespace tdpt {
+
+/// The picture after its first `spp` samples per pixel.
+struct FrameRecord {
+  uint64_t spp = 0;
+  double nonzero = 0;                   ///< share of pixels that are not black
+  Vec3d mean;                           ///< over all pixels
+  double seconds = 0, cpu_seconds = 0;  ///< of rendering so far
+  friend bool operator==(const FrameRecord&, const FrameRecord&) = default;
+};
 
 struct RenderState {
   RenderState(Film empty, const Limits& limits_)
@@ -27,8 +35,9 @@ struct RenderState {
   double began = 0;                     ///< part of `seconds` before the picture's first sample [s]
   std::optional<TargetOutcome> target;
   ErrorPilot pilot;
-  PictureBlocks blocks;
-  std::optional<NoiseWatch> watch{};  ///< since this process has the film; to estimate the noise
+  PictureBlocks blocks;              ///< of all samples, at the watched pixels [noise.h]
+  std::optional<Measured> measured;  ///< none: a plan was obeyed
+  std::vector<FrameRecord> frames;
 
   uint64_t next() const { return first + film.samples(); }  ///< index of the next sample
   /// Samples per pixel of the whole picture, as far as is known.
@@ -40,11 +49,11 @@ Counts counts_of(const Tally& tally);
 /// The reverse. Ignores counts that this program does not know, and surplus ones.
 void add_counts(const Counts& counts, Tally& tally);
 
-/// Everything except film, tally and blocks, as JSON.
+/// Everything except film, sums of the tally and blocks, as JSON.
 std::string render_state_text(const RenderState& render_state);
 /// The blocks as a film file stores them, and the render state read back from one. `name`: the
 /// file's in messages. Throws InputError.
-FilmBlocks blocks_of(const RenderState& render_state);
+StateWords blocks_of(const RenderState& render_state);
 RenderState render_state_of(FilmFile file, const std::string& name);
 
 }  // namespace tdpt

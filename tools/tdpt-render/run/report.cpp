@@ -64,9 +64,7 @@ nlohmann::ordered_json summary(const Integrator& integrator, const RenderSetting
   j["nonzero"] = result.nonzero();
   if (result.target) j["target"] = target_json(*result.target);
   if (const auto& noise = result.noise)
-    j["noise"] = {{"relmse", noise->relmse},
-                  {"interval", {noise->low, noise->high}},
-                  {"tells", noise->tells}};
+    j["noise"] = {{"relmse", noise->relmse}, {"interval", {noise->low, noise->high}}};
   const RayCounts& rays = result.tally.rays;
   j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
   const double total = total_energy(result);

@@ -133,8 +133,9 @@ void Scenery::read_portals(const Arguments& a, const cli::Common& common) {
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in_.scene, in_.camera, a.frame);
     if (!common.quiet || !a.frame)
-      for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
-    for (const std::string& note : first_few(given.notes)) common.note(note);
+      for (const std::string& warning : first_few(given.warnings))
+        common.warn(a.of_frame() + warning);
+    for (const std::string& note : first_few(given.notes)) common.note(a.of_frame() + note);
     const PortalFile& file = given.file;
     common.also_read(file.files);
     in_.portals.insert(in_.portals.end(), file.portals.begin(), file.portals.end());
