@@ -235,10 +235,11 @@ std::vector<std::string> names_of_cameras(const Scene& scene,
 
 Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common) {
   check(a);
-  if (a.names.size() > 1)
+  const std::vector<std::string> names = names_of_cameras(scene, a.names);
+  if (names.size() > 1)
     throw UsageError(
-        fmt::format("--camera: {} are given, expected one; tdpt renders several", a.names.size()));
-  const Camera camera = one_camera(scene, a, a.names.empty() ? "" : a.names[0], common);
+        fmt::format("--camera: {} are given, expected one; tdpt renders several", names.size()));
+  const Camera camera = one_camera(scene, a, names.empty() ? "" : names[0], common);
   warn_of_others(scene, camera, common);
   return camera;
 }

@@ -11,27 +11,21 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/shown.h"
 
 namespace tdpt {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr size_t kMostMakers = 32;  // requests stored per picture
+constexpr size_t kMostMakers = 32;  // keys stored per picture
 const std::string kPreview = "--preview";
 
-// Words may hold invalid UTF-8; comparisons use the stored form.
-Json as_kept(const Words& words) {
-  const Json json(words);
-  return Json::parse(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+Json json_of(const Made& made) {
+  return {{"key", made.key}, {"whole", made.whole}, {"beside", made.beside}};
 }
 
-Json json_of(const Made& made) {
-  return {{"identity", as_kept(made.identity)},
-          {"key", made.key},
-          {"whole", made.whole},
-          {"beside", made.beside}};
+std::string film_record(const Pipeline& p) {
+  return p.film_key + "\n" + p.key + "\n";
 }
 
 std::vector<std::pair<std::string, std::string>> files_beside(const RenderArguments& a) {
@@ -68,8 +62,7 @@ std::vector<Made> made_of(const std::string& hash, const WorkFolder& work) {
   const Json json = Json::parse(text.value_or(""), nullptr, false);
   if (!json.is_array()) return all;
   for (const Json& one : json) try {
-      all.push_back({one.at("identity").get<Words>(), one.at("key").get<std::string>(),
-                     one.at("whole").get<bool>(),
+      all.push_back({one.at("key").get<std::string>(), one.at("whole").get<bool>(),
                      one.at("beside").get<std::map<std::string, std::string>>()});
     } catch (const Json::exception&) {  // of another version, or damaged
     }
@@ -79,11 +72,10 @@ std::vector<Made> made_of(const std::string& hash, const WorkFolder& work) {
 void keep(const Made& made, const std::string& hash, const WorkFolder& work) {
   Made kept = made;
   Json all = Json::array();
-  const Json identity = as_kept(made.identity);
   for (const Made& before : made_of(hash, work)) {
-    if (Json(before.identity) != identity)
+    if (before.key != made.key)
       all.push_back(json_of(before));
-    else if (before.key == made.key)
+    else
       kept.beside.insert(before.beside.begin(), before.beside.end());
   }
   if (all.size() >= kMostMakers) all.erase(all.begin());
@@ -93,16 +85,16 @@ void keep(const Made& made, const std::string& hash, const WorkFolder& work) {
     throw OutputError(work.path_of("known-" + hash), "cannot be written");
 }
 
-void keep(const Unfinished& unfinished, const std::string& entry) {
-  write_output(entry + "/unfinished", unfinished.key + "\n");
+void keep_film_of(const Pipeline& p, const std::string& entry) {
+  write_output(entry + "/film-of", film_record(p));
 }
 
-std::optional<Unfinished> unfinished_in(const std::string& entry) {
+bool goes_on(const Pipeline& p, const std::string& entry) {
   try {
-    const std::string text = read_file(entry + "/unfinished");
-    return Unfinished{text.substr(0, text.find('\n'))};
+    const std::string text = read_file(entry + "/film-of");
+    return text == film_record(p) || (p.counts_samples && text.starts_with(p.film_key + "\n"));
   } catch (const InputError&) {
-    return {};
+    return false;
   }
 }
 
@@ -151,19 +143,10 @@ void check_is_frame(const std::string& path) {
     throw UsageError(path + ": is there already, and is no frame of a shot; --force replaces it");
 }
 
-void check_owner(const Request& request, const WorkFolder& work) {
-  const std::string hash = hash_of_picture(request.picture);
-  if (hash.empty()) return;
-  const std::vector<Made> all = made_of(hash, work);
-  if (all.empty())
-    throw UsageError(request.picture +
-                     ": is there already, and tdpt did not make it; --force replaces it");
-  const Json now = as_kept(request.identity);
-  for (const Made& made : all)
-    if (Json(made.identity) == now) return;
-  throw UsageError(fmt::format("{}: another command made it, {}; --force replaces it",
-                               request.picture,
-                               shown(difference(all.back().identity, request.identity), 200)));
+void check_is_ours(const std::string& picture, const WorkFolder& work) {
+  const std::string hash = hash_of_picture(picture);
+  if (!hash.empty() && made_of(hash, work).empty())
+    throw UsageError(picture + ": is there already, and tdpt did not make it; --force replaces it");
 }
 
 }  // namespace tdpt

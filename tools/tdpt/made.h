@@ -1,5 +1,4 @@
-// Which request made a picture, looked up by the hash of its bytes: neither its path nor its time
-// matters.
+// What made a picture, looked up by the hash of its bytes: neither its path nor its time matters.
 #pragma once
 #include <map>
 #include <optional>
@@ -11,24 +10,21 @@
 namespace tdpt {
 
 struct Made {
-  Words identity;     ///< of the request that made it
   std::string key;    ///< Pipeline::key
   bool whole = true;  ///< not stopped by a signal
   /// Files written with it, by option: their hashes.
   std::map<std::string, std::string> beside;
 };
 
-/// One for each request known to have made a picture with these bytes.
+/// One for each key of which a picture has these bytes; none: tdpt did not make it.
 std::vector<Made> made_of(const std::string& hash, const WorkFolder& work);
-/// Stores another, replacing that of the same request. Throws OutputError on failure.
+/// Stores another, replacing that of the same key. Throws OutputError on failure.
 void keep(const Made& made, const std::string& hash, const WorkFolder& work);
 
-/// Stored beside a checkpoint in a picture's entry: which picture the checkpoint is of.
-struct Unfinished {
-  std::string key;  ///< Pipeline::key
-};
-void keep(const Unfinished& unfinished, const std::string& entry);
-std::optional<Unfinished> unfinished_in(const std::string& entry);
+/// Stores beside a film in a picture's entry what it is of.
+void keep_film_of(const Pipeline& p, const std::string& entry);
+/// Whether the entry has a film of which `p` makes its picture: with more samples, or as it is.
+bool goes_on(const Pipeline& p, const std::string& entry);
 
 /// Of the file at that path; "" if there is none.
 std::string hash_of_picture(const std::string& path);
@@ -50,7 +46,7 @@ std::string frame_mark_in(const std::string& path);
 /// Throws UsageError if the file exists and is no frame of a shot that tdpt-render has rendered.
 void check_is_frame(const std::string& path);
 
-/// Throws UsageError if the picture exists but was made by another command, or by an unknown one.
-void check_owner(const Request& request, const WorkFolder& work);
+/// Throws UsageError if the file exists and is no picture that tdpt made.
+void check_is_ours(const std::string& picture, const WorkFolder& work);
 
 }  // namespace tdpt

@@ -93,7 +93,10 @@ int run(const Arguments& a, const cli::Common& common) {
   catch_signals();
   std::set<std::string> printed;
   const bool told_before = std::getenv("TDPT_TOLD");
-  for (const View& view : views_of(a, common)) {
+  const std::vector<View> views = views_of(a, common);
+  if (views.size() > 1 && !a.report.empty() && !a.dry_run)
+    common.note(fmt::format("{} pictures with a report each, one after the other", views.size()));
+  for (const View& view : views) {
     if (!told_before) ::unsetenv("TDPT_TOLD");  // each picture has its own, in a folder that goes
     Making making(view.arguments, view.common, form_of(common));
     const int code = a.dry_run ? making.print(printed) : making.run();

@@ -157,8 +157,6 @@ int Making::run() {
     if (is_fresh(a_, request_, pipeline_, work_)) mend_preview();
     if (all_is_fresh()) {
       common_.note(request_.picture + " is up to date");
-      std::error_code ignored;
-      if (!picture_.path().empty()) fs::remove_all(picture_.path(), ignored);
       tell_end(0);
       return 0;
     }
@@ -186,7 +184,7 @@ void Making::tell_end(int code) const {
 
 // Throws UsageError for files that are not tdpt's to replace.
 void Making::check_owners() const {
-  if (!request_.is_shot) return check_owner(request_, work_);
+  if (!request_.is_shot) return check_is_ours(request_.picture, work_);
   const FrameRange range = frame_range(a_.shot);
   for (int64_t k = range.first; k <= range.last; ++k) {
     check_is_frame(name_of_frame("-o", request_.picture, k));
@@ -202,11 +200,9 @@ Making::Ending Making::attempt() {
   if (!made) {
     if (!a_.force) check_owners();
     before_ = hash_of_picture(request_.picture);
-    const auto before = unfinished_in(folder);
-    const bool goes_on = before && before->key == pipeline_.key;
-    clear(folder, goes_on ? std::vector<std::string>{"lock", "unfinished", "film.exr"}
-                          : std::vector<std::string>{"lock"});
+    clear(folder, what_stays());
   }
+  left_ = made ? request_.picture + " is whole" : "nothing is rendered yet";
   step_ = 0;
   steps_ = !made + !a_.report.empty();
   for (const Search& search : pipeline_.searches)
@@ -215,9 +211,13 @@ Making::Ending Making::attempt() {
   if (ending.good()) ending = find_portals();
   if (ending.good() && !made) ending = render();
   if (ending.good() && !report_is_fresh()) ending = make_report();
+  if (ending.code == kStopped)
+    common_.note("stopped while " + doing_ + "; " + left_ + "; the same command goes on");
   if (ending.good()) {
+    const std::vector<std::string> stays = what_stays();
     std::error_code ignored;
-    fs::remove_all(folder, ignored);
+    if (stays.size() == 1) fs::remove_all(folder, ignored);
+    clear(folder, stays);
     std::string files = made ? "" : request_.picture;
     for (const std::string& path : {a_.preview, a_.stats, a_.nonzero, a_.report})
       if (!path.empty() && is_there(path)) files += (files.empty() ? "" : ", ") + path;
@@ -226,15 +226,28 @@ Making::Ending Making::attempt() {
   return ending;
 }
 
+// One of several is named.
+std::string Making::title_of_picture(const std::string& title) const {
+  return a_.views.empty() ? title : title + " " + request_.picture;
+}
+
+// In the picture's entry, from one run to the next.
+std::vector<std::string> Making::what_stays() const {
+  if (!goes_on(pipeline_, picture_.path())) return {"lock"};
+  return {"lock", "film-of", "film.exr"};
+}
+
 // Checks what can be checked before the first stage: the renderer's options, its files, its device.
 Making::Ending Making::check() {
-  conversation_.step(1, steps_, "reading the scene", "tdpt-render");
+  doing_ = "reading the scene";
+  conversation_.step(1, steps_, doing_, "tdpt-render");
   if (!a_.report.empty() && !run_program({"python3", "-c", ""}, {}, Reads::files).good())
     throw UsageError("--report: needs python3");
   return run_program(pipeline_.check, {}, Reads::scene);
 }
 
 Making::Ending Making::find_portals() {
+  doing_ = "looking for portals";
   if (!state_.drawn.empty())
     common_.note("renders with " + state_.drawn +
                  ", which lies beside the scene: no others are searched for");
@@ -297,8 +310,8 @@ Making::Ending Making::run_stages(const Search& search) {
         words.insert(words.end(), request_.pose.begin(), request_.pose.end());
       }
     }
-    const Ending ending =
-        run_program(words, how, reads_scene ? Reads::scene : Reads::files, tells ? &told : nullptr);
+    const Ending ending = run_program(words, how, reads_scene ? Reads::scene : Reads::files,
+                                      Of::all, tells ? &told : nullptr);
     if (!ending.good()) return ending;
     if (tells) write_output(step.output + ".told.txt", told);
     write_output(step.output + ".command", shell_text(step.options) + "\n");
@@ -315,8 +328,7 @@ void Making::mend_preview() {
   const Picture picture = read_exr(request_.picture).picture;
   const auto exposure = exposure_of(picture, a_.preview, a_.exposure);
   write_output(a_.preview, preview_bytes(picture, *exposure));
-  keep({request_.identity, pipeline_.key, true, files_written_beside(a_)},
-       hash_of_picture(request_.picture), work_);
+  keep({pipeline_.key, true, files_written_beside(a_)}, hash_of_picture(request_.picture), work_);
   common_.note("wrote " + a_.preview);
   common_.explain_by([&] { return with_exposure({}, a_.exposure, exposure); });
 }
@@ -343,12 +355,13 @@ void Making::place(bool whole) {
                           made);
   const std::string bytes = read_file(made), hash = content_hash(bytes);
   try {
-    keep({request_.identity, pipeline_.key, whole, files_written_beside(a_)}, hash, work_);
+    keep({pipeline_.key, whole, files_written_beside(a_)}, hash, work_);
   } catch (const OutputError& e) {
     common_.warn(std::string(e.what()) + "; tdpt will not know that it made the picture");
   }
   write_output(request_.picture, bytes);
   before_ = hash;
+  left_ = request_.picture + (whole ? " is whole" : " has what was rendered until then");
 }
 
 // The renderer writes each frame when it is whole, and renders none again that is.
@@ -358,23 +371,25 @@ Making::Ending Making::render_frames() {
   words.insert(words.end(), {"--set", "progress=json"});
   ChildProcess::How how;
   how.shares_stdout = true;
-  const Ending ending = run_program(words, how, Reads::scene);
-  if (ending.code == kStopped) common_.note("what frames there are stay; the same command goes on");
-  return ending;
+  left_ = "the frames that are there stay";
+  return run_program(words, how, Reads::scene);
 }
 
 Making::Ending Making::render() {
+  doing_ = "rendering";
   if (request_.is_shot) return render_frames();
-  begin_step(pipeline_.render.title, pipeline_.render.options);
+  begin_step(title_of_picture(pipeline_.render.title), pipeline_.render.options);
   const std::string made = picture_.path() + "/" + kPicture, film = picture_.path() + "/film.exr";
-  keep(Unfinished{pipeline_.key}, picture_.path());
+  if (pipeline_.keeps_film) keep_film_of(pipeline_, picture_.path());
   Words words = pipeline_.render.command(made);
   if (!asks_for_portals(request_.picture)) words.insert(words.end(), {"--set", "progress=json"});
   ChildProcess::How how;
   how.shares_stdout = true;
-  const bool goes_on = is_there(film);
+  const bool has_film = is_there(film);
   Ending ending = run_program(words, how, Reads::scene);
-  if (ending.code == static_cast<int>(Exit::bad_input) && !ending.changed && goes_on) {
+  const bool refused = ending.code == static_cast<int>(Exit::bad_input) ||
+                       ending.code == static_cast<int>(Exit::usage);
+  if (refused && !ending.changed && has_film) {
     common_.note("what the run before left cannot be used; begins with the first sample");
     std::error_code failed;
     fs::remove(film, failed);
@@ -388,7 +403,6 @@ Making::Ending Making::render() {
                    " has changed since it was read: the picture is of what it was");
   } else if (ending.code == kStopped && is_there(made)) {
     place(false);
-    common_.note(request_.picture + " has what was rendered until then; the same command goes on");
   }
   return ending;
 }
@@ -407,10 +421,11 @@ Making::Ending Making::make_shot_report() {
 }
 
 Making::Ending Making::make_report() {
+  doing_ = "measuring for the report";
   if (request_.is_shot) return make_shot_report();
   const std::string scripts = programs_ + "/../share/tdpt/", parts = picture_.path() + "/report";
   const std::string page = picture_.path() + "/report.html";
-  begin_step("measuring for the report", {"report_measure.py"});
+  begin_step(title_of_picture("measuring for the report"), {"report_measure.py"});
   Words measure{"python3",
                 "-B",
                 scripts + "report_measure.py",
@@ -434,7 +449,7 @@ Making::Ending Making::make_report() {
   if (common_.threads > 0)
     measure.insert(measure.end(), {"--threads", std::to_string(common_.threads)});
   if (common_.quiet) measure.emplace_back("--quiet");
-  measure.emplace_back("--");
+  measure.insert(measure.end(), {"--progress", "--"});
   const Step& render = pipeline_.render;
   measure.insert(measure.end(), render.options.begin(), render.options.end());
   measure.insert(measure.end(), render.inputs.begin() + 1, render.inputs.end());
@@ -445,10 +460,7 @@ Making::Ending Making::make_report() {
   if (!ending.good()) return ending;
   const std::string bytes = read_file(page);
   write_output(a_.report, bytes);
-  keep({request_.identity,
-        pipeline_.key,
-        true,
-        {{"--report", content_hash(bytes) + " " + report_settings()}}},
+  keep({pipeline_.key, true, {{"--report", content_hash(bytes) + " " + report_settings()}}},
        hash_of_picture(request_.picture), work_);
   return {};
 }
@@ -467,9 +479,12 @@ Making::Ending Making::ending_of(const std::string& program, int code) const {
 }
 
 Making::Ending Making::run_program(const Words& words, const ChildProcess::How& how, Reads reads,
-                                   std::string* told) {
+                                   Of of, std::string* told) {
   if (stop_requested()) return {kStopped};
+  const bool names_picture = !a_.views.empty() && of == Of::picture;
+  if (names_picture) ::setenv("TDPT_ABOUT", request_.picture.c_str(), 1);
   ChildProcess child(words, how);
+  if (names_picture) ::unsetenv("TDPT_ABOUT");
   std::string text;
   bool told_to_stop = false, looked = reads == Reads::files;
   // A program's first progress report means that it has read the scene.
@@ -537,8 +552,7 @@ int Making::print(std::set<std::string>& printed) {
   const std::string entry = work_.path_of(pipeline_.picture_entry);
   if (pipeline_.keeps_film || !pipeline_.portals_by_frame.empty()) folders.push_back(entry);
   if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
-  const auto before = unfinished_in(entry);
-  if (is_there(entry + "/film.exr") && !(before && before->key == pipeline_.key))
+  if (is_there(entry + "/film.exr") && !goes_on(pipeline_, entry))
     commands += shell_text({"rm", "-f", entry + "/film.exr"}) + "\n";  // of another picture
   commands += shell_text(pipeline_.render.command(request_.picture)) + "\n";
   std::fputs(commands.c_str(), stdout);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "tools/tdpt/conversation.h"
 #include "tools/tdpt/first_look.h"
@@ -31,6 +32,8 @@ class Making {
   };
   /// Whether a program reads the scene.
   enum class Reads { scene, files };
+  /// Whether what it tells is of this picture, or of those of all cameras.
+  enum class Of { picture, all };
 
   bool all_is_fresh() const;
   bool report_is_fresh() const;
@@ -48,7 +51,8 @@ class Making {
   Ending make_shot_report();
   /// `told` receives the program's messages; decisions go only there.
   Ending run_program(const Words& words, const ChildProcess::How& how, Reads reads,
-                     std::string* told = nullptr);
+                     Of of = Of::picture, std::string* told = nullptr);
+  std::string title_of_picture(const std::string& title) const;
   Ending ending_of(const std::string& program, int code) const;
   void begin_step(const std::string& title, const Words& words);
   void place(bool whole);
@@ -57,6 +61,7 @@ class Making {
   bool has_changed() const;
   void settle();
   void tell_end(int code) const;
+  std::vector<std::string> what_stays() const;
 
   const Arguments& a_;
   const cli::Common& common_;
@@ -68,7 +73,8 @@ class Making {
   Pipeline pipeline_;
   HeldEntry picture_, portals_;
   std::unique_ptr<FirstLook> look_;
-  std::string before_;  ///< hash of the picture that may be replaced; "": there is none
+  std::string doing_, left_;  ///< what runs, and what there is of the picture, for a signal
+  std::string before_;        ///< hash of the picture that may be replaced; "": there is none
   std::filesystem::file_time_type preview_time_{};  ///< of the last published preview
   size_t step_ = 0, steps_ = 0;
 };

@@ -125,9 +125,19 @@ std::vector<Search> searches_of(const Arguments& a, const Request& r, const Scen
   return searches;
 }
 
+// Without the number of samples, of which a film can get more.
+Words without_samples(const Words& render) {
+  Words words;
+  for (size_t i = 0; i < render.size(); ++i) {
+    if (render[i] != "--spp") words.push_back(render[i]);
+    if (render[i] == "--spp" || render[i] == "--time") ++i;
+  }
+  return words;
+}
+
 // `found`: key of the portals that the stages find; `given`: paths of given ones.
 std::string key_of_picture(const Request& r, const SceneState& state, const std::string& found,
-                           const Words& given, const std::string& renderer) {
+                           const Words& given, const std::string& renderer, const Words& render) {
   Key key;
   key.add(content_hash_of_file(renderer));
   key.add(file_name(r.scene));
@@ -136,7 +146,7 @@ std::string key_of_picture(const Request& r, const SceneState& state, const std:
   key.add(state.portals);
   for (const std::string& path : given) key.add(file_name(path));
   for (const Words& words : {r.camera, r.pose, r.shot, by_content(r.sky, state.sky), r.device,
-                             r.sampling, r.all, r.render})
+                             r.sampling, r.all, render})
     key.add(words);
   return key.hash();
 }
@@ -203,7 +213,12 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
       p.portals_by_frame = work.path_of(p.picture_entry) + "/frame.######.portal.glb";
     portals.push_back(p.searches.size() > 1 ? p.portals_by_frame : p.searches[0].found());
   }
-  p.key = key_of_picture(r, state, key_of_found, given, renderer);
+  const auto key_with = [&](const Words& render) {
+    return key_of_picture(r, state, key_of_found, given, renderer, render);
+  };
+  p.key = key_with(r.render);
+  p.film_key = key_with(without_samples(r.render));
+  p.counts_samples = a.spp > 0 || a.seconds > 0;
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
   p.keeps_film = a.checkpoint.empty() && a.resume.empty() && !r.is_shot;

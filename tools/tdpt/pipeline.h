@@ -30,15 +30,17 @@ struct Search {
 };
 
 struct Pipeline {
-  std::string picture_entry;     ///< of the work folder, for an unfinished picture
+  std::string picture_entry;     ///< of the work folder, for the picture's film
   std::vector<Search> searches;  ///< none if no portals are sought
   /// Of a shot with several searches: the pattern of the frames' portals, in the picture's entry.
   std::string portals_by_frame;
   Step render;
-  Words check;              ///< the renderer's check of all files that exist before the stages
-  std::string key;          ///< of the picture: hash of everything that affects it
-  bool keeps_film = false;  ///< so that the next run can resume it
-  bool repeatable = true;   ///< running the same command again does nothing
+  Words check;                  ///< the renderer's check of all files that exist before the stages
+  std::string key;              ///< of the picture: hash of everything that affects it
+  std::string film_key;         ///< the same, but for the values of --spp and --time
+  bool counts_samples = false;  ///< one of these is given
+  bool keeps_film = false;      ///< so that the next run can resume it, or add samples
+  bool repeatable = true;       ///< running the same command again does nothing
 };
 
 /// `programs`: the folder with the programs.

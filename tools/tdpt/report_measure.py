@@ -21,6 +21,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 import zlib
 
 # What a command of tdpt-render may say and a measurement says for itself, with the number of values.
@@ -76,8 +77,9 @@ def die_with_parent():
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def run(command, env=None):
-    """-> standard output, standard error, largest memory [bytes]; ends what it started when it is ended itself."""
+def run(command, env=None, progress=None):
+    """-> standard output, standard error, largest memory [bytes]; ends what it started when it is ended itself. `progress` takes
+    the lines of progress among the errors."""
     read_out, write_out = os.pipe()
     child = subprocess.Popen(command, stdout=write_out, stderr=subprocess.PIPE, env=env, preexec_fn=die_with_parent)
     os.close(write_out)
@@ -89,7 +91,13 @@ def run(command, env=None):
                 kept.append(stream.read())
         reader = threading.Thread(target=drain)
         reader.start()
-        err = child.stderr.read().decode("utf-8", "replace")
+        err = ""
+        for line in child.stderr:
+            line = line.decode("utf-8", "replace")
+            if progress and line.startswith('{"progress"'):
+                progress(line)
+            else:
+                err += line
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
         reader.join()
@@ -226,11 +234,12 @@ class Render:
         self.first = json.loads(out)
         self.decided = (self.first.get("pilot") or {}).get("cpu", 0.0)
 
-    def step(self, *more):
+    def step(self, *more, progress=None):
         picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")
         film, stats = (os.path.join(self.folder, f"{self.name}.{end}") for end in ("film.exr", "stats"))
         obeys = ["--plan", self.plan] if self.first and not self.steps else ["--resume", film]
-        _, self.later, peak = run([*self.command, "--checkpoint", film, *obeys, "--stats", stats, "--explain", "-o", picture, *more])
+        _, self.later, peak = run([*self.command, "--checkpoint", film, *obeys, "--stats", stats, "--explain", "-o", picture, *more],
+                               progress=progress)
         with open(stats, encoding="utf-8") as stream:
             self.last = json.load(stream)
         self.last.pop("frames", None)
@@ -238,14 +247,15 @@ class Render:
         self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.decided + self.last["cpu_seconds"],
                            "wall": self.last["seconds"]})
 
-    def until(self, seconds, threads):
-        """About that many CPU seconds; 16 steps at the most."""
+    def until(self, seconds, threads, progress):
+        """About that many CPU seconds; 16 steps at the most. `progress` takes how many there are."""
         if self.first:
             self.step("--spp", str(max(1, self.first["spp"] // 16)))
         else:
             self.step("--time", f"{seconds / threads / 16:g}")
         while len(self.steps) < 16:
             spp, cpu = self.steps[-1]["spp"], self.steps[-1]["cpu"]
+            progress(cpu)
             more = min(spp, int((seconds - cpu) / cpu * spp + 0.5)) if cpu > 0 else spp
             if more < 1:
                 break
@@ -265,6 +275,7 @@ def options():
     parser.add_argument("--known", default="", help="where the stages told of themselves, likewise")
     parser.add_argument("--threads", default="")
     parser.add_argument("--quiet", action="store_true")
+    parser.add_argument("--progress", action="store_true", help="tell it in objects of JSON on standard error")
     parser.add_argument("-MF", default="")
     parser.add_argument("-MQ", default="")
     parser.add_argument("command", nargs="+", help="of tdpt-render, as for the picture")
@@ -282,6 +293,15 @@ def measure(a):
     def say(words):
         if not a.quiet:
             print(f"report: {words}", file=sys.stderr, flush=True)
+    def about(seconds):
+        return f"about {seconds:.0f} s" if seconds < 100 else f"about {seconds / 60:.0f} minutes"
+
+    def so_far(done, total, began):
+        """Of a rendering; in CPU seconds, and what is left by the clock."""
+        if a.progress and done > 0:
+            left = (time.monotonic() - began) * max(0, total - done) / done
+            sys.stderr.write(json.dumps({"progress": {"what": "measuring", "done": done, "total": total, "left": round(left, 1)}}) + "\n")
+            sys.stderr.flush()
     shutil.rmtree(a.folder, ignore_errors=True)
     os.makedirs(a.folder)
     stay, ours = options_of(a.command[1:])
@@ -299,16 +319,21 @@ def measure(a):
 
     with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
     without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)
-    say(f"{chosen} with the portals, {a.time:g} CPU seconds")
     at_once = threads_of(loud)
-    with_portals.decide(a.time / at_once)
-    with_portals.until(a.time, at_once)
-    say(f"bdpt without portals, {a.time:g} CPU seconds")
-    without.until(a.time, at_once)
+    say(f"renders {a.width} pixels wide, with portals and without for {a.time:g} CPU seconds each, and a reference for about "
+        f"{a.reference * a.time:g}: {about((2 + a.reference) * a.time / at_once)} if nothing else runs; REPORT_TIME={a.time:g} sets it")
+    for number, render, words in ((1, with_portals, f"{chosen} with the portals"), (2, without, "bdpt without portals")):
+        say(f"{number} of 3: {words}, {about(a.time / at_once)}")
+        began = time.monotonic()
+        if render is with_portals:
+            render.decide(a.time / at_once)
+        render.until(a.time, at_once, lambda cpu, began=began: so_far(cpu, a.time, began))
+        took = time.monotonic() - began
     spp = max(1, round(a.reference * with_portals.last["spp"]))
-    say(f"the reference, about {a.reference * a.time:g} CPU seconds")
-    reference = Render("reference", [*base, *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
-    reference.step("--spp", str(spp), *(["-MF", a.MF, "-MQ", a.MQ] if a.MF else []))
+    say(f"3 of 3: the reference, {about(a.reference * took)}")
+    reference = Render("reference", [*(loud if a.progress else base), *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
+    reference.step("--spp", str(spp), *(["--set", "progress=json"] if a.progress else []), *(["-MF", a.MF, "-MQ", a.MQ] if a.MF else []),
+                   progress=lambda line: (sys.stderr.write(line), sys.stderr.flush()))
     truth = reference.steps[-1]["picture"]
 
     black = None

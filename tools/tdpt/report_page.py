@@ -329,13 +329,9 @@ def limits(m, v):
     if number(noise.get("relmse")):
         interval = noise.get("interval") or []
         between = f" ({figure(interval[0])} to {figure(interval[1])})" if len(interval) == 2 and all(map(number, interval)) else ""
-        if noise.get("tells"):
-            head += f"By its own samples its relMSE is about {figure(noise['relmse'])}{between}, which counts in every score here."
-        else:
-            head += ("Its own error could not be told from so few samples: it may be many times larger than the "
-                     f"{figure(noise['relmse'])} that its samples show, and counts in every score here.")
+        head += f"By its own samples its relMSE is about {figure(noise['relmse'])}{between}, which counts in every score here."
     else:
-        head += "Its own error was not estimated; it counts in every score here."
+        head += "Its own error cannot be told from so few samples; it counts in every score here."
     out.append(head)
     for key, label in (("with", m["integrator"]), ("without", "bdpt")):
         step = m[key]["steps"][-1]

@@ -41,7 +41,7 @@ class Frame:
         self.number, self.told = frame, told if isinstance(told, dict) else {}
         way = get(self.told, "chosen") or get(self.told, "integrator")
         self.way = way if isinstance(way, str) else None
-        self.noise, self.sure = known(get(self.told, "noise", "relmse")), get(self.told, "noise", "tells") is True
+        self.noise = known(get(self.told, "noise", "relmse"))
         self.filtered, self.cpu = known(get(self.told, "filtered", "relmse")), known(get(self.told, "cpu_seconds"))
         self.spp, self.width, self.height = (known(get(self.told, key)) for key in ("spp", "width", "height"))
         portals = get(self.told, "portals")
@@ -161,11 +161,11 @@ def film(m):
 def noise_words(told):
     noisy = [f for f in told if f.noise is not None]
     if not noisy:
-        return "Their noise was not estimated."
+        return "Their noise cannot be told from so few samples."
     worst, best = max(noisy, key=lambda f: f.noise), min(noisy, key=lambda f: f.noise)
     words = f"By its own samples the noise of a frame is a relMSE of {figure(best.noise)} (frame {best.number}) to {figure(worst.noise)} (frame {worst.number})"
-    unsure = sum(not f.sure for f in noisy)
-    words += f"; in {count(unsure, 'frame')} there are too few samples to tell, and it may be more" if unsure else ""
+    unsure = len(told) - len(noisy)
+    words += f"; in {count(unsure, 'frame')} there are too few samples to tell" if unsure else ""
     left = [f.filtered for f in told if f.filtered is not None]
     return words + (f". The filter left {figure(min(left))} to {figure(max(left))}, as it estimates." if left else ".")
 
@@ -198,7 +198,7 @@ def page(folder):
     if any(number(f.filtered) for f in told):
         noise["filtered"] = {f.number: f.filtered for f in told}
     light = light_over_time(told)
-    rows = [(f.number, f.way or "\u2013", figure(f.spp, 9), figure(f.cpu, 3), figure(f.noise, 2) + ("" if f.sure or not number(f.noise) else " or more"),
+    rows = [(f.number, f.way or "\u2013", figure(f.spp, 9), figure(f.cpu, 3), figure(f.noise, 2),
              len(f.portals) if f.told else "\u2013", percent(f.by_segments)) for f in frames]
     header = el("header", el("div", el("p", "A shot", class_="eyebrow"), el("h1", name(title)),
                              el("p", rendered_words(frames, told), class_="verdict"), el("p", noise_words(told) if told else None),

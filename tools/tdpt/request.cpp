@@ -62,12 +62,6 @@ void append(Words& words, const cli::Given& given) {
   }
 }
 
-std::string full_path(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
-      .string();
-}
-
 Words words_in(const char* variable) {
   Words words;
   const char* text = std::getenv(variable);
@@ -78,22 +72,6 @@ Words words_in(const char* variable) {
   }
   return words;
 }
-
-// An option that affects the picture, as it enters Request::identity.
-std::string identity_of(const cli::Given& given) {
-  std::string text = given.name;
-  for (const std::string& value : given.values) {
-    std::error_code ignored;
-    const bool is_file = (given.name == "--environment" || given.name == "--portal") &&
-                         std::filesystem::is_regular_file(value, ignored);
-    text += " " + (is_file ? full_path(value) : value);
-  }
-  return text;
-}
-
-}  // namespace
-
-namespace {
 
 // The camera's options, with the cameras of all views.
 Words words_of_all(const Arguments& a, const cli::Common& common) {
@@ -150,17 +128,12 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   Request r;
   r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
   r.picture = common.output;
-  r.identity.push_back(full_path(a.scene));
   for (const cli::Given& given : common.given) {
     if (is_one_of(kUnshaped, given.name)) {
       append(r.unshaped, given);
     } else if (is_one_of(kBeside, given.name)) {
       append(r.beside, given);
-    } else if (given.name == "--portal" || !is_one_of(kOwn, given.name)) {
-      r.identity.push_back(identity_of(given));
-      if (given.name == "--camera" && !a.views.empty())
-        r.identity.back() += fmt::format(" of {}", fmt::join(a.views, ","));
-      if (given.name == "--portal") continue;  // goes to the renderer, after the scene
+    } else if (!is_one_of(kOwn, given.name)) {  // --portal goes to the renderer after the scene
       append(is_one_of(kCamera, given.name)     ? r.camera
              : is_one_of(kPose, given.name)     ? r.pose
              : is_one_of(kShot, given.name)     ? r.shot
@@ -182,12 +155,8 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;
   for (const char* variable :
-       {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"}) {
-    r.stage_flags[stage] = words_in(variable);
-    if (!r.stage_flags[stage].empty())
-      r.identity.push_back(fmt::format("{}={}", variable, fmt::join(r.stage_flags[stage], " ")));
-    ++stage;
-  }
+       {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"})
+    r.stage_flags[stage++] = words_in(variable);
   return r;
 }
 
@@ -195,20 +164,6 @@ bool uses_portals(const Arguments& a, bool scene_has_sky) {
   if (a.integrator == "pt") return false;
   if (a.integrator != "nee" && a.integrator != "bdpt") return true;
   return scene_has_sky || !a.sky.environment.empty() || a.sky.sun_angle > 0;  // through windows
-}
-
-std::string difference(const Words& then, const Words& now) {
-  if (then.empty() || now.empty() || then[0] != now[0])
-    return "from " + (then.empty() ? "another scene" : then[0]);
-  const auto missing = [](const Words& from, const Words& in) {
-    Words words;
-    for (const std::string& word : from)
-      if (std::find(in.begin(), in.end(), word) == in.end()) words.push_back(word);
-    return fmt::format("{}", fmt::join(words, " "));
-  };
-  const std::string with = missing(then, now), without = missing(now, then);
-  if (with.empty()) return "without " + without;
-  return "with " + with + (without.empty() ? "" : ", not " + without);
 }
 
 }  // namespace tdpt

@@ -36,9 +36,6 @@ struct Request {
   /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
   /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];
-  /// Identifies the request: the path of the scene and all options that affect the picture, files
-  /// by path.
-  Words identity;
 };
 
 /// Whether -o names a file for the portals, in place of a picture.
@@ -49,8 +46,5 @@ Request request_of(const Arguments& a, const cli::Common& common);
 
 /// Whether the picture can use portals that the stages find.
 bool uses_portals(const Arguments& a, bool scene_has_sky);
-
-/// How `now` differs from `then`, for people: "with --width 16, not --width 24".
-std::string difference(const Words& then, const Words& now);
 
 }  // namespace tdpt

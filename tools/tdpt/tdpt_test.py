@@ -207,19 +207,48 @@ class Tdpt(unittest.TestCase):
         subprocess.run(["sh", "-c", out], cwd=self.here, check=True, stderr=subprocess.DEVNULL)
         self.assertEqual(self.bytes_of("p.png"), previews["['--exposure=2']"])
 
-    def test_another_command_s_picture_is_not_replaced(self):
+    def test_its_own_picture_is_replaced_by_another_command(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
-        before = self.bytes_of("p.exr")
         self.scene("furnace", "other.glb")
-        for words, says in ((["other.glb", *QUICK], r"from .*/room\.glb"), (["room.glb", *QUICK, "--seed", "2"], "without --seed 2"),
-                            (["room.glb", "--spp", "3", "--width", "16"], "with --spp 2, not --spp 3")):
-            _, err = self.run_tdpt(*words, "-o", "p.exr", expect=2)
-            self.assertRegex(err, f"^tdpt: p.exr: another command made it, {says}; --force replaces it\n$")
-        self.assertEqual(self.bytes_of("p.exr"), before)
+        for words in (["other.glb", *QUICK], ["room.glb", *QUICK, "--seed", "2"], ["room.glb", "--spp", "2", "--width", "12"],
+                      ["room.glb", *QUICK]):
+            _, err = self.run_tdpt(*words, "-o", "p.exr")
+            self.assertIn("wrote p.exr", err)
+            self.assertNotIn("goes on from", err)
+            self.run_tdpt(*words, "-o", "alone.exr", "--work", "alone")
+            self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("alone.exr"), words)
+        # One that was changed since is nobody's.
+        before = self.bytes_of("p.exr")
+        with open(self.path("p.exr"), "ab") as stream:
+            stream.write(b" ")
+        _, err = self.run_tdpt("room.glb", *QUICK, "--seed", "3", "-o", "p.exr", expect=2)
+        self.assertIn("p.exr: is there already, and tdpt did not make it; --force replaces it", err)
+        with open(self.path("p.exr"), "wb") as stream:
+            stream.write(before)
         # What shapes nothing makes no other command; a picture that was moved is known.
         os.rename(self.path("p.exr"), self.path("q.exr"))
         _, err = self.run_tdpt("room.glb", "-o", "q.exr", *QUICK, "--threads", "1")
         self.assertIn("q.exr is up to date", err)
+
+    def test_more_samples_go_on_from_those_that_are_there(self):
+        def same(a, b):
+            out = subprocess.run([os.path.join(BIN, "exrdiff"), "--json", self.path(a), self.path(b)], check=True, capture_output=True)
+            return json.loads(out.stdout)["mse"] == 0
+        words = ["room.glb", "-o", "p.exr", "--width", "16", "--integrator", "bdpt"]
+        self.run_tdpt(*words, "--spp", "4")
+        for spp, goes_on in (("8", True), ("9", True), ("6", False), ("6", None)):
+            _, err = self.run_tdpt(*words, "--spp", spp)
+            self.assertEqual("goes on from" in err and "begins with the first sample" not in err, goes_on is True, err)
+            self.assertEqual("is up to date" in err, goes_on is None, err)
+            self.run_tdpt(*words[:2], "alone.exr", *words[3:], "--spp", spp, "--work", "alone" + spp)
+            self.assertTrue(same("p.exr", "alone.exr"), spp)
+            os.remove(self.path("alone.exr"))
+        # With another seed, or without a number, it is another picture.
+        for more in (["--spp", "12", "--seed", "2"], ["--seed", "2"]):
+            _, err = self.run_tdpt(*words, *more)
+            self.assertNotIn("goes on from", err)
+        _, err = self.run_tdpt(*words, "--seed", "2", "--spp", "20")  # of the 16 that it has by default
+        self.assertIn("goes on from", err)
 
     def test_an_older_scene_is_another_scene(self):
         self.run_tdpt("room.glb", "-o", "p.exr", *QUICK)
@@ -312,8 +341,10 @@ class Tdpt(unittest.TestCase):
         err = second.communicate()[1].decode()
         self.assertEqual(first.wait(), 0)
         first.communicate()
-        self.assertEqual(second.returncode, 2, err)
+        self.assertEqual(second.returncode, 0, err)
         self.assertIn("another run of tdpt is making it", err)
+        self.run_tdpt("room.glb", "-o", "alone.exr", *QUICK, "--seed", "2", "--work", "alone")
+        self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("alone.exr"))
 
     # Names.
 
@@ -374,10 +405,33 @@ class Tdpt(unittest.TestCase):
                 self.assertEqual(self.bytes_of("p.exr"), self.whole())
                 self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
                 os.remove(self.path("p.exr"))
+                shutil.rmtree(self.cache)  # the film of this one
+
+    def test_what_is_told_of_a_resumed_picture_is_what_is_told_of_a_whole_one(self):
+        def told(err):
+            lines = [line for line in err.splitlines() if line.startswith("tdpt-render: ") and "goes on from" not in line]
+            return [re.sub(r"[0-9.]+ (s|CPU s|minutes)\b", "T", line) for line in lines]
+
+        def stats(name):
+            with open(self.path(name), encoding="utf-8") as stream:
+                text = stream.read()
+            return json.loads(re.sub('"(seconds|cpu_seconds|cpu)":[^,}]*', r'"\1":0', text))
+        words = ["room.glb", "--spp", "30", "--width", "64", "--set", "checkpoint-every=0", "--threads", "1", "--stats"]
+        _, whole = self.run_tdpt(*words, "whole.json", "-o", "whole.exr", "--work", "whole")
+        child = self.start(*words, "p.json", "-o", "p.exr")
+        with self.held("tdpt-render", self.film):
+            child.kill()
+        child.communicate()
+        _, err = self.run_tdpt(*words, "p.json", "-o", "p.exr")
+        self.assertIn("goes on from", err)
+        self.assertEqual(told(err), told(whole))
+        self.assertEqual(stats("p.json"), stats("whole.json"))
+        self.assertIn("pilot", stats("p.json"))
 
     def test_a_signal_before_the_picture(self):
-        code, _ = self.stop(signal.SIGTERM, program="ffgraph")
+        code, err = self.stop(signal.SIGTERM, program="ffgraph")
         self.assertEqual(code, 6)
+        self.assertIn("tdpt: stopped while looking for portals; nothing is rendered yet; the same command goes on\n", err)
         self.assertEqual(self.processes(), [])
         self.assertEqual(os.listdir(self.here), ["room.glb"])
         self.run_tdpt("room.glb", "-o", "p.exr", *LONG)
@@ -433,7 +487,7 @@ class Tdpt(unittest.TestCase):
         self.assertEqual(self.bytes_of("p.exr"), self.bytes_of("whole.exr"))
         self.assertEqual(self.bytes_of("p.png"), self.bytes_of("whole.png"))
         left = [name for _, _, files in os.walk(self.cache) for name in files
-                if name.startswith(("partial", ".tdpt-", "film", "unfinished", "look"))]
+                if name.startswith(("partial", ".tdpt-", "look"))]
         self.assertEqual(left, [])
 
     def test_a_report_that_is_killed_leaves_no_process(self):
@@ -452,6 +506,13 @@ class Tdpt(unittest.TestCase):
             self.assertEqual(sorted(os.listdir(self.here)), ["p.exr", "room.glb"])
 
     # What it says.
+
+    def test_a_report_says_how_long_it_takes(self):
+        _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--report", env={"REPORT_TIME": "0.2", "REPORT_WIDTH": "16",
+                                                                               "REPORT_REFERENCE": "2"})
+        self.assertRegex(err, r"report: renders 16 pixels wide, .* for 0\.2 CPU seconds each, and a reference for about 0\.4: about [0-9]+ s")
+        for number in (1, 2, 3):
+            self.assertRegex(err, f"report: {number} of 3: .*, about [0-9]+ s")
 
     def test_progress_is_one_line_or_json(self):
         _, err = self.run_tdpt("room.glb", "-o", "p.exr", *QUICK, "--set", "progress=json", "--quiet")
@@ -490,9 +551,12 @@ class Tdpt(unittest.TestCase):
         for seed in ("1", "2", "3"):
             self.run_tdpt("room.glb", "-o", seed + ".exr", *QUICK, "--seed", seed)
         self.assertEqual(len(entries()), 3)
-        last = max(entries(), key=lambda name: os.path.getmtime(os.path.join(self.cache, "tdpt", name)))
-        size = sum(os.path.getsize(os.path.join(self.cache, "tdpt", last, name))
-                   for name in os.listdir(os.path.join(self.cache, "tdpt", last)))
+        def used(name):
+            return os.path.getmtime(os.path.join(self.cache, "tdpt", name))
+        last = max(entries(), key=used)
+        film = max((name for name in os.listdir(os.path.join(self.cache, "tdpt")) if name.startswith("picture-")), key=used)
+        size = sum(os.path.getsize(os.path.join(self.cache, "tdpt", entry, name)) for entry in (last, film)
+                   for name in os.listdir(os.path.join(self.cache, "tdpt", entry)))
         self.run_tdpt("room.glb", "-o", "3.exr", *QUICK, "--seed", "3", "--work-size", str(size + 1))
         self.assertEqual(entries(), [last])
         self.run_tdpt("--clean")

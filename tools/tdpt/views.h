@@ -12,9 +12,9 @@ struct View {
   cli::Common common;
 };
 
-/// One per camera; a shot is one. In the names of files % is the camera's name. The scene is
-/// read only if --camera may select several. Throws UsageError for names of files without %, or
-/// that two cameras share.
+/// One per camera that --camera names, else one. In the names of files % is the camera's name. The
+/// scene is read only if --camera may select several. Throws UsageError for names of files without
+/// %, or that two cameras share.
 std::vector<View> views_of(const Arguments& a, const cli::Common& common);
 
 }  // namespace tdpt

@@ -4,7 +4,7 @@
 //                      version of the format; without it nothing is removed from a folder, which
 //                      may be anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of everything that affects it
-//   picture-KEY/       what an unfinished picture left; KEY: hash of the picture's path
+//   picture-KEY/       the film of a picture; KEY: hash of the picture's path
 //   known-KEY          of a picture, who made it; of a scene, which files it reads; KEY: hash of
 //                      its bytes
 //
