@@ -163,7 +163,7 @@ class SceneReader {
     for (const Triangle& t : scene_.triangles)
       if (distance_of(t, world, middle) <= *far)
         for (uint32_t v : t.vertex) room.add(world[v]);
-    if (!(room.longest() > 0)) return all;
+    if (!(room.longest() > all.longest() / kLargestReach)) return all;
     for (const Triangle& t : scene_.triangles) {
       Box own;
       for (uint32_t v : t.vertex) own.add(world[v]);
