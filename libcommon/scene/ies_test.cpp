@@ -82,9 +82,8 @@ TEST(ies, a_quarter_or_a_half_stands_for_all_around) {
   for (const double a : {45.0, 135.0}) EXPECT_NEAR(side.at(45, a), 3, 1e-5) << a;
   for (const double a : {225.0, 315.0}) EXPECT_NEAR(side.at(45, a), 6, 1e-5) << a;
   // Planes need not lie at 0 or 180: 0 is 360, and what lies between is interpolated.
-  const Lamp wide(IesText{.vertical = {0, 90},
-                          .horizontal = {90, 135, 225, 270},
-                          .candela = {1, 1, 2, 2, 4, 4, 5, 5}}
+  const Lamp wide(IesText{
+      .vertical = {0, 90}, .horizontal = {90, 135, 225, 270}, .candela = {1, 1, 2, 2, 4, 4, 5, 5}}
                       .text());
   for (const double a : {0.0, 180.0, 359.999}) EXPECT_NEAR(wide.at(45, a), 3, 1e-3) << a;
   for (const double a : {22.5, 157.5}) EXPECT_NEAR(wide.at(45, a), 2.5, 1e-5) << a;
@@ -93,9 +92,8 @@ TEST(ies, a_quarter_or_a_half_stands_for_all_around) {
       IesText{.vertical = {0, 90}, .horizontal = {90, 270}, .candela = {2, 2, 6, 6}}.text());
   for (const double a : {0.0, 180.0}) EXPECT_NEAR(steep.at(45, a), 4, 1e-5) << a;
   for (const double a : {45.0, 135.0}) EXPECT_NEAR(steep.at(45, a), 3, 1e-5) << a;
-  const Lamp odd(IesText{.vertical = {0, 90},
-                         .horizontal = {0, 45, 90, 200},
-                         .candela = {1, 1, 2, 2, 3, 3, 5, 5}}
+  const Lamp odd(IesText{
+      .vertical = {0, 90}, .horizontal = {0, 45, 90, 200}, .candela = {1, 1, 2, 2, 3, 3, 5, 5}}
                      .text());
   EXPECT_NEAR(odd.at(45, 280), 3, 1e-5);
   const Lamp all(

@@ -1,5 +1,7 @@
 // exrmerge: merges films, each with some of a picture's samples, into the picture, and shows any
 // picture as a PNG.
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
@@ -65,7 +67,10 @@ int show(const Arguments& a, const cli::Common& common, const ExrFile& file,
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  const bool is_png = common.output.ends_with(".png");
+  const std::string suffix = std::filesystem::path(common.output).extension().string();
+  const bool is_png = suffix == ".png";
+  if (suffix == ".jpg" || suffix == ".jpeg")
+    throw UsageError("-o " + common.output + ": is no .exr and no .png, which are written");
   check_arguments(a, is_png);
   std::string first = read_file(a.films.front());
   if (is_png && a.films.size() == 1) {

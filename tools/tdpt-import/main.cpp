@@ -62,6 +62,9 @@ Format format_of(const std::string& path, const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first != text.npos && text[first] == '<') return Format::mitsuba;
   if (first != text.npos && text[first] == '{') return Format::tungsten;
+  if (text.find("WorldBegin") == text.npos)
+    throw InputError(display_name(path), "",
+                     "is no scene of Tungsten (.json), Mitsuba (.xml) or pbrt (.pbrt)");
   return Format::pbrt;
 }
 

@@ -78,7 +78,7 @@ std::optional<std::string> Source::read_if_there(const std::string& name, const 
 
 std::string Source::read_picture(const std::string& name, const Place& place) {
   const std::string half("\0\0\0\x3f", 4);  // 0.5
-  return read_if_there(name, place, "grey of 0.5 in its place")
+  return read_if_there(name, place, "grey of 0.5 in its place, or no normal map")
       .value_or("PF\n1 1\n-1\n" + half + half + half);
 }
 

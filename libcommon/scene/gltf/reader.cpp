@@ -32,7 +32,7 @@ using namespace gltf;
 using Json = nlohmann::json;
 
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
-constexpr double kLargestReach = 1e9;  // of its frame
+constexpr double kLargestReach = 1e9;                 // of its frame
 constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
 
 /// Hash of where everything stands that light meets or comes from, of what moves at all: cameras

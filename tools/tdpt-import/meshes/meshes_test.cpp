@@ -67,7 +67,7 @@ TEST(Meshes, ObjLinesGoOn) {
   for (const std::string end : {"\n", "\r\n", "\r"}) {
     std::string text =
         "\xEF\xBB\xBFv 0 0 0 # first\nv 1 0 0 1 0.5 0.5 0.5\nv\t1\t1 \\\n0\nv 0 1 0 1\n"
-        "# not here \\\nf 1 2 \\\n  3 \\\n4 # the face\n";
+        "# not here \\\nf 1 2 \\ \n  3 \\\n4 # the face\n";
     for (size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size())
       text.replace(at, 1, end);
     const Mesh m = obj(text);
@@ -75,6 +75,8 @@ TEST(Meshes, ObjLinesGoOn) {
     EXPECT_EQ(m.positions[2], Vec3f(1, 1, 0));
     EXPECT_EQ(obj_complaint(text + "f 1 2 \\" + end + "9" + end).substr(0, 15), "a.obj:line 10: ");
     EXPECT_EQ(obj(text + "f 1 2 3 \\").triangles.size(), 3u);  // at the end of the file
+    EXPECT_EQ(obj_complaint(text + "f 1.5 2 3" + end),
+              "a.obj:line 10: \".5 2 3\" is no index, expected whole numbers and /");
   }
 }
 

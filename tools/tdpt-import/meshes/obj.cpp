@@ -39,12 +39,14 @@ std::string whole_lines(std::string_view bytes) {
   bool in_comment = false;
   for (size_t at = 0; at < bytes.size(); ++at) {
     const bool continues = bytes[at] == '\\' && !in_comment;
-    const std::string_view rest = bytes.substr(at + continues);
+    std::string_view rest = bytes.substr(at + continues);
+    const size_t blanks = continues ? std::min(rest.find_first_not_of(" \t"), rest.size()) : 0;
+    rest.remove_prefix(blanks);
     const size_t end =
         rest.starts_with("\r\n") ? 2 : rest.starts_with('\n') || rest.starts_with('\r');
     if (continues && (end > 0 || rest.empty())) {
       out += ' ', ++joined;
-      at += end;
+      at += blanks + end;
     } else if (end > 0) {
       out.append(1 + joined, '\n');
       joined = 0, in_comment = false;
@@ -145,6 +147,11 @@ class Reader {
   }
 
   void face(const tinyobj::index_t* given, size_t n) {
+    std::string_view words = lines_.text();
+    words.remove_prefix(std::min(words.find('f') + 1, words.size()));
+    if (const size_t at = words.find_first_not_of("0123456789/+- \t"); at != words.npos)
+      fail(fmt::format("\"{}\" is no index, expected whole numbers and /",
+                       shown(std::string(words.substr(at)), 40)));
     polygon_.clear();
     for (size_t i = 0; i < n; ++i) {
       const auto& [v, vn, vt] = given[i];

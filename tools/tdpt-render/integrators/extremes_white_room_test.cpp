@@ -303,8 +303,7 @@ double light_in_box(const Vec3d& size, const nlohmann::ordered_json& placed, dou
   parts.camera({0.9 * low.x, 0, 0}, {0, 0.1 * high.y, 0.2 * high.z});
   if (!placed.empty()) parts.below(placed);
   const std::vector<Sky::Sun> suns{sun_of({1, 2, 3}, 0.01, 10)};
-  Scene scene =
-      under(parts.read(), std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1000)}}, 0, suns));
+  Scene scene = under(parts.read(), std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1000)}}, 0, suns));
   scene.lights.resize(1);
   scene.lights[0].position = {-1.3, 1.2, 0.9};
   scene.lights[0].intensity = Rgb(100);

@@ -248,10 +248,9 @@ class Judge {
 
   // Whether light from infinity passes there on its way to the scene.
   bool lit_from_afar(const Box& box) const {
-    const bool parallel =
-        std::any_of(scene_.lights.begin(), scene_.lights.end(), [](const PunctualLight& l) {
-          return l.kind == PunctualLight::Kind::directional;
-        });
+    const bool parallel = std::any_of(
+        scene_.lights.begin(), scene_.lights.end(),
+        [](const PunctualLight& l) { return l.kind == PunctualLight::Kind::directional; });
     return (scene_.sky || parallel) &&
            length(max(box.high, Vec3d() - box.low)) < shader::kBeforeTheScene;
   }
