@@ -82,7 +82,7 @@ Described read_mitsuba(Source& source, const std::map<std::string, std::string>&
   Shapes shapes(scene, source, textures, surfaces);
   for (const Object* shape : document.scene->nested("shape")) shapes.add(*shape);
   for (const Object* emitter : document.scene->nested("emitter"))
-    if (emitter->type != "area")  // that waits for a shape which refers to it
+    if (emitter->type != "area" && !shapes.is_used(*emitter))  // those of shapes
       add_light(*emitter, scene, source, textures);
   for (const Object* sensor : document.scene->nested("sensor")) add_camera(*sensor, scene, source);
   for (const Object* integrator : document.scene->nested("integrator"))

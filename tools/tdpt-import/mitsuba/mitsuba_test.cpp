@@ -219,8 +219,9 @@ TEST_F(scene, names_every_unknown_key) {
       "<film type=\"hdrfilm\"><integer name=\"width\" value=\"64\"/><rfilter "
       "type=\"gaussian\"/></film><sampler type=\"independent\"/></sensor>"
       "<texture type=\"bitmap\" id=\"t\"><string name=\"filename\" value=\"wood.png\"/></texture>"
-      "<bsdf type=\"twosided\" id=\"b\"><bsdf type=\"roughplastic\"><string name=\"distribution\" "
-      "value=\"ggx\"/><ref name=\"diffuse_reflectance\" id=\"t\"/></bsdf></bsdf>"
+      "<bsdf type=\"twosided\" id=\"b\"><bsdf type=\"roughconductor\"><string "
+      "name=\"distribution\" "
+      "value=\"ggx\"/><ref name=\"specular_reflectance\" id=\"t\"/></bsdf></bsdf>"
       "<bsdf type=\"mask\" id=\"m\"><bsdf type=\"twosided\"><bsdf type=\"diffuse\"/></bsdf></bsdf>"
       "<emitter type=\"area\" id=\"e\"><rgb name=\"radiance\" value=\"2\"/></emitter>"
       "<emitter type=\"constant\"><blackbody name=\"radiance\" temperature=\"5000\"/></emitter>"
@@ -772,6 +773,17 @@ TEST_F(scene, turns_environments) {
 }
 
 // Emitters of their own, and shapes that are openings and no surfaces.
+// An emitter that a shape refers to is no portal of its own.
+TEST_F(scene, keeps_portals_by_reference_once) {
+  const Described d =
+      v3("<emitter type=\"constant\"/><emitter type=\"portal\" id=\"p\"/><shape "
+         "type=\"rectangle\"><transform name=\"to_world\"><translate x=\"3\"/></transform><ref "
+         "id=\"p\"/></shape>");
+  ASSERT_EQ(d.portals.size(), 1u);
+  EXPECT_EQ(d.portals[0].to_world.t.x, 3);
+  expect_nothing_lost();
+}
+
 TEST_F(scene, keeps_portals) {
   const Described d =
       v3("<emitter type=\"constant\"/><emitter type=\"portal\"><transform name=\"to_world\">"
@@ -781,7 +793,7 @@ TEST_F(scene, keeps_portals) {
   expect_nothing_lost();
   ASSERT_EQ(d.portals.size(), 2u);
   EXPECT_EQ(d.shapes.size(), 1u);
-  expect_near(d.portals[0].to_world.t, {0, 0, -4});
+  expect_near(d.portals[1].to_world.t, {0, 0, -4});
   EXPECT_EQ(d.meshes[d.portals[0].mesh].triangles.size(), 2u);
   EXPECT_EQ(d.meshes[d.portals[1].mesh].triangles.size(), 2u);
 }

@@ -267,6 +267,7 @@ void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
   for (const Object* e : shape.nested("emitter"))
     if (e->type == "portal") {  // an opening and no surface
       shape.ignore_all();
+      portals_.insert(e);
       scene_.portals.push_back(std::move(*out));
       return;
     }

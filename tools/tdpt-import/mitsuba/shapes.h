@@ -15,6 +15,8 @@ class Shapes {
 
   /// A shape of the scene, with all that it holds.
   void add(const Object& shape) { place(shape, {}, false); }
+  /// Whether an emitter makes a shape a portal.
+  bool is_used(const Object& emitter) const { return portals_.contains(&emitter); }
   /// When all is read: names bodies that a camera sees from behind.
   void tell_backs();
 
@@ -34,6 +36,7 @@ class Shapes {
   std::map<std::string, size_t> meshes_;
   std::set<size_t> with_normals_;                 ///< meshes whose files give normals
   std::vector<std::pair<Place, size_t>> bodies_;  ///< one-sided ones, with their shapes' indices
+  std::set<const Object*> portals_;               ///< emitters of shapes
   size_t visited_ = 0;
 };
 
