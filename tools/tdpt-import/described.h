@@ -41,8 +41,8 @@ struct Texture {
   bool nearest = false;
   /// Texels of 8-bit files are decoded from sRGB (colours) or used as they are (numbers, "raw").
   bool srgb = true;
-  /// A number is taken from the mean of red, green and blue, or from alpha.
-  bool alpha = false;
+  /// A number is taken from the mean of red, green and blue, or their luminance, or from alpha.
+  bool luminance = false, alpha = false;
   /// Image coordinates (u', v') = (m[0] u + m[1] v + m[2], m[3] u + m[4] v + m[5]) of those of the
   /// mesh, both as in glTF. Must be a rotation after a scale, else gltf/ names it as lost.
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
@@ -123,6 +123,7 @@ struct Lamp {
 struct Sky {
   Rgb colour{};  ///< without an image [W/m2/sr]; else its factor
   std::optional<size_t> image{};
+  bool srgb = true;  ///< texels of 8-bit files are decoded from sRGB
   enum class Layout { latlong, octahedral } layout = Layout::latlong;
   /// Direction in the map's own frame of a direction of the scene, z = 0 in `t`. In that frame the
   /// texel of d is at u = 0.5 + atan2(d.x, -d.z) / (2 pi), v = acos(d.y) / pi from the top left:

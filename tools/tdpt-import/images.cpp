@@ -80,7 +80,7 @@ Texels decode_pfm(std::string_view bytes, const std::string& name) {
       b[k] = static_cast<unsigned char>(bytes[at + 4 * i + (swap ? 3 - k : k)]);
     float f;
     std::memcpy(&f, b, 4);
-    return std::isfinite(f) ? f : 0;
+    return f;
   };
   t.rgb.resize(count);
   const auto width = static_cast<size_t>(t.width);

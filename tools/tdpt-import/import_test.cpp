@@ -124,6 +124,9 @@ TEST(Materials, TexturedPlasticIsColouredPerTexel) {
   const Material flat = plastic({{0.4f, 0.4f, 0.4f}, {}, {}}, 1.5, {0.25f, {}, {}}, true);
   EXPECT_NEAR(m.base.curve({0.8f, 0.8f, 0.8f}).x * m.base.factor.x, flat.base.factor.x, 1e-6);
   EXPECT_NEAR(m.roughness.factor, 0.5f, 1e-6);
+  const Material rough = metal({Rgb(1), {}, {}}, {3, Texture{}, {}});  // three times the texels
+  EXPECT_EQ(rough.roughness.factor, 1);
+  EXPECT_NEAR(rough.roughness.curve(0.12f), 0.6f, 1e-6);
 }
 
 // As the shares of Mitsuba 3.9.1's roughplastic of 0.1 and 0.3, found by sampling it: of what
@@ -191,6 +194,7 @@ TEST(Images, PfmRowsGoUpwards) {
   EXPECT_EQ(t.rgb.at(0).x, 4);  // the last row of the file is the upper one
   EXPECT_EQ(t.rgb.at(1).z, 3);
   EXPECT_EQ(decode(pfm("Pf\n1 1\n-1\n", {7}), "a.pfm").rgb.at(0).y, 7);
+  EXPECT_TRUE(std::isnan(decode(pfm("Pf\n1 1\n-1\n", {NAN}), "a.pfm").rgb.at(0).y));
 }
 
 TEST(Images, ErrorsAreOneLine) {

@@ -1,5 +1,7 @@
 #include "tools/tdpt-import/materials.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -59,10 +61,12 @@ constexpr double kLeast = 1e-6;  // an index this near 1 has no interface
 Number root(const Number& alpha) {
   Number r = alpha;
   r.factor = std::sqrt(std::clamp(alpha.factor, 0.0f, 1.0f));
-  if (alpha.texture)
-    r.curve = [before = alpha.curve](float a) {
-      return std::sqrt(std::clamp(before ? before(a) : a, 0.0f, 1.0f));
+  if (alpha.texture) {
+    r.factor = 1;
+    r.curve = [factor = alpha.factor, before = alpha.curve](float a) {
+      return std::sqrt(std::clamp(factor * (before ? before(a) : a), 0.0f, 1.0f));
     };
+  }
   return r;
 }
 
@@ -180,13 +184,30 @@ InterfaceShares rough_interface(double eta, double alpha) {
   return {sum.reflected / n, sum.transmitted / n};
 }
 
-Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
-  if (!has_interface(ior)) return diffuse(reflectance);
-  ior = index_above_1(ior);
-  const auto back = static_cast<float>(diffuse_fresnel(1 / ior));
-  return under_interface(reflectance, ior, alpha, [back, nonlinear](float r) {
-    return nonlinear ? r * (1 - back) / (1 - r * back) : r;
+Material plastic_under_layer(const Colour& reflectance, double ior, const Number& alpha,
+                             double depth) {
+  constexpr int kCells = 1024;
+  const double eta = index_above_1(ior);
+  double in = 0, out = 0,
+         back = 0;  // shares that get through the layer and the interface, or twice
+  for (int i = 0; i < kCells; ++i) {
+    const double c = std::sqrt((i + 0.5) / kCells), f = fresnel(c, 1 / eta);
+    in += (1 - fresnel(c, eta)) * std::exp(-depth / std::sqrt(1 - (1 - c * c) / (eta * eta)));
+    out += (1 - f) * std::exp(-depth / c), back += f * std::exp(-2 * depth / c);
+  }
+  in /= kCells, out /= kCells, back /= kCells;
+  const double passed = in * out / (1 - diffuse_fresnel(eta));
+  Material m = under_interface(reflectance, eta, alpha, [=](float r) {
+    return static_cast<float>(r * passed / (1 - r * back));
   });
+  if (!has_interface(ior)) m.specular = 0;
+  return m;
+}
+
+Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
+  if (nonlinear) return plastic_under_layer(reflectance, ior, alpha, 0);
+  if (!has_interface(ior)) return diffuse(reflectance);
+  return under_interface(reflectance, index_above_1(ior), alpha, [](float r) { return r; });
 }
 
 Material rough_plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear) {
@@ -246,9 +267,13 @@ Shadowings rough_reflection(double alpha) {
 
 }  // namespace
 
-double correlated_gain(double alpha) {
-  const auto [ours, theirs] = rough_reflection(std::clamp(alpha, 1e-3, 1.0));
-  return (ours.a + ours.b) / (theirs.a + theirs.b);
+std::string lost_of_rough_metal(const Number& alpha) {
+  const double a = std::clamp(static_cast<double>(alpha.factor), 1e-3, 1.0);
+  const auto [ours, theirs] = rough_reflection(a);
+  const double gain = (ours.a + ours.b) / (theirs.a + theirs.b);
+  if (gain <= 1.015) return "";
+  return fmt::format("metals of roughness {:.3g} reflect {}{:.0f} % more in glTF", a,
+                     alpha.texture ? "up to " : "", 100 * (gain - 1));
 }
 
 // Burley adds up what glTF lets one layer take from the next: the base gets the colour c with which

@@ -20,6 +20,10 @@ Material diffuse(const Colour& reflectance);
 /// the interface's mean reflectance from inside; otherwise R comes out.
 Material plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
 
+/// The same with a layer below the interface that absorbs: exp(-`depth`) straight through it.
+Material plastic_under_layer(const Colour& reflectance, double ior, const Number& alpha,
+                             double depth);
+
 /// The same as Mitsuba's "roughplastic", whose interface scatters light once: what would meet it a
 /// second time is lost, inside as well, so rough ones have darker bases. `alpha` is its mean.
 Material rough_plastic(const Colour& reflectance, double ior, const Number& alpha, bool nonlinear);
@@ -37,9 +41,9 @@ InterfaceShares rough_interface(double eta, double alpha);
 Material burley(const Colour& base, double ior, const Number& roughness, double metallic,
                 double specular);
 
-/// How much more of diffuse light rough metal (GGX) reflects if its microfacets shadow each other
-/// as by their heights, as here, than if they did independently, as in Mitsuba and Tungsten.
-double correlated_gain(double alpha);
+/// What is lost of rough metal (GGX): microfacets shadow each other as by their heights here, but
+/// independently in Mitsuba and Tungsten, so that it reflects less there. Empty: next to nothing.
+std::string lost_of_rough_metal(const Number& alpha);
 
 /// A conductor of complex index eta + i k (relative to the outside), times `tint`.
 Material conductor(const Rgb& eta, const Rgb& k, const Colour& tint, const Number& alpha);

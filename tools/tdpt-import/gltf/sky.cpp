@@ -214,8 +214,12 @@ WrittenSky written_sky(const Described& scene, const Frame& frame, Source& sourc
   const std::string name = source.shown_name(image.name);
   Texels t = image.texels.empty() ? decode(image.bytes, name)
                                   : Texels{image.width, image.height, false, image.texels, {}};
-  if (t.is_8bit)
+  if (t.is_8bit && sky.srgb)
     for (Rgb& c : t.rgb) c = linear_of(c);
+  if (sky.layout == Sky::Layout::octahedral && t.width != t.height)
+    throw InputError(name, "",
+                     fmt::format("is {} x {} texels, expected a square, as pbrt-v4's skies are",
+                                 t.width, t.height));
   bool negative = false;
   for (size_t i = 0; i < t.rgb.size(); ++i) {
     if (!(max_component(t.rgb[i]) <= 1e30f) || !is_finite(t.rgb[i]))

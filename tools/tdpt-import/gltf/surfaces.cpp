@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "libcommon/base/shown.h"
+#include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign {
 namespace {
@@ -18,6 +19,20 @@ GltfJson three(const Rgb& c) {
 
 Rgb within_1(const Rgb& c) {
   return min(max(c, Rgb(0)), Rgb(1));
+}
+
+// Factors above 1, which glTF does not have, are put into the texels.
+Material with_factors_within_1(Material m) {
+  if (m.base.texture && max_component(m.base.factor) > 1)
+    m.base = through(m.base, [](const Rgb& c) { return c; });
+  for (Number* n : {&m.roughness, &m.opacity})
+    if (n->texture && n->factor > 1) {
+      n->curve = [factor = n->factor, before = n->curve](float texel) {
+        return factor * (before ? before(texel) : texel);
+      };
+      n->factor = 1;
+    }
+  return m;
 }
 
 }  // namespace
@@ -103,7 +118,7 @@ GltfJson Surfaces::surface(const Material& m) {
 
 Surfaces::Written Surfaces::of(size_t material, const std::optional<Emission>& emission) {
   if (const auto it = dark_.find(material); !emission && it != dark_.end()) return it->second;
-  GltfJson out = surface(scene_.materials[material]);
+  GltfJson out = surface(with_factors_within_1(scene_.materials[material]));
   if (emission) {
     add_emission(*emission, out);
     if (emission->both_sides)

@@ -29,7 +29,7 @@ Rgb colour_at(const Texels& t, const Texture& how, size_t i) {
 float number_at(const Texels& t, const Texture& how, size_t i) {
   if (how.alpha && !t.alpha.empty()) return t.alpha[i];
   const Rgb c = colour_at(t, how, i);
-  return (c.x + c.y + c.z) / 3;
+  return how.luminance ? luminance(c) : (c.x + c.y + c.z) / 3;
 }
 
 // Index of the texel at image coordinates (u, v), repeated.
@@ -204,12 +204,14 @@ GltfJson Textures::colour(const Colour& colour, const Number* opacity, float sca
   const Texels* t = texels(lead);
   const Texels* holes = cut ? texels(*cut) : nullptr;
   if (!t || (cut && !holes)) return nullptr;
+  bool above_1 = false;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const size_t i =
         static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x);
     Rgb c(1);
     if (colour.texture) c = colour_at(*t, lead, i);
     if (colour.texture && colour.curve) c = colour.curve(c);
+    above_1 |= max_component(c) > 1.0001f * scale;
     float alpha = 1;
     if (cut) {
       const auto [u, v] = in_other(lead, (x + 0.5) / t->width, (y + 0.5) / t->height, *cut);
@@ -219,6 +221,7 @@ GltfJson Textures::colour(const Colour& colour, const Number* opacity, float sca
     return {c.x / scale, c.y / scale, c.z / scale, alpha};
   };
   const Reduced out = reduced(t->width, t->height, longest_, at);
+  if (above_1) source_.lose({source_.path(), ""}, "reflectances above 1 are taken as 1");
   return info(lead, png_of(out, true, cut), image.name);
 }
 

@@ -326,6 +326,9 @@ TEST(ImportWriter, SkiesThatAreNoneAreRefusedOrDark) {
   d.images[0] = {"sky", {}, 1, 1, {Rgb(2, 4, 6)}};  // one texel is one colour
   EXPECT_EQ(write(d).json["scenes"][0]["extras"]["tdpt_environment"],
             nlohmann::json({1.0, 2.0, 3.0}));
+  d.images[0] = {"sky", {}, 2, 1, {Rgb(1), Rgb(2)}};
+  d.sky->layout = Sky::Layout::octahedral;
+  EXPECT_NE(complaint(d).find("is 2 x 1 texels, expected a square"), std::string::npos);
   d.images[0] = {"sky.hdr", "", 0, 0, {}};  // an empty file
   EXPECT_NE(complaint(d).find("sky.hdr: is empty, expected a picture"), std::string::npos)
       << complaint(d);
@@ -333,6 +336,19 @@ TEST(ImportWriter, SkiesThatAreNoneAreRefusedOrDark) {
   d.materials[0].base.texture = Texture{};
   ASSERT_EQ(write(d).losses.size(), 1u);
   EXPECT_NE(write(d).losses[0].find("sky.hdr: is empty"), std::string::npos);
+}
+
+TEST(ImportWriter, SkiesOf8BitsAreDecodedIfTheSourceDoes) {
+  Described d = room({});
+  const std::string grey("\0\0\x03\0\0\0\0\0\0\0\0\0\x01\0\x01\0\x08\x20\x80", 19);  // a TGA
+  d.images.push_back({"sky.tga", grey, 0, 0, {}});
+  d.sky = Sky{Rgb(1), 0, true, Sky::Layout::latlong, {}};
+  const auto level = [&] {
+    return write(d).json["scenes"][0]["extras"]["tdpt_environment"][0].get<double>();
+  };
+  EXPECT_NEAR(level(), 0.2159, 1e-3);
+  d.sky->srgb = false;
+  EXPECT_NEAR(level(), 128 / 255.0, 1e-6);
 }
 
 // Portals lie where they lay, and their fronts face the camera; where the source says otherwise,
@@ -383,6 +399,41 @@ TEST(ImportWriter, OpacityBecomesAlpha) {
   EXPECT_EQ(r.scene.images[0].texels[7], 255);
   EXPECT_EQ(r.scene.images[0].texels[0], 255);
   EXPECT_EQ(r.json["materials"][0]["alphaMode"], "BLEND");
+}
+
+TEST(ImportWriter, NumbersAreTheMeanOrTheLuminance) {
+  Described d = room({});
+  d.images.push_back({"mask", {}, 2, 1, {Rgb(1, 0, 0), Rgb(0)}});
+  d.materials[0].opacity.texture = Texture{};
+  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 85);
+  d.materials[0].opacity.texture->luminance = true;
+  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 54);
+}
+
+TEST(ImportWriter, TexelsAboveOneAreNamed) {
+  Described d = room({});
+  d.images.push_back({"bright", {}, 2, 1, {Rgb(1), Rgb(2)}});
+  d.shapes[0].emission->radiance.texture = Texture{};
+  EXPECT_TRUE(write(d).losses.empty());  // light may be
+  d.materials[0].base.texture = Texture{};
+  EXPECT_EQ(write(d).losses, std::vector<std::string>{"reflectances above 1 are taken as 1"});
+}
+
+// As a picture of 0.2 that its scene multiplies by 3.
+TEST(ImportWriter, FactorsAboveOneArePutIntoTexels) {
+  Described d = room({});
+  d.images.push_back({"dark", {}, 2, 1, {Rgb(0.2f), Rgb(0.1f)}});
+  Material& m = d.materials[0];
+  m.base = {Rgb(3), Texture{}, {}};
+  m.roughness = {3, Texture{}, {}};
+  m.opacity = {3, Texture{}, {}};
+  m.specular = 1;
+  const Result r = write(d);
+  EXPECT_TRUE(r.losses.empty());
+  EXPECT_EQ(r.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][0], 1);
+  EXPECT_EQ(r.scene.images.at(0).texels[0], 203);  // sRGB of 0.6
+  EXPECT_EQ(r.scene.images[0].texels[3], 153);
+  EXPECT_EQ(r.scene.images.at(1).texels[1], 153);
 }
 
 // JSON has no infinity.

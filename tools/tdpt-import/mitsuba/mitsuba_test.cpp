@@ -688,9 +688,43 @@ TEST_F(scene, colours_principled_glass_by_the_root) {
   EXPECT_TRUE(m.solid);
   expect_colour(surface("<bsdf type=\"principledthin\">" + inside).base.factor,
                 {0.81f, 0.25f, 0.04f});
-  expect_nothing_lost();
+  expect_lost("thin surfaces that transmit");
   surface("<bsdf type=\"principled\"><float name=\"spec_trans\" value=\"0.5\"/></bsdf>");
   expect_lost("between opaque and transparent");
+}
+
+// Mitsuba 3 takes a number from a coloured picture as its luminance, 0.x as its mean.
+TEST_F(scene, takes_numbers_of_pictures_by_their_luminance) {
+  folder_.write("red.pfm", std::string("PF\n1 1\n-1\n\0\0\x80\x3f\0\0\0\0\0\0\0\0", 22));
+  const std::string mask =
+      "<bsdf type=\"mask\"><texture type=\"bitmap\" name=\"opacity\"><string name=\"filename\" "
+      "value=\"red.pfm\"/></texture><bsdf type=\"diffuse\"/></bsdf>";
+  EXPECT_TRUE(surface(mask).opacity.texture->luminance);
+  EXPECT_FALSE(surface(mask, true).opacity.texture->luminance);
+}
+
+TEST_F(scene, reads_textures_in_d65) {
+  folder_.write("red.pfm", std::string("PF\n1 1\n-1\n\0\0\x80\x3f\0\0\0\0\0\0\0\0", 22));
+  const Described d =
+      v3("<shape type=\"sphere\"><emitter type=\"area\"><texture type=\"d65\" name=\"radiance\">"
+         "<float name=\"scale\" value=\"3\"/><texture type=\"bitmap\"><string name=\"filename\" "
+         "value=\"red.pfm\"/></texture></texture></emitter></shape>");
+  EXPECT_TRUE(d.shapes.at(0).emission->radiance.texture);
+  EXPECT_EQ(d.shapes[0].emission->radiance.factor.x, 3);
+  expect_nothing_lost();
+}
+
+TEST_F(scene, names_rough_principled_metals) {
+  const auto metal = [&](const char* roughness) {
+    surface(
+        "<bsdf type=\"principled\"><float name=\"metallic\" value=\"1\"/><float "
+        "name=\"roughness\" value=\"" +
+        std::string(roughness) + "\"/></bsdf>");
+  };
+  metal("0.4");
+  expect_nothing_lost();
+  metal("1");
+  expect_lost("up to a tenth more or less by direction");
 }
 
 TEST_F(scene, names_metals_so_rough_that_shadowing_counts) {

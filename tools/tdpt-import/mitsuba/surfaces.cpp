@@ -126,9 +126,7 @@ Surfaces::Read Surfaces::plastic_like(const Object& bsdf) {
 
 Surfaces::Read Surfaces::conductor_like(const Object& bsdf) {
   const Number rough = bsdf.type == "conductor" ? Number{0.0f, {}, {}} : alpha(bsdf);
-  if (const double gain = correlated_gain(rough.factor); gain > 1.015)
-    lose(bsdf, fmt::format("metals of roughness {:.3g} reflect {:.0f} % more in glTF", rough.factor,
-                           100 * (gain - 1)));
+  if (const std::string lost = lost_of_rough_metal(rough); !lost.empty()) lose(bsdf, lost);
   const Colour tint = textures_.colour(bsdf, "specular_reflectance", Rgb(1));
   const bool has_eta = bsdf.find("eta") || (bsdf.old && bsdf.find("k"));
   const std::string name = bsdf.text("material", bsdf.old ? "Cu" : "none");
@@ -296,17 +294,22 @@ Surfaces::Read Surfaces::principled(const Object& bsdf) {
   Material& m = out.material;
   // Thin sheets have an interface only where they transmit.
   m = burley(base, n, roughness, metallic, thin ? transmission : 1);
-  if (transmission == 1 && metallic == 0)  // a body colours by the root at each side
-    m.base = thin ? base : through(base, [](const Rgb& c) {
-      return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z));
-    });
-  else if (transmission > 0)
+  const Number square{roughness.factor * roughness.factor, roughness.texture, {}};
+  if (transmission == 1 && metallic == 0) {
+    m.base = base;
+    if (thin)
+      lose(bsdf, "thin surfaces that transmit scatter as glTF has it");
+    else  // a body colours by the root at each side
+      m.base = through(
+          base, [](const Rgb& c) { return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z)); });
+  } else if (transmission > 0) {
     lose(bsdf, "surfaces between opaque and transparent are mixed as glTF has it");
-  else if (metallic < 1)
+  } else if (metallic < 1 || !lost_of_rough_metal(square).empty()) {
     lose(
         bsdf,
         "principled surfaces reflect as much as in Mitsuba on the whole, but up to a tenth more or "
         "less by direction");
+  }
   m.transmission = single(transmission);
   m.solid = !thin;
   m.coat = single(0.25 * textures_.plain_number(bsdf, "clearcoat", 0));

@@ -42,6 +42,7 @@ Number Textures::number(const Object& object, const std::string& name, double ot
   if (!v) return {single(otherwise), {}, {}};
   const Colour c = value_of(*v, object.old, Of::surface);
   Number out{mean(c.factor), c.texture, {}};
+  if (out.texture) out.texture->luminance = !object.old;
   return out;
 }
 
@@ -82,7 +83,9 @@ Colour Textures::read(const Object& texture, Of of, bool raw) {
     return c;
   }
   if (type == "uniform" || type == "rawconstant" || type == "d65") {
-    const Colour c = inner(texture.find("color") ? "color" : "value", 1);
+    const auto nested = texture.nested("texture");
+    const Colour c = nested.empty() ? inner(texture.find("color") ? "color" : "value", 1)
+                                    : this->of(*nested[0], of, raw);
     // Outside of what is visible.
     texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
     return {c.factor * single(texture.number("scale", 1)), c.texture, {}};

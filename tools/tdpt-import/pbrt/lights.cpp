@@ -164,6 +164,7 @@ void add_infinite(Context& context, const Parameters& list, const Affine& to_wor
     turn.y = {-1, 0, 0};
     turn.z = {0, 1, 0};
     sky.to_map = turn * from_world;
+    sky.srgb = false;
   }
   if (has_portal)
     context.source.lose(list.place,

@@ -403,6 +403,44 @@ TEST_F(scene, has_disneys_material) {
   expect_nothing_lost();
 }
 
+// What comes out of a base of 0.9 below a layer of 0.1, by integration over all angles: 0.4007 of
+// the light that falls on it, where the interface reflects 0.0918.
+TEST_F(scene, dims_a_base_below_an_absorbing_layer) {
+  const auto base = [&](const std::string& text) {
+    return v4("Material \"coateddiffuse\" \"rgb reflectance\" [.9 .9 .9] " + text + kTriangle)
+        .materials.at(0)
+        .base.factor.x;
+  };
+  EXPECT_NEAR(base("\"float thickness\" [0.1]"), 0.4007 / (1 - 0.0918), 1e-3);
+  EXPECT_NEAR(base("\"float thickness\" [1]"), 0.0347 / (1 - 0.0918), 1e-3);
+  EXPECT_NEAR(base("\"float thickness\" [0]"), 0.7122 / (1 - 0.0918), 1e-3);
+  EXPECT_NEAR(base("\"float thickness\" [0] \"float eta\" [1]"), 0.9, 1e-6);
+  expect_nothing_lost();
+}
+
+// pbrt-v3 takes the luminance of texels and then decodes it; it never decodes those of skies.
+// pbrt-v4 prefers alpha, in whatever format.
+TEST_F(scene, takes_numbers_of_pictures_as_its_version_does) {
+  const std::string header("\0\0\x02\0\0\0\0\0\0\0\0\0\x01\0\x01\0", 16);
+  folder_.write("red.tga", header + std::string("\x18\x20\0\0\xff", 5));
+  folder_.write("half.tga", header + std::string("\x20\x28\0\0\xff\x80", 6));
+  const auto roughness = [&](bool is_v4, const std::string& file) {
+    const std::string text = "Texture \"r\" \"float\" \"imagemap\" \"string filename\" \"" + file +
+                             "\" Material \"" + (is_v4 ? "conductor" : "metal") +
+                             "\" \"texture roughness\" \"r\" \"bool remaproughness\" \"false\"\n" +
+                             kTriangle;
+    return (is_v4 ? v4(text) : v3(text)).materials.at(0).roughness;
+  };
+  const Number of_v3 = roughness(false, "red.tga");
+  EXPECT_TRUE(of_v3.texture->luminance);
+  EXPECT_FALSE(of_v3.texture->srgb);
+  EXPECT_NEAR(of_v3.curve(0.5f), std::sqrt(0.2159f), 2e-3);  // alpha's root, decoded
+  EXPECT_TRUE(roughness(true, "half.tga").texture->alpha);
+  EXPECT_FALSE(roughness(true, "red.tga").texture->alpha);
+  EXPECT_FALSE(v3("LightSource \"infinite\" \"string mapname\" \"red.tga\"").sky->srgb);
+  EXPECT_TRUE(v4("LightSource \"infinite\" \"string filename\" \"red.tga\"").sky->srgb);
+}
+
 TEST_F(scene, has_materials_of_pbrt_v4) {
   const auto made = [&](const std::string& text) {
     return v4("Material " + text + "\n" + kTriangle).materials.at(0);

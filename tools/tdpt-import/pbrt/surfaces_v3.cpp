@@ -110,12 +110,13 @@ Surface disney(const Reader& r) {
   const float metallic = std::clamp(r.flat_number("metallic", 0), 0.0f, 1.0f);
   const float transmission = std::clamp(r.flat_number("spectrans", 0), 0.0f, 1.0f);
   m = burley(base, ior, r.number("roughness", 0.5), metallic, 1);
+  const Number square{m.roughness.factor * m.roughness.factor, m.roughness.texture, {}};
   if (transmission == 1 && metallic == 0)  // coloured by the root at each side
     m.base = through(
         base, [](const Rgb& c) { return Rgb(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z)); });
   else if (transmission > 0)
     r.lose("surfaces between opaque and transparent are mixed as glTF has it");
-  else if (metallic < 1)
+  else if (metallic < 1 || !lost_of_rough_metal(square).empty())
     r.lose(
         "it reflects as much as in pbrt on the whole, but up to a tenth more or less by direction");
   m.transmission = transmission;

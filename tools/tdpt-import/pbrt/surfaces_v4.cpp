@@ -24,15 +24,13 @@ void lose_in_coat(const Reader& r) {
   r.list.ignore({"nsamples", "g"});  // how it is sampled and scatters
 }
 
-// Light passes the layer twice, at a mean of 1 / cosine of 1.15 each way: exp(-2.3 thickness).
 Surface coateddiffuse(const Reader& r) {
   const float thickness = r.flat_number("thickness", 0.01);
   lose_in_coat(r);
-  const Colour base =
-      scaled(r.colour("reflectance", 0.5f), std::exp(-2.3f * std::clamp(thickness, 0.0f, 100.0f)));
   const double ior = ior_v4(r, "eta", 1.5);
   if (!(ior > 0)) Source::fail(r.list.place, "the index of refraction is not above 0");
-  return {plastic(base, ior, alpha(r, 0), true)};
+  return {plastic_under_layer(r.colour("reflectance", 0.5f), ior, alpha(r, 0),
+                              std::clamp(thickness, 0.0f, 100.0f))};
 }
 
 Surface conductor_v4(const Reader& r) {

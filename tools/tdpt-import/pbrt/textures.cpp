@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/shown.h"
+#include "tools/tdpt-import/images.h"
 
 namespace tdpt::foreign::pbrt {
 namespace {
@@ -107,7 +108,13 @@ Value imagemap(Context& context, const Parameters& list) {
   texture.map = map_of(context, list);
   texture.wrap_u = texture.wrap_v = wrap_of(context, list);
   texture.nearest = list.text("filter", "bilinear") == "point";
-  if (is_number && context.v4 && is_png)
+  if constexpr (is_number)
+    if (!context.v4) {  // luminance first, then decoded
+      texture.luminance = true;
+      texture.srgb = false;
+      if (srgb) pass(value, [](float v) { return linear_of(Rgb(v)).x; });
+    }
+  if (is_number && context.v4)
     texture.alpha = context.has_alpha(texture.image);  // pbrt prefers it for numbers
   if (gamma > 0)
     pass(value,

@@ -124,6 +124,7 @@ Number Surfaces::roughness(const Node& bsdf, double otherwise) {
 }
 
 Material Surfaces::conductor_of(const Node& bsdf, const Number& alpha) {
+  if (const std::string lost = lost_of_rough_metal(alpha); !lost.empty()) bsdf.lose(lost);
   const auto name = bsdf.find("material"), eta = bsdf.find("eta"), k = bsdf.find("k");
   const auto known = conductor_named(name ? name->text() : "Cu");
   if (!known)

@@ -276,7 +276,7 @@ void Reader::read_sky(const Node& node, const Affine& map) {
   sky.colour = radiance->factor;
   if (radiance->texture) {
     sky.image = radiance->texture->image;
-    if (!radiance->texture->srgb) node.lose("the sky's picture is decoded from sRGB");
+    sky.srgb = radiance->texture->srgb;
   }
   sky.to_map = kToMap * rotation_in(map, node).transposed();
   scene_.sky = sky;

@@ -316,6 +316,18 @@ TEST(Tungsten, NumbersOfPicturesAreTakenAsTheyAre) {
   EXPECT_TRUE(material(R"({"type": "lambert", "albedo": "wood.png"})").base.texture->srgb);
 }
 
+TEST(Tungsten, SkiesAreDecodedUnlessTheySayOtherwise) {
+  const auto sky = [](const char* more) {
+    return read(with(R"({"type": "infinite_sphere", "emission": {"type": "bitmap", "file":
+      "wood.png")" + std::string(more) +
+                     "}}"));
+  };
+  EXPECT_TRUE(sky("").scene.sky->srgb);
+  const Read plain = sky(R"(, "gamma_correct": false)");
+  EXPECT_FALSE(plain.scene.sky->srgb);
+  EXPECT_TRUE(plain.losses.empty());
+}
+
 TEST(Tungsten, LossesOfSurfacesAreNamed) {
   const auto lost = [](const std::string& bsdf) {
     std::string all;
@@ -328,6 +340,9 @@ TEST(Tungsten, LossesOfSurfacesAreNamed) {
     EXPECT_NE(lost(coat + "[0.1, 1, 2]}").find("sigma_a"), std::string::npos) << type;
     EXPECT_EQ(lost(coat + "0}").find("sigma_a"), std::string::npos) << type;
   }
+  const std::string metal = R"({"type": "rough_conductor", "roughness": )";
+  EXPECT_EQ(lost(metal + "0.2}"), "");
+  EXPECT_NE(lost(metal + "1}").find("metals of roughness 1 reflect"), std::string::npos);
   const std::string mixed = R"({"type": "mixed", "bsdf0": {"type": "lambert"}, "bsdf1":
     {"type": "mirror", "foo": 1}, "albedo": )";
   EXPECT_NE(lost(mixed + "0.5}").find("the albedo of mixed"), std::string::npos);
