@@ -45,7 +45,8 @@ constexpr int kMostSide = 16384;
 }
 
 Texels of_picture(Picture&& picture) {
-  return {picture.width, picture.height, false, std::move(picture.pixels), {}};
+  return {picture.width, picture.height, false, std::move(picture.pixels),
+          std::move(picture.alpha)};
 }
 
 // Portable float maps: "PF" (colour) or "Pf" (grey), width, height, a scale whose sign gives the

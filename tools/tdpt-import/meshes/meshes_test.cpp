@@ -117,6 +117,7 @@ TEST(Meshes, ObjSaysWhatIsWrongInWhichLine) {
             "a.obj:line 6: refers to vertex -5, but there are 4 so far");
   EXPECT_EQ(obj_complaint(kSquare + "f 0 1 2\n"),
             "a.obj:line 5: refers to vertex 0, but there are 4 so far");
+  EXPECT_EQ(obj_complaint(kSquare + "f 4294967297 2 3\n"), "a.obj:line 5: an index of 10 digits");
   EXPECT_EQ(obj_complaint(kSquare + "f 1/1 2/1 3/1\n"),
             "a.obj:line 5: refers to texture coordinate 1, but there are 0 so far");
   EXPECT_EQ(obj_complaint(kSquare + "f 1//1 2//1 3//1\n"),

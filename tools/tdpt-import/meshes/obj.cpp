@@ -152,6 +152,11 @@ class Reader {
     if (const size_t at = words.find_first_not_of("0123456789/+- \t"); at != words.npos)
       fail(fmt::format("\"{}\" is no index, expected whole numbers and /",
                        shown(std::string(words.substr(at)), 40)));
+    for (size_t at = 0; (at = words.find_first_of("0123456789", at)) != words.npos;) {
+      const size_t digits = std::min(words.find_first_not_of("0123456789", at), words.size()) - at;
+      if (digits > 9) fail(fmt::format("an index of {} digits", digits));
+      at += digits;
+    }
     polygon_.clear();
     for (size_t i = 0; i < n; ++i) {
       const auto& [v, vn, vt] = given[i];
