@@ -46,6 +46,7 @@ struct Texture {
   /// Image coordinates (u', v') = (m[0] u + m[1] v + m[2], m[3] u + m[4] v + m[5]) of those of the
   /// mesh, both as in glTF. Must be a rotation after a scale, else gltf/ names it as lost.
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
+  bool green_down = false;  ///< of a normal map: its +Y is down in the image
 };
 
 /// A factor times an optional texture, whose texels first pass through `curve`, if there is one.

@@ -241,13 +241,14 @@ GltfJson Textures::roughness(const Number& roughness) {
 
 GltfJson Textures::normal_map(const Texture& texture) {
   const Image& image = scene_.images[texture.image];
-  if (passes(texture)) return info(texture, plain_file(image.bytes), image.name);
+  if (!texture.green_down && passes(texture))
+    return info(texture, plain_file(image.bytes), image.name);
   const Texels* t = texels(texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const Rgb& c =
         t->rgb[static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x)];
-    return {c.x, c.y, c.z, 1};
+    return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
   };
   return info(texture, png_of(reduced(t->width, t->height, longest_, at), false, false),
               image.name);

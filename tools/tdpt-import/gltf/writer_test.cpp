@@ -419,6 +419,25 @@ TEST(ImportWriter, TexelsAboveOneAreNamed) {
   EXPECT_EQ(write(d).losses, std::vector<std::string>{"reflectances above 1 are taken as 1"});
 }
 
+TEST(ImportWriter, OpacityIsTheAlphaOfExr) {
+  Described d = room({});
+  ExrFile file;
+  file.picture = {2, 1, {Rgb(0.5f), Rgb(0.5f)}, {0.2f, 0.4f}};
+  d.images.push_back({"leaf.exr", exr_bytes(file), 0, 0, {}});
+  d.materials[0].opacity.texture = Texture{};
+  d.materials[0].opacity.texture->alpha = true;
+  EXPECT_EQ(write(d).scene.images.at(0).texels[3], 51);
+}
+
+TEST(ImportWriter, NormalMapsPointUp) {
+  Described d = room({});
+  d.images.push_back({"map", {}, 2, 1, {Rgb(0.5f, 0.8f, 1), Rgb(0.5f, 0.2f, 1)}});
+  d.materials[0].normal = Texture{};
+  EXPECT_EQ(write(d).scene.images.at(0).texels[1], 204);
+  d.materials[0].normal->green_down = true;
+  EXPECT_EQ(write(d).scene.images.at(0).texels[1], 51);
+}
+
 // As a picture of 0.2 that its scene multiplies by 3.
 TEST(ImportWriter, FactorsAboveOneArePutIntoTexels) {
   Described d = room({});

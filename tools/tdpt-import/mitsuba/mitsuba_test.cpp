@@ -807,6 +807,25 @@ TEST_F(scene, turns_environments) {
 }
 
 // Emitters of their own, and shapes that are openings and no surfaces.
+// +Y of Mitsuba's normal maps is normal x dp/du, which is up or down in the image.
+TEST_F(scene, keeps_the_sense_of_normal_maps) {
+  folder_.write("n.pfm", std::string("Pf\n1 1\n-1\n\0\0\x80\x3f", 14));
+  const auto is_down = [&](const char* shape, const std::string& more) {
+    const Described d = v3(fmt::format(
+        "<shape type=\"{}\">{}<bsdf type=\"twosided\"><bsdf type=\"normalmap\"><texture "
+        "type=\"bitmap\" name=\"normalmap\"><string name=\"filename\" value=\"n.pfm\"/>"
+        "</texture><bsdf type=\"diffuse\"/></bsdf></bsdf></shape>",
+        shape, more));
+    return d.materials.at(d.shapes.at(0).material).normal->green_down;
+  };
+  const std::string flipped = "<boolean name=\"flip_normals\" value=\"true\"/>",
+                    mirrored = "<transform name=\"to_world\"><scale x=\"-1\"/></transform>";
+  for (const char* down : {"rectangle", "disk", "cylinder"}) EXPECT_TRUE(is_down(down, "")) << down;
+  for (const char* up : {"cube", "sphere"}) EXPECT_FALSE(is_down(up, "")) << up;
+  EXPECT_FALSE(is_down("rectangle", flipped));
+  EXPECT_FALSE(is_down("rectangle", mirrored));
+}
+
 // An emitter that a shape refers to is no portal of its own.
 TEST_F(scene, keeps_portals_by_reference_once) {
   const Described d =

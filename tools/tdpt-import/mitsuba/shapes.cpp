@@ -59,6 +59,17 @@ void front_by_normals(Mesh& mesh) {
   }
 }
 
+// Whether images are mirrored on it, seen from its front.
+bool mirrors_images(const Mesh& mesh) {
+  if (mesh.uv.empty() || mesh.triangles.empty()) return false;
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto along = [&](uint32_t i, size_t k) { return double{mesh.uv[i][k]} - mesh.uv[a][k]; };
+    sum += along(b, 0) * along(c, 1) - along(c, 0) * along(b, 1);
+  }
+  return sum > 0;
+}
+
 Mesh with_swapped_uv(Mesh mesh) {
   for (auto& uv : mesh.uv) std::swap(uv[0], uv[1]);
   return mesh;
@@ -200,6 +211,16 @@ void Shapes::dress(const Object& shape, Shape& out) {
       out.emission = Emission{textures_.colour(*e, "radiance", Rgb(1), Of::light), false};
       e->ignore({"sampling_weight"});  // how it is sampled
     }
+  // In Mitsuba +Y of a normal map is normal x dp/du, in glTF up in the image.
+  if (scene_.materials[out.material].normal &&
+      mirrors_images(scene_.meshes[out.mesh]) != (out.turned != out.to_world.mirrors())) {
+    const auto [it, is_new] = green_down_.try_emplace(out.material, scene_.materials.size());
+    if (is_new) {
+      scene_.materials.push_back(scene_.materials[out.material]);
+      scene_.materials.back().normal->green_down = true;
+    }
+    out.material = it->second;
+  }
   const Number& opacity = scene_.materials[out.material].opacity;
   const bool closed =
       (shape.type == "sphere" || shape.type == "cube") && opacity.factor >= 1 && !opacity.texture;

@@ -36,6 +36,7 @@ class Shapes {
   std::map<std::string, size_t> meshes_;
   std::set<size_t> with_normals_;                 ///< meshes whose files give normals
   std::vector<std::pair<Place, size_t>> bodies_;  ///< one-sided ones, with their shapes' indices
+  std::map<size_t, size_t> green_down_;           ///< materials with their normal maps turned
   std::set<const Object*> portals_;               ///< emitters of shapes
   size_t visited_ = 0;
 };
