@@ -307,7 +307,15 @@ void Writer::add_portals() {
         throw InputError(source_.path(), "", "has a portal that is too large or too far away");
       portal.vertices.push_back(of(p));
     }
-    portal.triangles = mesh.triangles;
+    for (const auto& t : mesh.triangles) {
+      const Vec3d& at = portal.vertices[t[0]];
+      if (length(cross(portal.vertices[t[1]] - at, portal.vertices[t[2]] - at)) > 0)
+        portal.triangles.push_back(t);
+    }
+    if (portal.triangles.empty()) {
+      source_.lose({source_.path(), ""}, "a portal without an area is left out");
+      continue;
+    }
     double towards_camera = shape.turned ? -1 : 1;
     if (!scene_.cameras.empty()) {
       const Vec3d eye = out_.frame.to_gltf.point(scene_.cameras.front().to_world.t);

@@ -379,6 +379,16 @@ TEST(ImportWriter, PortalsLieBesideTheScene) {
     }
 }
 
+TEST(ImportWriter, PortalsWithoutAnAreaAreLeftOut) {
+  Described d = room({});
+  Shape flat;
+  flat.to_world.x = {};
+  d.portals = {flat};
+  const Result r = write(d);
+  EXPECT_EQ(r.written.portals, "");
+  EXPECT_EQ(r.losses, std::vector<std::string>{"a portal without an area is left out"});
+}
+
 TEST(ImportWriter, PortalsBeyondAllNumbersAreRefused) {
   Described d = room({});
   Shape portal;
