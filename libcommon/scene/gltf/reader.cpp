@@ -154,16 +154,26 @@ class SceneReader {
     std::vector<double> distances;
     for (const Triangle& t : scene_.triangles) distances.push_back(distance_of(t, world, middle));
     std::sort(distances.begin(), distances.end());
-    const double least = std::max(0.5 * cameras.longest(), all.longest() / kLargestReach);
-    const auto far = std::adjacent_find(
-        distances.begin(), distances.end(),
-        [&](double near, double next) { return near >= least && next > kFarther * near; });
-    if (far == distances.end()) return all;
+    const auto gap = [&](double least) {
+      return std::adjacent_find(
+          distances.begin(), distances.end(),
+          [&](double near, double next) { return near >= least && next > kFarther * near; });
+    };
+    const double least = std::max(0.5 * cameras.longest(), std::numeric_limits<double>::min());
+    const auto near = gap(least);
+    if (near == distances.end()) return all;
+    const auto far = gap(std::max(least, all.longest() / kLargestReach));
     Box room;
     for (const Triangle& t : scene_.triangles)
-      if (distance_of(t, world, middle) <= *far)
+      if (far != distances.end() && distance_of(t, world, middle) <= *far)
         for (uint32_t v : t.vertex) room.add(world[v]);
-    if (!(room.longest() > all.longest() / kLargestReach)) return all;
+    if (!(room.longest() > all.longest() / kLargestReach)) {
+      scene_.warnings.push_back(fmt::format(
+          "a triangle {} m away is too far for what stands within {} m of the cameras: the picture "
+          "is wrong or black; leave that triangle out",
+          number_words(distances.back(), 2), number_words(*near, 2)));
+      return all;
+    }
     for (const Triangle& t : scene_.triangles) {
       Box own;
       for (uint32_t v : t.vertex) own.add(world[v]);
