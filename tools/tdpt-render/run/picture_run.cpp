@@ -79,9 +79,8 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   // Else the cause was told before, or the sky is left out, or longer paths are.
   if (is_black(result) && !result.longest && !settings.alpha && settings.max_depth == kMaxDepth)
     common.warn(
-        "no sample found light: the picture is black; is a door shut, or does its camera stand in "
-        "a "
-        "wall?");
+        "no sample found light: the picture is black; are they too few, is a door shut, or does its "
+        "camera stand in a wall?");
   if (const double share =
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
       share < kLeastEnergy)
@@ -183,7 +182,7 @@ RenderResult rendered(const Job& job, SampleRenderer& renderer, const Choice& ch
 std::string told_of(const RenderResult& result) {
   std::string noise;
   if (is_black(result))
-    noise = ", all black: is a door shut, or does the camera stand in a wall?";
+    noise = ", all black: are they too few, is a door shut, or does the camera stand in a wall?";
   else if (result.noise)
     noise = ", " + words_of(*result.noise);
   return fmt::format("{} per pixel in {}{}", counted(result.spp, "sample"),
