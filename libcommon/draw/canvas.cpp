@@ -13,6 +13,7 @@
 
 #include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt::draw {
@@ -314,7 +315,8 @@ std::string Canvas::pdf() const {
 }
 
 std::string Canvas::file_named(const std::string& path) const {
-  return path.ends_with(".svg") ? svg() : path.ends_with(".pdf") ? pdf() : png();
+  const std::string suffix = suffix_of(path);
+  return suffix == ".svg" ? svg() : suffix == ".pdf" ? pdf() : png();
 }
 
 }  // namespace tdpt::draw

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/cli/cli.h"
 
 namespace tdpt {
@@ -10,7 +11,7 @@ namespace {
 
 void check_picture_name(const std::string& picture) {
   for (const char* suffix : {".png", ".jpg", ".jpeg"})
-    if (picture.ends_with(suffix))
+    if (suffix_of(picture) == suffix)
       throw UsageError("-o " + picture +
                        ": the picture is OpenEXR, name it .exr; --preview adds a PNG");
 }
@@ -24,7 +25,7 @@ bool same_file(const std::string& a, const std::string& b) {
 // Devices and pipes may have any name.
 void check_name_of_png(const std::string& option, const std::string& path) {
   std::error_code ignored;
-  if (!path.empty() && !path.ends_with(".png") && !std::filesystem::is_other(path, ignored))
+  if (!path.empty() && suffix_of(path) != ".png" && !std::filesystem::is_other(path, ignored))
     throw UsageError(option + "=" + path + ": the picture is a PNG, name it .png");
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/number_words.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/base/threads.h"
 
 namespace tdpt {
@@ -25,9 +26,9 @@ cli::Decisions decisions_of(const Comparison& c, const Picture& reference, int64
                    number_words(c.black.relmse)),
        ""},
       {"difference picture",
-       output.empty()             ? "left out"
-       : output.ends_with(".png") ? "made in false colour"
-                                  : "made with sign",
+       output.empty()                ? "left out"
+       : suffix_of(output) == ".png" ? "made in false colour"
+                                     : "made with sign",
        output.empty() ? "-o is not given" : "the name in -o says so",
        cli::price_of(cpu_seconds()) + " in all"}};
 }

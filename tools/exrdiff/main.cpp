@@ -5,6 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
@@ -60,7 +61,7 @@ std::string difference_bytes(const Arguments& a, const cli::Common& common, cons
                              const Input& reference) {
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
-  if (common.output.ends_with(".png")) return png_bytes(false_colour(p, r));
+  if (suffix_of(common.output) == ".png") return png_bytes(false_colour(p, r));
   ExrFile file;
   file.picture = difference(p, r);
   set_provenance(file,

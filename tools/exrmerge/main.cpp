@@ -1,6 +1,5 @@
 // exrmerge: merges films, each with some of a picture's samples, into the picture, and shows any
 // picture as a PNG.
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -8,6 +7,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/shown.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
@@ -67,7 +67,7 @@ int show(const Arguments& a, const cli::Common& common, const ExrFile& file,
 }
 
 int run(const Arguments& a, const cli::Common& common) {
-  const std::string suffix = std::filesystem::path(common.output).extension().string();
+  const std::string suffix = suffix_of(common.output);
   const bool is_png = suffix == ".png";
   if (suffix == ".jpg" || suffix == ".jpeg")
     throw UsageError("-o " + common.output + ": is no .exr and no .png, which are written");

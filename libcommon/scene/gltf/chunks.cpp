@@ -1,9 +1,8 @@
 // Splits the container: .glb header and chunks (glTF 2.0, section 4.4).
-#include <cctype>
-
 #include <fmt/format.h>
 
 #include "libcommon/base/counted.h"
+#include "libcommon/base/suffix.h"
 #include "libcommon/scene/gltf/document.h"
 
 namespace tdpt::gltf {
@@ -31,9 +30,7 @@ constexpr Foreign kForeign[]{
 
 /// What to do with a file of another kind, by its name; empty: unknown.
 std::string advice_on(const std::string& file) {
-  const size_t dot = file.find_last_of('.');
-  std::string suffix = dot == file.npos ? " " : file.substr(dot) + ' ';
-  for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string suffix = suffix_of(file) + ' ';
   for (const Foreign& kind : kForeign)
     if (suffix != " " && std::string_view(kind.suffixes).find(suffix) != std::string_view::npos)
       return kind.advice;
