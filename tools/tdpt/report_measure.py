@@ -329,6 +329,8 @@ def measure(a):
             render.decide(a.time / at_once)
         render.until(a.time, at_once, lambda cpu, began=began: so_far(cpu, a.time, began))
         took = time.monotonic() - began
+    if not with_portals.last["nonzero"] and not without.last["nonzero"]:
+        raise Failed(3, "report: both pictures are black, expected some light to compare")
     spp = max(1, round(a.reference * with_portals.last["spp"]))
     say(f"3 of 3: the reference, {about(a.reference * took)}")
     reference = Render("reference", [*(loud if a.progress else base), *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
