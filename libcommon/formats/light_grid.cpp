@@ -487,8 +487,9 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
   } catch (const std::ios_base::failure&) {
     throw InputError(name, "", "is no light grid in OpenVDB format, or is cut short");
   } catch (const std::bad_alloc&) {
-    throw InputError(
-        name, "", "takes more memory than the " + size_words(memory_limit()) + " of --max-memory");
+    throw InputError(name, "",
+                     "takes more memory than there is, or than the " + size_words(memory_limit()) +
+                         " of --max-memory");
   } catch (const std::exception& e) {
     throw InputError(name, "",
                      fmt::format("is no light grid in OpenVDB format: {}", shown(e.what(), 300)));

@@ -155,9 +155,9 @@ class SceneReader {
     for (const Triangle& t : scene_.triangles) distances.push_back(distance_of(t, world, middle));
     std::sort(distances.begin(), distances.end());
     const auto gap = [&](double least) {
-      return std::adjacent_find(
-          distances.begin(), distances.end(),
-          [&](double near, double next) { return near >= least && next > kFarther * near; });
+      return std::adjacent_find(distances.begin(), distances.end(), [&](double near, double next) {
+        return near >= least && next > kFarther * near;
+      });
     };
     const double least = std::max(0.5 * cameras.longest(), std::numeric_limits<double>::min());
     const auto near = gap(least);

@@ -79,7 +79,8 @@ void report(const Job& job, const World& world, const Choice& choice, const Rend
   // Else the cause was told before, or the sky is left out, or longer paths are.
   if (is_black(result) && !result.longest && !settings.alpha && settings.max_depth == kMaxDepth)
     common.warn(
-        "no sample found light: the picture is black; are they too few, is a door shut, or does its "
+        "no sample found light: the picture is black; are they too few, is a door shut, or does "
+        "its "
         "camera stand in a wall?");
   if (const double share =
           share_of_portals(world, choice.candidates[result.chosen].integrator, result);
