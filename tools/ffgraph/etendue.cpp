@@ -84,8 +84,8 @@ Etendue measure_etendue(const PatchMap& patches, const Fragments& fragments, con
     const uint32_t to =
         tracer.closest({from.position, from.normal}, w, hit)
             ? patches.find(2 * hit.triangle + (dot(hit.normal, w) > 0 ? 1 : 0), hit.position)
-        : patches.has_sky() ? patches.find_sky(sky_bin(w))
-                            : kNoPatch;
+        : patches.has_sky() && hit.triangle == ~0u ? patches.find_sky(sky_bin(w))
+                                                   : kNoPatch;
     if (to != kNoPatch && to != from.patch) ray[n] = std::minmax(from.patch, to);
   });
   std::erase_if(ray, [](const Ends& r) { return r.first == kNoPatch; });

@@ -27,7 +27,7 @@ void follow(const Tracer& tracer, const Streams& streams, bool sky, Rng& rng, Tr
     if (k == 0 && streams.first == kWalksFromCamera.first
             ? !tracer.first_seen(from.position, w, hit)
             : !tracer.closest(from, w, hit)) {
-      hits[k].face = sky ? kWalkToSky + sky_bin(w) : kWalkLeft;
+      hits[k].face = sky && hit.triangle == ~0u ? kWalkToSky + sky_bin(w) : kWalkLeft;
       return;
     }
     const bool back = dot(hit.normal, w) > 0;

@@ -33,7 +33,7 @@ class TracedPlan {
     Vec3d w = start.direction;
     for (int bounce = 0; bounce < 60; ++bounce) {
       Hit hit;
-      if (!tracer_.closest(from, w, hit)) return open_;
+      if (!tracer_.closest(from, w, hit)) return open_ && hit.triangle == ~0u;
       const bool front = dot(hit.normal, w) < 0;
       const Material& material = scene_.material_of(hit.triangle);
       if (max_component(material.emission) > 0) return front;

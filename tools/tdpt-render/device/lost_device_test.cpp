@@ -58,6 +58,7 @@ class lost_device : public ::testing::Test {
   }
   std::string bytes_of(RenderState& render_state, const Plan& plan) const {
     render_state.seconds = render_state.cpu_seconds = render_state.began = 0;
+    for (FrameRecord& frame : render_state.frames) frame.seconds = frame.cpu_seconds = 0;
     return film_bytes(render_state, plan, {}, kGpuCode, {}, {}, {});
   }
 

@@ -246,11 +246,11 @@ PictureBlocks blocks_of(const StateWords& words, uint64_t size, size_t pixels, c
   PictureParts parts((words.size() - of_sums) / of_block, std::vector<Rgb>(pixels));
   const uint32_t* from = words.data();
   for (std::vector<Rgb>& part : parts) {
-    std::memcpy(part.data(), from, 4 * of_block);
+    std::memcpy(static_cast<void*>(part.data()), from, 4 * of_block);
     from += of_block;
   }
   std::vector<Vec3d> before(pixels);
-  std::memcpy(before.data(), from, 4 * of_sums);
+  std::memcpy(static_cast<void*>(before.data()), from, 4 * of_sums);
   return {size, std::move(parts), std::move(before)};
 }
 
