@@ -46,9 +46,9 @@ FirstLook::FirstLook(const Arguments& a, const Request& request, const std::stri
   for (const char* option :
        {"--integrator", "--spp", "--time", "--target-error", "--set guide-light",
         "--set guide-camera", "--set segments", "--set light-walks", "--set retry", "--add-samples",
-        "--aov", "--width", "--height"})
+        "--aov", "--denoiser", "--width", "--height"})
     drop(shape, option, true);
-  drop(shape, "--layers", false);
+  for (const char* option : {"--layers", "--denoise"}) drop(shape, option, false);
   base_ = {programs + "/tdpt-render", request.scene};
   for (const Words& words :
        {request.camera, request.pose, request.shot, request.sky, request.unshaped, shape})
