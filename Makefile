@@ -23,8 +23,8 @@
 #   make bench          lists the benchmarks
 #   make bench-NAME     builds and runs one, which writes its tables in doc/ (bench/run.py NAME --help: its settings,
 #                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
-#   make peers          installs Cycles, LuxCore, Mitsuba and OpenUSD from PyPI into build/peers/venv, for tests and benchmarks
-#                       beside them (1.8 GB; PYTHON=python3.11: bpy 5.0 is for no other)
+#   make peers          installs Cycles, LuxCore, Mitsuba, OpenUSD and Open Image Denoise from PyPI into build/peers/venv, for
+#                       tests and benchmarks beside them (2 GB; PYTHON=python3.11: bpy 5.0 is for no other)
 #   make stale          lists the pages of doc/ whose numbers are older than the sources they measure
 #   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
 #                       DOC=FOLDER: elsewhere)

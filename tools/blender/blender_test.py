@@ -209,7 +209,7 @@ class Rendering(unittest.TestCase):
         scene = rooms.three_rooms()
         layer = bpy.context.view_layer
         layer.use_pass_z = layer.use_pass_normal = True
-        picture = rendered(scene, samples=4, denoise=True)
+        picture = rendered(scene, samples=4, denoise=True, denoiser="regression")
         self.assertEqual(picture["Combined.R"].shape, (64, 96))
         self.assertGreater(picture["Combined.G"].mean(), 1e-3)
         self.assertGreater(numpy.abs(picture["Combined.G"] - picture["Noisy Image.G"]).max(), 0)
@@ -218,6 +218,13 @@ class Rendering(unittest.TestCase):
         length = numpy.sqrt(sum(picture[f"Normal.{c}"] ** 2 for c in "XYZ"))
         self.assertAlmostEqual(numpy.median(length), 1, delta=1e-3)
         self.assertGreater(picture["Normal.Z"][-1].mean(), 0.8)  # of the floor, below
+
+    def test_the_denoiser_is_named_where_it_is_chosen(self):
+        scene = rooms.three_rooms()
+        for denoise, denoiser, named in ((True, "auto", ["--denoise"]), (True, "oidn", ["--denoiser=oidn"]), (False, "oidn", [])):
+            scene.tdpt.denoise, scene.tdpt.denoiser = denoise, denoiser
+            words = engine.options_of(scene.tdpt, scene, camera.Film(scene, scene.camera), "")
+            self.assertEqual([word for word in words if word.startswith("--denoise")], named)
 
     def test_the_camera_is_blender_s(self):
         """Depths beside those of Cycles: lens, sensor, shift, turned picture, percentage, region."""

@@ -36,7 +36,7 @@ def options_of(settings, scene, film, portal_file):
     if settings.device == "GPU":
         words.append("--device=gpu")
     if settings.denoise:
-        words.append("--denoise")
+        words.append("--denoise" if settings.denoiser == "auto" else f"--denoiser={settings.denoiser}")
     else:
         words.append("--aov=albedo,normal,depth")
     if scene.render.film_transparent:

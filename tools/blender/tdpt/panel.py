@@ -21,6 +21,14 @@ class TdptSettings(bpy.types.PropertyGroup):
     seed: bpy.props.IntProperty(name="Seed", default=1, min=0)
     animate_seed: bpy.props.BoolProperty(name="Seed by Frame", description="Another noise in each frame", default=True)
     denoise: bpy.props.BoolProperty(name="Denoise", description="Filter the noise that is left", default=True)
+    denoiser: bpy.props.EnumProperty(
+        name="Denoiser",
+        items=(
+            ("auto", "Automatic", "Both, pixel by pixel, where Open Image Denoise is installed, else the own filter"),
+            ("regression", "Own Filter", "The filter of tdpt"),
+            ("oidn", "Open Image Denoise", "Intel's, which has to be installed"),
+        ),
+    )
     device: bpy.props.EnumProperty(
         name="Device", items=(("CPU", "CPU", "All cores"), ("GPU", "GPU", "The best Vulkan device")), default="CPU"
     )
@@ -115,8 +123,9 @@ class TDPT_PT_sampling(InRender, bpy.types.Panel):
     def draw(self, context):
         layout, settings = self.layout, context.scene.tdpt
         layout.use_property_split, layout.use_property_decorate = True, False
-        for name in ("samples", "time", "noise", "denoise", "max_depth", "seed", "animate_seed", "device"):
-            layout.prop(settings, name)
+        for name in ("samples", "time", "noise", "denoise", "denoiser", "max_depth", "seed", "animate_seed", "device"):
+            if name != "denoiser" or settings.denoise:
+                layout.prop(settings, name)
 
 
 def progress(layout, share, words):
