@@ -19,18 +19,23 @@ KINDS = {"interiors": (("kitchen", ""), ("bathroom", ""), ("living-room", ""), (
 
 @dataclass
 class Measured:
-    """Of one picture: relMSE and MSE before and after, the change of the mean, CPU seconds of rendering it, of all that
-    the filter adds, and the relMSE that it tells."""
+    """Of one picture: relMSE and MSE before and after, by Open Image Denoise alone and with its help, CPU seconds of
+    rendering it, of all that the filter adds, and the interval of the relMSE that it tells."""
     noisy: dict
     filtered: dict
     guest: dict
+    both: dict
     render: float
     more: float
-    told: float  # relMSE, by exrdenoise
+    told: list  # low and high end; None: not known
 
     @property
     def gain(self):
         return self.noisy["relmse"] / self.filtered["relmse"]
+
+    @property
+    def holds(self):
+        return self.told and self.told[0] <= self.filtered["relmse"] <= self.told[1]
 
     @property
     def at_equal_time(self):
@@ -63,11 +68,12 @@ class View:
 
     def measured(self, spp, seed):
         plain, noisy = self.render(spp, seed), self.render(spp, seed, *BUFFERS)
-        clean = self.bench.store.run("exrdenoise", noisy.out)
-        guest = self.bench.settings.oidn and self.bench.store.run("exrdenoise", noisy.out, "--denoiser", "oidn")
-        return Measured(self.reference.off(noisy.out), self.reference.off(clean.out),
-                        self.reference.off(guest.out) if guest else None, plain.cpu,
-                        max(0, noisy.cpu - plain.cpu) + clean.cpu, clean.said["relmse"])
+        clean, guest, both = (self.bench.store.run("exrdenoise", noisy.out, "--denoiser", denoiser)
+                              if denoiser == "regression" or self.bench.settings.oidn else None
+                              for denoiser in ("regression", "oidn", "auto"))
+        off = lambda run: self.reference.off(run.out) if run else None
+        return Measured(off(noisy), off(clean), off(guest), off(both), plain.cpu,
+                        max(0, noisy.cpu - plain.cpu) + clean.cpu, clean.said.get("interval"))
 
 
 def mean(values):
@@ -77,17 +83,18 @@ def mean(values):
 
 
 def line(view, spp, pictures):
-    decibels = [decibels_of(1, p.filtered["mse"]) - decibels_of(1, p.noisy["mse"]) for p in pictures]
-    guest = [[p.noisy["relmse"] / p.guest["relmse"], decibels_of(1, p.guest["mse"]) - decibels_of(1, p.noisy["mse"])]
-             for p in pictures if p.guest]
+    def gains(of):
+        better = [decibels_of(1, of(p)["mse"]) - decibels_of(1, p.noisy["mse"]) for p in pictures]
+        return "%s, %+.1f dB" % (pages.hundredths(mean(p.noisy["relmse"] / of(p)["relmse"] for p in pictures)),
+                                 sum(better) / len(better))
+
     changes = [100 * (p.filtered["mean"] / p.noisy["mean"] - 1) for p in pictures]
     return [view.name, spp, pages.three(mean(p.noisy["relmse"] for p in pictures)),
-            pages.three(mean(p.filtered["relmse"] for p in pictures)), pages.hundredths(mean(p.gain for p in pictures)),
-            pages.hundredths(mean(p.at_equal_time for p in pictures)), "%+.1f" % (sum(decibels) / len(decibels)),
-            "%+.2f" % (sum(changes) / len(changes)),
-            pages.hundredths(mean(p.told / p.filtered["relmse"] for p in pictures)),
-            *(["%s, %+.1f dB" % (pages.hundredths(mean(g for g, _ in guest)), sum(d for _, d in guest) / len(guest))] if guest
-              else []), "%.0f" % (100 * sum(p.more for p in pictures) / sum(p.render for p in pictures))]
+            pages.three(mean(p.filtered["relmse"] for p in pictures)), gains(lambda p: p.filtered),
+            pages.hundredths(mean(p.at_equal_time for p in pictures)), "%+.2f" % (sum(changes) / len(changes)),
+            "%d of %d" % (sum(bool(p.holds) for p in pictures), sum(bool(p.told) for p in pictures)),
+            *([gains(lambda p: p.guest), gains(lambda p: p.both)] if pictures[0].guest else []),
+            "%.0f" % (100 * sum(p.more for p in pictures) / sum(p.render for p in pictures))]
 
 
 @settings(SPPS=Setting(("4", "16", "64", "256"), "samples per pixel", ("4", "16")),
@@ -112,8 +119,8 @@ def denoise(bench):
         for spp, pictures in zip(spps, all_pictures):
             rows.append(line(view, spp, pictures))
             gains.setdefault((kind, spp), []).append(mean(p.gain for p in pictures))
-    heads = ("scene", "samples per pixel", "relMSE noisy", "filtered", "falls by", "at equal time", "PSNR, dB", "mean, %", "told over true",
-             *(["Open Image Denoise"] if s.oidn else []), "filter's time, %")
+    heads = ("scene", "samples per pixel", "relMSE noisy", "filtered", "falls by, PSNR", "at equal time", "mean, %",
+             "interval holds, of told", *(["Open Image Denoise", "both"] if s.oidn else []), "filter's time, %")
     kinds = [[kind, *(pages.hundredths(mean(gains.get((kind, spp), ()))) for spp in spps)] for kind in KINDS]
     made = {"scenes": pages.table(heads, rows),
             "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in spps)), kinds)}
@@ -135,8 +142,8 @@ def crops(bench, view, spp, folder):
     alike, each row a place."""
     noisy = view.render(spp, 1, *BUFFERS).out
     reference = view.render(bench.settings.ref, 1000001).out
-    guests = (("--denoiser", "oidn"),) if bench.settings.oidn else ()
-    columns = [noisy, *(bench.store.run("exrdenoise", noisy, *guest).out for guest in ((), *guests))]
+    denoisers = ("regression", "oidn", "auto") if bench.settings.oidn else ("regression",)
+    columns = [noisy, *(bench.store.run("exrdenoise", noisy, "--denoiser", denoiser).out for denoiser in denoisers)]
     names = []
     for number, picture in enumerate((*columns, None)):
         both = bench.store.run("exrdiff", picture or noisy, reference, "--side-by-side", Made("both.png"), output=False)
@@ -177,7 +184,7 @@ def frames_line(bench, view, spp):
     noisy = [view.render(spp, seed, *BUFFERS).out for seed in range(1, 5)]
     pairs = []
     for options in (lambda k: (), lambda k: ("--previous", noisy[k - 1], "--next", noisy[k + 1])):
-        middle = [bench.store.run("exrdenoise", noisy[k], *options(k)).out for k in (1, 2)]
+        middle = [bench.store.run("exrdenoise", noisy[k], "--denoiser", "regression", *options(k)).out for k in (1, 2)]
         pairs.append((view.reference.off(middle[0])["relmse"], bench.distance(middle[0], middle[1])["relmse"]))
     (alone, flicker), (left, less) = pairs
     return [view.name, spp, pages.three(alone), pages.three(left), pages.hundredths(alone / left), pages.three(flicker),
@@ -235,7 +242,7 @@ def denoise_harm(bench):
         gains = {}
         for spp in spps:
             noisy = [render(spp, seed, *BUFFERS).out for seed in range(1, s.seeds + 1)]
-            pairs = [(reference.off(n)["relmse"], reference.off(bench.store.run("exrdenoise", n).out)["relmse"])
+            pairs = [(reference.off(n)["relmse"], reference.off(bench.store.run("exrdenoise", n, "--denoiser", "regression").out)["relmse"])
                      for n in noisy]
             gains[spp] = paired([a / b for a, b in pairs])
         bench.say(name + "  " + "  ".join(gains[spp].text(pages.hundredths) for spp in spps))

@@ -13,23 +13,28 @@ namespace {
 constexpr std::array kPilotBandwidth{0.5f};
 constexpr std::array kBandwidths{0.25f, 0.5f, 1.0f};
 constexpr int kPilotPatch = 3, kPatch = 1;
+// How often the picture is halved, and the least side of what is halved [pixels].
+constexpr int kHalvings = 2, kLeastSide = 16;
 // The light is filtered after division by the albedo plus this.
 constexpr float kAlbedoOffset = 0.5f;
-// Deviations of filters [pixels]: of variances, of errors, of what is chosen, of brightness, of
-// the error that is told.
-constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kChoiceSmoothing = 2,
-                 kBrightnessSmoothing = 2, kMapSmoothing = 5;
-// The noisy pixel counts only as far as the filter's error is so many standard errors above 0.
-constexpr double kCertain = 3;
-// It then counts as if the error were so many times as large: errors lie on few of the pixels over
-// which they are averaged.
-constexpr double kFew = 3;
+// Deviations of filters [pixels]: of variances, of errors, of noise that tells how certain they
+// are, of what is chosen, of brightness, of the error that is told.
+constexpr double kVarianceSmoothing = 1.5, kErrorSmoothing = 3, kNoiseSmoothing = 9,
+                 kChoiceSmoothing = 2, kBrightnessSmoothing = 2, kMapSmoothing = 5;
+// By so many standard errors a finer resolution, the noisy pixel, and our own filter beside a guest
+// must be better to be taken. The guest of all samples is better than its halves tell.
+constexpr double kCertainDetail = 4, kCertainNoisy = 10, kCertainOwn = 2;
+
 // How many times as bright as itself a pixel's neighbours count, and what is added to brightness,
 // of the mean radiance.
 constexpr float kBrighter = 2, kDim = 0.01f;
 constexpr double kDark = 0.01;       // as in relMSE
 constexpr float kBrightest = 1e12f;  // over the mean of this picture; only other frames have it
-constexpr double kUntold = 1.5;      // see the header
+// The error is told of pictures with so many tiles, and so few outliers for each pixel; the truth
+// is within that factor of it.
+constexpr int kTile = 16;  // [pixels]
+constexpr size_t kFewestTiles = 8;
+constexpr double kMostOutliers = 0.01, kWithin = 2, kUntold = 1.25;
 
 struct Halves {
   Colour a, b;
@@ -86,6 +91,11 @@ void by_albedo(Colour& colour, Albedo how, const Features& features) {
     }
 }
 
+void divide_by_albedo(Shot& shot) {
+  by_albedo(shot.a, Albedo::divide, shot.features);
+  by_albedo(shot.b, Albedo::divide, shot.features);
+}
+
 // The light of a frame's halves, and crude estimates of them.
 struct Light {
   Halves noisy;
@@ -97,49 +107,118 @@ struct Light {
 Light light_of(Size size, const Shot& shot) {
   const auto share_a = static_cast<float>(shot.share_a);
   Halves noisy{shot.a, shot.b};
-  by_albedo(noisy.a, Albedo::divide, shot.features);
-  by_albedo(noisy.b, Albedo::divide, shot.features);
   Colour variance_a = differences(size, noisy, 1 - share_a);
   Colour variance_b = differences(size, noisy, share_a);
   return {std::move(noisy), std::move(variance_a), std::move(variance_b)};
 }
 
+// Tells by the halves which of two estimates is nearer to the truth. All is light.
+class Judge {
+ public:
+  /// `light`: mean radiance. Keeps a reference to the noisy halves.
+  Judge(Size size, const Halves& noisy, double share_a, const Features& features, double light)
+      : size_(size), share_a_(static_cast<float>(share_a)), noisy_(noisy) {
+    // Squared errors are relative to the brightness around, as in relMSE.
+    per_ = mean(noisy, share_a_);
+    by_albedo(per_, Albedo::multiply, features);
+    for (Plane& plane : per_) {
+      plane = smooth(plane, size_, kBrightnessSmoothing);
+      for (float& v : plane) {
+        const auto bright = static_cast<double>(v);
+        v = static_cast<float>(1 / (3 * (bright * bright + kDark * light * light)));
+      }
+    }
+    by_albedo(per_, Albedo::multiply, features);
+    by_albedo(per_, Albedo::multiply, features);
+    noise_.resize(size.pixels());
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < noise_.size(); ++i) {
+        const float apart = noisy.a[c][i] - noisy.b[c][i];
+        noise_[i] += per_[c][i] * share_a_ * (1 - share_a_) * (apart * apart);
+      }
+    noise_ = smooth(noise_, size_, kNoiseSmoothing);
+  }
+
+  // The share w of the way from one estimate, f, to another, f + d, that has the least error around
+  // each pixel, itself left out: its own noise would favour the estimate that happens to be near
+  // it. The error is quadratic in w:
+  //   w = (x - certain^2 v / x) / y   if x > certain sqrt(v), else 0;  at most 1
+  // x the products of d with what f lacks, y the squares of d, v the variance of x. So what differs
+  // from f by chance is not taken [as James and Stein's estimator].
+  Plane share(const Halves& from, const Halves& to, double certain) const {
+    const float s_a = share_a_, s_b = 1 - share_a_;
+    Plane gain(size_.pixels()), squares(size_.pixels());
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < gain.size(); ++i) {
+        const float d_a = to.a[c][i] - from.a[c][i], d_b = to.b[c][i] - from.b[c][i];
+        const float d = s_a * d_a + s_b * d_b;
+        gain[i] += per_[c][i] * (s_a * (noisy_.b[c][i] - from.a[c][i]) * d_a +
+                                 s_b * (noisy_.a[c][i] - from.b[c][i]) * d_b +
+                                 s_a * s_b * (from.a[c][i] - from.b[c][i]) * (d_a - d_b));
+        squares[i] += per_[c][i] * (d * d);
+      }
+    gain = smooth_others(gain, size_, kErrorSmoothing);
+    squares = smooth(squares, size_, kErrorSmoothing);
+    // Number of pixels that the smoothing averages.
+    const double n = 4 * std::numbers::pi * kErrorSmoothing * kErrorSmoothing;
+    for (size_t i = 0; i < gain.size(); ++i) {
+      const auto x = static_cast<double>(gain[i]), y = static_cast<double>(squares[i]);
+      const double v = certain * certain * y * static_cast<double>(noise_[i]) / n;
+      gain[i] = x > 0 && y > 0 ? static_cast<float>(std::clamp((x - v / x) / y, 0.0, 1.0)) : 0.0f;
+    }
+    return gain;
+  }
+
+  // Unbiased, of one channel of a pixel.
+  float squared_error(const Halves& f, size_t c, size_t i) const {
+    const float s_a = share_a_, s_b = 1 - share_a_;
+    const float noise = noisy_.a[c][i] - noisy_.b[c][i];
+    const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
+    const float off_a = f.a[c][i] - noisy_.b[c][i], off_b = f.b[c][i] - noisy_.a[c][i];
+    const float apart = f.a[c][i] - f.b[c][i];
+    return s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) - s_a * s_b * (apart * apart);
+  }
+
+ private:
+  const Size size_;
+  const float share_a_;
+  const Halves& noisy_;
+  Colour per_;   // factors of squared errors
+  Plane noise_;  // relative variance of the noise
+};
+
+void move_toward(Halves& from, const Halves& to, const Plane& share) {
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < share.size(); ++i) {
+      from.a[c][i] += share[i] * (to.a[c][i] - from.a[c][i]);
+      from.b[c][i] += share[i] * (to.b[c][i] - from.b[c][i]);
+    }
+}
+
+// Filters a part of a picture, of which shots are light, at one resolution.
 class Filter {
  public:
   Filter(Input in, double light)
       : in_(std::move(in)),
         size_(in_.size),
-        share_a_(static_cast<float>(in_.shot.share_a)),
-        light_(light),
-        noise_{in_.shot.a, in_.shot.b} {}
+        least_(static_cast<float>(1e-10 * light * light)),
+        noisy_{in_.shot.a, in_.shot.b},
+        judge_(size_, noisy_, in_.shot.share_a, in_.shot.features, light) {}
 
-  /// The picture, and about its squared relative error around each pixel.
-  struct Estimate {
-    Colour picture;
-    Plane error;
-  };
-  Estimate run() {
-    weigh_errors();
-    make_candidates();
-    Plane error;
-    Halves best = choose(error);
-    mix_with_noisy(best);
-    return {mean(best, share_a_), smooth(error, size_, kMapSmoothing)};
+  // From the widest bandwidth on as far as the narrower ones are better.
+  Halves run() const {
+    const std::vector<Light> lights = make_pilots();
+    auto a = candidates(lights, &Halves::a), b = candidates(lights, &Halves::b);
+    Halves best{std::move(a.back()), std::move(b.back())};
+    for (size_t k = a.size() - 1; k-- > 0;) {
+      const Halves narrower{std::move(a[k]), std::move(b[k])};
+      const Plane share = judge_.share(best, narrower, 0);
+      move_toward(best, narrower, smooth(share, size_, kChoiceSmoothing));
+    }
+    return best;
   }
 
  private:
-  // Squared errors are relative to the brightness around, as in relMSE.
-  void weigh_errors() {
-    per_ = mean(noise_, share_a_);
-    for (Plane& plane : per_) {
-      plane = smooth(plane, size_, kBrightnessSmoothing);
-      for (float& v : plane) {
-        const auto bright = static_cast<double>(v);
-        v = static_cast<float>(1 / (3 * (bright * bright + kDark * light_ * light_)));
-      }
-    }
-  }
-
   const Shot& shot(size_t k) const { return k == 0 ? in_.shot : in_.neighbours[k - 1].shot; }
   const Plane& present(size_t k) const {
     static const Plane all;
@@ -147,7 +226,9 @@ class Filter {
   }
 
   // Of each frame, from all of them.
-  void make_pilots(std::vector<Light>& lights, float least) const {
+  std::vector<Light> make_pilots() const {
+    std::vector<Light> lights;
+    for (size_t k = 0; k <= in_.neighbours.size(); ++k) lights.push_back(light_of(size_, shot(k)));
     std::vector<Source> a, b;
     for (size_t k = 0; k < lights.size(); ++k) {
       const Light& l = lights[k];
@@ -165,137 +246,35 @@ class Filter {
         of_b.push_back(b[i]);
       }
       Light& l = lights[k];
-      l.pilot.a = std::move(regressions(size_, of_a, {kPilotPatch, least}, kPilotBandwidth)[0]);
-      l.pilot.b = std::move(regressions(size_, of_b, {kPilotPatch, least}, kPilotBandwidth)[0]);
+      l.pilot.a = std::move(regressions(size_, of_a, {kPilotPatch, least_}, kPilotBandwidth)[0]);
+      l.pilot.b = std::move(regressions(size_, of_b, {kPilotPatch, least_}, kPilotBandwidth)[0]);
       l.rest = differences(size_, l.pilot, 0.5f);
     }
+    return lights;
   }
 
-  // Estimates of both halves with all bandwidths.
-  void make_candidates() {
-    const auto least = static_cast<float>(1e-10 * light_ * light_);
-    std::vector<Light> lights;
-    for (size_t k = 0; k <= in_.neighbours.size(); ++k) lights.push_back(light_of(size_, shot(k)));
-    make_pilots(lights, least);
-    std::vector<Source> sources_a, sources_b;
+  // Estimates of one half with all bandwidths.
+  std::vector<Colour> candidates(const std::vector<Light>& lights, Colour Halves::*half) const {
+    std::vector<Source> sources;
     for (size_t k = 0; k < lights.size(); ++k) {
       const Light& l = lights[k];
-      const Features& f = shot(k).features;
-      sources_a.push_back({l.noisy.a, f, l.pilot.a, l.rest, l.variance_a, present(k)});
-      sources_b.push_back({l.noisy.b, f, l.pilot.b, l.rest, l.variance_b, present(k)});
+      const Colour& tolerance = half == &Halves::a ? l.variance_a : l.variance_b;
+      sources.push_back(
+          {l.noisy.*half, shot(k).features, l.pilot.*half, l.rest, tolerance, present(k)});
     }
-    auto a = regressions(size_, sources_a, {kPatch, least}, kBandwidths);
-    auto b = regressions(size_, sources_b, {kPatch, least}, kBandwidths);
-    for (size_t k = 0; k < kBandwidths.size(); ++k) {
-      by_albedo(a[k], Albedo::multiply, in_.shot.features);
-      by_albedo(b[k], Albedo::multiply, in_.shot.features);
-      candidates_.push_back({std::move(a[k]), std::move(b[k])});
-    }
-  }
-
-  // Unbiased, of one channel of a pixel.
-  float squared_error(const Halves& f, size_t c, size_t i) const {
-    const float s_a = share_a_, s_b = 1 - share_a_;
-    const float noise = noise_.a[c][i] - noise_.b[c][i];
-    const float v_a = s_b * (noise * noise), v_b = s_a * (noise * noise);
-    const float off_a = f.a[c][i] - noise_.b[c][i], off_b = f.b[c][i] - noise_.a[c][i];
-    const float apart = f.a[c][i] - f.b[c][i];
-    return s_a * (off_a * off_a - v_b) + s_b * (off_b * off_b - v_a) - s_a * s_b * (apart * apart);
-  }
-  Plane squared_error(const Halves& f) const {
-    Plane error(size_.pixels());
-    for (size_t c = 0; c < 3; ++c)
-      for (size_t i = 0; i < error.size(); ++i) error[i] += per_[c][i] * squared_error(f, c, i);
-    return error;
-  }
-  // Of a pixel, relative to the estimate itself.
-  float relative_error(const Halves& f, size_t i) const {
-    double error = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      const double bright = static_cast<double>(share_a_ * f.a[c][i] + (1 - share_a_) * f.b[c][i]);
-      error += static_cast<double>(squared_error(f, c, i)) /
-               (3 * (bright * bright + kDark * light_ * light_));
-    }
-    return static_cast<float>(error);
-  }
-  // The same of the noisy picture.
-  Plane noise_error() const {
-    Plane error(size_.pixels());
-    for (size_t c = 0; c < 3; ++c)
-      for (size_t i = 0; i < error.size(); ++i) {
-        const float noise = noise_.a[c][i] - noise_.b[c][i];
-        error[i] += per_[c][i] * (share_a_ * (1 - share_a_) * (noise * noise));
-      }
-    return error;
-  }
-
-  // The bandwidth with the least error around each pixel, itself left out: its own noise would
-  // favour the estimate that happens to be near it. `told`: relative_error() of what is chosen.
-  Halves choose(Plane& told) {
-    std::vector<Plane> errors, chosen(candidates_.size(), Plane(size_.pixels()));
-    for (const Halves& candidate : candidates_)
-      errors.push_back(smooth_others(squared_error(candidate), size_, kErrorSmoothing));
-    told.resize(size_.pixels());
-    for (size_t i = 0; i < size_.pixels(); ++i) {
-      size_t best = 0;
-      for (size_t k = 1; k < errors.size(); ++k)
-        if (errors[k][i] < errors[best][i]) best = k;
-      chosen[best][i] = 1;
-      told[i] = relative_error(candidates_[best], i);
-    }
-    Halves all;
-    for (size_t c = 0; c < 3; ++c) {
-      all.a[c].resize(size_.pixels());
-      all.b[c].resize(size_.pixels());
-    }
-    for (size_t k = 0; k < candidates_.size(); ++k) {
-      const Plane share = smooth(chosen[k], size_, kChoiceSmoothing);
-      for (size_t c = 0; c < 3; ++c)
-        for (size_t i = 0; i < size_.pixels(); ++i) {
-          all.a[c][i] += share[i] * candidates_[k].a[c][i];
-          all.b[c][i] += share[i] * candidates_[k].b[c][i];
-        }
-      candidates_[k] = {};
-    }
-    return all;
-  }
-
-  // The combination of filter and noisy pixel with the least error, where the filter's error is
-  // certain.
-  void mix_with_noisy(Halves& f) const {
-    Plane squares = squared_error(f);
-    const Plane error = smooth(squares, size_, kErrorSmoothing);
-    for (float& v : squares) v *= v;
-    squares = smooth(squares, size_, kErrorSmoothing);
-    const Plane noise = smooth(noise_error(), size_, kErrorSmoothing);
-    // Number of pixels that the smoothing averages.
-    const double n = 4 * std::numbers::pi * kErrorSmoothing * kErrorSmoothing;
-    for (size_t i = 0; i < error.size(); ++i) {
-      const auto e = static_cast<double>(error[i]), v = static_cast<double>(noise[i]);
-      const double deviation =
-          std::sqrt(std::max(0.0, static_cast<double>(squares[i]) - e * e) / n);
-      const double sure = kFew * (e - kCertain * deviation);
-      if (!(sure > 0)) continue;
-      const auto share = static_cast<float>(sure / (sure + v));
-      for (size_t c = 0; c < 3; ++c) {
-        f.a[c][i] += share * (noise_.a[c][i] - f.a[c][i]);
-        f.b[c][i] += share * (noise_.b[c][i] - f.b[c][i]);
-      }
-    }
+    return regressions(size_, sources, {kPatch, least_}, kBandwidths);
   }
 
   const Input in_;
   const Size size_;
-  const float share_a_;
-  const double light_;  // mean radiance of the picture
-  const Halves noise_;
-  Colour per_;  // factors of squared errors
-  std::vector<Halves> candidates_;
+  const float least_;
+  const Halves noisy_;
+  const Judge judge_;
 };
 
-// How far apart two pixels can be that affect each other: filters reach three deviations, medians
-// one pixel.
-constexpr int kHalo = 2 * (5 + 1) + (kReach + kPilotPatch) + (kReach + kPatch) + 2 * 9 + 6;
+// How far apart two pixels can be that affect each other at one resolution: filters reach three
+// deviations, medians one pixel.
+constexpr int kHalo = 2 * (5 + 1) + (kReach + kPilotPatch) + (kReach + kPatch) + 2 * (9 + 6);
 
 // A part of the input, with its halo as far as the picture goes.
 struct Block {
@@ -355,6 +334,80 @@ void put(const Plane& from, const Block& block, Plane& picture, Size size) {
   }
 }
 
+Halves in_blocks(const Input& input, double light, int block) {
+  const Size size = input.size;
+  Halves all;
+  for (Colour* half : {&all.a, &all.b}) half->fill(Plane(size.pixels()));
+  const int across = (size.width + block - 1) / block, down = (size.height + block - 1) / block;
+  for (int i = 0; i < across * down; ++i) {
+    const auto edge = [](int64_t k, int of, int length) {
+      return static_cast<int>(k * length / of);
+    };
+    const int x = edge(i % across, across, size.width), y = edge(i / across, down, size.height);
+    const Block some = block_of(size, x, y, edge(i % across + 1, across, size.width) - x,
+                                edge(i / across + 1, down, size.height) - y);
+    const Halves estimate = Filter(part(input, some), light).run();
+    for (size_t c = 0; c < 3; ++c) {
+      put(estimate.a[c], some, all.a[c], size);
+      put(estimate.b[c], some, all.b[c], size);
+    }
+  }
+  return all;
+}
+
+Colour halved(const Colour& colour, Size size) {
+  return {halved(colour[0], size), halved(colour[1], size), halved(colour[2], size)};
+}
+Shot halved(const Shot& shot, Size size) {
+  Shot half{halved(shot.a, size), halved(shot.b, size), shot.share_a, {}};
+  for (size_t f = 0; f < kFeatures; ++f) half.features[f] = halved(shot.features[f], size);
+  return half;
+}
+Input halved(const Input& input) {
+  Input half{half_of(input.size), halved(input.shot, input.size)};
+  for (const Neighbour& n : input.neighbours) {
+    Neighbour small{halved(n.shot, input.size), halved(n.present, input.size)};
+    for (float& v : small.present) v = v < 1 ? 0.0f : 1.0f;
+    half.neighbours.push_back(std::move(small));
+  }
+  return half;
+}
+
+// Gives a plane the brightness of a coarse one, and keeps its details: a factor, which leaves what
+// is dark beside a lamp dark.
+void follow(Plane& fine, const Plane& small, const Plane& coarse, const Plane& share, Size size) {
+  Plane change(small.size());
+  for (size_t i = 0; i < change.size(); ++i)
+    change[i] = (1 - share[i]) * ((coarse[i] + kDim) / (small[i] + kDim) - 1);
+  change = doubled(change, size);
+  for (size_t i = 0; i < fine.size(); ++i)
+    fine[i] = std::max(fine[i] + (fine[i] + kDim) * change[i], 0.0f);
+}
+
+// A picture, of which shots are light, at one resolution and at half of it, and so on. Where there
+// are no details that are certain, the coarser one tells the brightness: its noise is less.
+Halves filtered(const Input& input, double light, int block, int halvings) {
+  const Size size = input.size;
+  const Halves noisy{input.shot.a, input.shot.b};
+  Halves best = in_blocks(input, light, block);
+  if (halvings > 0 && std::min(size.width, size.height) >= kLeastSide) {
+    const Input half = halved(input);
+    const Halves coarse = filtered(half, light, block, halvings - 1);
+    const Halves small{halved(best.a, size), halved(best.b, size)};
+    const Halves noise{half.shot.a, half.shot.b};
+    const Judge judge(half.size, noise, half.shot.share_a, half.shot.features, light);
+    const Plane share =
+        smooth(judge.share(coarse, small, kCertainDetail), half.size, kChoiceSmoothing);
+    for (size_t c = 0; c < 3; ++c) {
+      follow(best.a[c], small.a[c], coarse.a[c], share, size);
+      follow(best.b[c], small.b[c], coarse.b[c], share, size);
+    }
+  }
+  const Judge judge(size, noisy, input.shot.share_a, input.shot.features, light);
+  move_toward(best, noisy, judge.share(best, noisy, kCertainNoisy));
+  return best;
+}
+
 // Divides all light by a power of two, so that the mean is about 1 and squares are in the range of
 // floats. Returns the exponent.
 int normalise(Input& input) {
@@ -368,15 +421,90 @@ int normalise(Input& input) {
         for (float& v : plane) v = std::min(std::ldexp(v, -exponent), kBrightest);
   };
   divide(input.shot);
+  if (input.guest)
+    for (Colour* colour : {&input.guest->a, &input.guest->b, &input.guest->all})
+      for (Plane& plane : *colour)
+        for (float& v : plane) v = std::clamp(std::ldexp(v, -exponent), 0.0f, kBrightest);
   for (Neighbour& n : input.neighbours) divide(n.shot);
   return exponent;
 }
 
-// Makes squares errors, with kUntold. Returns the mean of the squares, at least 0.
-double take_roots(Plane& error) {
-  const double mean_square = kUntold * mean_of(error);
-  for (float& v : error) v = std::sqrt(static_cast<float>(kUntold) * std::max(v, 0.0f));
-  return std::max(mean_square, 0.0);
+// Of each pixel, relative to the estimate itself: its squared error, and the variance of the
+// estimate, both by the halves.
+struct Squares {
+  Plane error, variance;
+};
+Squares squares_of(const Input& input, const Halves& f, double light) {
+  const Halves noisy{input.shot.a, input.shot.b};
+  const auto share_a = static_cast<float>(input.shot.share_a);
+  const Judge judge(input.size, noisy, input.shot.share_a, input.shot.features, light);
+  Squares all{Plane(input.size.pixels()), Plane(input.size.pixels())};
+  const Colour picture = mean(f, share_a);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < all.error.size(); ++i) {
+      const double albedo = static_cast<double>(input.shot.features[c][i] + kAlbedoOffset);
+      const double bright = albedo * static_cast<double>(picture[c][i]);
+      const auto per =
+          static_cast<float>(albedo * albedo / (3 * (bright * bright + kDark * light * light)));
+      const float apart = f.a[c][i] - f.b[c][i];
+      all.error[i] += per * judge.squared_error(f, c, i);
+      all.variance[i] += per * share_a * (1 - share_a) * apart * apart;
+    }
+  return all;
+}
+
+// Standard error of a plane's mean, by the means of tiles; nothing if those are few.
+std::optional<double> deviation_of_mean(const Plane& plane, Size size) {
+  const int across = size.width / kTile, down = size.height / kTile;
+  const auto count = static_cast<size_t>(across) * static_cast<size_t>(down);
+  if (count < kFewestTiles) return {};
+  std::vector<double> tiles(count);
+  for (int y = 0; y < down * kTile; ++y)
+    for (int x = 0; x < across * kTile; ++x)
+      tiles[static_cast<size_t>(y / kTile * across + x / kTile)] += static_cast<double>(
+          plane[static_cast<size_t>(y) * static_cast<size_t>(size.width) + static_cast<size_t>(x)]);
+  const auto n = static_cast<double>(count);
+  double mean = 0, squares = 0;
+  for (const double t : tiles) mean += t / n;
+  for (const double t : tiles) squares += (t - mean) * (t - mean);
+  return std::sqrt(squares) / (n * kTile * kTile);
+}
+
+// Tells what error is left [denoise.h], if that is known.
+void tell_error(const Squares& squares, Size size, Result& result) {
+  const std::optional<double> deviation = deviation_of_mean(squares.error, size);
+  if (!deviation ||
+      static_cast<double>(result.outliers) > kMostOutliers * static_cast<double>(size.pixels()))
+    return;
+  const double relmse =
+      kUntold * (std::max(mean_of(squares.error), 0.0) + mean_of(squares.variance)) +
+      *deviation / 2;
+  result.left = {relmse, relmse / kWithin, relmse * kWithin};
+  result.error = smooth(squares.error, size, kMapSmoothing);
+  const Plane variance = smooth(squares.variance, size, kMapSmoothing);
+  for (size_t i = 0; i < variance.size(); ++i)
+    result.error[i] = std::max(result.error[i], 0.0f) + variance[i];
+  const double sum = mean_of(result.error);
+  for (float& v : result.error)
+    v = sum > 0 ? std::sqrt(static_cast<float>(static_cast<double>(v) * relmse / sum)) : 0;
+}
+
+// Combines the halves, and their mean, with a guest's: the guest's where ours is not better.
+Colour with_guest(Guest& guest, const Input& input, double light, Halves& best) {
+  for (Colour* colour : {&guest.a, &guest.b, &guest.all})
+    by_albedo(*colour, Albedo::divide, input.shot.features);
+  const auto share_a = static_cast<float>(input.shot.share_a);
+  const Halves noisy{input.shot.a, input.shot.b};
+  const Judge judge(input.size, noisy, input.shot.share_a, input.shot.features, light);
+  Halves all{std::move(guest.a), std::move(guest.b)};
+  const Plane share = smooth(judge.share(all, best, kCertainOwn), input.size, kChoiceSmoothing);
+  Colour picture = mean(best, share_a);
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < share.size(); ++i)
+      picture[c][i] = guest.all[c][i] + share[i] * (picture[c][i] - guest.all[c][i]);
+  move_toward(all, best, share);
+  best = std::move(all);
+  return picture;
 }
 
 }  // namespace
@@ -386,31 +514,23 @@ Result denoise(Input input, int block) {
   Shot& shot = input.shot;
   const int exponent = normalise(input);
   const auto share_a = static_cast<float>(shot.share_a);
+  const Halves noisy{shot.a, shot.b};
   Result result;
-  result.picture = mean({shot.a, shot.b}, share_a);
-  const Colour noisy = result.picture;
-  result.error.resize(size.pixels());
-  const double light = mean_of(noisy);
+  result.picture = mean(noisy, share_a);
+  const double light = mean_of(result.picture);
   if (!(light > 0)) return result;  // black
   Outliers a = cut_outliers(size, shot.a, shot.b), b = cut_outliers(size, shot.b, shot.a);
   shot.a = std::move(a.rest);
   shot.b = std::move(b.rest);
   result.outliers = a.pixels + b.pixels;
-  result.outlier_energy = 1 - mean_of(mean({shot.a, shot.b}, share_a)) / light;
-  const int across = (size.width + block - 1) / block, down = (size.height + block - 1) / block;
-  for (int i = 0; i < across * down; ++i) {
-    const auto edge = [](int64_t k, int of, int length) {
-      return static_cast<int>(k * length / of);
-    };
-    const int x = edge(i % across, across, size.width), y = edge(i / across, down, size.height);
-    const Block some = block_of(size, x, y, edge(i % across + 1, across, size.width) - x,
-                                edge(i / across + 1, down, size.height) - y);
-    const Filter::Estimate estimate = Filter(part(input, some), light).run();
-    for (size_t c = 0; c < 3; ++c) put(estimate.picture[c], some, result.picture[c], size);
-    put(estimate.error, some, result.error, size);
-  }
-  result.relmse = take_roots(result.error);
-  restore_energy(size, noisy, result.picture);
+  divide_by_albedo(shot);
+  for (Neighbour& n : input.neighbours) divide_by_albedo(n.shot);
+  Halves best = filtered(input, light, block, kHalvings);
+  result.picture = input.guest ? with_guest(*input.guest, input, light, best) : mean(best, share_a);
+  tell_error(squares_of(input, best, light), size, result);
+  by_albedo(result.picture, Albedo::multiply, shot.features);
+  restore_light(size, noisy.a, noisy.b, share_a, result.picture);
+  result.left_out = std::max(1 - mean_of(result.picture) / light, 0.0);
   for (Plane& plane : result.picture)
     for (float& v : plane) v = std::ldexp(v, exponent);
   return result;

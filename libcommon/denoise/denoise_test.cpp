@@ -1,5 +1,8 @@
 #include "libcommon/denoise/denoise.h"
 
+#include <algorithm>
+#include <numbers>
+
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -28,27 +31,41 @@ TEST(Denoise, HalvesThatShareTheirNoiseAreNotFiltered) {
   EXPECT_LT(gain(picture, input), 1.1);
 }
 
-// With kUntold of 1.5; noise that the filter took away would be 20 times as much.
+// In nine of ten pictures. Noise that the filter took away would be 20 times as much.
 TEST(Denoise, TheErrorThatIsLeftIsTold) {
-  for (const double noise : {0.1, 0.3, 0.6}) {
-    const TestPicture picture;
-    const Input input = picture.halves(noise);
-    const Result result = denoise(input);
-    const double left = picture.error(result.picture);
-    EXPECT_GT(result.relmse, 0.5 * left) << noise;
-    EXPECT_LT(result.relmse, 2.5 * left) << noise;
-  }
+  int holds = 0;
+  for (const double noise : {0.1, 0.3, 0.6})
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+      const TestPicture picture;
+      const Result result = denoise(picture.halves(noise, seed));
+      ASSERT_TRUE(result.left) << noise;
+      const double left = picture.error(result.picture);
+      holds += left >= result.left->low && left <= result.left->high;
+    }
+  EXPECT_GE(holds, 27);
 }
 
-// Twin: halves that share half of their noise hide most of the error.
+// A tenth of the pixels are twenty times too bright, in either half: more light may be missing.
+TEST(Denoise, TheErrorBesideManyOutliersIsNotKnown) {
+  const TestPicture picture;
+  Input input = picture.halves(0.3);
+  for (size_t i = 0; i < TestPicture::kSize.pixels(); i += 10)
+    for (Plane& plane : (i % 20 ? input.shot.a : input.shot.b)) plane[i] *= 20;
+  const Result result = denoise(input);
+  EXPECT_FALSE(result.left);
+  EXPECT_TRUE(result.error.empty());
+}
+
+// Twin: halves that share nine tenths of their noise hide most of the error.
 TEST(Denoise, TheErrorOfHalvesThatShareNoiseIsNotTold) {
   const TestPicture picture;
   Input input = picture.halves(0.6);
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
-      input.shot.b[c][i] = 0.5f * (input.shot.a[c][i] + input.shot.b[c][i]);
+      input.shot.b[c][i] = 0.9f * input.shot.a[c][i] + 0.1f * input.shot.b[c][i];
   const Result result = denoise(input);
-  EXPECT_LT(result.relmse, 0.5 * picture.error(result.picture));
+  ASSERT_TRUE(result.left);
+  EXPECT_LT(result.left->high, picture.error(result.picture));
 }
 
 TEST(Denoise, TheErrorIsToldWhereItIs) {
@@ -98,12 +115,13 @@ TEST(Denoise, ALampHasNoHalo) {
   for (size_t i = 21 * 96; i < 26 * 96; ++i) EXPECT_LT(result.picture[1][i], 1.5f * kWall) << i;
 }
 
+// But for its own noise, about a hundredth of a pixel's.
 TEST(Denoise, TheMeanStays) {
   const TestPicture picture;
   for (const double noise : {0.1, 0.5, 1.0}) {
     const Input input = picture.halves(noise);
     const double before = TestPicture::mean(TestPicture::noisy(input));
-    EXPECT_NEAR(TestPicture::mean(denoise(input).picture) / before, 1, 1e-5) << noise;
+    EXPECT_NEAR(TestPicture::mean(denoise(input).picture) / before, 1, 0.02 * noise) << noise;
   }
 }
 
@@ -119,21 +137,99 @@ TEST(Denoise, TheNoisyPictureReturnsAsNoiseVanishes) {
   for (const double noise : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001}) {
     TestPicture picture;
     const Input input = hidden_pattern(picture, noise);
-    EXPECT_GT(gain(picture, input), 0.95) << noise;
+    EXPECT_GT(gain(picture, input), 0.75) << noise;
   }
 }
 
-TEST(Denoise, AnOutlierIsSpreadAndItsEnergyKept) {
+// The light of one path, 7 % of all: nobody may see where it was.
+TEST(Denoise, OnePathLeavesNoGlowAndIsTold) {
   const TestPicture picture;
   Input input = picture.halves(0.1);
-  const size_t pixel = 20 * 96 + 50;
-  for (Plane& plane : input.shot.a) plane[pixel] *= 400;
+  const Result without = denoise(input);
+  constexpr size_t kX = 50, kY = 20;
+  const double all =
+      TestPicture::mean(picture.truth) * static_cast<double>(picture.truth[0].size());
+  for (Plane& plane : input.shot.a) plane[kY * 96 + kX] += static_cast<float>(2 * 0.07 * all);
   const Result result = denoise(input);
   EXPECT_EQ(result.outliers, 1);
-  EXPECT_GT(result.outlier_energy, 0.01);  // a filter that lost it would miss the mean below
-  const double before = TestPicture::mean(TestPicture::noisy(input));
-  EXPECT_NEAR(TestPicture::mean(result.picture) / before, 1, 1e-5);
-  EXPECT_LT(result.picture[1][pixel], 2 * picture.truth[1][pixel]);
+  EXPECT_NEAR(result.left_out, 0.07 / 1.07, 0.01);
+  // Within so many pixels of it, from ring to ring.
+  for (const int outer : {2, 4, 8, 16}) {
+    double after = 0, before = 0;
+    for (size_t i = 0; i < picture.truth[0].size(); ++i) {
+      const double away =
+          std::hypot(static_cast<double>(i % 96) - kX, static_cast<double>(i / 96) - kY);
+      if (away > outer || away <= outer / 2) continue;
+      after += static_cast<double>(result.picture[1][i]);
+      before += static_cast<double>(without.picture[1][i]);
+    }
+    EXPECT_NEAR(after / before, 1, 0.03) << outer;
+  }
+}
+
+// Power of what is wrong along the axes, less that along the diagonals, in waves of 4 to 8 pixels:
+// 0 of what has no direction, more of a weave.
+double weave(const Plane& wrong, int side) {
+  double power[2] = {};
+  for (int wave = side / 8; wave <= side / 4; ++wave)
+    for (const bool diagonal : {false, true})
+      for (const bool other : {false, true}) {
+        const double k = wave * 2 * std::numbers::pi / side * (diagonal ? std::sqrt(0.5) : 1);
+        const double u = diagonal || other ? k : 0, v = diagonal ? (other ? -k : k) : other ? 0 : k;
+        double cosines = 0, sines = 0;
+        for (int y = 0; y < side; ++y)
+          for (int x = 0; x < side; ++x) {
+            const double w = static_cast<double>(wrong[static_cast<size_t>(y * side + x)]) *
+                             std::pow(std::sin(std::numbers::pi * (x + 0.5) / side) *
+                                          std::sin(std::numbers::pi * (y + 0.5) / side),
+                                      2);
+            cosines += w * std::cos(u * x + v * y);
+            sines += w * std::sin(u * x + v * y);
+          }
+        power[diagonal] += cosines * cosines + sines * sines;
+      }
+  return power[0] - power[1];
+}
+
+// A flat wall in noise with rare bright samples. Twin: means of 13 x 13 pixels, which have a weave.
+TEST(Denoise, AWallIsNoCloth) {
+  constexpr int kSide = 96;
+  const Size size{kSide, kSide};
+  Input input{size, {}};
+  for (Colour* half : {&input.shot.a, &input.shot.b})
+    for (Plane& plane : *half)
+      for (size_t i = 0; i < size.pixels(); ++i) {
+        const double u = unit_double(mix64(mix64(i) + (half == &input.shot.a)));
+        plane.push_back(u < 0.1 ? static_cast<float>(-10 * std::log(1 - 10 * u)) : 0);
+      }
+  for (Plane& plane : input.shot.features) plane.assign(size.pixels(), 0.5f);
+  Plane boxes(size.pixels());
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      for (int d = 0; d < 169; ++d) {
+        const int u = std::clamp(x + d % 13 - 6, 0, kSide - 1),
+                  v = std::clamp(y + d / 13 - 6, 0, kSide - 1);
+        const auto beside = static_cast<size_t>(v * kSide + u);
+        boxes[static_cast<size_t>(y * kSide + x)] +=
+            (input.shot.a[1][beside] + input.shot.b[1][beside]) / (2 * 169);
+      }
+  const auto is_cloth = [&](const Plane& wall) { return weave(wall, kSide) > 400; };
+  EXPECT_FALSE(is_cloth(denoise(input).picture[1]));
+  EXPECT_TRUE(is_cloth(boxes));
+}
+
+TEST(Denoise, AGuestIsTakenWhereItIsBetter) {
+  const TestPicture picture;
+  Input input = picture.halves(0.5);
+  const double alone = picture.error(denoise(input).picture);
+  // Good on the left, wrong on the right.
+  Colour guest = picture.truth;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t i = 0; i < guest[c].size(); ++i)
+      if (i % 96 >= 48) guest[c][i] = 1;
+  EXPECT_GT(picture.error(guest), 10 * alone);
+  input.guest = {guest, guest, guest};
+  EXPECT_LT(picture.error(denoise(input).picture), 0.8 * alone);
 }
 
 TEST(Denoise, AHighlightStays) {
@@ -152,7 +248,6 @@ TEST(Denoise, BlocksAndThreadsDoNotShow) {
   const Colour& whole = all.picture;
   EXPECT_EQ(parts.picture, whole);
   EXPECT_EQ(parts.error, all.error);
-  EXPECT_EQ(parts.relmse, all.relmse);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(denoise(input).picture, whole);
 }
@@ -200,7 +295,6 @@ TEST(Denoise, BlocksDoNotShowWithFrames) {
   const Result parts = denoise(input, 31), whole = denoise(input);
   EXPECT_EQ(parts.picture, whole.picture);
   EXPECT_EQ(parts.error, whole.error);
-  EXPECT_EQ(parts.relmse, whole.relmse);
 }
 
 TEST(Denoise, UnitsOfLightDoNotMatter) {

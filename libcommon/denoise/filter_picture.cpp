@@ -44,28 +44,6 @@ double share_present(const std::vector<Neighbour>& neighbours) {
   return static_cast<double>(pixels) / static_cast<double>(all);
 }
 
-// Replaces the pixels of `picture`, by the halves, and returns the errors.
-Plane filter_by_regression(const Buffers& buffers, std::span<const NamedPicture> frames,
-                           Picture& picture, Filtered& filtered) {
-  Input input{buffers.size(), buffers.shot(filtered.has_features)};
-  filtered.denoiser = kKinds[0];
-  filtered.share_a = input.shot.share_a;
-  if (!frames.empty()) {
-    const Shot calm = without_outliers(buffers.size(), input.shot);
-    const View view = buffers.view();
-    for (const NamedPicture& frame : frames)
-      input.neighbours.push_back(neighbour_of(frame, calm, view));
-    filtered.seen_elsewhere = share_present(input.neighbours);
-  }
-  Result result = denoise(std::move(input));
-  for (size_t i = 0; i < picture.pixels.size(); ++i)
-    picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
-  filtered.outliers = result.outliers;
-  filtered.outlier_energy = result.outlier_energy;
-  filtered.relmse = result.relmse;
-  return std::move(result.error);
-}
-
 // Three channels; empty if one is missing.
 std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
   std::array<Plane, 3> planes;
@@ -76,10 +54,56 @@ std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
   return all;
 }
 
+// Of all samples and of the halves; nothing where it is not installed or does not run.
+std::optional<Guest> guest_of(const Buffers& buffers, const Shot& shot, std::string& name) try {
+  OpenImageDenoise oidn;
+  const std::vector<Rgb> albedo = triples(buffers, 0), normal = triples(buffers, 3);
+  const auto filtered = [&](const Colour& noisy) {
+    Picture picture{buffers.size().width, buffers.size().height, {}};
+    for (size_t i = 0; i < noisy[0].size(); ++i)
+      picture.pixels.emplace_back(noisy[0][i], noisy[1][i], noisy[2][i]);
+    Colour planes;
+    for (const Rgb& p : oidn.filter(picture, albedo, normal))
+      for (size_t c = 0; c < 3; ++c) planes[c].push_back(p[static_cast<int>(c)]);
+    return planes;
+  };
+  Guest guest{filtered(shot.a), filtered(shot.b), filtered(buffers.light())};
+  name = fmt::format("{} {}", kKinds[2], oidn.version());
+  return guest;
+} catch (const Error&) {
+  return {};
+}
+
+// Replaces the pixels of `picture`, by the halves, and returns the errors.
+Plane filter_by_regression(const Buffers& buffers, Kind kind, std::span<const NamedPicture> frames,
+                           Picture& picture, Filtered& filtered) {
+  Input input{buffers.size(), buffers.shot(filtered.has_features)};
+  filtered.denoiser = kKinds[1];
+  filtered.share_a = input.shot.share_a;
+  if (!frames.empty()) {
+    const Shot calm = without_outliers(buffers.size(), input.shot);
+    const View view = buffers.view();
+    for (const NamedPicture& frame : frames)
+      input.neighbours.push_back(neighbour_of(frame, calm, view));
+    filtered.seen_elsewhere = share_present(input.neighbours);
+  } else if (kind == Kind::automatic) {
+    std::string guest;
+    input.guest = guest_of(buffers, input.shot, guest);
+    if (input.guest) filtered.denoiser += " + " + guest;
+  }
+  Result result = denoise(std::move(input));
+  for (size_t i = 0; i < picture.pixels.size(); ++i)
+    picture.pixels[i] = {result.picture[0][i], result.picture[1][i], result.picture[2][i]};
+  filtered.outliers = result.outliers;
+  filtered.left_out = result.left_out;
+  filtered.left = result.left;
+  return std::move(result.error);
+}
+
 void filter_by_oidn(const Buffers& buffers, Picture& picture, Filtered& filtered) {
   buffers.light();  // throws for what is none
   OpenImageDenoise oidn;
-  filtered.denoiser = fmt::format("{} {}", kKinds[1], oidn.version());
+  filtered.denoiser = fmt::format("{} {}", kKinds[2], oidn.version());
   const std::vector<Rgb> albedo = triples(buffers, 0);
   filtered.has_features = !albedo.empty();
   picture.pixels = oidn.filter(picture, albedo, triples(buffers, 3));
@@ -118,22 +142,34 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name) {
 }
 
 Kind kind_of(const std::string& name) {
-  return name == kKinds[1] ? Kind::oidn : Kind::regression;
+  const auto found = std::find(kKinds.begin(), kKinds.end(), name);
+  return static_cast<Kind>(found == kKinds.end() ? 0 : found - kKinds.begin());
+}
+
+std::string words_of(const std::optional<ErrorLeft>& left) {
+  if (!left) return "how far it is from the truth cannot be told from so few samples";
+  return fmt::format("relMSE {}, {} to {}", number_words(left->relmse, 2),
+                     number_words(left->low, 2), number_words(left->high, 2));
 }
 
 std::string sentence_of(const Filtered& filtered) {
-  if (filtered.denoiser.starts_with(kKinds[1]))
-    return fmt::format("filtered by Open Image Denoise{}, no longer unbiased",
-                       filtered.denoiser.substr(std::string_view(kKinds[1]).size()));
-  std::string words = "filtered, no longer unbiased";
-  if (filtered.relmse > 0) words += ", relMSE about " + number_words(filtered.relmse, 2);
+  const size_t oidn = filtered.denoiser.find(kKinds[2]);
+  const std::string guest =
+      oidn == std::string::npos
+          ? ""
+          : " Open Image Denoise" +
+                filtered.denoiser.substr(oidn + std::string_view(kKinds[2]).size());
+  if (oidn == 0) return fmt::format("filtered by{}, no longer unbiased", guest);
+  std::string words =
+      fmt::format("filtered{}, no longer unbiased: {}",
+                  guest.empty() ? "" : ", with the help of" + guest, words_of(filtered.left));
   if (filtered.seen_elsewhere > 0)
     words += fmt::format("; other frames show {} % of it",
                          number_words(100 * filtered.seen_elsewhere, 2));
   if (filtered.outliers > 0)
-    words += fmt::format("; the light of {} ({} % of all) was spread",
+    words += fmt::format("; {} dimmed ({} % of the light is left out)",
                          counted(filtered.outliers, "outlier"),
-                         number_words(100 * filtered.outlier_energy, 2));
+                         number_words(100 * filtered.left_out, 2));
   return words;
 }
 
@@ -150,7 +186,7 @@ Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind,
   if (kind == Kind::oidn)
     filter_by_oidn(buffers, picture, filtered);
   else
-    error = filter_by_regression(buffers, frames, picture, filtered);
+    error = filter_by_regression(buffers, kind, frames, picture, filtered);
   file.channels.erase(kErrorChannel);
   if (!error.empty()) file.channels[kErrorChannel] = std::move(error);
   noisy.alpha.clear();

@@ -52,7 +52,7 @@ TEST(FilterPicture, KeepsWhatWasRenderedBeside) {
   const TestPicture test;
   ExrFile file = file_of(test, 0.3);
   const Picture noisy = file.picture;
-  const Filtered filtered = filter_picture(file, "a.exr");
+  const Filtered filtered = filter_picture(file, "a.exr", Kind::regression);
   EXPECT_TRUE(filtered.has_features);
   EXPECT_EQ(file.layers["noisy"].pixels, noisy.pixels);
   EXPECT_LT(error_of(test, file.picture), error_of(test, noisy) / 10);
@@ -63,14 +63,21 @@ TEST(FilterPicture, KeepsWhatWasRenderedBeside) {
 TEST(FilterPicture, SaysWhatWasDone) {
   Filtered filtered;
   filtered.denoiser = "regression";
-  EXPECT_EQ(sentence_of(filtered), "filtered, no longer unbiased");
-  filtered.relmse = 0.00314;
-  EXPECT_EQ(sentence_of(filtered), "filtered, no longer unbiased, relMSE about 0.0031");
-  filtered.outliers = 12;
-  filtered.outlier_energy = 0.003;
   EXPECT_EQ(sentence_of(filtered),
-            "filtered, no longer unbiased, relMSE about 0.0031; the light of 12 outliers (0.3 % of "
-            "all) was spread");
+            "filtered, no longer unbiased: how far it is from the truth cannot be told from so few "
+            "samples");
+  filtered.left = {0.00314, 0.00157, 0.00628};
+  filtered.outliers = 12;
+  filtered.left_out = 0.003;
+  EXPECT_EQ(sentence_of(filtered),
+            "filtered, no longer unbiased: relMSE 0.0031, 0.0016 to 0.0063; 12 outliers dimmed "
+            "(0.3 % of the light is left out)");
+  filtered.outliers = 0;
+  filtered.denoiser = "regression + oidn 2.5.1";
+  EXPECT_EQ(
+      sentence_of(filtered),
+      "filtered, with the help of Open Image Denoise 2.5.1, no longer unbiased: relMSE 0.0031, "
+      "0.0016 to 0.0063");
   filtered.denoiser = "oidn 2.5.1";
   EXPECT_EQ(sentence_of(filtered), "filtered by Open Image Denoise 2.5.1, no longer unbiased");
 }

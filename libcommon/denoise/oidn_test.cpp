@@ -9,6 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/denoise/filter_picture.h"
+#include "libcommon/denoise/test_picture.h"
 
 namespace tdpt::denoise {
 namespace oidn_test {
@@ -62,6 +63,37 @@ TEST_F(Oidn, FiltersThroughAVersionOfOldNames) {
     EXPECT_EQ(file.picture.pixels[5], Rgb(2, 3, 4));
     EXPECT_EQ(file.layers["noisy"].pixels[5], Rgb(4, 6, 8));
   }
+}
+
+// By default it helps where it is there and runs; the fake, which halves the light, is no help.
+TEST_F(Oidn, HelpsByDefault) {
+  if (has_another()) GTEST_SKIP() << "Open Image Denoise is installed";
+  const TestPicture test;
+  const Input input = test.halves(0.2);
+  const auto filtered = [&](std::string& denoiser) {
+    ExrFile file;
+    for (const auto& [layer, planes] :
+         {std::pair("halfA", input.shot.a), {"halfB", input.shot.b}}) {
+      file.layers[layer] = {TestPicture::kSize.width, TestPicture::kSize.height, {}};
+      for (size_t i = 0; i < TestPicture::kSize.pixels(); ++i)
+        file.layers[layer].pixels.emplace_back(planes[0][i], planes[1][i], planes[2][i]);
+    }
+    file.picture = file.layers["halfA"];
+    for (size_t i = 0; i < file.picture.pixels.size(); ++i)
+      file.picture.pixels[i] = (file.picture.pixels[i] + file.layers["halfB"].pixels[i]) * 0.5f;
+    denoiser = filter_picture(file, "a.exr").denoiser;
+    return file.picture.pixels;
+  };
+  std::string denoiser;
+  const std::vector<Rgb> alone = filtered(denoiser);
+  EXPECT_EQ(denoiser, "regression");
+  install();
+  const std::vector<Rgb> helped = filtered(denoiser);
+  EXPECT_EQ(denoiser, "regression + oidn 1.4.3");
+  double off = 0;
+  for (size_t i = 0; i < alone.size(); ++i)
+    off += std::abs(static_cast<double>(helped[i].y / alone[i].y) - 1);
+  EXPECT_LT(off / static_cast<double>(alone.size()), 0.05);
 }
 
 TEST_F(Oidn, TellsItsFailures) {

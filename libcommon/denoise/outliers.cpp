@@ -9,7 +9,9 @@ namespace tdpt::denoise {
 namespace {
 
 constexpr float kTooBright = 2;
-constexpr double kSpread = 10;  // deviation of the filter that spreads energy [pixels]
+constexpr double kSpread = 20;  // deviation of the filter that spreads light [pixels]
+// What is missing must be so many standard errors above its noise.
+constexpr float kCertain = 1.5f;
 
 Plane luminances(const Colour& colour) {
   Plane all(colour[0].size());
@@ -60,23 +62,30 @@ Outliers cut_outliers(Size size, const Colour& half, const Colour& other) {
   return outliers;
 }
 
-// What is missing at p goes to q by g(p - q) picture(q) / (sum of these over q), g a Gaussian.
-void restore_energy(Size size, const Colour& noisy, Colour& picture) {
-  const Plane weights = weights_of_smoothing(size, kSpread);
-  for (size_t c = 0; c < 3; ++c) {
-    const Plane around = smooth(picture[c], size, kSpread);
-    // Where all around is black, it is spread evenly.
-    Plane share(around.size()), even(around.size());
-    for (size_t i = 0; i < share.size(); ++i) {
-      const float missing = (noisy[c][i] - picture[c][i]) / weights[i];
-      (around[i] > 0 ? share : even)[i] = around[i] > 0 ? missing / around[i] : missing;
-    }
-    share = smooth(share, size, kSpread);
-    even = smooth(even, size, kSpread);
-    for (size_t i = 0; i < share.size(); ++i) {
-      const float factor = 1 + weights[i] * share[i];
-      picture[c][i] = std::max(picture[c][i] * factor + weights[i] * even[i], 0.0f);
-    }
+// r = smoothed(half - picture) / smoothed(picture) of both halves, v the variance of their mean:
+// the picture is multiplied by 1 + r - certain^2 v / r, where that is more certain than chance.
+void restore_light(Size size, const Colour& a, const Colour& b, float share_a, Colour& picture) {
+  const Plane own = luminances(picture), around = smooth(own, size, kSpread);
+  const auto missing = [&](const Colour& half) {
+    Plane all = luminances(half);
+    for (size_t i = 0; i < all.size(); ++i) all[i] -= own[i];
+    all = smooth(all, size, kSpread);
+    for (size_t i = 0; i < all.size(); ++i) all[i] = around[i] > 0 ? all[i] / around[i] : 0;
+    return all;
+  };
+  const Plane of_a = missing(a), of_b = missing(b);
+  Plane noise(own.size());
+  for (size_t i = 0; i < noise.size(); ++i) {
+    const float apart = of_a[i] - of_b[i];
+    noise[i] = share_a * (1 - share_a) * apart * apart;
+  }
+  const Plane usual = smooth(noise, size, kSpread);
+  for (size_t i = 0; i < noise.size(); ++i) {
+    const float r = share_a * of_a[i] + (1 - share_a) * of_b[i];
+    const float v = kCertain * kCertain * std::max(noise[i], usual[i]);
+    if (!(r * r > v)) continue;
+    const float factor = std::max(1 + r - v / r, 0.0f);
+    for (Plane& plane : picture) plane[i] *= factor;
   }
 }
 

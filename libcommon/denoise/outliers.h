@@ -15,8 +15,9 @@ struct Outliers {
 /// brightest of its 5 x 5 pixels around, or the brightest of the other half's 3 x 3.
 Outliers cut_outliers(Size size, const Colour& half, const Colour& other);
 
-/// Adds what the filter and the cut took away, averaged over the pixels around and in proportion to
-/// their light: so brightness stays, on average over some pixels.
-void restore_energy(Size size, const Colour& noisy, Colour& picture);
+/// Gives back what the filter and the cut took away from both halves, averaged over the pixels
+/// around and in proportion to their light: so brightness stays. What one half alone lacks, as the
+/// light of one rare path, is left out: it would be a glow.
+void restore_light(Size size, const Colour& a, const Colour& b, float share_a, Colour& picture);
 
 }  // namespace tdpt::denoise

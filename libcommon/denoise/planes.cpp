@@ -81,6 +81,41 @@ Plane smooth_others(const Plane& plane, Size size, double deviation) {
   return all;
 }
 
+Plane halved(const Plane& plane, Size size) {
+  const Size half = half_of(size);
+  Plane all;
+  all.reserve(half.pixels());
+  const auto at = [&](int x, int y) {
+    return plane[static_cast<size_t>(std::min(y, size.height - 1)) *
+                     static_cast<size_t>(size.width) +
+                 static_cast<size_t>(std::min(x, size.width - 1))];
+  };
+  for (int y = 0; y < size.height; y += 2)
+    for (int x = 0; x < size.width; x += 2)
+      all.push_back(0.25f * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)));
+  return all;
+}
+
+Plane doubled(const Plane& plane, Size size) {
+  const Size half = half_of(size);
+  Plane all;
+  all.reserve(size.pixels());
+  // The nearest of the other pixels, a quarter of a pixel beyond the own one's centre.
+  const auto beside = [](int k, int count) {
+    return std::clamp(k / 2 + (k % 2 ? 1 : -1), 0, count - 1);
+  };
+  for (int y = 0; y < size.height; ++y) {
+    const float* near = plane.data() + static_cast<size_t>(y / 2) * static_cast<size_t>(half.width);
+    const float* far = plane.data() + static_cast<size_t>(beside(y, half.height)) *
+                                          static_cast<size_t>(half.width);
+    for (int x = 0; x < size.width; ++x) {
+      const int own = x / 2, other = beside(x, half.width);
+      all.push_back(0.0625f * (9 * near[own] + 3 * (near[other] + far[own]) + far[other]));
+    }
+  }
+  return all;
+}
+
 Plane medians(const Plane& plane, Size size) {
   Plane all(plane.size());
   tbb::parallel_for(0, size.height, [&](int y) {

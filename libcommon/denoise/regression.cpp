@@ -24,6 +24,8 @@ constexpr int kMargin = kReach + kMostPatch;
 constexpr int kGuideColumns = kWidth + 2 * kMargin, kGuideRows = kHeight + 2 * kMargin;
 
 constexpr int kArea = kRows * kColumns;
+constexpr int kOwn = kOffsets / 2;  // the offset of a pixel to itself
+constexpr float kLeastOwn = 1e-6f;  // its weight where no other is alike
 
 // What distances are made of.
 struct Look {
@@ -103,6 +105,19 @@ float weight_of(float e) {
   return fourth * fourth;
 }
 
+// Neighbours count less with distance, by a Gaussian of this deviation [pixels]: cut off at once
+// they would leave a weave along the axes.
+constexpr float kNear = 4;
+const std::array<float, kOffsets> kNearness = [] {
+  std::array<float, kOffsets> all{};
+  for (int o = 0; o < kOffsets; ++o) {
+    const auto x = static_cast<float>(o % kSide - kReach),
+               y = static_cast<float>(o / kSide - kReach);
+    all[static_cast<size_t>(o)] = std::exp(-(x * x + y * y) / (2 * kNear * kNear));
+  }
+  return all;
+}();
+
 // Weights of the neighbours of kLanes pixels, as far as any of them is above 0.
 struct Weights {
   int count = 0;
@@ -110,21 +125,31 @@ struct Weights {
   float of[kMostSources * kOffsets][kLanes];
 };
 
+// Tells the pixels' weights: their own is that of the neighbour that is most alike, so that one
+// that looks like no other does not keep its noise.
 void weigh(const Tile& tile, int x, int y, float bandwidth, Weights& weights) {
   weights.count = 0;
   const float per = 1 / (bandwidth * bandwidth);
-  for (int o = 0; o < tile.frames * kOffsets; ++o) {
-    float most = 0;
-    float(&w)[kLanes] = weights.of[weights.count];
-    for (int i = 0; i < kLanes; ++i) {
-      w[i] = weight_of(tile.distance[o][y][x + i] * per);
-      most = std::max(most, w[i]);
-    }
+  float most_other[kLanes] = {};
+  const auto add = [&](int o, float(&w)[kLanes]) {
     const int frame = o / kOffsets, offset = o % kOffsets;
     weights.place[weights.count] =
         frame * kArea + (y + offset / kSide) * kColumns + x + offset % kSide;
-    weights.count += most > 0;
+    weights.count += *std::max_element(w, w + kLanes) > 0;
+  };
+  for (int o = 0; o < tile.frames * kOffsets; ++o) {
+    if (o == kOwn) continue;
+    float(&w)[kLanes] = weights.of[weights.count];
+    for (int i = 0; i < kLanes; ++i) {
+      w[i] = weight_of(tile.distance[o][y][x + i] * per);
+      most_other[i] = std::max(most_other[i], w[i]);
+      w[i] *= kNearness[static_cast<size_t>(o % kOffsets)];
+    }
+    add(o, w);
   }
+  float(&own)[kLanes] = weights.of[weights.count];
+  for (int i = 0; i < kLanes; ++i) own[i] = std::max(most_other[i], kLeastOwn);
+  add(kOwn, own);
 }
 
 // Sums over the window, for kLanes pixels: of w f_r f_s (s <= r, f_0 = 1) and of w f_r c.

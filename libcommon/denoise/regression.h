@@ -14,7 +14,9 @@
 // t      tolerance: differences of about its root count as alike
 // d^2    = mean over the patches around p and q and over channels of
 //          ((g(p) - g(q))^2 - v(p) - min(v(p), v(q))) / (t(p) + t(q)), at least 0
-// w      about exp(-d^2 / k^2), for several bandwidths k
+// w      about exp(-d^2 / k^2), for several bandwidths k, times a Gaussian of the distance in
+// pixels;
+//        w(p,p) is the largest of the others
 #pragma once
 #include <span>
 

@@ -39,35 +39,39 @@ TEST(Regression, ALinearFunctionOfFeaturesIsItsOwnEstimate) {
 
 // The same estimates by loops over the definition, in double.
 double slow_estimate(const Case& all, const Colour& data, const Colour& guide, int px, int py) {
-  constexpr int kTerms = 8;
+  constexpr int kTerms = 8, kSide = 2 * kReach + 1;
   const int width = TestPicture::kSize.width, height = TestPicture::kSize.height;
   const auto at = [&](const Plane& plane, int x, int y) {
     x = std::clamp(x, 0, width - 1);
     y = std::clamp(y, 0, height - 1);
     return static_cast<double>(plane[static_cast<size_t>(y * width + x)]);
   };
-  double m[kTerms][kTerms + 1] = {}, weights = 0;
-  for (int dy = -kReach; dy <= kReach; ++dy)
-    for (int dx = -kReach; dx <= kReach; ++dx) {
-      const int qx = px + dx, qy = py + dy;
-      if (qx < 0 || qy < 0 || qx >= width || qy >= height) continue;
-      double d = 0;
-      for (int v = -1; v <= 1; ++v)
-        for (int u = -1; u <= 1; ++u)
-          for (size_t c = 0; c < 3; ++c) {
-            const double off = at(guide[c], px + u, py + v) - at(guide[c], qx + u, qy + v);
-            d += off * off / 2 / 27;
-          }
-      const double w = d < 8 ? std::pow(1 - d / 8, 8) : 0;
-      double f[kTerms] = {1};
-      for (size_t j = 0; j < kFeatures; ++j)
-        f[j + 1] = at(all.picture.features[j], qx, qy) - at(all.picture.features[j], px, py);
-      for (int r = 0; r < kTerms; ++r) {
-        for (int s = 0; s < kTerms; ++s) m[r][s] += w * f[r] * f[s];
-        m[r][kTerms] += w * f[r] * at(data[0], qx, qy);
-      }
-      weights += w;
+  double m[kTerms][kTerms + 1] = {}, weights = 0, most_alike = 1e-6;
+  // The pixel itself comes last: its weight is that of the neighbour that is most alike.
+  for (int k = 0; k <= kSide * kSide; ++k) {
+    const bool own = k == kSide * kSide;
+    const int dx = own ? 0 : k % kSide - kReach, dy = own ? 0 : k / kSide - kReach;
+    const int qx = px + dx, qy = py + dy;
+    if (qx < 0 || qy < 0 || qx >= width || qy >= height || (!own && dx == 0 && dy == 0)) continue;
+    double d = 0;
+    for (int v = -1; v <= 1; ++v)
+      for (int u = -1; u <= 1; ++u)
+        for (size_t c = 0; c < 3; ++c) {
+          const double off = at(guide[c], px + u, py + v) - at(guide[c], qx + u, qy + v);
+          d += off * off / 2 / 27;
+        }
+    const double alike = d < 8 ? std::pow(1 - d / 8, 8) : 0;
+    if (!own) most_alike = std::max(most_alike, alike);
+    const double w = own ? most_alike : alike * std::exp(-(dx * dx + dy * dy) / 32.0);
+    double f[kTerms] = {1};
+    for (size_t j = 0; j < kFeatures; ++j)
+      f[j + 1] = at(all.picture.features[j], qx, qy) - at(all.picture.features[j], px, py);
+    for (int r = 0; r < kTerms; ++r) {
+      for (int s = 0; s < kTerms; ++s) m[r][s] += w * f[r] * f[s];
+      m[r][kTerms] += w * f[r] * at(data[0], qx, qy);
     }
+    weights += w;
+  }
   for (int r = 1; r < kTerms; ++r) m[r][r] += 1e-4 * weights;
   for (int r = kTerms - 1; r > 0; --r)  // Gauss, from the last term up
     for (int s = 0; s < r; ++s) {

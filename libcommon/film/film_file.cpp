@@ -419,11 +419,11 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.channels = std::move(channels);
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
-    if (name == "halves" || name == kDenoised[0]) {
+    if (name == kDenoised.back()) continue;
+    if (name == "halves" || name.starts_with(kDenoised[0])) {
       for (uint64_t half : {0, 1}) exr.layers[denoise::kHalves[half]] = film.half(half);
       continue;
     }
-    if (name == kDenoised[1]) continue;
     std::vector<float>& values = exr.channels[name + ".Y"];
     values.assign(pixels, static_cast<float>(film.samples()));
     if (name != "variance") continue;
@@ -449,11 +449,12 @@ std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, bool both_hal
   const auto asks = [&](const char* name) {
     return std::find(facts.derived.begin(), facts.derived.end(), name) != facts.derived.end();
   };
-  if (asks(kDenoised[1])) return denoise::filter_picture(picture, "picture", denoise::Kind::oidn);
-  if (!asks(kDenoised[0])) return {};
+  const auto asked = std::find_if(kDenoised.begin(), kDenoised.end(), asks);
+  if (asked == kDenoised.end()) return {};
+  const auto kind = static_cast<denoise::Kind>(asked - kDenoised.begin());
+  if (kind == denoise::Kind::oidn) return denoise::filter_picture(picture, "picture", kind);
   std::optional<denoise::Filtered> filtered;
-  if (both_halves)
-    filtered = denoise::filter_picture(picture, "picture", denoise::Kind::regression, frames);
+  if (both_halves) filtered = denoise::filter_picture(picture, "picture", kind, frames);
   if (!asks("halves"))
     for (const char* half : denoise::kHalves) picture.layers.erase(half);
   return filtered;

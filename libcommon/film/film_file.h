@@ -58,8 +58,9 @@ using StateWords = std::vector<uint32_t>;
 /// "variance": of the mean luminance, "halves": the means of even and of odd samples
 /// [denoise::kHalves], both of a film that keeps halves; "samples": number per pixel.
 inline constexpr std::array kDerived{"variance", "halves", "samples"};
-/// Also in FilmFacts::derived: the picture itself is filtered, by that kind [filter_as_asked()].
-inline constexpr std::array kDenoised{"denoise", "denoise-oidn"};
+/// Also in FilmFacts::derived: the picture itself is filtered, by that denoise::Kind
+/// [filter_as_asked()].
+inline constexpr std::array kDenoised{"denoise", "denoise-regression", "denoise-oidn"};
 
 struct FilmFile {
   Film film;

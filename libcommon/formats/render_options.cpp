@@ -127,8 +127,8 @@ void declare_channel_options(cli::Options& options, RenderArguments& a) {
                "noisy.R .G .B");
   options.choice(
       "--denoiser", a.denoiser, {kDenoisers.begin(), kDenoisers.end()},
-      "Filter it by this: default regression, our own; oidn: Intel's Open Image Denoise, "
-      "if it is installed");
+      "Filter it by this: regression, our own; oidn, Intel's Open Image Denoise; default auto, "
+      "our own with the help of the other where it is installed");
 }
 
 }  // namespace
@@ -139,7 +139,7 @@ void check_render_arguments(const RenderArguments& a) {
   if (a.accumulate && !a.shot.is_given())
     throw UsageError("--accumulate: is for the frames of a shot, and needs --frames");
   check_lens(a.lens, a.shot, a.pose, a.device);
-  if (a.filters() && a.denoiser != kDenoisers[1] && a.spp == 1)
+  if (a.filters() && a.denoiser != kDenoisers.back() && a.spp == 1)
     throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
   check_name_of_png("--set nonzero", a.nonzero);
   check_no_portal_twice(a.portals);

@@ -18,8 +18,8 @@ namespace tdpt {
 /// Values of --integrator besides "auto", in the order of tdpt-render's table.
 inline constexpr std::array kIntegratorNames{"pt",       "nee",  "bdpt",
                                              "tdpt-org", "tdpt", "tdpt-guided"};
-/// Values of --denoiser; the first is the default.
-inline constexpr std::array kDenoisers{"regression", "oidn"};
+/// Values of --denoiser; the first is the default. The last needs no halves.
+inline constexpr std::array kDenoisers{"auto", "regression", "oidn"};
 inline constexpr int kMostEdges = 1024;                   ///< per path
 inline constexpr double kSmallestWalkShare = 1.0 / 16.0;  ///< share of samples with a light walk
 

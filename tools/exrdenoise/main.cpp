@@ -41,8 +41,8 @@ void declare_options(cli::Options& options, Arguments& a) {
       "flicker");
   options.input("--next", a.next, "FILE", "The frame after it");
   options.choice("--denoiser", a.denoiser, {denoise::kKinds.begin(), denoise::kKinds.end()},
-                 "Filter: regression, our own, or oidn, Intel's Open Image Denoise, if it is "
-                 "installed; default regression");
+                 "Filter: regression, our own; oidn, Intel's Open Image Denoise; default auto, our "
+                 "own with the help of the other where it is installed");
   declare_picture_options(options, a);
 }
 
@@ -66,7 +66,7 @@ int run(const Arguments& a, const cli::Common& common) {
   check_picture_arguments(a);
   const denoise::Kind kind = denoise::kind_of(a.denoiser);
   if (kind == denoise::Kind::oidn && !(a.previous.empty() && a.next.empty()))
-    throw UsageError("--previous and --next go with --denoiser regression");
+    throw UsageError("--previous and --next do not go with --denoiser oidn");
   Frame frame = read(a.picture, common);
   ExrFile& file = frame.picture.file;
   const std::string& name = frame.picture.name;

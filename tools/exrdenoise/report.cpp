@@ -19,11 +19,14 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
                            {"mean", {mean.x, mean.y, mean.z}},
                            {"denoiser", filtered.denoiser},
                            {"outliers", filtered.outliers},
-                           {"outlier_energy", filtered.outlier_energy},
-                           {"relmse", filtered.relmse},
+                           {"left_out", filtered.left_out},
                            {"seen_elsewhere", filtered.seen_elsewhere},
                            {"features", filtered.has_features},
                            {"seconds", seconds}};
+  if (const auto& left = filtered.left) {
+    j["relmse"] = left->relmse;
+    j["interval"] = {left->low, left->high};
+  }
   if (exposure) j["exposure"] = *exposure;
   return j.dump();
 }
@@ -34,15 +37,18 @@ cli::Decisions decisions_of(const denoise::Filtered& filtered) {
                                    ? "the picture has albedo, normal or depth"
                                    : "the picture has no albedo, normal and depth",
                                cli::price_of(cpu_seconds()) + " in all"};
-  if (filtered.denoiser != denoise::kKinds[0])
+  if (filtered.denoiser.starts_with(denoise::kKinds.back()))
     return {{"filter", filtered.denoiser, "--denoiser asks for it", ""}, features};
-  return {{"filter", filtered.denoiser, "--denoiser asks for no other", ""},
+  return {{"filter", filtered.denoiser,
+           filtered.denoiser == denoise::kKinds[1]
+               ? "Open Image Denoise is not asked for, or not installed, or other frames help"
+               : "Open Image Denoise is installed",
+           ""},
           {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
            "the picture is that mean of the two", ""},
           {"outliers", counted(filtered.outliers, "pixel") + " darkened",
            "they were more than twice as bright as all around them, in one half alone",
-           fmt::format("{} % of the light, spread around them",
-                       number_words(100 * filtered.outlier_energy, 2))},
+           fmt::format("{} % of the light is left out", number_words(100 * filtered.left_out, 2))},
           features};
 }
 

@@ -43,7 +43,8 @@ int run(const Arguments& a, const cli::Common& common) {
   Workshop shop{device_asked(a.device)};
   if (prints_shards(a)) return print_shards(a, common);
   choose_processor_code(a.isa, common.arguments);
-  if (a.denoiser == kDenoisers[1]) denoise::OpenImageDenoise();  // or there is no use in rendering
+  if (a.denoiser == kDenoisers.back())
+    denoise::OpenImageDenoise();  // or there is no use in rendering
   check_schedule(a);
   catch_signals();
   if (a.shot.is_given()) return render_shot(a, common, shop);

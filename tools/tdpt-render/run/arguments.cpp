@@ -26,7 +26,8 @@ constexpr bool names_are_those_of_the_table() {
 }
 static_assert(names_are_those_of_the_table());
 static_assert(std::string_view(kDenoisers[0]) == denoise::kKinds[0] &&
-              std::string_view(kDenoisers[1]) == denoise::kKinds[1]);
+              std::string_view(kDenoisers[1]) == denoise::kKinds[1] &&
+              std::string_view(kDenoisers[2]) == denoise::kKinds[2]);
 static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks);
 
 // Options of a rendering that is one of several parts.
@@ -70,7 +71,7 @@ std::vector<std::string> aovs_of(const Arguments& a) {
 
 bool keeps_halves(const Arguments& a) {
   const std::vector<std::string> aovs = aovs_of(a);
-  return (a.filters() && a.denoiser != kDenoisers[1]) ||
+  return (a.filters() && a.denoiser != kDenoisers.back()) ||
          std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
            return name == "variance" || name == "halves";
          });

@@ -53,7 +53,7 @@ std::vector<std::string> derived_of(const Arguments& a) {
   for (const std::string& name : aovs_of(a))
     if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
       derived.push_back(name);
-  if (a.filters()) derived.push_back(kDenoised[a.denoiser == kDenoisers[1]]);
+  if (a.filters()) derived.push_back(kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
   return derived;
 }
 
@@ -79,7 +79,7 @@ void filter(Unfiltered& picture, std::span<const denoise::NamedPicture> frames, 
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   told.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
                            : "not filtered: there is one sample per pixel";
-  if (filtered) told.relmse = filtered->relmse;
+  if (filtered) told.left = filtered->left;
 }
 
 // The bytes of the result; of a shard those of a film.
@@ -118,7 +118,8 @@ std::string kept_sentence(const std::string& output, const std::string& bytes) {
 std::string finished_json(const std::string& told, const Delivered& delivered) {
   auto j = nlohmann::ordered_json::parse(told);
   if (delivered.exposure) j["exposure"] = *delivered.exposure;
-  if (delivered.relmse > 0) j["filtered"] = {{"relmse", delivered.relmse}};
+  if (const auto& left = delivered.left)
+    j["filtered"] = {{"relmse", left->relmse}, {"interval", {left->low, left->high}}};
   return j.dump();
 }
 

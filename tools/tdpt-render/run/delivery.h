@@ -34,8 +34,8 @@ void show(const Job& job, const Picture& picture);
 
 struct Delivered {
   std::string filtered{};  ///< what the filter did, in a sentence; empty without --denoise
-  std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
-  double relmse = 0;                 ///< of a filtered picture, estimated; 0: unknown
+  std::optional<double> exposure{};          ///< of the preview [stops]; nothing without one
+  std::optional<denoise::ErrorLeft> left{};  ///< of a filtered picture, if it is known
 };
 /// The JSON of stats_json() or summary_json() with that.
 std::string finished_json(const std::string& told, const Delivered& delivered);

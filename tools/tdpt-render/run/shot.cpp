@@ -45,7 +45,7 @@ std::array<FileOption, 5> files_beside(Arguments& a) {
 
 // Whether frames are filtered with those beside them.
 bool filters_together(const Arguments& a) {
-  return a.filters() && a.denoiser != kDenoisers[1] && a.shard.empty();
+  return a.filters() && a.denoiser != kDenoisers.back() && a.shard.empty();
 }
 
 // Job::mark: the number of the frame, and a hash of what determines its picture. `shape`: of its
@@ -295,9 +295,7 @@ class FilteredFrames {
     const Delivered delivered =
         deliver_frame(run.arguments, run.common, std::move(picture), beside);
     const std::string filtered =
-        delivered.relmse > 0
-            ? fmt::format("; filtered: relMSE about {}", number_words(delivered.relmse, 2))
-            : std::string();
+        delivered.left ? "; filtered: " + denoise::words_of(delivered.left) : std::string();
     return {0, noisy_.at(number).words + filtered};
   }
 
