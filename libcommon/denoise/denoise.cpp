@@ -40,27 +40,25 @@ struct Halves {
   Colour a, b;
 };
 
-Colour mean(const Halves& h, float share_a) {
-  Colour all;
-  for (size_t c = 0; c < 3; ++c) {
-    all[c].resize(h.a[c].size());
+Colour mean(const Colour& a, const Colour& b, float share_a) {
+  Colour all = a;
+  for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < all[c].size(); ++i)
-      all[c][i] = share_a * h.a[c][i] + (1 - share_a) * h.b[c][i];
-  }
+      all[c][i] = share_a * a[c][i] + (1 - share_a) * b[c][i];
   return all;
 }
 
 // Squared differences, smoothed, times a factor. What a pixel has of brighter ones is limited as if
 // they were kBrighter times as bright as it: beside a lamp there is no noise of the lamp's size.
-Colour differences(Size size, const Halves& h, float factor) {
+Colour differences(Size size, const Colour& a, const Colour& b, float factor) {
   Colour all;
   for (size_t c = 0; c < 3; ++c) {
     Plane bright(size.pixels()), squares(size.pixels()), relative(size.pixels());
-    for (size_t i = 0; i < bright.size(); ++i) bright[i] = 0.5f * (h.a[c][i] + h.b[c][i]);
+    for (size_t i = 0; i < bright.size(); ++i) bright[i] = 0.5f * (a[c][i] + b[c][i]);
     bright = medians(bright, size);
-    for (float& b : bright) b = (b + kDim) * (b + kDim);
+    for (float& of : bright) of = (of + kDim) * (of + kDim);
     for (size_t i = 0; i < squares.size(); ++i) {
-      const float d = h.a[c][i] - h.b[c][i];
+      const float d = a[c][i] - b[c][i];
       squares[i] = factor * (d * d);
       relative[i] = squares[i] / bright[i];
     }
@@ -96,31 +94,22 @@ void divide_by_albedo(Shot& shot) {
   by_albedo(shot.b, Albedo::divide, shot.features);
 }
 
-// The light of a frame's halves, and crude estimates of them.
-struct Light {
-  Halves noisy;
+// Crude estimates of a frame's halves, and variances.
+struct Crude {
   Colour variance_a, variance_b;
   Halves pilot{};
   Colour rest{};  ///< variance of the pilot
 };
 
-Light light_of(Size size, const Shot& shot) {
-  const auto share_a = static_cast<float>(shot.share_a);
-  Halves noisy{shot.a, shot.b};
-  Colour variance_a = differences(size, noisy, 1 - share_a);
-  Colour variance_b = differences(size, noisy, share_a);
-  return {std::move(noisy), std::move(variance_a), std::move(variance_b)};
-}
-
 // Tells by the halves which of two estimates is nearer to the truth. All is light.
 class Judge {
  public:
-  /// `light`: mean radiance. Keeps a reference to the noisy halves.
-  Judge(Size size, const Halves& noisy, double share_a, const Features& features, double light)
-      : size_(size), share_a_(static_cast<float>(share_a)), noisy_(noisy) {
+  /// `light`: mean radiance. Keeps a reference to the shot.
+  Judge(Size size, const Shot& shot, double light)
+      : size_(size), share_a_(static_cast<float>(shot.share_a)), noisy_(shot) {
     // Squared errors are relative to the brightness around, as in relMSE.
-    per_ = mean(noisy, share_a_);
-    by_albedo(per_, Albedo::multiply, features);
+    per_ = mean(shot.a, shot.b, share_a_);
+    by_albedo(per_, Albedo::multiply, shot.features);
     for (Plane& plane : per_) {
       plane = smooth(plane, size_, kBrightnessSmoothing);
       for (float& v : plane) {
@@ -128,12 +117,12 @@ class Judge {
         v = static_cast<float>(1 / (3 * (bright * bright + kDark * light * light)));
       }
     }
-    by_albedo(per_, Albedo::multiply, features);
-    by_albedo(per_, Albedo::multiply, features);
+    by_albedo(per_, Albedo::multiply, shot.features);
+    by_albedo(per_, Albedo::multiply, shot.features);
     noise_.resize(size.pixels());
     for (size_t c = 0; c < 3; ++c)
       for (size_t i = 0; i < noise_.size(); ++i) {
-        const float apart = noisy.a[c][i] - noisy.b[c][i];
+        const float apart = shot.a[c][i] - shot.b[c][i];
         noise_[i] += per_[c][i] * share_a_ * (1 - share_a_) * (apart * apart);
       }
     noise_ = smooth(noise_, size_, kNoiseSmoothing);
@@ -182,7 +171,7 @@ class Judge {
  private:
   const Size size_;
   const float share_a_;
-  const Halves& noisy_;
+  const Shot& noisy_;
   Colour per_;   // factors of squared errors
   Plane noise_;  // relative variance of the noise
 };
@@ -202,13 +191,12 @@ class Filter {
       : in_(std::move(in)),
         size_(in_.size),
         least_(static_cast<float>(1e-10 * light * light)),
-        noisy_{in_.shot.a, in_.shot.b},
-        judge_(size_, noisy_, in_.shot.share_a, in_.shot.features, light) {}
+        judge_(size_, in_.shot, light) {}
 
   // From the widest bandwidth on as far as the narrower ones are better.
   Halves run() const {
-    const std::vector<Light> lights = make_pilots();
-    auto a = candidates(lights, &Halves::a), b = candidates(lights, &Halves::b);
+    const std::vector<Crude> crude = make_pilots();
+    auto a = candidates(crude, &Shot::a, &Halves::a), b = candidates(crude, &Shot::b, &Halves::b);
     Halves best{std::move(a.back()), std::move(b.back())};
     for (size_t k = a.size() - 1; k-- > 0;) {
       const Halves narrower{std::move(a[k]), std::move(b[k])};
@@ -226,41 +214,45 @@ class Filter {
   }
 
   // Of each frame, from all of them.
-  std::vector<Light> make_pilots() const {
-    std::vector<Light> lights;
-    for (size_t k = 0; k <= in_.neighbours.size(); ++k) lights.push_back(light_of(size_, shot(k)));
+  std::vector<Crude> make_pilots() const {
+    std::vector<Crude> all(1 + in_.neighbours.size());
     std::vector<Source> a, b;
-    for (size_t k = 0; k < lights.size(); ++k) {
-      const Light& l = lights[k];
-      a.push_back({l.noisy.a, shot(k).features, l.noisy.b, l.variance_b, l.variance_a, present(k)});
-      b.push_back({l.noisy.b, shot(k).features, l.noisy.a, l.variance_a, l.variance_b, present(k)});
+    for (size_t k = 0; k < all.size(); ++k) {
+      const Shot& s = shot(k);
+      const auto share_a = static_cast<float>(s.share_a);
+      Crude& of = all[k];
+      of.variance_a = differences(size_, s.a, s.b, 1 - share_a);
+      of.variance_b = differences(size_, s.a, s.b, share_a);
+      a.push_back({s.a, s.features, s.b, of.variance_b, of.variance_a, present(k)});
+      b.push_back({s.b, s.features, s.a, of.variance_a, of.variance_b, present(k)});
     }
-    for (size_t k = 0; k < lights.size(); ++k) {
+    for (size_t k = 0; k < all.size(); ++k) {
       // A permutation: that which is estimated comes first, and whole.
       const Source &x = a[k], &y = b[k];
       std::vector<Source> of_a{{x.data, x.features, x.guide, x.variance, x.tolerance, present(0)}};
       std::vector<Source> of_b{{y.data, y.features, y.guide, y.variance, y.tolerance, present(0)}};
-      for (size_t i = 0; i < lights.size(); ++i) {
+      for (size_t i = 0; i < all.size(); ++i) {
         if (i == k) continue;
         of_a.push_back(a[i]);
         of_b.push_back(b[i]);
       }
-      Light& l = lights[k];
-      l.pilot.a = std::move(regressions(size_, of_a, {kPilotPatch, least_}, kPilotBandwidth)[0]);
-      l.pilot.b = std::move(regressions(size_, of_b, {kPilotPatch, least_}, kPilotBandwidth)[0]);
-      l.rest = differences(size_, l.pilot, 0.5f);
+      Halves& pilot = all[k].pilot;
+      pilot.a = std::move(regressions(size_, of_a, {kPilotPatch, least_}, kPilotBandwidth)[0]);
+      pilot.b = std::move(regressions(size_, of_b, {kPilotPatch, least_}, kPilotBandwidth)[0]);
+      all[k].rest = differences(size_, pilot.a, pilot.b, 0.5f);
     }
-    return lights;
+    return all;
   }
 
   // Estimates of one half with all bandwidths.
-  std::vector<Colour> candidates(const std::vector<Light>& lights, Colour Halves::*half) const {
+  std::vector<Colour> candidates(const std::vector<Crude>& crude, Colour Shot::*noisy,
+                                 Colour Halves::*half) const {
     std::vector<Source> sources;
-    for (size_t k = 0; k < lights.size(); ++k) {
-      const Light& l = lights[k];
-      const Colour& tolerance = half == &Halves::a ? l.variance_a : l.variance_b;
+    for (size_t k = 0; k < crude.size(); ++k) {
+      const Crude& of = crude[k];
+      const Colour& tolerance = half == &Halves::a ? of.variance_a : of.variance_b;
       sources.push_back(
-          {l.noisy.*half, shot(k).features, l.pilot.*half, l.rest, tolerance, present(k)});
+          {shot(k).*noisy, shot(k).features, of.pilot.*half, of.rest, tolerance, present(k)});
     }
     return regressions(size_, sources, {kPatch, least_}, kBandwidths);
   }
@@ -268,7 +260,6 @@ class Filter {
   const Input in_;
   const Size size_;
   const float least_;
-  const Halves noisy_;
   const Judge judge_;
 };
 
@@ -388,14 +379,12 @@ void follow(Plane& fine, const Plane& small, const Plane& coarse, const Plane& s
 // are no details that are certain, the coarser one tells the brightness: its noise is less.
 Halves filtered(const Input& input, double light, int block, int halvings) {
   const Size size = input.size;
-  const Halves noisy{input.shot.a, input.shot.b};
   Halves best = in_blocks(input, light, block);
   if (halvings > 0 && std::min(size.width, size.height) >= kLeastSide) {
     const Input half = halved(input);
     const Halves coarse = filtered(half, light, block, halvings - 1);
     const Halves small{halved(best.a, size), halved(best.b, size)};
-    const Halves noise{half.shot.a, half.shot.b};
-    const Judge judge(half.size, noise, half.shot.share_a, half.shot.features, light);
+    const Judge judge(half.size, half.shot, light);
     const Plane share =
         smooth(judge.share(coarse, small, kCertainDetail), half.size, kChoiceSmoothing);
     for (size_t c = 0; c < 3; ++c) {
@@ -403,7 +392,8 @@ Halves filtered(const Input& input, double light, int block, int halvings) {
       follow(best.b[c], small.b[c], coarse.b[c], share, size);
     }
   }
-  const Judge judge(size, noisy, input.shot.share_a, input.shot.features, light);
+  const Halves noisy{input.shot.a, input.shot.b};
+  const Judge judge(size, input.shot, light);
   move_toward(best, noisy, judge.share(best, noisy, kCertainNoisy));
   return best;
 }
@@ -412,7 +402,7 @@ Halves filtered(const Input& input, double light, int block, int halvings) {
 // floats. Returns the exponent.
 int normalise(Input& input) {
   const double light =
-      mean_of(mean({input.shot.a, input.shot.b}, static_cast<float>(input.shot.share_a)));
+      mean_of(mean(input.shot.a, input.shot.b, static_cast<float>(input.shot.share_a)));
   if (!(light > 0)) return 0;
   const int exponent = std::ilogb(light);
   const auto divide = [&](Shot& shot) {
@@ -430,16 +420,16 @@ int normalise(Input& input) {
 }
 
 // Of each pixel, relative to the estimate itself: its squared error, and the variance of the
-// estimate, both by the halves.
+// estimate, both by the halves; and that of the noise, in the mean.
 struct Squares {
   Plane error, variance;
+  double noise = 0;
 };
 Squares squares_of(const Input& input, const Halves& f, double light) {
-  const Halves noisy{input.shot.a, input.shot.b};
   const auto share_a = static_cast<float>(input.shot.share_a);
-  const Judge judge(input.size, noisy, input.shot.share_a, input.shot.features, light);
+  const Judge judge(input.size, input.shot, light);
   Squares all{Plane(input.size.pixels()), Plane(input.size.pixels())};
-  const Colour picture = mean(f, share_a);
+  const Colour picture = mean(f.a, f.b, share_a);
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < all.error.size(); ++i) {
       const double albedo = static_cast<double>(input.shot.features[c][i] + kAlbedoOffset);
@@ -449,7 +439,10 @@ Squares squares_of(const Input& input, const Halves& f, double light) {
       const float apart = f.a[c][i] - f.b[c][i];
       all.error[i] += per * judge.squared_error(f, c, i);
       all.variance[i] += per * share_a * (1 - share_a) * apart * apart;
+      const float noise = input.shot.a[c][i] - input.shot.b[c][i];
+      all.noise += static_cast<double>(per * share_a * (1 - share_a) * noise * noise);
     }
+  all.noise /= static_cast<double>(input.size.pixels());
   return all;
 }
 
@@ -476,9 +469,10 @@ void tell_error(const Squares& squares, Size size, Result& result) {
   if (!deviation ||
       static_cast<double>(result.outliers) > kMostOutliers * static_cast<double>(size.pixels()))
     return;
+  const double kept = mean_of(squares.variance);
+  const double lost = squares.noise > 0 ? std::max(1 - std::sqrt(kept / squares.noise), 0.0) : 0;
   const double relmse =
-      kUntold * (std::max(mean_of(squares.error), 0.0) + mean_of(squares.variance)) +
-      *deviation / 2;
+      kUntold * (std::max(mean_of(squares.error), 0.0) + lost * kept) + *deviation / 2;
   result.left = {relmse, relmse / kWithin, relmse * kWithin};
   result.error = smooth(squares.error, size, kMapSmoothing);
   const Plane variance = smooth(squares.variance, size, kMapSmoothing);
@@ -494,11 +488,10 @@ Colour with_guest(Guest& guest, const Input& input, double light, Halves& best) 
   for (Colour* colour : {&guest.a, &guest.b, &guest.all})
     by_albedo(*colour, Albedo::divide, input.shot.features);
   const auto share_a = static_cast<float>(input.shot.share_a);
-  const Halves noisy{input.shot.a, input.shot.b};
-  const Judge judge(input.size, noisy, input.shot.share_a, input.shot.features, light);
+  const Judge judge(input.size, input.shot, light);
   Halves all{std::move(guest.a), std::move(guest.b)};
   const Plane share = smooth(judge.share(all, best, kCertainOwn), input.size, kChoiceSmoothing);
-  Colour picture = mean(best, share_a);
+  Colour picture = mean(best.a, best.b, share_a);
   for (size_t c = 0; c < 3; ++c)
     for (size_t i = 0; i < share.size(); ++i)
       picture[c][i] = guest.all[c][i] + share[i] * (picture[c][i] - guest.all[c][i]);
@@ -516,7 +509,7 @@ Result denoise(Input input, int block) {
   const auto share_a = static_cast<float>(shot.share_a);
   const Halves noisy{shot.a, shot.b};
   Result result;
-  result.picture = mean(noisy, share_a);
+  result.picture = mean(noisy.a, noisy.b, share_a);
   const double light = mean_of(result.picture);
   if (!(light > 0)) return result;  // black
   Outliers a = cut_outliers(size, shot.a, shot.b), b = cut_outliers(size, shot.b, shot.a);
@@ -526,7 +519,8 @@ Result denoise(Input input, int block) {
   divide_by_albedo(shot);
   for (Neighbour& n : input.neighbours) divide_by_albedo(n.shot);
   Halves best = filtered(input, light, block, kHalvings);
-  result.picture = input.guest ? with_guest(*input.guest, input, light, best) : mean(best, share_a);
+  result.picture =
+      input.guest ? with_guest(*input.guest, input, light, best) : mean(best.a, best.b, share_a);
   tell_error(squares_of(input, best, light), size, result);
   by_albedo(result.picture, Albedo::multiply, shot.features);
   restore_light(size, noisy.a, noisy.b, share_a, result.picture);

@@ -18,12 +18,12 @@
 //   (F_A - B)^2 - V_B has the mean (F_A - t)^2, and
 //   (F - t)^2 = s_A (F_A - t)^2 + s_B (F_B - t)^2 - s_A s_B (F_A - F_B)^2
 //
-// So the halves also tell what error is left. It is told too low, since the same halves chose the
-// estimates. Told is 1.25 times as much, with the variance of F, and half of its standard error
-// over tiles of the picture. The truth is within a factor of two of that in nine of ten pictures
-// [doc/denoise.md]. It is not known of
-// small pictures, nor where more than 1 % of the pixels have outliers: there the light is carried
-// by paths that neither half has met.
+// So the halves also tell what error is left, E. That is too low as far as they, who chose the
+// estimates, lost their noise: v is the variance of F, V that of the noise. Told is
+//   1.25 (E + v (1 - sqrt(v / V))) + half of the standard error of E over tiles of the picture
+// The truth is within a factor of two of that in nine of ten pictures [doc/denoise.md]. It is not
+// known of small pictures, nor where more than 1 % of the pixels have outliers: there the light is
+// carried by paths that neither half has met.
 //
 // A guest, as Open Image Denoise, filters the same halves: the same test tells where our estimates
 // are nearer to the truth than its.
