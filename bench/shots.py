@@ -167,7 +167,8 @@ def line_of_flicker(shot, first):
     for frame in range(first - 1, first + 3):
         rendered[frame] = shot.render(frame, spp, 1 + frame, shot.portals(frame)[0], *BUFFERS).out
     references = [shot.reference(frame) for frame in (first, first + 1)]
-    alone, beside = ([shot.bench.store.run("exrdenoise", rendered[k], *others(k)).out for k in (first, first + 1)]
+    alone, beside = ([shot.bench.store.run("exrdenoise", rendered[k], "--denoiser", "regression", *others(k)).out
+                      for k in (first, first + 1)]
                      for others in (lambda k: (), lambda k: ("--previous", rendered[k - 1], "--next", rendered[k + 1])))
     noisy, single, both = (flicker(*pair, references) for pair in ((rendered[first], rendered[first + 1]), alone, beside))
     told = [pages.three(error) if error > 0 else "–" for error in (noisy, single, both)]
@@ -177,7 +178,7 @@ def line_of_flicker(shot, first):
 def line_of_rest(shot, n):
     """The n-th frame of those in which nothing moves: its error and its flicker, each frame anew and --accumulate."""
     spp, reference = shot.bench.settings.spp, shot.reference(STILL)
-    portals, denoise = shot.portals(STILL)[0], lambda *files: shot.bench.store.run("exrdenoise", *files).out
+    portals, denoise = shot.portals(STILL)[0], lambda *files: shot.bench.store.run("exrdenoise", "--denoiser", "regression", *files).out
     held = [denoise(shot.render(STILL, k * spp, 1, portals, *BUFFERS).out) for k in (n, n + 1)]
     anew = [shot.render(STILL, spp, 10 * n + k, portals, *BUFFERS).out for k in range(4)]
     beside = [denoise(anew[k], "--previous", anew[k - 1], "--next", anew[k + 1]) for k in (1, 2)]

@@ -414,7 +414,7 @@ int normalise(Input& input) {
   if (input.guest)
     for (Colour* colour : {&input.guest->a, &input.guest->b, &input.guest->all})
       for (Plane& plane : *colour)
-        for (float& v : plane) v = std::clamp(std::ldexp(v, -exponent), 0.0f, kBrightest);
+        for (float& v : plane) v = v > 0 ? std::min(std::ldexp(v, -exponent), kBrightest) : 0;
   for (Neighbour& n : input.neighbours) divide(n.shot);
   return exponent;
 }

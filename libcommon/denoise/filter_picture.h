@@ -32,9 +32,10 @@ struct NamedPicture {
   std::string name;
 };
 
-/// One line: "filtered, no longer unbiased: relMSE 0.0031, 0.0016 to 0.0062; 12 outliers were
-/// dimmed (0.3 % of the light is left out)". "relMSE 0.0031, 0.0016 to 0.0062".
+/// "relMSE 0.0031, 0.0016 to 0.0062", or that it cannot be told.
 std::string words_of(const std::optional<ErrorLeft>& left);
+/// One line: "filtered, no longer unbiased: relMSE 0.0031, 0.0016 to 0.0062; 12 outliers dimmed
+/// (0.3 % of the light is left out)".
 std::string sentence_of(const Filtered& filtered);
 
 /// Reads a file with all its channels. Throws InputError, also if filtering it needs too much

@@ -32,6 +32,20 @@ class Bell {
   std::vector<float> weights_;
 };
 
+// The sums of weights that smooth() divides by: less at the borders.
+Plane weights_of_smoothing(Size size, double deviation) {
+  const Bell bell(deviation);
+  Plane columns;
+  for (int x = 0; x < size.width; ++x) columns.push_back(bell.sum(x, size.width));
+  Plane all;
+  all.reserve(size.pixels());
+  for (int y = 0; y < size.height; ++y) {
+    const float row = bell.sum(y, size.height);
+    for (const float column : columns) all.push_back(row * column);
+  }
+  return all;
+}
+
 }  // namespace
 
 Plane smooth(const Plane& plane, Size size, double deviation) {
@@ -57,19 +71,6 @@ Plane smooth(const Plane& plane, Size size, double deviation) {
     const float per = 1 / bell.sum(y, size.height);
     for (size_t x = 0; x < width; ++x) to[x] *= per;
   });
-  return all;
-}
-
-Plane weights_of_smoothing(Size size, double deviation) {
-  const Bell bell(deviation);
-  Plane columns;
-  for (int x = 0; x < size.width; ++x) columns.push_back(bell.sum(x, size.width));
-  Plane all;
-  all.reserve(size.pixels());
-  for (int y = 0; y < size.height; ++y) {
-    const float row = bell.sum(y, size.height);
-    for (const float column : columns) all.push_back(row * column);
-  }
   return all;
 }
 

@@ -17,8 +17,6 @@ using Colour = std::array<Plane, 3>;
 /// Gaussian filter of that standard deviation [pixels], cut off at three of them and normalised, at
 /// the borders too.
 Plane smooth(const Plane& plane, Size size, double deviation);
-/// The sums of weights that it divides by: less at the borders.
-Plane weights_of_smoothing(Size size, double deviation);
 /// The same of a pixel's neighbours, without itself.
 Plane smooth_others(const Plane& plane, Size size, double deviation);
 
