@@ -9,7 +9,7 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/formats/picture_options.h"
+#include "libcommon/options/picture_options.h"
 #include "tools/exrdiff/difference.h"
 #include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"

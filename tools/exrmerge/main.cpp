@@ -11,7 +11,7 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/formats/picture_options.h"
+#include "libcommon/options/picture_options.h"
 #include "libcommon/formats/tone.h"
 #include "tools/exrmerge/merging.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "libcommon/scene/scene_file.h"
 
 namespace tdpt {

@@ -14,7 +14,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
-#include "libcommon/formats/pose_options.h"
+#include "libcommon/options/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"

@@ -15,7 +15,7 @@
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
-#include "libcommon/formats/pose_options.h"
+#include "libcommon/options/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/limit_options.h"

@@ -19,7 +19,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/outputs.h"
-#include "libcommon/formats/picture_options.h"
+#include "libcommon/options/picture_options.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt/shot_report.h"
 

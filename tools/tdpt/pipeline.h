@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "tools/tdpt/request.h"
 #include "tools/tdpt/scene_state.h"
 #include "tools/tdpt/work_folder.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libcommon/cli/cli.h"
-#include "libcommon/formats/render_options.h"
+#include "libcommon/options/render_options.h"
 
 namespace tdpt {
 

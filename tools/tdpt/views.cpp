@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 
 namespace tdpt {
 namespace {

@@ -21,7 +21,7 @@
 #include <sstream>
 
 #include "libcommon/base/threads.h"
-#include "libcommon/formats/sky_options.h"
+#include "libcommon/options/sky_options.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/run/render.h"
 

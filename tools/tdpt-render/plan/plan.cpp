@@ -11,7 +11,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/json_depth.h"
 #include "libcommon/formats/format_version.h"
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {

@@ -11,7 +11,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/number_words.h"
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "shaders/shared/path/point.h"
 #include "tools/tdpt-render/portals/portal_fit.h"

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "libcommon/base/error.h"
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/portals/portal_fit.h"
 #include "tools/tdpt-render/testing/rooms.h"

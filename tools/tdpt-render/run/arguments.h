@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/render_options.h"
+#include "libcommon/options/render_options.h"
 
 namespace tdpt {
 

@@ -13,7 +13,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/formats/picture_options.h"
+#include "libcommon/options/picture_options.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/tdpt-render/run/features.h"

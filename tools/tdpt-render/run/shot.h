@@ -3,7 +3,7 @@
 #pragma once
 #include <map>
 
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "tools/tdpt-render/run/picture_run.h"
 
 namespace tdpt {

@@ -1,4 +1,4 @@
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 
 #include <functional>
 

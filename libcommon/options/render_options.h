@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/formats/camera_options.h"
-#include "libcommon/formats/lens_options.h"
-#include "libcommon/formats/picture_options.h"
-#include "libcommon/formats/pose_options.h"
-#include "libcommon/formats/shot_options.h"
-#include "libcommon/formats/sky_options.h"
+#include "libcommon/options/camera_options.h"
+#include "libcommon/options/lens_options.h"
+#include "libcommon/options/picture_options.h"
+#include "libcommon/options/pose_options.h"
+#include "libcommon/options/shot_options.h"
+#include "libcommon/options/sky_options.h"
 
 namespace tdpt {
 

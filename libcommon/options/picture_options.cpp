@@ -1,4 +1,4 @@
-#include "libcommon/formats/picture_options.h"
+#include "libcommon/options/picture_options.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "libcommon/formats/sky_options.h"
+#include "libcommon/options/sky_options.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "libcommon/formats/render_options.h"
+#include "libcommon/options/render_options.h"
 
 #include <filesystem>
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "libcommon/cli/cli.h"
-#include "libcommon/formats/shot_options.h"
+#include "libcommon/options/shot_options.h"
 #include "libcommon/scene/camera_blur.h"
 
 namespace tdpt {

@@ -1,4 +1,4 @@
-#include "libcommon/formats/lens_options.h"
+#include "libcommon/options/lens_options.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "libcommon/formats/sky_options.h"
+#include "libcommon/options/sky_options.h"
 
 #include <algorithm>
 #include <cmath>

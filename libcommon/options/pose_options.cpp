@@ -1,4 +1,4 @@
-#include "libcommon/formats/pose_options.h"
+#include "libcommon/options/pose_options.h"
 
 namespace tdpt {
 

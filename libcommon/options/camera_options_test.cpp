@@ -1,4 +1,4 @@
-#include "libcommon/formats/camera_options.h"
+#include "libcommon/options/camera_options.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
