@@ -55,31 +55,31 @@ Options::Options(const Program& program)
   declare_telling(program);
   part(Part::files);
   if (program.output_help)
-    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help),
-                Shapes::nothing, Impl::Is::output);
+    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help), Effect::told,
+                Impl::Is::output);
 }
 
 void Options::declare_general(const Program& program) {
   if (program.uses & kSeed)
     impl_->keep(impl_->add("--seed", common.seed, "N", "Seed of the random numbers; default 1")
                     ->check(whole_number()),
-                Shapes::result);
+                Effect::picture);
   if (program.uses & kThreads)
     option("--threads", common.threads, "N", "Threads to use; default all cores", 0, 4096,
-           Shapes::nothing);
+           Effect::speed);
   impl_->keep(impl_
                   ->add("--max-memory,--set max-memory", impl_->most_memory, "SIZE",
                         "Most memory that reading a file may take; default three quarters of "
                         "the machine's")
                   ->check(size()),
-              Shapes::nothing);
+              Effect::speed);
   if (program.output_help) {
     flag("--no-provenance", common.no_provenance, "Leave out where the file comes from",
-         Shapes::nothing);
+         Effect::stored);
     side_output("--set dependencies", common.dependencies,
                 "Write a rule for Make: what the result was made from; also -MF FILE");
     option("--set dependencies-target", common.target_, "NAME",
-           "What that rule is for; default what -o names; also -MQ NAME", Shapes::nothing);
+           "What that rule is for; default what -o names; also -MQ NAME", Effect::told);
   }
   static std::vector<std::string> none;
   impl_->set = impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
@@ -95,7 +95,7 @@ void Options::declare_what_else_is_printed(const Program& program) {
                      "Print a script that completes these options in a shell and exit")
                   ->type_name("bash|zsh|fish")
                   ->check(one_of({"bash", "zsh", "fish"})),
-              Shapes::nothing);
+              Effect::told);
   app.set_help_flag("-h,--help", "Print this help and exit");
   const std::string commit =
       *program.commit ? fmt::format(" (commit {})", program.commit) : std::string();
@@ -107,39 +107,40 @@ void Options::declare_what_else_is_printed(const Program& program) {
 
 void Options::declare_telling(const Program& program) {
   if (program.uses & kQuiet)
-    flag("--quiet", common.quiet, "No progress and no notes on stderr", Shapes::nothing);
+    flag("--quiet", common.quiet, "No progress and no notes on stderr", Effect::told);
   if (program.uses & kProgress)
     choice("--set progress", impl_->progress, {"auto", "json", "none"},
            "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
-           Shapes::nothing);
+           Effect::told);
   flag("--explain", common.explain, "Print on stderr what was decided, why, and what it costs",
-       Shapes::nothing);
+       Effect::told);
   flag("--json", common.json,
        "Print a summary as JSON on stdout (on stderr when the result goes to stdout)",
-       Shapes::nothing);
+       Effect::told);
 }
 
 Options::~Options() = default;
 
 void Options::part(Part part) {
+  impl_->part = part;
   impl_->app.option_defaults()->group(title_of(part));
 }
 
 void Options::argument(const std::string& name, std::string& target, const std::string& help,
                        bool required) {
-  impl_->keep(impl_->add(name, target, "FILE", help)->required(required), Shapes::nothing,
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(required), Effect::picture,
               Impl::Is::input);
 }
 
 void Options::arguments(const std::string& name, std::vector<std::string>& target,
                         const std::string& help) {
-  impl_->keep(impl_->add(name, target, "FILE", help)->required(target.empty()), Shapes::nothing,
+  impl_->keep(impl_->add(name, target, "FILE", help)->required(target.empty()), Effect::picture,
               Impl::Is::input);
 }
 
 void Options::input(const std::string& flags, std::string& target, const std::string& value_name,
                     const std::string& help) {
-  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::nothing, Impl::Is::input);
+  impl_->keep(impl_->add(flags, target, value_name, help), Effect::picture, Impl::Is::input);
 }
 
 namespace {
@@ -153,54 +154,54 @@ CLI::Option* one_each_time(CLI::Option* option) {
 
 void Options::inputs(const std::string& flags, std::vector<std::string>& target,
                      const std::string& value_name, const std::string& help) {
-  impl_->keep(one_each_time(impl_->add(flags, target, value_name, help)), Shapes::nothing,
+  impl_->keep(one_each_time(impl_->add(flags, target, value_name, help)), Effect::picture,
               Impl::Is::input);
 }
 
 void Options::input_or_setting(const std::string& flags, std::string& target,
                                const std::string& value_name, const std::string& help,
                                const std::function<bool(const std::string&)>& is_file) {
-  impl_->keep(impl_->add(flags, target, value_name, help), Shapes::result, Impl::Is::input,
+  impl_->keep(impl_->add(flags, target, value_name, help), Effect::picture, Impl::Is::input,
               is_file);
 }
 
 void Options::option(const std::string& flags, std::string& target, const std::string& value_name,
-                     const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()), shapes);
+                     const std::string& help, Effect effect) {
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(some_text()), effect);
 }
 
 void Options::option(const std::string& flags, std::vector<std::string>& target,
-                     const std::string& value_name, const std::string& help, Shapes shapes) {
+                     const std::string& value_name, const std::string& help, Effect effect) {
   impl_->keep(one_each_time(impl_->add(flags, target, value_name, help))->check(some_text()),
-              shapes);
+              effect);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const std::string& value_name,
-                     const std::string& help, int64_t lowest, int64_t highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
+                     const std::string& help, int64_t lowest, int64_t highest, Effect effect) {
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), effect);
 }
 
 void Options::option(const std::string& flags, double& target, const std::string& value_name,
-                     const std::string& help, double lowest, double highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
+                     const std::string& help, double lowest, double highest, Effect effect) {
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), effect);
 }
 
 void Options::option(const std::string& flags, std::optional<double>& target,
                      const std::string& value_name, const std::string& help, double lowest,
-                     double highest, Shapes shapes) {
-  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), shapes);
+                     double highest, Effect effect) {
+  impl_->keep(impl_->add(flags, target, value_name, help)->check(within(lowest, highest)), effect);
 }
 
 void Options::limit(const std::string& name, double& target, double lowest, double highest) {
   CLI::Option* const option = impl_->add("--set " + name, target, fmt::format("{:.4g}", target), "")
                                   ->check(within(lowest, highest));
-  impl_->keep(option, Shapes::result);
+  impl_->keep(option, Effect::picture);
   option->group(kLimits);
 }
 
-void Options::quality() {
+void Options::quality(Effect effect) {
   choice("--quality", impl_->quality, {"draft", "normal", "high"},
-         "Speed or accuracy; default normal");
+         "Speed or accuracy; default normal", effect);
 }
 
 void Options::option(const std::string& flags, int64_t& target, const ByQuality<int64_t>& defaults,
@@ -219,19 +220,19 @@ void Options::option(const std::string& flags, int64_t& target, const ByQuality<
 
 void Options::choice(const std::string& flags, std::string& target,
                      const std::vector<std::string>& words, const std::string& help,
-                     Shapes shapes) {
+                     Effect effect) {
   impl_->keep(impl_->add(flags, target, fmt::format("{}", fmt::join(words, "|")), help)
                   ->check(one_of(words)),
-              shapes);
+              effect);
 }
 
 void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
-  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing, Impl::Is::side_output);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::told, Impl::Is::side_output);
 }
 
 void Options::file(const std::string& flags, std::string& target, const std::string& help,
                    const std::function<Use()>& use) {
-  impl_->keep(impl_->add(flags, target, "FILE", help), Shapes::nothing);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::told);
   impl_->entries.back().use = [use] {
     const Use now = use();
     return now == Use::read      ? Impl::Is::input
@@ -244,7 +245,7 @@ void Options::output_beside(const std::string& flags, std::string& target,
                             const std::function<std::string(const std::string&)>& path_of,
                             const std::string& help) {
   CLI::Option* const flag = impl_->app.add_flag(flags, help);
-  impl_->keep(flag, Shapes::nothing);
+  impl_->keep(flag, Effect::told);
   impl_->besides.push_back({flag, &target, path_of});
 }
 
@@ -256,15 +257,15 @@ void Options::result_is_text(const std::function<bool()>& is_text) {
   impl_->is_text = is_text;
 }
 
-void Options::flag(const std::string& flags, bool& target, const std::string& help, Shapes shapes) {
-  impl_->keep(impl_->app.add_flag(flags, target, help), shapes);
+void Options::flag(const std::string& flags, bool& target, const std::string& help, Effect effect) {
+  impl_->keep(impl_->app.add_flag(flags, target, help), effect);
 }
 
 void Options::instead(const std::string& flags, const std::function<std::string()>& text,
                       const std::string& help) {
   impl_->keep(impl_->app.add_flag_callback(
                   flags, [text] { throw Instead{text}; }, help),
-              Shapes::nothing);
+              Effect::told);
 }
 
 int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
@@ -308,7 +309,7 @@ int Options::run_main(int argc, char** argv, const std::function<int()>& run) {
     common.given = impl_->given();
     impl_->spare_terminal(common.output);
     impl_->set_quality(common);
-    common.command = impl_->canonical(common.tool);
+    common.command = common.canonical();
     common.outputs = impl_->outputs(common.output);
     common.check_dependencies();
     common.also_read(impl_->inputs());

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/base/fingerprint.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/cli/decision.h"
 #include "libcommon/cli/outputs.h"
@@ -27,10 +28,29 @@ struct ByQuality {
   }
 };
 
+/// What an option changes, from most to least. A result is of the same picture as another if all
+/// options of the first effect agree. Provenance names options of the first two.
+enum class Effect {
+  picture,  ///< what is computed: for a renderer, what each sample is; films of different ones are
+            ///< never added
+  samples,  ///< which samples there are of it, how many, by which device, and which channels and
+            ///< filter the result gets
+  stored,   ///< bytes of the file that its provenance does not account for by options: how it is
+            ///< stored, by which instructions, and in how much time, it was made
+  speed,    ///< how long it takes
+  told      ///< what is told or written beside it
+};
+
+/// The sections of --help, in order [titles: help.cpp].
+enum class Part { files, effort, picture, camera, animation, light, lasting, telling, general };
+
 /// An option present on the command line.
 struct Given {
   std::string name;                 ///< the long name, "--spp"; of a setting "--set walks"
   std::vector<std::string> values;  ///< empty for a flag
+  Effect effect = Effect::picture;
+  Part part = Part::files;
+  bool names_input = false;  ///< its values are input files
 };
 
 /// The options that work alike in all programs that have them.
@@ -58,7 +78,14 @@ struct Common {
   std::vector<std::string> arguments;  ///< the command line as given, the program first
 
   std::string tool;     ///< name of the program
-  std::string command;  ///< canonical command: the tool and the options that shape the result
+  std::string command;  ///< the tool, and options that are given, for the provenance
+  /// Gives other values to an option that is given, or to none.
+  void give(const std::string& name, const std::vector<std::string>& values);
+
+  /// The one statement of what determines a result: the version of the program, `facts` (contents
+  /// of files: "scene" with its hash, "portal"), and every option that is given and whose effect is
+  /// at most `up_to`. What options name files is among the facts.
+  Fingerprint fingerprint(const Fingerprint& facts, Effect up_to) const;
 
   /// Provenance for an output of this run: the lines of the inputs, then this stage. Empty with
   /// --no-provenance.
@@ -87,14 +114,13 @@ struct Common {
 
  private:
   friend class Options;
+  /// The tool and the options that the provenance names, in the order of the table. Paths of inputs
+  /// are left out: `from` lines name them.
+  std::string canonical() const;
   void check_dependencies() const;
   std::string target_;  ///< -MQ; empty: the name given by -o
   mutable std::vector<std::string> read_;
 };
-
-/// Whether an option changes the bytes of the result (then it is part of the provenance) or not
-/// (--threads, --quiet, side outputs).
-enum class Shapes { result, nothing };
 
 /// Kind of the result: text may go to a terminal, binary never does.
 enum class Result { text, binary };
@@ -108,9 +134,6 @@ enum Uses : unsigned {
   kProgress = 8,  ///< it shows progress
   kAll = 15
 };
-
-/// The sections of --help, in order [titles: help.cpp].
-enum class Part { files, effort, picture, camera, animation, light, lasting, telling, general };
 
 /// A program, and what --help says before its options.
 struct Program {
@@ -158,34 +181,34 @@ class Options {
                         const std::string& value_name, const std::string& help,
                         const std::function<bool(const std::string&)>& is_file);
   void option(const std::string& flags, std::string& target, const std::string& value_name,
-              const std::string& help, Shapes shapes = Shapes::result);
+              const std::string& help, Effect effect = Effect::picture);
   /// The same for one that may be repeated.
   void option(const std::string& flags, std::vector<std::string>& target,
               const std::string& value_name, const std::string& help,
-              Shapes shapes = Shapes::result);
+              Effect effect = Effect::picture);
   /// A number within [lowest, highest]; anything else is a usage error.
   void option(const std::string& flags, int64_t& target, const std::string& value_name,
               const std::string& help, int64_t lowest, int64_t highest,
-              Shapes shapes = Shapes::result);
+              Effect effect = Effect::picture);
   void option(const std::string& flags, double& target, const std::string& value_name,
               const std::string& help, double lowest, double highest,
-              Shapes shapes = Shapes::result);
+              Effect effect = Effect::picture);
   /// The same for one that may be omitted.
   void option(const std::string& flags, std::optional<double>& target,
               const std::string& value_name, const std::string& help, double lowest, double highest,
-              Shapes shapes = Shapes::result);
+              Effect effect = Effect::picture);
   /// A number that verdicts hang on, given as `--set NAME=VALUE`. There are many: --help lists them
   /// last, by name and default alone, and the man page explains them.
   void limit(const std::string& name, double& target, double lowest, double highest);
   /// --quality draft|normal|high. Knobs that depend on it are declared after it.
-  void quality();
+  void quality(Effect effect = Effect::picture);
   /// A knob that --quality sets unless the option is given. `help` must not mention defaults.
   void option(const std::string& flags, int64_t& target, const ByQuality<int64_t>& defaults,
               const std::string& value_name, const std::string& help, int64_t lowest,
               int64_t highest);
   /// One word out of `words`.
   void choice(const std::string& flags, std::string& target, const std::vector<std::string>& words,
-              const std::string& help, Shapes shapes = Shapes::result);
+              const std::string& help, Effect effect = Effect::picture);
 
   /// A file whose use depends on other options; `use` is called when all are parsed.
   enum class Use { read, written, neither };
@@ -206,7 +229,7 @@ class Options {
   void result_is_text(const std::function<bool()>& is_text);
 
   void flag(const std::string& flags, bool& target, const std::string& help,
-            Shapes shapes = Shapes::result);
+            Effect effect = Effect::picture);
 
   /// A flag that, like --version, prints `text()` instead of running; positional arguments may be
   /// missing.

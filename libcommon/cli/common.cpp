@@ -12,6 +12,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/dependencies.h"
 #include "libcommon/cli/told.h"
+#include "tdpt_version.h"
 
 namespace tdpt::cli {
 
@@ -22,6 +23,36 @@ Provenance Common::provenance(const std::vector<Input>& inputs) const {
   p.made_by(tool, command);
   for (const Input& input : inputs) p.from(input.path, input.hash);
   return p;
+}
+
+std::string Common::canonical() const {
+  std::string text = tool;
+  for (const Given& one : given) {
+    if (one.effect > Effect::samples || one.names_input) continue;
+    if (one.values.empty()) text += " " + one.name;
+    const char* before_value = one.name.starts_with("--set ") ? "=" : " ";
+    for (const std::string& value : one.values)
+      text += " " + one.name + before_value + value.substr(value.find_last_of('/') + 1);
+  }
+  return text;
+}
+
+void Common::give(const std::string& name, const std::vector<std::string>& values) {
+  for (Given& one : given)
+    if (one.name == name) one.values = values;
+  command = canonical();
+}
+
+Fingerprint Common::fingerprint(const Fingerprint& facts, Effect up_to) const {
+  Fingerprint all{{"program version", TDPT_VERSION}};
+  all.insert(all.end(), facts.begin(), facts.end());
+  for (const Given& one : given) {
+    if (one.effect > up_to || one.names_input) continue;
+    std::string value = one.values.empty() ? "given" : one.values[0];
+    for (size_t i = 1; i < one.values.size(); ++i) value += "\n" + one.values[i];
+    all.emplace_back(one.name, value);
+  }
+  return all;
 }
 
 namespace {

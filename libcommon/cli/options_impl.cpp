@@ -31,10 +31,10 @@ std::string for_cli11(const std::string& text) {
   return replaced(text, "--set ", kSetting);
 }
 
-void Options::Impl::keep(CLI::Option* option, Shapes shapes, Is is,
+void Options::Impl::keep(CLI::Option* option, Effect effect, Is is,
                          std::function<bool(const std::string&)> is_file) {
   if (!setting_name(option).empty()) option->group(kSettings);
-  entries.push_back({option, shapes, is, std::move(is_file)});
+  entries.push_back({option, effect, part, is, std::move(is_file)});
 }
 
 std::vector<std::string> Options::Impl::settings() const {
@@ -130,27 +130,11 @@ std::vector<Given> Options::Impl::given() const {
   std::vector<Given> all;
   for (const Entry& e : entries) {
     if (e.option->count() == 0 || e.option->get_lnames().empty()) continue;
-    Given& one = all.emplace_back(Given{name_of(e.option), {}});
+    Given& one = all.emplace_back(Given{name_of(e.option), {}, e.effect, e.part});
     if (e.option->get_items_expected_max() > 0) one.values = e.option->results();
+    one.names_input = e.is == Is::input && (!e.is_file || e.is_file(one.values[0]));
   }
   return all;
-}
-
-std::string Options::Impl::canonical(const std::string& tool) const {
-  std::string text = tool;
-  for (const Entry& e : entries) {
-    if (e.shapes == Shapes::nothing || e.option->count() == 0) continue;
-    const std::string name = name_of(e.option);
-    const char* before_value = name.starts_with("--set ") ? "=" : " ";
-    if (e.option->get_items_expected_max() == 0) {
-      text += " " + name;
-      continue;
-    }
-    for (const std::string& value : e.option->results())
-      if (!e.is_file || !e.is_file(value))
-        text += " " + name + before_value + value.substr(value.find_last_of('/') + 1);
-  }
-  return text;
 }
 
 std::vector<Completed> Options::Impl::completed() const {

@@ -22,12 +22,14 @@ struct Options::Impl {
   enum class Is { setting, input, output, side_output };
   struct Entry {
     CLI::Option* option;
-    Shapes shapes;
+    Effect effect;
+    Part part;
     Is is = Is::setting;
     std::function<bool(const std::string&)> is_file{};  ///< is the value a file? none: yes
     std::function<Is()> use{};  ///< its role, if that depends on other options
   };
   CLI::App app;
+  Part part = Part::files;           ///< of the options declared now
   const CLI::Option* set = nullptr;  ///< --set, for --help and shells: its values are settings
   std::vector<Entry> entries;
 
@@ -52,7 +54,7 @@ struct Options::Impl {
                    const std::string& help) {
     return app.add_option(for_cli11(flags), target, help)->type_name(value_name);
   }
-  void keep(CLI::Option* option, Shapes shapes, Is is = Is::setting,
+  void keep(CLI::Option* option, Effect effect, Is is = Is::setting,
             std::function<bool(const std::string&)> is_file = {});
 
   /// The command line with each `--set NAME=VALUE` replaced by the option that CLI11 knows.
@@ -63,9 +65,6 @@ struct Options::Impl {
   // After parsing.
   bool is_given(const std::string& name) const;
   std::vector<Given> given() const;
-  /// The tool and the options that shape the result, in the order of the table. Paths of inputs are
-  /// left out: `from` lines name them.
-  std::string canonical(const std::string& tool) const;
   /// Applies the word of --quality to the knobs and to `common`.
   void set_quality(Common& common) const;
   void limit(int threads) const;

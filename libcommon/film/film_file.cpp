@@ -261,24 +261,6 @@ FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const s
 
 }  // namespace
 
-std::string difference(const Shape& found, const Shape& expected) {
-  const auto value_of = [](const Shape& shape, const std::string& name) {
-    for (const auto& [key, value] : shape)
-      if (key == name) return value;
-    return std::string();
-  };
-  const auto told = [](const std::string& value) {
-    return value.empty() ? std::string("none") : shown(value, 80);
-  };
-  for (const Shape* names : {&expected, &found})
-    for (const auto& [name, unused] : *names) {
-      const std::string is = value_of(found, name), should = value_of(expected, name);
-      if (is != should)
-        return fmt::format("another {} ({}, expected {})", shown(name, 40), told(is), told(should));
-    }
-  return "";
-}
-
 std::string words_of(const std::vector<SampleRange>& ranges) {
   constexpr size_t kMost = 8;
   std::vector<std::string> all;

@@ -8,20 +8,16 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "libcommon/base/fingerprint.h"
 #include "libcommon/denoise/filter_picture.h"
 #include "libcommon/film/film.h"
 
 namespace tdpt {
 
-/// What determines a picture besides its samples: names ("scene") with values ("1f3a..."). Films
-/// with different shapes belong to different pictures.
-using Shape = std::vector<std::pair<std::string, std::string>>;
-
-/// The first difference: "another scene (1f3a, expected 77ab)"; "" if there is none.
-std::string difference(const Shape& found, const Shape& expected);
+/// Films with different shapes belong to different pictures.
+using Shape = Fingerprint;
 
 /// "samples 0 to 15 and 32 to 47", "no samples".
 std::string words_of(const std::vector<SampleRange>& ranges);

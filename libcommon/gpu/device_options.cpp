@@ -26,7 +26,8 @@ void declare_device_options(cli::Options& options, std::string& device, const st
   options.option("--device", device, "cpu|gpu[:WHICH]",
                  what +
                      "; default cpu. WHICH: number or part of the name of a Vulkan device; "
-                     "else the best");
+                     "else the best",
+                 cli::Effect::samples);
   options.part(cli::Part::telling);
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }

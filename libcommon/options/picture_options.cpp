@@ -20,18 +20,17 @@ Storage PictureArguments::storage() const {
 void declare_exposure(cli::Options& options, std::optional<double>& exposure, const char* preview) {
   options.option("--exposure", exposure, "STOPS",
                  fmt::format("Exposure of {}; default automatic, and --explain tells it", preview),
-                 -kMostStops, kMostStops, cli::Shapes::nothing);
+                 -kMostStops, kMostStops, cli::Effect::told);
 }
 
 void declare_picture_options(cli::Options& options, PictureArguments& a) {
-  using cli::Shapes;
   options.output_beside("--preview", a.preview, cli::png_beside, "Write a PNG beside the picture");
   declare_exposure(options, a.exposure, "--preview");
   options.choice("--set pixels", a.pixels, {"float", "half"},
-                 "Numbers of the picture's colours; default float", Shapes::nothing);
+                 "Numbers of the picture's colours; default float", cli::Effect::stored);
   options.choice("--set compression", a.compression, {"zip", "dwaa", "dwab"},
                  "Compression of the picture; dwaa and dwab are lossy, for colours; default zip",
-                 Shapes::nothing);
+                 cli::Effect::stored);
 }
 
 void check_picture_arguments(const PictureArguments& a) {

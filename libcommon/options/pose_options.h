@@ -6,8 +6,8 @@
 
 namespace tdpt {
 
-/// --at, --animation. `shapes`: whether the result depends on them.
+/// --at, --animation.
 void declare_pose_options(cli::Options& options, Pose& pose,
-                          cli::Shapes shapes = cli::Shapes::result);
+                          cli::Effect effect = cli::Effect::picture);
 
 }  // namespace tdpt

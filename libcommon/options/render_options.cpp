@@ -9,6 +9,8 @@
 namespace tdpt {
 namespace {
 
+using cli::Effect;
+
 void check_picture_name(const std::string& picture) {
   for (const char* suffix : {".png", ".jpg", ".jpeg"})
     if (suffix_of(picture) == suffix)
@@ -66,36 +68,37 @@ void declare_checkpoint_options(cli::Options& options, RenderArguments& a) {
   options.side_output("--checkpoint", a.checkpoint,
                       "Keep what there is in FILE while rendering, for --resume");
   options.option("--set checkpoint-every", a.checkpoint_every, "SECONDS",
-                 "Time between checkpoints; default 60", 0, 1e9, cli::Shapes::nothing);
+                 "Time between checkpoints; default 60", 0, 1e9, Effect::speed);
   options.file("--resume", a.resume, "Go on from a checkpoint, which is kept up to date", [&a] {
     if (a.checkpoint.empty()) return Use::written;
     return same_file(a.checkpoint, a.resume) ? Use::neither : Use::read;
   });
   options.option("--add-samples", a.add_samples, "N",
                  "With --resume: render N samples per pixel more than it was to have", 1,
-                 int64_t{1} << 32, cli::Shapes::nothing);
+                 int64_t{1} << 32, Effect::stored);
   options.choice("--set isa", a.isa, {"native", "avx2", "sse2"},
                  "Instructions to use: the newest, or those of older processors, too, for the same "
                  "bytes on each; default native",
-                 cli::Shapes::nothing);
+                 Effect::stored);
 }
 
 // Amount of rendering.
 void declare_amount_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::effort);
-  options.quality();
+  options.quality(Effect::samples);
   options.option("--time", a.seconds, "SECONDS", "Stop rendering after this wall-clock time", 1e-3,
-                 1e9, cli::Shapes::nothing);
+                 1e9, Effect::stored);
   options.option("--spp", a.spp, "N",
                  "Samples per pixel; default 16 (draft 4, high 64), or as --time allows or "
                  "--target-error takes",
-                 1, int64_t{1} << 32);
+                 1, int64_t{1} << 32, Effect::samples);
   options.option("--target-error", a.target_error, "E",
                  "Render until the relMSE is E, within --spp and --time; the number of samples is "
                  "fixed beforehand",
-                 1e-9, 1e9);
+                 1e-9, 1e9, Effect::samples);
   options.option("--set retry", a.retry, "0|1",
-                 "1: where the target seems to be missed, render on once; default 0", 0, 1);
+                 "1: where the target seems to be missed, render on once; default 0", 0, 1,
+                 Effect::samples);
   options.option("--width", a.width, "W",
                  "Width in pixels; default from --height, else as the scene says, else 640", 1,
                  65536);
@@ -119,16 +122,18 @@ void declare_channel_options(cli::Options& options, RenderArguments& a) {
                "it");
   options.flag("--layers", a.layers,
                "Add each technique's contribution as layers <technique>.R .G .B");
-  options.option(
-      "--aov", a.aov, "LIST",
-      "Add channels: albedo, normal, position, depth, variance, halves, samples, or all");
+  options.option("--aov", a.aov, "LIST",
+                 "Add channels: albedo, normal, position, depth, variance, halves, samples, or all",
+                 Effect::samples);
   options.flag("--denoise", a.denoise,
                "Filter the noise, with a bias that more samples reduce; add what was rendered as "
-               "noisy.R .G .B");
+               "noisy.R .G .B",
+               Effect::samples);
   options.choice(
       "--denoiser", a.denoiser, {kDenoisers.begin(), kDenoisers.end()},
       "Filter it by this: regression, our own; oidn, Intel's Open Image Denoise; default auto, "
-      "our own with the help of the other where it is installed");
+      "our own with the help of the other where it is installed",
+      Effect::samples);
 }
 
 }  // namespace
@@ -156,7 +161,7 @@ void declare_render_options(cli::Options& options, RenderArguments& a) {
   declare_camera_options(options, a.camera);
   declare_lens_options(options, a.lens);
   declare_pose_options(options, a.pose);
-  declare_shot_options(options, a.shot);
+  declare_shot_options(options, a.shot, Effect::samples);
   options.flag("--accumulate", a.accumulate,
                "A frame in which nothing has moved keeps the samples of the frames since then");
   declare_sky_options(options, a.sky);

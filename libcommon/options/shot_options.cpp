@@ -15,11 +15,17 @@ constexpr double kSlowest = 0.001, kFastest = 1000;  // frames per second
 
 }  // namespace
 
-void declare_shot_options(cli::Options& options, ShotArguments& a) {
+void declare_shot_options(cli::Options& options, ShotArguments& a, cli::Effect frames) {
   options.part(cli::Part::animation);
   options.option("--frames", a.frames, "A-B",
-                 "Frames of the scene's animations, A to B; frame K shows it at K / --fps seconds");
+                 "Frames of the scene's animations, A to B; frame K shows it at K / --fps seconds",
+                 frames);
   options.option("--fps", a.fps, "F", "Frames per second; default 24", kSlowest, kFastest);
+}
+
+std::string words_of(const FrameRange& frames) {
+  return frames.count() == 1 ? fmt::format("{}", frames.first)
+                             : fmt::format("{}-{}", frames.first, frames.last);
 }
 
 FrameRange frame_range(const ShotArguments& a) {
@@ -81,9 +87,7 @@ std::string command_of_frames(const std::string& command, const FrameRange& fram
   const size_t at = command.find(kOption);
   if (at == std::string::npos) return command;
   const size_t from = at + kOption.size(), to = std::min(command.find(' ', from), command.size());
-  const std::string words = frames.count() == 1 ? fmt::format("{}", frames.last)
-                                                : fmt::format("{}-{}", frames.first, frames.last);
-  return std::string(command).replace(from, to - from, words);
+  return std::string(command).replace(from, to - from, words_of(frames));
 }
 
 namespace {

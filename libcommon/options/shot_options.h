@@ -19,8 +19,9 @@ struct ShotArguments {
   bool is_given() const { return !frames.empty(); }
 };
 
-/// --frames, --fps.
-void declare_shot_options(cli::Options& options, ShotArguments& a);
+/// --frames, --fps. `frames`: what --frames changes.
+void declare_shot_options(cli::Options& options, ShotArguments& a,
+                          cli::Effect frames = cli::Effect::picture);
 
 /// Frames from `first` to `last`, both included. Frame K shows the scene K / fps seconds after time
 /// 0, as modelling programs count.
@@ -28,6 +29,8 @@ struct FrameRange {
   int64_t first = 0, last = 0;
   int64_t count() const { return last - first + 1; }
 };
+/// "A-B", or "A" of one.
+std::string words_of(const FrameRange& frames);
 /// Reads ShotArguments::frames. Throws UsageError.
 FrameRange frame_range(const ShotArguments& a);
 

@@ -14,8 +14,8 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
-#include "libcommon/options/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
+#include "libcommon/options/pose_options.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/explain.h"
 #include "tools/mincut/limit_options.h"
@@ -55,11 +55,11 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "scene and in plan");
   options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
   options.option("--camera", a.camera, "NAME",
-                 "Camera for --preview; default the first of the network", cli::Shapes::nothing);
+                 "Camera for --preview; default the first of the network", cli::Effect::told);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   declare_debug_lines(options, a.debug_lines);
-  declare_pose_options(options, a.pose, cli::Shapes::nothing);
+  declare_pose_options(options, a.pose, cli::Effect::told);
   declare_limits(options, a.limits);
 }
 

@@ -15,8 +15,8 @@
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal_worth.h"
-#include "libcommon/options/pose_options.h"
 #include "libcommon/formats/viewpoint.h"
+#include "libcommon/options/pose_options.h"
 #include "tools/portalfit/explain.h"
 #include "tools/portalfit/limit_options.h"
 #include "tools/portalfit/merit.h"
@@ -61,7 +61,7 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Write the portals as rectangles in the terms of another renderer, in place of glTF");
   options.result_is_text([&a] { return !a.renderer.empty(); });
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
-               cli::Shapes::nothing);
+               cli::Effect::told);
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
                       "front and from above; with --scene the plans instead");
@@ -71,7 +71,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
-  declare_pose_options(options, a.pose, cli::Shapes::nothing);
+  declare_pose_options(options, a.pose, cli::Effect::told);
   declare_limits(options, a.limits);
 }
 

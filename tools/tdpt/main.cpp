@@ -39,12 +39,12 @@ std::string list_of_devices() {
 }
 
 void declare_options(cli::Options& options, Arguments& a) {
-  using cli::Shapes;
+  using cli::Effect;
   declare_render_options(options, a);
   options.part(cli::Part::files);
   options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
-               Shapes::nothing);
+               Effect::told);
   options.output_beside(
       "--report", a.report,
       [&a](const std::string& picture) { return report_beside(picture, a.shot.is_given()); },
@@ -52,19 +52,20 @@ void declare_options(cli::Options& options, Arguments& a) {
       "frames and their noise (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
-                 Shapes::nothing);
+                 Effect::told);
   options.option("--work-size", a.work_size, "SIZE",
                  "Largest size of that folder: what was used longest ago goes; default 10G",
-                 Shapes::nothing);
+                 Effect::told);
   options.flag("--clean", a.clean, "Empty that folder, but for what runs of tdpt are using",
-               Shapes::nothing);
+               Effect::told);
   options.part(cli::Part::telling);
   options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
-               Shapes::nothing);
+               Effect::told);
   options.part(cli::Part::effort);
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "Where to count light and to render; default cpu. WHICH: number or part of the "
-                 "name of a Vulkan device; else the best");
+                 "name of a Vulkan device; else the best",
+                 Effect::samples);
   options.part(cli::Part::telling);
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }

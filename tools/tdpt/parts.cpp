@@ -1,7 +1,5 @@
 #include "tools/tdpt/parts.h"
 
-#include <fmt/format.h>
-
 #include "libcommon/scene/scene_file.h"
 
 namespace tdpt {
@@ -21,11 +19,6 @@ std::vector<Part> parts_of_shot(const Arguments& a) {
   }
   for (Part& part : parts) part.moves = parts.size() > 1 && part.frames.count() == 1;
   return parts;
-}
-
-std::string words_of(const FrameRange& range) {
-  return range.first == range.last ? fmt::format("{}", range.first)
-                                   : fmt::format("{}-{}", range.first, range.last);
 }
 
 }  // namespace tdpt

@@ -1,6 +1,5 @@
 // Parts of a shot for which portals are found together.
 #pragma once
-#include <string>
 #include <vector>
 
 #include "tools/tdpt/request.h"
@@ -15,8 +14,5 @@ struct Part {
 /// Frames in which nothing but cameras moves are one part. Each frame in which the scene moves is a
 /// part of its own. Reads the scene.
 std::vector<Part> parts_of_shot(const Arguments& a);
-
-/// "1-48", "7": as --frames has it.
-std::string words_of(const FrameRange& range);
 
 }  // namespace tdpt

@@ -37,7 +37,7 @@ void declare_shard_options(cli::Options& options, Arguments& a) {
   options.option("--shard", a.shard, "I/N",
                  "Render the I-th of N parts of the samples, from 0, for exrmerge; all/N prints "
                  "the commands of all, one a line",
-                 cli::Shapes::nothing);
+                 cli::Effect::told);
   options.file(
       "--plan", a.plan,
       "Write what is decided before rendering, and render only if -o is given. Obey it "
@@ -97,7 +97,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   declare_shard_options(options, a);
   declare_device_options(options, a.device, "Where to render");
   options.flag("--check", a.check, "Check the options, the scene and what else is read, and exit",
-               cli::Shapes::nothing);
+               cli::Effect::told);
   const cli::Common& common = options.common;
   options.result_is_text([&] { return prints_shards(a) || only_plans(a, common.output_given); });
 }

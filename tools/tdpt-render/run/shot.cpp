@@ -123,7 +123,7 @@ FrameRun frame_run(const Arguments& a, const cli::Common& common, int64_t frame,
     run.arguments.portals_by_frame = true;
   }
   run.common.seed = common.seed + static_cast<uint64_t>(since);
-  run.common.command = command_of_frames(common.command, {since, frame});
+  run.common.give("--frames", {words_of(FrameRange{since, frame})});
   if (only_plans(a, common.output_given)) return run;
   run.common.output = name_of_frame("-o", common.output, frame);
   run.common.outputs = {{"-o", run.common.output}};
