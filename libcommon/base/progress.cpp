@@ -37,19 +37,19 @@ void show_progress_as(ProgressForm form) {
   form_of_all = form;
 }
 
-Progress::Progress(std::string what, std::string unit, uint64_t total, bool quiet)
+ProgressBar::ProgressBar(std::string what, std::string unit, uint64_t total, bool quiet)
     : what_(std::move(what)), unit_(std::move(unit)), total_(total), form_(form_here(quiet)) {}
 
-Progress::~Progress() {
+ProgressBar::~ProgressBar() {
   if (form_ == ProgressForm::json) show();
   if (form_ == ProgressForm::automatic && next_ms_ > 300) std::fputs("\r\033[K", stderr);
 }
 
-double Progress::seconds() const {
+double ProgressBar::seconds() const {
   return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
-void Progress::advance(uint64_t n) {
+void ProgressBar::advance(uint64_t n) {
   done_ += n;
   if (form_ == ProgressForm::none) return;
   int64_t due = next_ms_.load();
@@ -57,7 +57,7 @@ void Progress::advance(uint64_t n) {
   if (now_ms >= due && next_ms_.compare_exchange_strong(due, now_ms + 300)) show();
 }
 
-Progress::Figures Progress::figures() const {
+ProgressBar::Figures ProgressBar::figures() const {
   Figures f{done_, seconds(), 0, -1, 0};
   f.rate = static_cast<double>(f.done) / std::max(f.seconds, 1e-9);
   if (total_ > 0 && f.done > 0) {
@@ -70,14 +70,14 @@ Progress::Figures Progress::figures() const {
   return f;
 }
 
-std::string Progress::line(const Figures& f) const {
+std::string ProgressBar::line(const Figures& f) const {
   std::string text =
       fmt::format("\r\033[K{}: {} {}, {}/s", what_, f.done, unit_, number_words(f.rate));
   if (f.left >= 0) text += fmt::format(", {:.0f} %, {:.0f} s left", 100 * f.share, f.left);
   return more_.empty() ? text : text + ", " + more_;
 }
 
-std::string Progress::json(const Figures& f) const {
+std::string ProgressBar::json(const Figures& f) const {
   const auto or_null = [](bool known, const std::string& value) { return known ? value : "null"; };
   return fmt::format(
       R"({{"progress": {{"what": {}, "unit": {}, "done": {}, "total": {}, "seconds": {:.3f}, )"
@@ -88,7 +88,7 @@ std::string Progress::json(const Figures& f) const {
       more_.empty() ? "" : ", \"note\": " + quoted(more_));
 }
 
-void Progress::show() {
+void ProgressBar::show() {
   const std::lock_guard lock(showing_);
   const Figures f = figures();
   std::fputs((form_ == ProgressForm::json ? json(f) : line(f)).c_str(), stderr);

@@ -12,20 +12,20 @@ namespace tdpt {
 /// automatic: the line, if stderr is a terminal and --quiet is not given; json: JSON, quiet or not.
 enum class ProgressForm { automatic, json, none };
 
-/// Applies to every Progress made afterwards. Call once, before any parallel work; automatic if
+/// Applies to every bar made afterwards. Call once, before any parallel work; automatic if
 /// never called.
 void show_progress_as(ProgressForm form);
 
 /// Thread-safe: any thread may call advance().
-class Progress {
+class ProgressBar {
  public:
   /// `what` names the work ("rendering"), `unit` what is counted ("samples"), `total` how many
   /// are expected (0: unknown).
-  Progress(std::string what, std::string unit, uint64_t total, bool quiet);
+  ProgressBar(std::string what, std::string unit, uint64_t total, bool quiet);
   /// Erases the line; as JSON reports how the work ended.
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// For an unknown `total`: the work is to end this many seconds after it began. Call before the
   /// first advance().

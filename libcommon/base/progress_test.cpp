@@ -25,7 +25,7 @@ std::vector<std::string> told(ProgressForm form, const Work& work) {
 TEST(progress, as_json_tells_how_the_work_ended_quiet_or_not) {
   for (const bool quiet : {false, true}) {
     const auto lines = told(ProgressForm::json, [&] {
-      Progress progress("tracing", "rays", 10, quiet);
+      ProgressBar progress("tracing", "rays", 10, quiet);
       progress.advance(4);
       progress.tell("a \"note\\\"\n");
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -49,8 +49,8 @@ TEST(progress, as_json_tells_how_the_work_ended_quiet_or_not) {
 
 TEST(progress, as_json_knows_what_it_does_not_know) {
   const auto lines = told(ProgressForm::json, [] {
-    { Progress progress("measuring", "samples", 0, false); }
-    Progress progress("rendering", "samples", 5, false);
+    { ProgressBar progress("measuring", "samples", 0, false); }
+    ProgressBar progress("rendering", "samples", 5, false);
   });
   ASSERT_EQ(lines.size(), 2u);
   const auto measuring = nlohmann::json::parse(lines[0]).at("progress");
@@ -65,7 +65,7 @@ TEST(progress, as_json_knows_what_it_does_not_know) {
 
 TEST(progress, by_the_clock_knows_the_time_left) {
   const auto lines = told(ProgressForm::json, [] {
-    Progress progress("rendering", "samples", 0, false);
+    ProgressBar progress("rendering", "samples", 0, false);
     progress.ends_after(60);
     progress.advance(5);
   });
@@ -78,7 +78,7 @@ TEST(progress, by_the_clock_knows_the_time_left) {
 
 TEST(progress, as_json_is_told_every_third_of_a_second) {
   const auto lines = told(ProgressForm::json, [] {
-    Progress progress("tracing", "rays", 0, false);
+    ProgressBar progress("tracing", "rays", 0, false);
     const auto work = [&] {
       const auto start = std::chrono::steady_clock::now();
       while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(800))
@@ -103,7 +103,7 @@ TEST(progress, as_json_is_told_every_third_of_a_second) {
 
 TEST(progress, is_not_told_where_nobody_looks) {
   const auto work = [] {
-    Progress progress("tracing", "rays", 10, false);
+    ProgressBar progress("tracing", "rays", 10, false);
     progress.advance(4);
     std::this_thread::sleep_for(std::chrono::milliseconds(310));
     progress.advance(4);

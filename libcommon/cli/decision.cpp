@@ -10,7 +10,8 @@
 namespace tdpt::cli {
 
 std::string sentence(const Decision& d) {
-  return fmt::format("{}: {}, because {}{}", d.what, d.chosen, d.reason,
+  return fmt::format("{}: {}{}{}", d.what, d.chosen,
+                     d.reason.empty() ? "" : ", because " + d.reason,
                      d.price.empty() ? "" : " (" + d.price + ")");
 }
 

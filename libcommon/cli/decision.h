@@ -13,12 +13,12 @@ namespace tdpt::cli {
 struct Decision {
   std::string what;    ///< what is decided on
   std::string chosen;  ///< what was decided
-  std::string reason;  ///< completes "because ..."
+  std::string reason;  ///< completes "because ..."; may be empty
   std::string price;   ///< what it costs or saves: CPU seconds, rays, shares
 };
 using Decisions = std::vector<Decision>;
 
-/// "what: chosen, because reason (price)"; no brackets without a price.
+/// "what: chosen, because reason (price)"; without what is empty.
 std::string sentence(const Decision& decision);
 
 /// "1 round", "2 rounds".

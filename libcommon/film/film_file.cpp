@@ -278,6 +278,10 @@ std::string words_of(const std::vector<SampleRange>& ranges) {
   return fmt::format("samples {}{}{}", fmt::join(all, ", "), all.empty() ? "" : " and ", last);
 }
 
+std::string part_words(const std::vector<SampleRange>& ranges, uint64_t of) {
+  return fmt::format("{} of {}", words_of(ranges), of);
+}
+
 std::string merged_words(const std::string& a, const std::string& b) {
   std::vector<std::string> words;
   for (const std::string& list : {a, b})
@@ -353,6 +357,7 @@ std::string film_bytes(Film& film, const FilmFacts& facts, const StateWords& wor
   exr.channels = channels;
   const std::string text =
       json_of(film, facts, words, channels).dump(-1, ' ', false, Json::error_handler_t::replace);
+  exr.attributes[kPartAttribute] = part_words(film.ranges(), facts.spp);
   exr.attributes[film_attribute] = Json{
       {"hash", hash_of(text, facts.attributes, film, words, channels)},
       {"facts", text}}.dump();
@@ -383,6 +388,7 @@ FilmFile parse_film(std::string_view bytes, const std::string& name) {
   file.facts.attributes = std::move(exr.attributes);
   file.facts.attributes.erase(film_attribute);
   file.facts.attributes.erase("spp");
+  file.facts.attributes.erase(kPartAttribute);
   if (hash != hash_of(text, file.facts.attributes, file.film, file.words, file.channels))
     throw InputError(name, "film", "is damaged");
   return file;

@@ -81,6 +81,11 @@ FilmFile read_film(const std::string& path);
 /// Name of the attribute that tells which frame of a shot a picture is, and that it is complete.
 inline constexpr const char* kFrameAttribute = "frame";
 
+/// Name of the attribute of a film file that tells its samples, and of how many: "samples 0 to 15 of
+/// 64". So a file's header tells which part it is.
+inline constexpr const char* kPartAttribute = "part";
+std::string part_words(const std::vector<SampleRange>& ranges, uint64_t of);
+
 /// Whether a picture has the attribute that marks films.
 bool is_film(const ExrFile& file);
 

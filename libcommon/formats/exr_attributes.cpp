@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
@@ -108,6 +109,7 @@ struct Headers {
   std::string fault{};
   size_t end = 0;
   std::string compressions{};  // one of each header
+  std::map<std::string, std::string> strings{};
 };
 
 Headers walk_through(std::string_view bytes) {
@@ -144,6 +146,7 @@ Headers walk_through(std::string_view bytes) {
       break;
     }
     if (type == "compression") headers.compressions += value;
+    if (type == "string") headers.strings.emplace(name, value);
   }
   return headers;
 }
@@ -160,6 +163,22 @@ std::string exr_compressions(std::string_view bytes) {
 
 size_t end_of_exr_headers(std::string_view bytes) {
   return walk_through(bytes).end;
+}
+
+std::map<std::string, std::string> string_attributes_of_file(const std::string& path) {
+  constexpr size_t kFirst = 1 << 16, kLongest = 1 << 26;
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes;
+  for (size_t size = kFirst; file && size <= kLongest; size *= 2) {
+    const size_t had = bytes.size();
+    bytes.resize(size);
+    file.read(bytes.data() + had, static_cast<std::streamsize>(size - had));
+    bytes.resize(had + static_cast<size_t>(file.gcount()));
+    if (!bytes.starts_with("\x76\x2f\x31\x01")) return {};
+    Headers headers = walk_through(bytes);
+    if (headers.end > 0) return std::move(headers.strings);
+  }
+  return {};
 }
 
 }  // namespace tdpt

@@ -1,5 +1,6 @@
 // Checks that the attributes of an OpenEXR header have plausible sizes and lie within the file.
 #pragma once
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,8 @@ std::string fault_of_exr_attributes(std::string_view bytes);
 std::string exr_compressions(std::string_view bytes);
 /// Offset where the headers of such a file end and the tables of offsets begin.
 size_t end_of_exr_headers(std::string_view bytes);
+/// The attributes of type string in the header of a file with one part, read from its beginning
+/// alone; none if it is no such file or cannot be read.
+std::map<std::string, std::string> string_attributes_of_file(const std::string& path);
 
 }  // namespace tdpt

@@ -141,8 +141,6 @@ void declare_channel_options(cli::Options& options, RenderArguments& a) {
 void check_render_arguments(const RenderArguments& a) {
   check_picture_arguments(a);
   check_shot(a.shot, a.pose);
-  if (a.accumulate && !a.shot.is_given())
-    throw UsageError("--accumulate: is for the frames of a shot, and needs --frames");
   check_lens(a.lens, a.shot, a.pose, a.device);
   if (a.filters() && a.denoiser != kDenoisers.back() && a.spp == 1)
     throw UsageError("--denoise needs two samples per pixel or more: --spp 1 given");
@@ -162,8 +160,6 @@ void declare_render_options(cli::Options& options, RenderArguments& a) {
   declare_lens_options(options, a.lens);
   declare_pose_options(options, a.pose);
   declare_shot_options(options, a.shot, Effect::samples);
-  options.flag("--accumulate", a.accumulate,
-               "A frame in which nothing has moved keeps the samples of the frames since then");
   declare_sky_options(options, a.sky);
   declare_checkpoint_options(options, a);
   options.part(cli::Part::telling);

@@ -30,7 +30,6 @@ struct RenderArguments : PictureArguments {
   CameraArguments camera;
   Pose pose;
   ShotArguments shot;
-  bool accumulate = false;  ///< samples of frames, while nothing moves
   LensArguments lens;
   int64_t width = 0, height = 0;  ///< pixels; 0: not given
 
@@ -47,6 +46,8 @@ struct RenderArguments : PictureArguments {
   double checkpoint_every = -1;    ///< seconds; negative: not given
   int64_t add_samples = 0;
   std::string isa = "native";
+  std::string shard;  ///< "I/N"; empty: not given. Of tdpt-render alone, as is
+  bool check = false;
 
   std::string stats, nonzero;  ///< paths; empty: not asked for
   bool layers = false, alpha = false;

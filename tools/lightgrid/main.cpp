@@ -134,7 +134,7 @@ LightGridOptions options_of(const Arguments& a, const cli::Common& common, const
 LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& in,
                   const LightGridOptions& how, const MakeLineTracer& make_tracer,
                   LightGridReport& report) {
-  Progress progress("tracing", "segments", how.samples, common.quiet);
+  ProgressBar progress("tracing", "segments", how.samples, common.quiet);
   LightGrid grid =
       make_light_grid(in.scene, in.cut, a.cut, how, report,
                       {[&](uint64_t n) { progress.advance(n); }, stop_requested}, make_tracer);

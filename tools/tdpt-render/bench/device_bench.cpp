@@ -145,9 +145,9 @@ struct Measured {
   double samples = 0;  // on the device
 };
 
-RenderSettings settings_of(const Options& o, int round) {
-  RenderSettings s;
-  s.spp = static_cast<uint64_t>(o.spp);
+Job settings_of(const Options& o, int round) {
+  Job s;
+  s.limits.spp = static_cast<uint64_t>(o.spp);
   s.max_depth = o.max_depth;
   s.seed = static_cast<uint64_t>(1 + round);
   return s;
@@ -158,12 +158,12 @@ Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) 
   if (name != "auto") return {integrator_named(name), name};
   const std::vector<Candidate> all = auto_candidates(stage.world);
   const RenderResult result = render(*stage.renderer, all, settings_of(o, 0));
-  const Candidate& chosen = all[result.chosen];
+  const Candidate& chosen = all[result.plan.forecast.best];
   return {chosen.integrator, "auto: " + chosen.label};
 }
 
 // One round: samples per CPU second, or per second of a device that is not a CPU.
-double one_round(const Candidate& c, const RenderSettings& settings, const Stage& stage,
+double one_round(const Candidate& c, const Job& settings, const Stage& stage,
                  SampleRenderer& renderer, RenderResult& result) {
   const bool of_cores = !renderer.on_device() || stage.of_cores;
   const auto now = [&] {
@@ -173,7 +173,7 @@ double one_round(const Candidate& c, const RenderSettings& settings, const Stage
   };
   const double before = now();
   result = render(renderer, c.integrator, settings);
-  return static_cast<double>(stage.pixels() * settings.spp) / (now() - before);
+  return static_cast<double>(stage.pixels() * settings.limits.spp) / (now() - before);
 }
 
 Measured measure(const std::string& name, const Options& o, Stage& stage) {
@@ -182,7 +182,7 @@ Measured measure(const std::string& name, const Options& o, Stage& stage) {
   const Candidate c = candidate_of(name, o, stage);
   m.label = c.label;
   for (int round = 0; round <= o.rounds; ++round) {
-    const RenderSettings settings = settings_of(o, round);
+    const Job settings = settings_of(o, round);
     RenderResult result;
     CpuRenderer cpu_renderer(stage.world);
     const double cpu = one_round(c, settings, stage, cpu_renderer, result);
@@ -198,7 +198,7 @@ Measured measure(const std::string& name, const Options& o, Stage& stage) {
     m.device.push_back(device);
     m.ratio.push_back(device / cpu);
     m.rays.merge(result.tally.rays);
-    m.samples += static_cast<double>(stage.pixels() * settings.spp);
+    m.samples += static_cast<double>(stage.pixels() * settings.limits.spp);
   }
   m.work = stage.work;
   return m;

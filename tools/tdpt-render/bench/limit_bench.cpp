@@ -47,8 +47,8 @@ Seconds time_of(const Work& work) {
 
 void measure(const Options& o, const World& world, const Integrator& integrator, int threads,
              int seed) {
-  RenderSettings settings;
-  settings.spp = static_cast<uint64_t>(o.spp);
+  Job settings;
+  settings.limits.spp = static_cast<uint64_t>(o.spp);
   settings.seed = static_cast<uint64_t>(seed);
   limit_threads(threads);
   ray_record::begin();
@@ -57,7 +57,7 @@ void measure(const Options& o, const World& world, const Integrator& integrator,
   uint64_t others = 0;
   const Seconds frame = time_of([&] { render(world, integrator, settings); });
   const Seconds raw = time_of([&] { others = ray_record::cast_again(); });
-  const auto samples = static_cast<double>(settings.spp) * world.film.width() * world.film.height();
+  const auto samples = static_cast<double>(settings.limits.spp) * world.film.width() * world.film.height();
   std::printf("%s\t%s\t%d\t%d\t%.0f\t%llu\t%llu\t%llu\t%llu\t%.6f\t%.6f\t%.6f\t%.6f\n",
               o.files[0].c_str(), integrator.name, threads, seed, samples,
               static_cast<unsigned long long>(rays.closest),

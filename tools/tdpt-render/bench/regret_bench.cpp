@@ -48,14 +48,14 @@ struct Pictures {
 
 void render_one(const World& world, const Integrator& integrator, uint64_t spp, uint64_t seed,
                 int depth, Pictures& pictures) {
-  RenderSettings how;
+  Job how;
   how.max_depth = depth;
-  how.spp = spp;
+  how.limits.spp = spp;
   how.seed = seed;
   how.quiet = true;
   const RenderResult r = render(world, integrator, how);
   pictures.spp = spp;
-  pictures.cpu_seconds += r.cpu_seconds;
+  pictures.cpu_seconds += r.progress->cpu_seconds;
   pictures.work =
       WorkModel(world, integrator.mixture).per_sample(r.tally.rays, spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
@@ -160,7 +160,7 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
       rules.seed = static_cast<uint64_t>(seed);
       Pilot pilot(world, candidates, rules);
       pilot.draw(kFewestGroups, film);
-      const uint64_t enough = groups_for(static_cast<double>(length), pixels, pilot);
+      const uint64_t enough = groups_for(static_cast<double>(length * pixels), pilot);
       if (enough > pilot.groups()) pilot.draw(enough - pilot.groups(), film);
       const Forecast told = pilot.forecast();
       const double spent = cpu_seconds() - cpu;

@@ -60,17 +60,18 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
     const Integrator named = integrator_named(s.integrator);
     candidates.push_back({named, named.name});
   }
-  RenderSettings settings;
-  settings.target_error = s.target;
+  Job settings;
+  settings.limits.target_error = s.target;
   std::vector<Picture> pictures;
   for (uint64_t seed = 1; seed <= s.seeds; ++seed) {
     settings.seed = seed;
     const RenderResult r = render(world, candidates, settings);
     pictures.push_back(r.picture);
     const TargetOutcome& t = *r.target;
+    const Noise noise = t.noise.value_or(Noise{-1, 0, 0});
     std::printf("%llu %llu %.5g %.5g %.5g %llu %d\n", static_cast<unsigned long long>(seed),
-                static_cast<unsigned long long>(t.fixed), t.relmse.value_or(-1), t.low, t.high,
-                static_cast<unsigned long long>(t.pilot_samples), t.reached());
+                static_cast<unsigned long long>(t.fixed), noise.relmse, noise.low, noise.high,
+                static_cast<unsigned long long>(r.plan.error_pilot.samples()), t.reached());
     std::fflush(stdout);
   }
   write_pictures(files[1], pictures);

@@ -25,8 +25,8 @@ struct Runs {
 
 RenderResult render_once(const Integrator& integrator, const Runs& runs, uint64_t seed,
                          SampleRenderer& renderer) {
-  RenderSettings settings;
-  settings.spp = runs.spp;
+  Job settings;
+  settings.limits.spp = runs.spp;
   settings.max_depth = runs.max_depth;
   settings.beta = runs.beta;
   settings.halves = runs.half.has_value();
@@ -40,7 +40,7 @@ testing::BlockRuns blocks(SampleRenderer& renderer, const Integrator& integrator
   for (uint64_t seed = runs.first_seed; seed < runs.first_seed + runs.runs; ++seed) {
     const RenderResult r = render_once(integrator, runs, seed, renderer);
     EXPECT_EQ(r.tally.not_finite, 0u);
-    const Picture picture = runs.half ? r.render_state->film.half(*runs.half) : r.picture;
+    const Picture picture = runs.half ? r.progress->film.half(*runs.half) : r.picture;
     std::vector<double> run(size_t{kWidth / kBlock} * (kHeight / kBlock));
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)

@@ -134,7 +134,7 @@ class GpuMachine : public Machine {
   }
 
   // Drivers may defer work to the first dispatch: an empty one triggers it.
-  void prepare(const std::vector<Step>& steps, Progress& progress) override {
+  void prepare(const std::vector<Step>& steps, ProgressBar& progress) override {
     const auto start = std::chrono::steady_clock::now();
     for (const Step step : steps) {
       const Kernel& kernel = kernel_of(static_cast<size_t>(step));

@@ -4,7 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/run/checkpoint.h"
+#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_build.h"
 
@@ -47,19 +47,37 @@ class lost_device : public ::testing::Test {
             make_scalar_machine(tables_, {1u << 16, 1u << 10}, places.words), left_),
         "lost");
   }
+  // `kept`: the film of what was rendered if the renderer fails. `film`: to go on from.
   static RenderResult rendered(const std::shared_ptr<SampleRenderer>& renderer,
-                               RenderSchedule schedule = {}) {
-    RenderSettings settings;
-    settings.spp = 9;
-    settings.max_depth = 6;
-    settings.layers = settings.alpha = true;
-    settings.frames = true;  // one sample at a time
-    return render(*renderer, {{tdpt_org, tdpt_org.name}}, settings, {}, std::move(schedule));
+                               std::string* kept = nullptr, const std::string& film = "") {
+    Job job;
+    job.named = tdpt_org;
+    job.limits.spp = 9;
+    job.max_depth = 6;
+    job.layers = job.alpha = true;
+    job.frames = true;  // one sample at a time
+    Session session(*renderer, job);
+    const std::vector<Candidate> candidates{{tdpt_org, tdpt_org.name}};
+    const auto rescue = [&](const Plan& plan, Progress& progress) {
+      if (kept) *kept = bytes_of(progress, plan);
+    };
+    if (film.empty()) {
+      const Plan plan = make_plan(session, candidates, {});
+      return render(session, plan,
+                    std::make_shared<Progress>(new_progress(session, candidates, plan)), {},
+                    rescue);
+    }
+    FilmFile file = parse_film(film, "kept");
+    const Plan plan = plan_of(file.facts, "kept");
+    return render(session, plan,
+                  std::make_shared<Progress>(progress_of(std::move(file), "kept")), {}, rescue);
   }
-  std::string bytes_of(RenderState& render_state, const Plan& plan) const {
-    render_state.seconds = render_state.cpu_seconds = render_state.began = 0;
-    for (FrameRecord& frame : render_state.frames) frame.seconds = frame.cpu_seconds = 0;
-    return film_bytes(render_state, plan, {}, kGpuCode, {}, {}, {});
+  static std::string bytes_of(Progress& progress, const Plan& plan) {
+    progress.seconds = progress.cpu_seconds = progress.began = 0;
+    for (FrameRecord& frame : progress.frames) frame.seconds = frame.cpu_seconds = 0;
+    FilmFacts facts;
+    facts.processor = kGpuCode;
+    return film_bytes(progress, plan, facts, {});
   }
 
   const Scene scene_ = read_gltf(two_rooms_path());
@@ -70,25 +88,17 @@ class lost_device : public ::testing::Test {
 
 TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes) {
   const RenderResult whole = rendered(lost_after(-1));
-  const std::string expected = bytes_of(*whole.render_state, whole.plan);
+  const std::string expected = bytes_of(*whole.progress, whole.plan);
   const int all = -1 - left_;
   for (const int steps : {all / 4, all / 2, all / 2 + 1, all - 1}) {
     std::string kept;
-    RenderSchedule schedule;
-    schedule.rescue = [&](RenderState& render_state, const Plan& plan) {
-      kept = bytes_of(render_state, plan);
-    };
-    EXPECT_THROW(rendered(lost_after(steps), std::move(schedule)), Error);
-    FilmFile film = parse_film(kept, "kept");
-    const uint64_t samples = film.film.samples();
+    EXPECT_THROW(rendered(lost_after(steps), &kept), Error);
+    const uint64_t samples = parse_film(kept, "kept").film.samples();
     EXPECT_GT(samples, 0u);
     EXPECT_LT(samples, 9u);
-    RenderSchedule rest;
-    rest.plan = read_plan(film.facts.plan, "kept");
-    rest.render_state = render_state_of(std::move(film), "kept");
-    const RenderResult result = rendered(lost_after(-1), std::move(rest));
+    const RenderResult result = rendered(lost_after(-1), nullptr, kept);
     EXPECT_EQ(result.picture.pixels, whole.picture.pixels);
-    EXPECT_EQ(bytes_of(*result.render_state, result.plan), expected) << samples;
+    EXPECT_EQ(bytes_of(*result.progress, result.plan), expected) << samples;
   }
 }
 
@@ -98,7 +108,7 @@ class Careless : public SampleRenderer {
   explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)
       : SampleRenderer(sound->world), sound_(std::move(sound)), left_(passes) {}
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
     if (left_-- > 0)
       return sound_->render(integrator, rules, round, samples, film, tally, progress);
     film.add(3, 3, Vec3d(1, 1, 1), 0, 0);
@@ -114,16 +124,8 @@ class Careless : public SampleRenderer {
 TEST_F(lost_device, twin_part_of_a_pass_in_the_film_is_caught) {
   const RenderResult whole = rendered(lost_after(-1));
   std::string kept;
-  RenderSchedule schedule;
-  schedule.rescue = [&](RenderState& render_state, const Plan& plan) {
-    kept = bytes_of(render_state, plan);
-  };
-  EXPECT_THROW(rendered(std::make_shared<Careless>(lost_after(-1), 4), std::move(schedule)), Error);
-  FilmFile film = parse_film(kept, "kept");
-  RenderSchedule rest;
-  rest.plan = read_plan(film.facts.plan, "kept");
-  rest.render_state = render_state_of(std::move(film), "kept");
-  EXPECT_NE(rendered(lost_after(-1), std::move(rest)).picture.pixels, whole.picture.pixels);
+  EXPECT_THROW(rendered(std::make_shared<Careless>(lost_after(-1), 4), &kept), Error);
+  EXPECT_NE(rendered(lost_after(-1), nullptr, kept).picture.pixels, whole.picture.pixels);
 }
 
 }  // namespace tdpt::lost_device_test

@@ -44,7 +44,7 @@ class Machine {
                    const std::vector<uint32_t>& cache_offsets) = 0;
   /// Prepares these steps for the parameters that were set, which would otherwise delay the first
   /// run of each. Reports each.
-  virtual void prepare(const std::vector<Step>&, Progress&) {}
+  virtual void prepare(const std::vector<Step>&, ProgressBar&) {}
   /// Steps run one after the other.
   virtual void run(Step step, const shader::StepParameters& parameters) = 0;
   /// Compacts the `count` slots from `first` on to those whose walk continues, in order, for the

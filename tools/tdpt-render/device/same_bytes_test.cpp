@@ -147,8 +147,8 @@ TEST_F(long_device_bytes, of_generated_rooms) {
 TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   const Stage stage = sky_stage();
   const auto world = stage.world(kWidth, kHeight);
-  RenderSettings settings;
-  settings.spp = 5;
+  Job settings;
+  settings.limits.spp = 5;
   settings.max_depth = 6;
   settings.alpha = settings.layers = settings.halves = true;
   const auto by_device = GpuUpload(device(), *world, {true, true}).renderer();
@@ -158,9 +158,9 @@ TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   for (const std::vector<Candidate>& candidates : all) {
     const RenderResult a = render(*by_device, candidates, settings),
                        b = render(by_scalar, candidates, settings);
-    EXPECT_EQ(a.chosen, b.chosen);
-    EXPECT_EQ(outcome_of(a.render_state->film, a.render_state->tally),
-              outcome_of(b.render_state->film, b.render_state->tally))
+    EXPECT_EQ(a.plan.forecast.best, b.plan.forecast.best);
+    EXPECT_EQ(outcome_of(a.progress->film, a.progress->tally),
+              outcome_of(b.progress->film, b.progress->tally))
         << candidates[0].integrator.name;
   }
 }

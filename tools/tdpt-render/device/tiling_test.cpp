@@ -60,7 +60,7 @@ TEST(tiling, in_any_calls_is_the_same) {
     expecting.mixture = expecting_connections(*world, integrator->mixture, 5);
     Film film = film_for(*world, TechniqueSet(), true, true);
     Tally tally(film.unit());
-    Progress progress("rendering", "samples", 0, true);
+    ProgressBar progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
       scalar.render(expecting, {5}, 0, range, film, tally, progress);
     EXPECT_EQ(rendered_by(scalar, *world, *integrator, {{0, 6}, {5}, true, false, true}),

@@ -200,7 +200,7 @@ RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
 
 void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& rules,
                                uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                               Progress& progress) {
+                               ProgressBar& progress) {
   const RenderParameters p = parameters_of(integrator, rules, round, film);
   const uint64_t pixels = uint64_t{p.width} * p.height;
   const FilmPlaces places = places_of(p);
@@ -222,7 +222,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
 }
 
 void WavefrontRenderer::submit_all(RenderParameters p, const SampleRange& samples,
-                                   Progress& progress) {
+                                   ProgressBar& progress) {
   const std::vector<uint32_t> offsets = cache_offsets(p);
   p.first_number = static_cast<uint32_t>(samples.first);
   for (uint64_t sample = samples.first, cache = 0; sample < samples.end();) {
@@ -398,7 +398,7 @@ void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules&
   machine_->set(p, cache_offsets(p));
   StepList list(machine_->room());
   Submission(list, p, crosses(p)).run();
-  Progress progress("making kernels", "kernels", list.steps().size(), quiet);
+  ProgressBar progress("making kernels", "kernels", list.steps().size(), quiet);
   machine_->prepare(list.steps(), progress);
 }
 

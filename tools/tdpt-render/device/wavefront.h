@@ -30,7 +30,7 @@ class WavefrontRenderer : public SampleRenderer {
                bool quiet) override;
   /// Throws Error (no_device), with both numbers, if not even the paths of one cache fit.
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override;
+              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override;
 
   /// What a fixed time allows: each call reads the film back from the device.
   uint64_t samples_of_pass() const override { return of_pass_; }
@@ -43,7 +43,7 @@ class WavefrontRenderer : public SampleRenderer {
   bool crosses(const shader::RenderParameters& parameters) const;
   /// Until the machine's film holds all of them.
   void submit_all(shader::RenderParameters parameters, const SampleRange& samples,
-                  Progress& progress);
+                  ProgressBar& progress);
   /// False if there was no room.
   bool submit(shader::RenderParameters parameters, const std::vector<uint32_t>& cache_offsets);
 

@@ -140,8 +140,8 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
         render_by_depth(world, *integrator, {.max_depth = 8, .spp = 16}, 5, tally);
     std::vector<double> sum(16 * 12);
     for (int depth = 1; depth <= 8; ++depth) {
-      RenderSettings settings;
-      settings.spp = 16;
+      Job settings;
+      settings.limits.spp = 16;
       settings.max_depth = depth;
       settings.seed = 5;
       const Picture picture = render(world, *integrator, settings).picture;
@@ -188,8 +188,8 @@ TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
     Tally tally;
     const auto by_depth =
         render_by_depth(world, variant, {.max_depth = kMaxDepth, .spp = 16}, 5, tally);
-    RenderSettings settings;
-    settings.spp = 16;
+    Job settings;
+    settings.limits.spp = 16;
     settings.seed = 5;
     settings.beta = beta;
     const Picture picture =

@@ -47,8 +47,8 @@ constexpr int kWidth = 32, kHeight = 24;
 
 Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, uint64_t seed = 1) {
   const World world(scene, scene.camera(""), kWidth, kHeight, {});
-  RenderSettings settings;
-  settings.spp = 16;
+  Job settings;
+  settings.limits.spp = 16;
   settings.seed = seed;
   settings.alpha = alpha;
   return render(*renderer_under_test(world), integrator, settings).picture;

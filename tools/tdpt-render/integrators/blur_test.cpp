@@ -31,8 +31,8 @@ class blurred : public ::testing::Test {
   }
   static Picture picture(const World& world, const Integrator& integrator, uint64_t spp,
                          uint64_t seed) {
-    RenderSettings settings;
-    settings.spp = spp;
+    Job settings;
+    settings.limits.spp = spp;
     settings.seed = seed;
     settings.max_depth = 4;
     settings.quiet = true;

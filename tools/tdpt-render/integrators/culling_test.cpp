@@ -31,8 +31,8 @@ const Portal kWindow = rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
 
 Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth = 8) {
   const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  RenderSettings settings;
-  settings.spp = 16;
+  Job settings;
+  settings.limits.spp = 16;
   settings.max_depth = max_depth;
   settings.alpha = scene.sky != nullptr;
   return render(*renderer_under_test(world), integrator, settings).picture;
@@ -180,7 +180,7 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   Scene scene = wall_before_the_sky();
   scene.materials.back().name = "plaster";
   const auto sentence = [&] {
-    return backs_sentence(seen_backs(World(scene, scene.camera(""), kWidth, kHeight, {})));
+    return backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
   };
   const auto none = [&] {
     return no_backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
@@ -200,7 +200,7 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   EXPECT_EQ(none(),
             "no back of a single-sided surface is in the camera's way: --cull changes nothing");
   const Scene inside = read_gltf(furnace_path());
-  EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera(""), kWidth, kHeight, {}))), "");
+  EXPECT_EQ(backs_sentence(World(inside, inside.camera(""), kWidth, kHeight, {})), "");
 }
 
 }  // namespace tdpt::culling_test

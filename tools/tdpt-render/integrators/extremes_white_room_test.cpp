@@ -343,8 +343,8 @@ std::vector<Rgb> picture_of(void (*make)(Room&)) {
   make(room);
   const Scene scene = room.read();
   const World world(scene, scene.camera(""), room.width, room.height, room.portals);
-  RenderSettings settings;
-  settings.spp = 4;
+  Job settings;
+  settings.limits.spp = 4;
   return render(*renderer_under_test(world), tdpt_org, settings).picture.pixels;
 }
 

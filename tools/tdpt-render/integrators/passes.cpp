@@ -8,7 +8,7 @@ namespace tdpt {
 
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                    Progress& progress) {
+                    ProgressBar& progress) {
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
                                 stream_in(round, integrator.stream)};
   const auto width = static_cast<uint64_t>(world.film.width());

@@ -18,7 +18,7 @@ struct SampleRules {
 /// not depend on how samples are split into calls or among threads.
 void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
-                    Progress& progress);
+                    ProgressBar& progress);
 
 /// Options of a film: a layer for each technique in `layers`, a transparent background if `alpha`,
 /// and two halves of the samples if `halves`.

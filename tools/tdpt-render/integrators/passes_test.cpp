@@ -49,8 +49,8 @@ class Caches : public ::testing::Test {
 TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
   std::vector<Luminance> pictures;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
-    RenderSettings settings;
-    settings.spp = 1;
+    Job settings;
+    settings.limits.spp = 1;
     settings.seed = seed;
     Luminance picture;
     for (const Rgb& p : render(world_, tdpt_guided, settings).picture.pixels)

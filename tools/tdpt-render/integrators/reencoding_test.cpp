@@ -28,8 +28,8 @@ Scene read(const std::vector<testing::QuadPart>& parts, Encoding encoding) {
 
 Picture picture_of(const Scene& scene) {
   const World world(scene, scene.camera(""), 32, 24, kPortals);
-  RenderSettings settings;
-  settings.spp = 4;
+  Job settings;
+  settings.limits.spp = 4;
   return render(world, tdpt_org, settings).picture;
 }
 

@@ -98,8 +98,8 @@ Measured measured(const World& world, const Integrator& integrator, uint64_t spp
   constexpr uint64_t kRuns = 12;
   std::vector<double> sum(5), squares(5);
   for (uint64_t seed = 1; seed <= kRuns; ++seed) {
-    RenderSettings settings;
-    settings.spp = spp, settings.seed = testing::fresh(seed), settings.max_depth = max_depth,
+    Job settings;
+    settings.limits.spp = spp, settings.seed = testing::fresh(seed), settings.max_depth = max_depth,
     settings.beta = beta;
     const RenderResult r = render(*renderer_under_test(world), integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u) << integrator.name;
@@ -377,8 +377,8 @@ TEST(sky_light, is_seen_as_it_is) {
     const World world = out.world(sky, {rectangle({-1, -1, -1}, {0, 0, 2}, {2, 0, 0})});
     const Vec3d corner = world.film.direction(0.5, 0.5);
     for (const Integrator* integrator : integrators_under_test()) {
-      RenderSettings settings;
-      settings.spp = 64;
+      Job settings;
+      settings.limits.spp = 64;
       const RenderResult r = render(*renderer_under_test(world), *integrator, settings);
       EXPECT_EQ(r.tally.not_finite, 0u);
       EXPECT_NEAR(luminance(r.picture.pixels[0]) / luminance(sky->radiance(corner)), 1, 0.01)

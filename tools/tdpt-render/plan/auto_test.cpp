@@ -23,7 +23,7 @@ struct Room {
         world(scene, scene.camera(""), width, height, portals),
         candidates(expecting_connections(world, auto_candidates(world), kMaxDepth)) {}
 
-  RenderResult render(const RenderSettings& settings) const {
+  RenderResult render(const Job& settings) const {
     return tdpt::render(world, candidates, settings);
   }
 };
@@ -36,32 +36,35 @@ Room window(int width, int height) {
               {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}, width, height);
 }
 
-RenderSettings of(uint64_t spp, uint64_t seed = 1) {
-  RenderSettings settings;
-  settings.spp = spp;
+Job of(uint64_t spp, uint64_t seed = 1) {
+  Job settings;
+  settings.limits.spp = spp;
   settings.seed = seed;
   return settings;
 }
 
 TEST(auto_choice, is_the_same_and_so_is_the_picture_for_any_number_of_threads) {
   const Room room = two_rooms();
-  RenderSettings settings = of(40);
+  Job settings = of(40);
   settings.layers = true;
   std::vector<RenderResult> results;
   for (size_t threads : {1, 2, 3}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     results.push_back(room.render(settings));
   }
-  ASSERT_EQ(results[0].forecast.estimates.size(), room.candidates.size());
+  ASSERT_EQ(results[0].plan.forecast.estimates.size(), room.candidates.size());
   for (size_t r : {1, 2}) {
     EXPECT_EQ(results[0].picture.pixels, results[r].picture.pixels);
-    EXPECT_EQ(results[0].chosen_label, results[r].chosen_label);
+    EXPECT_EQ(results[0].plan.label, results[r].plan.label);
     for (size_t i = 0; i < room.candidates.size(); ++i) {
-      EXPECT_EQ(results[0].forecast.estimates[i].relmse, results[r].forecast.estimates[i].relmse);
-      EXPECT_EQ(results[0].forecast.estimates[i].work, results[r].forecast.estimates[i].work);
+      EXPECT_EQ(results[0].plan.forecast.estimates[i].relmse, results[r].plan.forecast.estimates[i].relmse);
+      EXPECT_EQ(results[0].plan.forecast.estimates[i].work, results[r].plan.forecast.estimates[i].work);
     }
-    for (const auto& [name, layer] : results[0].layers)
-      EXPECT_EQ(layer.pixels, results[r].layers.at(name).pixels) << name;
+    for (size_t i = 0; i < kTechniques; ++i)
+      if (results[0].progress->film.has_layer(i)) {
+        EXPECT_EQ(results[0].progress->film.layer(i).pixels,
+                  results[r].progress->film.layer(i).pixels);
+      }
   }
 }
 
@@ -69,7 +72,7 @@ TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_estimates) {
   const Room room = two_rooms();
   const RenderResult one = room.render(of(20, 1)), two = room.render(of(20, 2));
   EXPECT_NE(one.picture.pixels, two.picture.pixels);
-  EXPECT_NE(one.forecast.estimates[0].relmse, two.forecast.estimates[0].relmse);
+  EXPECT_NE(one.plan.forecast.estimates[0].relmse, two.plan.forecast.estimates[0].relmse);
 }
 
 // From 8 samples per pixel on.
@@ -79,9 +82,9 @@ TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_wi
     double logarithms = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
       const RenderResult r = room.render(of(8, seed));
-      EXPECT_EQ(room.candidates[r.chosen].with_portals(), hole)
-          << r.chosen_label << " for " << (hole ? "the hole" : "the window");
-      const auto gain = r.forecast.portals;
+      EXPECT_EQ(room.candidates[r.plan.forecast.best].with_portals(), hole)
+          << r.plan.label << " for " << (hole ? "the hole" : "the window");
+      const auto gain = r.plan.forecast.portals;
       ASSERT_TRUE(gain);
       if (hole) {
         EXPECT_GT(gain->times, 3);
@@ -103,20 +106,20 @@ TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_wi
 TEST(auto_choice, renders_as_the_chosen_one_does_alone) {
   const Room room = two_rooms();
   const RenderResult r = room.render(of(24));
-  EXPECT_GT(r.pilot_samples, 0u);
-  EXPECT_EQ(r.spp, 24u);
+  EXPECT_GT(r.plan.pilot_samples, 0u);
+  EXPECT_EQ(r.spp(), 24u);
   EXPECT_EQ(r.picture.pixels,
-            render(room.world, room.candidates[r.chosen].integrator, of(24)).picture.pixels);
+            render(room.world, room.candidates[r.plan.forecast.best].integrator, of(24)).picture.pixels);
   EXPECT_EQ(r.tally.rays.closest,
-            render(room.world, room.candidates[r.chosen].integrator, of(24)).tally.rays.closest);
+            render(room.world, room.candidates[r.plan.forecast.best].integrator, of(24)).tally.rays.closest);
 }
 
 TEST(auto_choice, is_bdpt_where_the_samples_are_too_few_to_tell) {
   const Room room = two_rooms(16, 12);
   const RenderResult r = room.render(of(2));
-  EXPECT_EQ(r.chosen_label, "bdpt with few light walks");
-  EXPECT_TRUE(r.forecast.estimates.empty());
-  EXPECT_EQ(r.pilot_samples, 0u);
+  EXPECT_EQ(r.plan.label, "bdpt with few light walks");
+  EXPECT_TRUE(r.plan.forecast.estimates.empty());
+  EXPECT_EQ(r.plan.pilot_samples, 0u);
   EXPECT_EQ(choice_sentence(r),
             "rendering with bdpt with few light walks: the samples are too few to choose by");
   EXPECT_EQ(verdict_sentence(r), "");
@@ -126,90 +129,92 @@ TEST(auto_choice, costs_a_small_part_of_the_work) {
   const Room room = two_rooms(64, 48);
   Film film(64, 48, room.world.lights.power());
   Pilot pilot(room.world, room.candidates, {});
-  EXPECT_FALSE(can_spare(4, 20, pilot));
-  EXPECT_TRUE(can_spare(4, 64 * 48, pilot));
+  EXPECT_FALSE(can_spare(4 * 20, pilot));
+  EXPECT_TRUE(can_spare(4 * 64 * 48, pilot));
   pilot.draw(kFewestGroups, film);
   const Forecast told = pilot.forecast();
   const double work = told.estimates[told.best].work;
   for (const double spp : {4.0, 8.0, 32.0, 256.0, 1e4, 1e9}) {
-    const uint64_t groups = groups_for(spp, 64 * 48, pilot);
+    const uint64_t groups = groups_for(spp * 64 * 48, pilot);
     const double share =
         static_cast<double>(groups) * pilot.work_of_group() / (spp * 64 * 48 * work);
     EXPECT_LE(share, 1.5 * kPilotShare);  // of the best candidate's work
     EXPECT_EQ(groups % PilotSums::kBatches, 0u);
     EXPECT_LE(groups, kMostGroups);
   }
-  EXPECT_EQ(groups_for(1e9, 64 * 48, pilot), kMostGroups);
+  EXPECT_EQ(groups_for(1e9 * 64 * 48, pilot), kMostGroups);
 }
 
 TEST(auto_choice, by_the_clock_looks_around_in_a_part_of_the_time) {
   const Room room = two_rooms(64, 48);
-  RenderSettings settings;
-  settings.seconds = 1;
+  Job settings;
+  settings.limits.seconds = 1;
   const RenderResult r = room.render(settings);
-  EXPECT_GE(r.pilot_samples, kFewestGroups);
-  EXPECT_LT(r.pilot_cpu_seconds, 0.5 * r.cpu_seconds);
-  EXPECT_GE(r.spp, 1u);
+  EXPECT_GE(r.plan.pilot_samples, kFewestGroups);
+  EXPECT_LT(r.plan.pilot_cpu_seconds, 0.5 * r.progress->cpu_seconds);
+  EXPECT_GE(r.spp(), 1u);
 }
 
 TEST(auto_choice, stands_in_the_statistics) {
   const Room room = two_rooms();
-  const RenderSettings settings = of(20);
+  Job settings = of(20);
+  settings.automatic = true;
   const RenderResult r = room.render(settings);
   const Integrator any = either_of(room.candidates);
-  const auto j = nlohmann::json::parse(stats_json(any, settings, r, {portal_in_the_hole()}));
+  const nlohmann::ordered_json j = (stats_of(settings, any, {portal_in_the_hole()}, r));
   EXPECT_EQ(j["integrator"], "auto");
-  EXPECT_EQ(j["chosen"], r.chosen_label);
-  EXPECT_EQ(j["pilot"]["samples"], r.pilot_samples);
-  EXPECT_EQ(j["pilot"]["portals_gain"], r.forecast.portals->times);
-  EXPECT_EQ(j["pilot"]["portals_gain_interval"][1], r.forecast.portals->high);
-  ASSERT_EQ(j["pilot"]["candidates"].size(), r.forecast.estimates.size());
-  for (size_t i = 0; i < r.forecast.estimates.size(); ++i) {
+  EXPECT_EQ(j["chosen"], r.plan.label);
+  EXPECT_EQ(j["pilot"]["samples"], r.plan.pilot_samples);
+  EXPECT_EQ(j["pilot"]["portals_gain"], r.plan.forecast.portals->times);
+  EXPECT_EQ(j["pilot"]["portals_gain_interval"][1], r.plan.forecast.portals->high);
+  ASSERT_EQ(j["pilot"]["candidates"].size(), r.plan.forecast.estimates.size());
+  for (size_t i = 0; i < r.plan.forecast.estimates.size(); ++i) {
     const auto& entry = j["pilot"]["candidates"][i];
-    EXPECT_EQ(entry["integrator"], r.forecast.estimates[i].integrator);
-    EXPECT_EQ(entry["relmse"], r.forecast.estimates[i].relmse);
-    EXPECT_EQ(entry["work"], r.forecast.estimates[i].work);
+    EXPECT_EQ(entry["integrator"], r.plan.forecast.estimates[i].integrator);
+    EXPECT_EQ(entry["relmse"], r.plan.forecast.estimates[i].relmse);
+    EXPECT_EQ(entry["work"], r.plan.forecast.estimates[i].work);
     EXPECT_EQ(entry["portals"], room.candidates[i].with_portals());
   }
   EXPECT_EQ(j["techniques"].size(), size_t{kTechniques});
   const RenderResult plain = render(room.world, bdpt, of(2));
-  const auto without = nlohmann::json::parse(stats_json(bdpt, settings, plain, {}));
+  const nlohmann::ordered_json without = (stats_of(of(2), bdpt, {}, plain));
   EXPECT_FALSE(without.contains("chosen"));
   EXPECT_FALSE(without.contains("pilot"));
 }
 
 TEST(auto_choice, says_what_it_chose_and_why_and_what_portals_are_worth) {
   RenderResult r;
-  r.pilot_samples = 512;
-  r.chosen_label = "tdpt-org";
-  r.forecast.estimates = {{"bdpt", false, 45, 200, 9000}, {"tdpt-org", true, 10, 300, 3000}};
-  r.chosen = 1;
-  r.forecast.portals = {{3, 2, 4.5}, 1, 0};
+  r.progress = std::make_shared<Progress>(Film(1, 1, 1), Limits());
+  r.plan.pilot_samples = 512;
+  r.plan.label = "tdpt-org";
+  r.plan.forecast.estimates = {{"bdpt", false, 45, 200, 9000}, {"tdpt-org", true, 10, 300, 3000}};
+  r.plan.forecast.best = 1;
+  r.plan.forecast.portals = {{3, 2, 4.5}, 1, 0};
   EXPECT_EQ(choice_sentence(r),
             "rendering with tdpt-org: for the same noise bdpt would take 3 times as long");
   EXPECT_EQ(verdict_sentence(r), "portals pay in this view (3 times as fast, 2 to 4.5)");
-  r.forecast.estimates[1].cost = 18000;
-  r.forecast.portals = {{0.5, 0.4, 0.62}, 1, 0};
-  r.chosen = 0;
-  r.chosen_label = "bdpt";
+  r.plan.forecast.estimates[1].cost = 18000;
+  r.plan.forecast.portals = {{0.5, 0.4, 0.62}, 1, 0};
+  r.plan.forecast.best = 0;
+  r.plan.label = "bdpt";
   EXPECT_EQ(choice_sentence(r),
             "rendering with bdpt: for the same noise tdpt-org would take 2 times as long");
   EXPECT_EQ(
       verdict_sentence(r),
       "portals do not pay in this view (0.5 times as fast, 0.4 to 0.62): rendering without them");
-  r.forecast.estimates[1].cost = 9100;
+  r.plan.forecast.estimates[1].cost = 9100;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt: tdpt-org would do as well");
-  r.forecast.portals = {{0.8, 0.5, 1.1}, 1, 0};
+  r.plan.forecast.portals = {{0.8, 0.5, 1.1}, 1, 0};
   EXPECT_EQ(
       verdict_sentence(r),
       "portals probably do not pay in this view (0.8 times as fast, 0.5 to 1.1): rendering without "
       "them");
-  r.forecast.estimates[1].cost = INFINITY;
+  r.plan.forecast.estimates[1].cost = INFINITY;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt: all others miss light");
-  for (CandidateEstimate& p : r.forecast.estimates) p.cost = 0;
+  for (CandidateEstimate& p : r.plan.forecast.estimates) p.cost = 0;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt");
-  r.forecast.estimates.clear();
-  r.interrupted = true;
+  r.plan.forecast.estimates.clear();
+  r.progress->interrupted = true;
   EXPECT_EQ(choice_sentence(r), "rendering with bdpt: stopped before it could choose");
 }
 

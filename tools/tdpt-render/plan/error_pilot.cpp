@@ -59,7 +59,7 @@ ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const 
 
 ErrorPilot run_error_pilot(SampleRenderer& renderer, const Integrator& integrator,
                            const SampleRules& rules, double target, uint64_t most,
-                           const std::function<bool()>& give_up, Film& film, Progress& progress) {
+                           const std::function<bool()>& give_up, Film& film, ProgressBar& progress) {
   Tally tally(film.unit());
   const auto pixels = static_cast<uint64_t>(film.width()) * static_cast<uint64_t>(film.height());
   const DrawPart draw = [&](uint64_t part,

@@ -24,6 +24,7 @@ struct ErrorPilot {
   uint64_t needed = 0;        ///< samples per pixel; 0: unknown
 
   uint64_t part_samples() const { return rounds.empty() ? 0 : rounds.back().samples; }
+  uint64_t samples() const { return kParts * part_samples(); }  ///< per pixel, thrown away
   /// The round that best predicts a picture of `samples`: the last that is no larger, since relMSE
   /// falls at least as 1/N; if there is none, or its estimate does not suffice, the next that does.
   /// Needs a round.
@@ -40,6 +41,6 @@ ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const 
 /// Gives up soon after `give_up` returns true. The film has the picture's size; it is left empty.
 ErrorPilot run_error_pilot(SampleRenderer& renderer, const Integrator& integrator,
                            const SampleRules& rules, double target, uint64_t most,
-                           const std::function<bool()>& give_up, Film& film, Progress& progress);
+                           const std::function<bool()>& give_up, Film& film, ProgressBar& progress);
 
 }  // namespace tdpt

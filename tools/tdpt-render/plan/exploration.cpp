@@ -115,7 +115,7 @@ Explored explore(World& world, const Camera& camera, const std::vector<Portal>& 
     }
   }
   out.ways = finder.told();
-  out.arriving = arriving.shares(world.lights.shares());
+  out.lights = arriving.shares(world.lights.shares());
   if (max_depth < kMaxDepth) out.beyond = by_depth.beyond();
   return out;
 }

@@ -16,10 +16,11 @@
 namespace tdpt {
 
 struct Explored {
-  std::vector<PortalWay> ways;  ///< by portal
-  Lights::KindProbabilities arriving;
-  std::optional<Truncation> beyond;  ///< if there is a limit of depth
-  uint64_t samples = 0;
+  std::vector<PortalWay> ways;       ///< which way portals work; empty: as drawn
+  Lights::KindProbabilities lights;  ///< selection probability of each kind
+  std::optional<Truncation> beyond;  ///< light lost by the limit of depth, if there is one
+  uint64_t samples = 0;              ///< drawn for it
+  double cpu_seconds = 0;
 };
 
 /// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their

@@ -39,8 +39,8 @@ Camera from_above(const Scene& scene, double degrees) {
 }
 
 RenderResult rendered(const World& world, bool alpha = false) {
-  RenderSettings settings;
-  settings.spp = kSpp;
+  Job settings;
+  settings.limits.spp = kSpp;
   settings.alpha = alpha;
   return render(*renderer_under_test(world), auto_candidates(world), settings);
 }
@@ -51,7 +51,7 @@ TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
   EXPECT_EQ(longest_path(world, kMaxDepth, false), 0);
   const RenderResult r = rendered(world);
   EXPECT_EQ(r.tally.rays.closest + r.tally.rays.shadow, 0u);
-  EXPECT_EQ(r.spp, kSpp);
+  EXPECT_EQ(r.spp(), kSpp);
   EXPECT_EQ(r.nonzero(), 0);
   EXPECT_EQ(r.picture.pixels.size(), size_t{kWidth * kHeight});
 }

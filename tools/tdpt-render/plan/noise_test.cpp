@@ -171,15 +171,15 @@ TEST(noise, is_told_where_light_falls_into_one_column_alone) {
 TEST(noise, of_a_rendering_is_told_and_changes_no_pixel) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 32, 24, {portal_in_the_hole()});
-  RenderSettings settings;
-  settings.spp = 37;
+  Job settings;
+  settings.limits.spp = 37;
   const RenderResult r = render(world, bdpt, settings);
   ASSERT_TRUE(r.noise);
   EXPECT_GT(r.noise->relmse, 0);
   EXPECT_LT(r.noise->low, r.noise->high);
   Film film = film_for(world, TechniqueSet());
   Tally tally(film.unit());
-  Progress progress("", "", 0, true);
+  ProgressBar progress("", "", 0, true);
   render_samples(world, r.plan.integrator, {}, 0, {0, 37}, film, tally, progress);
   EXPECT_EQ(film.picture().pixels, r.picture.pixels);
 }

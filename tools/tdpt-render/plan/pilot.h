@@ -153,10 +153,12 @@ class Pilot {
 inline constexpr double kPilotShare = 0.025;
 /// Fewer groups give no estimate, more add nothing.
 inline constexpr uint64_t kFewestGroups = PilotSums::kBatches, kMostGroups = 8192;
-/// Whether kFewestGroups fit into the pilot's share of a picture of `spp` samples per pixel.
-bool can_spare(double spp, uint64_t pixels, const Pilot& pilot);
+/// Whether kFewestGroups fit into the pilot's share of a picture of so many samples.
+bool can_spare(double samples, const Pilot& pilot);
 /// How many groups fit, at most kMostGroups, by the work of those drawn so far. A multiple of
 /// kBatches.
-uint64_t groups_for(double spp, uint64_t pixels, const Pilot& pilot);
+uint64_t groups_for(double samples, const Pilot& pilot);
+/// The same for a picture of so much work [ns of one core].
+uint64_t groups_for_work(double work, const Pilot& pilot);
 
 }  // namespace tdpt

@@ -222,16 +222,18 @@ double Pilot::work_of_group() const {
   return work * kPilotGroup * (runs_.size() > 1 ? kLookingDirected : kLooking);
 }
 
-bool can_spare(double spp, uint64_t pixels, const Pilot& pilot) {
-  return kPilotShare * spp * static_cast<double>(pixels) >=
-         static_cast<double>(kFewestGroups * pilot.samples_of_group());
+bool can_spare(double samples, const Pilot& pilot) {
+  return kPilotShare * samples >= static_cast<double>(kFewestGroups * pilot.samples_of_group());
 }
 
-uint64_t groups_for(double spp, uint64_t pixels, const Pilot& pilot) {
-  const Forecast forecast = pilot.forecast();
-  const double work = forecast.estimates[forecast.best].work * spp * static_cast<double>(pixels);
+uint64_t groups_for_work(double work, const Pilot& pilot) {
   const double groups = std::min(kPilotShare * work / pilot.work_of_group(), 0. + kMostGroups);
   return static_cast<uint64_t>(groups) / PilotSums::kBatches * PilotSums::kBatches;
+}
+
+uint64_t groups_for(double samples, const Pilot& pilot) {
+  const Forecast forecast = pilot.forecast();
+  return groups_for_work(forecast.estimates[forecast.best].work * samples, pilot);
 }
 
 }  // namespace tdpt

@@ -1,48 +1,48 @@
-// Everything a run decides by measuring before it renders. Given scene, portals, settings and plan,
-// each range of samples yields the same bytes, whatever the number of threads or of parts.
+// What is decided before the first sample of a picture: who renders, how often, and how portals and
+// lights are used. Decisions hang on counted work and on samples that are thrown away, never on the
+// clock: the same command decides the same on every machine and in every part of a picture.
 #pragma once
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "libcommon/film/film_file.h"
-#include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/plan/portal_ways.h"
-#include "tools/tdpt-render/plan/truncation.h"
+#include "tools/tdpt-render/plan/error_pilot.h"
+#include "tools/tdpt-render/plan/exploration.h"
+#include "tools/tdpt-render/plan/pilot.h"
+#include "tools/tdpt-render/plan/session.h"
 
 namespace tdpt {
 
+/// Largest number of samples per pixel, as for --spp.
+inline constexpr uint64_t kMostSamples = uint64_t{1} << 32;
+
 struct Plan {
-  Integrator integrator = bdpt;      ///< renders the picture's own samples
-  std::string label;                 ///< of the chosen candidate
-  uint64_t spp = 0;                  ///< samples per pixel; 0: as many as the time allows
-  std::vector<PortalWay> ways;       ///< which way portals work; empty: as drawn
-  Lights::KindProbabilities lights;  ///< selection probability of each kind
-  std::optional<Truncation> beyond;  ///< light lost by the limit of depth, if there is one
+  Integrator integrator = bdpt;  ///< renders, with its expected connections
+  std::string label;             ///< of the candidate; several share an integrator's name
+  uint64_t spp = 0;              ///< samples per pixel; 0: as many as the time allows
+  Explored explored;
 
-  /// Whether both yield the same picture.
-  friend bool operator==(const Plan& a, const Plan& b);
+  // What was measured besides, told with the picture.
+  Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
+  uint64_t pilot_samples = 0;  ///< behind the forecast
+  double pilot_cpu_seconds = 0;
+  ErrorPilot error_pilot;  ///< of a target error; without rounds if there is none
+  double error_pilot_cpu_seconds = 0;
+
+  bool cut_short = false;  ///< by a signal: another run would decide otherwise
 };
 
-/// As JSON: an object on one line.
-std::string plan_text(const Plan& plan);
-/// Reads it back. `file`: its name in messages. Throws InputError.
-Plan read_plan(const std::string& text, const std::string& file);
+/// The one integrator that is named, or the candidates of `auto` [candidates.h].
+std::vector<Candidate> candidates_of(const Job& job, const World& world);
 
-/// A plan on disk, with what it was made for.
-struct PlanFile {
-  Plan plan;                         ///< of a picture; unused for a shot
-  Shape shape;                       ///< of the picture, or of what the frames of the shot share
-  std::string command;               ///< that made the plan, for provenance
-  std::map<int64_t, Plan> frames{};  ///< of a shot: what was decided at its key frames
+/// What the exploration tells that matters for this job: nothing for portals that nothing goes
+/// through, for kinds of light that do not compete with a sky, and for paths of any length.
+Explored explore(const Job& job, World& world, const Camera& camera,
+                 const std::vector<Portal>& portals);
 
-  /// Of the key frame that is nearest.
-  const Plan& of_frame(int64_t frame) const;
-};
-/// As indented JSON, for people too.
-std::string plan_file_text(const PlanFile& file);
-/// Reads one. Throws InputError.
-PlanFile read_plan_file(const std::string& path);
+/// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for
+/// a target error the number of samples [error_pilot.h]. The renderer's portals and lights must be
+/// as `explored` says.
+Plan make_plan(Session& session, const std::vector<Candidate>& candidates, Explored explored);
 
 }  // namespace tdpt

@@ -41,8 +41,8 @@ RenderResult rendered(int max_depth, float albedo) {
   Scene scene = read_gltf(furnace_path());
   for (Material& m : scene.materials) m.base_color = Rgb(albedo);
   const World world(scene, scene.camera(""), 4, 4, {});
-  RenderSettings settings;
-  settings.spp = albedo < 1 ? 64 : 1;
+  Job settings;
+  settings.limits.spp = albedo < 1 ? 64 : 1;
   settings.max_depth = max_depth;
   return render(world, pt, settings);
 }

@@ -2,109 +2,43 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <new>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/options/picture_options.h"
 #include "libcommon/formats/tone.h"
-#include "libcommon/formats/viewpoint.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/features.h"
-#include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/run/target_report.h"
+#include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {
 namespace {
 
-// Attributes of the picture. A resumed rendering keeps those of its first run. `target`: its
-// outcome, once known. `mark`: of a complete frame.
-std::map<std::string, std::string> attributes_of(const Job& job, const Choice& choice,
-                                                 const Plan& plan, const std::string& mark,
-                                                 const std::optional<TargetOutcome>& target) {
-  std::map<std::string, std::string> attributes = job.given.attributes;
-  if (attributes.empty()) {
-    cli::Common common = job.common;
-    if (!job.given.command.empty()) common.command = job.given.command;
-    attributes = exr_attributes(choice.integrator, choice.candidates.size() > 1 ? plan.label : "",
-                                job.settings, common.provenance(job.in.files));
-    attributes["camera"] = viewpoint_text(job.in.scene.frame, job.in.camera);
-    if (job.a.lens.f_stop)
-      attributes["lens"] =
-          fmt::format("f/{} at {}", *job.a.lens.f_stop,
-                      std::isinf(job.in.focus) ? "infinity" : fmt::format("{} m", job.in.focus));
-    if (job.a.lens.shutter > 0) attributes["shutter"] = shutter_words(job.a.lens, job.a.shot);
-  }
-  if (job.common.no_provenance) attributes.erase(provenance_attribute);
-  if (!mark.empty()) attributes[kFrameAttribute] = mark;
-  if (target) attributes.merge(target_attributes(*target));
-  return attributes;
+// Value of kFrameAttribute for a frame that a signal interrupted.
+constexpr const char* kIncomplete = "incomplete";
+
+// Red where a pixel got some contribution, green where it is black.
+std::string nonzero_png(const Picture& picture) {
+  Picture marks{picture.width, picture.height, {}};
+  marks.pixels.reserve(picture.pixels.size());
+  for (const Rgb& p : picture.pixels)
+    marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
+  return png_bytes(marks);
 }
 
-// The --aov channels that are computed from the film's sums.
-std::vector<std::string> derived_of(const Arguments& a) {
-  std::vector<std::string> derived;
-  for (const std::string& name : aovs_of(a))
-    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
-      derived.push_back(name);
-  if (a.filters()) derived.push_back(kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
-  return derived;
-}
-
-std::string film_of(const Outcome& r) {
-  return film_bytes(r.render_state, r.plan, r.job.film_shape,
-                    merged_words(r.job.given.processor, r.job.code), derived_of(r.job.a),
-                    attributes_of(r.job, r.choice, r.plan, r.mark, r.target), r.channels);
-}
-
-Unfiltered unfiltered(const Outcome& r, const RenderResult& result) {
-  if (r.job.is_shard()) return {{result.picture, {}, {}, {}, {}}, {}};
-  FilmFacts facts;
-  facts.derived = derived_of(r.job.a);
-  facts.attributes = attributes_of(r.job, r.choice, r.plan, r.mark, r.target);
-  const Film& film = r.render_state.film;
-  return {finished_picture(film, facts, r.channels), facts, film.has_both_halves()};
-}
-
-// Filters it if it is to be filtered, and tells what the filter did.
-void filter(Unfiltered& picture, std::span<const denoise::NamedPicture> frames, Delivered& told) {
+// Filters the picture as its facts ask, and tells what the filter did.
+void filter(ExrFile& picture, bool both_halves, const FilmFacts& facts, Delivery::Finish& told) {
   const auto start = std::chrono::steady_clock::now();
-  const auto filtered = filter_as_asked(picture.file, picture.both_halves, picture.facts, frames);
+  const auto filtered = filter_as_asked(picture, both_halves, facts);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   told.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
                            : "not filtered: there is one sample per pixel";
   if (filtered) told.left = filtered->left;
-}
-
-// The bytes of the result; of a shard those of a film.
-std::string bytes_of(const Outcome& r, const ExrFile& picture) {
-  return r.job.is_shard() ? film_of(r) : exr_bytes(picture, r.job.a.storage());
-}
-
-std::string stats_of(const Outcome& r, const RenderResult& result) {
-  return stats_json(r.choice.integrator, r.job.settings, result, r.job.in.portals, r.mark);
-}
-
-void write_all(const Outcome& r, const RenderResult& result, const ExrFile& done,
-               const Delivered& told) {
-  const Job& job = r.job;
-  const Arguments& a = job.a;
-  const Picture& picture = done.picture;
-  cli::deliver({{job.common.output, [&] { return bytes_of(r, done); }},
-                {a.preview, [&] { return preview_bytes(picture, *told.exposure); }},
-                {a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }},
-                {job.writes_plan() && !result.cut_short ? a.plan : "",
-                 [&] {
-                   return plan_file_text({result.plan, job.shape, job.common.command});
-                 }},
-                {a.stats, [&] { return finished_json(stats_of(r, result), told) + '\n'; }}},
-               job.common);
 }
 
 // Where a picture is kept after a failed write.
@@ -115,101 +49,87 @@ std::string kept_sentence(const std::string& output, const std::string& bytes) {
 
 }  // namespace
 
-std::string finished_json(const std::string& told, const Delivered& delivered) {
-  auto j = nlohmann::ordered_json::parse(told);
-  if (delivered.exposure) j["exposure"] = *delivered.exposure;
-  if (const auto& left = delivered.left)
-    j["filtered"] = {{"relmse", left->relmse}, {"interval", {left->low, left->high}}};
-  return j.dump();
+std::vector<std::string> derived_of(const RenderArguments& a) {
+  std::vector<std::string> derived;
+  for (const std::string& name : aovs_of(a))
+    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
+      derived.push_back(name);
+  if (a.filters()) derived.push_back(kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
+  return derived;
 }
 
-Channels channels_of(const Job& job, const World& world) {
-  if (job.is_shard() && shard_of(job.a.shard).index > 0) return {};
-  std::vector<std::string> names = aovs_of(job.a);
-  if (job.a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
-  return features(world, names, job.common.seed);
+Channels channels_of(const RenderArguments& a, const World& world, uint64_t seed) {
+  if (!a.shard.empty() && shard_of(a.shard).index > 0) return {};
+  std::vector<std::string> names = aovs_of(a);
+  if (a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
+  return features(world, names, seed);
 }
 
-bool save(const Outcome& r) {
-  const std::string path = r.job.checkpoint();
+std::string Delivery::film_of(const Plan& plan, Progress& progress,
+                              const Channels& channels) const {
+  return film_bytes(progress, plan, facts_, channels);
+}
+
+bool Delivery::save(const Plan& plan, Progress& progress, const Channels& channels) const {
   std::string why;
   try {
-    write_output(path, film_of(r));
+    write_output(checkpoint(), film_of(plan, progress, channels));
     return true;
   } catch (const OutputError& e) {
     why = e.what();
   } catch (const std::bad_alloc&) {
-    why = path + ": there is no memory for it";
+    why = checkpoint() + ": there is no memory for it";
   }
   std::error_code ignored;
-  r.job.common.warn(why + (std::filesystem::exists(path, ignored)
-                               ? "; the checkpoint before it is kept"
-                               : "; there is no checkpoint yet"));
+  common_.warn(why + (std::filesystem::exists(checkpoint(), ignored)
+                          ? "; the checkpoint before it is kept"
+                          : "; there is no checkpoint yet"));
   return false;
 }
 
-void show(const Job& job, const Picture& picture) {
+void Delivery::show(const Picture& picture) const {
   try {
-    const PictureArguments& a = job.a;
-    const std::optional<double> exposure = exposure_of(picture, a.preview, a.exposure);
-    write_output(a.preview, preview_bytes(picture, *exposure));
+    const std::optional<double> exposure = exposure_of(picture, a_.preview, a_.exposure);
+    write_output(a_.preview, preview_bytes(picture, *exposure));
   } catch (const OutputError&) {
   }
 }
 
-Delivered deliver(const Outcome& r, const RenderResult& result) {
-  const bool saved = !r.job.checkpoint().empty() && !result.cut_short && save(r);
-  const PictureArguments& a = r.job.a;
-  Unfiltered all = unfiltered(r, result);
-  Delivered delivered;
-  if (r.job.a.filters() && !r.job.is_shard()) filter(all, {}, delivered);
-  const Picture& picture = all.file.picture;
-  delivered.exposure = exposure_of(picture, a.preview, a.exposure);
-  warn_of_range(all.file, a.storage(), r.job.common);
-  try {
-    write_all(r, result, all.file, delivered);
-  } catch (const OutputError& e) {
-    throw Error(
-        e.code,
-        fmt::format("{}; {}", e.what(),
-                    saved ? fmt::format("all samples are in {}: --resume writes the picture",
-                                        display_name(r.job.checkpoint()))
-                          : kept_sentence(r.job.common.output, bytes_of(r, all.file))));
+Delivery::Finish Delivery::deliver(const RenderResult& result, const Channels& channels,
+                                   const std::function<std::string(const Finish&)>& stats) {
+  if (result.target) facts_.attributes.merge(target_attributes(*result.target));
+  if (result.progress->interrupted && facts_.attributes.contains(kFrameAttribute))
+    facts_.attributes[kFrameAttribute] = kIncomplete;
+  const bool saved = !checkpoint().empty() && !result.plan.cut_short &&
+                     save(result.plan, *result.progress, channels);
+  const Film& film = result.progress->film;
+  const bool is_shard = !a_.shard.empty();
+  Finish finish;
+  ExrFile file{result.picture, {}, {}, {}, {}};
+  if (!is_shard) {
+    file = finished_picture(film, facts_, channels);
+    if (a_.filters()) filter(file, film.has_both_halves(), facts_, finish);
   }
-  return delivered;
-}
-
-Unfiltered hand_over(const Outcome& r, const RenderResult& result) {
-  const Job& job = r.job;
-  if (!job.checkpoint().empty()) save(r);
-  cli::deliver({{job.a.nonzero, [&] { return png_bytes(nonzero_picture(result.picture)); }}},
-               job.common);
-  Unfiltered all = unfiltered(r, result);
-  all.stats = stats_of(r, result);
-  return all;
-}
-
-Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltered picture,
-                        std::span<const denoise::NamedPicture> frames) {
-  Delivered delivered;
-  filter(picture, frames, delivered);
-  std::vector<std::string> names;
-  for (const denoise::NamedPicture& frame : frames) names.push_back(frame.name);
-  if (!names.empty())
-    picture.file.attributes[kFramesAttribute] = fmt::format("{}", fmt::join(names, ", "));
-  delivered.exposure = exposure_of(picture.file.picture, a.preview, a.exposure);
-  warn_of_range(picture.file, a.storage(), common);
-  const auto bytes = [&] { return exr_bytes(picture.file, a.storage()); };
+  finish.exposure = exposure_of(file.picture, a_.preview, a_.exposure);
+  warn_of_range(file, a_.storage(), common_);
+  const auto bytes = [&] {
+    return is_shard ? film_of(result.plan, *result.progress, channels)
+                    : exr_bytes(file, a_.storage());
+  };
   try {
-    cli::deliver(
-        {{common.output, bytes},
-         {a.preview, [&] { return preview_bytes(picture.file.picture, *delivered.exposure); }},
-         {a.stats, [&] { return finished_json(picture.stats, delivered) + '\n'; }}},
-        common);
+    cli::deliver({{common_.output, bytes},
+                  {a_.preview, [&] { return preview_bytes(file.picture, *finish.exposure); }},
+                  {a_.nonzero, [&] { return nonzero_png(result.picture); }},
+                  {a_.stats, [&] { return stats(finish) + '\n'; }}},
+                 common_);
   } catch (const OutputError& e) {
-    throw Error(e.code, fmt::format("{}; {}", e.what(), kept_sentence(common.output, bytes())));
+    throw Error(e.code, fmt::format("{}; {}", e.what(),
+                                    saved ? fmt::format("all samples are in {}: --resume writes "
+                                                        "the picture",
+                                                        display_name(checkpoint()))
+                                          : kept_sentence(common_.output, bytes())));
   }
-  return delivered;
+  return finish;
 }
 
 }  // namespace tdpt

@@ -1,63 +1,51 @@
-// The files of a rendering: checkpoints and previews on the way, the picture and whatever else was
+// The files of a picture: checkpoints and previews on the way, the picture and whatever else was
 // asked for at the end.
 #pragma once
+#include <functional>
 #include <optional>
-#include <span>
+#include <string>
 
-#include "tools/tdpt-render/run/job.h"
+#include "libcommon/denoise/filter_picture.h"
+#include "libcommon/options/render_options.h"
+#include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {
 
-/// A rendering in progress or at its end; `target`, `channels` and `mark` are set at the end.
-struct Outcome {
-  const Job& job;
-  const Choice& choice;
-  RenderState& render_state;
-  const Plan& plan;
-  std::optional<TargetOutcome> target{};
-  Channels channels{};
-  std::string mark{};  ///< Job::mark, or kIncomplete
+class Delivery {
+ public:
+  /// `facts`: of the film, with the attributes that are known before it is rendered.
+  Delivery(const RenderArguments& a, const cli::Common& common, FilmFacts facts)
+      : a_(a), common_(common), facts_(std::move(facts)) {}
+
+  /// Where the checkpoint is kept; empty: nowhere.
+  const std::string& checkpoint() const { return a_.checkpoint.empty() ? a_.resume : a_.checkpoint; }
+  /// Writes it. A failure is only a warning, since the previous one stays whole; returns false then.
+  bool save(const Plan& plan, Progress& progress, const Channels& channels = {}) const;
+  /// Writes the preview. A failure is ignored: the final write will report it.
+  void show(const Picture& picture) const;
+
+  /// What became of the picture after its last sample.
+  struct Finish {
+    std::string filtered{};            ///< what the filter did, in a sentence; empty without one
+    std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
+    std::optional<denoise::ErrorLeft> left{};  ///< of a filtered picture, if it is known
+  };
+  /// Writes everything at the end. `channels`: those that samples do not change. `stats`: JSON of
+  /// --stats. Throws Error for what cannot be written, and says where the picture is kept.
+  Finish deliver(const RenderResult& result, const Channels& channels,
+                 const std::function<std::string(const Finish&)>& stats);
+
+ private:
+  std::string film_of(const Plan& plan, Progress& progress, const Channels& channels) const;
+
+  const RenderArguments& a_;
+  const cli::Common& common_;
+  FilmFacts facts_;
 };
 
-/// Value of kFrameAttribute for a frame that a signal interrupted.
-inline constexpr const char* kIncomplete = "incomplete";
-
-/// Writes the checkpoint. A failure is only a warning, since the previous one stays whole; returns
-/// false then.
-bool save(const Outcome& r);
-
+/// The --aov channels that are computed from the film's sums, and the filter: FilmFacts::derived.
+std::vector<std::string> derived_of(const RenderArguments& a);
 /// The --aov channels that samples do not change: among shards only the first has them.
-Channels channels_of(const Job& job, const World& world);
-
-/// Writes the preview. A failure is ignored: the final write will report it.
-void show(const Job& job, const Picture& picture);
-
-struct Delivered {
-  std::string filtered{};  ///< what the filter did, in a sentence; empty without --denoise
-  std::optional<double> exposure{};          ///< of the preview [stops]; nothing without one
-  std::optional<denoise::ErrorLeft> left{};  ///< of a filtered picture, if it is known
-};
-/// The JSON of stats_json() or summary_json() with that.
-std::string finished_json(const std::string& told, const Delivered& delivered);
-/// Writes everything at the end. Throws Error for what cannot be written, and says where the
-/// picture is kept.
-Delivered deliver(const Outcome& r, const RenderResult& result);
-
-/// Of a shot whose frames are filtered together, in two steps: first a frame's picture is handed
-/// over with the sums of its halves, its features and its statistics; then, when the frames beside
-/// it are there, too, it is filtered and written.
-struct Unfiltered {
-  ExrFile file;
-  FilmFacts facts;
-  bool both_halves = false;  ///< it can be filtered
-  std::string stats{};       ///< stats_json()
-};
-Unfiltered hand_over(const Outcome& r, const RenderResult& result);
-/// `frames`: those beside it, by names for people.
-Delivered deliver_frame(const Arguments& a, const cli::Common& common, Unfiltered picture,
-                        std::span<const denoise::NamedPicture> frames);
-
-/// Name of the attribute that lists the frames with which a frame was filtered.
-inline constexpr const char* kFramesAttribute = "denoiserFrames";
+Channels channels_of(const RenderArguments& a, const World& world, uint64_t seed);
 
 }  // namespace tdpt

@@ -8,7 +8,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "libcommon/base/error.h"
-#include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/testing/blur.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
@@ -359,14 +359,12 @@ TEST_F(through, nothing_behind_mirrors_is_black_with_their_normal) {
 }
 
 TEST(aov, names_are_known_or_refused) {
-  Arguments a;
+  RenderArguments a;
   EXPECT_TRUE(aovs_of(a).empty());
   a.aov = "depth,albedo,depth";
   EXPECT_EQ(aovs_of(a), (std::vector<std::string>{"albedo", "depth"}));
-  EXPECT_FALSE(keeps_halves(a));
   a.aov = "all";
   EXPECT_EQ(aovs_of(a).size(), 7u);
-  EXPECT_TRUE(keeps_halves(a));
   for (const char* bad : {"depht", "all,depth", ",", "depth,,albedo", " depth"}) {
     a.aov = bad;
     EXPECT_THROW(aovs_of(a), UsageError) << bad;

@@ -17,22 +17,22 @@ class halves : public ::testing::Test {
  protected:
   RenderResult rendered(const Integrator& integrator, uint64_t spp, uint64_t seed,
                         bool kept = true) const {
-    RenderSettings settings;
-    settings.spp = spp;
+    Job settings;
+    settings.limits.spp = spp;
     settings.seed = seed;
     settings.max_depth = kDepth;
     settings.halves = kept;
     return render(*renderer_, integrator, settings);
   }
   Film film(const Integrator& integrator, uint64_t spp, uint64_t seed) const {
-    return std::move(rendered(integrator, spp, seed).render_state->film);
+    return std::move(rendered(integrator, spp, seed).progress->film);
   }
   /// A fault: both halves are of one sequence, its even and its odd samples. Those that it takes
   /// are 0, 2, 4, ..., a half that is stratified.
   Film film_of_one_sequence(const Integrator& integrator, uint64_t spp, uint64_t seed) const {
     Integrator expecting = integrator;
     expecting.mixture = expecting_connections(world_, integrator.mixture, kDepth);
-    Progress progress("", "", 0, true);
+    ProgressBar progress("", "", 0, true);
     Film both = film_for(world_, TechniqueSet(), false, true);
     for (const uint64_t half : {0, 1}) {
       Film film = film_for(world_, TechniqueSet());
@@ -64,7 +64,7 @@ TEST_F(halves, make_the_picture_and_do_not_change_it) {
     const RenderResult r = rendered(*integrator, 5, 1);
     EXPECT_EQ(r.picture.pixels, rendered(*integrator, 5, 1, false).picture.pixels)
         << integrator->name;
-    const Picture even = r.render_state->film.half(0), odd = r.render_state->film.half(1);
+    const Picture even = r.progress->film.half(0), odd = r.progress->film.half(1);
     EXPECT_NE(even.pixels, odd.pixels);
     for (size_t i = 0; i < kPixels; ++i)
       for (int c = 0; c < 3; ++c)
@@ -78,7 +78,7 @@ TEST_F(halves, are_the_samples_of_even_and_of_odd_number) {
   const Film whole = film(bdpt, 3, 1);
   Film odd = film_for(world_, TechniqueSet());
   Tally tally(odd.unit());
-  Progress progress("", "", 0, true);
+  ProgressBar progress("", "", 0, true);
   Integrator expecting = bdpt;
   expecting.mixture = expecting_connections(world_, bdpt.mixture, kDepth);
   renderer_->render(expecting, {kDepth}, 0, {1, 1}, odd, tally, progress);
@@ -87,8 +87,8 @@ TEST_F(halves, are_the_samples_of_even_and_of_odd_number) {
 
 TEST_F(halves, of_one_sample_are_itself_and_black) {
   const RenderResult r = rendered(nee, 1, 1);
-  EXPECT_EQ(r.render_state->film.half(0).pixels, r.picture.pixels);
-  EXPECT_EQ(r.render_state->film.half(1).pixels, std::vector<Rgb>(kPixels));
+  EXPECT_EQ(r.progress->film.half(0).pixels, r.picture.pixels);
+  EXPECT_EQ(r.progress->film.half(1).pixels, std::vector<Rgb>(kPixels));
 }
 
 using Render = std::function<Film(uint64_t seed)>;

@@ -16,7 +16,7 @@ class parts : public ::testing::Test {
     options.halves = true;
     Film film(world_.film.width(), world_.film.height(), world_.lights.power(), options);
     Tally tally(film.unit());
-    Progress progress("", "", 0, true);
+    ProgressBar progress("", "", 0, true);
     for (uint64_t s = samples.first; s < samples.end(); s += step)
       render_samples(world_, integrator_, {}, 0, {s, step}, film, tally, progress);
     energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
@@ -60,8 +60,8 @@ TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the
 }
 
 TEST_F(parts, are_what_render_makes_of_the_plan) {
-  RenderSettings settings;
-  settings.spp = 6;
+  Job settings;
+  settings.limits.spp = 6;
   const RenderResult whole = render(world_, tdpt_org, settings);
   Film film = part({0, 3}, 3);
   film.merge(part({3, 3}, 1));

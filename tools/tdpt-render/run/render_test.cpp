@@ -17,8 +17,8 @@ TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
   World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
   const auto run = [&](double scale) {
     TracerFaults::scale_step(world.tracer, scale);
-    RenderSettings settings;
-    settings.spp = 32;
+    Job settings;
+    settings.limits.spp = 32;
     return luminance(Vec3f(render(world, tdpt_ref, settings).mean()));
   };
   const double once = run(1);
@@ -29,8 +29,8 @@ TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
 TEST(render, same_bytes_for_any_number_of_threads) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
-  RenderSettings settings;
-  settings.spp = 8;
+  Job settings;
+  settings.limits.spp = 8;
   std::vector<Picture> pictures;
   for (size_t threads : {1, 2, 3}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -43,8 +43,8 @@ TEST(render, same_bytes_for_any_number_of_threads) {
 TEST(render, twin_another_seed_gives_other_pixels) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
-  RenderSettings settings;
-  settings.spp = 8;
+  Job settings;
+  settings.limits.spp = 8;
   const Picture first = render(world, tdpt_org, settings).picture;
   settings.seed = 2;
   EXPECT_NE(first.pixels, render(world, tdpt_org, settings).picture.pixels);
@@ -54,8 +54,8 @@ TEST(render, no_light_is_a_black_picture) {
   Scene scene = read_gltf(two_rooms_path());
   for (Material& m : scene.materials) m.emission = {};
   const World world(scene, scene.camera(""), 8, 6, {portal_in_the_hole()});
-  RenderSettings settings;
-  settings.spp = 2;
+  Job settings;
+  settings.limits.spp = 2;
   for (const Integrator* integrator : integrators()) {
     const RenderResult r = render(world, *integrator, settings);
     EXPECT_EQ(r.nonzero(), 0);
@@ -72,8 +72,8 @@ TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   lamp.intensity = Rgb(1);
   scene.lights.push_back(lamp);
   const World world(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
-  RenderSettings settings;
-  settings.spp = 64;
+  Job settings;
+  settings.limits.spp = 64;
   const double expected = render(world, nee, settings).mean().x;
   EXPECT_GT(expected, 0.01);
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref})
@@ -90,7 +90,7 @@ class Eager : public CpuRenderer {
     ++prepared;
   }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
     EXPECT_EQ(prepared, 1);
     calls.push_back(samples.count);
     CpuRenderer::render(integrator, rules, round, samples, film, tally, progress);
@@ -105,8 +105,8 @@ class Eager : public CpuRenderer {
 TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_one) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, {});
-  RenderSettings settings;
-  settings.spp = 40;
+  Job settings;
+  settings.limits.spp = 40;
   const RenderResult by_cpu = render(world, bdpt, settings);
   Eager device(world);
   const RenderResult r = render(device, bdpt, settings);
@@ -117,13 +117,8 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
   EXPECT_EQ(r.tally.rays.closest, by_cpu.tally.rays.closest);
   // If all samples exist already, the device is not prepared.
   device.calls.clear(), device.prepared = 0;
-  RenderSchedule schedule;
-  schedule.plan = r.plan;
-  schedule.render_state.emplace(std::move(*r.render_state));
-  EXPECT_EQ(render(device, {{bdpt, bdpt.name}}, settings, {}, std::move(schedule)).picture.pixels,
-            by_cpu.picture.pixels);
-  EXPECT_EQ(device.prepared, 0);
-  decide(device, {{bdpt, bdpt.name}}, settings, {});
+  Session session(device, settings);
+  EXPECT_EQ(render(session, r.plan, r.progress).picture.pixels, by_cpu.picture.pixels);
   EXPECT_EQ(device.prepared, 0);
   settings.frames = true;
   EXPECT_EQ(render(device, bdpt, settings).picture.pixels, by_cpu.picture.pixels);
@@ -133,13 +128,13 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
 TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 16, 12, {});
-  RenderSettings settings;
-  settings.seconds = 0.2;
+  Job settings;
+  settings.limits.seconds = 0.2;
   Eager device(world);
   const RenderResult r = render(device, bdpt, settings);
-  EXPECT_GT(r.spp, 10u);
-  EXPECT_GT(r.seconds, 0.1);
-  EXPECT_LT(r.seconds, 0.29);
+  EXPECT_GT(r.spp(), 10u);
+  EXPECT_GT(r.progress->seconds, 0.1);
+  EXPECT_LT(r.progress->seconds, 0.29);
 }
 
 }  // namespace tdpt::render_test

@@ -1,5 +1,7 @@
 #include "tools/tdpt-render/run/report.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -8,29 +10,70 @@
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/number_words.h"
-
-#include "tools/tdpt-render/run/portal_report.h"
-#include "tools/tdpt-render/run/target_report.h"
+#include "tools/tdpt-render/run/seen_backs.h"
 
 namespace tdpt {
 namespace {
 
-double total_energy(const RenderResult& result) {
-  return std::accumulate(result.tally.energy.begin(), result.tally.energy.end(), 0.0);
+using Json = nlohmann::ordered_json;
+
+constexpr size_t kMostSentences = 4;
+
+double total_energy(const RenderTally& tally) {
+  return std::accumulate(tally.energy.begin(), tally.energy.end(), 0.0);
 }
 
-nlohmann::ordered_json numbers(const Vec3d& v) {
-  return {v.x, v.y, v.z};
+// ---- Portals ----
+
+// "portal.0, portal.1 and 3 more".
+std::string names_of(const std::vector<std::string>& names) {
+  if (names.size() <= kMostSentences) return fmt::format("{}", fmt::join(names, ", "));
+  const size_t named = kMostSentences - 1;
+  return fmt::format(
+      "{} and {} more",
+      fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+      names.size() - named);
 }
 
-nlohmann::ordered_json pilot_json(const RenderResult& result) {
-  nlohmann::ordered_json j{{"samples", result.pilot_samples}, {"cpu", result.pilot_cpu_seconds}};
-  if (const auto& gain = result.forecast.portals) {
+const char* words_of(PortalWay::Way way) {
+  constexpr std::array kWords{"as drawn", "from its back to its front", "from its front to its back",
+                              "both ways", "left out"};
+  return kWords[way];
+}
+
+// What became of the samples of one portal.
+Json portal_json(const Portal& portal, size_t i, const RenderResult& result) {
+  const bool used = !portal.triangles.empty();
+  Json j{{"name", portal.name}, {"area", used ? area_of(portal) : portal.figures.at("area")}};
+  for (const char* key : {"flux_share", "tightness", "conductance"})
+    if (const auto at = portal.figures.find(key); at != portal.figures.end()) j[key] = at->second;
+  for (const PortalWay& w : result.plan.explored.ways)
+    if (w.portal == i) j["way"] = words_of(w.way);
+  const double total = total_energy(result.tally);
+  RenderTally::OfPortal tally;
+  if (i < result.tally.portals.size()) tally = result.tally.portals[i];
+  const double lit =
+      tally.drawn > 0 ? static_cast<double>(tally.lit) / static_cast<double>(tally.drawn) : 0;
+  const double energy = total > 0 ? tally.energy / total : 0;
+  j["samples"] = tally.drawn;
+  j["lit"] = lit;
+  j["energy"] = energy;
+  j["useless"] =
+      !used || (tally.drawn >= kEnoughSamples &&
+                (energy < kNoEnergy || (energy < kLeastEnergy && lit < kLeastLit)));
+  return j;
+}
+
+// ---- The choice ----
+
+Json pilot_json(const Plan& plan) {
+  Json j{{"samples", plan.pilot_samples}, {"cpu", plan.pilot_cpu_seconds}};
+  if (const auto& gain = plan.forecast.portals) {
     j["portals_gain"] = gain->times;
     j["portals_gain_interval"] = {gain->low, gain->high};
   }
-  auto& candidates = j["candidates"] = nlohmann::ordered_json::array();
-  for (const CandidateEstimate& p : result.forecast.estimates)
+  Json& candidates = j["candidates"] = Json::array();
+  for (const CandidateEstimate& p : plan.forecast.estimates)
     candidates.push_back({{"integrator", p.integrator},
                           {"portals", p.with_portals},
                           {"relmse", p.relmse},
@@ -39,166 +82,271 @@ nlohmann::ordered_json pilot_json(const RenderResult& result) {
   return j;
 }
 
-nlohmann::ordered_json choice_json(const Integrator& integrator, const RenderResult& result) {
-  nlohmann::ordered_json j;
-  j["integrator"] = integrator.name;
-  if (!result.chosen_label.empty()) {
-    j["chosen"] = result.chosen_label;
-    if (result.pilot_samples > 0) j["pilot"] = pilot_json(result);
-  }
-  return j;
-}
-
-nlohmann::ordered_json summary(const Integrator& integrator, const RenderSettings& settings,
-                               const RenderResult& result, const std::vector<Portal>& portals) {
-  nlohmann::ordered_json j = choice_json(integrator, result);
-  j["spp"] = result.spp;
-  j["width"] = result.picture.width;
-  j["height"] = result.picture.height;
-  j["max_depth"] = nullptr;
-  if (settings.max_depth < kMaxDepth) j["max_depth"] = settings.max_depth;
-  j["seconds"] = result.seconds;
-  j["cpu_seconds"] = result.cpu_seconds;
-  j["device"] = result.renderer;
-  j["mean"] = numbers(result.mean());
-  j["nonzero"] = result.nonzero();
-  if (result.target) j["target"] = target_json(*result.target);
-  if (const auto& noise = result.noise)
-    j["noise"] = {{"relmse", noise->relmse}, {"interval", {noise->low, noise->high}}};
-  const RayCounts& rays = result.tally.rays;
-  j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
-  const double total = total_energy(result);
-  auto& techniques = j["techniques"] = nlohmann::ordered_json::object();
-  for (size_t i = 0; i < kTechniques; ++i)
-    if (integrator.mixture.has(static_cast<Technique>(i)))
-      techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
-  auto& lengths = j["light_by_length"] = nlohmann::ordered_json::array();
-  for (const double light : result.tally.by_length)
-    lengths.push_back(total > 0 ? light / total : 0.0);
-  if (const auto& beyond = result.plan.beyond)
-    j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
-  j["not_finite"] = result.tally.not_finite;
-  if (!portals.empty()) j["portals"] = portals_json(portals, result);
-  return j;
-}
-
 // "for the same noise bdpt would take 3.4 times as long": the best beside the chosen one.
-std::string runner_up(const RenderResult& result) {
-  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
+std::string runner_up(const Forecast& forecast) {
+  const std::vector<CandidateEstimate>& all = forecast.estimates;
   const CandidateEstimate* best = nullptr;
   for (size_t i = 0; i < all.size(); ++i)
-    if (i != result.chosen && std::isfinite(all[i].cost) && (!best || all[i].cost < best->cost))
+    if (i != forecast.best && std::isfinite(all[i].cost) && (!best || all[i].cost < best->cost))
       best = &all[i];
   if (!best) return "all others miss light";
-  const double times = best->cost / all[result.chosen].cost;
+  const double times = best->cost / all[forecast.best].cost;
   if (times < 1.05) return best->integrator + " would do as well";
   return fmt::format("for the same noise {} would take {} times as long", best->integrator,
                      number_words(times, 2));
 }
 
+// "relmse 0.012, interval 0.011 0.014".
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return number_words(value.get<double>(), 3);
+  if (value.is_null()) return "none";
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, part] : value.items()) {
+    if (part.is_array() && !part.empty() && part[0].is_object()) continue;  // told apart
+    if (key == "name" || key == "integrator") continue;
+    if (!text.empty()) text += value.is_object() ? ", " : " ";
+    if (value.is_object()) text += key + " ";
+    text += text_of(part);
+  }
+  return text;
+}
+
+bool is_black(const RenderResult& result) {
+  return !result.plan.cut_short && result.nonzero() == 0;
+}
+
+// Whether a wall stands between some points of the lens.
+bool lens_is_cut(const World& world) {
+  const Vec3d middle = world.film.position();
+  for (int i = 0; i < 64; ++i) {
+    const FilmPlane drawn = world.blur.draw(world.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
+    if (!world.tracer.visible({middle}, {drawn.position()})) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
-std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result, const std::vector<Portal>& portals) {
-  return summary(integrator, settings, result, portals).dump();
-}
-
-std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result, const std::vector<Portal>& portals,
-                       const std::string& mark) {
-  nlohmann::ordered_json j = summary(integrator, settings, result, portals);
-  if (!mark.empty()) j["frame"] = mark;
-  if (!result.frames.empty()) {
-    auto& frames = j["frames"] = nlohmann::ordered_json::array();
-    for (const FrameRecord& f : result.frames)
-      frames.push_back({{"spp", f.spp},
-                        {"nonzero", f.nonzero},
-                        {"mean", numbers(f.mean)},
-                        {"seconds", f.seconds},
-                        {"cpu_seconds", f.cpu_seconds}});
+Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>& portals,
+              const RenderResult& result) {
+  const Plan& plan = result.plan;
+  const auto numbers = [](const Vec3d& v) { return Json{v.x, v.y, v.z}; };
+  Json j{{"integrator", asked.name}};
+  if (job.automatic) {
+    j["chosen"] = plan.label;
+    if (plan.pilot_samples > 0) j["pilot"] = pilot_json(plan);
   }
-  return j.dump();
+  if (plan.explored.samples > 0)
+    j["exploration"] = {{"samples", plan.explored.samples}, {"cpu", plan.explored.cpu_seconds}};
+  j["spp"] = result.spp();
+  j["width"] = result.picture.width;
+  j["height"] = result.picture.height;
+  j["max_depth"] = nullptr;
+  if (job.max_depth < kMaxDepth) j["max_depth"] = job.max_depth;
+  j["seconds"] = result.progress->seconds;
+  j["cpu_seconds"] = result.progress->cpu_seconds;
+  j["mean"] = numbers(result.mean());
+  j["nonzero"] = result.nonzero();
+  if (result.target) j["target"] = target_json(*result.target, plan, *result.progress);
+  if (const auto& noise = result.noise)
+    j["noise"] = {{"relmse", noise->relmse}, {"interval", {noise->low, noise->high}}};
+  const RayCounts& rays = result.tally.rays;
+  j["rays"] = {{"closest", rays.closest}, {"shadow", rays.shadow}, {"portal", rays.portal}};
+  const double total = total_energy(result.tally);
+  Json& techniques = j["techniques"] = Json::object();
+  for (size_t i = 0; i < kTechniques; ++i)
+    if (asked.mixture.has(static_cast<Technique>(i)))
+      techniques[kTechniqueNames[i]] = total > 0 ? result.tally.energy[i] / total : 0.0;
+  Json& lengths = j["light_by_length"] = Json::array();
+  for (const double light : result.tally.by_length)
+    lengths.push_back(total > 0 ? light / total : 0.0);
+  if (const auto& beyond = plan.explored.beyond)
+    j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
+  const Lights::KindProbabilities& lights = plan.explored.lights;
+  j["lights"] = {{"surfaces", lights.surfaces},
+                 {"lamps", lights.lamps},
+                 {"parallel", lights.parallel},
+                 {"sky", lights.sky}};
+  j["not_finite"] = result.tally.not_finite;
+  for (size_t i = 0; i < portals.size(); ++i)
+    j["portals"].push_back(portal_json(portals[i], i, result));
+  for (const FrameRecord& f : result.frames)
+    j["frames"].push_back({{"spp", f.spp},
+                           {"nonzero", f.nonzero},
+                           {"mean", numbers(f.mean)},
+                           {"seconds", f.seconds},
+                           {"cpu_seconds", f.cpu_seconds}});
+  return j;
 }
 
-std::string plan_json(const RenderResult& decided, const std::vector<Portal>& portals) {
-  nlohmann::ordered_json j = choice_json(decided.plan.integrator, decided);
-  j["spp"] = decided.plan.spp;
-  j["seconds"] = decided.seconds;
-  j["cpu_seconds"] = decided.cpu_seconds;
-  j["device"] = decided.renderer;
-  if (portals.empty()) return j.dump();
-  j["portals"] = portals_json(portals, decided);
-  for (auto& portal : j["portals"])
-    for (const char* of_samples : {"samples", "lit", "energy"}) portal.erase(of_samples);
-  return j.dump();
+cli::Decisions decisions_of(const Json& stats) {
+  cli::Decisions all;
+  const auto add = [&](const std::string& name, const Json& value) {
+    all.push_back({name, text_of(value), "", ""});
+  };
+  for (const auto& [key, value] : stats.items()) {
+    if (key == "frames") continue;
+    if (value.is_array() && !value.empty() && value[0].is_object()) {
+      for (const Json& record : value) add(record["name"].get<std::string>(), record);
+      continue;
+    }
+    add(key, value);
+    if (key == "pilot")
+      for (const Json& candidate : value["candidates"])
+        add(candidate["integrator"].get<std::string>(), candidate);
+  }
+  return all;
 }
 
-std::string length_sentence(const RenderSettings& settings, const RenderResult& result) {
-  if (result.plan.beyond) return sentence(*result.plan.beyond);
-  const double total = total_energy(result), last = result.tally.by_length.back();
-  if (settings.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
-  return fmt::format(
-      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
-      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
-}
-
-std::string choice_sentence(const RenderResult& result) {
-  const std::vector<CandidateEstimate>& all = result.forecast.estimates;
-  const std::string chose = "rendering with " + result.chosen_label;
-  if (result.longest) return chose + ": there is no light to choose by";
-  if (all.empty())
-    return chose + (result.interrupted ? ": stopped before it could choose"
-                                       : ": the samples are too few to choose by");
-  if (all.size() < 2 || !(all[result.chosen].cost > 0)) return chose;
-  return chose + ": " + runner_up(result);
+std::string choice_sentence(const RenderResult& result, bool lit) {
+  const Forecast& forecast = result.plan.forecast;
+  const std::string chose = "rendering with " + result.plan.label;
+  if (!lit) return chose + ": there is no light to choose by";
+  if (forecast.estimates.empty())
+    return chose + (result.progress->interrupted ? ": stopped before it could choose"
+                                                 : ": the samples are too few to choose by");
+  if (forecast.estimates.size() < 2 || !(forecast.estimates[forecast.best].cost > 0)) return chose;
+  return chose + ": " + runner_up(forecast);
 }
 
 std::string verdict_sentence(const RenderResult& result) {
-  const std::optional<PortalsGain>& gain = result.forecast.portals;
+  const Forecast& forecast = result.plan.forecast;
+  const std::optional<PortalsGain>& gain = forecast.portals;
   if (!gain) return "";
   const std::string times =
       fmt::format("({} times as fast, {} to {})", number_words(gain->times, 2),
                   number_words(gain->low, 2), number_words(gain->high, 2));
   // Where the interval holds 1 the pilot cannot be sure.
   const bool sure = gain->low > 1 || gain->high < 1;
-  if (!result.forecast.estimates[result.chosen].with_portals)
+  if (!forecast.estimates[forecast.best].with_portals)
     return fmt::format("portals {} not pay in this view {}: rendering without them",
                        sure ? "do" : "probably do", times);
   return fmt::format("portals {}pay in this view {}", sure ? "" : "probably ", times);
 }
 
-Picture nonzero_picture(const Picture& picture) {
-  Picture marks{picture.width, picture.height, {}};
-  marks.pixels.reserve(picture.pixels.size());
-  for (const Rgb& p : picture.pixels)
-    marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
-  return marks;
+std::string length_sentence(const Job& job, const RenderResult& result) {
+  if (const auto& beyond = result.plan.explored.beyond) return sentence(*beyond);
+  const double total = total_energy(result.tally), last = result.tally.by_length.back();
+  if (job.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
+  return fmt::format(
+      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
+      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
-std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
-                                                  const std::string& chosen,
-                                                  const RenderSettings& settings,
-                                                  const Provenance& provenance) {
-  std::map<std::string, std::string> a;
-  a["integrator"] = integrator.name;
-  if (!chosen.empty()) a["chosen"] = chosen;
-  a["maxDepth"] = settings.max_depth < kMaxDepth ? std::to_string(settings.max_depth) : "none";
-  a["seed"] = std::to_string(settings.seed);
-  a["mis"] = settings.beta == 1 ? "balance" : "power";
-  a["pixelFilter"] = "box, one pixel wide";
-  a["colorSpace"] = "scene-linear Rec.709";
-  if (!provenance.empty())
-    a[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
-  return a;
+std::string turning_sentence(const Portal& portal, PortalWay::Way way) {
+  if (way == PortalWay::back && !portal.both_ways)
+    return portal.name + ": its front faces the light, not the camera: turned round";
+  if (way == PortalWay::both && !portal.both_ways)
+    return portal.name + ": light passes it both ways, so it works both ways";
+  if (portal.both_ways && (way == PortalWay::back || way == PortalWay::front))
+    return fmt::format("{}: is double-sided, light passes it {}: works that way alone", portal.name,
+                       words_of(way));
+  return "";
 }
 
-std::string with_option(const std::string& provenance, const std::string& tool,
-                        const std::string& option) {
-  const size_t at = provenance.rfind("made by " + tool + " ");
-  if (at == std::string::npos) return provenance;
-  std::string text = provenance;
-  text.insert(std::min(text.find('\n', at), text.size()), " " + option);
-  return text;
+std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result) {
+  if (portals.empty() || !result.plan.integrator.mixture.has(Technique::portal)) return "";
+  const double total = total_energy(result.tally);
+  const double share = result.tally.energy[static_cast<size_t>(Technique::portal)] / total;
+  if (total > 0 && share < kLeastEnergy)
+    return fmt::format("paths that begin in the portals brought {} of the light",
+                       percent_words(share));
+  std::vector<std::string> names;
+  for (size_t i = 0; i < portals.size(); ++i)
+    if (!portals[i].triangles.empty() && portal_json(portals[i], i, result).at("useless"))
+      names.push_back(portals[i].name);
+  if (names.empty()) return "";
+  return "next to no light came through " + names_of(names) + ": " +
+         (names.size() == 1 ? "it was" : "they were") + " of no use";
+}
+
+void tell_before(const Job& job, const World& world, const Integrator& asked,
+                 const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
+                 const cli::Common& common) {
+  const Mixture& named = job.named.mixture;
+  if (portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
+    common.warn("no portal is given, so no path is sampled through one");
+  std::vector<std::string> left_out, turned;
+  for (const PortalWay& w : ways) {
+    const Portal& portal = portals[w.portal];
+    if (w.way == PortalWay::left_out) left_out.push_back(portal.name);
+    if (const std::string sentence = turning_sentence(portal, w.way); !sentence.empty())
+      turned.push_back(sentence);
+  }
+  if (!left_out.empty())
+    common.note("no light passes " + names_of(left_out) + " on its way to the camera: left out");
+  for (const std::string& sentence : first_few(turned)) common.note(sentence);
+  if (const std::string missed = light_missed(asked, world.scene); !missed.empty())
+    common.warn(missed);
+  if (world.lights.empty())
+    common.warn(
+        "nothing in the scene emits light, expected an emissive surface, a lamp or an "
+        "--environment: the picture is black");
+  else if (!may_see_surfaces(world))
+    common.warn(std::string("no surface lies in the camera's view: the picture ") +
+                (world.scene.sky ? "shows the sky alone" : "is black"));
+}
+
+void tell_after(const Session& session, const std::vector<Portal>& portals,
+                const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
+  const Progress& progress = *result.progress;
+  if (const std::string verdict = verdict_sentence(result); !verdict.empty())
+    common.note(verdict);
+  if (session.job.automatic) common.note(choice_sentence(result, !session.is_shorter()));
+  for (const Tally::SamplePixel& place : result.tally.not_finite_at)
+    common.warn(fmt::format(
+        "pixel {} {} sample {}: a contribution was not finite, or beyond what a splat holds, and "
+        "is left out",
+        place.x, place.y, place.sample));
+  // Else the cause was told before, or the sky is left out, or longer paths are.
+  const bool black = is_black(result);
+  if (black && !session.is_shorter() && !session.job.alpha && session.job.max_depth == kMaxDepth)
+    common.warn("no sample found light: the picture is black; " + why_black(session.world));
+  if (const std::string idle = idleness_sentence(portals, result);
+      !idle.empty() && !session.is_shorter())
+    common.note(idle);
+  common.note(fmt::format("{}: {} per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)",
+                          result.plan.label, counted(result.spp(), "sample"),
+                          a.shard.empty() ? "" : " of the shard", result.picture.width,
+                          result.picture.height, progress.seconds, progress.cpu_seconds));
+  if (progress.interrupted)
+    common.note("stopped by a signal; the picture holds the samples named above");
+  if (result.plan.cut_short && !(a.checkpoint.empty() && a.resume.empty()))
+    common.note("not all was decided before the signal: no checkpoint is kept");
+  if (result.target)
+    common.note(target_sentence(*result.target, progress));
+  else if (!black && !result.plan.cut_short && (result.noise || !session.is_shorter()))
+    common.note((a.filters() ? "before filtering " : "") +
+                noise_sentence(result.noise, progress.seconds));
+  if (const std::string length = length_sentence(session.job, result); !length.empty())
+    common.note(length);
+}
+
+std::string told_of(const World& world, const RenderResult& result) {
+  std::string noise;
+  if (is_black(result))
+    noise = ", all black: " + why_black(world);
+  else if (result.noise)
+    noise = ", " + words_of(*result.noise);
+  return fmt::format("{} per pixel in {}{}", counted(result.spp(), "sample"),
+                     duration_words(result.progress->seconds), noise);
+}
+
+std::string why_black(const World& world) {
+  if (sees_only_backs(world)) return "the camera sees only backs of surfaces: does it stand in a wall?";
+  if (world.blur.any() && lens_is_cut(world))
+    return "surfaces cut through the lens of the camera: is --f-stop too small?";
+  return "are the samples too few, or is a door shut?";
+}
+
+std::vector<std::string> first_few(std::vector<std::string> sentences) {
+  if (sentences.size() <= kMostSentences) return sentences;
+  const size_t more = sentences.size() - (kMostSentences - 1);
+  sentences.resize(kMostSentences - 1);
+  sentences.push_back(fmt::format("and {} more portals", more));
+  return sentences;
 }
 
 }  // namespace tdpt

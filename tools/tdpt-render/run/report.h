@@ -1,43 +1,59 @@
-// What a rendering reports about itself: --stats, --json, and the attributes of the picture.
+// What a rendering tells about itself: --stats and --json, --explain, which prints the same as text,
+// and the sentences of a plain run.
 #pragma once
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "libcommon/options/render_options.h"
 #include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {
 
-/// JSON with the keys of tdpt-render(1) that are known before the picture is written, one object;
-/// with `frames` when the result has them. `mark`: of a frame of a shot [Job::mark].
-std::string stats_json(const Integrator& integrator, const RenderSettings& settings,
-                       const RenderResult& result, const std::vector<Portal>& portals = {},
-                       const std::string& mark = "");
-/// The same without `frames`, which are long.
-std::string summary_json(const Integrator& integrator, const RenderSettings& settings,
-                         const RenderResult& result, const std::vector<Portal>& portals = {});
+/// The statistics of tdpt-render(1) that are known before the picture is written, but for the
+/// device. `asked`: the only candidate, or `auto` with the techniques of all. `portals`: with the
+/// ways they work.
+nlohmann::ordered_json stats_of(const Job& job, const Integrator& asked,
+                                const std::vector<Portal>& portals, const RenderResult& result);
 
-/// For a decision without a picture: who would render, how many samples, and the measurements
-/// behind it.
-std::string plan_json(const RenderResult& decided, const std::vector<Portal>& portals);
+/// Statistics as text: a decision for each, and for each portal and candidate. `frames`, which are
+/// long, are left out.
+cli::Decisions decisions_of(const nlohmann::ordered_json& stats);
 
-/// How much light the limit on path length leaves out, by --max-depth or by the hard stop; empty if
-/// negligible.
-std::string length_sentence(const RenderSettings& settings, const RenderResult& result);
+/// Before rendering: what is missing in the scene, and what becomes of each portal.
+void tell_before(const Job& job, const World& world, const Integrator& asked,
+                 const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
+                 const cli::Common& common);
+/// After it: who rendered and why, what portals brought, how noisy the picture is.
+void tell_after(const Session& session, const std::vector<Portal>& portals,
+                const RenderResult& result, const RenderArguments& a, const cli::Common& common);
+/// "16 samples per pixel in 3 s, relMSE 0.012, 0.011 to 0.014".
+std::string told_of(const World& world, const RenderResult& result);
 
-/// What `auto` chose, and why.
-std::string choice_sentence(const RenderResult& result);
+/// What `auto` chose, and why. `lit`: whether paths beyond the camera's rays can bring light.
+std::string choice_sentence(const RenderResult& result, bool lit = true);
 /// Efficiency of the best candidate with portals against the best without, as measured before
 /// rendering; empty if unknown.
 std::string verdict_sentence(const RenderResult& result);
+/// How much light the limit on path length leaves out, by --max-depth or by the hard stop; empty if
+/// negligible.
+std::string length_sentence(const Job& job, const RenderResult& result);
+/// A portal that will work in another way than it is drawn; empty if it does not.
+std::string turning_sentence(const Portal& portal, PortalWay::Way way);
+/// Segments that carried little light, or portals whose samples did; empty if there are none.
+std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
 
-/// --set nonzero: red where a pixel got some contribution, green where it is black.
-Picture nonzero_picture(const Picture& picture);
+/// Why no sample found light, as far as rays from the camera tell; for a black picture.
+std::string why_black(const World& world);
 
-/// String attributes of the EXR header, except the number of samples and the target's. `chosen`:
-/// label of the choice of `auto`; empty: there was no choice.
-std::map<std::string, std::string> exr_attributes(const Integrator& integrator,
-                                                  const std::string& chosen,
-                                                  const RenderSettings& settings,
-                                                  const Provenance& provenance);
-/// Provenance with one more option in the last command of `tool`.
-std::string with_option(const std::string& provenance, const std::string& tool,
-                        const std::string& option);
+/// The first of the sentences, one for each portal, and how many more there are.
+std::vector<std::string> first_few(std::vector<std::string> sentences);
+
+/// A portal is useless if its samples carried less than kNoEnergy of the light, or less than
+/// kLeastEnergy while less than kLeastLit of them connected a lamp with the camera; needs
+/// kEnoughSamples.
+inline constexpr double kNoEnergy = 0.001, kLeastEnergy = 0.01, kLeastLit = 0.25;
+inline constexpr uint64_t kEnoughSamples = 1000;
 
 }  // namespace tdpt

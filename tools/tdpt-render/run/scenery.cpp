@@ -9,7 +9,7 @@
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/covered_lamps.h"
 #include "tools/tdpt-render/run/focus.h"
-#include "tools/tdpt-render/run/portal_report.h"
+#include "tools/tdpt-render/run/report.h"
 #include "tools/tdpt-render/run/seen_backs.h"
 
 namespace tdpt {
@@ -18,7 +18,7 @@ namespace {
 constexpr int kPoses = 9;  // of a camera while its shutter is open
 
 // The times of a picture [s]: of those poses, or its own alone.
-std::vector<double> moments_of(const Arguments& a) {
+std::vector<double> moments_of(const RenderArguments& a) {
   const double middle = a.pose.seconds.value_or(0), open = a.lens.shutter / 360 / a.shot.fps;
   if (open == 0) return {middle};
   std::vector<double> times;
@@ -40,7 +40,7 @@ bool stands_as(const Camera& a, const Camera& b) {
 
 }  // namespace
 
-Loaded& Scenery::load(const Arguments& a, const cli::Common& common) {
+Loaded& Scenery::load(const RenderArguments& a, const cli::Common& common) {
   const bool first = !file_;
   if (first) file_ = std::make_unique<SceneFile>(a.scene, a.pose.animations);
   cli::Common quiet = common;
@@ -51,7 +51,7 @@ Loaded& Scenery::load(const Arguments& a, const cli::Common& common) {
   return in_;
 }
 
-void Scenery::read(const Arguments& a, const cli::Common& common, bool tells) {
+void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tells) {
   world_.reset();  // it refers to the scene
   in_ = {};
   in_.scene = file_->at(a.pose.seconds);
@@ -67,13 +67,13 @@ void Scenery::read(const Arguments& a, const cli::Common& common, bool tells) {
   read_portals(a, common);
 }
 
-void Scenery::take_camera(const Arguments& a, const cli::Common& common) {
+void Scenery::take_camera(const RenderArguments& a, const cli::Common& common) {
   in_.camera = chosen_camera(in_.scene, a.camera, common);
   in_.size = picture_size(in_.scene, in_.camera, a.width, a.height);
 }
 
 // A camera of the options stands still.
-void Scenery::take_poses(const Arguments& a, const cli::Common& common) {
+void Scenery::take_poses(const RenderArguments& a, const cli::Common& common) {
   in_.poses.clear();
   if (a.lens.shutter == 0) return;
   bool moves = false, others_move = false;
@@ -89,26 +89,13 @@ void Scenery::take_poses(const Arguments& a, const cli::Common& common) {
   }
   if (!moves) in_.poses.clear();
   const bool placed = !a.camera.look_from.empty() || a.camera.frame;
-  if (!moves && (placed || !a.frame) && !std::exchange(told_stand_, true))
+  if (!moves && (placed || !a.shot.is_given()) && !std::exchange(told_stand_, true))
     common.note(fmt::format("--shutter: the camera {}; nothing is blurred by it",
                             placed ? "is placed by options, and stands" : "stands at that time"));
   if (others_move && !std::exchange(told_motion_, true))
     common.warn(
         "--shutter: something other than the camera moves, and shows sharply, as it stands in the "
         "middle of the exposure");
-}
-
-std::string Scenery::moment(const Arguments& a) {
-  std::string words;
-  for (const double t : moments_of(a)) {
-    const SceneFile::Glance now = file_->glance_at(t);
-    words += now.pose_hash;
-    if (const Camera* const self = camera_of(now, in_.camera.name))
-      for (const Vec3d& v : {self->position, self->forward, self->up})
-        words += fmt::format(" {} {} {}", v.x, v.y, v.z);
-    words += ';';
-  }
-  return words;
 }
 
 Lens Scenery::lens(const cli::Common& common) {
@@ -126,16 +113,15 @@ Lens Scenery::lens(const cli::Common& common) {
   return lens;
 }
 
-void Scenery::read_portals(const Arguments& a, const cli::Common& common) {
+void Scenery::read_portals(const RenderArguments& a, const cli::Common& common) {
   in_.files.resize(files_but_portals_);
   in_.portals.clear();
   in_.portal_hashes.clear();
   for (const std::string& path : a.portals) {
-    const GivenPortals given = read_given_portals(path, in_.scene, in_.camera, a.frame);
-    if (!common.quiet || !a.frame)
-      for (const std::string& warning : first_few(given.warnings))
-        common.warn(a.of_frame() + warning);
-    for (const std::string& note : first_few(given.notes)) common.note(a.of_frame() + note);
+    const GivenPortals given = read_given_portals(path, in_.scene, in_.camera, a.shot.is_given());
+    if (!common.quiet || !a.shot.is_given())
+      for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
+    for (const std::string& note : first_few(given.notes)) common.note(note);
     const PortalFile& file = given.file;
     common.also_read(file.files);
     in_.portals.insert(in_.portals.end(), file.portals.begin(), file.portals.end());
@@ -144,7 +130,7 @@ void Scenery::read_portals(const Arguments& a, const cli::Common& common) {
   }
 }
 
-bool Scenery::only_moves_camera(const Arguments& a, const cli::Common& common) {
+bool Scenery::only_moves_camera(const RenderArguments& a, const cli::Common& common) {
   const SceneFile::Glance now = file_->glance_at(a.pose.seconds.value_or(0));
   if (now.pose_hash != in_.scene.pose_hash) return false;
   in_.scene.cameras = now.cameras;
@@ -173,7 +159,7 @@ World& Scenery::world(const cli::Common& common) {
 }
 
 void Scenery::tell_of_backs(const cli::Common& common) {
-  const std::string sentence = backs_sentence(seen_backs(*world_));
+  const std::string sentence = backs_sentence(*world_);
   if (!sentence.empty() && !shows_backs_) common.warn(sentence);
   shows_backs_ = !sentence.empty();
 }

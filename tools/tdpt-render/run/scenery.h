@@ -8,7 +8,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/scene/scene_file.h"
 #include "tools/tdpt-render/path/sample/world.h"
-#include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/picture_size.h"
 
 namespace tdpt {
@@ -28,24 +28,20 @@ struct Loaded {
 
 class Scenery {
  public:
-  /// Reads all of it; the next time, with the same arguments but for the pose and the frame, only
+  /// Reads all of it; the next time, with the same arguments but for the pose and the portals, only
   /// what has changed. Warnings and notes of the scene are printed the first time.
-  Loaded& load(const Arguments& a, const cli::Common& common);
-
-  /// What the camera sees and from where, in a word, also while its shutter is open: frames whose
-  /// words are equal show the same. Of the scene that was loaded.
-  std::string moment(const Arguments& a);
+  Loaded& load(const RenderArguments& a, const cli::Common& common);
 
   /// The world of what was loaded last, with its portals as they were given.
   World& world(const cli::Common& common);
 
  private:
-  void read(const Arguments& a, const cli::Common& common, bool tells);
-  bool only_moves_camera(const Arguments& a, const cli::Common& common);
-  void take_camera(const Arguments& a, const cli::Common& common);
-  void take_poses(const Arguments& a, const cli::Common& common);
+  void read(const RenderArguments& a, const cli::Common& common, bool tells);
+  bool only_moves_camera(const RenderArguments& a, const cli::Common& common);
+  void take_camera(const RenderArguments& a, const cli::Common& common);
+  void take_poses(const RenderArguments& a, const cli::Common& common);
   Lens lens(const cli::Common& common);
-  void read_portals(const Arguments& a, const cli::Common& common);
+  void read_portals(const RenderArguments& a, const cli::Common& common);
   void tell_of_backs(const cli::Common& common);
 
   std::unique_ptr<SceneFile> file_;

@@ -23,7 +23,16 @@ bool is_culled_back(const Scene& scene, const Hit& hit, const Vec3d& w) {
 
 }  // namespace
 
-SeenBacks seen_backs(const World& world) {
+std::string no_backs_sentence(const World& world) {
+  if (!world.tracer.culls()) return "";
+  for (int i = 0; i < kRays * kRays; ++i)
+    if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
+                 is_culled_back(world.scene, hit, direction_of(world.film, i)))
+      return "";
+  return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
+}
+
+std::string backs_sentence(const World& world) {
   const FilmPlane& film = world.film;
   std::vector<int> met(world.scene.materials.size());
   int backs = 0;
@@ -35,31 +44,26 @@ SeenBacks seen_backs(const World& world) {
     ++backs;
     ++met[world.scene.triangles[hit.triangle].material];
   }
-  SeenBacks seen{static_cast<double>(backs) / (kRays * kRays), {}};
+  const double share = static_cast<double>(backs) / (kRays * kRays);
+  if (share < kLeastShare) return "";
   const auto most = std::max_element(met.begin(), met.end());
-  if (backs > 0) {
-    const std::string& name = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
-    seen.material = name.empty() ? fmt::format("materials[{}]", most - met.begin())
-                                 : "material \"" + shown(name, 60) + "\"";
-  }
-  return seen;
-}
-
-std::string no_backs_sentence(const World& world) {
-  if (!world.tracer.culls()) return "";
-  for (int i = 0; i < kRays * kRays; ++i)
-    if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
-                 is_culled_back(world.scene, hit, direction_of(world.film, i)))
-      return "";
-  return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
-}
-
-std::string backs_sentence(const SeenBacks& seen) {
-  if (seen.share < kLeastShare) return "";
+  const std::string& name = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
   return fmt::format(
       "the camera sees the backs of single-sided surfaces in {:.0f} % of the picture, most of all "
       "of {}: glTF viewers do not draw them (--cull)",
-      100 * seen.share, seen.material);
+      100 * share,
+      name.empty() ? fmt::format("materials[{}]", most - met.begin())
+                   : "material \"" + shown(name, 60) + "\"");
+}
+
+bool sees_only_backs(const World& world) {
+  for (int i = 0; i < kRays * kRays; ++i) {
+    const Vec3d w = direction_of(world.film, i);
+    Hit hit;
+    if (!world.tracer.first_seen(world.film.position(), w, hit) || dot(hit.normal, w) < 0)
+      return false;
+  }
+  return true;
 }
 
 }  // namespace tdpt

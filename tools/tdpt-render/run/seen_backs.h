@@ -1,4 +1,5 @@
-// How much of the picture shows the backs of single-sided surfaces, which glTF viewers do not draw.
+// How much of the picture shows backs of surfaces: of single-sided ones, which glTF viewers do not
+// draw, or of all that the camera sees.
 #pragma once
 #include <string>
 
@@ -6,18 +7,16 @@
 
 namespace tdpt {
 
-struct SeenBacks {
-  double share = 0;      ///< of the picture
-  std::string material;  ///< with the largest share of them: material "wall", materials[2]
-};
-
-/// From 32 x 32 rays at fixed places of the film.
-SeenBacks seen_backs(const World& world);
+// All from 32 x 32 rays at fixed places of the film.
 
 /// A note if a camera is set to see through backs but none is in its way; else empty.
 std::string no_backs_sentence(const World& world);
 
-/// A warning; empty if the share is negligible.
-std::string backs_sentence(const SeenBacks& seen);
+/// A warning that the camera sees the backs of single-sided surfaces, most of all of one material;
+/// empty if the share is negligible.
+std::string backs_sentence(const World& world);
+
+/// Whether each ray meets the back of a surface, as in a wall.
+bool sees_only_backs(const World& world);
 
 }  // namespace tdpt

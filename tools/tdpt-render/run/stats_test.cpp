@@ -11,15 +11,15 @@
 
 namespace tdpt::stats_test {
 
-RenderResult render_rooms(RenderSettings settings, const Integrator& integrator = tdpt_org) {
+RenderResult render_rooms(Job settings, const Integrator& integrator = tdpt_org) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
   return render(*renderer_under_test(world), integrator, settings);
 }
 
-RenderSettings with_frames(uint64_t spp) {
-  RenderSettings settings;
-  settings.spp = spp;
+Job with_frames(uint64_t spp) {
+  Job settings;
+  settings.limits.spp = spp;
   settings.frames = true;
   return settings;
 }
@@ -47,14 +47,14 @@ TEST(frames, end_with_the_picture_itself) {
   EXPECT_EQ(r.frames.back().mean, r.mean());
   EXPECT_EQ(r.frames.back().nonzero, r.nonzero());
   EXPECT_GT(r.nonzero(), 0.5);
-  EXPECT_LE(r.frames.back().seconds, r.seconds);
-  EXPECT_LE(r.frames.back().cpu_seconds, r.cpu_seconds);
+  EXPECT_LE(r.frames.back().seconds, r.progress->seconds);
+  EXPECT_LE(r.frames.back().cpu_seconds, r.progress->cpu_seconds);
 }
 
 TEST(frames, are_what_a_shorter_rendering_gives) {
   const RenderResult r = render_rooms(with_frames(20));
-  RenderSettings settings;
-  settings.spp = 7;
+  Job settings;
+  settings.limits.spp = 7;
   const RenderResult shorter = render_rooms(settings);
   EXPECT_EQ(r.frames[6].spp, 7u);
   EXPECT_EQ(r.frames[6].mean, shorter.mean());
@@ -63,17 +63,17 @@ TEST(frames, are_what_a_shorter_rendering_gives) {
 }
 
 TEST(frames, do_not_change_a_bit_of_the_picture) {
-  RenderSettings settings;
-  settings.spp = 20;
+  Job settings;
+  settings.limits.spp = 20;
   const RenderResult without = render_rooms(settings);
   EXPECT_EQ(render_rooms(with_frames(20)).picture.pixels, without.picture.pixels);
   EXPECT_TRUE(without.frames.empty());
 }
 
-TEST(frames, stand_in_the_statistics_and_not_in_the_summary) {
-  const RenderSettings settings = with_frames(3);
+TEST(frames, stand_in_the_statistics) {
+  const Job settings = with_frames(3);
   const RenderResult r = render_rooms(settings);
-  const auto stats = nlohmann::json::parse(stats_json(tdpt_org, settings, r));
+  const auto stats = stats_of(settings, tdpt_org, {}, r);
   ASSERT_EQ(stats["frames"].size(), 3u);
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(stats["frames"][i]["spp"], i + 1);
@@ -83,12 +83,6 @@ TEST(frames, stand_in_the_statistics_and_not_in_the_summary) {
     EXPECT_EQ(stats["frames"][i]["cpu_seconds"], r.frames[i].cpu_seconds);
   }
   EXPECT_EQ(stats["mean"], stats["frames"][2]["mean"]);
-  EXPECT_FALSE(nlohmann::json::parse(summary_json(tdpt_org, settings, r)).contains("frames"));
-}
-
-TEST(nonzero, red_where_light_arrives_and_green_elsewhere) {
-  const Picture picture{3, 1, {Rgb{}, Rgb{0, 1e-30f, 0}, Rgb{5, 5, 5}}};
-  EXPECT_EQ(nonzero_picture(picture).pixels, (std::vector<Rgb>{{0, 1, 0}, {1, 0, 0}, {1, 0, 0}}));
 }
 
 // All walls of the furnace emit radiance 1, seen directly at depth 1. Every other triangle is
@@ -103,8 +97,8 @@ struct Spoilt {
     for (size_t i = 0; i < scene.triangles.size(); ++i) scene.triangles[i].material = i % 2;
     const World world(scene, scene.camera(""), width, height, {portal_in_the_furnace()});
     scene.materials[1].emission.y = emission;
-    RenderSettings settings;
-    settings.spp = spp;
+    Job settings;
+    settings.limits.spp = spp;
     settings.max_depth = max_depth;
     result = render(*renderer_under_test(world), integrator, settings);
   }
@@ -142,8 +136,8 @@ TEST(not_finite, is_counted_and_placed_and_left_out_of_the_picture) {
       const auto i = static_cast<size_t>(place.y * Spoilt::width + place.x);
       EXPECT_LT(r.picture.pixels[i].x, 0.99f * emission);
     }
-    const RenderSettings settings;
-    const auto stats = nlohmann::json::parse(stats_json(pt, settings, r));
+    const Job settings;
+    const auto stats = stats_of(settings, pt, {}, r);
     EXPECT_EQ(stats["not_finite"], r.tally.not_finite);
   }
 }

@@ -58,7 +58,7 @@ inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
   Film film = film_for(world, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
                        samples.alpha, samples.halves);
   Tally tally(film.unit());
-  Progress progress("rendering", "samples", 0, true);
+  ProgressBar progress("rendering", "samples", 0, true);
   renderer.render(expecting, samples.rules, 0, samples.range, film, tally, progress);
   return outcome_of(film, tally);
 }
@@ -121,7 +121,7 @@ class ScalarRenderer : public SampleRenderer {
   }
   bool on_device() const override { return true; }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, Progress& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
     renderer_->render(integrator, rules, round, samples, film, tally, progress);
   }
 

@@ -29,8 +29,8 @@ inline MeanAndError rendered(const World& world, const Integrator& integrator, u
   std::vector<double> means;
   const auto renderer = renderer_under_test(world);
   for (uint64_t seed = 1; seed <= runs; ++seed) {
-    RenderSettings settings;
-    settings.spp = spp;
+    Job settings;
+    settings.limits.spp = spp;
     settings.seed = testing::fresh(seed);
     settings.max_depth = max_depth;
     const RenderResult r = render(*renderer, integrator, settings);

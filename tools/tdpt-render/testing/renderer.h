@@ -23,6 +23,15 @@ inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
 #endif
 }
 
+/// The layers of the film by technique.
+inline std::map<std::string, Picture> layers_of(const RenderResult& result) {
+  std::map<std::string, Picture> layers;
+  for (size_t i = 0; i < kTechniques; ++i)
+    if (result.progress->film.has_layer(i))
+      layers[kTechniqueNames[i]] = result.progress->film.layer(i);
+  return layers;
+}
+
 /// For the scalar build, which takes ten times as long per sample: a few that run all kernels
 /// between them.
 inline std::vector<const Integrator*> integrators_under_test() {

@@ -11,8 +11,8 @@ namespace tdpt {
 inline double error_of_pictures(const World& world, const Integrator& integrator,
                                 int max_depth = kMaxDepth) {
   constexpr int kPictures = 48;
-  RenderSettings settings;
-  settings.spp = 16;
+  Job settings;
+  settings.limits.spp = 16;
   settings.max_depth = max_depth;
   const size_t pixels =
       static_cast<size_t>(world.film.width()) * static_cast<size_t>(world.film.height());
@@ -30,7 +30,7 @@ inline double error_of_pictures(const World& world, const Integrator& integrator
   for (size_t k = 0; k < pixels; ++k) {
     const double m = sum[k] / kPictures;
     const double variance = (squares[k] / kPictures - m * m) * kPictures / (kPictures - 1);
-    error += variance * static_cast<double>(settings.spp) / (m * m + 0.01 * mean * mean);
+    error += variance * static_cast<double>(settings.limits.spp) / (m * m + 0.01 * mean * mean);
   }
   return error / static_cast<double>(pixels);
 }

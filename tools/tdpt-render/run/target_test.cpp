@@ -5,7 +5,7 @@
 
 #include "tools/tdpt-render/plan/error_pilot.h"
 #include "tools/tdpt-render/run/render.h"
-#include "tools/tdpt-render/run/target_report.h"
+#include "tools/tdpt-render/run/target.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::target_test {
@@ -21,9 +21,9 @@ const Window& window() {
   return window;
 }
 
-RenderSettings to(double error) {
-  RenderSettings settings;
-  settings.target_error = error;
+Job to(double error) {
+  Job settings;
+  settings.limits.target_error = error;
   return settings;
 }
 
@@ -43,8 +43,8 @@ double relmse(const Picture& picture, const Picture& reference) {
 }
 
 Picture reference_of(const World& world) {
-  RenderSettings settings;
-  settings.spp = 2048;
+  Job settings;
+  settings.limits.spp = 2048;
   settings.seed = 77;
   return render(world, nee, settings).picture;
 }
@@ -58,7 +58,7 @@ const Picture& reference() {
 double told_over_true(bool one_round) {
   Film film(kWidth, kHeight, window().world.lights.power());
   Tally tally(film.unit());
-  Progress progress("", "", 0, true);
+  ProgressBar progress("", "", 0, true);
   const DrawPart draw = [&](uint64_t part, const SampleRange& samples) {
     film.clear();
     render_samples(window().world, nee, {}, one_round ? 3 : 3 + part, samples, film, tally,
@@ -69,8 +69,8 @@ double told_over_true(bool one_round) {
   double mean = 0;
   constexpr uint64_t kPictures = 12;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
-    RenderSettings settings;
-    settings.spp = pilot.part_samples();
+    Job settings;
+    settings.limits.spp = pilot.part_samples();
     settings.seed = seed;
     mean += relmse(render(window().world, nee, settings).picture, reference()) / kPictures;
   }
@@ -87,7 +87,7 @@ TEST(target, twin_parts_that_share_a_scramble) {
 
 TEST(target, the_picture_is_that_of_as_many_samples_on_any_number_of_threads) {
   for (const bool layers : {false, true}) {
-    RenderSettings settings = to(0.02);
+    Job settings = to(0.02);
     settings.layers = layers;
     const RenderResult one = [&] {
       const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 1);
@@ -96,12 +96,12 @@ TEST(target, the_picture_is_that_of_as_many_samples_on_any_number_of_threads) {
     const RenderResult two = render(window().world, nee, settings);
     EXPECT_EQ(one.picture.pixels, two.picture.pixels);
     ASSERT_TRUE(one.target);
-    EXPECT_EQ(one.target->relmse, two.target->relmse);
+    EXPECT_EQ(one.target->noise->relmse, two.target->noise->relmse);
     EXPECT_TRUE(one.target->reached());
-    EXPECT_GT(one.spp, 1u);
+    EXPECT_GT(one.spp(), 1u);
     EXPECT_LE(relmse(one.picture, reference()), 0.02);
-    settings = RenderSettings();
-    settings.spp = one.spp;
+    settings = Job();
+    settings.limits.spp = one.spp();
     EXPECT_EQ(one.picture.pixels, render(window().world, nee, settings).picture.pixels);
   }
 }
@@ -118,8 +118,8 @@ struct Few {
     std::vector<Vec3d> before(64);
     Picture picture;
     for (uint64_t spp = 1; spp <= 4; ++spp) {
-      RenderSettings settings;
-      settings.spp = spp;
+      Job settings;
+      settings.limits.spp = spp;
       settings.seed = seed;
       picture = render(world, bdpt, settings).picture;
       std::vector<Rgb>& block = blocks.emplace_back();
@@ -137,13 +137,13 @@ TEST(target, the_error_said_of_few_samples_is_about_right) {
   const Few few;
   double logarithm = 0;
   for (uint64_t seed = 1; seed <= Few::kPictures; ++seed) {
-    RenderSettings settings = to(0.2);
+    Job settings = to(0.2);
     settings.seed = seed;
     const RenderResult r = render(few.world, bdpt, settings);
-    EXPECT_LE(r.spp, 8u);
+    EXPECT_LE(r.spp(), 8u);
     const double error = relmse(r.picture, few.truth);
     EXPECT_TRUE(r.target->reached() || error > 0.1) << error;
-    logarithm += std::log(*r.target->relmse / error) / Few::kPictures;
+    logarithm += std::log(r.target->noise->relmse / error) / Few::kPictures;
   }
   EXPECT_NEAR(logarithm, 0, 1);
 }
@@ -162,94 +162,94 @@ TEST(target, smaller_errors_take_more_samples) {
   uint64_t before = 0;
   for (const double error : {1e6, 0.1, 0.02}) {
     const RenderResult r = render(window().world, nee, to(error));
-    EXPECT_GT(r.spp, before);
-    EXPECT_EQ(r.spp, r.target->fixed);
-    EXPECT_EQ(target_json(*r.target)["stopped_by"], "target");
-    before = r.spp;
+    EXPECT_GT(r.spp(), before);
+    EXPECT_EQ(r.spp(), r.target->fixed);
+    EXPECT_EQ(target_json(*r.target, r.plan, *r.progress)["stopped_by"], "target");
+    before = r.spp();
   }
-  EXPECT_EQ(render(window().world, nee, to(1e6)).spp, 1u);
+  EXPECT_EQ(render(window().world, nee, to(1e6)).spp(), 1u);
 }
 
 TEST(target, samples_and_time_are_limits) {
-  RenderSettings settings = to(1e-7);
-  settings.spp = 5;
+  Job settings = to(1e-7);
+  settings.limits.spp = 5;
   const RenderResult few = render(window().world, nee, settings);
-  EXPECT_EQ(few.spp, 5u);
+  EXPECT_EQ(few.spp(), 5u);
   EXPECT_FALSE(few.target->reached());
   EXPECT_GT(few.target->fixed, 1000u);
-  EXPECT_EQ(target_json(*few.target)["stopped_by"], "spp");
+  EXPECT_EQ(target_json(*few.target, few.plan, *few.progress)["stopped_by"], "spp");
   EXPECT_NE(
-      target_sentence(*few.target, few.spp).find("not reached, stopped by --spp: it is about"),
+      target_sentence(*few.target, *few.progress).find("not reached, stopped by --spp: it is about"),
       std::string::npos);
-  settings.spp = 0;
-  settings.seconds = 0.3;
+  settings.limits.spp = 0;
+  settings.limits.seconds = 0.3;
   const RenderResult late = render(window().world, nee, settings);
-  EXPECT_GT(late.spp, 0u);
+  EXPECT_GT(late.spp(), 0u);
   EXPECT_FALSE(late.target->reached());
-  EXPECT_EQ(target_json(*late.target)["stopped_by"], "time");
-  EXPECT_NE(target_sentence(*late.target, late.spp).find("stopped by --time"), std::string::npos);
+  EXPECT_EQ(target_json(*late.target, late.plan, *late.progress)["stopped_by"], "time");
+  EXPECT_NE(target_sentence(*late.target, *late.progress).find("stopped by --time"), std::string::npos);
 }
 
 TEST(target, one_pixel_is_a_picture) {
   const World world(window().scene, window().scene.camera(""), 1, 1, {});
   const RenderResult r = render(world, nee, to(1e-4));
   EXPECT_TRUE(r.target->reached());
-  EXPECT_GT(r.spp, 3u);
+  EXPECT_GT(r.spp(), 3u);
 }
 
 TEST(target, a_picture_without_light_ends) {
   const Scene scene = read_gltf(two_rooms_path());
   const World world(scene, scene.camera(""), 8, 6, {});
-  RenderSettings settings = to(0.01);
+  Job settings = to(0.01);
   settings.max_depth = 1;  // the lamp is out of sight
   const RenderResult unlit = render(world, nee, settings);
   EXPECT_FALSE(unlit.target->reached());
-  EXPECT_FALSE(unlit.target->relmse);
-  EXPECT_EQ(target_json(*unlit.target)["stopped_by"], "no light");
-  EXPECT_TRUE(target_json(*unlit.target)["relmse"].is_null());
-  EXPECT_NE(target_sentence(*unlit.target, unlit.spp).find("too little light"), std::string::npos);
+  EXPECT_FALSE(unlit.target->noise);
+  EXPECT_EQ(target_json(*unlit.target, unlit.plan, *unlit.progress)["stopped_by"], "no light");
+  EXPECT_TRUE(target_json(*unlit.target, unlit.plan, *unlit.progress)["relmse"].is_null());
+  EXPECT_NE(target_sentence(*unlit.target, *unlit.progress).find("too little light"), std::string::npos);
 
   Scene dark = read_gltf(two_rooms_path());
   for (Material& m : dark.materials) m.emission = Rgb(0);
   const World black(dark, dark.camera(""), 8, 6, {});
   ASSERT_TRUE(black.lights.empty());
   const RenderResult r = render(black, nee, to(0.01));
-  EXPECT_EQ(r.spp, 1u);
+  EXPECT_EQ(r.spp(), 1u);
   EXPECT_TRUE(r.target->reached());
-  EXPECT_EQ(target_json(*r.target)["relmse"], 0);
+  EXPECT_EQ(target_json(*r.target, r.plan, *r.progress)["relmse"], 0);
 }
 
 // A heavy-tailed picture, through a door that is hardly open: some seed misses its target.
 TEST(target, a_retry_goes_on_with_the_picture_once) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
   const World world(scene, scene.camera(""), 8, 6, {});
-  RenderSettings settings = to(0.3);
+  Job settings = to(0.3);
   RenderResult missed;
   for (settings.seed = 1; settings.seed <= 60; ++settings.seed) {
     missed = render(world, bdpt, settings);
-    ASSERT_EQ(missed.spp, missed.target->fixed);
+    ASSERT_EQ(missed.spp(), missed.target->fixed);
     if (!missed.target->reached()) break;
   }
   ASSERT_FALSE(missed.target->reached()) << "no seed misses it";
-  EXPECT_FALSE(missed.target->retried);
-  settings.retry = settings.frames = true;
+  EXPECT_FALSE((missed.progress->retried > 0));
+  settings.limits.retry = settings.frames = true;
   const RenderResult retried = render(world, bdpt, settings);
-  EXPECT_TRUE(retried.target->retried);
-  EXPECT_GT(retried.spp, missed.spp);
-  EXPECT_EQ(retried.spp, retried.target->fixed);
-  EXPECT_EQ(retried.frames.back().spp, retried.spp);
-  EXPECT_LT(*retried.target->relmse, *missed.target->relmse);
-  RenderSettings plain;
+  EXPECT_TRUE((retried.progress->retried > 0));
+  EXPECT_GT(retried.spp(), missed.spp());
+  EXPECT_EQ(retried.spp(), retried.target->fixed);
+  EXPECT_EQ(retried.frames.back().spp, retried.spp());
+  EXPECT_LT(retried.target->noise->relmse, missed.target->noise->relmse);
+  Job plain;
   plain.seed = settings.seed;
-  plain.spp = retried.spp;
+  plain.limits.spp = retried.spp();
   EXPECT_EQ(retried.picture.pixels, render(world, bdpt, plain).picture.pixels);
-  settings.spp = missed.spp;  // a limit that allows no more samples
+  settings.limits.spp = missed.spp();  // a limit that allows no more samples
   const RenderResult limited = render(world, bdpt, settings);
-  EXPECT_FALSE(limited.target->retried);
-  EXPECT_EQ(limited.spp, missed.spp);
+  EXPECT_FALSE((limited.progress->retried > 0));
+  EXPECT_EQ(limited.spp(), missed.spp());
   EXPECT_EQ(limited.target->fixed, missed.target->fixed);
-  EXPECT_EQ(target_json(*limited.target)["stopped_by"], "spp");
-  EXPECT_EQ(target_sentence(*limited.target, limited.spp).find("--set retry=1 renders on"),
+  EXPECT_EQ(target_json(*limited.target, limited.plan, *limited.progress)["stopped_by"], "spp");
+  EXPECT_EQ(target_sentence(*limited.target, *limited.progress).find("--set retry=1 renders on"),
             std::string::npos);
 }
 
@@ -257,17 +257,17 @@ TEST(target, a_miss_says_so_and_a_retry_once_more) {
   TargetOutcome t;
   t.error = 0.01;
   t.fixed = 64;
-  t.may_retry = true;
-  t.relmse = 0.012;
-  t.low = 0.011;
-  t.high = 0.013;
-  EXPECT_EQ(target_sentence(t, 64),
+  t.noise = {0.012, 0.011, 0.013};
+  Progress progress(Film(1, 1, 1), {});
+  progress.film.complete({0, 64});
+  EXPECT_EQ(target_sentence(t, progress),
             "target relMSE 0.01 missed: it is about 0.012 [0.011, 0.013] after 64 samples per "
             "pixel; --set retry=1 renders on");
   EXPECT_EQ(target_attributes(t).at("estimatedError"), "about 0.012 [0.011, 0.013]");
-  t.retried = true;
-  t.relmse = 0.009;
-  EXPECT_EQ(target_sentence(t, 96),
+  progress.film.complete({64, 32});
+  progress.retried = 96;
+  t.noise->relmse = 0.009;
+  EXPECT_EQ(target_sentence(t, progress),
             "target relMSE 0.01 reached: it is about 0.009 [0.011, 0.013] after 96 samples per "
             "pixel, those of --set retry=1 among them");
 }

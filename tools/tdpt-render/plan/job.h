@@ -1,7 +1,8 @@
-// Settings of a rendering.
+// What is asked of the renderer: parsed and checked once.
 #pragma once
 #include <cstdint>
 
+#include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/roulette.h"
 
 namespace tdpt {
@@ -15,16 +16,19 @@ struct Limits {
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
-struct RenderSettings : Limits {
-  int max_depth = kMaxDepth;
-  double beta = 1;  ///< 1: balance heuristic, 2: power heuristic
+struct Job {
+  Limits limits;
+  bool automatic = false;           ///< the pilot chooses the integrator [pilot.h]
+  Integrator named = bdpt;          ///< renders if not automatic
+  Integrator guided = tdpt_guided;  ///< `auto` tries it, with the numbers given
+  int max_depth = kMaxDepth;        ///< edges
+  double beta = 1;                  ///< 1: balance heuristic, 2: power heuristic
   uint64_t seed = 1;
   bool quiet = true;
   bool alpha = false;   ///< transparent film: the sky in the background is left out
   bool layers = false;  ///< keep each technique's contribution apart
   bool halves = false;  ///< keep the samples with odd numbers apart
   bool frames = false;  ///< measure the unfinished picture
-  bool fixed = false;   ///< turn a time limit into a number of samples before the first
 };
 
 }  // namespace tdpt

@@ -1,0 +1,29 @@
+// The command line of tdpt-render, and what it asks for; tdpt-render(1) explains the options.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libcommon/options/render_options.h"
+#include "tools/tdpt-render/plan/job.h"
+
+namespace tdpt {
+
+/// Declares the program's options, which fill in `a`.
+void declare_options(cli::Options& options, RenderArguments& a);
+
+/// Throws UsageError for options that contradict each other, and for a checkpoint that would be
+/// overwritten.
+void check_options(const RenderArguments& a);
+
+/// Throws UsageError if numbers for guided walks are given to an integrator that has none.
+Job job_of(const RenderArguments& a, const cli::Common& common);
+
+/// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an
+/// unknown one.
+std::vector<std::string> aovs_of(const RenderArguments& a);
+
+/// An empty file does not count as there: it may be a placeholder for one to come.
+bool is_there(const std::string& path);
+bool is_same(const std::string& a, const std::string& b);
+
+}  // namespace tdpt

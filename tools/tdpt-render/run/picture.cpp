@@ -1,0 +1,205 @@
+#include "tools/tdpt-render/run/picture.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/processor.h"
+#include "libcommon/base/signals.h"
+#include "libcommon/formats/viewpoint.h"
+#include "libcommon/gpu/device_options.h"
+#include "libcommon/scene/uses.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
+#include "tools/tdpt-render/run/checkpoint.h"
+#include "tools/tdpt-render/run/delivery.h"
+#include "tools/tdpt-render/run/options.h"
+#include "tools/tdpt-render/run/report.h"
+#include "tools/tdpt-render/run/seen_backs.h"
+
+namespace tdpt {
+namespace {
+
+constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
+
+// Throws InputError where a film was rendered by other portals or kinds of light than there are.
+void check_explored(const Explored& explored, const Loaded& in, const World& world,
+                    const std::string& file) {
+  for (const PortalWay& way : explored.ways)
+    if (way.portal >= in.portals.size())
+      throw InputError(file, "film.plan.portals", "speak of one that there is not");
+  const Lights::KindProbabilities &then = explored.lights, now = world.lights.shares();
+  const auto same = [](double x, double y) { return (x > 0) == (y > 0); };
+  if (!same(then.surfaces, now.surfaces) || !same(then.lamps, now.lamps) ||
+      !same(then.parallel, now.parallel) || !same(then.sky, now.sky))
+    throw InputError(file, "film.plan.lights", "are of other lights");
+}
+
+// Portals work in the ways that light passes them, and kinds of light are selected by what arrives.
+void take_explored(const Explored& explored, Loaded& in, World& world) {
+  if (!(explored.lights == world.lights.shares())) world.lights.choose_by(explored.lights);
+  if (explored.ways.empty()) return;
+  apply_ways(explored.ways, in.portals);
+  world.fill_openings(PortalSet(in.portals, in.scene.frame));
+}
+
+// Those of a new picture, which a resumed one keeps.
+std::map<std::string, std::string> attributes_of(const RenderArguments& a,
+                                                 const cli::Common& common, const Loaded& in,
+                                                 const Job& job, const Integrator& asked,
+                                                 const Plan& plan) {
+  std::map<std::string, std::string> all;
+  all["integrator"] = asked.name;
+  if (job.automatic) all["chosen"] = plan.label;
+  all["maxDepth"] = job.max_depth < kMaxDepth ? std::to_string(job.max_depth) : "none";
+  all["seed"] = std::to_string(job.seed);
+  all["mis"] = job.beta == 1 ? "balance" : "power";
+  all["pixelFilter"] = "box, one pixel wide";
+  all["colorSpace"] = "scene-linear Rec.709";
+  all["camera"] = viewpoint_text(in.scene.frame, in.camera);
+  if (a.lens.f_stop)
+    all["lens"] = fmt::format("f/{} at {}", *a.lens.f_stop,
+                              std::isinf(in.focus) ? "infinity" : fmt::format("{} m", in.focus));
+  if (a.lens.shutter > 0) all["shutter"] = shutter_words(a.lens, a.shot);
+  const Provenance provenance = common.provenance(in.files);
+  if (!provenance.empty())
+    all[provenance_attribute] = fmt::format("{}", fmt::join(provenance.lines, "\n"));
+  return all;
+}
+
+// The statistics with what became of the picture after its last sample.
+nlohmann::ordered_json finished(nlohmann::ordered_json stats, const Delivery::Finish& finish) {
+  if (finish.exposure) stats["exposure"] = *finish.exposure;
+  if (const auto& left = finish.left)
+    stats["filtered"] = {{"relmse", left->relmse}, {"interval", {left->low, left->high}}};
+  return stats;
+}
+
+std::vector<Visitor> visitors_of(const RenderArguments& a, const Delivery& files) {
+  std::vector<Visitor> visitors;
+  if (!files.checkpoint().empty())
+    visitors.push_back({a.checkpoint_every < 0 ? kCheckpointEvery : a.checkpoint_every,
+                        [&](const Plan& plan, Progress& progress) { files.save(plan, progress); }});
+  if (!a.preview.empty())
+    visitors.push_back({kPreviewEvery, [&](const Plan&, Progress& progress) {
+                          files.show(progress.film.picture());
+                        }});
+  return visitors;
+}
+
+// If the device is lost, what has been rendered is kept where a checkpoint can hold it.
+RenderResult rendered(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
+                      const RenderArguments& a, const Delivery& files) {
+  bool kept = false;
+  const auto rescue = [&](const Plan& of, Progress& so_far) {
+    if (!files.checkpoint().empty()) kept = files.save(of, so_far);
+  };
+  try {
+    return render(session, plan, std::move(progress), visitors_of(a, files), rescue);
+  } catch (const Error& e) {
+    if (!kept) throw;
+    throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",
+                                    e.what(), display_name(files.checkpoint())));
+  }
+}
+
+void tell_begun(const Begun& begun, const RenderArguments& a, const std::string& code,
+                const cli::Common& common) {
+  if (begun.processor != code)
+    common.warn(other_code_sentence(display_name(a.resume), begun.processor, code));
+  const uint64_t done = begun.progress->film.samples();
+  common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
+                          display_name(a.resume), done, std::max(begun.progress->goal, done)));
+}
+
+}  // namespace
+
+Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
+                           std::optional<int64_t> frame, cli::Effect up_to) {
+  Fingerprint facts{{"scene", in.scene.hash}, {"environment", in.scene.sky_hash}};
+  facts.emplace_back("portal", fmt::format("{}", fmt::join(in.portal_hashes, " ")));
+  if (frame) facts.emplace_back("frame", std::to_string(*frame));
+  return common.fingerprint(facts, up_to);
+}
+
+Made render_picture(const RenderArguments& a, const cli::Common& common, Workshop& shop,
+                    std::optional<int64_t> frame) {
+  Loaded& in = shop.scenery.load(a, common);
+  const Job job = job_of(a, common);
+  if (a.check) return {};
+  World& world = shop.scenery.world(common);
+  std::optional<GpuUpload> upload;
+  if (shop.device) upload.emplace(*shop.device, world, FilmPlanes{job.layers, job.halves});
+  if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
+    common.note(sentence);
+
+  const std::string code = shop.device ? kGpuCode : processor_code();
+  const Fingerprint is_of = fingerprint_of(in, common, frame, cli::Effect::picture);
+  const std::optional<Begun> begun = read_begun(a, is_of, world);
+  if (begun) check_explored(begun->plan.explored, in, world, display_name(a.resume));
+  const Explored explored =
+      begun ? begun->plan.explored : explore(job, world, in.camera, in.portals);
+  const std::vector<Portal> drawn = in.portals;
+  take_explored(explored, in, world);
+  const std::vector<Candidate> candidates = candidates_of(job, world);
+  const Integrator asked = job.automatic ? either_of(candidates) : job.named;
+  if (begun) {
+    if (!(begun->progress->film.options() == film_options(job, candidates)))
+      throw InputError(display_name(a.resume), "film", "keeps other sums than this picture");
+    tell_begun(*begun, a, code, common);
+  }
+  tell_before(job, world, asked, drawn, explored.ways, common);
+
+  const std::shared_ptr<SampleRenderer> renderer =
+      upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
+  if (shop.device)
+    common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
+  Session session(*renderer, job);
+  const Plan plan = begun ? begun->plan : make_plan(session, candidates, explored);
+  if (plan.cut_short && !a.shard.empty()) {
+    common.note("stopped by a signal before all was decided: no shard is written");
+    return {static_cast<int>(Exit::interrupted), ""};
+  }
+  FilmFacts facts;
+  facts.shape = is_of;
+  facts.processor = begun ? merged_words(begun->processor, code) : code;
+  facts.derived = derived_of(a);
+  facts.attributes = begun ? begun->attributes : attributes_of(a, common, in, job, asked, plan);
+  if (common.no_provenance) facts.attributes.erase(provenance_attribute);
+  if (frame) facts.attributes[kFrameAttribute] = frame_mark(in, common, *frame);
+  Delivery files(a, common, std::move(facts));
+  std::shared_ptr<Progress> progress = begun ? begun->progress : nullptr;
+  if (!progress) {
+    progress = std::make_shared<Progress>(new_progress(session, candidates, plan));
+    take_part(a, *progress);
+  }
+
+  const RenderResult result = rendered(session, plan, std::move(progress), a, files);
+  nlohmann::ordered_json stats = stats_of(job, asked, in.portals, result);
+  stats["device"] = renderer->name();
+  if (frame) stats["frame"] = frame_mark(in, common, *frame);
+  const Delivery::Finish finish =
+      files.deliver(result, channels_of(a, world, job.seed),
+                    [&](const Delivery::Finish& f) { return finished(stats, f).dump(); });
+  tell_after(session, in.portals, result, a, common);
+  if (!finish.filtered.empty()) common.note(finish.filtered);
+  stats = finished(std::move(stats), finish);
+  stats.erase("frames");
+  common.summary(stats.dump());
+  common.explain_by([&] {
+    cli::Decisions all = uses_of(in.scene, all_needs());
+    for (cli::Decision& d : decisions_of(stats)) all.push_back(std::move(d));
+    return all;
+  });
+  const bool interrupted = result.progress->interrupted;
+  return {static_cast<int>(interrupted ? Exit::interrupted : Exit::done), told_of(world, result)};
+}
+
+std::string frame_mark(const Loaded& in, const cli::Common& common, int64_t frame) {
+  return fmt::format("{} {}", frame,
+                     hash_of(fingerprint_of(in, common, frame, cli::Effect::stored)));
+}
+
+}  // namespace tdpt

@@ -1,0 +1,32 @@
+// The making of one picture: from what the command line says to the files.
+#pragma once
+#include <optional>
+#include <string>
+
+#include "libcommon/gpu/device.h"
+#include "tools/tdpt-render/run/scenery.h"
+
+namespace tdpt {
+
+/// What the pictures of one command share.
+struct Workshop {
+  std::optional<gpu::Device> device;  ///< that renders; none: the CPU
+  Scenery scenery{};
+};
+
+/// Everything that determines the picture, or the `frame` of a shot.
+Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
+                           std::optional<int64_t> frame, cli::Effect up_to);
+/// Value of kFrameAttribute for a complete frame: its number and a hash of all that determines it.
+std::string frame_mark(const Loaded& in, const cli::Common& common, int64_t frame);
+
+/// How a picture ended.
+struct Made {
+  int code = 0;         ///< exit code
+  std::string words{};  ///< how many samples, how long, how noisy
+};
+/// Makes the picture. `frame`: its number, if it is of a shot.
+Made render_picture(const RenderArguments& a, const cli::Common& common, Workshop& shop,
+                    std::optional<int64_t> frame = {});
+
+}  // namespace tdpt
