@@ -125,11 +125,6 @@ def skies():
     yield "short", head + bytes(4 * 4096)
 
 
-def plans():
-    yield "lists", b'{"plan":[' + b"[]," * 300000 + b"0]}"
-    yield "nested", b'{"plan":' + b"[" * 1000000
-
-
 def tables():
     """Tables of a light grid with one line."""
     text = "cut,light_x,light_y,light_z,camera_x,camera_y,camera_z\n# tdpt light grid 1\n# grid 0 0 0 1 %s\n0,1,1,0.5,9,9,0.6\n"
@@ -148,6 +143,6 @@ def stored(testdata):
 def all_of(testdata):
     """(file name, bytes)"""
     for suffix, kind in ((".exr", liars_exr.pictures()), (".glb", scenes()), (".portal.glb", portals()), (".max", networks()),
-                         (".hdr", skies()), (".json", plans()), (".vdb", stored(testdata)), (".csv", tables())):
+                         (".hdr", skies()), (".vdb", stored(testdata)), (".csv", tables())):
         for name, data in kind:
             yield name + suffix, data

@@ -24,7 +24,6 @@ READERS = {".exr": [["exrdiff", "{}", "{}"], ["exrmerge", "{}", "-o", "o"], ["ex
            ".glb": [["ffgraph", "{}", "--set", "walks=100", "--samples", "1000", "-o", "o.max"]],
            ".portal.glb": [["tdpt-render", ROOM, *FEW, "--portal", "{}", "-o", "o.exr"]],
            ".max": [["mincut", "{}", "-o", "o.cut"], ["lightgrid", ROOM, "{}", "-o", "o.vdb"]],
-           ".json": [["tdpt-render", ROOM, *FEW, "--plan", "{}", "-o", "o.exr"]],
            ".vdb": [["portalfit", "{}", "-o", "o.glb"]],
            ".csv": [["portalfit", "{}", "-o", "o.glb"]]}
 
