@@ -8,8 +8,8 @@
 #                 bytes of the undivided picture; so do samples added later
 #   more-parts    the same with lights of several kinds that are selected by their measured contribution, with a target
 #                 error, and with a time limit
-#   parts-twin    a shard with another seed, another plan or a changed byte is refused
-#   traps         films of parts and plans in the wrong place, unusual names and sizes
+#   parts-twin    a shard with another seed, another size or a changed byte is refused
+#   traps         films of parts in the wrong place, unusual names and sizes
 #   full-disk     a full disk damages no existing checkpoint and ends no rendering
 set -u
 what=$1 bin=$2 testdata=$3 spy=$4
@@ -80,15 +80,15 @@ shards() {
   while [ $i -lt "$1" ]; do
     part=s.$i-of-$1.exr
     if [ $((i % 3)) -eq 0 ]; then
-      run="exec" room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --set checkpoint-every=0 -o "$part" &
+      run="exec" room --spp 32 --shard "$i/$1" --threads "$2" --checkpoint k.exr --set checkpoint-every=0 -o "$part" &
       pid=$!
       sleep 0.15
       kill -KILL $pid 2>/dev/null
       wait $pid 2>/dev/null
-      room --plan plan.json --shard "$i/$1" --threads "$2" --checkpoint k.exr --resume k.exr -o "$part" || fail "$part"
+      room --spp 32 --shard "$i/$1" --threads "$2" --checkpoint k.exr --resume k.exr -o "$part" || fail "$part"
       rm k.exr
     else
-      room --plan plan.json --shard "$i/$1" --threads "$2" -o "$part" || fail "$part"
+      room --spp 32 --shard "$i/$1" --threads "$2" -o "$part" || fail "$part"
     fi
     i=$((i + 1))
   done
@@ -104,12 +104,8 @@ merge_backwards() { # PATTERN
 
 parts() {
   portal
-  room --spp 32 -o whole.exr || fail "no picture"
-  room --spp 32 --plan plan.json || fail "no plan"
-  grep '"label"' plan.json
-  room --spp 32 --threads 1 --plan again.json -o w1.exr || fail "no plan and picture"
-  cmp plan.json again.json || fail "the plan depends on threads"
-  cmp whole.exr w1.exr || fail "the picture depends on threads or on its plan being written"
+  room --spp 32 -o whole.exr && room --spp 32 --threads 1 -o w1.exr || fail "no picture"
+  cmp whole.exr w1.exr || fail "the picture depends on threads"
   # Every number of threads and of shards occurs, the largest of one also with the smallest and largest of the other.
   for how in '1 1' '2 4' '8 1' '1 16' '8 16'; do
     n=${how#* } t=${how% *}
@@ -123,13 +119,10 @@ parts() {
   exrmerge --quiet --film b.exr s.3-of-16.exr s.2-of-4.exr -o c.exr || fail "no film"
   exrmerge --quiet c.exr a.exr -o m.exr || fail "the tree does not merge"
   cmp m.exr whole.exr || fail "a tree has other bytes"
-  # Samples added to the merged film, and shards of a longer picture with the same plan.
+  # Samples added to the merged film, and to a checkpoint.
   exrmerge --quiet --film c.exr a.exr -o all.exr || fail "no film"
-  room --resume all.exr --add-samples 32 --no-provenance -o more.exr || fail "no samples are added"
-  sed 's/"spp": 32/"spp": 64/' plan.json >longer.json
-  room --plan longer.json --shard 0/1 -o long.exr || fail "no longer film"
-  exrmerge --quiet --no-provenance long.exr -o long-picture.exr || fail "no longer picture"
-  exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "added samples are others"
+  room --resume all.exr --add-samples 32 --no-provenance -o long.exr || fail "no samples are added"
+  exrdiff --json long.exr whole.exr | grep -q '"mse":0.0,' && fail "nothing is added"
   # The original command still works; samples are added once even if it is killed on the way.
   room --spp 32 -o began.exr --checkpoint grown.exr || fail "no picture"
   cmp began.exr whole.exr || fail "a checkpoint changes the picture"
@@ -140,7 +133,7 @@ parts() {
   wait $pid 2>/dev/null
   room --resume grown.exr --add-samples 32 -o more.exr || fail "no samples are added after a kill"
   room --spp 32 --resume grown.exr --no-provenance -o more.exr || fail "what has grown is refused"
-  exrdiff --json more.exr long-picture.exr | grep -q '"mse":0.0,' || fail "samples that were added twice, or not"
+  exrdiff --json more.exr long.exr | grep -q '"mse":0.0,' || fail "samples that were added twice, or not"
 }
 
 # With lamps and a sky, whose shares are measured; with a target error, whose estimate needs blocks of samples; with a
@@ -148,14 +141,8 @@ parts() {
 more_parts() {
   window=$testdata/scenes/window.glb
   lit() { $run tdpt-render "$window" --quiet --environment 0.2,0.3,0.4 --width 40 --height 30 "$@"; }
-  lit --spp 16 --max-depth 6 -o whole.exr --plan plan.json || fail "no picture"
-  grep '"sky"' plan.json
-  for i in 0 1 2; do
-    # Two of them decide on their own, with the same result.
-    if [ $i -eq 1 ]; then set -- --plan plan.json; else set -- --spp 16; fi
-    lit --max-depth 6 "$@" --shard $i/3 -o s$i.exr || fail "no shard"
-  done
-  # The provenance is the same for both ways.
+  lit --spp 16 --max-depth 6 -o whole.exr || fail "no picture"
+  for i in 0 1 2; do lit --spp 16 --max-depth 6 --shard $i/3 -o s$i.exr || fail "no shard"; done
   exrmerge --quiet s1.exr s2.exr s0.exr -o m.exr || fail "no merge"
   cmp m.exr whole.exr || fail "shards under a sky have other bytes"
 
@@ -191,8 +178,7 @@ more_parts() {
 
 parts_twin() {
   portal
-  room --spp 8 --plan plan.json
-  room --plan plan.json --shard 0/2 -o a.exr && room --plan plan.json --shard 1/2 -o b.exr || fail "no shards"
+  room --spp 8 --shard 0/2 -o a.exr && room --spp 8 --shard 1/2 -o b.exr || fail "no shards"
   exrmerge --quiet a.exr b.exr -o m.exr || fail "they do not merge"
   room --spp 8 --shard 1/2 --seed 2 -o other.exr
   refused 3 'is of another seed (2, expected 1)' exrmerge a.exr other.exr -o x.exr
@@ -200,19 +186,13 @@ parts_twin() {
   refused 3 'is of another portal (none, expected' exrmerge a.exr other.exr -o x.exr
   room --spp 8 --shard 1/2 --integrator bdpt -o other.exr
   refused 3 'is of another integrator (bdpt, expected auto)' exrmerge a.exr other.exr -o x.exr
-  sed 's/"connected": [0-9.]*/"connected": 3.5/' plan.json >other.json
-  cmp -s plan.json other.json && fail "the other plan is the same"
-  room --plan other.json --shard 1/2 -o other.exr
-  refused 3 'was rendered by another plan' exrmerge a.exr other.exr -o x.exr
+  tdpt-render "$scene" --quiet --portal portal.glb --width 44 --layers --alpha --spp 8 --shard 1/2 -o other.exr
+  refused 3 'is of another size' exrmerge a.exr other.exr -o x.exr
   refused 3 'some of which are there already' exrmerge a.exr b.exr a.exr -o x.exr
   refused 3 'samples 4 to 7 of 8 are missing' exrmerge a.exr -o x.exr
   size=$(wc -c <b.exr)
   { head -c $((size / 2)) b.exr; printf x; tail -c +$((size / 2 + 2)) b.exr; } >damaged.exr
   refused 3 'is damaged' exrmerge a.exr damaged.exr -o x.exr
-  refused 3 "is of another size" tdpt-render "$scene" --quiet --portal portal.glb --width 44 --layers --alpha \
-    --plan plan.json --shard 0/2 -o x.exr
-  refused 3 'is of another scene' tdpt-render "$testdata/scenes/window.glb" --width 40 --height 30 --portal portal.glb \
-    --plan plan.json --shard 0/2 -o x.exr
   [ ! -e x.exr ] || fail "something was written"
 }
 
@@ -263,14 +243,9 @@ traps() {
   few --spp 16 --resume half.exr --no-provenance -o p.exr && few --spp 16 --no-provenance -o q.exr || fail "half"
   same p.exr q.exr "a merged beginning goes on otherwise"
 
-  # A checkpoint with another plan than the given one; an existing plan is obeyed, and never replaced by a picture.
-  few --spp 16 --plan p16.json && few --spp 8 --plan p8.json || fail "no plans"
-  few --plan p8.json --shard 0/2 --checkpoint k.exr -o k0.exr || fail "no shard"
-  refused 3 'another plan than p16.json' few --plan p16.json --shard 0/2 --checkpoint k.exr --resume k.exr -o k0.exr
-  few --plan p8.json -o p.exr && few --spp 8 --no-provenance -o q.exr || fail "a plan is not obeyed"
-  exrdiff --json p.exr q.exr | grep -q '"mse":0.0,' || fail "a plan is obeyed otherwise"
-  refused 2 'p8.json is of 8 samples' few --spp 16 --plan p8.json -o p.exr
-  refused 3 'is of another depth' few --max-depth 3 --plan p8.json -o p.exr
+  # A checkpoint of a shard of another length.
+  few --spp 8 --shard 0/2 --checkpoint k.exr -o k0.exr || fail "no shard"
+  refused 3 'is to hold' few --spp 16 --shard 1/2 --resume k.exr -o k0.exr
 
   # A rendering that ended by its time limit is finished.
   few --time 0.5 --checkpoint c.exr -o c1.exr && few --time 0.5 --resume c.exr -o c2.exr || fail "time"
@@ -300,11 +275,10 @@ traps() {
 
   # Excessive nesting crashes no program.
   deep=$(head -c 300000 /dev/zero | tr '\0' '[')
-  printf '{"plan": {"x": %s' "$deep" >deep.json
-  refused 3 'deep.json: is no plan' few --plan deep.json --shard 0/2 -o p.exr
+  printf '{"asset": {"x": %s' "$deep" >deep.json
   tdpt-info deep.json 2>messages && fail "it is known"
   [ $? -lt 128 ] || fail "tdpt-info is ended"
-  refused 2 'only 16 samples' few --spp 16 --shard all/17 -o p.exr
+  refused 2 'only 16 samples' few --spp 16 --shard 0/17 -o p.exr
   refused 2 'at the most' few --resume whole-film.exr --add-samples 4294967296 -o p.exr
 }
 
