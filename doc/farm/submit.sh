@@ -1,31 +1,18 @@
 #!/bin/sh
-# submit.sh SCENE PICTURE.exr N [OPTION...]: renders SCENE with the OPTIONs of tdpt-render in N shards by Slurm. Submits
-# three jobs, each after the one before it: portals and plan, an array of N shards, their merge into PICTURE.exr. All that
-# they write beside it is in PICTURE.farm/, which every node must see under the same name, as it must see the scene.
-# Submitted again after a failure, it goes on from what is there. With --portal in OPTIONs no portals are looked for.
-# The environment may set
-#   CPUS          processors of each shard, and of the job before them (1)
+# submit.sh SCENE PICTURE.exr N OPTION...: renders SCENE in N shards by Slurm: an array of N jobs, then one that merges
+# them into PICTURE.exr. The OPTIONs are those of tdpt-render, --spp among them. Shards, checkpoints and logs are in
+# PICTURE.farm/, which every node must see under the same name, as it must see the scene. Submitted again after a
+# failure, it continues from what is there. The environment may set
+#   CPUS          processors of each shard (1)
 #   SBATCH_*      what sbatch(1) is told of all jobs: SBATCH_PARTITION, SBATCH_ACCOUNT, SBATCH_TIMELIMIT ...
 set -eu
-[ $# -ge 3 ] || { echo "usage: submit.sh SCENE PICTURE.exr N [OPTION of tdpt-render]..." >&2; exit 2; }
+[ $# -ge 4 ] || { echo "usage: submit.sh SCENE PICTURE.exr N OPTION of tdpt-render..." >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
-scene=$1 picture=$2 n=$3
+scene=$1 picture=$2 n=$3 farm=${2%.exr}.farm
 shift 3
-farm=${picture%.exr}.farm
-case " $* " in
-  *" --portal"[\ =]*) ;;
-  *) set -- "$@" --portal "$farm/portal.glb" ;;
-esac
 mkdir -p "$farm"
-
-# job LOG WORD...: submits, and prints its number.
-job() {
-  log=$1
-  shift
-  sbatch --parsable --kill-on-invalid-dep=yes --output="$farm/$log" "$@" | cut -d ';' -f 1
-}
-portal=$(job portal.log --cpus-per-task="${CPUS:-1}" "$here/portal.sbatch" "$farm" "$scene" "$@")
-shards=$(job shard.%a.log --cpus-per-task="${CPUS:-1}" --dependency="afterok:$portal" --array="0-$((n - 1))" \
-  "$here/shards.sbatch" "$farm" "$scene" "$n" "$@")
-merge=$(job merge.log --dependency="afterok:$shards" "$here/merge.sbatch" "$farm" "$picture" "$n")
-echo "jobs $portal (portals and plan), $shards ($n shards), $merge (merge); their words go to $farm/*.log"
+shards=$(sbatch --parsable --array="0-$((n - 1))" --cpus-per-task="${CPUS:-1}" --output="$farm/shard.%a.log" \
+  "$here/shards.sbatch" "$farm" "$n" "$scene" "$@" | cut -d ';' -f 1)
+merge=$(sbatch --parsable --dependency="afterok:$shards" --kill-on-invalid-dep=yes --output="$farm/merge.log" \
+  --wrap "exrmerge '$farm'/shard.*.exr -o '$picture'" | cut -d ';' -f 1)
+echo "jobs $shards ($n shards), $merge (merge); their logs are $farm/*.log"
