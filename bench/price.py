@@ -122,16 +122,16 @@ def option_costs(bench):
 
 
 # ---- Shards ----
-Shards = namedtuple("Shards", "whole whole_rendering plan parts parts_rendering merge")  # CPU seconds
+Shards = namedtuple("Shards", "whole parts parts_rendering merge")  # CPU seconds
 
 
 def shards_row(picture, count, runs):
     """picture: words; runs: of Shards. Medians, and least and largest of the ratios."""
     middle = lambda field: statistics.median(getattr(r, field) for r in runs)
-    ratios = [(r.plan + r.parts + r.merge) / r.whole for r in runs]
+    ratios = [(r.parts + r.merge) / r.whole for r in runs]
     beside = statistics.median((r.parts - r.parts_rendering) / count for r in runs)
-    return [*picture, len(runs), "%.1f" % middle("whole"), "%.2f" % middle("plan"), "%.1f" % middle("parts"),
-            "%.2f" % middle("merge"), "%.3f (%.3f to %.3f)" % (statistics.median(ratios), min(ratios), max(ratios)),
+    return [*picture, len(runs), "%.1f" % middle("whole"), "%.1f" % middle("parts"), "%.2f" % middle("merge"),
+            "%.3f (%.3f to %.3f)" % (statistics.median(ratios), min(ratios), max(ratios)),
             "%.2f" % beside]
 
 
@@ -139,9 +139,9 @@ def shards_row(picture, count, runs):
                            "scene, width, height, samples per pixel, of each picture", ("two-rooms", "32", "24", "4")),
           SHARDS=Setting(16, "of each picture", 3), RUNS=Setting(3, "times that everything is done", 1))
 def shards(bench):
-    """What it costs to render a picture in shards. CPU seconds of whole processes on one thread: the plan, the shards
-    and their merge, over those of the undivided run, which takes turns with them; the bytes must be the same. A quarter
-    of an hour."""
+    """What it costs to render a picture in shards. CPU seconds of whole processes on one thread: the shards and their
+    merge, over those of the undivided run, which takes turns with them; the bytes must be the same. A quarter of an
+    hour."""
     s, rows, n = bench.settings, [], bench.settings.shards
     sums = [bench.store.sum_of(bench.store.program(p)) for p in ("tdpt-render", "exrmerge")]
     pictures = [s.pictures[i : i + 4] for i in range(0, len(s.pictures), 4)]
@@ -149,18 +149,15 @@ def shards(bench):
 
     def measure(given):
         render = lambda name, *more: bench.fresh("tdpt-render", *given, *more, output=bench.cache / name)
-        plan = bench.cache / "plan.json"
         whole = render("whole.exr")
-        planned = bench.fresh("tdpt-render", *given, "--plan", plan)
-        parts = [render(f"part.{i}.exr", "--plan", plan, "--shard", f"{i}/{n}") for i in range(n)]
+        parts = [render(f"part.{i}.exr", "--shard", f"{i}/{n}") for i in range(n)]
         paths = [bench.cache / f"part.{i}.exr" for i in range(n)]
         merge = bench.fresh("exrmerge", *paths, output=bench.cache / "merged.exr")
         if not filecmp.cmp(bench.cache / "whole.exr", bench.cache / "merged.exr", shallow=False):
             raise Stop(1, "the merged picture differs from the undivided one")
         for path in paths:
             path.unlink()
-        return Shards(whole.cpu, whole.said["cpu_seconds"], planned.cpu, sum(p.cpu for p in parts),
-                      sum(p.said["cpu_seconds"] for p in parts), merge.cpu)
+        return Shards(whole.cpu, sum(p.cpu for p in parts), sum(p.said["cpu_seconds"] for p in parts), merge.cpu)
 
     for name, width, height, spp in (picture for picture in pictures if picture[0] in files):
         portal = bench.portals(files[name]).file
@@ -171,7 +168,7 @@ def shards(bench):
                                     lambda path, given=given: path.write_text(" ".join(map(repr, measure(given)))))
             runs.append(Shards(*map(float, kept.read_text().split())))
         rows.append(shards_row([name, f"{width} x {height}", spp], n, runs))
-    heads = ("scene", "picture", "samples", "runs", "undivided", "plan", f"{n} shards", "merge", "all over undivided",
+    heads = ("scene", "picture", "samples", "runs", "undivided", f"{n} shards", "merge", "all over undivided",
              "a shard beside rendering")
     bench.page("farm", {"shards": pages.table(heads, rows)}, (*RENDERER, "tools/exrmerge"))
 

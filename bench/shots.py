@@ -98,7 +98,6 @@ def write_shots(bench):
 
 # ---- What is measured of them ----
 PAIRS = {"walk": (8, 18, 30), "door": (3, 8, 30)}  # the first of two successive frames
-STILL, LONG = FRAMES + 12, (1, 4, 12)  # a frame after the last motion; how many frames all has stood still
 BUFFERS = ("--aov", "halves,albedo,normal,depth")
 
 
@@ -175,30 +174,16 @@ def line_of_flicker(shot, first):
     return [shot.name, f"{first} to {first + 1}", *told, pages.hundredths(single / both) if single > 0 < both else "–"]
 
 
-def line_of_rest(shot, n):
-    """The n-th frame of those in which nothing moves: its error and its flicker, each frame anew and --accumulate."""
-    spp, reference = shot.bench.settings.spp, shot.reference(STILL)
-    portals, denoise = shot.portals(STILL)[0], lambda *files: shot.bench.store.run("exrdenoise", "--denoiser", "regression", *files).out
-    held = [denoise(shot.render(STILL, k * spp, 1, portals, *BUFFERS).out) for k in (n, n + 1)]
-    anew = [shot.render(STILL, spp, 10 * n + k, portals, *BUFFERS).out for k in range(4)]
-    beside = [denoise(anew[k], "--previous", anew[k - 1], "--next", anew[k + 1]) for k in (1, 2)]
-    errors = [reference.off(pair[0])["relmse"] for pair in (beside, held)]
-    return [shot.name, n, *map(pages.three, errors), *(pages.three(flicker(*pair, [reference, reference])) for pair in (beside, held))]
-
-
 @settings(SPP=Setting(16, "samples per pixel", 2), WIDTH=Setting(160, "of the pictures", 48), SEEDS=Setting(4, "pictures of each kind", 2),
           REF=Setting(512, "samples per pixel of each half of a reference", 8))
 def shots(bench):
     """What portals of a shot are worth beside portals of each frame's own, what they cost, and how far the filter over
-    frames and --accumulate take flicker away: doc/shots.md. A quarter of an hour."""
+    frames takes flicker away: doc/shots.md. A quarter of an hour."""
     both = [Shot(bench, name) for name in SHOTS if not bench.settings.only or name in bench.settings.only]
-    made = []
-    for line, frames in ((line_of_portals, PAIRS), (line_of_flicker, PAIRS), (line_of_rest, dict.fromkeys(SHOTS, LONG))):
-        made.append(bench.side_by_side([functools.partial(line, shot, k) for shot in both for k in frames[shot.name]]))
+    made = [bench.side_by_side([functools.partial(line, shot, k) for shot in both for k in PAIRS[shot.name]])
+            for line in (line_of_portals, line_of_flicker)]
     parts = {"portals": pages.table(("shot", "frame", "worth of the shot's portals over its own", "CPU s of portals, per frame",
                                      "CPU s of rendering", "share of portals, %"), made[0]),
-             "flicker": pages.table(("shot", "frames", "noisy", "filtered alone", "with the frames beside", "falls by"), made[1]),
-             "rest": pages.table(("shot", "frame at rest", "error, each anew", "error, accumulated", "flicker, each anew",
-                                  "flicker, accumulated"), made[2])}
+             "flicker": pages.table(("shot", "frames", "noisy", "filtered alone", "with the frames beside", "falls by"), made[1])}
     print("\n\n".join(parts.values()))
     bench.page("shots", parts, EVERYTHING)
