@@ -11,8 +11,9 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/denoise/filter_picture.h"
-#include "libcommon/options/picture_options.h"
+#include "libcommon/film/film_file.h"
 #include "libcommon/formats/tone.h"
+#include "libcommon/options/picture_options.h"
 #include "tools/exrdenoise/report.h"
 
 namespace tdpt {
@@ -82,6 +83,9 @@ int run(const Arguments& a, const cli::Common& common) {
   const denoise::Filtered filtered = denoise::filter_picture(file, name, kind, others);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   set_provenance(file, common.provenance(sources));
+  // It is another picture than the one that tdpt-render knows by this mark.
+  if (const auto mark = file.attributes.find(kFrameAttribute); mark != file.attributes.end())
+    mark->second += " filtered";
   const std::optional<double> exposure = exposure_of(file.picture, a.preview, a.exposure);
   warn_of_range(file, a.storage(), common);
   cli::deliver({{common.output, [&] { return exr_bytes(file, a.storage()); }},

@@ -43,12 +43,10 @@ FirstLook::FirstLook(const Arguments& a, const Request& request, const std::stri
       width_(a.width),
       height_(a.height) {
   Words shape = request.render;
-  for (const char* option :
-       {"--integrator", "--spp", "--time", "--target-error", "--set guide-light",
-        "--set guide-camera", "--set segments", "--set light-walks", "--set retry", "--add-samples",
-        "--aov", "--denoiser", "--width", "--height"})
+  for (const char* option : {"--integrator", "--set guide-light", "--set guide-camera",
+                             "--set segments", "--set light-walks", "--width", "--height"})
     drop(shape, option, true);
-  for (const char* option : {"--layers", "--denoise"}) drop(shape, option, false);
+  drop(shape, "--layers", false);
   base_ = {programs + "/tdpt-render", request.scene};
   for (const Words& words :
        {request.camera, request.pose, request.shot, request.sky, request.unshaped, shape})

@@ -12,15 +12,17 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
 #include "libcommon/base/memory_limit.h"
+#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/signals.h"
 #include "libcommon/cli/outputs.h"
-#include "libcommon/options/picture_options.h"
 #include "libcommon/formats/tone.h"
+#include "libcommon/options/picture_options.h"
 #include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
@@ -147,11 +149,11 @@ void Making::hold_picture() {
 int Making::run() {
   for (int changes = 0;; ++changes) {
     state_ = state_of(a_, work_);
-    pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+    pipeline_ = pipeline_of(a_, common_, request_, state_, work_, programs_);
     if (!all_is_fresh() && picture_.path().empty()) {
       hold_picture();
       state_ = state_of(a_, work_);  // another run may have made it in the meantime
-      pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+      pipeline_ = pipeline_of(a_, common_, request_, state_, work_, programs_);
     }
     common_.also_read(state_.files);
     if (is_fresh(a_, request_, pipeline_, work_)) mend_preview();
@@ -200,11 +202,13 @@ Making::Ending Making::attempt() {
   if (!made) {
     if (!a_.force) check_owners();
     before_ = hash_of_picture(request_.picture);
-    clear(folder, what_stays());
+    std::vector<std::string> stays = what_stays();
+    stays.emplace_back("noisy");  // frames that a killed run has rendered
+    clear(folder, stays);
   }
   left_ = made ? request_.picture + " is whole" : "nothing is rendered yet";
   step_ = 0;
-  steps_ = !made + !a_.report.empty();
+  steps_ = !made + !a_.report.empty() + !pipeline_.filtered.empty();
   for (const Search& search : pipeline_.searches)
     if (!is_whole(search.found())) steps_ += search.stages.size();
   Ending ending = check();
@@ -364,15 +368,73 @@ void Making::place(bool whole) {
   left_ = request_.picture + (whole ? " is whole" : " has what was rendered until then");
 }
 
+// Frames that are to be filtered and are not there as they would be.
+std::vector<FilteredFrame> Making::missing_frames() const {
+  std::vector<FilteredFrame> missing;
+  for (const FilteredFrame& frame : pipeline_.filtered) {
+    const std::vector<Made> all = made_of(hash_of_picture(frame.picture), work_);
+    if (std::none_of(all.begin(), all.end(), [&](const Made& m) { return m.key == frame.key; }))
+      missing.push_back(frame);
+  }
+  return missing;
+}
+
 // The renderer writes each frame when it is whole, and renders none again that is.
 Making::Ending Making::render_frames() {
-  begin_step("rendering frames", pipeline_.render.options);
-  Words words = pipeline_.render.command(request_.picture);
-  words.insert(words.end(), {"--set", "progress=json"});
+  left_ = "the frames that are there stay";
   ChildProcess::How how;
   how.shares_stdout = true;
-  left_ = "the frames that are there stay";
-  return run_program(words, how, Reads::scene);
+  std::vector<FrameRange> runs{frame_range(a_.shot)};
+  if (!pipeline_.filtered.empty()) {
+    runs = with_those_beside(missing_frames(), runs[0]);
+    fs::create_directories(fs::path(pipeline_.noisy).parent_path());
+  }
+  begin_step("rendering frames", pipeline_.render.options);
+  for (const FrameRange& run : runs) {
+    Words words = command_for(pipeline_.render, run);
+    words.insert(words.end(), {"--set", "progress=json"});
+    if (const Ending ending = run_program(words, how, Reads::scene); !ending.good()) return ending;
+  }
+  return pipeline_.filtered.empty() ? Ending{} : filter_frames();
+}
+
+// A frame's maker is recorded before it gets its name, as that of a picture.
+Making::Ending Making::filter_frames() {
+  begin_step("filtering frames", {"exrdenoise"});
+  doing_ = "filtering frames";
+  const std::string made = picture_.path() + "/" + kPicture, told = picture_.path() + "/told.json";
+  const std::vector<FilteredFrame> missing = missing_frames();
+  if (const size_t there = pipeline_.filtered.size() - missing.size(); there > 0)
+    common_.note(counted(there, "filtered frame") + (there == 1 ? " is" : " are") +
+                 " there already");
+  for (const FilteredFrame& frame : missing) {
+    Words words = frame.command;
+    words.insert(words.end(), {"--json", "-o", made});
+    ChildProcess::How how;
+    how.stdout_file = told;
+    if (const Ending ending = run_program(words, how, Reads::files); !ending.good()) return ending;
+    const std::string bytes = read_file(made);
+    keep({frame.key, true, {}}, content_hash(bytes), work_);
+    write_output(frame.picture, bytes);
+    if (!request_.stats.empty())
+      write_filtered_stats(name_of_frame("", pipeline_.noisy + ".json", frame.number), told,
+                           name_of_frame("--stats", request_.stats, frame.number));
+  }
+  // Previews of one exposure do not flicker.
+  std::optional<double> exposure = a_.exposure;
+  for (const FilteredFrame& frame : pipeline_.filtered) {
+    if (a_.preview.empty()) break;
+    const Picture picture = read_exr(frame.picture).picture;
+    if (!exposure) {
+      exposure = auto_exposure(picture);
+      common_.note(fmt::format("previews are exposed as frame {}: --exposure {}", frame.number,
+                               number_words(*exposure)));
+    }
+    const std::string path = name_of_frame("--preview", a_.preview, frame.number);
+    const std::string bytes = preview_bytes(picture, *exposure);
+    if (hash_of_picture(path) != content_hash(bytes)) write_output(path, bytes);
+  }
+  return {};
 }
 
 Making::Ending Making::render() {
@@ -522,7 +584,7 @@ Making::Ending Making::run_program(const Words& words, const ChildProcess::How& 
 
 int Making::print(std::set<std::string>& printed) {
   state_ = state_of(a_, work_);
-  pipeline_ = pipeline_of(a_, request_, state_, work_, programs_);
+  pipeline_ = pipeline_of(a_, common_, request_, state_, work_, programs_);
   common_.also_read(state_.files);
   if (is_fresh(a_, request_, pipeline_, work_)) {
     Words show{programs_ + "/exrmerge", request_.picture, "-o", a_.preview};
@@ -551,10 +613,24 @@ int Making::print(std::set<std::string>& printed) {
   }
   const std::string entry = work_.path_of(pipeline_.picture_entry);
   if (pipeline_.keeps_film || !pipeline_.portals_by_frame.empty()) folders.push_back(entry);
+  if (!pipeline_.filtered.empty())
+    folders.push_back(fs::path(pipeline_.noisy).parent_path().string());
   if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
   if (is_there(entry + "/film.exr") && !goes_on(pipeline_, entry))
     commands += shell_text({"rm", "-f", entry + "/film.exr"}) + "\n";  // of another picture
-  commands += shell_text(pipeline_.render.command(request_.picture)) + "\n";
+  if (pipeline_.filtered.empty())
+    commands += shell_text(pipeline_.render.command(request_.picture)) + "\n";
+  const std::vector<FilteredFrame> missing = missing_frames();
+  if (!missing.empty())
+    for (const FrameRange& run : with_those_beside(missing, frame_range(a_.shot)))
+      commands += shell_text(command_for(pipeline_.render, run)) + "\n";
+  for (const FilteredFrame& frame : missing) {
+    Words words = frame.command;
+    words.insert(words.end(), {"-o", frame.picture});
+    if (!a_.preview.empty()) words.emplace_back("--preview");
+    if (a_.exposure) words.push_back(fmt::format("--exposure={}", *a_.exposure));
+    commands += shell_text(words) + "\n";
+  }
   std::fputs(commands.c_str(), stdout);
   return 0;
 }

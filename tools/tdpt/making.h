@@ -47,6 +47,8 @@ class Making {
   Ending run_stages(const Search& search);
   Ending render();
   Ending render_frames();
+  Ending filter_frames();
+  std::vector<FilteredFrame> missing_frames() const;
   Ending make_report();
   Ending make_shot_report();
   /// `told` receives the program's messages; decisions go only there.

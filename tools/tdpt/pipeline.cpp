@@ -14,20 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The hash of a list of strings, encoded so that no other list gives the same bytes.
-class Key {
- public:
-  void add(const std::string& part) { text_ += std::to_string(part.size()) + ':' + part; }
-  void add(const Words& words) {
-    add(std::to_string(words.size()));
-    for (const std::string& word : words) add(word);
-  }
-  std::string hash() const { return content_hash(text_); }
-
- private:
-  std::string text_;
-};
-
 Words joined(const std::vector<Words>& parts) {
   Words all;
   for (const Words& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -36,15 +22,6 @@ Words joined(const std::vector<Words>& parts) {
 
 std::string file_name(const std::string& path) {
   return fs::path(path).filename().string();
-}
-
-// The same words, with the hash of the sky's file added, and of its path only the name, which is
-// part of the provenance.
-Words by_content(Words sky, const std::string& hash) {
-  for (size_t i = 0; !hash.empty() && i < sky.size(); ++i)
-    if (sky[i].starts_with("--environment=") || (i > 0 && sky[i - 1] == "--environment"))
-      sky[i] = file_name(sky[i]) + hash;
-  return sky;
 }
 
 // The words of one search: when portals are sought, for ffgraph and for what needs only the scene,
@@ -85,32 +62,31 @@ std::vector<Step> stages_of(const Request& r, const Sought& s, const std::string
   return stages;
 }
 
-// The scene's name counts, too: it is part of the provenance.
-std::string key_of_portals(const Request& r, const Sought& s, const SceneState& state,
-                           const std::string& programs) {
-  Key key;
-  for (const char* tool : {"ffgraph", "mincut", "lightgrid", "portalfit"})
-    key.add(content_hash_of_file(programs + "/" + tool));
-  key.add(file_name(r.scene));
-  key.add(state.hash);
-  for (const Words& words :
-       {r.cameras, s.poses, by_content(r.sky, state.sky), r.device, s.sampling, r.all})
-    key.add(words);
-  for (const Words& words : r.stage_flags) {
-    key.add(words);
+// The scene and the sky by name and content: their names are part of the provenance.
+Fingerprint files_of(const Arguments& a, const Request& r, const SceneState& state) {
+  return {{"scene", file_name(r.scene) + " " + state.hash},
+          {"environment", file_name(a.sky.environment) + " " + state.sky}};
+}
+
+// Everything that the stages get, and their programs.
+std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
+  for (const Step& stage : stages) {
+    std::string words;
     std::error_code ignored;
-    for (const std::string& word : words)
-      if (fs::is_regular_file(word, ignored)) key.add(content_hash_of_file(word));
+    for (const std::string& word : stage.options)
+      words += word + (fs::is_regular_file(word, ignored) ? content_hash_of_file(word) : "") + "\n";
+    is_of.emplace_back(stage.title, words);
   }
-  return key.hash();
+  return hash_of(is_of);
 }
 
 Search search_of(const Arguments& a, const Request& r, const SceneState& state,
                  const WorkFolder& work, const std::string& programs, const Part* part) {
-  const Sought s = sought(a, r, part);
-  const std::string entry = "portals-" + key_of_portals(r, s, state, programs);
-  Search search{entry, stages_of(r, s, programs, work.path_of(entry)),
-                part ? part->frames : FrameRange{}};
+  const auto stages_in = [&](const std::string& folder) {
+    return stages_of(r, sought(a, r, part), programs, folder);
+  };
+  const std::string entry = "portals-" + key_of_portals(stages_in(""), files_of(a, r, state));
+  Search search{entry, stages_in(work.path_of(entry)), part ? part->frames : FrameRange{}};
   if (part && part->moves)  // there are many
     for (Step& step : search.stages) step.unshaped.emplace_back("--quiet");
   return search;
@@ -125,30 +101,25 @@ std::vector<Search> searches_of(const Arguments& a, const Request& r, const Scen
   return searches;
 }
 
-// Without the number of samples, of which a film can get more.
-Words without_samples(const Words& render) {
-  Words words;
-  for (size_t i = 0; i < render.size(); ++i) {
-    if (render[i] != "--spp") words.push_back(render[i]);
-    if (render[i] == "--spp" || render[i] == "--time") ++i;
+// What the picture is made of, or what these frames of a shot are. `given`: paths of portals that
+// no stage finds.
+Fingerprint facts_of(const Arguments& a, const Request& r, const SceneState& state,
+                     const std::vector<Search>& searches, const Words& given,
+                     const FrameRange& frames) {
+  Fingerprint facts = files_of(a, r, state);
+  std::string portals;
+  for (const Search& search : searches)
+    if (search.frames.first <= frames.last && frames.first <= search.frames.last)
+      portals += search.entry + "\n";
+  for (const std::string& hash : state.portals) portals += hash + "\n";
+  for (const std::string& path : given) {
+    portals += file_name(path) + "\n";
+    if (has_frame_number(path))
+      for (int64_t k = frames.first; k <= frames.last; ++k)
+        portals += content_hash_of_file(name_of_frame("--portal", path, k)) + "\n";
   }
-  return words;
-}
-
-// `found`: key of the portals that the stages find; `given`: paths of given ones.
-std::string key_of_picture(const Request& r, const SceneState& state, const std::string& found,
-                           const Words& given, const std::string& renderer, const Words& render) {
-  Key key;
-  key.add(content_hash_of_file(renderer));
-  key.add(file_name(r.scene));
-  key.add(state.hash);
-  key.add(found);
-  key.add(state.portals);
-  for (const std::string& path : given) key.add(file_name(path));
-  for (const Words& words : {r.camera, r.pose, r.shot, by_content(r.sky, state.sky), r.device,
-                             r.sampling, r.all, render})
-    key.add(words);
-  return key.hash();
+  facts.emplace_back("portals", portals);
+  return facts;
 }
 
 // The scene, and portals as options of the renderer.
@@ -196,8 +167,8 @@ Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneSt
 
 }  // namespace
 
-Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& state,
-                     const WorkFolder& work, const std::string& programs) {
+Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& r,
+                     const SceneState& state, const WorkFolder& work, const std::string& programs) {
   if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, work, programs);
   Pipeline p;
   const std::string renderer = programs + "/tdpt-render";
@@ -205,19 +176,22 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
   p.picture_entry = entry_of(r);
-  std::string key_of_found;
   if (portals.empty() && uses_portals(a, state.has_sky)) {
     p.searches = searches_of(a, r, state, work, programs);
-    for (const Search& search : p.searches) key_of_found += search.entry;
     if (p.searches.size() > 1)
       p.portals_by_frame = work.path_of(p.picture_entry) + "/frame.######.portal.glb";
     portals.push_back(p.searches.size() > 1 ? p.portals_by_frame : p.searches[0].found());
   }
-  const auto key_with = [&](const Words& render) {
-    return key_of_picture(r, state, key_of_found, given, renderer, render);
+  const auto key_of = [&](const cli::Common& asked, const FrameRange& frames, const Words& tools,
+                          cli::Effect up_to) {
+    Fingerprint facts = facts_of(a, r, state, p.searches, given, frames);
+    for (const std::string& tool : tools) facts.emplace_back(tool, content_hash_of_file(tool));
+    return hash_of(asked.fingerprint(facts, up_to));
   };
-  p.key = key_with(r.render);
-  p.film_key = key_with(without_samples(r.render));
+  if (!r.is_shot) {
+    p.key = key_of(common, {}, {renderer}, cli::Effect::stored);
+    p.film_key = key_of(common, {}, {renderer}, cli::Effect::picture);
+  }
   p.counts_samples = a.spp > 0 || a.seconds > 0;
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
@@ -227,12 +201,59 @@ Pipeline pipeline_of(const Arguments& a, const Request& r, const SceneState& sta
     const std::string film = work.path_of(p.picture_entry) + "/film.exr";
     beside.insert(beside.end(), {"--checkpoint", film, "--resume", film});
   }
-  const Words options =
-      joined({{renderer}, r.camera, r.pose, r.shot, r.sky, r.device, r.sampling, r.all, r.render});
+  const Words options = joined({{renderer},
+                                r.camera,
+                                r.pose,
+                                r.shot,
+                                r.sky,
+                                r.device,
+                                r.sampling,
+                                r.all,
+                                r.render,
+                                r.amount});
   p.check =
       joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};
+  if (!filters_frames(a)) return p;
+  const std::string filter = programs + "/exrdenoise";
+  p.noisy = work.path_of(p.picture_entry) + "/noisy/frame.######";
+  p.render.output = p.noisy + ".exr";
+  if (!r.stats.empty())
+    p.render.unshaped.insert(p.render.unshaped.end(), {"--stats", p.noisy + ".json"});
+  const FrameRange all = frame_range(a.shot);
+  for (int64_t k = all.first; k <= all.last; ++k) {
+    const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
+    cli::Common asked = common;
+    asked.give("--frames", {words_of(beside_it), std::to_string(k)});
+    const auto noisy = [&](int64_t frame) { return name_of_frame("", p.render.output, frame); };
+    Words words = joined({{filter}, r.filter, r.all, r.unshaped, {noisy(k)}});
+    if (k > all.first) words.insert(words.end(), {"--previous", noisy(k - 1)});
+    if (k < all.last) words.insert(words.end(), {"--next", noisy(k + 1)});
+    p.filtered.push_back({k, name_of_frame("-o", r.picture, k),
+                          key_of(asked, beside_it, {renderer, filter}, cli::Effect::stored),
+                          words});
+  }
   return p;
+}
+
+Words command_for(const Step& render, const FrameRange& frames) {
+  Words words = render.command(render.output);
+  *(std::find(words.begin(), words.end(), "--frames") + 1) = words_of(frames);
+  return words;
+}
+
+std::vector<FrameRange> with_those_beside(const std::vector<FilteredFrame>& frames,
+                                          const FrameRange& all) {
+  std::vector<FrameRange> runs;
+  for (const FilteredFrame& frame : frames) {
+    const FrameRange near{std::max(all.first, frame.number - 1),
+                          std::min(all.last, frame.number + 1)};
+    if (!runs.empty() && near.first <= runs.back().last + 1)
+      runs.back().last = near.last;
+    else
+      runs.push_back(near);
+  }
+  return runs;
 }
 
 std::string shell_text(const Words& words) {

@@ -29,23 +29,39 @@ struct Search {
   const std::string& found() const { return stages.back().output; }
 };
 
+/// A frame of a shot that is filtered with those beside it.
+struct FilteredFrame {
+  int64_t number = 0;
+  std::string picture, key;  ///< path; hash of everything that affects its file
+  Words command;             ///< of exrdenoise, but for -o
+};
+
 struct Pipeline {
   std::string picture_entry;     ///< of the work folder, for the picture's film
   std::vector<Search> searches;  ///< none if no portals are sought
   /// Of a shot with several searches: the pattern of the frames' portals, in the picture's entry.
   std::string portals_by_frame;
   Step render;
+  std::vector<FilteredFrame> filtered;  ///< not empty: `render` makes what they are filtered from,
+  std::string noisy;                    ///< under this name in the picture's entry, a pattern
   Words check;                  ///< the renderer's check of all files that exist before the stages
-  std::string key;              ///< of the picture: hash of everything that affects it
-  std::string film_key;         ///< the same, but for the values of --spp and --time
+  std::string key;              ///< of the picture: hash of everything that affects its file
+  std::string film_key;         ///< of its film: hash of everything that affects a sample
   bool counts_samples = false;  ///< one of these is given
   bool keeps_film = false;      ///< so that the next run can resume it, or add samples
   bool repeatable = true;       ///< running the same command again does nothing
 };
 
 /// `programs`: the folder with the programs.
-Pipeline pipeline_of(const Arguments& a, const Request& request, const SceneState& state,
-                     const WorkFolder& work, const std::string& programs);
+Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& request,
+                     const SceneState& state, const WorkFolder& work, const std::string& programs);
+
+/// The renderer's command for some frames of the shot.
+Words command_for(const Step& render, const FrameRange& frames);
+
+/// Those frames and the ones beside them, of a shot with these: as runs of consecutive numbers.
+std::vector<FrameRange> with_those_beside(const std::vector<FilteredFrame>& frames,
+                                          const FrameRange& all);
 
 /// Quoted for a shell.
 std::string shell_text(const Words& words);

@@ -26,10 +26,11 @@ constexpr std::string_view kDevice[]{"--device"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
 constexpr std::string_view kAll[]{"--no-provenance"};
 constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
-constexpr std::string_view kBeside[]{"--checkpoint",  "--set checkpoint-every",
-                                     "--resume",      "--stats",
-                                     "--set nonzero", "--preview",
-                                     "--exposure",    "--json"};
+// Of the filter of frames: its options, those that it makes needless, those that this program
+// obeys.
+constexpr std::string_view kFilter[]{"--denoiser", "--set pixels", "--set compression"};
+constexpr std::string_view kFiltered[]{"--denoise", "--aov", "--preview", "--exposure", "--stats"};
+constexpr const char* kFilterChannels = "halves,albedo,normal,depth";
 // Options of this program alone.
 constexpr std::string_view kOwn[]{"--output",
                                   "--work",
@@ -95,8 +96,9 @@ namespace {
 // Throws UsageError for what belongs to a picture.
 void check_is_of_portals(const Arguments& a, const Request& r) {
   std::string option;
-  if (!r.render.empty()) option = r.render[0] == "--set" ? "--set " + r.render[1] : r.render[0];
-  if (!r.beside.empty()) option = r.beside[0] == "--set" ? "--set " + r.beside[1] : r.beside[0];
+  for (const Words* words : {&r.render, &r.amount, &r.beside})
+    if (!words->empty())
+      option = words->front() == "--set" ? "--set " + (*words)[1] : words->front();
   if (!a.portals.empty()) option = "--portal";
   if (!a.report.empty()) option = "--report";
   if (r.is_shot) option = "--frames";
@@ -128,27 +130,35 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   Request r;
   r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
   r.picture = common.output;
+  const bool filters = filters_frames(a);
   for (const cli::Given& given : common.given) {
-    if (is_one_of(kUnshaped, given.name)) {
-      append(r.unshaped, given);
-    } else if (is_one_of(kBeside, given.name)) {
-      append(r.beside, given);
-    } else if (!is_one_of(kOwn, given.name)) {  // --portal goes to the renderer after the scene
-      append(is_one_of(kCamera, given.name)     ? r.camera
-             : is_one_of(kPose, given.name)     ? r.pose
-             : is_one_of(kShot, given.name)     ? r.shot
-             : is_one_of(kSky, given.name)      ? r.sky
-             : is_one_of(kDevice, given.name)   ? r.device
-             : is_one_of(kSampling, given.name) ? r.sampling
-             : is_one_of(kAll, given.name)      ? r.all
-                                                : r.render,
-             given);
-    }
+    const std::string& name = given.name;
+    // --portal goes to the renderer after the scene.
+    if (is_one_of(kOwn, name) || (filters && is_one_of(kFiltered, name))) continue;
+    append(filters && is_one_of(kFilter, name)    ? r.filter
+           : is_one_of(kUnshaped, name)           ? r.unshaped
+           : is_one_of(kCamera, name)             ? r.camera
+           : is_one_of(kPose, name)               ? r.pose
+           : is_one_of(kShot, name)               ? r.shot
+           : is_one_of(kSky, name)                ? r.sky
+           : is_one_of(kDevice, name)             ? r.device
+           : is_one_of(kSampling, name)           ? r.sampling
+           : is_one_of(kAll, name)                ? r.all
+           : given.effect == cli::Effect::picture ? r.render
+           : given.effect <= cli::Effect::stored  ? r.amount
+                                                  : r.beside,
+           given);
   }
+  if (filters)
+    r.amount.insert(r.amount.end(), {"--aov", (a.aov.empty()    ? ""
+                                               : a.aov == "all" ? a.aov
+                                                                : a.aov + ",") +
+                                                  (a.aov == "all" ? "" : kFilterChannels)});
   r.is_shot = a.shot.is_given();
-  if (r.is_shot && !a.report.empty()) {
-    r.stats = a.stats.empty() ? stats_beside(r.picture) : a.stats;
-    if (a.stats.empty()) r.beside.insert(r.beside.end(), {"--stats", r.stats});
+  if (r.is_shot) r.stats = a.stats;
+  if (r.is_shot && !a.report.empty() && a.stats.empty()) {
+    r.stats = stats_beside(r.picture);
+    if (!filters) r.beside.insert(r.beside.end(), {"--stats", r.stats});
   }
   if (asks_for_portals(r.picture)) check_is_of_portals(a, r);
   r.cameras = r.camera;
@@ -158,6 +168,10 @@ Request request_of(const Arguments& a, const cli::Common& common) {
        {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"})
     r.stage_flags[stage++] = words_in(variable);
   return r;
+}
+
+bool filters_frames(const RenderArguments& a) {
+  return a.shot.is_given() && a.filters() && a.denoiser != kDenoisers.back();
 }
 
 bool uses_portals(const Arguments& a, bool scene_has_sky) {

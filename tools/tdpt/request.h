@@ -26,13 +26,16 @@ struct Request {
   std::string picture;  ///< path; of portals, where these are all that is asked for
   Words camera, pose, sky, device, all;
   bool is_shot = false;  ///< `picture` is a pattern: its frames
-  std::string stats;     ///< of a shot with a report: the pattern of its statistics
+  std::string stats;     ///< of a shot: the pattern of its statistics; empty: none are asked for
   Words shot;            ///< for the renderer
   Words cameras;         ///< those for which portals are found: `camera`, or all of several
   Words sampling;        ///< for programs that draw random numbers: --seed and --quality
-  Words render;          ///< for the renderer alone, affecting the picture
+  Words render;          ///< for the renderer alone: what a sample is
+  Words amount;          ///< for the renderer alone: how many samples, and how they are stored
   Words unshaped;        ///< for all programs, not affecting results: --threads and the like
   Words beside;          ///< for the renderer alone, not affecting the picture
+  /// For exrdenoise, which filters frames of a shot with those beside them; see filters_frames().
+  Words filter;
   /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
   /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];
@@ -43,6 +46,9 @@ bool asks_for_portals(const std::string& output);
 
 /// Throws UsageError if the command line lacks what no program can find out.
 Request request_of(const Arguments& a, const cli::Common& common);
+
+/// Whether frames of a shot are filtered together. The renderer then keeps what that takes.
+bool filters_frames(const RenderArguments& a);
 
 /// Whether the picture can use portals that the stages find.
 bool uses_portals(const Arguments& a, bool scene_has_sky);

@@ -106,6 +106,15 @@ void check_is_stats(const std::string& path) {
                      ": is there already, and is no statistics of a frame; --force replaces it");
 }
 
+void write_filtered_stats(const std::string& noisy, const std::string& filter,
+                          const std::string& path) {
+  auto stats = nlohmann::ordered_json::parse(read_file(noisy));
+  const Json told = Json::parse(read_file(filter));
+  if (told.contains("relmse"))
+    stats["filtered"] = {{"relmse", told["relmse"]}, {"interval", told["interval"]}};
+  write_output(path, stats.dump() + "\n");
+}
+
 void gather_shot(const Arguments& a, const Request& request, const std::string& folder) {
   const FrameRange range = frame_range(a.shot);
   const std::vector<int64_t> shown = shown_of(range);
@@ -120,7 +129,9 @@ void gather_shot(const Arguments& a, const Request& request, const std::string& 
   Json stats = Json::array();
   for (int64_t k = range.first; k <= range.last; ++k) {
     Json told = stats_in(name_of_frame("--stats", request.stats, k));
-    const bool of_this = !told.is_null() && told["frame"] == frame_mark_in(path_of(k));
+    const bool of_this =
+        !told.is_null() && told["frame"].is_string() &&
+        frame_mark_in(path_of(k)).starts_with(told["frame"].get_ref<const std::string&>());
     stats.push_back(of_this ? std::move(told) : Json());
   }
   const Json told{{"scene", std::filesystem::path(a.scene).filename().string()},

@@ -12,6 +12,11 @@ std::string stats_beside(const std::string& frames);
 /// Throws UsageError for a file that is no statistics of a frame, and would be replaced by one.
 void check_is_stats(const std::string& path);
 
+/// Writes the statistics of a frame, which lie in the file `noisy`, to `path`, with what the filter
+/// has told in the file `filter`.
+void write_filtered_stats(const std::string& noisy, const std::string& filter,
+                          const std::string& path);
+
 /// Writes into `folder`, which there is: strip.png, small pictures of frames side by side, as many
 /// as a page bears, and shot.json, which names them and has the statistics of all frames, as far as
 /// they are of these pictures. All frames must be there. Throws InputError, OutputError.
