@@ -1,9 +1,9 @@
 """report_measure.py: measures what the page of a scene tells, into a folder, for report_page.py.
 
 Renders the scene twice, each for as many CPU seconds: by bdpt without portals, and by `auto` (or what the command says)
-with them, as a plan says that is made for all of the time. A rendering begins with a sixteenth of its time and goes on
-from its own checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another
-seed, which is rendered last and longer. What the stages told of themselves is read where it lies beside their results,
+with them. A rendering begins with a quarter of its time, in which it decides what renders, and goes on from its own
+checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another seed, which
+is rendered last and longer. What the stages told of themselves is read where it lies beside their results,
 and told again by a run aside where it does not. CPU seconds, because they are the same on a busy machine. Standard
 library alone.
 """
@@ -225,34 +225,25 @@ class Render:
 
     def __init__(self, name, command, folder):
         self.name, self.command, self.folder = name, command, folder
-        self.plan = os.path.join(folder, f"{name}.plan")
-        self.steps, self.first, self.last, self.text, self.later, self.peak, self.decided = [], None, None, "", "", 0, 0.0
-
-    def decide(self, seconds):
-        """What renders, for all of the time; what that took counts as its own."""
-        out, self.text, self.peak = run([*self.command, "--plan", self.plan, "--time", f"{seconds:g}", "--json", "--explain"])
-        self.first = json.loads(out)
-        self.decided = (self.first.get("pilot") or {}).get("cpu", 0.0)
+        self.steps, self.first, self.last, self.text, self.later, self.peak = [], None, None, "", "", 0
 
     def step(self, *more, progress=None):
         picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")
         film, stats = (os.path.join(self.folder, f"{self.name}.{end}") for end in ("film.exr", "stats"))
-        obeys = ["--plan", self.plan] if self.first and not self.steps else ["--resume", film]
-        _, self.later, peak = run([*self.command, "--checkpoint", film, *obeys, "--stats", stats, "--explain", "-o", picture, *more],
+        _, self.later, peak = run([*self.command, "--checkpoint", film, "--resume", film, "--stats", stats, "--explain", "-o", picture, *more],
                                progress=progress)
         with open(stats, encoding="utf-8") as stream:
             self.last = json.load(stream)
         self.last.pop("frames", None)
+        if not self.steps:
+            self.first, self.text = self.last, self.later
         self.peak = max(self.peak, peak)
-        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.decided + self.last["cpu_seconds"],
+        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.last["cpu_seconds"],
                            "wall": self.last["seconds"]})
 
     def until(self, seconds, threads, progress):
         """About that many CPU seconds; 16 steps at the most. `progress` takes how many there are."""
-        if self.first:
-            self.step("--spp", str(max(1, self.first["spp"] // 16)))
-        else:
-            self.step("--time", f"{seconds / threads / 16:g}")
+        self.step("--time", f"{seconds / threads / 4:g}")
         while len(self.steps) < 16:
             spp, cpu = self.steps[-1]["spp"], self.steps[-1]["cpu"]
             progress(cpu)
@@ -325,8 +316,6 @@ def measure(a):
     for number, render, words in ((1, with_portals, f"{chosen} with the portals"), (2, without, "bdpt without portals")):
         say(f"{number} of 3: {words}, {about(a.time / at_once)}")
         began = time.monotonic()
-        if render is with_portals:
-            render.decide(a.time / at_once)
         render.until(a.time, at_once, lambda cpu, began=began: so_far(cpu, a.time, began))
         took = time.monotonic() - began
     if not with_portals.last["nonzero"] and not without.last["nonzero"]:
@@ -378,7 +367,7 @@ def measure(a):
                 entry["file"] = name
         for step in render.steps[:-1]:
             os.remove(step["picture"])
-        for end in ("film.exr", "stats", *(["plan"] if render.first else [])):
+        for end in ("film.exr", "stats"):
             os.remove(os.path.join(a.folder, f"{render.name}.{end}"))
     for entry in info:
         entry["file"] = os.path.basename(entry["file"])

@@ -655,8 +655,8 @@ def decisions_part(m, v):
         out.append(details(join([el("code", tool), f": {count(len(rows), 'decision')}"]), el("ul", [el("li", n) for n in notes]) if notes else None,
                            table(f"What {tool} decided", ("What", "Decision", "Because", "Price"), rows, class_="stack") if rows else None))
     return section("decisions", "Decisions and their reasons",
-                   el("p", "Each program\u2019s own words (--explain). Of the rendering with portals, those of its plan, which was made "
-                      "for all of its time, then what it did to the end."), out)
+                   el("p", "Each program\u2019s own words (--explain). Of the rendering with portals, those of its first quarter, "
+                      "which hold for all of its time, then what it did to the end."), out)
 
 
 def provenance_part(m, v):
@@ -674,7 +674,7 @@ def provenance_part(m, v):
     return section("provenance", "Where it comes from",
                    table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), rows, class_="stack"),
                    el("h3", "Commands of the three renderings"), el("pre", "\n".join(m[k]["command"] for k in ("without", "with", "reference"))),
-                   el("p", "The first two went on from their own checkpoints with --add-samples, from a sixteenth of their time on; the one with portals obeys a plan that was made for all of it (--plan), whose scout counts as its time; the reference with --spp "
+                   el("p", "The first two went on from their own checkpoints with --add-samples, from a quarter of their time on; the reference with --spp "
                       f"{get(m, 'reference', 'last', 'spp')}.", class_="note"),
                    details("Every step, as the files tell it", el("pre", "\n".join(lines) or "No file tells of its making.")),
                    details("Versions", el("pre", "\n".join(m["version"]) or "Not told.")))
