@@ -14,7 +14,7 @@
 #
 #   make test           installs what is missing, builds, and runs every test
 #   make test-long      before a release: sweeps, and the statistical tests with 200 fresh seeds (hours; ONLY=REGEX)
-#   make test-slurm     doc/farm under Slurm on this machine, with a node that dies (as root; three minutes)
+#   make test-slurm     doc/farm under Slurm on this machine, with a node that dies (as root; five minutes)
 #   make test-report    opens reports of three scenes in a headless Chromium: build/report (five minutes)
 #   make sanitize       builds with the sanitizers into build-sanitize, and runs every test there
 #   make fuzz           runs libFuzzer on every reader, with clang (SECONDS=60 TARGETS="scene cut" ROUNDS=N)

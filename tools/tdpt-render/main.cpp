@@ -22,7 +22,10 @@ constexpr cli::Program kProgram{
 
 int run(const RenderArguments& a, const cli::Common& common) {
   check_options(a);
-  if (a.shot.is_given()) check_frames(a, common);
+  if (a.shot.is_given())
+    check_frames(a, common);
+  else
+    check_checkpoint(a);
   choose_processor_code(a.isa, common.arguments);
   if (a.denoiser == kDenoisers.back())
     denoise::OpenImageDenoise();  // or there is no use in rendering

@@ -50,7 +50,7 @@ TEST(options, that_contradict_each_other_are_refused) {
   const auto refusal = [](const std::function<void(RenderArguments&)>& change) {
     RenderArguments a;
     change(a);
-    return complaint([&] { check_options(a); });
+    return complaint([&] { check_options(a), check_checkpoint(a); });
   };
   EXPECT_EQ(refusal([](RenderArguments&) {}), "");
   EXPECT_EQ(refusal([](RenderArguments& a) { a.shard = "0/2", a.spp = 4; }), "");

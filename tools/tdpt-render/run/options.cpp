@@ -113,8 +113,10 @@ void check_options(const RenderArguments& a) {
       throw UsageError("--shard: needs --spp, and neither --time nor --target-error: all parts "
                        "must know how many samples the picture has");
   }
-  if (!a.shot.is_given() && !a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) &&
-      is_there(a.checkpoint))
+}
+
+void check_checkpoint(const RenderArguments& a) {
+  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
     throw UsageError("--checkpoint " + a.checkpoint +
                      ": is there already; go on from it with --resume, or remove it");
 }

@@ -11,9 +11,10 @@ namespace tdpt {
 /// Declares the program's options, which fill in `a`.
 void declare_options(cli::Options& options, RenderArguments& a);
 
-/// Throws UsageError for options that contradict each other, and for a checkpoint that would be
-/// overwritten.
+/// Throws UsageError for options that contradict each other.
 void check_options(const RenderArguments& a);
+/// Throws UsageError for a checkpoint that would be overwritten.
+void check_checkpoint(const RenderArguments& a);
 
 /// Throws UsageError if numbers for guided walks are given to an integrator that has none.
 Job job_of(const RenderArguments& a, const cli::Common& common);

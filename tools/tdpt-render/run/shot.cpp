@@ -111,7 +111,7 @@ int render_shot(const RenderArguments& a, const cli::Common& common, Workshop& s
       ++there;
       mend_preview(frame);
     } else {
-      check_options(frame.a);
+      check_checkpoint(frame.a);
       const Made made = render_picture(frame.a, frame.common, shop, k);
       if (made.code != 0) return made.code;
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
