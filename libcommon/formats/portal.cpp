@@ -29,13 +29,6 @@ constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 
 // times.
 constexpr size_t kMostTriangles = 1'000'000, kMostVertices = 3 * kMostTriangles;
 
-// Error of a transformed point if each of its coordinates is rounded to single precision.
-double rounding(const Affine& map, const Vec3d& p) {
-  return std::ldexp(
-      length(map.x) * std::abs(p.x) + length(map.y) * std::abs(p.y) + length(map.z) * std::abs(p.z),
-      -24);
-}
-
 class Reader {
  public:
   explicit Reader(const Document& document) : d_(document) {}
@@ -139,7 +132,6 @@ class Reader {
     const size_t base = portal.vertices.size();
     for (size_t i = 0; i < places.size(); ++i) {
       portal.vertices.push_back(map.point(places[i]));
-      portal.rounding = std::max(portal.rounding, rounding(map, places[i]));
       if (!is_finite(portal.vertices.back()))
         d_.fail(place("accessors", accessor), fmt::format("vertex {} is not finite", i));
     }

@@ -20,8 +20,6 @@ struct Portal {
   /// The cameras that it serves, by name, with the share of each one's light that crosses it;
   /// empty: all of the file.
   std::map<std::string, double> cameras{};
-  /// Largest displacement of a vertex by rounding to the file's single precision [m].
-  double rounding = 0;
   /// Light may pass in both directions: some primitive has a doubleSided material.
   bool both_ways = false;
 };

@@ -224,20 +224,6 @@ TEST_F(PortalFormat, AppliesNodeTransforms) {
   expect_near(area_vector(read(g).portals.at(0)), {1, 0, 0});
 }
 
-// Corners are in single precision, with an error of at most half a digit; the node's translation is
-// exact, and its scale multiplies the error.
-TEST_F(PortalFormat, TellsHowFarSinglePrecisionRounds) {
-  EXPECT_NEAR(read(square()).portals[0].rounding, std::ldexp(2, -24), 1e-12);
-  Json g = square();
-  g["nodes"][0]["translation"] = {1e6, 0, 0};
-  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(2, -24), 1e-9);
-  g["nodes"][0]["scale"] = {1000, 1000, 1000};
-  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(2000, -24), 1e-9);
-  g["nodes"][0] = Json::parse(
-      R"({"mesh":0,"rotation":[0.5,0.5,0.5,0.5],"scale":[10,1,1],"translation":[0,0,7]})");
-  EXPECT_NEAR(read(g).portals[0].rounding, std::ldexp(11, -24), 1e-12);
-}
-
 TEST_F(PortalFormat, MirroringKeepsTheFrontSide) {
   Json g = square();
   g["nodes"] = Json::parse(R"([{"mesh":0,"scale":[-1,1,1]}])");

@@ -11,8 +11,11 @@ namespace {
 
 constexpr double kLeastTwiceArea = 1e-24;  // canonical; below that a triangle is degenerate
 
-double twice_area(const Corners& t) {
-  return length(cross(t[1] - t[0], t[2] - t[0]));
+Vec3d twice_area(const Corners& t) {
+  return cross(t[1] - t[0], t[2] - t[0]);
+}
+Vec3d centre(const Corners& t) {
+  return t[0] + ((t[1] - t[0]) + (t[2] - t[0])) / 3;
 }
 
 // Gives each entry the cumulative share of `weights` up to and including it.
@@ -24,39 +27,57 @@ void tell_ends(const std::vector<double>& weights, const Tell& tell) {
     tell(i, i + 1 == weights.size() ? 1 : std::min((sum += weights[i]) / all, 1.0));
 }
 
-PlanarFacet turned_round(PlanarFacet facet) {
-  facet.normal = -facet.normal;
-  for (Corners& t : facet.triangles) std::swap(t[1], t[2]);
-  return facet;
-}
-
-// How far the corners of a polygon may lie from its plane (canonical). A file's rounding error is
-// that of its last digit; programs that turned or scaled the vertices before have rounded a few
-// times.
-double planarity(const Portal& portal, const Frame& frame) {
-  constexpr double kRoundings = 4;
-  double largest = 0;
-  for (const Vec3d& v : portal.vertices)
-    largest = std::max(largest, length(v) + length(frame.centre));
-  return frame.scale * (kRoundings * portal.rounding + std::ldexp(largest, -46));
+FlatPortal turned_round(FlatPortal flat) {
+  flat.normal = -flat.normal;
+  for (Corners& t : flat.triangles) std::swap(t[1], t[2]);
+  return flat;
 }
 
 }  // namespace
 
+FlatPortal flattened(const Portal& portal, const Frame& frame) {
+  FlatPortal flat;
+  Vec3d all, largest;
+  for (const auto& t : portal.triangles) {
+    Corners& corners = flat.triangles.emplace_back();
+    for (size_t i = 0; i < 3; ++i) corners[i] = frame.to_canonical(portal.vertices[t[i]]);
+    const Vec3d n = twice_area(corners);
+    all += n;
+    if (dot(n, n) > dot(largest, largest)) largest = n;
+  }
+  const Vec3d front = dot(all, largest) < 0 ? -largest : largest;
+  Vec3d sum, lever;
+  double weight = 0;
+  for (Corners& t : flat.triangles) {
+    if (dot(front, twice_area(t)) < 0) std::swap(t[1], t[2]);
+    const Vec3d n = twice_area(t);
+    sum += n;
+    lever += centre(t) * length(n);
+    weight += length(n);
+  }
+  if (!(weight > kLeastTwiceArea)) return {};
+  flat.normal = normalize(sum);
+  const Vec3d middle = lever / weight;
+  for (Corners& t : flat.triangles)
+    for (Vec3d& c : t) {
+      const double height = dot(flat.normal, c - middle);
+      flat.off = std::max(flat.off, std::abs(height));
+      flat.width = std::max(flat.width, 2 * length(c - middle));
+      c = c - flat.normal * height;
+    }
+  std::erase_if(flat.triangles, [&](const Corners& t) {
+    return !(dot(flat.normal, twice_area(t)) > kLeastTwiceArea);
+  });
+  return flat;
+}
+
 PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   for (const Portal& portal : portals) {
-    std::vector<Corners> triangles;
-    for (const auto& t : portal.triangles) {
-      Corners corners;
-      for (size_t i = 0; i < 3; ++i) corners[i] = frame.to_canonical(portal.vertices[t[i]]);
-      if (twice_area(corners) > kLeastTwiceArea) triangles.push_back(corners);
-    }
-    const auto facets = planar_facets(triangles, planarity(portal, frame));
-    for (const PlanarFacet& facet : facets) add_facet(facet, static_cast<uint32_t>(portals_));
-    if (portal.both_ways)
-      for (const PlanarFacet& facet : facets)
-        add_facet(turned_round(facet), static_cast<uint32_t>(portals_));
-    ++portals_;
+    const FlatPortal flat = flattened(portal, frame);
+    const auto number = static_cast<uint32_t>(portals_++);
+    if (flat.triangles.empty()) continue;
+    add_facet(flat, number);
+    if (portal.both_ways) add_facet(turned_round(flat), number);
   }
   sizes_.facets = static_cast<uint32_t>(facets_.size());
   sizes_.polygons = static_cast<uint32_t>(polygons_.size());
@@ -73,17 +94,16 @@ PortalSet::PortalSet(const std::vector<Portal>& portals, const Frame& frame) {
   make_pairs();
 }
 
-void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
+void PortalSet::add_facet(const FlatPortal& flat, uint32_t portal) {
   constexpr double kBorder = 1e-4;
   Facet f;
-  f.normal = facet.normal;
+  f.normal = flat.normal;
   f.border = kBorder;
   f.first = static_cast<uint32_t>(polygons_.size());
   f.first_corner = static_cast<uint32_t>(corners_.size());
   std::vector<double> areas;
-  for (const Corners& corners : facet.triangles) {
-    const double twice = twice_area(corners);
-    if (!(twice > kLeastTwiceArea)) continue;
+  for (const Corners& corners : flat.triangles) {
+    const double twice = length(twice_area(corners));
     auto& q = polygons_.emplace_back();
     q.portal = portal;
     q.facet = static_cast<uint32_t>(facets_.size());
@@ -93,7 +113,7 @@ void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
     q.grad1 = cross(q.e2, f.normal) / twice;
     q.grad2 = cross(f.normal, q.e1) / twice;
     const double area = 0.5 * twice;
-    f.centre = (f.centre * f.area + (q.p0 + (q.e1 + q.e2) / 3) * area) / (f.area + area);
+    f.centre = (f.centre * f.area + centre(corners) * area) / (f.area + area);
     f.area += area;
     for (const Vec3d& corner : corners)
       if (std::none_of(corners_.begin() + f.first_corner, corners_.end(),
@@ -103,7 +123,6 @@ void PortalSet::add_facet(const PlanarFacet& facet, uint32_t portal) {
   }
   f.end = static_cast<uint32_t>(polygons_.size());
   f.end_corner = static_cast<uint32_t>(corners_.size());
-  if (f.end == f.first) return;
   for (const Vec3d& corner : corners_of(f))
     f.reach2 = std::max(f.reach2, (1 + kBorder) * dot(corner - f.centre, corner - f.centre));
   f.per_area = 1 / f.area;

@@ -9,7 +9,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "shaders/shared/path/portal_layout.h"
-#include "tools/tdpt-render/portals/facets.h"
 
 namespace tdpt::shader {
 struct PortalText;
@@ -17,15 +16,27 @@ struct PortalText;
 
 namespace tdpt {
 
+using Corners = std::array<Vec3d, 3>;
+
+/// A portal in one plane of the canonical frame, whose normal is the mean of its triangles' normals
+/// weighted by area.
+struct FlatPortal {
+  Vec3d normal;                    ///< unit; faces as most of the area is drawn
+  std::vector<Corners> triangles;  ///< those with an area, counter-clockwise seen from its tip
+  double off = 0;                  ///< largest distance of a drawn corner from the plane
+  double width = 0;                ///< twice the largest distance of a corner from the centre
+};
+FlatPortal flattened(const Portal& portal, const Frame& frame);
+
 class PortalSet {
  public:
   PortalSet() = default;
-  /// Converts portals from metres into the canonical frame; polygons planar but for rounding become
-  /// exactly planar. Degenerate triangles are dropped.
+  /// Converts portals from metres into the canonical frame, each laid into its plane: one facet, or
+  /// two that face opposite ways.
   PortalSet(const std::vector<Portal>& portals, const Frame& frame);
 
   bool empty() const { return polygons_.empty(); }
-  /// Number of portals given, including any whose triangles are all degenerate.
+  /// Number of portals given, including any without triangles.
   size_t portals() const { return portals_; }
   size_t size() const { return polygons_.size(); }
   size_t facets() const { return facets_.size(); }
@@ -103,7 +114,7 @@ class PortalSet {
 
   using Facet = shader::PortalFacetOf<double>;
 
-  void add_facet(const PlanarFacet& facet, uint32_t portal);
+  void add_facet(const FlatPortal& flat, uint32_t portal);
   void make_pairs();
   std::vector<Vec3d> corners_of(const Facet& f) const {
     return {corners_.begin() + f.first_corner, corners_.begin() + f.end_corner};

@@ -98,21 +98,15 @@ TEST(portals, a_segment_that_ends_in_the_portals_plane_has_no_density) {
 }
 
 // A slit of 3 cm x 2 m at `distance` m from the origin, tilted, of `strips` strips one after the
-// other; its lower half is bent back by `bend` degrees. Vertices are single-precision.
-Portal slit(double distance, int strips, double bend) {
-  const double angle = bend * std::numbers::pi / 180;
+// other. Vertices are single-precision.
+Portal slit(double distance, int strips) {
   const Vec3d middle = Vec3d(1, -0.4, 0.3) * (distance / std::sqrt(1.25));
   const Onb<double> onb(normalize(Vec3d(0.3, 0.8, -0.5)));
   Portal p{"slit", {}, {}, {}};
   for (int i = 0; i <= strips; ++i) {
-    const double along = 2.0 * i / strips - 1, down = std::max(-along, 0.0);
-    const Vec3d at(0, along < 0 ? along * std::cos(angle) : along, -down * std::sin(angle));
-    for (const double across : {-0.015, 0.015}) {
-      const Vec3d v = middle + onb.to_world(at + Vec3d(across, 0, 0));
-      p.vertices.push_back(Vec3d(Vec3f(v)));
-      p.rounding =
-          std::max(p.rounding, std::ldexp(std::abs(v.x) + std::abs(v.y) + std::abs(v.z), -24));
-    }
+    const double along = 2.0 * i / strips - 1;
+    for (const double across : {-0.015, 0.015})
+      p.vertices.push_back(Vec3d(Vec3f(middle + onb.to_world({across, along, 0}))));
   }
   for (uint32_t i = 0; i < static_cast<uint32_t>(strips); ++i) {
     p.triangles.push_back({2 * i, 2 * i + 1, 2 * i + 3});
@@ -124,7 +118,7 @@ Portal slit(double distance, int strips, double bend) {
 TEST(portals, a_polygon_of_single_precision_vertices_is_one_facet) {
   for (const double distance : {5.0, 50.0})
     for (const int strips : {1, 2, 8}) {
-      Portal portal = slit(distance, strips, 0);
+      Portal portal = slit(distance, strips);
       Frame frame;
       frame.centre = {2, -1, 0.5};
       frame.scale = 0.125;
@@ -153,29 +147,24 @@ TEST(portals, a_polygon_of_single_precision_vertices_is_one_facet) {
     }
 }
 
-TEST(portals, twin_a_slit_bent_by_a_degree_is_two_facets) {
-  for (const double distance : {5.0, 50.0})
-    for (const int strips : {2, 8}) {
-      Portal portal = slit(distance, strips, 1);
-      EXPECT_EQ(PortalSet({portal}, kMetres).facets(), 2u) << distance << " m";
-      std::swap(portal.triangles.front(), portal.triangles.back());
-      EXPECT_EQ(PortalSet({portal}, kMetres).facets(), 2u) << distance << " m, shuffled";
-    }
-}
-
-TEST(portals, triangles_of_one_plane_are_one_facet_whatever_stands_between_them) {
-  // Two coplanar squares, and between them in the file a third, turned out of their plane.
+TEST(portals, a_portal_lies_in_the_mean_plane_of_its_triangles_and_faces_as_most_of_them) {
   Portal p = square();
-  p.vertices.insert(p.vertices.end(), {{1, 0, 0}, {1, 0, 1}, {1, 1, 1}});
-  p.triangles.insert(p.triangles.begin() + 1, {4, 5, 6});
-  const PortalSet set({p}, kMetres);
-  EXPECT_EQ(set.facets(), 2u);
-  EXPECT_EQ(set.polygon(0).facet, set.polygon(1).facet);
-  EXPECT_EQ(set.polygon(2).facet, 1u);
-  // Back to back, facing opposite ways.
-  Portal folded = square();
-  std::swap(folded.triangles[1][1], folded.triangles[1][2]);
-  EXPECT_EQ(PortalSet({folded}, kMetres).facets(), 2u);
+  p.vertices[2].z = 0.3;
+  const FlatPortal flat = flattened(p, kMetres);
+  EXPECT_NEAR(flat.off, 0.3 / 3, 0.01);
+  EXPECT_NEAR(flat.width, std::sqrt(2), 0.1);
+  for (const Corners& t : flat.triangles)
+    for (const Vec3d& corner : t)
+      EXPECT_NEAR(dot(flat.normal, corner - flat.triangles[0][0]), 0, 1e-15);
+  p = square();
+  p.vertices.push_back({0.5, 0.5, 0});
+  p.triangles = {{0, 1, 4}, {1, 4, 2}, {2, 3, 4}, {3, 0, 4}};  // the second faces back
+  EXPECT_EQ(flattened(p, kMetres).normal, Vec3d(0, 0, 1));
+  EXPECT_DOUBLE_EQ(PortalSet({p}, kMetres).density({0.9, 0.5, -1}, {0.9, 0.5, 1}),
+                   1 / std::numbers::pi);
+  for (auto& t : p.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(flattened(p, kMetres).normal, Vec3d(0, 0, -1));
+  EXPECT_TRUE(flattened({"none", {}, {}, {}}, kMetres).triangles.empty());
 }
 
 // Two layers of small squares; light crosses the lower before the upper.
