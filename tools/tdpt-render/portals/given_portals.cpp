@@ -48,8 +48,8 @@ size_t triangles_of(const PortalFile& file) {
 class PortalCheck {
  public:
   PortalCheck(const std::string& path, const Scene& scene, const Camera& camera,
-              std::optional<int64_t> frame)
-      : name_(display_name(path)), scene_(scene), camera_(camera), frame_(frame) {
+              bool of_shot)
+      : name_(display_name(path)), scene_(scene), camera_(camera), of_shot_(of_shot) {
     out_.file = read_portals(path);
   }
 
@@ -105,14 +105,14 @@ class PortalCheck {
       out_.notes.push_back(name_ +
                            " was made for the scene under another environment or other "
                            "--set light-units");
-    else if (!frame_)
+    else if (!of_shot_)
       out_.notes.push_back(name_ + " was made for the scene at another time of its animations");
   }
 
   // Portals found for poses of the camera along its way serve all of its frames: which of them do
   // is measured [exploration.h]. False if the file has no such poses.
   bool is_for_this_shot() const {
-    return frame_ && std::any_of(out_.file.made_for.begin(), out_.file.made_for.end(),
+    return of_shot_ && std::any_of(out_.file.made_for.begin(), out_.file.made_for.end(),
                                  [&](const std::string& text) {
                                    const auto made_for = parse_viewpoint(text);
                                    return made_for && frame_of_camera(made_for->name, camera_.name);
@@ -157,15 +157,15 @@ class PortalCheck {
   std::string name_;
   const Scene& scene_;
   const Camera& camera_;
-  std::optional<int64_t> frame_;
+  bool of_shot_;
   GivenPortals out_;
 };
 
 }  // namespace
 
 GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera,
-                                std::optional<int64_t> frame) {
-  return PortalCheck(path, scene, camera, frame).read();
+                                bool of_shot) {
+  return PortalCheck(path, scene, camera, of_shot).read();
 }
 
 }  // namespace tdpt

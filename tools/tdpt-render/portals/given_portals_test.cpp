@@ -36,7 +36,7 @@ class given_portals : public ::testing::Test {
     return given(file, scene_.camera(""));
   }
   GivenPortals given(const PortalFile& file, const Camera& camera,
-                     std::optional<int64_t> frame = {}) const {
+                     bool frame = false) const {
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
     return read_given_portals(path, scene_, camera, frame);
