@@ -37,6 +37,7 @@ class FilmPlane {
 
   int width() const { return width_; }
   int height() const { return height_; }
+  uint64_t pixels() const { return static_cast<uint64_t>(width_) * static_cast<uint64_t>(height_); }
   const Vec3d& position() const { return position_; }
   const Vec3d& forward() const { return forward_; }
   const Vec3d& right() const { return right_; }

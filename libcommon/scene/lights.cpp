@@ -100,7 +100,7 @@ LightSource LightSource::all_around(const Sky& sky, double extent) {
   return source;
 }
 
-Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(), 0.0f) {
+Lights::Lights(const Scene& scene) : scene_(scene) {
   const auto add = [&](double power) {
     powers_.push_back(power);
     power_ += power;
@@ -127,9 +127,10 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   if (scene.sky) {
     directions_ = SkyDirections(*scene.sky);
     const double disc = pi * radius_ * radius_;
-    has_sky_ = !directions_.empty() && disc > 0;
-    if (has_sky_) sky_ = LightSource::all_around(*scene.sky, disc);
-    if (has_sky_) add(directions_.total() * disc);
+    if (!directions_.empty() && disc > 0) {
+      sky_ = LightSource::all_around(*scene.sky, disc);
+      add(directions_.total() * disc);
+    }
   }
   if (powers_.empty()) return;
   for (size_t i = 0; i < powers_.size(); ++i) emitted_.of(source_of(i)) += powers_[i];
@@ -138,64 +139,52 @@ Lights::Lights(const Scene& scene) : scene_(scene), pdf_A_(scene.triangles.size(
   // hundred times.
   const double least = kLeastShare * power_ / static_cast<double>(powers_.size());
   for (double& w : powers_) w = std::max(w, least);
-  choose_by_power();
 }
 
 const LightSource& Lights::source_of(size_t entry) const {
   if (entry < triangles_.size()) return surfaces_[0];
   const size_t lamp = entry - triangles_.size();
-  return lamp < punctual_.size() ? punctual_[lamp] : sky_;
+  return lamp < punctual_.size() ? punctual_[lamp] : *sky_;
 }
 
-void Lights::choose_by_power() {
-  if (powers_.empty()) return;
-  const double all = std::accumulate(powers_.begin(), powers_.end(), 0.0);
-  shares_ = {};
-  for (size_t i = 0; i < powers_.size(); ++i) shares_.of(source_of(i)) += powers_[i] / all;
-  fill(powers_);
-}
-
-void Lights::choose_by(const KindProbabilities& shares) {
-  KindProbabilities plain, wanted = shares;
-  for (size_t i = 0; i < powers_.size(); ++i) plain.of(source_of(i)) += powers_[i];
-  std::vector<double> weights = powers_;
-  for (size_t i = 0; i < weights.size(); ++i)
-    weights[i] *= wanted.of(source_of(i)) / plain.of(source_of(i));
+LightSelection::LightSelection(const Lights& lights,
+                               const std::optional<Lights::KindProbabilities>& shares,
+                               SkyDirections preferred)
+    : lights_(&lights),
+      preferred_(std::move(preferred)),
+      pdf_A_(lights.scene_.triangles.size(), 0.0f) {
+  std::vector<double> weights = lights.powers_;
   if (weights.empty()) return;
-  shares_ = shares;
-  fill(weights);
-}
-
-void Lights::fill(const std::vector<double>& weights) {
-  table_ = CumulativeTable(weights);
-  for (uint32_t i = 0; i < weights.size(); ++i) {
-    const double pdf_1 = table_.pdf_1(i);
-    if (i < triangles_.size())
-      pdf_A_[triangles_[i]] = static_cast<float>(pdf_1 / shapes_[i].area);
-    else if (i == triangles_.size() + punctual_.size())
-      sky_.pdf_1_ = pdf_1;
-    else
-      punctual_[i - triangles_.size()].pdf_1_ = pdf_1;
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
+  Lights::KindProbabilities powers;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    powers.of(lights.source_of(i)) += weights[i];
+    shares_.of(lights.source_of(i)) += weights[i] / all;
   }
+  if (shares) {
+    shares_ = *shares;
+    for (size_t i = 0; i < weights.size(); ++i)
+      weights[i] *= shares_.of(lights.source_of(i)) / powers.of(lights.source_of(i));
+  }
+  table_ = CumulativeTable(weights);
+  for (uint32_t i = 0; i < lights.triangles_.size(); ++i)
+    pdf_A_[lights.triangles_[i]] = static_cast<float>(table_.pdf_1(i) / lights.shapes_[i].area);
+  if (lights.sky_) sky_pdf_1_ = pdf_1(weights.size() - 1);
 }
 
-void Lights::prefer(const std::function<double(const Vec3d& towards)>& weight) {
-  if (has_sky_) preferred_ = weight ? SkyDirections(*scene_.sky, weight) : SkyDirections();
-}
-
-Lights::InSky Lights::look(const Sky::Place& place) const {
-  InSky in_sky{scene_.sky->radiance(place), directions_.pdf_w(place)};
-  if (preferred_.empty() || !scene_.sky->one_colour())
+Lights::InSky LightSelection::look(const Sky::Place& place) const {
+  Lights::InSky in_sky{lights_->scene_.sky->radiance(place), lights_->directions_.pdf_w(place)};
+  if (preferred_.empty() || !lights_->scene_.sky->one_colour())
     in_sky.start_w = start_w(place, in_sky.plain_w);
   return in_sky;
 }
 
-double Lights::start_w(const Sky::Place& place, double plain_w) const {
+double LightSelection::start_w(const Sky::Place& place, double plain_w) const {
   return preferred_.empty() ? plain_w
                             : (1 - kPreferred) * plain_w + kPreferred * preferred_.pdf_w(place);
 }
 
-Lights::Point Lights::sample(Rng& rng) const {
+Lights::Point LightSelection::sample(Rng& rng) const {
   const double pick = rng.uniform();
   const double u = rng.uniform();
   const double v = rng.uniform();
@@ -203,32 +192,34 @@ Lights::Point Lights::sample(Rng& rng) const {
   return sample(pick, u, v, side);
 }
 
-Lights::Point Lights::sample(double pick, double u, double v, double side) const {
+Lights::Point LightSelection::sample(double pick, double u, double v, double side) const {
+  const Lights& all = *lights_;
   const uint32_t i = table_.sample(pick);
-  Point point;
-  if (i == triangles_.size() + punctual_.size()) {
-    point.source = &sky_;
+  Lights::Point point;
+  if (i == all.triangles_.size() + all.punctual_.size()) {
+    point.source = all.sky();
     const double share = preferred_.empty() ? 0 : kPreferred;
-    const Sky::Place place = side < share ? preferred_.draw(side / share, u, v)
-                                          : directions_.draw((side - share) / (1 - share), u, v);
+    const Sky::Place place = side < share
+                                 ? preferred_.draw(side / share, u, v)
+                                 : all.directions_.draw((side - share) / (1 - share), u, v);
     point.position = -place.towards;
     point.in_sky = look(place);
-    point.pdf = pdf(sky_, point.triangle, point.position, point.in_sky);
+    point.pdf = pdf(*all.sky_, point.triangle, point.position, point.in_sky);
     return point;
   }
-  if (i >= triangles_.size()) {
-    const LightSource& source = punctual_[i - triangles_.size()];
+  if (i >= all.triangles_.size()) {
+    const LightSource& source = all.source_of(i);
     point.source = &source;
-    point.position = source.at_infinity() ? source.lamp_.direction : source.lamp_.position;
-    point.pdf = source.pdf_1_;
+    point.position = source.at_infinity() ? source.lamp().direction : source.lamp().position;
+    point.pdf = table_.pdf_1(i);
     return point;
   }
-  point.triangle = triangles_[i];
-  const TriangleShape& s = shapes_[i];
+  point.triangle = all.triangles_[i];
+  const TriangleShape& s = all.shapes_[i];
   uniform_triangle(u, v, point.b1, point.b2);
   point.position = s.p0 + s.e1 * point.b1 + s.e2 * point.b2;
-  const bool both = scene_.material_of(point.triangle).double_sided;
-  point.source = &surface(both);
+  const bool both = all.scene_.material_of(point.triangle).double_sided;
+  point.source = &all.surface(both);
   const bool back = both && side < 0.5;
   point.normal = back ? -s.normal : s.normal;
   point.pdf = pdf_A_[point.triangle];

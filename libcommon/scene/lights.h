@@ -1,9 +1,11 @@
-// All lights of a scene: emitting triangles, punctual lights and the sky, selected in proportion to
-// power, faint ones more often. A cumulative table makes that independent of their number.
+// All lights of a scene: emitting triangles, punctual lights and the sky; and how one of them is
+// selected: in proportion to power, faint ones more often. A cumulative table makes that
+// independent of their number.
 #pragma once
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,12 +67,9 @@ class LightSource {
   /// |cos| / pdf_w for an emitted direction w: the initial throughput of a light walk, relative to
   /// the emission. Independent of w except for a lamp with a profile.
   double cos_per_pdf_w(const Vec3d& w) const { return profile_ ? lamp_per_pdf_w(w) : lamp_.extent; }
-  /// Probability that a light walk starts at this point, spot, parallel light or sky.
-  double pdf_1() const { return pdf_1_; }
 
  private:
   friend class Lights;
-  friend struct LightsFaults;
   explicit LightSource(bool both_sides) : is_surface_(true), both_sides_(both_sides) {
     lamp_.extent = (both_sides ? 2 : 1) * std::numbers::pi;
   }
@@ -82,14 +81,13 @@ class LightSource {
   const Sky* sky_ = nullptr;
   Lamp lamp_;  // the sky is treated as parallel light; of a surface only `extent` is set
   std::shared_ptr<const LightProfile> profile_;
-  double pdf_1_ = 0;
 };
 
 class Lights {
  public:
   explicit Lights(const Scene& scene);
 
-  bool empty() const { return table_.empty(); }
+  bool empty() const { return powers_.empty(); }
   /// Emitted power of the whole scene, luminance, in canonical area: sum of pi * Y(Le) * A over
   /// emitting sides, of Y(intensity) * extent over points and spots, and of the parallel light and
   /// sky light through the disc.
@@ -107,12 +105,6 @@ class Lights {
   };
   /// Emitted power by kind; canonical area, luminance, as power().
   const KindProbabilities& powers() const { return emitted_; }
-  /// In proportion to power, except for faint kinds, unless choose_by() was called.
-  const KindProbabilities& shares() const { return shares_; }
-  /// Each kind that is present must have more than 0.
-  void choose_by(const KindProbabilities& shares);
-  /// As if choose_by() had not been called.
-  void choose_by_power();
 
   /// Radiance and densities of a direction of the sky, from a single look-up.
   struct InSky {
@@ -122,11 +114,6 @@ class Lights {
     /// else needs the look-up.
     double start_w = -1;
   };
-  /// Requires a sky. Takes a unit direction, or a place as it was drawn.
-  InSky look(const Vec3d& towards) const {
-    return look(scene_.sky->one_colour() ? Sky::Place{towards} : scene_.sky->place(towards));
-  }
-  InSky look(const Sky::Place& place) const;
 
   /// A point that light leaves from.
   struct Point {
@@ -139,29 +126,6 @@ class Lights {
     InSky in_sky{};  ///< if in the sky
     double pdf = 0;  ///< pdf_A per canonical area; pdf_w for the sky; otherwise pdf_1
   };
-  /// Samples the start of a light walk. Four numbers in [0,1): which light (pick), where on it (u,
-  /// v), and which of its sides or which sky distribution (side).
-  Point sample(double pick, double u, double v, double side) const;
-  /// Draws the four from `rng` in this order.
-  Point sample(Rng& rng) const;
-  /// Density of `sample`, at any point of `triangle` for a surface; `position` as in Point.
-  double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position,
-             const InSky& in_sky) const {
-    if (source.is_sky())
-      return source.pdf_1() *
-             (in_sky.start_w < 0 ? start_w({-position}, in_sky.plain_w) : in_sky.start_w);
-    return source.met() ? pdf_A(triangle) : source.pdf_1();
-  }
-  /// Density of `sample` at any point of `triangle`; 0 if it does not emit.
-  double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }
-
-  /// From now on a share kPreferred of the walks that start in the sky is sampled by luminance x
-  /// `weight` (SkyDirections), the others by luminance.
-  void prefer(const std::function<double(const Vec3d& towards)>& weight);
-  /// Whether `pick` selects the sky.
-  bool picks_sky(double pick) const {
-    return has_sky_ && table_.sample(pick) == triangles_.size() + punctual_.size();
-  }
 
   struct Ray {
     Vec3d origin, direction;
@@ -174,44 +138,92 @@ class Lights {
   /// Emission of surfaces on one side or on both.
   const LightSource& surface(bool both_sides) const { return surfaces_[both_sides]; }
   /// The light hit by rays that leave the scene; null: none.
-  const LightSource* sky() const { return has_sky_ ? &sky_ : nullptr; }
+  const LightSource* sky() const { return sky_ ? &*sky_ : nullptr; }
   /// Samples directions of the sky by luminance alone.
   const SkyDirections& directions() const { return directions_; }
-  /// The distribution made by prefer(), used for a share kPreferred of the walks that start in the
-  /// sky; empty: all use luminance.
-  const SkyDirections& preferred() const { return preferred_; }
-  static constexpr double kPreferred = 0.9;
 
-  // For callers that select lights by tables of their own.
-  /// Entries of the table: emitting triangles, then lamps, then the sky.
+  /// Entries of a selection's table: emitting triangles, then lamps, then the sky.
   const std::vector<uint32_t>& emitters() const { return triangles_; }
   const std::vector<LightSource>& lamps() const { return punctual_; }
-  /// Selection probability of an entry.
-  double pdf_1(uint32_t entry) const { return table_.pdf_1(entry); }
   /// Radius of a ball around the origin that holds all triangles; 0 if no light needs it.
   double radius() const { return radius_; }
 
  private:
-  friend struct LightsFaults;  // of tests [tools/tdpt-render/testing/faults.h]
-  double start_w(const Sky::Place& place, double plain_w) const;
+  friend class LightSelection;
   const LightSource& source_of(size_t entry) const;
-  void fill(const std::vector<double>& weights);
 
   const Scene& scene_;
   std::array<LightSource, 2> surfaces_{LightSource::surface(false), LightSource::surface(true)};
-  LightSource sky_{false};
-  bool has_sky_ = false;
-  SkyDirections directions_, preferred_;
-  // Entries of the table: emitting triangles, then the punctual lights, then the sky.
+  std::optional<LightSource> sky_;
+  SkyDirections directions_;
   std::vector<uint32_t> triangles_;
   std::vector<TriangleShape> shapes_;
   std::vector<LightSource> punctual_;
-  CumulativeTable table_;
-  std::vector<float> pdf_A_;    // per triangle of the scene
   std::vector<double> powers_;  // of the entries; the faintest are raised [lights.cpp]
-  KindProbabilities shares_, emitted_;
+  KindProbabilities emitted_;
   double power_ = 0;
   double radius_ = 0;  // of a ball around the origin that holds all triangles
+};
+
+/// How light walks and next events select one of the lights, and a point on it.
+class LightSelection {
+ public:
+  /// `lights` must outlive it. `shares`: of the kinds, each that is present more than 0; none: in
+  /// proportion to power, except for faint ones. A share kPreferred of the walks that start in the
+  /// sky is sampled by `preferred`, the others by luminance.
+  explicit LightSelection(const Lights& lights,
+                          const std::optional<Lights::KindProbabilities>& shares = {},
+                          SkyDirections preferred = {});
+
+  const Lights& lights() const { return *lights_; }
+  const Lights::KindProbabilities& shares() const { return shares_; }
+  /// Selection probability of an entry, and of the sky: 0 if there is none.
+  double pdf_1(size_t entry) const { return table_.pdf_1(static_cast<uint32_t>(entry)); }
+  double sky_pdf_1() const { return sky_pdf_1_; }
+  /// Whether `pick` selects the sky.
+  bool picks_sky(double pick) const {
+    return lights_->sky_ && table_.sample(pick) + 1 == lights_->powers_.size();
+  }
+
+  /// Requires a sky. Takes a unit direction, or a place as it was drawn.
+  Lights::InSky look(const Vec3d& towards) const {
+    const Sky& sky = *lights_->scene_.sky;
+    return look(sky.one_colour() ? Sky::Place{towards} : sky.place(towards));
+  }
+  Lights::InSky look(const Sky::Place& place) const;
+
+  /// Samples the start of a light walk. Four numbers in [0,1): which light (pick), where on it (u,
+  /// v), and which of its sides or which sky distribution (side).
+  Lights::Point sample(double pick, double u, double v, double side) const;
+  /// Draws the four from `rng` in this order.
+  Lights::Point sample(Rng& rng) const;
+  /// Density of `sample`, at any point of `triangle` for a surface; `position` as in Lights::Point.
+  double pdf(const LightSource& source, uint32_t triangle, const Vec3d& position,
+             const Lights::InSky& in_sky) const {
+    if (source.is_sky())
+      return sky_pdf_1_ *
+             (in_sky.start_w < 0 ? start_w({-position}, in_sky.plain_w) : in_sky.start_w);
+    if (source.met()) return pdf_A(triangle);
+    return pdf_1(lights_->triangles_.size() +
+                 static_cast<size_t>(&source - lights_->punctual_.data()));
+  }
+  /// Density of `sample` at any point of `triangle`; 0 if it does not emit.
+  double pdf_A(uint32_t triangle) const { return pdf_A_[triangle]; }
+
+  /// Empty: all walks use luminance.
+  const SkyDirections& preferred() const { return preferred_; }
+  static constexpr double kPreferred = 0.9;
+
+ private:
+  friend struct LightsFaults;  // of tests [tools/tdpt-render/testing/faults.h]
+  double start_w(const Sky::Place& place, double plain_w) const;
+
+  const Lights* lights_;
+  Lights::KindProbabilities shares_;
+  SkyDirections preferred_;
+  CumulativeTable table_;
+  std::vector<float> pdf_A_;  // per triangle of the scene
+  double sky_pdf_1_ = 0;
 };
 
 }  // namespace tdpt

@@ -21,12 +21,12 @@ Scene lamps(uint32_t n) {
   return s;
 }
 
-double seconds(const Lights& lights, uint64_t draws) {
+double seconds(const LightSelection& selection, uint64_t draws) {
   const auto start = std::chrono::steady_clock::now();
   double sum = 0;
   for (uint64_t i = 0; i < draws; ++i) {
     Rng rng(1, 0, i);
-    sum += lights.sample(rng).position.x;
+    sum += selection.sample(rng).position.x;
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   return sum < 0 ? 0 : taken.count();
@@ -43,8 +43,8 @@ int main() {
     const Lights lights(scene);
     double own = 1e9, base = 1e9;
     for (int round = 0; round < 5; ++round) {
-      base = std::min(base, seconds(single, kDraws));
-      own = std::min(own, seconds(lights, kDraws));
+      base = std::min(base, seconds(LightSelection(single), kDraws));
+      own = std::min(own, seconds(LightSelection(lights), kDraws));
     }
     std::printf("%7u  %8.1f  %6.2f\n", n, 1e9 * own / kDraws, own / base);
   }

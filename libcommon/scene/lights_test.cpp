@@ -35,9 +35,10 @@ double excess(const std::vector<double>& counts, const std::vector<double>& expe
 
 TEST(Lights, PowerAndDensityAddUp) {
   const Scene s = lamps();
-  const Lights e(s);
+  const Lights all(s);
+  const LightSelection e(all);
   const double dim = luminance(Rgb(1, 2, 3)), both = luminance(Rgb(4));
-  EXPECT_NEAR(e.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
+  EXPECT_NEAR(all.power(), std::numbers::pi * (dim * 0.5 + 2 * both * 0.0625 + dim * 0.125), 1e-5);
   double total = 0;
   for (uint32_t t = 0; t < s.triangles.size(); ++t) total += e.pdf_A(t) * shape_of(s, t).area;
   EXPECT_NEAR(total, 1, 1e-6);
@@ -46,7 +47,8 @@ TEST(Lights, PowerAndDensityAddUp) {
 
 TEST(Lights, SamplesFollowTheDensity) {
   const Scene s = lamps();
-  const Lights e(s);
+  const Lights all(s);
+  const LightSelection e(all);
   // Bins: triangle x side x quarter of the triangle (by its middle points).
   const int n = 100000;
   std::vector<double> counts(4 * 2 * 4), expected(counts.size());
@@ -87,11 +89,13 @@ TEST(Lights, TheFaintAreChosenAHundredthAsOftenAsTheMean) {
   s.materials[0].emission = Rgb(1e10f);
   s.materials[1].emission = Rgb(1e-10f);
   s.triangles = {{{0, 1, 2}, 0}, {{0, 1, 2}, 1}};
-  const Lights e(s);
+  const Lights lights(s);
+  const LightSelection e(lights);
   EXPECT_NEAR(e.pdf_A(1) / e.pdf_A(0), 0.01 / 2, 1e-6);
   EXPECT_NEAR(e.shares().surfaces, 1, 1e-12);
   s.materials[1].emission = Rgb(1e9f);  // not faint: selected by power, which both sides have
-  const Lights both(s);
+  const Lights of_both(s);
+  const LightSelection both(of_both);
   EXPECT_NEAR(both.pdf_A(1) / both.pdf_A(0), 2 * 0.1, 1e-6);
 }
 

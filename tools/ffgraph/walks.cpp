@@ -63,20 +63,21 @@ struct Start {
   WalkHit at{kNoFace, {}};
 };
 
-Start leave_light(const Scene& scene, const Lights& lights, const SkyLines* lines, Rng& rng) {
-  const Lights::Point point = lights.sample(rng);
+Start leave_light(const Scene& scene, const LightSelection& selection, const SkyLines* lines,
+                  Rng& rng) {
+  const Lights::Point point = selection.sample(rng);
   Start start;
   if (lines && point.source->at_infinity()) {
     const SkyLines::Line line = lines->draw(rng);
     start.from = {line.origin, {}};
     start.direction = line.direction;
     start.bin = line.bin;
-    start.power = line.power / (lights.shares().parallel + lights.shares().sky);
+    start.power = line.power / (selection.shares().parallel + selection.shares().sky);
     return start;
   }
   const double u = rng.uniform();
   const double v = rng.uniform();
-  const Lights::Ray ray = lights.leave(point, u, v);
+  const Lights::Ray ray = selection.lights().leave(point, u, v);
   start.from = {ray.origin, point.normal};
   start.direction = ray.direction;
   Rgb radiance{};
@@ -99,10 +100,11 @@ LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSetti
   LightWalks walks;
   const Lights lights(scene);
   if (lights.empty()) return walks;
+  const LightSelection selection(lights);
   std::vector<Start> starts(settings.walks);
   walks.hits = run_walks(scene, tracer, settings, kWalksFromLight,
                          [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
-                           starts[i] = leave_light(scene, lights, lines, rng);
+                           starts[i] = leave_light(scene, selection, lines, rng);
                            from = starts[i].from;
                            return starts[i].direction;
                          });

@@ -61,7 +61,7 @@ class Walker {
  private:
   void add_next_event(const Tracer::Origin& at, const Rgb& throughput, const LightPath& corners,
                       Rng& rng, Block& block) const {
-    const Lights::Point p = lights_.sample(rng);
+    const Lights::Point p = selection_.sample(rng);
     if (!p.source) return;
     Vec3d towards, end;
     double per_pdf;  // cosine at the light / d^2 / density
@@ -107,6 +107,7 @@ class Walker {
 
   const Scene& scene_;
   const Lights lights_;
+  const LightSelection selection_{lights_};
   const Tracer tracer_;
   const FilmPlane film_;
 };

@@ -106,12 +106,12 @@ struct Stage {
   Stage(const Options& o, const gpu::Device& device)
       : scene(read_gltf(o.files[0])),
         size(picture_size(scene.camera(""), o.width, 0)),
-        world(scene, scene.camera(""), size.width, size.height, portals_of(o)),
-        tables(world),
+        vista(scene, scene.camera(""), size.width, size.height, portals_of(o)),
+        tables(vista),
         of_cores(device.info().kind == "cpu") {
-    const FilmPlaces places(pixels(), {}, world.portals.portals());
+    const FilmPlaces places(pixels(), {}, vista.openings.portals.portals());
     renderer = std::make_shared<WavefrontRenderer>(
-        world,
+        vista,
         make_gpu_machine(device, tables, capacity_on(device, tables, places.words), places.words,
                          &work),
         device.info().name);
@@ -128,7 +128,7 @@ struct Stage {
 
   const Scene scene;
   const PictureSize size;
-  World world;
+  Vista vista;
   RenderTables tables;
   const bool of_cores;  // the device is a CPU
   DeviceWork work;
@@ -156,7 +156,7 @@ Job settings_of(const Options& o, int round) {
 // The integrator of that name, or the one `auto` would choose on the device.
 Candidate candidate_of(const std::string& name, const Options& o, Stage& stage) {
   if (name != "auto") return {integrator_named(name), name};
-  const std::vector<Candidate> all = auto_candidates(stage.world);
+  const std::vector<Candidate> all = auto_candidates(stage.vista);
   const RenderResult result = render(*stage.renderer, all, settings_of(o, 0));
   const Candidate& chosen = all[result.plan.forecast.best];
   return {chosen.integrator, "auto: " + chosen.label};
@@ -184,7 +184,7 @@ Measured measure(const std::string& name, const Options& o, Stage& stage) {
   for (int round = 0; round <= o.rounds; ++round) {
     const Job settings = settings_of(o, round);
     RenderResult result;
-    CpuRenderer cpu_renderer(stage.world);
+    CpuRenderer cpu_renderer(stage.vista);
     const double cpu = one_round(c, settings, stage, cpu_renderer, result);
     const double device = one_round(c, settings, stage, *stage.renderer, result);
     fmt::print(stderr, "{} round {}: {:.0f} and {:.0f} samples per second, {:.3f}\n", m.label,

@@ -45,19 +45,20 @@ Seconds time_of(const Work& work) {
   return {cpu_seconds() - cpu, now() - wall};
 }
 
-void measure(const Options& o, const World& world, const Integrator& integrator, int threads,
+void measure(const Options& o, const Vista& vista, const Integrator& integrator, int threads,
              int seed) {
   Job settings;
   settings.limits.spp = static_cast<uint64_t>(o.spp);
   settings.seed = static_cast<uint64_t>(seed);
   limit_threads(threads);
   ray_record::begin();
-  const RayCounts rays = render(world, integrator, settings).tally.rays;
+  const RayCounts rays = render(vista, integrator, settings).tally.rays;
   ray_record::end();
   uint64_t others = 0;
-  const Seconds frame = time_of([&] { render(world, integrator, settings); });
+  const Seconds frame = time_of([&] { render(vista, integrator, settings); });
   const Seconds raw = time_of([&] { others = ray_record::cast_again(); });
-  const auto samples = static_cast<double>(settings.limits.spp) * world.film.width() * world.film.height();
+  const auto samples =
+      static_cast<double>(settings.limits.spp) * vista.view.film.width() * vista.view.film.height();
   std::printf("%s\t%s\t%d\t%d\t%.0f\t%llu\t%llu\t%llu\t%llu\t%.6f\t%.6f\t%.6f\t%.6f\n",
               o.files[0].c_str(), integrator.name, threads, seed, samples,
               static_cast<unsigned long long>(rays.closest),
@@ -77,13 +78,13 @@ void run(const Options& o) {
     for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
   const Camera camera = scene.camera("");
   const PictureSize size = picture_size(camera, o.width, 0);
-  const World world(scene, camera, size.width, size.height, portals);
+  const Vista vista(scene, camera, size.width, size.height, portals);
   std::printf(
       "scene\tintegrator\tthreads\tseed\tsamples\tclosest\tshadow\trays\tother\tframe_cpu\traw_cpu"
       "\tframe_wall\traw_wall\n");
   for (int seed = 1; seed <= o.seeds; ++seed)
     for (const std::string& name : o.integrators)
-      for (const int threads : o.threads) measure(o, world, integrator_named(name), threads, seed);
+      for (const int threads : o.threads) measure(o, vista, integrator_named(name), threads, seed);
 }
 
 std::vector<std::string> split(const std::string& list) {

@@ -46,18 +46,18 @@ struct Pictures {
   std::vector<std::vector<double>> luminance;
 };
 
-void render_one(const World& world, const Integrator& integrator, uint64_t spp, uint64_t seed,
+void render_one(const Vista& vista, const Integrator& integrator, uint64_t spp, uint64_t seed,
                 int depth, Pictures& pictures) {
   Job how;
   how.max_depth = depth;
   how.limits.spp = spp;
   how.seed = seed;
   how.quiet = true;
-  const RenderResult r = render(world, integrator, how);
+  const RenderResult r = render(vista, integrator, how);
   pictures.spp = spp;
   pictures.cpu_seconds += r.progress->cpu_seconds;
   pictures.work =
-      WorkModel(world, integrator.mixture).per_sample(r.tally.rays, spp * r.picture.pixels.size());
+      WorkModel(vista, integrator.mixture).per_sample(r.tally.rays, spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
@@ -110,27 +110,28 @@ void print_truth(const char* scene, const std::string& label, const Pictures& p,
 }
 
 // For the candidates and all other integrators that can render the scene.
-void print_truths(const char* name, const World& world, const std::vector<Candidate>& candidates,
+void print_truths(const char* name, const Vista& vista, const std::vector<Candidate>& candidates,
                   const Settings& s) {
   std::vector<Candidate> all = candidates;
   for (const Integrator& i : kIntegrators) {
     const bool there = std::any_of(all.begin(), all.end(),
                                    [&](const Candidate& c) { return c.label == label_of(i); });
     const bool portal_one = i.mixture.has(Technique::portal);
-    if (!there && light_missed(i, world.scene).empty() && !(portal_one && world.portals.empty()))
+    if (!there && light_missed(i, vista.world->scene).empty() &&
+        !(portal_one && vista.openings.portals.empty()))
       all.push_back({i, label_of(i)});
   }
   std::vector<uint64_t> spp;
   for (const Candidate& c : all) {
     Pictures first;
-    render_one(world, c.integrator, 4, 1000, s.depth, first);
+    render_one(vista, c.integrator, 4, 1000, s.depth, first);
     const double per_sample = first.cpu_seconds / 4;
     spp.push_back(static_cast<uint64_t>(std::max(4.0, s.seconds / kPictures / per_sample)));
   }
   std::vector<Pictures> pictures(all.size());
   for (size_t n = 0; n < kPictures; ++n)
     for (size_t i = 0; i < all.size(); ++i)
-      render_one(world, all[i].integrator, spp[i], 2000 + n, s.depth, pictures[i]);
+      render_one(vista, all[i].integrator, spp[i], 2000 + n, s.depth, pictures[i]);
   const std::vector<double> reference = reference_of(pictures);
   for (size_t i = 0; i < all.size(); ++i) print_truth(name, all[i].label, pictures[i], reference);
 }
@@ -143,22 +144,22 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
   sky.environment = s.environment;
   add_sky(scene, sky, {}, read);
   const Camera& camera = scene.camera(s.camera);
-  World world(scene, camera, s.width, s.height, portals);
+  Vista vista(scene, camera, s.width, s.height, portals);
   // As in the program: portals are first turned to the way that light passes.
-  apply_ways(explore(world, camera, portals, s.depth, 1).ways, portals);
-  world.fill_openings(PortalSet(portals, scene.frame));
+  apply_ways(explore(vista, camera, portals, s.depth, 1).ways, portals);
+  vista.openings = Openings(*vista.world, portals);
   const std::vector<Candidate> candidates =
-      expecting_connections(world, auto_candidates(world), s.depth);
-  if (s.seconds > 0) print_truths(name, world, candidates, s);
+      expecting_connections(vista, auto_candidates(vista), s.depth);
+  if (s.seconds > 0) print_truths(name, vista, candidates, s);
   const auto pixels = static_cast<uint64_t>(s.width) * static_cast<uint64_t>(s.height);
-  Film film(s.width, s.height, world.lights.power());
+  Film film(s.width, s.height, vista.world->lights.power());
   for (const uint64_t length : s.lengths)
     for (int seed = 1; seed <= s.seeds; ++seed) {
       const double cpu = cpu_seconds();
       SampleRules rules;
       rules.max_depth = s.depth;
       rules.seed = static_cast<uint64_t>(seed);
-      Pilot pilot(world, candidates, rules);
+      Pilot pilot(vista, candidates, rules);
       pilot.draw(kFewestGroups, film);
       const uint64_t enough = groups_for(static_cast<double>(length * pixels), pilot);
       if (enough > pilot.groups()) pilot.draw(enough - pilot.groups(), film);

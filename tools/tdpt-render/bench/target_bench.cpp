@@ -52,10 +52,10 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
   std::vector<Portal> portals;
   for (size_t i = 2; i < files.size(); ++i)
     for (const Portal& p : read_portals(files[i]).portals) portals.push_back(p);
-  const World world(scene, scene.camera(""), s.width, s.height, portals);
+  const Vista vista(scene, scene.camera(""), s.width, s.height, portals);
   std::vector<Candidate> candidates;
   if (s.integrator == "auto") {
-    candidates = auto_candidates(world);
+    candidates = auto_candidates(vista);
   } else {
     const Integrator named = integrator_named(s.integrator);
     candidates.push_back({named, named.name});
@@ -65,7 +65,7 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
   std::vector<Picture> pictures;
   for (uint64_t seed = 1; seed <= s.seeds; ++seed) {
     settings.seed = seed;
-    const RenderResult r = render(world, candidates, settings);
+    const RenderResult r = render(vista, candidates, settings);
     pictures.push_back(r.picture);
     const TargetOutcome& t = *r.target;
     const Noise noise = t.noise.value_or(Noise{-1, 0, 0});

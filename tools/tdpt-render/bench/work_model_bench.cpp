@@ -43,26 +43,26 @@ struct Options {
 
 void measure(const std::string& scene_path, const std::vector<Portal>& portals, const Options& o) {
   const Scene scene = read_gltf(scene_path);
-  const World world(scene, scene.camera(""), o.width, o.height, portals);
+  const Vista vista(scene, scene.camera(""), o.width, o.height, portals);
   const std::optional<gpu::Device> device = device_asked(o.device);
   const std::shared_ptr<SampleRenderer> renderer =
-      device ? GpuUpload(*device, world, {}).renderer() : std::make_shared<CpuRenderer>(world);
+      device ? GpuUpload(*device, vista, {}).renderer(vista) : std::make_shared<CpuRenderer>(vista);
   const bool by_clock = device && device->info().kind != "cpu";
 
   for (int depth : kDepths)
-    for (const Candidate& c : auto_candidates(world)) {
+    for (const Candidate& c : auto_candidates(vista)) {
       Job settings;
       settings.limits.seconds = o.seconds;
       settings.max_depth = depth;
       const RenderResult r = render(*renderer, c.integrator, settings);
       const auto samples = r.spp() * static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
       std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
-                  Guide(world, c.integrator.mixture).sees_portals() ? 1 : 0,
+                  Guide(vista, c.integrator.mixture).sees_portals() ? 1 : 0,
                   (by_clock ? r.progress->seconds : r.progress->cpu_seconds) * 1e9 / static_cast<double>(samples));
       for (const auto& [name, member] : kTerms) {
         WorkCosts unit;
         unit.*member = 1;
-        const WorkModel model(world, c.integrator.mixture, unit);
+        const WorkModel model(vista, c.integrator.mixture, unit);
         std::printf("\t%.9g", model.per_sample(r.tally.rays, samples));
       }
       std::printf("\n");

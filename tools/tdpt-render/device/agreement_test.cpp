@@ -68,9 +68,9 @@ void expect_agreement(const Stage& stage, const Runs& runs,
                       const std::vector<const Integrator*>& chosen = {&nee, &tdpt_org,
                                                                       &tdpt_guided},
                       bool blocks_too = false) {
-  const auto world = stage.world(kWidth, kHeight);
-  CpuRenderer cpu(*world);
-  ScalarRenderer scalar(*world);
+  const Vista vista = stage.vista(kWidth, kHeight);
+  CpuRenderer cpu(vista);
+  ScalarRenderer scalar(vista);
   Runs others = runs;
   others.first_seed += 1000;
   for (const Integrator* integrator : chosen) {
@@ -157,7 +157,7 @@ TEST(device_agreement, sky_sun_and_windows) {
 // samples and paths. Integrators that resample connections choose others on a device.
 double share_that_differs(SampleRenderer& device, const Integrator& integrator) {
   const Runs runs{.spp = 4};
-  CpuRenderer cpu(device.world);
+  CpuRenderer cpu(device.vista);
   const RenderResult a = render_once(integrator, runs, 3, cpu),
                      b = render_once(integrator, runs, 3, device);
   const auto mean = static_cast<float>(luminance(Rgb(a.mean())));
@@ -171,8 +171,8 @@ double share_that_differs(SampleRenderer& device, const Integrator& integrator) 
 
 TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
   for (const Stage& stage : {two_rooms_stage(), door_stage(), lamps_stage(), solids_stage()}) {
-    const auto world = stage.world(kWidth, kHeight);
-    ScalarRenderer scalar(*world);
+    const Vista vista = stage.vista(kWidth, kHeight);
+    ScalarRenderer scalar(vista);
     for (const Integrator* integrator : {&pt, &nee}) {
       const double share = share_that_differs(scalar, *integrator);
       std::printf("%-10s %-11s %.4f of the pixels differ\n", stage.name.c_str(), integrator->name,
@@ -186,8 +186,8 @@ TEST(device_closeness, all_but_few_pixels_are_those_of_the_cpu) {
 class device_agreement_twin : public ::testing::Test {
  protected:
   testing::Agreement of(const char* what, const Integrator& integrator, const Faults& faults) {
-    ScalarRenderer scalar(*world_, kEnough, faults);
-    CpuRenderer cpu(*world_);
+    ScalarRenderer scalar(vista_, kEnough, faults);
+    CpuRenderer cpu(vista_);
     const testing::BlockRuns found = blocks(scalar, integrator, runs_),
                              known = blocks(cpu, integrator, runs_);
     const testing::Agreement same = asked(testing::compare_paired, found, known, runs_);
@@ -201,12 +201,12 @@ class device_agreement_twin : public ::testing::Test {
   }
   void stand_before(const Stage& stage) {
     stage_ = stage;
-    world_ = stage_.world(kWidth, kHeight);
+    vista_ = stage_.vista(kWidth, kHeight);
   }
 
   Runs runs_{};
   Stage stage_ = two_rooms_stage();
-  std::unique_ptr<World> world_ = stage_.world(kWidth, kHeight);
+  Vista vista_ = stage_.vista(kWidth, kHeight);
 };
 
 TEST_F(device_agreement_twin, control_nothing_is_wrong) {
@@ -290,9 +290,10 @@ TEST_F(device_agreement_twin, a_technique_that_is_weighed_but_not_run_is_caught)
 // Twin of the above: a colour off by half a per cent changes nearly every pixel.
 TEST_F(device_agreement_twin, pixels_off_by_half_a_percent_are_seen) {
   stand_before(solids_stage());
-  ScalarRenderer scalar(*world_, kEnough, Faults{.tables = [](RenderTables& t) {
-    for (shader::SurfaceMaterial& m : t.surfaces.materials) m.base_color = m.base_color * 1.005f;
-  }});
+  ScalarRenderer scalar(vista_, kEnough, Faults{.tables = [](RenderTables& t) {
+                          for (shader::SurfaceMaterial& m : t.surfaces.materials)
+                            m.base_color = m.base_color * 1.005f;
+                        }});
   EXPECT_GT(share_that_differs(scalar, nee), 0.5);
 }
 

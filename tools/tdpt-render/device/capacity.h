@@ -1,4 +1,4 @@
-// Whether a world and its film fit into a device's memory, and how much is left for samples.
+// Whether a vista and its film fit into a device's memory, and how much is left for samples.
 #pragma once
 #include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/device/machine.h"

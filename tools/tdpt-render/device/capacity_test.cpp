@@ -96,8 +96,8 @@ TEST(capacity, of_a_film_that_words_cannot_count_is_refused) {
 
 TEST(capacity, knows_all_tables_of_a_scene_by_name) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
-  const std::vector<SceneShare> shares = shares_of(RenderTables(world));
+  const Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
+  const std::vector<SceneShare> shares = shares_of(RenderTables(vista));
   const auto bytes = [&](const std::string& name) -> uint64_t {
     for (const SceneShare& b : shares)
       if (b.name == name) return b.bytes;
@@ -109,12 +109,12 @@ TEST(capacity, knows_all_tables_of_a_scene_by_name) {
 
 TEST(capacity, is_asked_for_before_portals_are_turned_and_tables_follow) {
   const Scene scene = read_gltf(two_rooms_path());
-  World world(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
-  RenderTables tables(world);
-  world.fill_openings(PortalSet({}, scene.frame));
-  tables.follow(world);
+  Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
+  RenderTables tables(vista);
+  vista.openings = Openings(*vista.world, {});
+  tables.follow(vista);
   EXPECT_TRUE(tables.portals.polygons.empty());
-  const RenderTables anew(world);
+  const RenderTables anew(vista);
   EXPECT_EQ(tables.lights.words, anew.lights.words);
 }
 

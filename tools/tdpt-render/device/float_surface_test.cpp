@@ -75,7 +75,7 @@ double distance(const shader::Point& a, const Point& b) {
 
 // Distances between points in floats and in doubles, sorted; `shift` moves them apart.
 std::vector<double> distances(const Both& both, float shift) {
-  const World world(both.scene(), any_camera(), 4, 4, {});
+  const Vista vista(both.scene(), any_camera(), 4, 4, {});
   std::vector<double> found;
   for (uint64_t i = 0; i < 40 * SurfaceHeap::kTriangles; ++i) {
     const Place at = draw_place(i);
@@ -86,7 +86,7 @@ std::vector<double> distances(const Both& both, float shift) {
     hit.triangle = at.triangle, hit.b1 = at.b1, hit.b2 = at.b2;
     hit.position = s.p0 + s.e1 * hit.b1 + s.e2 * hit.b2, hit.normal = s.normal;
     Point exact;
-    place_on_surface(world, hit, exact);
+    place_on_surface(*vista.world, hit, exact);
     found.push_back(distance(mine, exact));
   }
   std::sort(found.begin(), found.end());
@@ -147,7 +147,7 @@ TEST(float_surface, rays_are_stopped_as_often_as_coverage_and_opacity_say) {
 
 TEST(float_surface, the_inside_of_a_solid_absorbs) {
   const Both both;
-  const World world(both.scene(), any_camera(), 4, 4, {});
+  const Vista vista(both.scene(), any_camera(), 4, 4, {});
   int absorbed = 0;
   for (uint64_t i = 0; i < SurfaceHeap::kTriangles; ++i) {
     shader::Point a, b;

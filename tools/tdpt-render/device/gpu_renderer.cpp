@@ -3,28 +3,18 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 
 namespace tdpt {
-namespace {
 
-uint32_t film_words(const World& world, const FilmPlanes& planes) {
-  const auto pixels =
-      static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
-  return FilmPlaces(pixels, planes, world.portals.portals()).words;
-}
-
-}  // namespace
-
-GpuUpload::GpuUpload(const gpu::Device& device, const World& world, const FilmPlanes& planes)
+GpuUpload::GpuUpload(const gpu::Device& device, const Vista& vista, const FilmPlanes& planes)
     : device_(device),
-      world_(world),
-      planes_(planes),
-      tables_(world),
-      room_(capacity_on(device, tables_, film_words(world, planes))) {}
+      tables_(vista),
+      film_words_(
+          FilmPlaces(vista.view.film.pixels(), planes, vista.openings.portals.portals()).words),
+      room_(capacity_on(device, tables_, film_words_)) {}
 
-std::shared_ptr<SampleRenderer> GpuUpload::renderer() {
-  tables_.follow(world_);
+std::shared_ptr<SampleRenderer> GpuUpload::renderer(const Vista& vista) {
+  tables_.follow(vista);
   return std::make_shared<WavefrontRenderer>(
-      world_, make_gpu_machine(device_, tables_, room_, film_words(world_, planes_)),
-      device_.info().name);
+      vista, make_gpu_machine(device_, tables_, room_, film_words_), device_.info().name);
 }
 
 }  // namespace tdpt

@@ -9,21 +9,20 @@
 
 namespace tdpt {
 
-/// The upload of a world to a device, in two stages: the constructor checks that it fits before any
-/// work begins, renderer() uploads its final portals and light probabilities.
+/// The upload of a vista to a device, in two stages: the constructor checks that it fits before
+/// any work begins, renderer() uploads its final openings.
 class GpuUpload {
  public:
-  /// `planes`: what films may have. The world must outlive it. Throws Error (no_device), with both
-  /// numbers, if the scene or the film is too large.
-  GpuUpload(const gpu::Device& device, const World& world, const FilmPlanes& planes);
-  /// Uploads the world as it is now; the world must outlive the renderer, too. Call once.
-  std::shared_ptr<SampleRenderer> renderer();
+  /// `planes`: what films may have. Throws Error (no_device), with both numbers, if the scene or
+  /// the film is too large.
+  GpuUpload(const gpu::Device& device, const Vista& vista, const FilmPlanes& planes);
+  /// `vista`, which must outlive the renderer: as before, but for its openings. Call once.
+  std::shared_ptr<SampleRenderer> renderer(const Vista& vista);
 
  private:
   gpu::Device device_;
-  const World& world_;
-  const FilmPlanes planes_;
   RenderTables tables_;
+  const uint32_t film_words_;
   const Capacity room_;
 };
 

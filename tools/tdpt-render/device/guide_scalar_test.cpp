@@ -125,8 +125,11 @@ struct Trial {
   const Points points;
   Off off;
 
-  Trial(const World& world, const Mixture& mixture)
-      : tables(world.portals), scalar(tables), guide(world, mixture), points(world.scene) {
+  Trial(const Vista& vista, const Mixture& mixture)
+      : tables(vista.openings.portals),
+        scalar(tables),
+        guide(vista, mixture),
+        points(vista.world->scene) {
     scalar.render = {static_cast<float>(mixture.guiding.chance[0]),
                      static_cast<float>(mixture.guiding.chance[1])};
     scalar.guide_active = guide.active();
@@ -233,9 +236,9 @@ struct Trial {
 
 Off off_of(const PortalSet& set, const Mixture& mixture, const PortalSet* mine = nullptr) {
   const Scene scene = few_things();
-  World world(scene, scene.cameras[0], 16, 16, {});
-  world.fill_openings(set);
-  Trial trial(world, mixture);
+  Vista vista(scene, scene.cameras[0], 16, 16, {});
+  vista.openings.portals = set;
+  Trial trial(vista, mixture);
   const PortalTables others(mine ? *mine : set);
   if (mine) trial.scalar = ScalarPortals(others);
   Rng rng(41, 0, 0);

@@ -57,7 +57,7 @@ void add_lamps(const World& world, const WordTable& table, double radiance_unit,
 }
 
 void add_rect_lights(const World& world, LightTables& tables) {
-  for (const RectLight& rect_light : world.next_events.rect_lights()) {
+  for (const RectLight& rect_light : world.rect_lights) {
     shader::RectLight p{};
     p.corner = Vec3f(rect_light.corner);
     p.x = Vec3f(rect_light.x);
@@ -94,23 +94,23 @@ void fill_up(LightTables& tables) {
 
 }  // namespace
 
-LightTables make_light_tables(const World& world, double radiance_unit) {
+LightTables make_light_tables(const Vista& vista, double radiance_unit) {
   LightTables tables;
   shader::LightSettings& settings = tables.settings;
-  const Lights& lights = world.lights;
+  const Lights& lights = vista.world->lights;
   std::vector<double> weights;
   for (uint32_t i = 0; i < lights.emitters().size() + lights.lamps().size(); ++i)
-    weights.push_back(lights.pdf_1(i));
+    weights.push_back(vista.openings.selection.pdf_1(i));
   tables.has_sky = lights.sky() != nullptr;
-  if (tables.has_sky) weights.push_back(lights.sky()->pdf_1());
+  if (tables.has_sky) weights.push_back(vista.openings.selection.sky_pdf_1());
   WordTable table;
   if (!weights.empty()) table = add_word_table(weights, tables.words);
   settings.first_begin = table.begin;
   settings.first_guide = table.guide;
   settings.entries = table.entries;
   settings.radius = static_cast<float>(lights.radius());
-  add_emitters(world, table, tables);
-  add_lamps(world, table, radiance_unit, tables);
+  add_emitters(*vista.world, table, tables);
+  add_lamps(*vista.world, table, radiance_unit, tables);
   uint64_t of_surfaces = 0;
   for (uint32_t i = 0; i < settings.emitters; ++i) of_surfaces += table.words_of(tables.words, i);
   settings.surfaces = static_cast<float>(static_cast<double>(of_surfaces) * 0x1p-32);
@@ -120,10 +120,10 @@ LightTables make_light_tables(const World& world, double radiance_unit) {
     settings.sky_pdf_1 = static_cast<float>(static_cast<double>(words) * 0x1p-32);
     settings.sky_extent = static_cast<float>(lights.sky()->cos_per_pdf_w({}));
     spread_words(words, settings);
-    add_sky(world, radiance_unit, tables);
-    add_windows(world, radiance_unit, tables);
+    add_sky(vista, radiance_unit, tables);
+    add_windows(vista.openings.windows, radiance_unit, tables);
   }
-  add_rect_lights(world, tables);
+  add_rect_lights(*vista.world, tables);
   fill_up(tables);
   return tables;
 }

@@ -1,4 +1,4 @@
-// The lights of a world in the layout of shaders/shared/path/lights_layout.h, for a device or for
+// The lights of a vista in the layout of shaders/shared/path/lights_layout.h, for a device or for
 // the scalar build of its kernels.
 #pragma once
 #include <vector>
@@ -29,8 +29,7 @@ struct LightTables {
   bool prefers = false;  ///< light walks prefer some directions of the sky
 };
 
-/// Radiance is divided by `radiance_unit`. The tables are those of the world as it is now: if
-/// portals or light probabilities change later, make new ones.
-LightTables make_light_tables(const World& world, double radiance_unit);
+/// Radiance is divided by `radiance_unit`.
+LightTables make_light_tables(const Vista& vista, double radiance_unit);
 
 }  // namespace tdpt

@@ -92,7 +92,7 @@ TEST(lights_scalar, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bi
                                        "rectangular lights and windows",
                                        "luminaires"};
   size_t lamps = 0;
-  for (const auto& lit : lit_worlds(named)) {
+  for (const auto& lit : lit_vistas(named)) {
     const std::vector<shader::Shaded> places = shaded_places(lit->scene);
     const std::vector<uint32_t> theirs = device_words(lit->tables, places);
     const Differences d = compare_words(theirs, lit->tables, places);
@@ -109,14 +109,15 @@ TEST(lights_scalar, a_device_makes_the_same_words_of_all_lights_and_one_wrong_bi
 }
 
 // Index of the renderer's light: its kind, and which of the lamps.
-uint32_t source_of(const LitWorld& lit, const LightSource& source) {
+uint32_t source_of(const LitVista& lit, const LightSource& source) {
   if (source.is_sky()) return shader::SOURCE_SKY;
-  if (&source == &lit.world.lights.surface(false)) return shader::SOURCE_FRONT;
-  if (&source == &lit.world.lights.surface(true)) return shader::SOURCE_BOTH;
-  return shader::SOURCE_LAMPS + static_cast<uint32_t>(&source - lit.world.lights.lamps().data());
+  if (&source == &lit.vista.world->lights.surface(false)) return shader::SOURCE_FRONT;
+  if (&source == &lit.vista.world->lights.surface(true)) return shader::SOURCE_BOTH;
+  return shader::SOURCE_LAMPS +
+         static_cast<uint32_t>(&source - lit.vista.world->lights.lamps().data());
 }
-const LightSource& source_at(const LitWorld& lit, uint32_t source) {
-  const Lights& lights = lit.world.lights;
+const LightSource& source_at(const LitVista& lit, uint32_t source) {
+  const Lights& lights = lit.vista.world->lights;
   if (source == shader::SOURCE_SKY) return *lights.sky();
   if (source < shader::SOURCE_SKY) return lights.surface(source == shader::SOURCE_BOTH);
   return lights.lamps()[source - shader::SOURCE_LAMPS];
@@ -128,12 +129,12 @@ double difference(const Vec3f& a, const Vec3d& b) {
 
 // The same random numbers select the same point on surfaces and lamps, with the same density.
 TEST(lights, are_chosen_as_the_renderer_chooses_them) {
-  for (const auto& lit : lit_worlds()) {
+  for (const auto& lit : lit_vistas()) {
     int others = 0;
     for (uint64_t i = 0; i < 20000; ++i) {
       const FourNumbers n(72, i);
       const shader::LightPlace p = lit->scalar.sample_light(n.pick, n.u, n.v, n.side);
-      const Lights::Point q = lit->world.lights.sample(n.pick, n.u, n.v, n.side);
+      const Lights::Point q = lit->vista.openings.selection.sample(n.pick, n.u, n.v, n.side);
       if (p.source != source_of(*lit, *q.source) || p.triangle != q.triangle) {
         ++others;
         continue;
@@ -151,7 +152,7 @@ TEST(lights, are_chosen_as_the_renderer_chooses_them) {
 
 // For the same point: the ray that leaves, its radiance, the densities.
 TEST(lights, shine_as_the_renderer_has_them) {
-  for (const auto& lit : lit_worlds()) {
+  for (const auto& lit : lit_vistas()) {
     for (uint64_t i = 0; i < 5000; ++i) {
       const FourNumbers n(73, i), m(74, i);
       const shader::LightPlace p = lit->scalar.sample_light(n.pick, n.u, n.v, n.side);
@@ -162,7 +163,7 @@ TEST(lights, shine_as_the_renderer_has_them) {
       q.normal = Vec3d(p.normal);
       shader::vec3 origin, w;
       lit->scalar.leave_light(p, m.u, m.v, origin, w);
-      const Lights::Ray ray = lit->world.lights.leave(q, m.u, m.v);
+      const Lights::Ray ray = lit->vista.world->lights.leave(q, m.u, m.v);
       ASSERT_LT(difference(origin, ray.origin), 2e-6) << lit->name;
       ASSERT_LT(difference(w, ray.direction), 1e-6) << lit->name;
       EXPECT_EQ(lit->scalar.source_met(p.source), source.met());
@@ -188,7 +189,7 @@ TEST(lights, shine_as_the_renderer_has_them) {
 }
 
 // Over the area of emitters, each lamp, and a lattice of the sky.
-double sum_of_densities(const LitWorld& lit) {
+double sum_of_densities(const LitVista& lit) {
   double sum = 0;
   for (uint32_t t = 0; t < lit.scene.triangles.size(); ++t)
     sum += lit.scalar.light_pdf(shader::SOURCE_FRONT, t, {}, {}) * shape_of(lit.scene, t).area;
@@ -197,14 +198,15 @@ double sum_of_densities(const LitWorld& lit) {
   return sum + (lit.tables.has_sky ? lit.tables.settings.sky_pdf_1 : 0);
 }
 TEST(lights, have_densities_that_add_up_to_one) {
-  for (const auto& lit : lit_worlds()) EXPECT_NEAR(sum_of_densities(*lit), 1, 1e-5) << lit->name;
+  for (const auto& lit : lit_vistas()) EXPECT_NEAR(sum_of_densities(*lit), 1, 1e-5) << lit->name;
 }
 
 // The pilot may change the probabilities of kinds: tables made then have them.
 TEST(lights, are_chosen_by_the_shares_that_are_asked_for) {
-  LitWorld lit("uneven", open_room(uneven_sky()), {});
-  lit.world.lights.choose_by({0.1, 0.2, 0.3, 0.4});
-  const LightTables tables = make_light_tables(lit.world, kUnit);
+  LitVista lit("uneven", open_room(uneven_sky()), {});
+  const Lights::KindProbabilities asked{0.1, 0.2, 0.3, 0.4};
+  lit.vista.openings = Openings(*lit.vista.world, {}, asked);
+  const LightTables tables = make_light_tables(lit.vista, kUnit);
   const shader::ScalarLights scalar(tables);
   std::vector<uint64_t> counts(4);
   for (uint64_t i = 0; i < 60000; ++i) {
@@ -225,7 +227,7 @@ TEST(lights, of_many_strengths_are_chosen_with_their_density) {
   for (int i = 0; i < 300; ++i)
     add_rect_light(scene, {0.1 + 0.006 * i, 1.9, 0}, {0.005, 0, 0}, {0, 0, 0.1},
                    Rgb(static_cast<float>(std::pow(10.0, -0.02 * (i % 300)))));
-  const LitWorld lit("many", scene, {});
+  const LitVista lit("many", scene, {});
   ASSERT_EQ(lit.tables.settings.emitters, 600u);
   std::vector<uint64_t> counts(scene.triangles.size());
   constexpr uint64_t kSamples = 200000;
@@ -249,7 +251,7 @@ TEST(lights, of_many_strengths_are_chosen_with_their_density) {
 // The remainder of a random number that selected the sky fills 32 bits without gaps, so that
 // entries of a few words get their share too.
 TEST(lights, words_in_the_sky_are_even_to_the_last_bit) {
-  const LitWorld lit("colour", open_room(one_colour_sky({1, 2, 3})), {});
+  const LitVista lit("colour", open_room(one_colour_sky({1, 2, 3})), {});
   ASSERT_LT(lit.tables.settings.sky_pdf_1, 0.99f);
   std::vector<uint64_t> high(256), middle(256), low(256);
   double n = 0;
@@ -266,7 +268,7 @@ TEST(lights, words_in_the_sky_are_even_to_the_last_bit) {
 
 // Without emission there is nothing to sample.
 TEST(lights, there_may_be_none) {
-  const LitWorld lit("dark", without_lamps(read_gltf(two_rooms_path())), {});
+  const LitVista lit("dark", without_lamps(read_gltf(two_rooms_path())), {});
   EXPECT_EQ(lit.scalar.sample_light(0.5f, 0.5f, 0.5f, 0.5f).source, shader::SOURCE_NONE);
 }
 
@@ -282,7 +284,7 @@ TEST(lights, of_any_width_and_strength_are_found) {
   lamp.kind = PunctualLight::Kind::point;
   lamp.intensity = Rgb(1e-20f);
   scene.lights.push_back(lamp);
-  const LitWorld lit("narrow", scene, {});
+  const LitVista lit("narrow", scene, {});
   int faint = 0, lit_ones = 0, spots = 0;
   for (uint64_t i = 0; i < 10000; ++i) {
     const FourNumbers n(76, i), m(77, i);

@@ -40,9 +40,9 @@ class lost_device : public ::testing::Test {
   // The machine fails at step number `steps`; -1: never.
   std::shared_ptr<SampleRenderer> lost_after(int steps) {
     left_ = steps;
-    const FilmPlaces places(24 * 18, {.layers = true}, world_.portals.portals());
+    const FilmPlaces places(24 * 18, {.layers = true}, vista_.openings.portals.portals());
     return std::make_shared<WavefrontRenderer>(
-        world_,
+        vista_,
         std::make_unique<LostMachine>(
             make_scalar_machine(tables_, {1u << 16, 1u << 10}, places.words), left_),
         "lost");
@@ -81,8 +81,8 @@ class lost_device : public ::testing::Test {
   }
 
   const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
-  const RenderTables tables_{world_};
+  const Vista vista_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
+  const RenderTables tables_{vista_};
   int left_ = 0;
 };
 
@@ -106,7 +106,7 @@ TEST_F(lost_device, keeps_all_whole_passes_and_another_goes_on_to_the_same_bytes
 class Careless : public SampleRenderer {
  public:
   explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)
-      : SampleRenderer(sound->world), sound_(std::move(sound)), left_(passes) {}
+      : SampleRenderer(sound->vista), sound_(std::move(sound)), left_(passes) {}
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
     if (left_-- > 0)

@@ -22,7 +22,7 @@ struct Seen {
   shader::LightContext light_context{};
   Vertex v;
 
-  Seen(const LitWorld& lit, const Place& place) {
+  Seen(const LitVista& lit, const Place& place) {
     const Vec3d normal = normalize(place.normal);
     p.position = Vec3f(lit.scene.frame.to_canonical(place.place));
     p.normal = p.shading = Vec3f(normal);
@@ -35,22 +35,22 @@ struct Seen {
     v.material = &lit.scene.materials[0];
     v.simple = p.simple;
     if (place.both_ways) v.bsdf.through = Rgb(0.5f);
-    lit.world.next_events.look_out(v.normal, v);
-    lit.world.next_events.look_at_rect_lights(v);
+    lit.vista.next_events().look_out(v.normal, v);
+    lit.vista.next_events().look_at_rect_lights(v);
   }
 };
 
-float pdf_of(const LitWorld& lit, const Seen& s, const shader::LightPlace& at) {
+float pdf_of(const LitVista& lit, const Seen& s, const shader::LightPlace& at) {
   return lit.scalar.next_event_pdf(s.p, s.light_context, kThrough, at.source, at.triangle,
                                    at.position, at.in_sky);
 }
-shader::LightPlace sampled(const LitWorld& lit, Seen& s, uint64_t seed, uint64_t i) {
+shader::LightPlace sampled(const LitVista& lit, Seen& s, uint64_t seed, uint64_t i) {
   const FourNumbers n(seed, i);
   return lit.scalar.sample_next_event(s.p, s.light_context, kThrough, n.pick, n.u, n.v, n.side);
 }
 
-std::unique_ptr<LitWorld> rect_lights() {
-  return std::make_unique<LitWorld>("rectangular lights", with_rect_lights(diffuse_rooms()),
+std::unique_ptr<LitVista> rect_lights() {
+  return std::make_unique<LitVista>("rectangular lights", with_rect_lights(diffuse_rooms()),
                                     std::vector<Portal>{});
 }
 const std::vector<Place> kBeforeRectLights{
@@ -67,7 +67,7 @@ double at_rect_lights(const Place& shaded, const Place& claimed) {
   const auto lit = rect_lights();
   Seen s(*lit, shaded);
   const Seen other(*lit, claimed);
-  const std::vector<RectLight>& all = lit->world.next_events.rect_lights();
+  const std::vector<RectLight>& all = lit->vista.world->rect_lights;
   std::vector<double> probability;
   double sum = 0;
   for (const RectLight& rect_light : all) {
@@ -125,7 +125,7 @@ TEST(next_event_scalar, rect_lights_are_the_renderers) {
     EXPECT_NEAR(s.light_context.sent / s.v.light_context.sent, 1, 3e-4);
     for (uint64_t i = 0; i < 2000; ++i) {
       const FourNumbers n(92, i);
-      const Lights::Point q = lit->world.next_events.sample(s.v, 0, n.pick, n.u, n.v, n.side);
+      const Lights::Point q = lit->vista.next_events().sample(s.v, 0, n.pick, n.u, n.v, n.side);
       const float pdf = lit->scalar.next_event_pdf(s.p, s.light_context, 0, shader::SOURCE_FRONT,
                                                    q.triangle, Vec3f(q.position), {});
       EXPECT_NEAR(pdf / q.pdf, 1, 1e-3);
@@ -143,7 +143,7 @@ TEST(next_event_scalar, rect_lights_that_send_nothing_are_not_chosen) {
     Seen s(*lit, dark);
     EXPECT_EQ(s.light_context.sent, 0);
     EXPECT_EQ(sampled(*lit, s, 93, 0).source, shader::SOURCE_NONE);
-    for (const RectLight& rect_light : lit->world.next_events.rect_lights())
+    for (const RectLight& rect_light : lit->vista.world->rect_lights)
       EXPECT_EQ(lit->scalar.next_event_pdf(s.p, s.light_context, 0, shader::SOURCE_FRONT,
                                            rect_light.triangle0, Vec3f(rect_light.corner), {}),
                 0);
@@ -182,16 +182,16 @@ const std::vector<Place> kBehindWindows{{{3, 0, 0}, {0, 1, 0}},
                                         {{3, 0.3, -0.4}, {0, 0, 1}},
                                         {{3, 1.2, 0.6}, {0.3, 0, -1}, true}};
 
-std::unique_ptr<LitWorld> behind_windows(bool one_colour) {
+std::unique_ptr<LitVista> behind_windows(bool one_colour) {
   const auto suns = std::vector{sun_of({0.3, 1, 0.4}, 12 * kDegree, 4)};
-  return std::make_unique<LitWorld>(
+  return std::make_unique<LitVista>(
       "windows", open_room(one_colour ? one_colour_sky({1, 2, 3}) : uneven_sky(suns)),
       three_windows());
 }
 
 // `through`: probability, according to the density, of looking through windows. Samples below the
 // horizon are not evaluated: they count where they were drawn.
-double at_windows(const LitWorld& lit, const Place& place, float through, int fine) {
+double at_windows(const LitVista& lit, const Place& place, float through, int fine) {
   Seen s(lit, place);
   EXPECT_GT(s.light_context.seen, 0);
   std::vector<double> probability(kBins);
@@ -233,7 +233,7 @@ TEST(next_event_scalar, twin_windows_that_are_looked_through_more_often_than_is_
 // Radiance and densities are the renderer's; every sample that does not lie on a window's edge is
 // found in it again.
 TEST(next_event_scalar, windows_are_the_renderers) {
-  for (const auto& lit : lit_worlds()) {
+  for (const auto& lit : lit_vistas()) {
     if (!lit->tables.has_windows) continue;
     for (const Place& place : kBehindWindows) {
       Seen s(*lit, place);
@@ -249,8 +249,8 @@ TEST(next_event_scalar, windows_are_the_renderers) {
                                                    s.light_context.seen, n.pick, n.u, n.v);
         const double mine = lit->scalar.windows_pdf_w(s.p.position, s.light_context.facing,
                                                       s.light_context.seen, w);
-        const double theirs = lit->world.windows.pdf_w(s.v.position, s.v.light_context.facing,
-                                                       s.v.light_context.seen, normalize(Vec3d(w)));
+        const double theirs = lit->vista.openings.windows.pdf_w(
+            s.v.position, s.v.light_context.facing, s.v.light_context.seen, normalize(Vec3d(w)));
         ASSERT_GT(mine, 0) << lit->name << ' ' << place.place.x << ' ' << i;
         off += !(std::abs(mine / theirs - 1) < 5e-3);
       }
@@ -274,7 +274,7 @@ Moments moments(const Estimate& estimate) {
   return {mean, squares / kEstimates - mean * mean};
 }
 // Unoccluded irradiance from the sky at an upright surface, by each.
-Moments by_scalar(const LitWorld& lit, Seen& s) {
+Moments by_scalar(const LitVista& lit, Seen& s) {
   return moments([&](const FourNumbers& n) {
     const shader::LightPlace p =
         lit.scalar.sample_next_event(s.p, s.light_context, kThrough, n.pick, n.u, n.v, n.side);
@@ -283,15 +283,15 @@ Moments by_scalar(const LitWorld& lit, Seen& s) {
     return cosine * luminance(p.in_sky.radiance) * kUnit / p.pdf;
   });
 }
-Moments by_renderer(const LitWorld& lit, Seen& s) {
+Moments by_renderer(const LitVista& lit, Seen& s) {
   return moments([&](const FourNumbers& n) {
-    const Lights::Point q = lit.world.next_events.sample(s.v, kThrough, n.pick, n.u, n.v, n.side);
+    const Lights::Point q = lit.vista.next_events().sample(s.v, kThrough, n.pick, n.u, n.v, n.side);
     if (!q.source || !q.source->is_sky()) return 0.0;
     Point light;
     light.source = q.source;
     light.position = q.position;
     light.in_sky = q.in_sky;
-    const double pdf = lit.world.next_events.pdf(s.v, light).of(kThrough);
+    const double pdf = lit.vista.next_events().pdf(s.v, light).of(kThrough);
     const double cosine = std::max(-dot(q.position, s.v.normal), 0.0);
     return pdf > 0 ? cosine * luminance(q.in_sky.radiance) / pdf : 0.0;
   });
@@ -301,7 +301,7 @@ double off_by(const Moments& a, const Moments& b, double fault) {
   return std::abs(a.mean * fault - b.mean) / std::sqrt((a.variance + b.variance) / kEstimates);
 }
 TEST(next_event_scalar, estimates_are_the_renderers_and_no_noisier) {
-  for (const auto& lit : lit_worlds()) {
+  for (const auto& lit : lit_vistas()) {
     if (!lit->tables.has_sky) continue;
     Seen s(*lit, {{3, 0, 0}, {0, 1, 0}});
     const Moments mine = by_scalar(*lit, s), theirs = by_renderer(*lit, s);
@@ -333,7 +333,7 @@ TEST(next_event_scalar, windows_are_finite_at_the_extremes) {
 // Most of the table is the sun's: a window that does not show it must keep its precision.
 TEST(next_event_scalar, beside_a_sun_the_rest_of_the_sky_is_seen_as_exactly) {
   const auto with = [](float irradiance) {
-    return std::make_unique<LitWorld>(
+    return std::make_unique<LitVista>(
         "sun",
         open_room(std::make_shared<Sky>(uneven_map(), 0.3,
                                         std::vector{sun_of({1, 0.35, 0.1}, kDegree, irradiance)}),

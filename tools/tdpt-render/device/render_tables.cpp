@@ -13,19 +13,19 @@ std::vector<float> in_floats(std::span<const double> curves) {
 
 }  // namespace
 
-RenderTables::RenderTables(const World& world)
-    : radiance_unit(Film::power_of_two(world.lights.power())),
-      surfaces(make_surfaces(world.scene, radiance_unit)),
+RenderTables::RenderTables(const Vista& vista)
+    : radiance_unit(Film::power_of_two(vista.world->lights.power())),
+      surfaces(make_surfaces(vista.world->scene, radiance_unit)),
       surface_curves(in_floats(tdpt::surface_curves())),
       sheen_curves(surfaces.features.sheen ? in_floats(tdpt::sheen_curves())
                                            : std::vector<float>()),
-      lights(make_light_tables(world, radiance_unit)),
-      portals(world.portals),
-      bvh(build_bvh(world.scene)) {}
+      lights(make_light_tables(vista, radiance_unit)),
+      portals(vista.openings.portals),
+      bvh(build_bvh(vista.world->scene)) {}
 
-void RenderTables::follow(const World& world) {
-  lights = make_light_tables(world, radiance_unit);
-  portals = PortalTables(world.portals);
+void RenderTables::follow(const Vista& vista) {
+  lights = make_light_tables(vista, radiance_unit);
+  portals = PortalTables(vista.openings.portals);
 }
 
 shader::SceneSpans::SceneSpans(const RenderTables& t)

@@ -1,4 +1,4 @@
-// Everything kernels know of a world, as flat tables.
+// Everything kernels know of a vista, as flat tables.
 #pragma once
 #include <span>
 
@@ -11,10 +11,9 @@
 namespace tdpt {
 
 struct RenderTables {
-  /// Of the world as it is now: if portals or light probabilities change later, call follow().
-  explicit RenderTables(const World& world);
-  /// Updates the portals and light probabilities; the rest of the world must be unchanged.
-  void follow(const World& world);
+  explicit RenderTables(const Vista& vista);
+  /// Takes over the openings of `vista`; its world must be the same.
+  void follow(const Vista& vista);
 
   double radiance_unit;  ///< divisor of radiance in the tables, a power of two
   SurfaceTables surfaces;

@@ -34,12 +34,12 @@ class device_bytes : public ::testing::Test {
 
 using long_device_bytes = device_bytes;
 
-// Both machines of a stage, for worlds of up to kWidth x kHeight pixels.
+// Both machines of a stage, for pictures of up to kWidth x kHeight pixels.
 class Pair {
  public:
   Pair(const gpu::Device& device, const Stage& stage)
-      : stage_(stage), largest_(stage.world(kWidth, kHeight)), tables_(*largest_) {
-    const uint32_t words = film_words(*largest_);
+      : stage_(stage), largest_(stage.vista(kWidth, kHeight)), tables_(largest_) {
+    const uint32_t words = film_words(largest_);
     gpu_ = make_gpu_machine(device, tables_, kEnough, words);
     twin_ = make_scalar_machine(tables_, kEnough, words);
   }
@@ -49,10 +49,10 @@ class Pair {
   };
   Outcomes rendered(int width, int height, const Integrator& integrator, const Samples& samples,
                     const Capacity& room = kEnough) const {
-    const auto world = stage_.world(width, height);
+    const Vista vista = stage_.vista(width, height);
     const auto by = [&](Machine& machine) {
-      WavefrontRenderer renderer(*world, std::make_unique<Borrowed>(machine, room), "borrowed");
-      return rendered_by(renderer, *world, integrator, samples);
+      WavefrontRenderer renderer(vista, std::make_unique<Borrowed>(machine, room), "borrowed");
+      return rendered_by(renderer, vista, integrator, samples);
     };
     return {by(*gpu_), by(*twin_)};
   }
@@ -66,7 +66,7 @@ class Pair {
 
  private:
   const Stage& stage_;
-  const std::unique_ptr<World> largest_;
+  const Vista largest_;
   const RenderTables tables_;
   std::unique_ptr<Machine> gpu_, twin_;
 };
@@ -146,14 +146,14 @@ TEST_F(long_device_bytes, of_generated_rooms) {
 // With everything the program adds: the device's own capacity, passes, errors, auto.
 TEST_F(device_bytes, by_the_renderer_that_the_program_has) {
   const Stage stage = sky_stage();
-  const auto world = stage.world(kWidth, kHeight);
+  const Vista vista = stage.vista(kWidth, kHeight);
   Job settings;
   settings.limits.spp = 5;
   settings.max_depth = 6;
   settings.alpha = settings.layers = settings.halves = true;
-  const auto by_device = GpuUpload(device(), *world, {true, true}).renderer();
-  ScalarRenderer by_scalar(*world);
-  std::vector<std::vector<Candidate>> all{auto_candidates(*world)};
+  const auto by_device = GpuUpload(device(), vista, {true, true}).renderer(vista);
+  ScalarRenderer by_scalar(vista);
+  std::vector<std::vector<Candidate>> all{auto_candidates(vista)};
   all.push_back({{tdpt_guided, ""}});
   for (const std::vector<Candidate>& candidates : all) {
     const RenderResult a = render(*by_device, candidates, settings),
@@ -191,10 +191,10 @@ TEST_F(device_bytes, twin_one_wrong_bit_in_a_table_is_seen) {
   const Samples samples{{0, 4}, {8}};
   const Pair::Outcomes both = Pair(device(), stage).rendered(kWidth, kHeight, tdpt_org, samples);
   EXPECT_EQ(both.gpu, both.scalar);
-  const auto world = stage.world(kWidth, kHeight);
+  const Vista vista = stage.vista(kWidth, kHeight);
   for (size_t i = 0; i < spoils.size(); ++i) {
-    ScalarRenderer spoilt(*world, kEnough, {.tables = spoils[i]});
-    EXPECT_NE(both.gpu, rendered_by(spoilt, *world, tdpt_org, samples)) << i;
+    ScalarRenderer spoilt(vista, kEnough, {.tables = spoils[i]});
+    EXPECT_NE(both.gpu, rendered_by(spoilt, vista, tdpt_org, samples)) << i;
   }
 }
 

@@ -39,9 +39,9 @@ double sum(const std::vector<double>& all) {
   return s;
 }
 
-/// Worlds that have a sky; `smooth`: only those whose sky a lattice can integrate.
-std::vector<std::unique_ptr<LitWorld>> under_skies(bool smooth = false) {
-  std::vector<std::unique_ptr<LitWorld>> all = lit_worlds();
+/// Those that have a sky; `smooth`: only those whose sky a lattice can integrate.
+std::vector<std::unique_ptr<LitVista>> under_skies(bool smooth = false) {
+  std::vector<std::unique_ptr<LitVista>> all = lit_vistas();
   std::erase_if(all, [&](const auto& lit) {
     if (!lit->tables.has_sky) return true;
     return smooth && !lit->scene.sky->suns().empty() &&
@@ -56,13 +56,13 @@ Vec3f any_direction(uint64_t i) {
 }
 
 // Number of directions whose radiance or density differs; a few are within a millionth of an edge.
-int off(const LitWorld& lit, double fault = 1) {
-  const Lights& lights = lit.world.lights;
+int off(const LitVista& lit, double fault = 1) {
+  const LightSelection& selection = lit.vista.openings.selection;
   int n = 0;
   for (uint64_t i = 0; i < 20000; ++i) {
     const Vec3f w = any_direction(i);
     const shader::InSky mine = lit.scalar.look_at_sky(w);
-    const Lights::InSky theirs = lights.look(normalize(Vec3d(w)));
+    const Lights::InSky theirs = selection.look(normalize(Vec3d(w)));
     bool far = false;
     for (int c = 0; c < 3; ++c)
       far = far || std::abs(mine.radiance[c] * kUnit - theirs.radiance[c] * fault) >
@@ -82,16 +82,17 @@ TEST(sky_scalar, twin_a_sky_one_percent_brighter) {
 // parts with weights of their own.
 TEST(sky_scalar, has_the_renderers_densities) {
   for (const auto& lit : under_skies()) {
-    const Lights& lights = lit->world.lights;
+    const LightSelection& selection = lit->vista.openings.selection;
+    const LightSource& sky = *selection.lights().sky();
     int plain_off = 0, start_off = 0;
     for (uint64_t i = 0; i < 20000; ++i) {
       const FourNumbers n(82, i);
       const shader::SkyPlace place = lit->scalar.drawn_in_sky(
           lit->tables.settings.plain, lit->scalar.pick_word(n.pick, n.side), n.u, n.v);
       const shader::InSky mine = lit->scalar.look_in_sky(place);
-      const Lights::InSky theirs = lights.look(normalize(Vec3d(place.towards)));
+      const Lights::InSky theirs = selection.look(normalize(Vec3d(place.towards)));
       const Vec3d away = -normalize(Vec3d(place.towards));
-      const double start = lights.pdf(*lights.sky(), ~0u, away, theirs) / lights.sky()->pdf_1();
+      const double start = selection.pdf(sky, ~0u, away, theirs) / selection.sky_pdf_1();
       plain_off += std::abs(mine.plain_w / theirs.plain_w - 1) > 0.01;
       start_off += std::abs(mine.start_w / start - 1) > 0.01;
     }
@@ -100,7 +101,7 @@ TEST(sky_scalar, has_the_renderers_densities) {
   }
 }
 
-double plain(const LitWorld& lit, double fault) {
+double plain(const LitVista& lit, double fault) {
   const auto density = [&](const Vec3f& w) {
     return lit.scalar.look_at_sky(w).plain_w * (w.y > 0.8f ? fault : 1);
   };
@@ -123,7 +124,7 @@ TEST(sky_scalar, twin_directions_near_the_top_a_tenth_off) {
 }
 
 // Only the lights of the sky.
-double starts(const LitWorld& lit, double fault) {
+double starts(const LitVista& lit, double fault) {
   const auto density = [&](const Vec3f& w) {
     return fault * lit.scalar.light_pdf(shader::SOURCE_SKY, ~0u, -w, lit.scalar.look_at_sky(w));
   };
@@ -154,7 +155,7 @@ TEST(sky_scalar, suns_and_texels_of_any_size_are_drawn_as_they_are_weighed) {
   for (const double half_angle : {6e-5, 0.25 * kDegree, 30 * kDegree}) {
     const auto sky =
         std::make_shared<Sky>(texel, 1, std::vector{sun_of({0.1, 1, 0.2}, half_angle, 3)});
-    const LitWorld lit("sun", open_room(sky, false), {});
+    const LitVista lit("sun", open_room(sky, false), {});
     double sun = 0, bright = 0, dark = 0;
     for (uint64_t i = 0; i < kSamples; ++i) {
       const FourNumbers n(85, i);
@@ -184,7 +185,7 @@ TEST(sky_scalar, places_are_found_again) {
     for (int x = 0; x < map.width; ++x)
       map.texels.push_back(
           Rgb(1 + 0.5f * static_cast<float>(std::sin(0.01 * x) * std::cos(0.02 * y))));
-  const LitWorld lit("large", open_room(std::make_shared<Sky>(map, 0.7), false), {});
+  const LitVista lit("large", open_room(std::make_shared<Sky>(map, 0.7), false), {});
   for (uint64_t i = 0; i < 20000; ++i) {
     const FourNumbers n(86, i);
     shader::SkyPlace p{};

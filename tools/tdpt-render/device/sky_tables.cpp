@@ -170,7 +170,7 @@ std::vector<double> with_suns(std::vector<double> lights, const SunLights& suns)
   return lights;
 }
 
-// A tenth of the walks by luminance, the others by luminance x weight, as in Lights.
+// A tenth of the walks by luminance, the others by luminance x weight, as in LightSelection.
 std::vector<double> preferred(const SkyDirections& by_weight, const SkyEntries& entries,
                               bool has_blocks, const std::vector<double>& lights) {
   std::vector<double> weighted = lights;
@@ -185,8 +185,8 @@ std::vector<double> preferred(const SkyDirections& by_weight, const SkyEntries& 
   for (const double w : weighted) all_weighted += w;
   if (!(all_weighted > 0)) return lights;
   for (size_t i = 0; i < weighted.size(); ++i)
-    weighted[i] = (1 - Lights::kPreferred) * lights[i] / all +
-                  Lights::kPreferred * weighted[i] / all_weighted;
+    weighted[i] = (1 - LightSelection::kPreferred) * lights[i] / all +
+                  LightSelection::kPreferred * weighted[i] / all_weighted;
   return weighted;
 }
 
@@ -197,8 +197,8 @@ float share_of(const shader::SkyTable& table, uint32_t entry, const LightTables&
 
 }  // namespace
 
-void add_sky(const World& world, double radiance_unit, LightTables& tables) {
-  const Sky& sky = *world.scene.sky;
+void add_sky(const Vista& vista, double radiance_unit, LightTables& tables) {
+  const Sky& sky = *vista.world->scene.sky;
   shader::LightSettings& settings = tables.settings;
   add_texels(sky, radiance_unit, tables);
   const bool black = std::all_of(tables.texels.begin(), tables.texels.end(), [](const auto& t) {
@@ -229,13 +229,13 @@ void add_sky(const World& world, double radiance_unit, LightTables& tables) {
   if (tables.has_sky_map && plain.block() > 1) add_cells(plain, tables);
 
   settings.start = settings.plain;
-  tables.prefers = !world.lights.preferred().empty();
+  const SkyDirections& by_weight = vista.openings.selection.preferred();
+  tables.prefers = !by_weight.empty();
   if (tables.prefers) {
     const SkyEntries parts(sky, tables.texels, true);
     if (!black) lights = with_suns(parts.of_blocks(), suns);
-    parts.describe(
-        add_word_table(preferred(world.lights.preferred(), parts, !black, lights), tables.words),
-        suns.lights.size(), settings.start);
+    parts.describe(add_word_table(preferred(by_weight, parts, !black, lights), tables.words),
+                   suns.lights.size(), settings.start);
   }
   for (uint32_t i = 0; i < settings.suns; ++i) {
     const auto density = [&](const shader::SkyTable& table) {
@@ -276,9 +276,9 @@ void add_views(const WindowViews& views, size_t windows, LightTables& tables) {
 
 }  // namespace
 
-void add_windows(const World& world, double radiance_unit, LightTables& tables) {
+void add_windows(const WindowSky& windows, double radiance_unit, LightTables& tables) {
   std::vector<const WindowFrame*> frames;
-  for (const WindowSky::Window& w : world.windows.windows()) {
+  for (const WindowSky::Window& w : windows.windows()) {
     const auto found = std::find(frames.begin(), frames.end(), w.frame.get());
     const auto frame = static_cast<uint32_t>(found - frames.begin());
     if (found == frames.end()) {
@@ -295,7 +295,7 @@ void add_windows(const World& world, double radiance_unit, LightTables& tables) 
     tables.windows.push_back(window);
   }
   tables.has_windows = !tables.windows.empty();
-  if (tables.has_windows) add_views(world.windows.views(), tables.windows.size(), tables);
+  if (tables.has_windows) add_views(windows.views(), tables.windows.size(), tables);
 }
 
 }  // namespace tdpt

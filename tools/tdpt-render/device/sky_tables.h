@@ -5,8 +5,8 @@
 namespace tdpt {
 
 /// Needs a sky.
-void add_sky(const World& world, double radiance_unit, LightTables& tables);
+void add_sky(const Vista& vista, double radiance_unit, LightTables& tables);
 /// Adds the part of the sky that each window shows, if there are windows.
-void add_windows(const World& world, double radiance_unit, LightTables& tables);
+void add_windows(const WindowSky& windows, double radiance_unit, LightTables& tables);
 
 }  // namespace tdpt

@@ -12,13 +12,13 @@ namespace tdpt::tiling_test {
 const std::vector<Capacity> kRooms{{1u << 13, kMostOfCache}, {1u << 14, 777}, {1u << 15, 1u << 14}};
 
 void expect_same_in_all_rooms(const Stage& stage, int width, int height, const Samples& samples) {
-  const auto world = stage.world(width, height);
-  ScalarRenderer large(*world);
+  const Vista vista = stage.vista(width, height);
+  ScalarRenderer large(vista);
   for (const Integrator* integrator : integrators()) {
-    const Outcome whole = rendered_by(large, *world, *integrator, samples);
+    const Outcome whole = rendered_by(large, vista, *integrator, samples);
     for (const Capacity& room : kRooms) {
-      ScalarRenderer small(*world, room);
-      EXPECT_EQ(whole, rendered_by(small, *world, *integrator, samples))
+      ScalarRenderer small(vista, room);
+      EXPECT_EQ(whole, rendered_by(small, vista, *integrator, samples))
           << stage.name << " " << integrator->name << " " << room.vertices;
     }
   }
@@ -35,12 +35,12 @@ TEST(tiling, in_any_room_is_the_same) {
 // rays that were counted must be taken back.
 TEST(tiling, walks_that_have_no_room_leave_nothing_behind) {
   const Stage stage{"furnace", read_gltf(furnace_path()), {portal_in_the_furnace()}};
-  const auto world = stage.world(24, 18);
+  const Vista vista = stage.vista(24, 18);
   const Samples samples{{0, 4}, {64, 2, 3}, true};
   for (const Integrator* integrator : integrators()) {
-    ScalarRenderer large(*world, {1u << 19, 1u << 14}), small(*world, {1u << 13, 1u << 11});
-    EXPECT_EQ(rendered_by(large, *world, *integrator, samples),
-              rendered_by(small, *world, *integrator, samples))
+    ScalarRenderer large(vista, {1u << 19, 1u << 14}), small(vista, {1u << 13, 1u << 11});
+    EXPECT_EQ(rendered_by(large, vista, *integrator, samples),
+              rendered_by(small, vista, *integrator, samples))
         << integrator->name;
   }
 }
@@ -53,17 +53,17 @@ TEST(tiling, of_the_smallest_pictures) {
 // Samples split over several calls, as shards and checkpoints do.
 TEST(tiling, in_any_calls_is_the_same) {
   const Stage stage = sky_stage();
-  const auto world = stage.world(33, 17);
-  ScalarRenderer scalar(*world);
+  const Vista vista = stage.vista(33, 17);
+  ScalarRenderer scalar(vista);
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_guided}) {
     Integrator expecting = *integrator;
-    expecting.mixture = expecting_connections(*world, integrator->mixture, 5);
-    Film film = film_for(*world, TechniqueSet(), true, true);
+    expecting.mixture = expecting_connections(vista, integrator->mixture, 5);
+    Film film = film_for(vista, TechniqueSet(), true, true);
     Tally tally(film.unit());
     ProgressBar progress("rendering", "samples", 0, true);
     for (const SampleRange range : {SampleRange{2, 1}, {0, 2}, {3, 3}})
       scalar.render(expecting, {5}, 0, range, film, tally, progress);
-    EXPECT_EQ(rendered_by(scalar, *world, *integrator, {{0, 6}, {5}, true, false, true}),
+    EXPECT_EQ(rendered_by(scalar, vista, *integrator, {{0, 6}, {5}, true, false, true}),
               outcome_of(film, tally))
         << integrator->name;
   }
@@ -72,14 +72,14 @@ TEST(tiling, in_any_calls_is_the_same) {
 // Twin: other samples make another picture.
 TEST(tiling, twin_other_samples_are_seen) {
   const Stage stage = two_rooms_stage();
-  const auto world = stage.world(7, 5);
-  ScalarRenderer scalar(*world);
-  const Outcome one = rendered_by(scalar, *world, bdpt, {{0, 2}, {8}});
-  EXPECT_EQ(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8}}));
-  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{1, 2}, {8}}));
-  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8, 1, 2}}));
-  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {7}}));
-  EXPECT_NE(one, rendered_by(scalar, *world, bdpt, {{0, 2}, {8, 2}}));
+  const Vista vista = stage.vista(7, 5);
+  ScalarRenderer scalar(vista);
+  const Outcome one = rendered_by(scalar, vista, bdpt, {{0, 2}, {8}});
+  EXPECT_EQ(one, rendered_by(scalar, vista, bdpt, {{0, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(scalar, vista, bdpt, {{1, 2}, {8}}));
+  EXPECT_NE(one, rendered_by(scalar, vista, bdpt, {{0, 2}, {8, 1, 2}}));
+  EXPECT_NE(one, rendered_by(scalar, vista, bdpt, {{0, 2}, {7}}));
+  EXPECT_NE(one, rendered_by(scalar, vista, bdpt, {{0, 2}, {8, 2}}));
 }
 
 // A lamp brighter than films can hold; the CPU reports the places of the same samples.
@@ -89,16 +89,16 @@ TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
   stage.scene.materials = {lamp, lamp};
   for (size_t i = 0; i < stage.scene.triangles.size(); ++i)
     stage.scene.triangles[i].material = i % 2;
-  const auto world = stage.world(33, 17);
+  const Vista vista = stage.vista(33, 17);
   stage.scene.materials[1].emission = Rgb(1e30f);
-  CpuRenderer cpu(*world);
+  CpuRenderer cpu(vista);
   for (const SampleRange& range : {SampleRange{0, 3}, {(uint64_t{1} << 32) - 1, 2}}) {
     const Samples samples{range, {1}};
-    const Outcome known = rendered_by(cpu, *world, pt, samples);
+    const Outcome known = rendered_by(cpu, vista, pt, samples);
     ASSERT_EQ(known.not_finite_at.size(), Tally::kMostPlaces);
     for (const Capacity& room : kRooms) {
-      ScalarRenderer scalar(*world, room);
-      const Outcome found = rendered_by(scalar, *world, pt, samples);
+      ScalarRenderer scalar(vista, room);
+      const Outcome found = rendered_by(scalar, vista, pt, samples);
       EXPECT_EQ(found.not_finite_at, known.not_finite_at);
       EXPECT_EQ(found.counts[4], known.counts[4]);  // their number
     }
@@ -107,10 +107,10 @@ TEST(tiling, what_is_left_out_has_the_places_that_the_cpu_names) {
 
 TEST(tiling, a_cache_that_has_no_room_is_refused_with_both_numbers) {
   const Stage stage{"furnace", read_gltf(furnace_path()), {}};
-  const auto world = stage.world(16, 16);
-  ScalarRenderer scalar(*world, {100, kMostOfCache});
+  const Vista vista = stage.vista(16, 16);
+  ScalarRenderer scalar(vista, {100, kMostOfCache});
   try {
-    rendered_by(scalar, *world, bdpt, {{0, 1}, {64}});
+    rendered_by(scalar, vista, bdpt, {{0, 1}, {64}});
     FAIL() << "nothing was thrown";
   } catch (const Error& e) {
     EXPECT_EQ(e.code, Exit::no_device);

@@ -161,30 +161,32 @@ Error no_room(const RenderParameters& p) {
 
 }  // namespace
 
-WavefrontRenderer::WavefrontRenderer(const World& world_, std::unique_ptr<Machine> machine,
+WavefrontRenderer::WavefrontRenderer(const Vista& vista_, std::unique_ptr<Machine> machine,
                                      std::string name)
-    : SampleRenderer(world_),
+    : SampleRenderer(vista_),
       machine_(std::move(machine)),
       name_(std::move(name)),
       samples_(std::min(machine_->room().samples, kFirstSubmission)),
       most_samples_(machine_->room().samples) {}
 
 FilmPlaces WavefrontRenderer::places_of(const RenderParameters& p) const {
-  return {uint64_t{p.width} * p.height, {p.layers != 0, p.halves != 0}, world.portals.portals()};
+  return {uint64_t{p.width} * p.height,
+          {p.layers != 0, p.halves != 0},
+          vista.openings.portals.portals()};
 }
 
 RenderParameters WavefrontRenderer::parameters_of(const Integrator& integrator,
                                                   const SampleRules& rules, uint64_t round,
                                                   const Film& film) const {
   RenderParameters p{};
-  set_camera(world.film, p);
+  set_camera(vista.view.film, p);
   set_mixture(integrator.mixture, p);
   set_caches(integrator.mixture, p);
   p.seed = rules.seed;
   p.stream = stream_in(round, integrator.stream) * kPurposes;
   p.beta = static_cast<float>(rules.beta);
   p.max_depth = static_cast<uint32_t>(rules.max_depth);
-  p.culls = world.tracer.culls();
+  p.culls = vista.world->tracer.culls();
   p.transparent = film.has_alpha();
   for (size_t i = 0; i < kTechniques; ++i) p.layers |= film.has_layer(i);
   p.halves = film.options().halves;
@@ -204,7 +206,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
   const RenderParameters p = parameters_of(integrator, rules, round, film);
   const uint64_t pixels = uint64_t{p.width} * p.height;
   const FilmPlaces places = places_of(p);
-  const bool drawn = integrator.mixture.has(Technique::portal) && !world.portals.empty();
+  const bool drawn = integrator.mixture.has(Technique::portal) && !vista.openings.portals.empty();
   const auto start = std::chrono::steady_clock::now();
   const uint64_t most = std::max<uint64_t>(kMostCounted / pixels, 1);
   for (uint64_t at = samples.first; at < samples.end(); at += most) {
@@ -212,7 +214,7 @@ void WavefrontRenderer::render(const Integrator& integrator, const SampleRules& 
     submit_all(p, some, progress);
     const std::vector<uint32_t> words = machine_->take_film();
     add_to_film(words, places, film);
-    add_to_tally(words, places, world.portals.portals(), drawn, tally);
+    add_to_tally(words, places, vista.openings.portals.portals(), drawn, tally);
     add_left_out(words, places, some.first, p.width, pixels, tally);
     film.complete(some);
   }
@@ -404,7 +406,7 @@ void WavefrontRenderer::prepare(const Integrator& integrator, const SampleRules&
 
 bool WavefrontRenderer::crosses(const RenderParameters& p) const {
   const TechniqueSet techniques = TechniqueSet::of_bits(static_cast<uint8_t>(p.techniques));
-  return techniques.has(Technique::portal) && !world.portals.empty();
+  return techniques.has(Technique::portal) && !vista.openings.portals.empty();
 }
 
 bool WavefrontRenderer::submit(RenderParameters p, const std::vector<uint32_t>& cache_offsets) {

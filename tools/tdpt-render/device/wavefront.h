@@ -22,8 +22,8 @@ struct FilmPlaces {
 
 class WavefrontRenderer : public SampleRenderer {
  public:
-  /// The world must outlive it; its portals must not change.
-  WavefrontRenderer(const World& world, std::unique_ptr<Machine> machine, std::string name);
+  /// The vista must outlive it.
+  WavefrontRenderer(const Vista& vista, std::unique_ptr<Machine> machine, std::string name);
   std::string name() const override { return name_; }
   bool on_device() const override { return true; }
   void prepare(const Integrator& integrator, const SampleRules& rules, const Film& film,

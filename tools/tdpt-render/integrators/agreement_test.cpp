@@ -25,7 +25,7 @@ constexpr AgreementSettings kGross{.runs = 32, .spp = 4};
 
 TEST(agreement, furnace) {
   const Scene scene = read_gltf(furnace_path());
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_furnace()}), kAll,
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_furnace()}), kAll,
                    kGross);
 }
 
@@ -33,7 +33,7 @@ TEST(agreement, furnace) {
 // technique has a good part of the picture, and none is noisy.
 class GlowingCeiling {
  public:
-  World world() const { return World(scene_, scene_.camera(""), kWidth, kHeight, {kPortal}); }
+  Vista vista() const { return Vista(scene_, scene_.camera(""), kWidth, kHeight, {kPortal}); }
 
   /// Enough to detect 5 % of a portal's density.
   static constexpr AgreementSettings kSettings{.runs = 64, .spp = 7};
@@ -45,36 +45,36 @@ class GlowingCeiling {
 
 TEST(agreement, glowing_ceiling) {
   const GlowingCeiling box;
-  expect_agreement(box.world(), kAll, GlowingCeiling::kSettings);
+  expect_agreement(box.vista(), kAll, GlowingCeiling::kSettings);
 }
 
 // Portal segments in a quarter of the samples stand for all, as in candidates of auto.
 TEST(agreement, glowing_ceiling_with_segments_in_some_samples) {
   const GlowingCeiling box;
-  expect_agreement(box.world(), {&tdpt_guided}, kGross);
+  expect_agreement(box.vista(), {&tdpt_guided}, kGross);
 }
 
 TEST(agreement, glowing_ceiling_by_the_power_heuristic) {
   const GlowingCeiling box;
-  expect_agreement(box.world(), {&bdpt, &tdpt_ref, &tdpt_guided}, kGross, 2);
+  expect_agreement(box.vista(), {&bdpt, &tdpt_ref, &tdpt_guided}, kGross, 2);
 }
 
 TEST(agreement, wide_window) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/window.glb");
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight,
                          {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}),
                    kButPt, kGross);
 }
 
 TEST(agreement, two_rooms_with_a_portal_in_the_hole) {
   const Scene scene = read_gltf(two_rooms_path());
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_hole()}), kButPt,
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight, {portal_in_the_hole()}), kButPt,
                    kGross);
 }
 
 TEST(agreement, portals_that_cross_each_other) {
   const Scene scene = read_gltf(two_rooms_path());
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, two_crossing_portals()),
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight, two_crossing_portals()),
                    {&tdpt_org, &tdpt_ref, &tdpt_guided}, kGross);
 }
 
@@ -82,13 +82,13 @@ TEST(agreement, portals_that_cross_each_other) {
 TEST(agreement, three_rooms_with_a_portal_in_each_hole) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/three-rooms.glb");
   const auto hole = [](double x) { return rectangle({x, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0}); };
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight, {hole(2.05), hole(4.15)}),
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight, {hole(2.05), hole(4.15)}),
                    {&tdpt_org, &tdpt_ref, &tdpt_guided}, kGross);
 }
 
 TEST(agreement, lamp_behind_a_door_ajar) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight,
                          {rectangle({2.05, 0.02, -0.4}, {0, 0, 0.8}, {0, 1.8, 0})}),
                    {&tdpt_org, &tdpt_ref, &tdpt_guided}, kGross);
 }
@@ -106,7 +106,7 @@ TEST(agreement, several_lamps) {
   const auto materials = static_cast<uint32_t>(scene.materials.size());
   for (size_t i = 3; i < scene.triangles.size(); i += 5)
     scene.triangles[i].material = i % 2 ? materials - 1 : materials - 2;
-  expect_agreement(World(scene, scene.camera(""), kWidth, kHeight,
+  expect_agreement(Vista(scene, scene.camera(""), kWidth, kHeight,
                          {rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0})}),
                    kAll, kGross);
 }
@@ -124,7 +124,7 @@ TEST(agreement, lamp_as_small_as_a_spot) {
     }
   }
   for (Material& m : spot.materials) m.emission *= static_cast<float>(1 / (shrink * shrink));
-  expect_agreement(World(spot, spot.camera(""), kWidth, kHeight, {portal_in_the_hole()}), kButPt,
+  expect_agreement(Vista(spot, spot.camera(""), kWidth, kHeight, {portal_in_the_hole()}), kButPt,
                    kGross);
 }
 
@@ -133,18 +133,18 @@ TEST(agreement, lamp_as_small_as_a_spot) {
 // 1..8.
 TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const Vista vista(scene, scene.camera(""), 16, 12, two_crossing_portals());
   for (const Integrator* integrator : {&pt, &nee}) {
     Tally tally;
     const auto by_depth =
-        render_by_depth(world, *integrator, {.max_depth = 8, .spp = 16}, 5, tally);
+        render_by_depth(vista, *integrator, {.max_depth = 8, .spp = 16}, 5, tally);
     std::vector<double> sum(16 * 12);
     for (int depth = 1; depth <= 8; ++depth) {
       Job settings;
       settings.limits.spp = 16;
       settings.max_depth = depth;
       settings.seed = 5;
-      const Picture picture = render(world, *integrator, settings).picture;
+      const Picture picture = render(vista, *integrator, settings).picture;
       double worst = 0, brightest = 0;
       for (size_t i = 0; i < sum.size(); ++i) {
         sum[i] += by_depth[static_cast<size_t>(depth)][i];
@@ -159,11 +159,11 @@ TEST(agreement, a_smaller_depth_leaves_out_the_longer_paths_and_nothing_else) {
 // Others choose connections among other vertices: each length has the same light on average.
 TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
   const GlowingCeiling box;
-  const World world = box.world();
+  const Vista vista = box.vista();
   const auto with_depth = [&](const Integrator& integrator, int depth) {
     AgreementSettings settings = kGross;
     settings.max_depth = depth;
-    DepthRuns runs = render_runs(world, Variant::cached(world, integrator, depth), settings);
+    DepthRuns runs = render_runs(vista, Variant::cached(vista, integrator, depth), settings);
     runs.of_depth.resize(5);
     runs.of_depth.erase(runs.of_depth.begin());  // the sum of all is less light
     return runs;
@@ -183,17 +183,17 @@ TEST(agreement, a_smaller_depth_has_the_same_light_of_its_lengths) {
 // share their light walks.
 TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 40, 12, two_crossing_portals());
+  const Vista vista(scene, scene.camera(""), 40, 12, two_crossing_portals());
   const auto off = [&](const Variant& variant, double beta) {
     Tally tally;
     const auto by_depth =
-        render_by_depth(world, variant, {.max_depth = kMaxDepth, .spp = 16}, 5, tally);
+        render_by_depth(vista, variant, {.max_depth = kMaxDepth, .spp = 16}, 5, tally);
     Job settings;
     settings.limits.spp = 16;
     settings.seed = 5;
     settings.beta = beta;
     const Picture picture =
-        render(world, *find_integrator(variant.integrator.name), settings).picture;
+        render(vista, *find_integrator(variant.integrator.name), settings).picture;
     double worst = 0, brightest = 0;
     for (size_t i = 0; i < picture.pixels.size(); ++i) {
       double sum = 0;
@@ -204,7 +204,7 @@ TEST(agreement, rendered_pictures_are_weighed_with_the_exponent_asked_for) {
     return worst / brightest;
   };
   for (const Integrator* integrator : integrators()) {
-    Variant power = Variant::cached(world, *integrator, kMaxDepth);
+    Variant power = Variant::cached(vista, *integrator, kMaxDepth);
     power.beta.fill(2);
     EXPECT_LE(off(power, 2), 2e-6) << integrator->name;
     if (integrator != &pt) {
@@ -219,23 +219,23 @@ class agreement_twin : public ::testing::Test {
  protected:
   void expect_caught(const char* what, const Variant& faulty,
                      const AgreementSettings& settings = kGross) {
-    expect_caught(what, faulty, world_, settings);
+    expect_caught(what, faulty, vista_, settings);
   }
-  void expect_caught(const char* what, const Variant& faulty, const World& world,
+  void expect_caught(const char* what, const Variant& faulty, const Vista& vista,
                      const AgreementSettings& settings) {
-    const Verdict verdict = judge(render_runs(world, faulty, settings), reference(settings));
+    const Verdict verdict = judge(render_runs(vista, faulty, settings), reference(settings));
     std::printf("%-26s depths caught %d, least p %.1e\n", what, verdict.disagreements,
                 verdict.worst_p);
     EXPECT_FALSE(verdict.holds()) << what;
   }
   const DepthRuns& reference(const AgreementSettings& settings) {
     DepthRuns& runs = references_[settings.spp];
-    if (runs.of_depth.empty()) runs = render_runs(world_, bdpt, settings.of_reference());
+    if (runs.of_depth.empty()) runs = render_runs(vista_, bdpt, settings.of_reference());
     return runs;
   }
 
   const GlowingCeiling box_;
-  const World world_ = box_.world();
+  const Vista vista_ = box_.vista();
 
  private:
   std::map<uint64_t, DepthRuns> references_;
@@ -264,12 +264,12 @@ Variant as_ref(void (*run)(PathSampler&)) {
 }
 
 TEST_F(agreement_twin, control_nothing_is_wrong) {
-  const DepthRuns runs = render_runs(world_, as_org(run<20, 20, 20, 20, 20>), kGross);
+  const DepthRuns runs = render_runs(vista_, as_org(run<20, 20, 20, 20, 20>), kGross);
   EXPECT_TRUE(holds(judge(runs, reference(kGross)), "control", runs, reference(kGross)));
 }
 
 TEST_F(agreement_twin, each_depth_that_disagrees_leaves_its_maps) {
-  const DepthRuns runs = render_runs(world_, {bdpt, run_twice<Technique::light>}, kGross);
+  const DepthRuns runs = render_runs(vista_, {bdpt, run_twice<Technique::light>}, kGross);
   const Verdict verdict = judge(runs, reference(kGross));
   ASSERT_GT(verdict.disagreements, 1);
   const testing::FailuresElsewhere elsewhere;
@@ -317,9 +317,9 @@ TEST_F(agreement_twin, what_is_off_by_5_percent) {
   expect_caught("bi 5 % too dark", as_org(run<20, 20, 20, 19, 20>), kFine);
   expect_caught("portal 5 % too dark", as_ref(run<20, 20, 20, 0, 19>), kFine);
   for (double factor : {0.95, 1.05}) {
-    World world = box_.world();
-    world.portals = PortalSetFaults::scaled(world.portals, factor);
-    expect_caught(factor < 1 ? "portal density x 0.95" : "portal density x 1.05", tdpt_ref, world,
+    Vista vista = box_.vista();
+    vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, factor);
+    expect_caught(factor < 1 ? "portal density x 0.95" : "portal density x 1.05", tdpt_ref, vista,
                   kFine);
   }
 }

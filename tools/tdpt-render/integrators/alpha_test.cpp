@@ -46,12 +46,12 @@ Scene outdoors() {
 constexpr int kWidth = 32, kHeight = 24;
 
 Picture rendered(const Scene& scene, const Integrator& integrator, bool alpha, uint64_t seed = 1) {
-  const World world(scene, scene.camera(""), kWidth, kHeight, {});
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
   Job settings;
   settings.limits.spp = 16;
   settings.seed = seed;
   settings.alpha = alpha;
-  return render(*renderer_under_test(world), integrator, settings).picture;
+  return render(*renderer_under_test(vista), integrator, settings).picture;
 }
 
 // Largest difference, once over the sky, from a picture that includes it.

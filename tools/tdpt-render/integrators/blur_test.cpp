@@ -18,7 +18,7 @@ Portal across_the_room() {
 
 class blurred : public ::testing::Test {
  protected:
-  blurred() { world_.blur = strong_blur(camera_); }
+  blurred() { vista_.view.blur = strong_blur(camera_); }
 
   // Blocks of 4 x 4 pixels.
   static std::vector<double> blocks_of(const Picture& picture) {
@@ -29,25 +29,25 @@ class blurred : public ::testing::Test {
             luminance(picture.pixels[static_cast<size_t>(y * kWidth + x)]) / 16;
     return blocks;
   }
-  static Picture picture(const World& world, const Integrator& integrator, uint64_t spp,
+  static Picture picture(const Vista& vista, const Integrator& integrator, uint64_t spp,
                          uint64_t seed) {
     Job settings;
     settings.limits.spp = spp;
     settings.seed = seed;
     settings.max_depth = 4;
     settings.quiet = true;
-    return render(world, integrator, settings).picture;
+    return render(vista, integrator, settings).picture;
   }
   testing::BlockRuns rendered_by(const Integrator& integrator, uint64_t spp) const {
     testing::BlockRuns runs;
     for (size_t r = 0; r < kRuns; ++r)
-      runs.add(blocks_of(picture(world_, integrator, spp, testing::fresh(100 + r))));
+      runs.add(blocks_of(picture(vista_, integrator, spp, testing::fresh(100 + r))));
     return runs;
   }
   // Each run: the mean of sharp pictures for `blur`.
   testing::BlockRuns mean_of_sharp(const CameraBlur& blur, const Integrator& integrator) const {
     constexpr int kEach = 3;  // by number
-    World sharp(scene_, camera_, kWidth, kHeight, {});
+    Vista sharp(scene_, camera_, kWidth, kHeight, {});
     testing::BlockRuns runs;
     for (size_t r = 0; r < kRuns; ++r) {
       std::vector<double> sum(blocks_of({kWidth, kHeight, std::vector<Rgb>(kWidth * kHeight)}));
@@ -55,7 +55,7 @@ class blurred : public ::testing::Test {
         Rng rng(testing::fresh(r), 7, static_cast<uint64_t>(i));
         const auto in = [&](int part) { return (part % kEach + rng.uniform()) / kEach; };
         const double u = in(i), v = in(i / kEach), time = in(i / kEach / kEach);
-        sharp.film = blur.draw(world_.film, u, v, time);
+        sharp.view.film = blur.draw(vista_.view.film, u, v, time);
         const auto one = blocks_of(
             picture(sharp, integrator, 1, testing::fresh(1000 + r * 100 + static_cast<size_t>(i))));
         for (size_t b = 0; b < sum.size(); ++b) sum[b] += one[b] / (kEach * kEach * kEach);
@@ -78,19 +78,19 @@ class blurred : public ::testing::Test {
 
   const Scene scene_ = chequered();
   const Camera camera_ = scene_.camera("");
-  World world_{scene_, camera_, kWidth, kHeight, {across_the_room()}};
+  Vista vista_{scene_, camera_, kWidth, kHeight, {across_the_room()}};
 };
 
 // Dark walls would hide long paths from pt.
 TEST(blurred_ceiling, is_the_same_by_all_integrators) {
   const Scene scene = below_a_glowing_ceiling();
-  World world(scene, scene.camera(""), kWidth, kHeight, {across_the_room()});
-  world.blur = strong_blur(scene.camera(""));
-  expect_agreement(world, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 32, .spp = 4});
+  Vista vista(scene, scene.camera(""), kWidth, kHeight, {across_the_room()});
+  vista.view.blur = strong_blur(scene.camera(""));
+  expect_agreement(vista, {&pt, &nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, {.runs = 32, .spp = 4});
 }
 
 TEST_F(blurred, the_picture_is_the_mean_of_sharp_ones) {
-  const testing::BlockRuns mean = mean_of_sharp(world_.blur, nee);
+  const testing::BlockRuns mean = mean_of_sharp(vista_.view.blur, nee);
   for (const Integrator* integrator : {&pt, &bdpt, &tdpt_guided}) {
     const testing::BlockRuns runs = rendered_by(*integrator, 16);
     EXPECT_TRUE(
@@ -109,7 +109,7 @@ TEST_F(blurred, the_picture_is_the_mean_of_sharp_ones) {
 // Light vertices projected to the film carry all of this picture, whose walls differ.
 TEST_F(blurred, splats_fall_where_their_own_sample_sees_them) {
   const Integrator splats{"splats", 9, {TechniqueSet(Technique::light)}};
-  const testing::BlockRuns mean = mean_of_sharp(world_.blur, splats);
+  const testing::BlockRuns mean = mean_of_sharp(vista_.view.blur, splats);
   const testing::BlockRuns runs = rendered_by(splats, 64);
   EXPECT_TRUE(testing::holds(testing::compare(runs, mean), "splats", runs, mean, kWidth / 4));
   // Twin: by the film of the middle of lens and exposure.
@@ -121,14 +121,14 @@ TEST_F(blurred, splats_fall_where_their_own_sample_sees_them) {
       const Path& path = found.path;
       const Vec3d w = between(path.vertex(path.k()), path.vertex(path.k() - 1)).w;
       double x, y;
-      if (!world_.film.raster(w, x, y)) return;
+      if (!vista_.view.film.raster(w, x, y)) return;
       by_middle.pixels[static_cast<size_t>(static_cast<int>(y) * kWidth + static_cast<int>(x))] +=
           found.value * (1.0f / kSpp);
     };
     Film film(kWidth, kHeight, 1);
     Tally tally;
     const Variant variant(splats);
-    PathSampler sampler(world_, variant.settings(4, testing::fresh(200 + r)), film, tally,
+    PathSampler sampler(vista_, variant.settings(4, testing::fresh(200 + r)), film, tally,
                         &observer);
     variant.picture(sampler, kWidth, kHeight, kSpp, [](int, int) {});
     faulty.add(blocks_of(by_middle));
@@ -142,10 +142,10 @@ TEST(blurred_furnace, shows_the_same_everywhere) {
     for (Material& m : furnace.materials) m.base_color = Rgb(0.9f);
     return furnace;
   }();
-  World world(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
-  world.blur = strong_blur(scene.camera(""));
+  Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
+  vista.view.blur = strong_blur(scene.camera(""));
   for (const Integrator* integrator : integrators()) {
-    const MeanAndError r = rendered(world, *integrator, 8);
+    const MeanAndError r = rendered(vista, *integrator, 8);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(10), 5) << integrator->name;
     EXPECT_LT(r.error, 0.01 * r.mean) << integrator->name;

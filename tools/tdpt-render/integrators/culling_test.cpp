@@ -30,12 +30,12 @@ Scene rooms(const std::string& file, const Vec3d& from, const Vec3d& to) {
 const Portal kWindow = rectangle({2.05, 0.2, -0.8}, {0, 0, 1.6}, {0, 1.6, 0});
 
 Picture rendered(const Scene& scene, const Integrator& integrator, int max_depth = 8) {
-  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
   Job settings;
   settings.limits.spp = 16;
   settings.max_depth = max_depth;
   settings.alpha = scene.sky != nullptr;
-  return render(*renderer_under_test(world), integrator, settings).picture;
+  return render(*renderer_under_test(vista), integrator, settings).picture;
 }
 
 double mean(const Picture& picture) {
@@ -55,30 +55,30 @@ Scene cutaway() {
 // Without pt, which hits the lamp too seldom to estimate its own error.
 TEST(culling, all_integrators_agree) {
   const Scene scene = cutaway();
-  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  expect_agreement(world, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  expect_agreement(vista, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
 
 // The walls' backs are also lit, and face the camera: light walks reach them.
 TEST(culling, all_integrators_agree_under_a_sky) {
   Scene scene = cutaway();
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(0.5f)}}, 0);
-  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  expect_agreement(world, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  expect_agreement(vista, {&nee, &tdpt_org, &tdpt_ref, &tdpt_guided}, kSettings);
 }
 
 // Twin: connections to the camera treat culled walls as opaque.
 TEST(culling, twin_whose_connections_to_the_camera_forget_it) {
   const Scene scene = cutaway();
-  const World world(scene, scene.camera(""), kWidth, kHeight, {kWindow});
-  const DepthRuns reference = render_runs(world, bdpt, kSettings);
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {kWindow});
+  const DepthRuns reference = render_runs(vista, bdpt, kSettings);
   Variant forgetful(bdpt);
-  forgetful.loses = [](const World& of, const Contribution& found) {
+  forgetful.loses = [](const Vista& of, const Contribution& found) {
     const Vertex& last = found.path.vertex(found.path.k() - 1);
     return found.strategy.technique == Technique::light &&
-           !of.tracer.visible(last.origin(), {of.film.position()});
+           !of.world->tracer.visible(last.origin(), {of.view.film.position()});
   };
-  EXPECT_FALSE(judge(render_runs(world, forgetful, kSettings), reference).holds());
+  EXPECT_FALSE(judge(render_runs(vista, forgetful, kSettings), reference).holds());
 }
 #endif
 
@@ -140,12 +140,12 @@ double radiance_beyond(const Vec3d& w) {
 TEST(culling, a_path_by_hand_passes_the_back) {
   Scene scene = lamp_before_a_wall(false);
   scene.lights[0].position = {0, 0, -0.5};
-  const World world(scene, scene.camera(""), kWidth, kHeight, {});
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
   constexpr int kFine = 8;  // points per pixel and axis
   double expected = 0;
   for (int i = 0; i < kFine * kWidth; ++i)
     for (int j = 0; j < kFine * kHeight; ++j)
-      expected += radiance_beyond(world.film.direction((i + 0.5) / kFine, (j + 0.5) / kFine)) /
+      expected += radiance_beyond(vista.view.film.direction((i + 0.5) / kFine, (j + 0.5) / kFine)) /
                   (kFine * kWidth * kFine * kHeight);
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_ref}) {
     EXPECT_NEAR(mean(rendered(scene, *integrator, 2)) / expected, 1, 0.01) << integrator->name;
@@ -167,8 +167,8 @@ TEST(culling, is_that_of_alpha_the_sky_and_the_features) {
   for (const bool culls : {true, false}) {
     scene.cameras[0].culls = culls;
     const Picture picture = rendered(scene, bdpt);
-    const World world(scene, scene.camera(""), kWidth, kHeight, {});
-    const Channels seen = features(world, {"depth"}, 1);
+    const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
+    const Channels seen = features(vista, {"depth"}, 1);
     for (size_t i = 0; i < picture.pixels.size(); ++i) {
       EXPECT_EQ(picture.alpha[i], culls ? 0 : 1);
       EXPECT_EQ(seen.at("depth.Z")[i] >= 1e10f, culls);
@@ -180,10 +180,12 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   Scene scene = wall_before_the_sky();
   scene.materials.back().name = "plaster";
   const auto sentence = [&] {
-    return backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
+    return backs_sentence(
+        seen_backs(World(scene, scene.camera("").culls), {scene.camera(""), kWidth, kHeight}));
   };
   const auto none = [&] {
-    return no_backs_sentence(World(scene, scene.camera(""), kWidth, kHeight, {}));
+    return no_backs_sentence(World(scene, scene.camera("").culls),
+                             {scene.camera(""), kWidth, kHeight});
   };
   EXPECT_EQ(sentence(), "");
   EXPECT_EQ(none(), "");
@@ -200,7 +202,9 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   EXPECT_EQ(none(),
             "no back of a single-sided surface is in the camera's way: --cull changes nothing");
   const Scene inside = read_gltf(furnace_path());
-  EXPECT_EQ(backs_sentence(World(inside, inside.camera(""), kWidth, kHeight, {})), "");
+  EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera("").culls),
+                                      {inside.camera(""), kWidth, kHeight})),
+            "");
 }
 
 }  // namespace tdpt::culling_test

@@ -10,10 +10,10 @@ using std::numbers::pi;
 /// A single pixel that sees one point.
 constexpr double kNarrow = 1e-4;
 
-void expect_mean(const char* what, const World& world, const std::vector<const Integrator*>& all,
+void expect_mean(const char* what, const Vista& vista, const std::vector<const Integrator*>& all,
                  double expected, uint64_t spp, double precision) {
   for (const Integrator* integrator : all) {
-    const MeanAndError r = rendered(world, *integrator, spp, 16, 2);
+    const MeanAndError r = rendered(vista, *integrator, spp, 16, 2);
     std::printf("%-22s %-11s %.4f +- %.4f\n", what, integrator->name, r.mean / expected,
                 r.error / expected);
     EXPECT_LT(r.z(expected), 6) << what << " " << integrator->name;
@@ -25,10 +25,10 @@ void expect_mean(const char* what, const World& world, const std::vector<const I
 struct Chamber {
   double h, w;  ///< half the hole's height and width [m]
   Scene scene;
-  World world;
+  Vista vista;
 
   Chamber(double h_, double w_)
-      : h(h_), w(w_), scene(made(h_, w_)), world(scene, scene.camera(""), 4, 4, {portal(h_, w_)}) {}
+      : h(h_), w(w_), scene(made(h_, w_)), vista(scene, scene.camera(""), 4, 4, {portal(h_, w_)}) {}
   /// Mean over the picture, 1 m wide on the grey wall.
   double expected() const {
     constexpr int n = 64;
@@ -70,14 +70,14 @@ TEST(opening, of_any_size_lights_a_patch_as_its_form_factor_says) {
     const Chamber chamber(row.h, row.w);
     std::vector<const Integrator*> all{&tdpt_org, &tdpt_ref, &tdpt_guided};
     if (!row.small) all.insert(all.end(), {&nee, &bdpt});
-    expect_mean(row.name, chamber.world, all, chamber.expected(), 64, 0.05);
+    expect_mean(row.name, chamber.vista, all, chamber.expected(), 64, 0.05);
   }
 }
 
 TEST(opening_twin, a_portal_a_tenth_narrower_than_it_is_weighed_is_caught) {
   Chamber chamber(1.5e-3, 1.5e-3);
-  chamber.world.portals = PortalSetFaults::scaled(chamber.world.portals, 1.1);
-  EXPECT_GT(rendered(chamber.world, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
+  chamber.vista.openings.portals = PortalSetFaults::scaled(chamber.vista.openings.portals, 1.1);
+  EXPECT_GT(rendered(chamber.vista, tdpt_ref, 64, 16, 2).z(chamber.expected()), 6);
 }
 
 /// A floor lit by one lamp at height h.
@@ -100,18 +100,18 @@ TEST(lamp, of_any_size_and_radiance_lights_a_patch_as_its_form_factor_says) {
                                          {"of 1e-30", 0.5, 1e-30},
                                          {"of 1e30", 0.5, 1e30}}) {
     const Scene scene = floor_below(row.side, row.radiance);
-    const World world(scene, scene.camera(""), 4, 4, {});
-    expect_mean(row.name, world, {&nee, &bdpt},
+    const Vista vista(scene, scene.camera(""), 4, 4, {});
+    expect_mean(row.name, vista, {&nee, &bdpt},
                 0.5 * row.radiance * form_factor(1, row.side / 2, row.side / 2), 64, 0.05);
   }
 }
 
 TEST(lamp_twin, a_radiance_off_by_a_tenth_is_caught) {
   const Scene scene = floor_below(1e-4, 1.1e20);
-  const World world(scene, scene.camera(""), 4, 4, {});
+  const Vista vista(scene, scene.camera(""), 4, 4, {});
   const double expected = 0.5 * 1e20 * form_factor(1, 0.5e-4, 0.5e-4);
   for (const Integrator* integrator : {&nee, &bdpt})
-    EXPECT_GT(rendered(world, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
+    EXPECT_GT(rendered(vista, *integrator, 64, 16, 2).z(expected), 6) << integrator->name;
 }
 
 // Closed white rooms with ceilings of 1e10, 1 and 1e-10: each shows its own.
@@ -127,9 +127,9 @@ TEST(twenty_decades, in_one_scene_keep_the_mean_of_each_part) {
   }
   const Scene scene = parts.read();
   for (size_t i = 0; i < radiances.size(); ++i) {
-    const World world(scene, scene.cameras[i], 8, 6, {});
+    const Vista vista(scene, scene.cameras[i], 8, 6, {});
     for (const Integrator* integrator : {&pt, &nee, &bdpt}) {
-      const MeanAndError r = rendered(world, *integrator, 16, 16);
+      const MeanAndError r = rendered(vista, *integrator, 16, 16);
       std::printf("%.0e %-6s %.4f +- %.4f\n", radiances[i], integrator->name, r.mean / radiances[i],
                   r.error / radiances[i]);
       EXPECT_LT(r.z(radiances[i]), 6) << integrator->name << radiances[i];
@@ -164,8 +164,8 @@ TEST(twenty_decades, of_lamps_without_surface_keep_the_mean_of_each_part) {
   const std::vector<double> intensities{1e10, 1, 1e-10};
   const Scene scene = floors_with_points(intensities);
   for (size_t i = 0; i < intensities.size(); ++i) {
-    const World world(scene, scene.cameras[i], 4, 4, {});
-    expect_mean("point lamp", world, {&nee}, 0.5 / pi * intensities[i], 1024, 0.1);
+    const Vista vista(scene, scene.cameras[i], 4, 4, {});
+    expect_mean("point lamp", vista, {&nee}, 0.5 / pi * intensities[i], 1024, 0.1);
   }
 }
 
@@ -181,8 +181,8 @@ TEST(lamps, of_100000_without_surface_all_count) {
       scene.lights.back().position += Vec3d(x, 0, z) * scene.frame.scale;
       expected += 0.5 / pi / (d2 * std::sqrt(d2));
     }
-  const World world(scene, scene.camera(""), 4, 4, {});
-  expect_mean("102400 lamps", world, {&nee, &bdpt}, expected, 64, 0.05);
+  const Vista vista(scene, scene.camera(""), 4, 4, {});
+  expect_mean("102400 lamps", vista, {&nee, &bdpt}, expected, 64, 0.05);
 }
 
 TEST(lamps, none_is_a_black_picture) {
@@ -190,10 +190,10 @@ TEST(lamps, none_is_a_black_picture) {
   parts.add(open_box({-1, 0, -1}, {1, 2, 1}), parts.material(0.5));
   parts.camera({-0.9, 1, 0}, {0, 1, 0});
   const Scene scene = parts.read();
-  const World world(scene, scene.camera(""), 4, 4,
+  const Vista vista(scene, scene.camera(""), 4, 4,
                     {rectangle({0, 0.5, 0}, {0, 0, 0.5}, {0, 0.5, 0})});
   for (const Integrator& integrator : kIntegrators)
-    EXPECT_EQ(rendered(world, integrator, 4, 2).mean, 0) << integrator.name;
+    EXPECT_EQ(rendered(vista, integrator, 4, 2).mean, 0) << integrator.name;
 }
 
 TEST(albedo, of_0_leaves_the_lamp_alone) {
@@ -204,9 +204,9 @@ TEST(albedo, of_0_leaves_the_lamp_alone) {
   parts.camera({0, 1, 0}, {0.001, 0, 0}, kNarrow);
   const Scene scene = parts.read();
   for (const auto& [camera, expected] : {std::pair{0, 1.0}, {1, 0.0}}) {
-    const World world(scene, scene.cameras[static_cast<size_t>(camera)], 4, 4, {});
+    const Vista vista(scene, scene.cameras[static_cast<size_t>(camera)], 4, 4, {});
     for (const Integrator& integrator : kIntegrators)
-      EXPECT_EQ(rendered(world, integrator, 4, 2).mean, expected) << integrator.name;
+      EXPECT_EQ(rendered(vista, integrator, 4, 2).mean, expected) << integrator.name;
   }
 }
 
@@ -248,13 +248,16 @@ const std::vector<Cover> kCovers{{"before", true, false, 1},
 TEST(covered_lamps, shine_before_what_covers_them_in_every_integrator) {
   for (const Cover& row : kCovers) {
     Scene scene = covered(row);
-    const OpenWorld floor = open_world(scene, Camera(scene.cameras[0]), 4, 4, {});
+    const OpenWorld floor = open_world(scene, false);
     EXPECT_GT(floor.uncovered, 0u) << row.name;
-    expect_mean(row.name, *floor.world, {&nee, &bdpt}, 0.5 * form_factor(1, 0.25, 0.25), 64, 0.05);
+    expect_mean(row.name, Vista(floor.world, scene.cameras[0], 4, 4, {}), {&nee, &bdpt},
+                0.5 * form_factor(1, 0.25, 0.25), 64, 0.05);
     for (size_t side = 1; side < scene.cameras.size(); ++side) {
-      const OpenWorld lamp = open_world(scene, Camera(scene.cameras[side]), 4, 4, {});
+      const OpenWorld lamp = open_world(scene, false);
       EXPECT_EQ(lamp.uncovered, 0u) << row.name;
-      EXPECT_NEAR(rendered(*lamp.world, pt, 16, 2).mean, 1, 1e-4) << row.name << side;
+      EXPECT_NEAR(rendered(Vista(lamp.world, scene.cameras[side], 4, 4, {}), pt, 16, 2).mean, 1,
+                  1e-4)
+          << row.name << side;
     }
   }
 }
@@ -273,17 +276,17 @@ TEST(covered_lamps, of_many_triangles_are_found_to_the_last) {
   parts.add(lamp, parts.lamp(1));
   parts.camera({0.5, 0.5, 0}, {0, 0, 0}, kNarrow);
   Scene scene = parts.read();
-  EXPECT_EQ(open_world(scene, scene.camera(""), 4, 4, {}).uncovered, size_t{2 * n * n});
+  EXPECT_EQ(open_world(scene, false).uncovered, size_t{2 * n * n});
 }
 
 TEST(covered_lamps, others_are_left_alone) {
   for (const char* name : {"two-rooms", "furnace", "window", "three-rooms"}) {
     Scene scene = read_gltf(TDPT_TESTDATA "/scenes/" + std::string(name) + ".glb");
-    const OpenWorld open = open_world(scene, Camera(scene.camera("")), 4, 4, {});
+    const OpenWorld open = open_world(scene, false);
     EXPECT_EQ(open.uncovered, 0u) << name;
   }
   Scene tiny = floor_below(1e-6, 1);  // its two triangles are as near as rounding
-  EXPECT_EQ(open_world(tiny, Camera(tiny.camera("")), 4, 4, {}).uncovered, 0u);
+  EXPECT_EQ(open_world(tiny, false).uncovered, 0u);
 }
 
 // Twin: without the correction the camera hits less of the lamp than next events do, or both of
@@ -291,7 +294,7 @@ TEST(covered_lamps, others_are_left_alone) {
 TEST(covered_lamps_twin, left_where_they_are_they_are_caught) {
   for (const Cover& row : kCovers) {
     const Scene scene = covered(row);
-    const World floor(scene, scene.cameras[0], 4, 4, {}), lamp(scene, scene.cameras[1], 4, 4, {});
+    const Vista floor(scene, scene.cameras[0], 4, 4, {}), lamp(scene, scene.cameras[1], 4, 4, {});
     const double on_floor = rendered(floor, nee, 64, 16, 2).z(0.5 * form_factor(1, 0.25, 0.25));
     const double seen = std::abs(rendered(lamp, pt, 16, 2).mean - 1);
     const bool met = kByScalar && !row.before && row.lamps == 1;  // first of those that coincide

@@ -13,14 +13,14 @@ template <class Visit>
 void each_path(float albedo, int pixels, int least_edges, int most_edges, const Visit& visit) {
   Scene scene = read_gltf(furnace_path());
   for (Material& m : scene.materials) m.base_color = Rgb(albedo);
-  const World world(scene, scene.camera(""), 8, 6, {});
+  const Vista vista(scene, scene.camera(""), 8, 6, {});
   const PathObserver observer = [&](const Contribution& found) {
-    if (found.path.k() >= least_edges && found.path.k() <= most_edges) visit(world, found);
+    if (found.path.k() >= least_edges && found.path.k() <= most_edges) visit(vista, found);
   };
   const Variant variant(bdpt);
   Film film(8, 6, 1);
   Tally tally;
-  PathSampler sampler(world, variant.settings(kMaxDepth, 1), film, tally, &observer);
+  PathSampler sampler(vista, variant.settings(kMaxDepth, 1), film, tally, &observer);
   for (int i = 0; i < pixels; ++i) variant.sample(sampler, i % 8, i / 8, 0);
 }
 
@@ -55,11 +55,11 @@ struct Wrong {
 Wrong weights_of_paths(float albedo, int pixels, int most, int least_edges, int most_edges) {
   Wrong wrong;
   each_path(
-      albedo, pixels, least_edges, most_edges, [&](const World& world, const Contribution& found) {
+      albedo, pixels, least_edges, most_edges, [&](const Vista& vista, const Contribution& found) {
         if (found.strategy.technique == Technique::direct || wrong.paths == most) return;
         ++wrong.paths;
         const double expected =
-            oracle::weight(oracle::densities(world, found.path, kConnections), found.strategy, 1);
+            oracle::weight(oracle::densities(vista, found.path, kConnections), found.strategy, 1);
         const auto off = [&](double weight) {
           return !(std::abs(weight - expected) < 1e-3 * expected);
         };

@@ -257,8 +257,8 @@ const std::vector<Extreme> kExtremes{
     {"field_of_view_179", [](Room& r) { r.yfov = 179 * std::numbers::pi / 180; }},
 };
 
-uint64_t spp_of(const World& world, uint64_t samples) {
-  const auto pixels = static_cast<uint64_t>(world.film.width() * world.film.height());
+uint64_t spp_of(const Vista& vista, uint64_t samples) {
+  const auto pixels = static_cast<uint64_t>(vista.view.film.width() * vista.view.film.height());
   return std::max<uint64_t>(1, samples / pixels);
 }
 
@@ -267,11 +267,11 @@ TEST_P(white_room, shows_the_radiance_of_its_ceiling) {
   GetParam().make(room);
   const double L = room.radiance;
   const Scene scene = room.read();
-  const World world(scene, scene.camera(""), room.width, room.height, room.portals);
-  const MeanAndError by_pt = rendered(world, pt, spp_of(world, 48), 2);
+  const Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
+  const MeanAndError by_pt = rendered(vista, pt, spp_of(vista, 48), 2);
   EXPECT_NEAR(by_pt.mean / L, 1, 1e-5 + room.lost);
   for (const Integrator* integrator : room.integrators) {
-    const MeanAndError r = rendered(world, *integrator, spp_of(world, room.samples), room.runs);
+    const MeanAndError r = rendered(vista, *integrator, spp_of(vista, room.samples), room.runs);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean / L, r.error / L);
     EXPECT_LT(std::abs(r.mean - L), 6 * r.error + (1e-5 + room.lost) * L) << integrator->name;
     EXPECT_LT(r.error, 0.15 * L) << integrator->name;
@@ -288,8 +288,8 @@ TEST(white_room_twin, a_leak_is_caught) {
   room.walls.erase(room.walls.begin() + 2, room.walls.begin() + 4);
   room.stands(sheet({1, 0, -1}, {0, 0, 2}, {0, 2, 0}));
   const Scene scene = room.read();
-  const World world(scene, scene.camera(""), room.width, room.height, {});
-  EXPECT_LT(rendered(world, pt, 64, 2).mean, 1 - 1e-4);
+  const Vista vista(scene, scene.camera(""), room.width, room.height, {});
+  EXPECT_LT(rendered(vista, pt, 64, 2).mean, 1 - 1e-4);
 }
 
 // The light in a closed box under a sky, a sun and a lamp, with a portal in a wall and one through
@@ -309,8 +309,8 @@ double light_in_box(const Vec3d& size, const nlohmann::ordered_json& placed, dou
   scene.lights[0].intensity = Rgb(100);
   std::vector<Portal> portals{rectangle(low, {size.x, 0, 0}, {0, size.y, 0}),
                               rectangle(1.1 * low, {0, 2.2 * size.y, 0}, {2.2 * size.x, 0, 0})};
-  const World world(scene, scene.camera(""), 8, 6, portals);
-  return rendered(world, integrator, 64, 1).mean;
+  const Vista vista(scene, scene.camera(""), 8, 6, portals);
+  return rendered(vista, integrator, 64, 1).mean;
 }
 TEST(white_room, closed_boxes_keep_light_out) {
   using Json = nlohmann::ordered_json;
@@ -332,9 +332,9 @@ TEST(white_room_twin, a_crack_of_a_hundredth_is_caught) {
 TEST(white_room_twin, a_portal_density_off_by_a_fifth_is_caught) {
   Room room;
   const Scene scene = room.read();
-  World world(scene, scene.camera(""), room.width, room.height, room.portals);
-  world.portals = PortalSetFaults::scaled(world.portals, 0.8);
-  const MeanAndError r = rendered(world, tdpt_ref, spp_of(world, room.samples), room.runs);
+  Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
+  vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 0.8);
+  const MeanAndError r = rendered(vista, tdpt_ref, spp_of(vista, room.samples), room.runs);
   EXPECT_GT(std::abs(r.mean - 1), 6 * r.error);
 }
 
@@ -342,10 +342,10 @@ std::vector<Rgb> picture_of(void (*make)(Room&)) {
   Room room;
   make(room);
   const Scene scene = room.read();
-  const World world(scene, scene.camera(""), room.width, room.height, room.portals);
+  const Vista vista(scene, scene.camera(""), room.width, room.height, room.portals);
   Job settings;
   settings.limits.spp = 4;
-  return render(*renderer_under_test(world), tdpt_org, settings).picture.pixels;
+  return render(*renderer_under_test(vista), tdpt_org, settings).picture.pixels;
 }
 
 TEST(white_room, in_units_of_powers_of_two_has_the_same_bytes) {

@@ -11,10 +11,10 @@ namespace tdpt::furnace_test {
 struct Furnace {
   explicit Furnace(float albedo, int width = 16, int height = 12)
       : scene(with_albedo(albedo)),
-        world(scene, scene.camera(""), width, height, {portal_in_the_furnace()}) {}
+        vista(scene, scene.camera(""), width, height, {portal_in_the_furnace()}) {}
 
   Scene scene;
-  World world;
+  Vista vista;
 
  private:
   static Scene with_albedo(float albedo) {
@@ -32,7 +32,7 @@ double radiance(double albedo, int depth = kMaxDepth) {
 TEST(furnace, of_albedo_0_9_shows_10) {
   const Furnace f(0.9f);
   for (const Integrator* integrator : integrators_under_test()) {
-    const MeanAndError r = rendered(f.world, *integrator, 8);
+    const MeanAndError r = rendered(f.vista, *integrator, 8);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(radiance(double{0.9f})), 5) << integrator->name;
     EXPECT_LT(r.error, 0.01 * r.mean) << integrator->name;
@@ -43,7 +43,7 @@ TEST(furnace, of_paths_of_1_2_and_64_edges_shows_as_many_terms) {
   const Furnace f(0.9f, 8, 6);
   for (const int depth : {1, 2, 64})
     for (const Integrator* integrator : integrators_under_test()) {
-      const MeanAndError r = rendered(f.world, *integrator, 8, 16, depth);
+      const MeanAndError r = rendered(f.vista, *integrator, 8, 16, depth);
       EXPECT_LT(r.z(radiance(double{0.9f}, depth)), 5) << integrator->name << " " << depth;
       EXPECT_LT(r.error, 0.02 * r.mean) << integrator->name << " " << depth;
     }
@@ -56,7 +56,7 @@ void expect_100(const std::vector<const Integrator*>& chosen) {
   for (const Integrator* integrator : chosen) {
     const double light_walks = integrator->mixture.light_walks;  // the same number in all
     const MeanAndError r =
-        rendered(f.world, *integrator,
+        rendered(f.vista, *integrator,
                  integrator->mixture.has(Technique::light) ? std::lround(2 / light_walks) : 16);
     std::printf("%-11s %8.4f +- %.4f\n", integrator->name, r.mean, r.error);
     EXPECT_LT(r.z(radiance(double{0.99f})), 5) << integrator->name;
@@ -83,10 +83,10 @@ double survived(const Path& path, const Strategy& strategy) {
 
 // Mean of all contributions, each times `factor`.
 template <class Factor>
-MeanAndError observed(const World& world, const Integrator& integrator, uint64_t spp, int max_depth,
+MeanAndError observed(const Vista& vista, const Integrator& integrator, uint64_t spp, int max_depth,
                       const Factor& factor) {
   std::vector<double> runs;
-  const int width = world.film.width(), height = world.film.height();
+  const int width = vista.view.film.width(), height = vista.view.film.height();
   for (uint64_t seed = 1; seed <= 16; ++seed) {
     double sum = 0;
     const PathObserver observer = [&](const Contribution& found) {
@@ -96,7 +96,7 @@ MeanAndError observed(const World& world, const Integrator& integrator, uint64_t
     const Variant variant(integrator);
     Film film(width, height, 1);
     Tally tally;
-    PathSampler sampler(world, variant.settings(max_depth, seed), film, tally, &observer);
+    PathSampler sampler(vista, variant.settings(max_depth, seed), film, tally, &observer);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
         for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
@@ -112,16 +112,16 @@ double divided(const Path&, const Strategy&) {
 TEST(furnace_twin, walks_cut_at_64_edges_are_caught) {
   const Furnace f(0.99f, 8, 6);
   for (const Integrator* integrator : {&pt, &bdpt})
-    EXPECT_GT(observed(f.world, *integrator, 4, 64, divided).z(radiance(double{0.99f})), 10)
+    EXPECT_GT(observed(f.vista, *integrator, 4, 64, divided).z(radiance(double{0.99f})), 10)
         << integrator->name;
 }
 
 TEST(furnace_twin, walks_that_end_without_dividing_by_their_survival_are_caught) {
   const Furnace f(0.9f);
   for (const Integrator* integrator : {&pt, &nee, &bdpt, &tdpt_guided}) {
-    EXPECT_LT(observed(f.world, *integrator, 4, kMaxDepth, divided).z(radiance(double{0.9f})), 5)
+    EXPECT_LT(observed(f.vista, *integrator, 4, kMaxDepth, divided).z(radiance(double{0.9f})), 5)
         << integrator->name;
-    EXPECT_GT(observed(f.world, *integrator, 4, kMaxDepth, survived).z(radiance(double{0.9f})), 20)
+    EXPECT_GT(observed(f.vista, *integrator, 4, kMaxDepth, survived).z(radiance(double{0.9f})), 20)
         << integrator->name;
   }
 }
@@ -139,7 +139,7 @@ TEST(furnace, of_albedo_1_ends) {
       sum += luminance(found.value) * found.path.weight(integrator->mixture, found.strategy, 1);
     };
     const Variant variant(*integrator);
-    PathSampler sampler(f.world, variant.settings(kMaxDepth, 1), film, tally, &observer);
+    PathSampler sampler(f.vista, variant.settings(kMaxDepth, 1), film, tally, &observer);
     variant.sample(sampler, 8, 6, 0);
     EXPECT_EQ(longest, kMaxDepth) << integrator->name;
     EXPECT_EQ(tally.not_finite, 0u) << integrator->name;

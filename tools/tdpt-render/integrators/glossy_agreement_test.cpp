@@ -26,8 +26,8 @@ Scene scene_of(const GlossyRooms& what) {
 
 const Portal kWindow = rectangle({2.05, 0.5, -0.5}, {0, 0, 1}, {0, 1, 0});
 
-World world_of(const Scene& scene, const std::vector<Portal>& portals = {kWindow}) {
-  return World(scene, scene.camera(""), 32, 24, portals);
+Vista world_of(const Scene& scene, const std::vector<Portal>& portals = {kWindow}) {
+  return Vista(scene, scene.camera(""), 32, 24, portals);
 }
 
 /// With and without portals, sample by sample (misplaced_portals_test.cpp): detects hundredths of a
@@ -72,20 +72,20 @@ const Case kCases[] = {
 class glossy_agreement : public ::testing::TestWithParam<Case> {
  protected:
   const Scene scene_ = scene_of(GetParam().what);
-  const World world_ = world_of(scene_);
+  const Vista vista_ = world_of(scene_);
 };
 class long_glossy_agreement : public glossy_agreement {};
 
 // All techniques between them; fewer samples of the one with light walks.
 TEST_P(glossy_agreement, of) {
   for (const std::string& warning : scene_.warnings) ADD_FAILURE() << warning;
-  expect_agreement(world_, {&nee, &tdpt_org, &tdpt_guided}, kGross);
+  expect_agreement(vista_, {&nee, &tdpt_org, &tdpt_guided}, kGross);
 }
 TEST_P(long_glossy_agreement, of) {
   std::vector<const Integrator*> all = integrators();
   if (GetParam().without_surface) all.erase(all.begin());
-  expect_agreement(world_, all, kSettings);
-  const DepthRuns runs = render_runs(world_, tdpt_ref, kSettings);
+  expect_agreement(vista_, all, kSettings);
+  const DepthRuns runs = render_runs(vista_, tdpt_ref, kSettings);
   const DepthRuns reference = render_runs(world_of(scene_, {}), tdpt_ref, kSettings);
   EXPECT_TRUE(holds(paired_verdict(runs, reference), "portals and none", runs, reference));
 }
@@ -97,20 +97,20 @@ INSTANTIATE_TEST_SUITE_P(, long_glossy_agreement, ::testing::ValuesIn(kCases), n
 
 TEST(glossy_agreement_twin, faults_are_caught_on_glossy_surfaces_too) {
   const Scene scene = scene_of({.plastic_floor = true, .metal_walls = true});
-  const World world = world_of(scene);
-  const auto caught = [&](const char* what, const World& in, const Variant& faulty,
+  const Vista vista = world_of(scene);
+  const auto caught = [&](const char* what, const Vista& in, const Variant& faulty,
                           const AgreementSettings& settings) {
-    const DepthRuns reference = render_runs(world, bdpt, settings.of_reference());
+    const DepthRuns reference = render_runs(vista, bdpt, settings.of_reference());
     const Verdict verdict = judge(render_runs(in, faulty, settings), reference);
     std::printf("%-20s depths caught %d, least p %.1e\n", what, verdict.disagreements,
                 verdict.worst_p);
     EXPECT_FALSE(verdict.holds()) << what;
   };
-  caught("bi missing", world,
+  caught("bi missing", vista,
          {tdpt_org.mixture.techniques,
           run_only<Technique::camera, Technique::direct, Technique::light, Technique::portal>},
          kGross);
-  caught("light twice", world, {bdpt.mixture.techniques, run_twice<Technique::light>}, kGross);
+  caught("light twice", vista, {bdpt.mixture.techniques, run_twice<Technique::light>}, kGross);
   // A BSDF with 5 % less colour than the reference.
   Scene darker = scene;
   for (Material& m : darker.materials)
@@ -123,11 +123,11 @@ TEST(glossy_agreement_twin, a_portal_off_by_5_percent_is_caught_on_glossy_surfac
   constexpr AgreementSettings kShort{.max_depth = 3, .runs = 64, .spp = 13};
   const Scene scene = scene_of({.plastic_floor = true, .metal_walls = true});
   const DepthRuns without = render_runs(world_of(scene, {}), tdpt_ref, kShort);
-  World world = world_of(scene);
-  const DepthRuns with = render_runs(world, tdpt_ref, kShort);
+  Vista vista = world_of(scene);
+  const DepthRuns with = render_runs(vista, tdpt_ref, kShort);
   EXPECT_TRUE(holds(paired_verdict(with, without), "portals and none", with, without));
-  world.portals = PortalSetFaults::scaled(world.portals, 1.05);
-  EXPECT_FALSE(paired_verdict(render_runs(world, tdpt_ref, kShort), without).holds());
+  vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 1.05);
+  EXPECT_FALSE(paired_verdict(render_runs(vista, tdpt_ref, kShort), without).holds());
 }
 
 // In the room of luminaire_with_a_profile: light walks are sampled correctly, with a wrong density.

@@ -10,11 +10,11 @@ namespace tdpt::layers_test {
 
 RenderResult render_rooms(const Integrator& integrator, bool layers) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
+  const Vista vista(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
   Job settings;
   settings.limits.spp = 16;
   settings.layers = layers;
-  return render(*renderer_under_test(world), integrator, settings);
+  return render(*renderer_under_test(vista), integrator, settings);
 }
 
 // Largest difference between a pixel and the sum of its layers, in units of the pixel's rounding to

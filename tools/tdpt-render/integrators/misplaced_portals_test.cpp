@@ -59,11 +59,11 @@ struct Case {
 };
 class misplaced_portals : public ::testing::Test {
  protected:
-  World world_with(const std::vector<Portal>& portals) const {
-    return World(scene_, scene_.camera(""), 32, 24, portals);
+  Vista world_with(const std::vector<Portal>& portals) const {
+    return Vista(scene_, scene_.camera(""), 32, 24, portals);
   }
-  Verdict verdict(const char* what, const World& world, const Integrator& integrator) const {
-    return verdict(what, render_runs(world, integrator, kSettings), integrator);
+  Verdict verdict(const char* what, const Vista& vista, const Integrator& integrator) const {
+    return verdict(what, render_runs(vista, integrator, kSettings), integrator);
   }
   Verdict verdict(const char* what, const DepthRuns& runs, const Integrator& integrator) const {
     EXPECT_EQ(runs.not_finite, 0u);
@@ -77,9 +77,9 @@ class misplaced_portals : public ::testing::Test {
   }
   void expect_harmless(const char* what, const std::vector<Portal>& portals,
                        const std::vector<const Integrator*>& all = {&tdpt_ref}) const {
-    const World world = world_with(portals);
+    const Vista vista = world_with(portals);
     for (const Integrator* integrator : all) {
-      const DepthRuns runs = render_runs(world, *integrator, kSettings);
+      const DepthRuns runs = render_runs(vista, *integrator, kSettings);
       EXPECT_TRUE(holds(verdict(what, runs, *integrator),
                         std::string(what) + ", " + integrator->name, runs, reference(*integrator)));
     }
@@ -172,9 +172,9 @@ TEST_F(long_misplaced_portals, directed_walks_are_harmless_too) {
 TEST_F(misplaced_portals, twin_a_density_that_is_off_is_caught) {
   for (const auto& [portal, factor] :
        {std::pair(in_the_window(), 1.05), std::pair(across(1.2, 0, 2, -1, 1), 1.1)}) {
-    World world = world_with({portal});
-    world.portals = PortalSetFaults::scaled(world.portals, factor);
-    EXPECT_FALSE(verdict("twin, 5 or 10 %", world, tdpt_ref).holds());
+    Vista vista = world_with({portal});
+    vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, factor);
+    EXPECT_FALSE(verdict("twin, 5 or 10 %", vista, tdpt_ref).holds());
   }
 }
 
@@ -185,16 +185,16 @@ TEST_F(misplaced_portals, one_that_works_both_ways_is_harmless) {
   expect_harmless("two, both ways", for_both_ways({in_the_window(), room[0]}), {&tdpt_org});
   // Most light goes to -x: along the normal of one, against that of the other.
   for (const Portal& portal : {in_the_window(), reversed(in_the_window())}) {
-    World world = world_with(for_both_ways({portal}));
-    PortalSetFaults::scale_one_way(world.portals, -1, 1.05);
-    EXPECT_FALSE(verdict("twin, one way 5 %", world, tdpt_ref).holds());
+    Vista vista = world_with(for_both_ways({portal}));
+    PortalSetFaults::scale_one_way(vista.openings.portals, -1, 1.05);
+    EXPECT_FALSE(verdict("twin, one way 5 %", vista, tdpt_ref).holds());
   }
 }
 
 TEST_F(misplaced_portals, twin_copies_that_the_density_does_not_know_of_are_caught) {
-  World world = world_with({in_the_window(), in_the_window()});
-  world.portals = PortalSetFaults::scaled(world.portals, 0.5);
-  EXPECT_FALSE(verdict("twin, copies", world, tdpt_ref).holds());
+  Vista vista = world_with({in_the_window(), in_the_window()});
+  vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 0.5);
+  EXPECT_FALSE(verdict("twin, copies", vista, tdpt_ref).holds());
 }
 
 }  // namespace tdpt::misplaced_portals_test

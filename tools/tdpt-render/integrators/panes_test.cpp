@@ -21,12 +21,12 @@ Scene furnace_with(const Material& pane, float albedo) {
 
 RenderResult rendered(const Scene& scene, const Integrator& integrator, int max_depth, uint64_t spp,
                       const std::vector<Portal>& portals = {}, uint64_t seed = 1) {
-  const World world(scene, scene.camera(""), 32, 24, portals);
+  const Vista vista(scene, scene.camera(""), 32, 24, portals);
   Job settings;
   settings.limits.spp = spp;
   settings.max_depth = max_depth;
   settings.seed = testing::fresh(seed);
-  return render(*renderer_under_test(world), integrator, settings);
+  return render(*renderer_under_test(vista), integrator, settings);
 }
 
 // Radiance is 1 in every direction, with or without panes: every sample is 1.

@@ -6,13 +6,13 @@
 
 namespace tdpt {
 
-void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+void render_samples(const Vista& vista, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     ProgressBar& progress) {
   const SampleSettings settings{integrator.mixture, rules.max_depth, rules.beta, rules.seed,
                                 stream_in(round, integrator.stream)};
-  const auto width = static_cast<uint64_t>(world.film.width());
-  const uint64_t pixels = width * static_cast<uint64_t>(world.film.height());
+  const auto width = static_cast<uint64_t>(vista.view.film.width());
+  const uint64_t pixels = width * static_cast<uint64_t>(vista.view.film.height());
   // A cache spans pixels far apart, so that their shared light walks do not show as correlated
   // noise.
   const uint64_t per_cache = samples_of_cache(integrator.mixture);
@@ -20,7 +20,7 @@ void render_samples(const World& world, const Integrator& integrator, const Samp
   const uint64_t in_task = (width + per_cache - 1) / per_cache;
   std::vector<Tally> tallies((caches + in_task - 1) / in_task, Tally(film.unit()));
   tbb::parallel_for(size_t{0}, tallies.size(), [&](size_t task) {
-    PathSampler sampler(world, settings, film, tallies[task]);
+    PathSampler sampler(vista, settings, film, tallies[task]);
     std::vector<Walk> light_walks(light_walks_of(integrator.mixture, per_cache));
     const Walk none;
     LightVertexCache cache;
@@ -70,8 +70,8 @@ Film::Options film_options(const TechniqueSet& layers, bool alpha, bool halves) 
   return options;
 }
 
-Film film_for(const World& world, const TechniqueSet& layers, bool alpha, bool halves) {
-  return Film(world.film.width(), world.film.height(), world.lights.power(),
+Film film_for(const Vista& vista, const TechniqueSet& layers, bool alpha, bool halves) {
+  return Film(vista.view.film.width(), vista.view.film.height(), vista.world->lights.power(),
               film_options(layers, alpha, halves));
 }
 

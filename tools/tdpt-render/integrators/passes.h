@@ -1,4 +1,4 @@
-// Renders a range of samples of every pixel: a pure function of world, integrator, rules and range.
+// Renders a range of samples of every pixel: a pure function of vista, integrator, rules and range.
 #pragma once
 #include "libcommon/base/progress.h"
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -16,15 +16,15 @@ struct SampleRules {
 /// Renders those samples of every pixel into `film` and counts them in `tally`, in parallel.
 /// `round` 0 is the picture itself; other rounds have their own random numbers. Film and tally do
 /// not depend on how samples are split into calls or among threads.
-void render_samples(const World& world, const Integrator& integrator, const SampleRules& rules,
+void render_samples(const Vista& vista, const Integrator& integrator, const SampleRules& rules,
                     uint64_t round, const SampleRange& samples, Film& film, Tally& tally,
                     ProgressBar& progress);
 
 /// Options of a film: a layer for each technique in `layers`, a transparent background if `alpha`,
 /// and two halves of the samples if `halves`.
 Film::Options film_options(const TechniqueSet& layers, bool alpha, bool halves);
-/// A film for pictures of that world.
-Film film_for(const World& world, const TechniqueSet& layers, bool alpha = false,
+/// A film for pictures of it.
+Film film_for(const Vista& vista, const TechniqueSet& layers, bool alpha = false,
               bool halves = false);
 
 /// The counts of a whole rendering.

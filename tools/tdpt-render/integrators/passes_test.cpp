@@ -43,7 +43,7 @@ double correlation_down_columns(const std::vector<Luminance>& pictures) {
 class Caches : public ::testing::Test {
  protected:
   const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, scene_.camera(""), kWidth, kHeight, {portal_in_the_hole()}};
+  const Vista vista_{scene_, scene_.camera(""), kWidth, kHeight, {portal_in_the_hole()}};
 };
 
 TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
@@ -53,7 +53,7 @@ TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
     settings.limits.spp = 1;
     settings.seed = seed;
     Luminance picture;
-    for (const Rgb& p : render(world_, tdpt_guided, settings).picture.pixels)
+    for (const Rgb& p : render(vista_, tdpt_guided, settings).picture.pixels)
       picture.push_back(luminance(p));
     pictures.push_back(picture);
   }
@@ -62,7 +62,7 @@ TEST_F(Caches, leave_no_trace_down_the_columns_of_a_picture) {
 
 // Twin: a cache's pixels are 192 apart, the number of caches, so they lie in two columns.
 TEST_F(Caches, twin_pixels_evenly_apart_are_caught) {
-  Variant variant = Variant::cached(world_, tdpt_guided, 6);
+  Variant variant = Variant::cached(vista_, tdpt_guided, 6);
   variant.pixel = [](uint64_t cache, uint64_t i, uint64_t caches, uint64_t) {
     return cache + i * caches;
   };
@@ -73,7 +73,7 @@ TEST_F(Caches, twin_pixels_evenly_apart_are_caught) {
   tbb::parallel_for(uint64_t{0}, kPictures, [&](uint64_t i) {
     Tally tally;
     pictures[i].resize(size_t{kWidth} * kHeight);
-    for (const Luminance& of_length : render_by_depth(world_, variant, settings, i + 1, tally))
+    for (const Luminance& of_length : render_by_depth(vista_, variant, settings, i + 1, tally))
       for (size_t k = 0; k < of_length.size(); ++k) pictures[i][k] += of_length[k];
   });
   EXPECT_GT(correlation_down_columns(pictures), 0.06);

@@ -27,15 +27,15 @@ Scene read(const std::vector<testing::QuadPart>& parts, Encoding encoding) {
 }
 
 Picture picture_of(const Scene& scene) {
-  const World world(scene, scene.camera(""), 32, 24, kPortals);
+  const Vista vista(scene, scene.camera(""), 32, 24, kPortals);
   Job settings;
   settings.limits.spp = 4;
-  return render(world, tdpt_org, settings).picture;
+  return render(vista, tdpt_org, settings).picture;
 }
 
 DepthRuns runs_of(const Scene& scene) {
-  const World world(scene, scene.camera(""), 32, 24, kPortals);
-  return render_runs(world, tdpt_org, kSettings);
+  const Vista vista(scene, scene.camera(""), 32, 24, kPortals);
+  return render_runs(vista, tdpt_org, kSettings);
 }
 
 std::vector<testing::QuadPart> room_with_a_corner_moved() {

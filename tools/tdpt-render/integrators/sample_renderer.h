@@ -9,9 +9,9 @@ namespace tdpt {
 class SampleRenderer {
  public:
   /// Renders `world_`, which must outlive it.
-  explicit SampleRenderer(const World& world_) : world(world_) {}
+  explicit SampleRenderer(const Vista& vista_) : vista(vista_) {}
   virtual ~SampleRenderer() = default;
-  const World& world;
+  const Vista& vista;
 
   virtual std::string name() const { return "cpu"; }
   virtual bool on_device() const { return false; }
@@ -34,7 +34,7 @@ class CpuRenderer : public SampleRenderer {
   using SampleRenderer::SampleRenderer;
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
               const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
-    render_samples(world, integrator, rules, round, samples, film, tally, progress);
+    render_samples(vista, integrator, rules, round, samples, film, tally, progress);
   }
 };
 

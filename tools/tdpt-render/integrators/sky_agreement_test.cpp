@@ -47,14 +47,14 @@ class Room {
                 const AgreementSettings& settings = kSettings,
                 const std::vector<Portal>& of_reference = {})
       : scene_(under(std::move(scene), std::move(sky))), settings_(settings) {
-    const World world(scene_, scene_.camera(""), 32, 24, of_reference);
-    reference_ = render_runs(world, bdpt, settings.of_reference());
+    const Vista vista(scene_, scene_.camera(""), 32, 24, of_reference);
+    reference_ = render_runs(vista, bdpt, settings.of_reference());
     EXPECT_EQ(reference_.not_finite, 0u);
     EXPECT_GT(reference_.of_depth[0].mean(), 0);
   }
 
-  Verdict verdict(const std::string& what, const World& world, const Variant& variant) const {
-    const DepthRuns runs = render_runs(world, variant, settings_);
+  Verdict verdict(const std::string& what, const Vista& vista, const Variant& variant) const {
+    const DepthRuns runs = render_runs(vista, variant, settings_);
     EXPECT_EQ(runs.not_finite, 0u);
     const Verdict v = judge(runs, reference_);
     std::printf("%-22s %-11s segments %.2f, least p %.1e; all depths %s\n", what.c_str(),
@@ -65,15 +65,15 @@ class Room {
   }
   void expect_agreement(const std::string& what, const std::vector<Portal>& portals,
                         const Integrators& all) const {
-    const World world(scene_, scene_.camera(""), 32, 24, portals);
+    const Vista vista(scene_, scene_.camera(""), 32, 24, portals);
     for (const Integrator* integrator : all)
-      EXPECT_TRUE(verdict(what, world, *integrator).holds()) << what << ", " << integrator->name;
+      EXPECT_TRUE(verdict(what, vista, *integrator).holds()) << what << ", " << integrator->name;
   }
   /// Twin: segments that count twice.
   void expect_twice_to_be_caught(const std::vector<Portal>& portals) const {
-    const World world(scene_, scene_.camera(""), 32, 24, portals);
+    const Vista vista(scene_, scene_.camera(""), 32, 24, portals);
     const Variant twice(tdpt_org, run_twice<Technique::portal>);
-    EXPECT_FALSE(verdict("twin, segments twice", world, twice).holds());
+    EXPECT_FALSE(verdict("twin, segments twice", vista, twice).holds());
   }
   const Scene& scene() const { return scene_; }
 
@@ -195,10 +195,10 @@ TEST(long_sky_agreement, glossy_surfaces_mirror_and_glass) {
 
 TEST(long_sky_agreement, all_that_auto_tries) {
   const Room r(room({}), uneven_sky({kSun}));
-  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
-  for (const Candidate& c : auto_candidates(world)) {
+  const Vista vista(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  for (const Candidate& c : auto_candidates(vista)) {
     if (c.integrator.name == pt.name) continue;  // hits the sun by chance
-    EXPECT_TRUE(r.verdict(c.label, world, c.integrator).holds()) << c.label;
+    EXPECT_TRUE(r.verdict(c.label, vista, c.integrator).holds()) << c.label;
   }
 }
 
@@ -207,13 +207,13 @@ TEST(sky_agreement, whole_light) {
   AgreementSettings settings = kSettings;
   settings.max_depth = kMaxDepth;
   const Room r(room({}), uneven_sky({kSun}), settings);
-  const World world(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
+  const Vista vista(r.scene(), r.scene().camera(""), 32, 24, {kWindow});
   for (const Integrator* integrator : kAll)
-    EXPECT_TRUE(r.verdict("whole", world, Variant::cached(world, *integrator, kMaxDepth)).holds())
+    EXPECT_TRUE(r.verdict("whole", vista, Variant::cached(vista, *integrator, kMaxDepth)).holds())
         << integrator->name;
-  Variant twice = Variant::cached(world, tdpt_org, kMaxDepth);
+  Variant twice = Variant::cached(vista, tdpt_org, kMaxDepth);
   twice.besides = [](PathSampler& sampler) { sampler.run(Technique::portal); };
-  EXPECT_FALSE(r.verdict("twin, segments twice", world, twice).holds());
+  EXPECT_FALSE(r.verdict("twin, segments twice", vista, twice).holds());
 }
 
 // Twins: densities that are 5 % too large.
@@ -222,16 +222,16 @@ TEST(sky_agreement_twin, a_sky_or_a_portal_off_by_5_percent_is_caught) {
   const std::vector<Portal> hole{across(0.75, 1.25, -0.25, 0.25)};
   const Room r(open_end(read_gltf(TDPT_TESTDATA "/scenes/half-metre-hole.glb"), 2.09),
                one_colour_sky(Rgb(1)), settings, hole);
-  World world(r.scene(), r.scene().camera(""), 32, 24, hole);
+  Vista vista(r.scene(), r.scene().camera(""), 32, 24, hole);
   for (const Integrator* integrator : kAll)
-    EXPECT_TRUE(r.verdict("control", world, *integrator).holds()) << integrator->name;
-  LightsFaults::scale_sky(world.lights, 1.05);
+    EXPECT_TRUE(r.verdict("control", vista, *integrator).holds()) << integrator->name;
+  LightsFaults::scale_sky(vista.openings.selection, 1.05);
   for (const Integrator* integrator : kAll)
-    EXPECT_FALSE(r.verdict("sky 5 %", world, *integrator).holds()) << integrator->name;
-  LightsFaults::scale_sky(world.lights, 1 / 1.05);
-  world.portals = PortalSetFaults::scaled(world.portals, 1.05);
+    EXPECT_FALSE(r.verdict("sky 5 %", vista, *integrator).holds()) << integrator->name;
+  LightsFaults::scale_sky(vista.openings.selection, 1 / 1.05);
+  vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 1.05);
   for (const Integrator* integrator : {&tdpt_org, &tdpt_ref})
-    EXPECT_FALSE(r.verdict("portal 5 %", world, *integrator).holds()) << integrator->name;
+    EXPECT_FALSE(r.verdict("portal 5 %", vista, *integrator).holds()) << integrator->name;
 }
 
 }  // namespace tdpt::sky_agreement_test

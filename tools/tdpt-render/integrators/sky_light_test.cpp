@@ -57,9 +57,9 @@ class Outdoors {
     scene_.cameras = {c};
   }
   /// 8 x 6 pixels.
-  World world(std::shared_ptr<const Sky> sky, const std::vector<Portal>& portals = {}) {
+  Vista vista(std::shared_ptr<const Sky> sky, const std::vector<Portal>& portals = {}) {
     scene_.sky = std::move(sky);
-    return World(scene_, scene_.cameras[0], 8, 6, portals);
+    return Vista(scene_, scene_.cameras[0], 8, 6, portals);
   }
 
   Scene& scene() { return scene_; }
@@ -93,7 +93,7 @@ std::vector<double> quarters(int width, int height, const Value& value) {
   return sums;
 }
 
-Measured measured(const World& world, const Integrator& integrator, uint64_t spp,
+Measured measured(const Vista& vista, const Integrator& integrator, uint64_t spp,
                   int max_depth = kMaxDepth, double beta = 1) {
   constexpr uint64_t kRuns = 12;
   std::vector<double> sum(5), squares(5);
@@ -101,10 +101,10 @@ Measured measured(const World& world, const Integrator& integrator, uint64_t spp
     Job settings;
     settings.limits.spp = spp, settings.seed = testing::fresh(seed), settings.max_depth = max_depth,
     settings.beta = beta;
-    const RenderResult r = render(*renderer_under_test(world), integrator, settings);
+    const RenderResult r = render(*renderer_under_test(vista), integrator, settings);
     EXPECT_EQ(r.tally.not_finite, 0u) << integrator.name;
-    const int width = world.film.width();
-    const std::vector<double> q = quarters(width, world.film.height(), [&](int x, int y) {
+    const int width = vista.view.film.width();
+    const std::vector<double> q = quarters(width, vista.view.film.height(), [&](int x, int y) {
       return luminance(r.picture.pixels[static_cast<size_t>(y * width + x)]);
     });
     for (size_t i = 0; i < 5; ++i) sum[i] += q[i], squares[i] += q[i] * q[i];
@@ -129,10 +129,10 @@ struct Expectation {
 };
 
 /// pt, which portals do not change, only without portals and if the sun is large enough to be hit.
-void expect_shown(const char* what, const World& world, const Expectation& e, bool with_pt = true) {
+void expect_shown(const char* what, const Vista& vista, const Expectation& e, bool with_pt = true) {
   for (const Integrator* integrator : integrators_under_test()) {
-    if (integrator == &pt && (!with_pt || !world.portals.empty())) continue;
-    const Measured m = measured(world, *integrator, e.spp, e.max_depth);
+    if (integrator == &pt && (!with_pt || !vista.openings.portals.empty())) continue;
+    const Measured m = measured(vista, *integrator, e.spp, e.max_depth);
     std::printf("%-24s %-11s %9.5f +- %.5f, known %.5f, worst z %.2f\n", what, integrator->name,
                 m.mean[4], m.error[4], e.quarters[4], m.z(e.quarters));
     EXPECT_LT(m.z(e.quarters), kRight) << what << ", " << integrator->name;
@@ -150,11 +150,11 @@ TEST(sky_light, a_box_under_a_sky_of_1_shows_its_albedo) {
   out.box({0, 0, 0}, {1, 0.5, 0.7}, out.diffuse(0.9f));
   out.look({0.4, 3, 2.2}, {0, 0.5, 0.1}, 0.2);
   const Expectation expected{alike(double{0.9f})};
-  expect_shown("box", out.world(one_colour_sky(Rgb(1))), expected);
+  expect_shown("box", out.vista(one_colour_sky(Rgb(1))), expected);
   // Light comes down through one portal over the box, and a slanting one.
   const Portal over = rectangle({-1, 0.8, -1}, {2, 0, 0}, {0, 0, 2});
   const Portal slanting = rectangle({-0.3, 0.6, -0.3}, {0.9, 0.3, 0}, {0, 0, 0.9});
-  expect_shown("box, portals", out.world(one_colour_sky(Rgb(1)), {over, slanting}), expected);
+  expect_shown("box, portals", out.vista(one_colour_sky(Rgb(1)), {over, slanting}), expected);
 }
 
 // Without absorption everything is as bright as the sky, on any path.
@@ -170,7 +170,7 @@ TEST(sky_light, a_white_alcove_is_as_bright_as_the_sky) {
   const Portal open = rectangle({1, 0, -1}, {0, 0, 2}, {0, 1.5, 0});
   const Portal half = rectangle({0.7, 0.4, -0.9}, {0, 0, 1}, {0.2, 1, 0});
   for (const auto& portals : {std::vector<Portal>{}, {open}, {half}})
-    expect_shown("alcove", out.world(one_colour_sky(Rgb(1)), portals),
+    expect_shown("alcove", out.vista(one_colour_sky(Rgb(1)), portals),
                  {.quarters = alike(1), .spp = 32, .error = kByScalar ? 0.12 : 0.06});
 }
 
@@ -190,9 +190,9 @@ TEST(sky_light, what_neither_absorbs_nor_glows_cannot_be_seen_under_a_sky_of_1) 
   out.quad({0.4, 0.05, -0.4}, {0.5, 0, 0.3}, {0, 0.9, 0}, out.material(half));
   out.look({0.3, 0.8, 1.4}, {0, 0.35, 0}, 0.9);
   const Portal over = rectangle({-1, 0.95, -1}, {2, 0, 0}, {0, 0, 2});
-  expect_shown("clear things", out.world(one_colour_sky(Rgb(1))),
+  expect_shown("clear things", out.vista(one_colour_sky(Rgb(1))),
                {.quarters = alike(1), .spp = 16});
-  expect_shown("clear things, portal", out.world(one_colour_sky(Rgb(1)), {over}),
+  expect_shown("clear things, portal", out.vista(one_colour_sky(Rgb(1)), {over}),
                {.quarters = alike(1), .spp = 16});
 }
 
@@ -232,18 +232,18 @@ struct HoleInTheCeiling {
     return kAlbedo / pi * std::abs(sum);
   }
   /// Expected quarters of the picture under a sky of 1.
-  std::vector<double> shown(const World& world) const {
-    return shown(world, [this](double x, double z) { return floor_at(x, z); });
+  std::vector<double> shown(const Vista& vista) const {
+    return shown(vista, [this](double x, double z) { return floor_at(x, z); });
   }
   /// The same if the floor shows `radiance(x, z)`.
-  std::vector<double> shown(const World& world,
+  std::vector<double> shown(const Vista& vista,
                             const std::function<double(double, double)>& radiance) const {
     constexpr int kFine = 96;
-    const int width = world.film.width() * kFine, height = world.film.height() * kFine;
+    const int width = vista.view.film.width() * kFine, height = vista.view.film.height() * kFine;
     double furthest = 0;
     const auto all = quarters(width, height, [&](int x, int y) {
-      const Vec3d w = world.film.direction((x + 0.5) / kFine, (y + 0.5) / kFine);
-      const Vec3d o = world.film.position();
+      const Vec3d w = vista.view.film.direction((x + 0.5) / kFine, (y + 0.5) / kFine);
+      const Vec3d o = vista.view.film.position();
       const Vec3d at = o - w * (o.y / w.y);
       furthest = std::max({furthest, std::abs(at.x), std::abs(at.z)});
       return radiance(at.x, at.z);
@@ -265,9 +265,9 @@ TEST(sky_light, of_one_colour_through_a_square_hole_is_the_holes_form_factor) {
                                       {"hole, portal", {room.hole()}},
                                       {"hole, half a portal", {half}},
                                       {"hole, portal facing up", {wrong}}}) {
-    const World world = room.out.world(one_colour_sky(Rgb(1)), portals);
-    const auto expected = room.shown(world);
-    expect_shown(what, world, {expected, 192, 2, 0.04});
+    const Vista vista = room.out.vista(one_colour_sky(Rgb(1)), portals);
+    const auto expected = room.shown(vista);
+    expect_shown(what, vista, {expected, 192, 2, 0.04});
   }
 }
 
@@ -286,9 +286,9 @@ TEST(sky_light, of_a_sun_through_a_hole_falls_where_it_should) {
     return inside ? HoleInTheCeiling::kAlbedo / pi * 3 * towards.y : 0;
   };
   for (const auto& portals : {std::vector<Portal>{}, {room.hole()}}) {
-    const World world = room.out.world(sky, portals);
-    expect_shown(portals.empty() ? "sun" : "sun, portal", world,
-                 {room.shown(world, lit), 64, 2, 0.01}, false);
+    const Vista vista = room.out.vista(sky, portals);
+    expect_shown(portals.empty() ? "sun" : "sun, portal", vista,
+                 {room.shown(vista, lit), 64, 2, 0.01}, false);
   }
 }
 
@@ -297,13 +297,13 @@ TEST(sky_light, of_a_sun_through_a_hole_falls_where_it_should) {
 TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
   HoleInTheCeiling room;
   const Sky::Sun sun = sun_of({-0.2, 1, 0.15}, 0.25 * kDegree, 3);
-  World world =
-      room.out.world(std::make_shared<Sky>(Sky::Map{}, 0, std::vector{sun}), {room.hole()});
+  Vista vista =
+      room.out.vista(std::make_shared<Sky>(Sky::Map{}, 0, std::vector{sun}), {room.hole()});
   for (const Integrator* integrator : {&nee, &bdpt, &tdpt_org, &tdpt_ref, &tdpt_guided}) {
-    const Measured m = measured(world, *integrator, 192, 2);
-    LightsFaults::scale_sky(world.lights, 1.05);
-    const Measured spoilt = measured(world, *integrator, 192, 2);
-    LightsFaults::scale_sky(world.lights, 1 / 1.05);
+    const Measured m = measured(vista, *integrator, 192, 2);
+    LightsFaults::scale_sky(vista.openings.selection, 1.05);
+    const Measured spoilt = measured(vista, *integrator, 192, 2);
+    LightsFaults::scale_sky(vista.openings.selection, 1 / 1.05);
     std::printf("twin, sky %-11s z %.1f\n", integrator->name, spoilt.z(m.mean));
     EXPECT_GT(spoilt.z(m.mean), 2 * kRight) << integrator->name;
   }
@@ -311,11 +311,11 @@ TEST(sky_light, twin_a_sky_off_by_5_percent_is_caught) {
 #endif
 TEST(sky_light, twin_a_portal_off_by_5_percent_is_caught) {
   HoleInTheCeiling room(0.1);
-  World world = room.out.world(one_colour_sky(Rgb(1)), {room.hole()});
-  const auto expected = room.shown(world);
-  world.portals = PortalSetFaults::scaled(world.portals, 1.05);
+  Vista vista = room.out.vista(one_colour_sky(Rgb(1)), {room.hole()});
+  const auto expected = room.shown(vista);
+  vista.openings.portals = PortalSetFaults::scaled(vista.openings.portals, 1.05);
   for (const Integrator* integrator : {&tdpt_org, &tdpt_ref}) {
-    const Measured spoilt = measured(world, *integrator, 512, 2);
+    const Measured spoilt = measured(vista, *integrator, 512, 2);
     std::printf("twin, portal %-11s z %.1f\n", integrator->name, spoilt.z(expected));
     EXPECT_GT(spoilt.z(expected), 2 * kRight) << integrator->name;
   }
@@ -336,7 +336,7 @@ TEST(sky_light, of_one_texel_of_a_million_is_its_projected_solid_angle) {
   const auto sky = std::make_shared<Sky>(map, 0);
   for (const auto& portals :
        {std::vector<Portal>{}, {rectangle({-0.7, 0.5, -0.7}, {1.4, 0, 0}, {0, 0, 1.4})}})
-    expect_shown(portals.empty() ? "texel" : "texel, portal", out.world(sky, portals),
+    expect_shown(portals.empty() ? "texel" : "texel, portal", out.vista(sky, portals),
                  {alike(0.5 / pi * irradiance), 64, kMaxDepth, 0.02}, false);
 }
 
@@ -351,7 +351,7 @@ TEST(sky_light, comes_from_where_the_map_has_it) {
     const Onb<double> onb(facing);
     out.quad(-onb.x - onb.y, onb.x * 2, onb.y * 2, out.diffuse(0.5f));
     out.look(facing * 4, {0, 0, 0}, 0.3);
-    return measured(out.world(std::make_shared<Sky>(map, rotation)), nee, 16, 2).mean[4];
+    return measured(out.vista(std::make_shared<Sky>(map, rotation)), nee, 16, 2).mean[4];
   };
   // Twice the step of the map in azimuth and elevation: 0.196 x 0.196 sr.
   const double full = 0.5 / pi * 100 * std::pow(2 * pi / 32, 2);
@@ -374,19 +374,19 @@ TEST(sky_light, is_seen_as_it_is) {
   for (Rgb& texel : map.texels) texel *= 1e6f;
   for (const double half_angle : {0.25 * kDegree, 1e-4}) {
     const auto sky = std::make_shared<Sky>(map, 0.3, std::vector{sun_of(towards, half_angle, 5)});
-    const World world = out.world(sky, {rectangle({-1, -1, -1}, {0, 0, 2}, {2, 0, 0})});
-    const Vec3d corner = world.film.direction(0.5, 0.5);
+    const Vista vista = out.vista(sky, {rectangle({-1, -1, -1}, {0, 0, 2}, {2, 0, 0})});
+    const Vec3d corner = vista.view.film.direction(0.5, 0.5);
     for (const Integrator* integrator : integrators_under_test()) {
       Job settings;
       settings.limits.spp = 64;
-      const RenderResult r = render(*renderer_under_test(world), *integrator, settings);
+      const RenderResult r = render(*renderer_under_test(vista), *integrator, settings);
       EXPECT_EQ(r.tally.not_finite, 0u);
       EXPECT_NEAR(luminance(r.picture.pixels[0]) / luminance(sky->radiance(corner)), 1, 0.01)
           << integrator->name;
     }
     // The sun's disc.
     out.look({0, 0, 0}, towards, half_angle / 4);
-    const World close = out.world(sky);
+    const Vista close = out.vista(sky);
     for (const Integrator* integrator : integrators_under_test()) {
       const Measured m = measured(close, *integrator, 1);
       EXPECT_NEAR(m.mean[4] / luminance(sky->radiance(towards)), 1, 1e-3) << integrator->name;
@@ -406,9 +406,9 @@ TEST(sky_light, does_not_get_into_a_closed_box) {
       {rectangle({1.00001, 0, -1}, {0, 0, 2}, {0, 2, 0})},  // behind it
       {rectangle({-3, 1, -3}, {6, 0, 0}, {0, 0, 6})}};      // through all of them
   for (const auto& portals : sets) {
-    const World world(scene, scene.camera(""), 8, 6, portals);
+    const Vista vista(scene, scene.camera(""), 8, 6, portals);
     for (const Integrator* integrator : integrators_under_test())
-      EXPECT_EQ(measured(world, *integrator, 24, 32).mean[4], 0) << integrator->name;
+      EXPECT_EQ(measured(vista, *integrator, 24, 32).mean[4], 0) << integrator->name;
   }
 }
 

@@ -12,11 +12,10 @@ namespace tdpt::arrival_test {
 constexpr double kEnd = 4.09;  // the far room's wall [m]
 
 Lights::KindProbabilities arriving(const Scene& scene, const std::vector<Portal>& portals = {}) {
-  World world(scene, scene.camera(""), 32, 24, portals);
-  const Lights::KindProbabilities plain = world.lights.shares(),
-                                  found =
-                                      explore(world, scene.camera(""), portals, kMaxDepth, 1)
-                                          .lights;
+  Vista vista(scene, scene.camera(""), 32, 24, portals);
+  const Lights::KindProbabilities plain = vista.openings.selection.shares(),
+                                  found = explore(vista, scene.camera(""), portals, kMaxDepth, 1)
+                                              .arriving;
   EXPECT_NEAR(found.surfaces + found.lamps + found.parallel + found.sky, 1, 1e-12);
   EXPECT_GE(found.sky, 0.1 * plain.sky * (1 - 1e-12));
   EXPECT_GE(found.surfaces, 0.1 * plain.surfaces * (1 - 1e-12));
@@ -25,9 +24,9 @@ Lights::KindProbabilities arriving(const Scene& scene, const std::vector<Portal>
 
 TEST(arrival, of_a_sky_round_a_closed_house_is_nothing) {
   const Scene scene = under(diffuse_rooms(), one_colour_sky({2, 3, 4}));
-  const World world(scene, scene.camera(""), 32, 24, {});
-  EXPECT_GT(world.lights.shares().sky, 0.5);  // by power
-  EXPECT_NEAR(arriving(scene).sky, 0.1 * world.lights.shares().sky, 1e-12);
+  const Vista vista(scene, scene.camera(""), 32, 24, {});
+  EXPECT_GT(vista.openings.selection.shares().sky, 0.5);  // by power
+  EXPECT_NEAR(arriving(scene).sky, 0.1 * vista.openings.selection.shares().sky, 1e-12);
 }
 
 TEST(arrival, of_a_sky_that_comes_in_is_more) {

@@ -46,7 +46,7 @@ Integrator aiming(Integrator integrator, uint64_t stream) {
 
 }  // namespace
 
-std::vector<Candidate> possible_candidates(const World& world, const Integrator& guided) {
+std::vector<Candidate> possible_candidates(const Vista& vista, const Integrator& guided) {
   const Integrator plain = looking_everywhere(few(bdpt, stream::bdpt_with_few_light_walks));
   std::vector<Candidate> all{
       {plain, "bdpt with few light walks"},
@@ -56,9 +56,9 @@ std::vector<Candidate> possible_candidates(const World& world, const Integrator&
       {looking_everywhere(bdpt), "bdpt"}};
   // tdpt-org, and tdpt-guided with more or fewer segments, were never much better in forty rooms
   // and seventeen views of others, and choosing among them by chance cost up to half.
-  if (!world.portals.empty())
+  if (!vista.openings.portals.empty())
     all.push_back({guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
-  if (!world.windows.empty()) {
+  if (!vista.openings.windows.empty()) {
     all.push_back({few(bdpt, stream::bdpt_through_windows), "bdpt through windows"});
     all.push_back({with_stream(nee, stream::nee_through_windows), "nee through windows"});
     all.push_back({aiming(few(bdpt, 0), stream::bdpt_guided_to_windows), "bdpt guided to windows"});
@@ -67,17 +67,17 @@ std::vector<Candidate> possible_candidates(const World& world, const Integrator&
   return all;
 }
 
-std::vector<Candidate> auto_candidates(const World& world, const Integrator& guided) {
-  const std::vector<Candidate> all = possible_candidates(world, guided);
+std::vector<Candidate> auto_candidates(const Vista& vista, const Integrator& guided) {
+  const std::vector<Candidate> all = possible_candidates(vista, guided);
   std::vector<Candidate> candidates;
   for (const Candidate& c : all)
-    if (light_missed(c.integrator, world.scene).empty()) candidates.push_back(c);
+    if (light_missed(c.integrator, vista.world->scene).empty()) candidates.push_back(c);
   // If all miss some light, the first misses least.
   if (candidates.empty()) candidates.push_back(all.front());
   return candidates;
 }
 
-std::vector<Candidate> expecting_connections(const World& world, std::vector<Candidate> candidates,
+std::vector<Candidate> expecting_connections(const Vista& vista, std::vector<Candidate> candidates,
                                              int max_depth) {
   // Candidates with the same guiding have the same walks.
   std::vector<std::pair<Guiding, LightVertices>> known;
@@ -87,7 +87,7 @@ std::vector<Candidate> expecting_connections(const World& world, std::vector<Can
     auto at = std::find_if(known.begin(), known.end(),
                            [&](const auto& k) { return k.first == m.guiding; });
     if (at == known.end())
-      at = known.insert(at, {m.guiding, expected_light_vertices(world, m.guiding, max_depth)});
+      at = known.insert(at, {m.guiding, expected_light_vertices(vista, m.guiding, max_depth)});
     m = expecting_connections(at->second, m);
   }
   return candidates;

@@ -11,7 +11,7 @@ namespace tdpt {
 struct Candidate {
   Integrator integrator;
   std::string label;  ///< for notes and statistics; several may share an integrator's name
-  /// Whether it uses the world's portals.
+  /// Whether it uses portals.
   bool with_portals() const {
     const Mixture& m = integrator.mixture;
     return m.has(Technique::portal) || m.guiding != Guiding{} || m.looks_out();
@@ -20,13 +20,13 @@ struct Candidate {
 
 /// All candidates for this scene, with the techniques that its portals allow. The first is the
 /// default if nothing can be measured. `guided`: the one to try with portals.
-std::vector<Candidate> possible_candidates(const World& world,
+std::vector<Candidate> possible_candidates(const Vista& vista,
                                            const Integrator& guided = tdpt_guided);
 /// Those that miss no light of the scene [light_missed]; the first of all if each misses some.
-std::vector<Candidate> auto_candidates(const World& world, const Integrator& guided = tdpt_guided);
+std::vector<Candidate> auto_candidates(const Vista& vista, const Integrator& guided = tdpt_guided);
 
 /// Sets each candidate's expected number of connections [light_vertex_cache.h].
-std::vector<Candidate> expecting_connections(const World& world, std::vector<Candidate> candidates,
+std::vector<Candidate> expecting_connections(const Vista& vista, std::vector<Candidate> candidates,
                                              int max_depth);
 
 /// An integrator named `auto` with the techniques of all candidates; it cannot be run.

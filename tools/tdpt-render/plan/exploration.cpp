@@ -34,16 +34,16 @@ struct Observers {
   int max_depth;
 };
 
-// Renders one sample for each pixel of the world's film.
-Observers look(const World& world, const std::vector<PassedPortals::Opening>& openings,
+// Renders one sample for each pixel of the film.
+Observers look(const Vista& vista, const std::vector<PassedPortals::Opening>& openings,
                int max_depth, uint64_t seed, uint64_t round) {
-  const int width = world.film.width(), height = world.film.height();
+  const int width = vista.view.film.width(), height = vista.view.film.height();
   // With so few samples each makes its own light walk and draws a segment.
   Mixture mixture = tdpt_guided.mixture;
   mixture.light_walks = mixture.segments = 1;
   const SampleSettings how{mixture, max_depth < kMaxDepth ? kMaxDepth : kDeepest, 1, seed,
                            kExplorationStream};
-  Film film(width, height, world.lights.power());
+  Film film(width, height, vista.world->lights.power());
   std::vector<Observers> rows(static_cast<size_t>(height), Observers(openings, max_depth));
   tbb::parallel_for(0, height, [&](int y) {
     Observers& row = rows[static_cast<size_t>(y)];
@@ -53,7 +53,7 @@ Observers look(const World& world, const std::vector<PassedPortals::Opening>& op
       if (std::isfinite(light)) row.see(found.path, light);
     };
     Tally tally(film.unit());
-    PathSampler sampler(world, how, film, tally, &observer);
+    PathSampler sampler(vista, how, film, tally, &observer);
     for (int x = 0; x < width; ++x) {
       sampler.sample(x, y, round << 32);  // runs of 2^32 samples of a pixel are independent
       row.passed.end_sample();
@@ -72,50 +72,29 @@ FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels)
   return FilmPlane(camera, size(pixels / height), height);
 }
 
-// Swaps the world's film and restores film and portals at the end of the scope. Next events towards
-// the sky stay as they were.
-class Lent {
- public:
-  Lent(World& world, FilmPlane film) : world_(world), film_(world.film), drawn_(world.portals) {
-    world.film = film;
-  }
-  ~Lent() {
-    world_.film = film_;
-    world_.portals = std::move(drawn_);
-  }
-  Lent(const Lent&) = delete;
-  Lent& operator=(const Lent&) = delete;
-
- private:
-  World& world_;
-  const FilmPlane film_;
-  PortalSet drawn_;
-};
-
 }  // namespace
 
-Explored explore(World& world, const Camera& camera, const std::vector<Portal>& portals,
+Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples) {
   Explored out;
   WayFinder finder(portals);
   ArrivingLight arriving;
   LightByDepth by_depth(max_depth);
-  {
-    const Lent lent(world, small_film(camera, world.film, samples));
-    for (uint64_t round = 0; !world.lights.empty() && finder.asks(round); ++round) {
-      const std::vector<Portal> open = finder.opened();
-      const std::vector<PassedPortals::Opening> openings =
-          PassedPortals::openings(open, world.scene.frame);
-      world.portals = PortalSet(open, world.scene.frame);
-      const Observers seen = look(world, openings, max_depth, seed, round);
-      finder.learn(seen.passed, world);
-      arriving.merge(seen.arriving);
-      by_depth.merge(seen.by_depth);
-      out.samples += static_cast<uint64_t>(world.film.width() * world.film.height());
-    }
+  Vista small = vista;
+  small.view.film = small_film(camera, vista.view.film, samples);
+  for (uint64_t round = 0; !vista.world->lights.empty() && finder.asks(round); ++round) {
+    const std::vector<Portal> open = finder.opened();
+    const Frame& frame = vista.world->scene.frame;
+    const std::vector<PassedPortals::Opening> openings = PassedPortals::openings(open, frame);
+    small.openings.portals = PortalSet(open, frame);
+    const Observers seen = look(small, openings, max_depth, seed, round);
+    finder.learn(seen.passed, small);
+    arriving.merge(seen.arriving);
+    by_depth.merge(seen.by_depth);
+    out.samples += small.view.film.pixels();
   }
   out.ways = finder.told();
-  out.lights = arriving.shares(world.lights.shares());
+  out.lights = arriving.shares(vista.openings.selection.shares());
   if (max_depth < kMaxDepth) out.beyond = by_depth.beyond();
   return out;
 }

@@ -30,8 +30,8 @@ inline constexpr double kShareBesidePilot = 0.005, kShareAlone = 0.02, kExplorat
 
 /// A function of scene, camera, aspect of the picture, portals, rules and `samples`. The small
 /// picture has about `samples` pixels; a second one, for portals that few samples of the first
-/// passed, has as many. `world` must hold the portals' scene; it is restored afterwards.
-Explored explore(World& world, const Camera& camera, const std::vector<Portal>& portals,
+/// passed, has as many. Next events towards the sky are those of `vista`.
+Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples = kExplorationEnough);
 
 }  // namespace tdpt

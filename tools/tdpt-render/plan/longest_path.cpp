@@ -18,10 +18,10 @@ bool beyond(const Vec3d& inwards, const Vec3d& apex) {
 
 }  // namespace
 
-bool may_see_surfaces(const World& world) {
-  if (world.scene.triangles.empty()) return false;
-  if (world.blur.any()) return true;  // not worth finding out
-  const FilmPlane& film = world.film;
+bool may_see_surfaces(const Vista& vista) {
+  if (vista.world->scene.triangles.empty()) return false;
+  if (vista.view.blur.any()) return true;  // not worth finding out
+  const FilmPlane& film = vista.view.film;
   const double w = film.width(), h = film.height();
   const std::array<Vec3d, 4> edges{film.direction(0, 0), film.direction(w, 0), film.direction(w, h),
                                    film.direction(0, h)};
@@ -32,9 +32,9 @@ bool may_see_surfaces(const World& world) {
   return true;
 }
 
-int longest_path(const World& world, int max_depth, bool alpha) {
-  if (world.lights.empty()) return alpha ? 1 : 0;
-  if (!may_see_surfaces(world)) return world.scene.sky ? 1 : 0;
+int longest_path(const Vista& vista, int max_depth, bool alpha) {
+  if (vista.world->lights.empty()) return alpha ? 1 : 0;
+  if (!may_see_surfaces(vista)) return vista.world->scene.sky ? 1 : 0;
   return max_depth;
 }
 

@@ -38,18 +38,18 @@ Camera from_above(const Scene& scene, double degrees) {
   return camera;
 }
 
-RenderResult rendered(const World& world, bool alpha = false) {
+RenderResult rendered(const Vista& vista, bool alpha = false) {
   Job settings;
   settings.limits.spp = kSpp;
   settings.alpha = alpha;
-  return render(*renderer_under_test(world), auto_candidates(world), settings);
+  return render(*renderer_under_test(vista), auto_candidates(vista), settings);
 }
 
 TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
   const Scene scene = dark_rooms();
-  const World world(scene, scene.camera(""), kWidth, kHeight, {});
-  EXPECT_EQ(longest_path(world, kMaxDepth, false), 0);
-  const RenderResult r = rendered(world);
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
+  EXPECT_EQ(longest_path(vista, kMaxDepth, false), 0);
+  const RenderResult r = rendered(vista);
   EXPECT_EQ(r.tally.rays.closest + r.tally.rays.shadow, 0u);
   EXPECT_EQ(r.spp(), kSpp);
   EXPECT_EQ(r.nonzero(), 0);
@@ -58,25 +58,25 @@ TEST(longest_path, of_a_scene_without_light_is_none_and_costs_no_ray) {
 
 TEST(longest_path, a_transparent_film_of_it_still_tells_what_is_met) {
   const Scene scene = dark_rooms();
-  const World world(scene, scene.camera(""), kWidth, kHeight, {});
-  const RenderResult r = rendered(world, true);
+  const Vista vista(scene, scene.camera(""), kWidth, kHeight, {});
+  const RenderResult r = rendered(vista, true);
   EXPECT_EQ(r.tally.rays.closest, kSpp * kWidth * kHeight);
   for (const float a : r.picture.alpha) EXPECT_EQ(a, 1);
 }
 
 TEST(longest_path, is_none_where_the_camera_looks_past_everything) {
   const Scene scene = rooms();
-  const World world(scene, from_above(scene, 0), kWidth, kHeight, {});
-  EXPECT_FALSE(may_see_surfaces(world));
-  const RenderResult r = rendered(world);
+  const Vista vista(scene, from_above(scene, 0), kWidth, kHeight, {});
+  EXPECT_FALSE(may_see_surfaces(vista));
+  const RenderResult r = rendered(vista);
   EXPECT_EQ(r.tally.rays.closest + r.tally.rays.shadow, 0u);
   EXPECT_EQ(r.nonzero(), 0);
 }
 
 TEST(longest_path, is_the_cameras_ray_where_only_the_sky_is_seen) {
   const Scene scene = under_a_sky(rooms());
-  const World world(scene, from_above(scene, 0), kWidth, kHeight, {});
-  const RenderResult r = rendered(world);
+  const Vista vista(scene, from_above(scene, 0), kWidth, kHeight, {});
+  const RenderResult r = rendered(vista);
   EXPECT_EQ(r.tally.rays.closest, kSpp * kWidth * kHeight);
   EXPECT_EQ(r.tally.rays.shadow, 0u);
   for (const Rgb& p : r.picture.pixels) EXPECT_NEAR(p.x, 1, 1e-5);
@@ -87,12 +87,12 @@ TEST(longest_path, is_the_cameras_ray_where_only_the_sky_is_seen) {
 TEST(longest_path, is_as_asked_for_where_a_surface_may_be_seen) {
   const Scene scene = rooms();
   for (const double degrees : {160.0, 180.0, 200.0}) {
-    const World world(scene, from_above(scene, degrees), kWidth, kHeight, {});
-    EXPECT_TRUE(may_see_surfaces(world)) << degrees;
-    EXPECT_EQ(longest_path(world, kMaxDepth, false), kMaxDepth);
-    EXPECT_GT(rendered(world).tally.rays.closest, kSpp * kWidth * kHeight);
+    const Vista vista(scene, from_above(scene, degrees), kWidth, kHeight, {});
+    EXPECT_TRUE(may_see_surfaces(vista)) << degrees;
+    EXPECT_EQ(longest_path(vista, kMaxDepth, false), kMaxDepth);
+    EXPECT_GT(rendered(vista).tally.rays.closest, kSpp * kWidth * kHeight);
   }
-  const World inside(scene, scene.camera(""), kWidth, kHeight, {});
+  const Vista inside(scene, scene.camera(""), kWidth, kHeight, {});
   EXPECT_EQ(longest_path(inside, 7, false), 7);
 }
 
@@ -101,16 +101,17 @@ TEST(longest_path, never_passes_by_what_a_ray_meets) {
   const Scene scene = rooms();
   size_t met_in = 0, passed_by = 0;
   for (int degrees = 0; degrees < 360; degrees += 3) {
-    const World world(scene, from_above(scene, degrees), kWidth, kHeight, {});
+    const Vista vista(scene, from_above(scene, degrees), kWidth, kHeight, {});
     bool met = false;
     for (int y = 0; y <= kHeight; ++y)
       for (int x = 0; x <= kWidth; ++x) {
         Hit hit;
-        met |= world.tracer.closest({world.film.position()}, world.film.direction(x, y), hit);
+        met |= vista.world->tracer.closest({vista.view.film.position()},
+                                           vista.view.film.direction(x, y), hit);
       }
     met_in += met;
-    passed_by += !may_see_surfaces(world);
-    EXPECT_FALSE(met && !may_see_surfaces(world)) << degrees;
+    passed_by += !may_see_surfaces(vista);
+    EXPECT_FALSE(met && !may_see_surfaces(vista)) << degrees;
   }
   EXPECT_GT(met_in, 10u);
   EXPECT_GT(passed_by, 60u);

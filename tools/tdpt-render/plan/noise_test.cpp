@@ -170,17 +170,17 @@ TEST(noise, is_told_where_light_falls_into_one_column_alone) {
 
 TEST(noise, of_a_rendering_is_told_and_changes_no_pixel) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 32, 24, {portal_in_the_hole()});
+  const Vista vista(scene, scene.camera(""), 32, 24, {portal_in_the_hole()});
   Job settings;
   settings.limits.spp = 37;
-  const RenderResult r = render(world, bdpt, settings);
+  const RenderResult r = render(vista, bdpt, settings);
   ASSERT_TRUE(r.noise);
   EXPECT_GT(r.noise->relmse, 0);
   EXPECT_LT(r.noise->low, r.noise->high);
-  Film film = film_for(world, TechniqueSet());
+  Film film = film_for(vista, TechniqueSet());
   Tally tally(film.unit());
   ProgressBar progress("", "", 0, true);
-  render_samples(world, r.plan.integrator, {}, 0, {0, 37}, film, tally, progress);
+  render_samples(vista, r.plan.integrator, {}, 0, {0, 37}, film, tally, progress);
   EXPECT_EQ(film.picture().pixels, r.picture.pixels);
 }
 

@@ -22,10 +22,10 @@ bool directed(const Candidate& c) {
 // A run stands for the candidates whose walks and next events are of the same manner.
 enum class Manner { plain, looking_out, directed };
 
-Manner manner(const World& world, const Candidate& c) {
+Manner manner(const Vista& vista, const Candidate& c) {
   if (directed(c)) return Manner::directed;
-  return !world.windows.empty() && c.integrator.mixture.looks_out() ? Manner::looking_out
-                                                                    : Manner::plain;
+  return !vista.openings.windows.empty() && c.integrator.mixture.looks_out() ? Manner::looking_out
+                                                                             : Manner::plain;
 }
 
 int techniques(const Candidate& c) {
@@ -158,8 +158,8 @@ class PilotSample {
   }
 
   size_t block_of(int x, int y) const {
-    return static_cast<size_t>(part_of(y, pilot_.world_.film.height()) * PilotSums::kAcross +
-                               part_of(x, pilot_.world_.film.width()));
+    return static_cast<size_t>(part_of(y, pilot_.vista_.view.film.height()) * PilotSums::kAcross +
+                               part_of(x, pilot_.vista_.view.film.width()));
   }
 
   // Block of a splat, whose pixel is not the sample's.
@@ -195,7 +195,7 @@ class PilotSample {
   const std::vector<StrategySums>& sums_of(const Path& path, Strategy strategy) {
     const Mixture& own = mixture(pilot_.runs_[run_]);
     const bool is_plain = own.guiding == Guiding{};
-    if (!is_plain) path.plain_densities(pilot_.world_, plain_);
+    if (!is_plain) path.plain_densities(pilot_.vista_, plain_);
     const WalkDensities& plain = is_plain ? path.walks() : plain_;
     for (size_t i = 0; i < of_.size(); ++i) {
       const Mixture& m = mixture(i);
@@ -280,19 +280,19 @@ class PilotSample {
   WalkDensities plain_, directed_;
 };
 
-Pilot::Pilot(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
+Pilot::Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const SampleRules& rules,
              const WorkTables& work)
-    : world_(world), candidates_(candidates), rules_(rules), work_(work), home_(candidates.size()) {
+    : vista_(vista), candidates_(candidates), rules_(rules), work_(work), home_(candidates.size()) {
   // For each manner, the first candidate with the most techniques.
   for (const Manner m : {Manner::plain, Manner::looking_out, Manner::directed}) {
     size_t most = candidates.size();
     for (size_t i = 0; i < candidates.size(); ++i)
-      if (manner(world, candidates[i]) == m &&
+      if (manner(vista, candidates[i]) == m &&
           (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most])))
         most = i;
     if (most == candidates.size()) continue;
     for (size_t i = 0; i < candidates.size(); ++i)
-      if (manner(world, candidates[i]) == m) home_[i] = runs_.size();
+      if (manner(vista, candidates[i]) == m) home_[i] = runs_.size();
     runs_.push_back(most);
   }
   lit_by_ = home_;
@@ -300,7 +300,7 @@ Pilot::Pilot(const World& world, const std::vector<Candidate>& candidates, const
     if (candidates[runs_[r]].integrator.mixture.guiding.chance[0] > 0)
       std::fill(lit_by_.begin(), lit_by_.end(), r);
   for (const Candidate& c : candidates)
-    guides_.push_back(Guide::knowing_all(world, c.integrator.mixture));
+    guides_.push_back(Guide::knowing_all(vista, c.integrator.mixture));
   sums_ = PilotSums(candidates.size(), runs_.size());
 }
 
@@ -311,11 +311,11 @@ class Runner {
  public:
   using Rays = std::array<RayCounts, PilotSums::kParts>;
 
-  Runner(const World& world, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
+  Runner(const Vista& vista, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
          Film& film, const PathObserver& observer)
       : mixture_(mixture),
         tally_(film.unit()),
-        sampler_(world, how, guide, film, tally_, &observer) {}
+        sampler_(vista, how, guide, film, tally_, &observer) {}
 
   void light_phase(int x, int y, uint64_t number, Walk& walk, Rays& rays) {
     if (!sampler_.has_light_phase()) return;
@@ -363,7 +363,7 @@ void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, PilotSu
   const PathObserver observer = [&](const Contribution& found) { seen.see(found); };
   const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
                            stream_in(kPilotRound.first, integrator.stream)};
-  Runner runner(world_, integrator.mixture, guides_[runs_[r]], how, film, observer);
+  Runner runner(vista_, integrator.mixture, guides_[runs_[r]], how, film, observer);
   const uint64_t per_cache = samples_of_cache(integrator.mixture);
   std::vector<Walk> walks(light_walks_of(integrator.mixture, per_cache));
   const Walk none;
@@ -377,7 +377,8 @@ void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, PilotSu
     // Visits the first `count` samples: place in the cache, group, pixel.
     const auto each = [&](uint64_t count, const auto& visit) {
       for (uint64_t i = 0; i < count; ++i) {
-        const auto [x, y] = spread_pixel(begin + i, world_.film.width(), world_.film.height());
+        const auto [x, y] =
+            spread_pixel(begin + i, vista_.view.film.width(), vista_.view.film.height());
         visit(i, begin + i, x, y);
       }
     };

@@ -111,7 +111,7 @@ class Pilot {
  public:
   /// Needs at least one candidate, with its expected connections [expecting_connections()]. `work`:
   /// of the renderer that will render; the pilot itself runs on the CPU.
-  Pilot(const World& world, const std::vector<Candidate>& candidates, const SampleRules& rules,
+  Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const SampleRules& rules,
         const WorkTables& work = kCpuWork);
 
   /// Draws more groups of samples in each run. They accumulate in `film`, of the picture's size.
@@ -134,7 +134,7 @@ class Pilot {
     return records_[(group * runs_.size() + run) * kPilotGroup + sample];
   }
 
-  const World& world_;
+  const Vista& vista_;
   const std::vector<Candidate>& candidates_;
   const SampleRules rules_;
   const WorkTables work_;

@@ -34,7 +34,7 @@ double Pilot::work_of(size_t candidate, const WorkTables& tables) const {
   const Mixture& m = candidates_[candidate].integrator.mixture;
   const size_t run = home_[candidate];
   const Mixture& rendered = candidates_[runs_[run]].integrator.mixture;
-  const WorkModel model(world_, m, tables);
+  const WorkModel model(vista_, m, tables);
   const auto work_of_rays = [&](const RayCounts& rays) {
     return model.per_sample(rays, kPilotGroup * groups()) - model.per_sample({}, 1);
   };
@@ -115,8 +115,8 @@ std::array<std::vector<double>, PilotSums::kBatches> Pilot::errors() const {
   const size_t n = candidates_.size(), each = samples_of_group();
   std::array<std::vector<double>, PilotSums::kBatches> errors;
   errors.fill(std::vector<double>(n, 0));
-  const Blocks blocks(sums_, static_cast<double>(groups()), world_.film.width(),
-                      world_.film.height());
+  const Blocks blocks(sums_, static_cast<double>(groups()), vista_.view.film.width(),
+                      vista_.view.film.height());
   if (!(blocks.mean() > 0)) return errors;
   const double dark = kDark * blocks.mean() * blocks.mean();
   const auto per_brightness = [&](double block, double pixel) {
@@ -173,9 +173,9 @@ std::array<std::vector<double>, PilotSums::kBatches> Pilot::errors() const {
 
 namespace {
 
-std::array<bool, kTraits> traits(const World& world, const Mixture& m) {
+std::array<bool, kTraits> traits(const Vista& vista, const Mixture& m) {
   return {m.has(Technique::portal), m.guiding != Guiding{}, !m.techniques.walks_from_light(),
-          !world.windows.empty() && m.looks_out(),
+          !vista.openings.windows.empty() && m.looks_out(),
           m.techniques.walks_from_light() && m.light_walks == 1};
 }
 
@@ -189,7 +189,7 @@ Forecast Pilot::forecast() const {
   for (size_t i = 0; i < candidates_.size(); ++i) {
     const Candidate& c = candidates_[i];
     CandidateEstimate p{c.label, c.with_portals(), 0, work_of(i, work_), 0};
-    Evidence e{traits(world_, c.integrator.mixture), {}};
+    Evidence e{traits(vista_, c.integrator.mixture), {}};
     for (const std::vector<double>& batch : errors) {
       p.relmse += batch[i] / PilotSums::kBatches;
       e.costs.push_back(batch[i] * p.work);

@@ -21,13 +21,13 @@ TEST(pilot_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
   for (const bool in_the_end_too : {false, true}) {
     std::vector<Portal> portals = two_crossing_portals();
     if (in_the_end_too) portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
-    const World world(scene, scene.camera(""), 32, 24, portals);
+    const Vista vista(scene, scene.camera(""), 32, 24, portals);
     const std::vector<Candidate> candidates =
-        expecting_connections(world, auto_candidates(world), kMaxDepth);
+        expecting_connections(vista, auto_candidates(vista), kMaxDepth);
     std::vector<double> ratios;
     for (uint64_t seed = 1; seed <= 9; ++seed) {
-      Pilot pilot(world, candidates, {.seed = seed});
-      Film film(32, 24, world.lights.power());
+      Pilot pilot(vista, candidates, {.seed = seed});
+      Film film(32, 24, vista.world->lights.power());
       pilot.draw(2048, film);
       double with_light_walks = 0, without = 0;
       for (const CandidateEstimate& p : pilot.forecast().estimates) {
@@ -50,17 +50,17 @@ TEST(pilot_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
 // error 3.5 times.
 TEST(pilot_under_a_sky, errors_of_light_walks_that_seldom_come_in) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
-  const World world(room.scene, room.scene.camera(""), 12, 9, room.windows);
+  const Vista vista(room.scene, room.scene.camera(""), 12, 9, room.windows);
   const std::vector<Candidate> candidates =
-      expecting_connections(world, auto_candidates(world), kMaxDepth);
-  Film film(12, 9, world.lights.power());
+      expecting_connections(vista, auto_candidates(vista), kMaxDepth);
+  Film film(12, 9, vista.world->lights.power());
   for (size_t i = 0; i < candidates.size(); ++i) {
-    const double pictures = error_of_pictures(world, candidates[i].integrator);
+    const double pictures = error_of_pictures(vista, candidates[i].integrator);
     std::vector<double> told;
     for (uint64_t seed = 1; seed <= 9; ++seed) {
       SampleRules rules;
       rules.seed = seed;
-      Pilot pilot(world, candidates, rules);
+      Pilot pilot(vista, candidates, rules);
       pilot.draw(256, film);
       told.push_back(pilot.forecast().estimates[i].relmse / pictures);
     }

@@ -45,7 +45,7 @@ void draw_pilot(const Session& session, Pilot& pilot, Film& film) {
 void choose_by_pilot(Session& session, const std::vector<Candidate>& candidates, Film& film,
                      Plan& plan) {
   const double cpu = session.clock.cpu();
-  Pilot pilot(session.world, candidates, session.rules,
+  Pilot pilot(session.vista, candidates, session.rules,
               session.renderer.on_device() ? kDeviceWork : kCpuWork);
   draw_pilot(session, pilot, film);
   plan.pilot_cpu_seconds = session.clock.cpu() - cpu;
@@ -79,47 +79,47 @@ void aim_at_error(Session& session, Film& film, Plan& plan) {
   plan.spp = goal;
 }
 
-bool goes_through_portals(const Job& job, const World& world) {
+bool goes_through_portals(const Job& job, const Vista& vista) {
   const Mixture& named = job.named.mixture;
   return job.automatic || named.has(Technique::portal) || named.guiding != Guiding{} ||
-         (named.looks_out() && !world.windows.empty());
+         (named.looks_out() && !vista.openings.windows.empty());
 }
 
 // By power alone a sky outranks every lamp indoors.
-bool competes_with_sky(const World& world) {
-  return world.lights.sky() && world.lights.shares().sky < 1;
+bool competes_with_sky(const Vista& vista) {
+  return vista.world->lights.sky() && vista.openings.selection.shares().sky < 1;
 }
 
 }  // namespace
 
-std::vector<Candidate> candidates_of(const Job& job, const World& world) {
+std::vector<Candidate> candidates_of(const Job& job, const Vista& vista) {
   if (!job.automatic) return {{job.named, label_of(job.named)}};
-  return auto_candidates(world, job.guided);
+  return auto_candidates(vista, job.guided);
 }
 
-Explored explore(const Job& job, World& world, const Camera& camera,
+Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals) {
   surfaces();  // whoever renders needs their tables: they are none of the exploration's price
   Explored nothing;
-  nothing.lights = world.lights.shares();
+  nothing.lights = vista.openings.selection.shares();
   // Whether there is more to it than the camera's own ray.
-  if (longest_path(world, job.max_depth, job.alpha) < job.max_depth) return nothing;
+  if (longest_path(vista, job.max_depth, job.alpha) < job.max_depth) return nothing;
   const std::vector<Portal> probed =
-      goes_through_portals(job, world) ? portals : std::vector<Portal>();
-  const bool by_arrival = competes_with_sky(world);
+      goes_through_portals(job, vista) ? portals : std::vector<Portal>();
+  const bool by_arrival = competes_with_sky(vista);
   if (probed.empty() && !by_arrival && job.max_depth >= kMaxDepth) return nothing;
   const double share = job.automatic ? kShareBesidePilot : kShareAlone;
-  const double samples = std::clamp(share * samples_foreseen(job.limits, world.film),
+  const double samples = std::clamp(share * samples_foreseen(job.limits, vista.view.film),
                                     kExplorationFewest, kExplorationEnough);
   const double cpu = cpu_seconds();
-  Explored explored = explore(world, camera, probed, job.max_depth, job.seed, samples);
+  Explored explored = explore(vista, camera, probed, job.max_depth, job.seed, samples);
   explored.cpu_seconds = cpu_seconds() - cpu;
   if (!by_arrival) explored.lights = nothing.lights;
   return explored;
 }
 
 Plan make_plan(Session& session, const std::vector<Candidate>& given, Explored explored) {
-  const auto candidates = expecting_connections(session.world, given, session.job.max_depth);
+  const auto candidates = expecting_connections(session.vista, given, session.job.max_depth);
   Film film = session.film_aside();
   Plan plan;
   plan.explored = std::move(explored);

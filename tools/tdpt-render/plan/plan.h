@@ -33,11 +33,11 @@ struct Plan {
 };
 
 /// The one integrator that is named, or the candidates of `auto` [candidates.h].
-std::vector<Candidate> candidates_of(const Job& job, const World& world);
+std::vector<Candidate> candidates_of(const Job& job, const Vista& vista);
 
 /// What the exploration tells that matters for this job: nothing for portals that nothing goes
 /// through, for kinds of light that do not compete with a sky, and for paths of any length.
-Explored explore(const Job& job, World& world, const Camera& camera,
+Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals);
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for

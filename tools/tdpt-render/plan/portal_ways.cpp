@@ -121,9 +121,9 @@ std::vector<Portal> WayFinder::opened() const {
   return opened;
 }
 
-void WayFinder::learn(const PassedPortals& passed, const World& world) {
+void WayFinder::learn(const PassedPortals& passed, const Vista& vista) {
   some_silent_ = false;
-  if (world.portals.empty()) return;
+  if (vista.openings.portals.empty()) return;
   lit_ = std::max(lit_, passed.lit_);
   std::vector<size_t> silent;
   for (size_t k = 0; k < open_.size(); ++k) {
@@ -133,7 +133,8 @@ void WayFinder::learn(const PassedPortals& passed, const World& world) {
       return way_of(portals_[i].both_ways, with, against, passed.total_, wide);
     };
     // Conductance is probed only where it matters.
-    const bool wide = way(true) != way(false) && probed_conductance(world, portals_[i]) > kWideWay;
+    const bool wide =
+        way(true) != way(false) && probed_conductance(*vista.world, portals_[i]) > kWideWay;
     ways_[i].way = way(wide);
     dark_[i] = passed.either_[k] < kNoLight * (passed.total_ - passed.brightest_);
     if (!tells(passed.ways_[k])) silent.push_back(i);

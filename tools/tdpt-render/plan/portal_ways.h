@@ -88,8 +88,8 @@ class WayFinder {
   bool asks(uint64_t made) const { return made == 0 || (made == 1 && some_silent_); }
   /// The portals of that picture, each working both ways.
   std::vector<Portal> opened() const;
-  /// Takes in what passed them; `world` must have them.
-  void learn(const PassedPortals& passed, const World& world);
+  /// Takes in what passed them, of a picture of `vista`.
+  void learn(const PassedPortals& passed, const Vista& vista);
   std::vector<PortalWay> told() const;
 
  private:

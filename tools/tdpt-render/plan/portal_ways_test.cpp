@@ -26,14 +26,14 @@ Scene scene_of(const std::string& name) {
 }
 std::vector<PortalWay::Way> ways_in(const Scene& scene, const std::vector<Portal>& portals,
                                     uint64_t seed = 1) {
-  World world(scene, scene.camera(""), 320, 240, portals);
+  Vista vista(scene, scene.camera(""), 320, 240, portals);
   std::vector<PortalWay::Way> ways;
-  for (const PortalWay& w : explore(world, scene.camera(""), portals, 6, seed).ways) {
+  for (const PortalWay& w : explore(vista, scene.camera(""), portals, 6, seed).ways) {
     EXPECT_EQ(w.portal, ways.size());
     ways.push_back(w.way);
   }
-  EXPECT_EQ(world.film.width(), 320);
-  EXPECT_EQ(world.portals.size(), PortalSet(portals, scene.frame).size());
+  EXPECT_EQ(vista.view.film.width(), 320);
+  EXPECT_EQ(vista.openings.portals.size(), PortalSet(portals, scene.frame).size());
   return ways;
 }
 using Ways = std::vector<PortalWay::Way>;

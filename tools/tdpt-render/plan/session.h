@@ -38,15 +38,14 @@ class WorkClock {
 struct Session {
   Session(SampleRenderer& renderer_, const Job& job_)
       : renderer(renderer_),
-        world(renderer_.world),
+        vista(renderer_.vista),
         job(job_),
-        longest(longest_path(world, job_.max_depth, job_.alpha)),
+        longest(longest_path(vista, job_.max_depth, job_.alpha)),
         rules{std::max(longest, 1), job_.beta, job_.seed},
-        pixels(static_cast<uint64_t>(world.film.width()) *
-               static_cast<uint64_t>(world.film.height())) {}
+        pixels(vista.view.film.pixels()) {}
 
   SampleRenderer& renderer;
-  const World& world;
+  const Vista& vista;
   const Job& job;
   const int longest;  ///< path that can carry light [edges]; 0: none can
   const SampleRules rules;
@@ -54,8 +53,8 @@ struct Session {
   WorkClock clock;
 
   /// Whether only the camera's own rays can bring light, if any.
-  bool is_shorter() const { return longest < job.max_depth || world.lights.empty(); }
-  bool is_dark() const { return longest == 0 || world.lights.empty(); }
+  bool is_shorter() const { return longest < job.max_depth || vista.world->lights.empty(); }
+  bool is_dark() const { return longest == 0 || vista.world->lights.empty(); }
 
   /// Call before the first samples of any kind; the renderer's preparation is not timed.
   void make_ready(const Integrator& integrator, const Film& film) {
@@ -64,7 +63,7 @@ struct Session {
     clock.aside([&] { renderer.prepare(integrator, rules, film, job.quiet); });
   }
   /// A film for samples that are thrown away.
-  Film film_aside() const { return film_for(world, TechniqueSet()); }
+  Film film_aside() const { return film_for(vista, TechniqueSet()); }
 
  private:
   bool ready_ = false;

@@ -14,8 +14,8 @@ namespace tdpt::truncation_test {
 // In the furnace of albedo 1/2 paths of up to k edges carry a share of 1 - 2^-k of the light.
 Truncation in_the_furnace(int depth) {
   const Scene scene = read_gltf(furnace_path());
-  World world(scene, scene.camera(""), 16, 16, {});
-  return explore(world, scene.camera(""), {}, depth, 7).beyond.value();
+  Vista vista(scene, scene.camera(""), 16, 16, {});
+  return explore(vista, scene.camera(""), {}, depth, 7).beyond.value();
 }
 
 TEST(truncation, share_of_the_furnace_is_known) {
@@ -40,11 +40,11 @@ TEST(truncation, is_told_with_as_many_digits_as_are_known) {
 RenderResult rendered(int max_depth, float albedo) {
   Scene scene = read_gltf(furnace_path());
   for (Material& m : scene.materials) m.base_color = Rgb(albedo);
-  const World world(scene, scene.camera(""), 4, 4, {});
+  const Vista vista(scene, scene.camera(""), 4, 4, {});
   Job settings;
   settings.limits.spp = albedo < 1 ? 64 : 1;
   settings.max_depth = max_depth;
-  return render(world, pt, settings);
+  return render(vista, pt, settings);
 }
 
 TEST(length, of_paths_is_told_by_octaves) {

@@ -5,23 +5,23 @@
 
 namespace tdpt {
 
-WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkTables& tables)
+WorkModel::WorkModel(const Vista& vista, const Mixture& mixture, const WorkTables& tables)
     : WorkModel(
-          world, mixture,
-          Guide(world, mixture).sees_portals() ? tables.with_portals : tables.without_portals) {}
+          vista, mixture,
+          Guide(vista, mixture).sees_portals() ? tables.with_portals : tables.without_portals) {}
 
-WorkModel::WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs)
+WorkModel::WorkModel(const Vista& vista, const Mixture& mixture, const WorkCosts& costs)
     : sample_(costs.sample), shadow_(costs.shadow), connect_(costs.connect) {
   const double depth =
-      std::max(0.0, std::log2(static_cast<double>(world.scene.triangles.size() + 1) / 64));
+      std::max(0.0, std::log2(static_cast<double>(vista.world->scene.triangles.size() + 1) / 64));
   closest_ = costs.closest + costs.closest_deeper * depth;
-  if (!world.windows.empty() && mixture.looks_out())
-    closest_ +=
-        costs.looking_out + costs.window * static_cast<double>(world.windows.windows().size());
-  const auto size = static_cast<int>(world.portals.size());
+  if (!vista.openings.windows.empty() && mixture.looks_out())
+    closest_ += costs.looking_out +
+                costs.window * static_cast<double>(vista.openings.windows.windows().size());
+  const auto size = static_cast<int>(vista.openings.portals.size());
   portal_ = costs.portal + costs.portal_triangle * size;
   if (size == 0 || mixture.guiding == Guiding{}) return;
-  const double facets = 1.0 + world.portals.polygon(size - 1).facet;
+  const double facets = 1.0 + vista.openings.portals.polygon(size - 1).facet;
   portal_ += costs.directed + (facets > 1 ? costs.facets + costs.facet * facets : 0);
 }
 

@@ -94,8 +94,8 @@ inline constexpr WorkTables kDeviceWork{kDeviceWorkWithPortals, kDeviceWorkWitho
 
 class WorkModel {
  public:
-  WorkModel(const World& world, const Mixture& mixture, const WorkTables& tables = kCpuWork);
-  WorkModel(const World& world, const Mixture& mixture, const WorkCosts& costs);
+  WorkModel(const Vista& vista, const Mixture& mixture, const WorkTables& tables = kCpuWork);
+  WorkModel(const Vista& vista, const Mixture& mixture, const WorkCosts& costs);
 
   /// Cost of one sample [ns]; `rays`: counts over `samples` samples.
   double per_sample(const RayCounts& rays, uint64_t samples) const;

@@ -352,17 +352,18 @@ size_t kind_of(const Lights::Point& p) {
 double light_places(double fault) {
   const Scene scene = lamps();
   const Lights lights(scene);
+  const LightSelection selection(lights);
   std::vector<double> probability;
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
     for (size_t k = 0; k < kTriangleBins; ++k)
-      probability.push_back(lights.pdf_A(t) * shape_of(scene, t).area / kTriangleBins *
+      probability.push_back(selection.pdf_A(t) * shape_of(scene, t).area / kTriangleBins *
                             (t == 2 ? fault : 1));
   const size_t first_lamp = probability.size();
   // Found by sampling: lamps are identified only by their kind.
   std::array<double, 3> lamp_pdf{};
   for (uint64_t i = 0; i < 1000; ++i) {
     Rng rng(38, 0, i);
-    const Lights::Point p = lights.sample(rng);
+    const Lights::Point p = selection.sample(rng);
     if (!p.source->met()) lamp_pdf[kind_of(p)] = p.pdf;
   }
   for (double p : lamp_pdf) {
@@ -373,9 +374,9 @@ double light_places(double fault) {
              kSamples, probability,
              [&](uint64_t i) {
                Rng rng(38, 1, i);
-               const Lights::Point p = lights.sample(rng);
+               const Lights::Point p = selection.sample(rng);
                if (!p.source->met()) return first_lamp + kind_of(p);
-               EXPECT_EQ(p.pdf, lights.pdf_A(p.triangle));
+               EXPECT_EQ(p.pdf, selection.pdf_A(p.triangle));
                const TriangleShape shape = shape_of(scene, p.triangle);
                EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - p.position), 1e-12);
                return p.triangle * kTriangleBins + triangle_bin(p.b1, p.b2);
@@ -394,6 +395,7 @@ enum class Source { both_sides, one_side, spot, point };
 double light_directions(Source source, double power) {
   const Scene scene = lamps();
   const Lights lights(scene);
+  const LightSelection selection(lights);
   const uint32_t triangle = source == Source::both_sides ? 2 : 0;
   const bool punctual = source == Source::spot || source == Source::point;
   const auto kind = source == Source::spot ? PunctualLight::Kind::spot : PunctualLight::Kind::point;
@@ -404,7 +406,7 @@ double light_directions(Source source, double power) {
   uint64_t kept = 0;
   for (uint64_t i = 0; kept < kSamples; ++i) {
     Rng rng(39, static_cast<uint64_t>(source), i);
-    const Lights::Point p = lights.sample(rng);
+    const Lights::Point p = selection.sample(rng);
     if (punctual ? p.source->met() || kind_of(p) != static_cast<size_t>(kind)
                  : p.triangle != triangle)
       continue;
@@ -435,12 +437,13 @@ TEST(samplers, twin_light_that_leaves_lamps_with_another_density) {
 double sun_places(double exponent) {
   const Scene scene = lamps();
   const Lights lights(scene);
+  const LightSelection selection(lights);
   constexpr size_t kRings = 8, kSectors = 8;
   std::vector<uint64_t> counts(kRings * kSectors);
   double kept = 0;
   for (uint64_t i = 0; kept < 20000; ++i) {
     Rng rng(40, 0, i);
-    const Lights::Point p = lights.sample(rng);
+    const Lights::Point p = selection.sample(rng);
     if (!p.source->at_infinity()) continue;
     const double u = rng.uniform();
     const double v = rng.uniform();

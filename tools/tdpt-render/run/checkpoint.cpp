@@ -70,12 +70,12 @@ bool add_samples(uint64_t n, Progress& progress) {
 }
 
 // Refuses a film that cannot hold this world's samples, whatever its file claims.
-void check_film(const Progress& progress, const World& world, const std::string& file) {
+void check_film(const Progress& progress, const Vista& vista, const std::string& file) {
   const Film& film = progress.film;
-  if (film.width() != world.film.width() || film.height() != world.film.height() ||
-      film.unit() != Film(1, 1, world.lights.power()).unit() ||
+  if (film.width() != vista.view.film.width() || film.height() != vista.view.film.height() ||
+      film.unit() != Film(1, 1, vista.world->lights.power()).unit() ||
       (!progress.tally.portals.empty() &&
-       progress.tally.portals.size() != world.portals.portals()))
+       progress.tally.portals.size() != vista.openings.portals.portals()))
     throw InputError(file, "film", "keeps other sums than this picture");
 }
 
@@ -132,7 +132,7 @@ void take_part(const RenderArguments& a, Progress& progress) {
 }
 
 std::optional<Begun> read_begun(const RenderArguments& a, const Fingerprint& is_of,
-                                const World& world) {
+                                const Vista& vista) {
   // A file named for both is created if it does not exist yet.
   if (a.resume.empty() || (is_same(a.checkpoint, a.resume) && !is_there(a.resume))) return {};
   const std::string name = display_name(a.resume);
@@ -146,7 +146,7 @@ std::optional<Begun> read_begun(const RenderArguments& a, const Fingerprint& is_
     begun.attributes.erase(word);
   begun.progress = std::make_shared<Progress>(progress_of(std::move(film), name));
   Progress& progress = *begun.progress;
-  check_film(progress, world, name);
+  check_film(progress, vista, name);
   check_part(a, progress, name);
   take_limits(a, progress, begun.attributes);
   if (a.add_samples > 0 && add_samples(static_cast<uint64_t>(a.add_samples), progress))

@@ -31,7 +31,7 @@ struct Begun {
 /// Reads the film of --resume; nothing if none is to be resumed. `is_of`: what determines this
 /// picture. Throws UsageError or InputError if they do not belong together.
 std::optional<Begun> read_begun(const RenderArguments& a, const Fingerprint& is_of,
-                                const World& world);
+                                const Vista& vista);
 
 /// Explains why a film rendered by the code `before` changes when resumed by that of `now`.
 std::string other_code_sentence(const std::string& file, const std::string& before,

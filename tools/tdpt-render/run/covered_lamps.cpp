@@ -135,14 +135,13 @@ std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, ui
   return covered;
 }
 
-OpenWorld open_world(Scene& scene, const Camera& camera, int width, int height,
-                     const std::vector<Portal>& portals) {
+OpenWorld open_world(Scene& scene, bool culls) {
   std::set<uint32_t> moved;
   OneSided known;
   const size_t before = scene.triangles.size();
-  std::unique_ptr<World> world;
+  std::shared_ptr<const World> world;
   for (uint32_t round = 0;; ++round) {
-    world = std::make_unique<World>(scene, camera, width, height, portals);
+    world = std::make_shared<World>(scene, culls);
     if (round == kRounds) break;
     const std::vector<uint32_t> covered = covered_lamps(scene, world->tracer, round);
     if (covered.empty()) break;

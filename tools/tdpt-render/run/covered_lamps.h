@@ -19,12 +19,11 @@ namespace tdpt {
 std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, uint32_t seed);
 
 struct OpenWorld {
-  std::unique_ptr<World> world;
+  std::shared_ptr<const World> world;
   size_t uncovered = 0;  ///< triangles of the file that were moved
 };
 /// The world of the scene, with covered lamps moved along their normals until none is found.
-OpenWorld open_world(Scene& scene, const Camera& camera, int width, int height,
-                     const std::vector<Portal>& portals);
+OpenWorld open_world(Scene& scene, bool culls);
 
 /// Reports how many triangles were moved, and how far.
 std::string uncovered_sentence(size_t triangles, const Frame& frame);

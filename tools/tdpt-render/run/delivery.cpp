@@ -58,11 +58,11 @@ std::vector<std::string> derived_of(const RenderArguments& a) {
   return derived;
 }
 
-Channels channels_of(const RenderArguments& a, const World& world, uint64_t seed) {
+Channels channels_of(const RenderArguments& a, const Vista& vista, uint64_t seed) {
   if (!a.shard.empty() && shard_of(a.shard).index > 0) return {};
   std::vector<std::string> names = aovs_of(a);
   if (a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
-  return features(world, names, seed);
+  return features(vista, names, seed);
 }
 
 std::string Delivery::film_of(const Plan& plan, Progress& progress,

@@ -53,8 +53,8 @@ struct Ray {
 // Follows rays, and what they split into, until they meet a surface at which they end.
 class Sight {
  public:
-  Sight(const World& world, const FilmPlane& film, bool on, Sequence& numbers, Seen& seen)
-      : world_(world), film_(film), on_(on), numbers_(numbers), seen_(seen) {}
+  Sight(const Vista& vista, const FilmPlane& film, bool on, Sequence& numbers, Seen& seen)
+      : vista_(vista), film_(film), on_(on), numbers_(numbers), seen_(seen) {}
 
   void follow(Ray ray) {
     std::vector<uint32_t> passed;  // sheets that stop a part of the ray
@@ -75,7 +75,7 @@ class Sight {
 
  private:
   bool finds(const Ray& ray, const std::vector<uint32_t>& passed, Tracer::Sheet& sheet) const {
-    const Tracer& tracer = world_.tracer;
+    const Tracer& tracer = vista_.world->tracer;
     return ray.turns == 0 ? tracer.first_sheet_seen(ray.from.position, ray.w, passed, sheet)
                           : tracer.first_sheet(ray.from.origin(), ray.w, passed, sheet);
   }
@@ -96,10 +96,10 @@ class Sight {
     }
     if (!on_) return;
     Point here;
-    place_on_surface(world_, hit, here);
+    place_on_surface(*vista_.world, hit, here);
     const Incidence in(here, -ray.w);
     ray.tint = ray.tint / hit.opacity;
-    if (world_.absorbing)
+    if (vista_.world->absorbing)
       ray.tint = ray.tint * Vec3d(transmittance(ray.from, here, ray.w, hit.distance));
     const Vec3d normal = normal_towards(here, in.back);
     if (ray.turns == 0) ray.first = normal;
@@ -142,31 +142,27 @@ class Sight {
     follow(ray);
   }
 
-  const World& world_;
+  const Vista& vista_;
   const FilmPlane& film_;
   const bool on_;  // beyond the first surface
   Sequence& numbers_;
   Seen& seen_;
 };
 
-Seen look(const World& world, size_t x, size_t y, bool on, uint64_t seed) {
+Seen look(const Vista& vista, size_t x, size_t y, bool on, uint64_t seed) {
   Seen seen;
   const uint64_t pixel = y << 32 | x;
   Ray ray;
-  FilmPlane film = world.film;
   for (uint64_t i = 0; i < kRays; ++i) {
     Sequence numbers(seed, kFeaturePlaces.first, pixel, i);
     const double u = numbers.uniform(), v = numbers.uniform();
-    if (world.blur.any()) {
-      const auto [lens_u, lens_v, time] = numbers.uniforms<3>();
-      film = world.blur.draw(world.film, lens_u, lens_v, time);
-    }
+    const FilmPlane film = vista.view.of_sample(numbers);
     ray.from.position = film.position();
     ray.w = film.direction(static_cast<double>(x) + u, static_cast<double>(y) + v);
-    Sight(world, film, on, numbers, seen).follow(ray);
+    Sight(vista, film, on, numbers, seen).follow(ray);
   }
   const double met = seen.met > 0 ? seen.met : 1;
-  const Frame& frame = world.scene.frame;
+  const Frame& frame = vista.world->scene.frame;
   seen.albedo = min(seen.albedo / static_cast<double>(kRays), Vec3d(1));
   seen.normal = seen.normal / met;
   seen.position = seen.met > 0 ? frame.to_metres(seen.position / met) : Vec3d();
@@ -176,9 +172,9 @@ Seen look(const World& world, size_t x, size_t y, bool on, uint64_t seed) {
 
 }  // namespace
 
-Channels features(const World& world, const std::vector<std::string>& names, uint64_t seed) {
-  const auto width = static_cast<size_t>(world.film.width());
-  const auto height = static_cast<size_t>(world.film.height());
+Channels features(const Vista& vista, const std::vector<std::string>& names, uint64_t seed) {
+  const auto width = static_cast<size_t>(vista.view.film.width());
+  const auto height = static_cast<size_t>(vista.view.film.height());
   Channels channels;
   const auto channel = [&](const char* name, const char* part) -> float* {
     if (std::find(names.begin(), names.end(), name) == names.end()) return nullptr;
@@ -206,7 +202,7 @@ Channels features(const World& world, const std::vector<std::string>& names, uin
   const bool on = targets[0].to || targets[3].to;
   tbb::parallel_for(size_t{0}, height, [&](size_t y) {
     for (size_t x = 0; x < width; ++x) {
-      const Seen seen = look(world, x, y, on, seed);
+      const Seen seen = look(vista, x, y, on, seed);
       for (const Target& target : targets)
         if (target.to) target.to[y * width + x] = static_cast<float>(target.of(seen));
     }

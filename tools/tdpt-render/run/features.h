@@ -28,7 +28,7 @@ namespace tdpt {
 /// three over those. If none does, all but depth are 0.
 inline constexpr std::array kFeatures{"albedo", "normal", "position", "depth"};
 
-/// The channels of those names. A function of the world and the seed.
-Channels features(const World& world, const std::vector<std::string>& names, uint64_t seed);
+/// The channels of those names. A function of the vista and the seed.
+Channels features(const Vista& vista, const std::vector<std::string>& names, uint64_t seed);
 
 }  // namespace tdpt

@@ -33,12 +33,12 @@ class seen : public ::testing::Test {
   }
 
   const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, scene_.camera(""), kWidth, kHeight, {}};
-  const Channels channels_ = features(world_, kAll, 1);
+  const Vista vista_{scene_, scene_.camera(""), kWidth, kHeight, {}};
+  const Channels channels_ = features(vista_, kAll, 1);
 };
 
 TEST_F(seen, from_the_camera_lies_behind_its_pixel_at_its_depth) {
-  const FilmPlane& film = world_.film;
+  const FilmPlane& film = vista_.view.film;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const Vec3d p = scene_.frame.to_canonical(three("position", "XYZ", x, y));
@@ -61,9 +61,9 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
       if (length(n) < 1 - 1e-6) continue;  // a corner
       ++whole;
       // The ray through the centre hits the same wall.
-      const Vec3d w = world_.film.direction(x + 0.5, y + 0.5);
+      const Vec3d w = vista_.view.film.direction(x + 0.5, y + 0.5);
       Hit hit;
-      ASSERT_TRUE(world_.tracer.closest({world_.film.position()}, w, hit));
+      ASSERT_TRUE(vista_.world->tracer.closest({vista_.view.film.position()}, w, hit));
       EXPECT_LT(dot(n, w), 0);
       EXPECT_NEAR(std::abs(dot(n, hit.normal)), 1, 1e-6);
       const Vec3d albedo = three("albedo", "RGB", x, y);
@@ -72,9 +72,9 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
     }
   EXPECT_GT(whole, kWidth * kHeight / 2);
   // The wall straight ahead has one material.
-  const Vec3d w = world_.film.direction(2.5, 12.5);
+  const Vec3d w = vista_.view.film.direction(2.5, 12.5);
   Hit hit;
-  ASSERT_TRUE(world_.tracer.closest({world_.film.position()}, w, hit));
+  ASSERT_TRUE(vista_.world->tracer.closest({vista_.view.film.position()}, w, hit));
   const Vec3d base(scene_.material_of(hit.triangle).base_color),
       albedo = three("albedo", "RGB", 2, 12);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(albedo[c], base[c], 1e-6);
@@ -83,9 +83,9 @@ TEST_F(seen, surfaces_have_their_normals_and_albedos) {
 // Blocks of 4 x 4 pixels, beside the mean of what is seen from places on the lens at moments of the
 // exposure.
 TEST_F(seen, by_a_lens_that_moves_is_blurred_like_the_picture) {
-  World world(scene_, scene_.camera(""), kWidth, kHeight, {});
+  Vista vista(scene_, scene_.camera(""), kWidth, kHeight, {});
   const auto blocks = [&](const char* channel) {
-    const Channels all = features(world, {"albedo", "normal"}, 1);
+    const Channels all = features(vista, {"albedo", "normal"}, 1);
     std::vector<double> sums(kWidth / 4 * kHeight / 4);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
@@ -100,17 +100,18 @@ TEST_F(seen, by_a_lens_that_moves_is_blurred_like_the_picture) {
   };
   const CameraBlur blur = strong_blur(scene_.camera(""));
   for (const char* channel : {"albedo.R", "normal.Y"}) {
-    world.blur = {};
-    world.film = world_.film;
+    vista.view.blur = {};
+    vista.view.film = vista_.view.film;
     const std::vector<double> sharp = blocks(channel);
-    world.blur = blur;
+    vista.view.blur = blur;
     const std::vector<double> blurred = blocks(channel);
-    world.blur = {};
+    vista.view.blur = {};
     std::vector<double> mean(sharp.size());
     constexpr int kDraws = 200;
     for (int i = 0; i < kDraws; ++i) {
       Rng rng(5, 0, static_cast<uint64_t>(i));
-      world.film = blur.draw(world_.film, rng.uniform(), rng.uniform(), (i + 0.5) / kDraws);
+      vista.view.film =
+          blur.draw(vista_.view.film, rng.uniform(), rng.uniform(), (i + 0.5) / kDraws);
       const std::vector<double> one = blocks(channel);
       for (size_t b = 0; b < mean.size(); ++b) mean[b] += one[b] / kDraws;
     }
@@ -122,7 +123,7 @@ TEST_F(seen, by_a_lens_that_moves_is_blurred_like_the_picture) {
 TEST_F(seen, nothing_is_black_and_far) {
   Camera away = scene_.camera("");
   away.position = away.position + away.forward * 100;
-  const World outside(scene_, away, 4, 3, {});
+  const Vista outside(scene_, away, 4, 3, {});
   const Channels none = features(outside, kAll, 1);
   EXPECT_EQ(none.at("depth.Z"), std::vector<float>(12, 1e10f));
   for (const char* name : {"albedo.R", "normal.X", "position.Z"})
@@ -131,12 +132,12 @@ TEST_F(seen, nothing_is_black_and_far) {
 
 TEST_F(seen, depends_on_no_thread_and_on_nothing_else_that_is_asked_for) {
   tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(features(world_, kAll, 1), channels_);
-  const Channels depth = features(world_, {"depth"}, 1);
+  EXPECT_EQ(features(vista_, kAll, 1), channels_);
+  const Channels depth = features(vista_, {"depth"}, 1);
   EXPECT_EQ(depth.size(), 1u);
   EXPECT_EQ(depth.at("depth.Z"), channels_.at("depth.Z"));
-  EXPECT_EQ(features(world_, {"normal"}, 1).at("normal.X"), channels_.at("normal.X"));
-  EXPECT_TRUE(features(world_, {"variance"}, 1).empty());
+  EXPECT_EQ(features(vista_, {"normal"}, 1).at("normal.X"), channels_.at("normal.X"));
+  EXPECT_TRUE(features(vista_, {"variance"}, 1).empty());
 }
 
 // Sheets across the view and beside it. The camera looks along -z; at z = 0 it sees a sheet or a
@@ -198,8 +199,8 @@ class through : public ::testing::Test {
     camera.position = scene_.frame.to_canonical({0, 1, 0.9});
     camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.forward = {0, 0, -1};
     camera.yfov = 1e-3;
-    const World world(scene_, camera, kWidth, kHeight, {});
-    const Channels all = features(world, kAll, seed);
+    const Vista vista(scene_, camera, kWidth, kHeight, {});
+    const Channels all = features(vista, kAll, seed);
     const auto three = [&](const std::string& name, const char* parts, size_t i) {
       Vec3d v;
       for (int c = 0; c < 3; ++c) v[c] = static_cast<double>(all.at(name + "." + parts[c])[i]);

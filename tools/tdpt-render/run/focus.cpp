@@ -5,8 +5,7 @@
 
 namespace tdpt {
 
-double distance_in_the_middle(const World& world) {
-  const FilmPlane& film = world.film;
+double distance_in_the_middle(const World& world, const FilmPlane& film) {
   std::vector<uint32_t> passed;
   Tracer::Sheet sheet;
   double passes = 1;

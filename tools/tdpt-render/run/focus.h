@@ -6,6 +6,6 @@ namespace tdpt {
 
 /// Distance of what stops most of a ray through the middle of the picture, canonical: beyond panes
 /// and thin veils. Infinite if nothing does.
-double distance_in_the_middle(const World& world);
+double distance_in_the_middle(const World& world, const FilmPlane& film);
 
 }  // namespace tdpt

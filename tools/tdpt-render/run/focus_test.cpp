@@ -20,7 +20,7 @@ class focus : public ::testing::Test {
                       camera.up * 0.2);
   }
   static double metres(const Scene& scene, const Camera& camera) {
-    return distance_in_the_middle(World(scene, camera, 16, 12, {})) / scene.frame.scale;
+    return distance_in_the_middle(World(scene, false), {camera, 16, 12}) / scene.frame.scale;
   }
   double metres(const Scene& scene) const { return metres(scene, scene.camera("")); }
 

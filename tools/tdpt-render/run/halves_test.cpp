@@ -31,11 +31,11 @@ class halves : public ::testing::Test {
   /// are 0, 2, 4, ..., a half that is stratified.
   Film film_of_one_sequence(const Integrator& integrator, uint64_t spp, uint64_t seed) const {
     Integrator expecting = integrator;
-    expecting.mixture = expecting_connections(world_, integrator.mixture, kDepth);
+    expecting.mixture = expecting_connections(vista_, integrator.mixture, kDepth);
     ProgressBar progress("", "", 0, true);
-    Film both = film_for(world_, TechniqueSet(), false, true);
+    Film both = film_for(vista_, TechniqueSet(), false, true);
     for (const uint64_t half : {0, 1}) {
-      Film film = film_for(world_, TechniqueSet());
+      Film film = film_for(vista_, TechniqueSet());
       Tally tally(film.unit());
       for (uint64_t s = half; s < spp; s += 2)
         renderer_->render(expecting, {.max_depth = kDepth, .seed = seed}, 0, {2 * s, 1}, film,
@@ -55,8 +55,8 @@ class halves : public ::testing::Test {
     return camera;
   }
   const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, camera(scene_), kWidth, kHeight, {portal_in_the_hole()}};
-  const std::shared_ptr<SampleRenderer> renderer_ = renderer_under_test(world_);
+  const Vista vista_{scene_, camera(scene_), kWidth, kHeight, {portal_in_the_hole()}};
+  const std::shared_ptr<SampleRenderer> renderer_ = renderer_under_test(vista_);
 };
 
 TEST_F(halves, make_the_picture_and_do_not_change_it) {
@@ -76,11 +76,11 @@ TEST_F(halves, make_the_picture_and_do_not_change_it) {
 
 TEST_F(halves, are_the_samples_of_even_and_of_odd_number) {
   const Film whole = film(bdpt, 3, 1);
-  Film odd = film_for(world_, TechniqueSet());
+  Film odd = film_for(vista_, TechniqueSet());
   Tally tally(odd.unit());
   ProgressBar progress("", "", 0, true);
   Integrator expecting = bdpt;
-  expecting.mixture = expecting_connections(world_, bdpt.mixture, kDepth);
+  expecting.mixture = expecting_connections(vista_, bdpt.mixture, kDepth);
   renderer_->render(expecting, {kDepth}, 0, {1, 1}, odd, tally, progress);
   EXPECT_EQ(whole.half(1).pixels, odd.picture().pixels);
 }

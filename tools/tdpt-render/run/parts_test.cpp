@@ -14,11 +14,12 @@ class parts : public ::testing::Test {
     Film::Options options;
     options.layers = {"camera", "direct", "light", "bi", "portal"};
     options.halves = true;
-    Film film(world_.film.width(), world_.film.height(), world_.lights.power(), options);
+    Film film(vista_.view.film.width(), vista_.view.film.height(), vista_.world->lights.power(),
+              options);
     Tally tally(film.unit());
     ProgressBar progress("", "", 0, true);
     for (uint64_t s = samples.first; s < samples.end(); s += step)
-      render_samples(world_, integrator_, {}, 0, {s, step}, film, tally, progress);
+      render_samples(vista_, integrator_, {}, 0, {s, step}, film, tally, progress);
     energy_ = tally.energy[static_cast<size_t>(Technique::portal)];
     return film;
   }
@@ -32,9 +33,9 @@ class parts : public ::testing::Test {
   }
 
   const Scene scene_ = read_gltf(two_rooms_path());
-  const World world_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
+  const Vista vista_{scene_, scene_.camera(""), 24, 18, {portal_in_the_hole()}};
   const Integrator integrator_{tdpt_org.name, tdpt_org.stream,
-                               expecting_connections(world_, tdpt_org.mixture, kMaxDepth)};
+                               expecting_connections(vista_, tdpt_org.mixture, kMaxDepth)};
   double energy_ = 0;
 };
 
@@ -62,7 +63,7 @@ TEST_F(parts, have_the_bytes_of_the_undivided_picture_whatever_the_split_and_the
 TEST_F(parts, are_what_render_makes_of_the_plan) {
   Job settings;
   settings.limits.spp = 6;
-  const RenderResult whole = render(world_, tdpt_org, settings);
+  const RenderResult whole = render(vista_, tdpt_org, settings);
   Film film = part({0, 3}, 3);
   film.merge(part({3, 3}, 1));
   EXPECT_EQ(scaled_picture(24, 18, film.sums(), 1.0 / 6).pixels, whole.picture.pixels);

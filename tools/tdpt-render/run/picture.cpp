@@ -25,12 +25,12 @@ namespace {
 constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // Throws InputError where a film was rendered by other portals or kinds of light than there are.
-void check_explored(const Explored& explored, const Loaded& in, const World& world,
+void check_explored(const Explored& explored, const Loaded& in, const Vista& vista,
                     const std::string& file) {
   for (const PortalWay& way : explored.ways)
     if (way.portal >= in.portals.size())
       throw InputError(file, "film.plan.portals", "speak of one that there is not");
-  const Lights::KindProbabilities &then = explored.lights, now = world.lights.shares();
+  const Lights::KindProbabilities &then = explored.lights, now = vista.openings.selection.shares();
   const auto same = [](double x, double y) { return (x > 0) == (y > 0); };
   if (!same(then.surfaces, now.surfaces) || !same(then.lamps, now.lamps) ||
       !same(then.parallel, now.parallel) || !same(then.sky, now.sky))
@@ -38,11 +38,11 @@ void check_explored(const Explored& explored, const Loaded& in, const World& wor
 }
 
 // Portals work in the ways that light passes them, and kinds of light are selected by what arrives.
-void take_explored(const Explored& explored, Loaded& in, World& world) {
-  if (!(explored.lights == world.lights.shares())) world.lights.choose_by(explored.lights);
-  if (explored.ways.empty()) return;
+Vista explored_vista(const Explored& explored, Loaded& in, Vista vista) {
+  if (explored.ways.empty() && explored.lights == vista.openings.selection.shares()) return vista;
   apply_ways(explored.ways, in.portals);
-  world.fill_openings(PortalSet(in.portals, in.scene.frame));
+  vista.openings = Openings(*vista.world, in.portals, explored.lights, vista.openings.windows);
+  return vista;
 }
 
 // Those of a new picture, which a resumed one keeps.
@@ -129,31 +129,31 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
   Loaded& in = shop.scenery.load(a, common);
   const Job job = job_of(a, common);
   if (a.check) return {};
-  World& world = shop.scenery.world(common);
+  const Vista& seen = shop.scenery.vista(common);
   std::optional<GpuUpload> upload;
-  if (shop.device) upload.emplace(*shop.device, world, FilmPlanes{job.layers, job.halves});
-  if (const std::string sentence = no_backs_sentence(world); !sentence.empty())
+  if (shop.device) upload.emplace(*shop.device, seen, FilmPlanes{job.layers, job.halves});
+  if (const std::string sentence = no_backs_sentence(seen); !sentence.empty())
     common.note(sentence);
 
   const std::string code = shop.device ? kGpuCode : processor_code();
   const Fingerprint is_of = fingerprint_of(in, common, frame, cli::Effect::picture);
-  const std::optional<Begun> begun = read_begun(a, is_of, world);
-  if (begun) check_explored(begun->plan.explored, in, world, display_name(a.resume));
+  const std::optional<Begun> begun = read_begun(a, is_of, seen);
+  if (begun) check_explored(begun->plan.explored, in, seen, display_name(a.resume));
   const Explored explored =
-      begun ? begun->plan.explored : explore(job, world, in.camera, in.portals);
+      begun ? begun->plan.explored : explore(job, seen, in.camera, in.portals);
   const std::vector<Portal> drawn = in.portals;
-  take_explored(explored, in, world);
-  const std::vector<Candidate> candidates = candidates_of(job, world);
+  const Vista vista = explored_vista(explored, in, seen);
+  const std::vector<Candidate> candidates = candidates_of(job, vista);
   const Integrator asked = job.automatic ? either_of(candidates) : job.named;
   if (begun) {
     if (!(begun->progress->film.options() == film_options(job, candidates)))
       throw InputError(display_name(a.resume), "film", "keeps other sums than this picture");
     tell_begun(*begun, a, code, common);
   }
-  tell_before(job, world, asked, drawn, explored.ways, common);
+  tell_before(job, vista, asked, drawn, explored.ways, common);
 
   const std::shared_ptr<SampleRenderer> renderer =
-      upload ? upload->renderer() : std::make_shared<CpuRenderer>(world);
+      upload ? upload->renderer(vista) : std::make_shared<CpuRenderer>(vista);
   if (shop.device)
     common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
   Session session(*renderer, job);
@@ -181,7 +181,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
   stats["device"] = renderer->name();
   if (frame) stats["frame"] = frame_mark(in, common, *frame);
   const Delivery::Finish finish =
-      files.deliver(result, channels_of(a, world, job.seed),
+      files.deliver(result, channels_of(a, vista, job.seed),
                     [&](const Delivery::Finish& f) { return finished(stats, f).dump(); });
   tell_after(session, in.portals, result, a, common);
   if (!finish.filtered.empty()) common.note(finish.filtered);
@@ -194,7 +194,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
     return all;
   });
   const bool interrupted = result.progress->interrupted;
-  return {static_cast<int>(interrupted ? Exit::interrupted : Exit::done), told_of(world, result)};
+  return {static_cast<int>(interrupted ? Exit::interrupted : Exit::done), told_of(vista, result)};
 }
 
 std::string frame_mark(const Loaded& in, const cli::Common& common, int64_t frame) {

@@ -216,8 +216,8 @@ Film::Options film_options(const Job& job, const std::vector<Candidate>& candida
 
 Progress new_progress(const Session& session, const std::vector<Candidate>& candidates,
                       const Plan& plan) {
-  const FilmPlane& film = session.world.film;
-  Progress progress(Film(film.width(), film.height(), session.world.lights.power(),
+  const FilmPlane& film = session.vista.view.film;
+  Progress progress(Film(film.width(), film.height(), session.vista.world->lights.power(),
                          film_options(session.job, candidates)),
                     session.job.limits);
   progress.goal = plan.spp;
@@ -242,7 +242,7 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& cand
                     const Job& job) {
   Session session(renderer, job);
   Explored explored;
-  explored.lights = session.world.lights.shares();
+  explored.lights = session.vista.openings.selection.shares();
   const Plan plan = make_plan(session, candidates, explored);
   return render(session, plan,
                 std::make_shared<Progress>(new_progress(session, candidates, plan)));
@@ -252,13 +252,13 @@ RenderResult render(SampleRenderer& renderer, const Integrator& integrator, cons
   return render(renderer, std::vector<Candidate>{{integrator, integrator.name}}, job);
 }
 
-RenderResult render(const World& world, const std::vector<Candidate>& candidates, const Job& job) {
-  CpuRenderer cpu(world);
+RenderResult render(const Vista& vista, const std::vector<Candidate>& candidates, const Job& job) {
+  CpuRenderer cpu(vista);
   return render(cpu, candidates, job);
 }
 
-RenderResult render(const World& world, const Integrator& integrator, const Job& job) {
-  return render(world, std::vector<Candidate>{{integrator, integrator.name}}, job);
+RenderResult render(const Vista& vista, const Integrator& integrator, const Job& job) {
+  return render(vista, std::vector<Candidate>{{integrator, integrator.name}}, job);
 }
 
 }  // namespace tdpt

@@ -57,8 +57,8 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& cand
                     const Job& job);
 RenderResult render(SampleRenderer& renderer, const Integrator& integrator, const Job& job);
 /// On the CPU.
-RenderResult render(const World& world, const std::vector<Candidate>& candidates, const Job& job);
-RenderResult render(const World& world, const Integrator& integrator, const Job& job);
+RenderResult render(const Vista& vista, const std::vector<Candidate>& candidates, const Job& job);
+RenderResult render(const Vista& vista, const Integrator& integrator, const Job& job);
 
 /// The next number of samples above `spp` that is recorded: each up to 256, then each a sixteenth
 /// more than the one before.

@@ -14,12 +14,13 @@ namespace tdpt::render_test {
 // Rims of an opening count alike in density and in visibility, whatever the offset of ray origins.
 TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
   const Scene scene = read_gltf(two_rooms_path());
-  World world(scene, scene.camera(""), 64, 48, {portal_in_the_hole()});
+  const auto world = std::make_shared<World>(scene, false);
+  const Vista vista(world, scene.camera(""), 64, 48, {portal_in_the_hole()});
   const auto run = [&](double scale) {
-    TracerFaults::scale_step(world.tracer, scale);
+    TracerFaults::scale_step(world->tracer, scale);
     Job settings;
     settings.limits.spp = 32;
-    return luminance(Vec3f(render(world, tdpt_ref, settings).mean()));
+    return luminance(Vec3f(render(vista, tdpt_ref, settings).mean()));
   };
   const double once = run(1);
   EXPECT_NEAR(run(4) / once, 1, 2e-3);
@@ -28,13 +29,13 @@ TEST(render, the_step_off_the_surface_does_not_change_the_mean) {
 
 TEST(render, same_bytes_for_any_number_of_threads) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
+  const Vista vista(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
   Job settings;
   settings.limits.spp = 8;
   std::vector<Picture> pictures;
   for (size_t threads : {1, 2, 3}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    pictures.push_back(render(world, tdpt_org, settings).picture);
+    pictures.push_back(render(vista, tdpt_org, settings).picture);
   }
   EXPECT_EQ(pictures[0].pixels, pictures[1].pixels);
   EXPECT_EQ(pictures[0].pixels, pictures[2].pixels);
@@ -42,22 +43,22 @@ TEST(render, same_bytes_for_any_number_of_threads) {
 
 TEST(render, twin_another_seed_gives_other_pixels) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
+  const Vista vista(scene, scene.camera(""), 40, 30, {portal_in_the_hole()});
   Job settings;
   settings.limits.spp = 8;
-  const Picture first = render(world, tdpt_org, settings).picture;
+  const Picture first = render(vista, tdpt_org, settings).picture;
   settings.seed = 2;
-  EXPECT_NE(first.pixels, render(world, tdpt_org, settings).picture.pixels);
+  EXPECT_NE(first.pixels, render(vista, tdpt_org, settings).picture.pixels);
 }
 
 TEST(render, no_light_is_a_black_picture) {
   Scene scene = read_gltf(two_rooms_path());
   for (Material& m : scene.materials) m.emission = {};
-  const World world(scene, scene.camera(""), 8, 6, {portal_in_the_hole()});
+  const Vista vista(scene, scene.camera(""), 8, 6, {portal_in_the_hole()});
   Job settings;
   settings.limits.spp = 2;
   for (const Integrator* integrator : integrators()) {
-    const RenderResult r = render(world, *integrator, settings);
+    const RenderResult r = render(vista, *integrator, settings);
     EXPECT_EQ(r.nonzero(), 0);
     EXPECT_EQ(r.tally.not_finite, 0u);
   }
@@ -71,13 +72,13 @@ TEST(render, a_lamp_in_the_plane_of_the_ceiling_shines_for_every_integrator) {
   lamp.position = scene.frame.to_canonical({0.1, 2, 0.2});
   lamp.intensity = Rgb(1);
   scene.lights.push_back(lamp);
-  const World world(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
+  const Vista vista(scene, scene.camera(""), 32, 24, {portal_in_the_furnace()});
   Job settings;
   settings.limits.spp = 64;
-  const double expected = render(world, nee, settings).mean().x;
+  const double expected = render(vista, nee, settings).mean().x;
   EXPECT_GT(expected, 0.01);
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref})
-    EXPECT_NEAR(render(world, *integrator, settings).mean().x / expected, 1, 0.03)
+    EXPECT_NEAR(render(vista, *integrator, settings).mean().x / expected, 1, 0.03)
         << integrator->name;
 }
 
@@ -104,11 +105,11 @@ class Eager : public CpuRenderer {
 
 TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_one) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, {});
+  const Vista vista(scene, scene.camera(""), 16, 12, {});
   Job settings;
   settings.limits.spp = 40;
-  const RenderResult by_cpu = render(world, bdpt, settings);
-  Eager device(world);
+  const RenderResult by_cpu = render(vista, bdpt, settings);
+  Eager device(vista);
   const RenderResult r = render(device, bdpt, settings);
   EXPECT_EQ(device.calls, std::vector<uint64_t>(5, 8));
   ASSERT_TRUE(r.noise && by_cpu.noise);
@@ -127,10 +128,10 @@ TEST(render, gives_a_device_as_many_samples_at_a_time_as_nothing_wants_one_by_on
 
 TEST(render, counts_no_time_that_a_device_takes_to_be_ready_and_overruns_little) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, {});
+  const Vista vista(scene, scene.camera(""), 16, 12, {});
   Job settings;
   settings.limits.seconds = 0.2;
-  Eager device(world);
+  Eager device(vista);
   const RenderResult r = render(device, bdpt, settings);
   EXPECT_GT(r.spp(), 10u);
   EXPECT_GT(r.progress->seconds, 0.1);

@@ -118,11 +118,11 @@ bool is_black(const RenderResult& result) {
 }
 
 // Whether a wall stands between some points of the lens.
-bool lens_is_cut(const World& world) {
-  const Vec3d middle = world.film.position();
+bool lens_is_cut(const Vista& vista) {
+  const Vec3d middle = vista.view.film.position();
   for (int i = 0; i < 64; ++i) {
-    const FilmPlane drawn = world.blur.draw(world.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
-    if (!world.tracer.visible({middle}, {drawn.position()})) return true;
+    const FilmPlane drawn = vista.view.blur.draw(vista.view.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
+    if (!vista.world->tracer.visible({middle}, {drawn.position()})) return true;
   }
   return false;
 }
@@ -262,7 +262,7 @@ std::string idleness_sentence(const std::vector<Portal>& portals, const RenderRe
          (names.size() == 1 ? "it was" : "they were") + " of no use";
 }
 
-void tell_before(const Job& job, const World& world, const Integrator& asked,
+void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
                  const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
                  const cli::Common& common) {
   const Mixture& named = job.named.mixture;
@@ -278,15 +278,15 @@ void tell_before(const Job& job, const World& world, const Integrator& asked,
   if (!left_out.empty())
     common.note("no light passes " + names_of(left_out) + " on its way to the camera: left out");
   for (const std::string& sentence : first_few(turned)) common.note(sentence);
-  if (const std::string missed = light_missed(asked, world.scene); !missed.empty())
+  if (const std::string missed = light_missed(asked, vista.world->scene); !missed.empty())
     common.warn(missed);
-  if (world.lights.empty())
+  if (vista.world->lights.empty())
     common.warn(
         "nothing in the scene emits light, expected an emissive surface, a lamp or an "
         "--environment: the picture is black");
-  else if (!may_see_surfaces(world))
+  else if (!may_see_surfaces(vista))
     common.warn(std::string("no surface lies in the camera's view: the picture ") +
-                (world.scene.sky ? "shows the sky alone" : "is black"));
+                (vista.world->scene.sky ? "shows the sky alone" : "is black"));
 }
 
 void tell_after(const Session& session, const std::vector<Portal>& portals,
@@ -303,7 +303,7 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
   // Else the cause was told before, or the sky is left out, or longer paths are.
   const bool black = is_black(result);
   if (black && !session.is_shorter() && !session.job.alpha && session.job.max_depth == kMaxDepth)
-    common.warn("no sample found light: the picture is black; " + why_black(session.world));
+    common.warn("no sample found light: the picture is black; " + why_black(session.vista));
   if (const std::string idle = idleness_sentence(portals, result);
       !idle.empty() && !session.is_shorter())
     common.note(idle);
@@ -324,19 +324,19 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
     common.note(length);
 }
 
-std::string told_of(const World& world, const RenderResult& result) {
+std::string told_of(const Vista& vista, const RenderResult& result) {
   std::string noise;
   if (is_black(result))
-    noise = ", all black: " + why_black(world);
+    noise = ", all black: " + why_black(vista);
   else if (result.noise)
     noise = ", " + words_of(*result.noise);
   return fmt::format("{} per pixel in {}{}", counted(result.spp(), "sample"),
                      duration_words(result.progress->seconds), noise);
 }
 
-std::string why_black(const World& world) {
-  if (sees_only_backs(world)) return "the camera sees only backs of surfaces: does it stand in a wall?";
-  if (world.blur.any() && lens_is_cut(world))
+std::string why_black(const Vista& vista) {
+  if (sees_only_backs(vista)) return "the camera sees only backs of surfaces: does it stand in a wall?";
+  if (vista.view.blur.any() && lens_is_cut(vista))
     return "surfaces cut through the lens of the camera: is --f-stop too small?";
   return "are the samples too few, or is a door shut?";
 }

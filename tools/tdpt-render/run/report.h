@@ -22,14 +22,14 @@ nlohmann::ordered_json stats_of(const Job& job, const Integrator& asked,
 cli::Decisions decisions_of(const nlohmann::ordered_json& stats);
 
 /// Before rendering: what is missing in the scene, and what becomes of each portal.
-void tell_before(const Job& job, const World& world, const Integrator& asked,
+void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
                  const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
                  const cli::Common& common);
 /// After it: who rendered and why, what portals brought, how noisy the picture is.
 void tell_after(const Session& session, const std::vector<Portal>& portals,
                 const RenderResult& result, const RenderArguments& a, const cli::Common& common);
 /// "16 samples per pixel in 3 s, relMSE 0.012, 0.011 to 0.014".
-std::string told_of(const World& world, const RenderResult& result);
+std::string told_of(const Vista& vista, const RenderResult& result);
 
 /// What `auto` chose, and why. `lit`: whether paths beyond the camera's rays can bring light.
 std::string choice_sentence(const RenderResult& result, bool lit = true);
@@ -45,7 +45,7 @@ std::string turning_sentence(const Portal& portal, PortalWay::Way way);
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
 
 /// Why no sample found light, as far as rays from the camera tell; for a black picture.
-std::string why_black(const World& world);
+std::string why_black(const Vista& vista);
 
 /// The first of the sentences, one for each portal, and how many more there are.
 std::vector<std::string> first_few(std::vector<std::string> sentences);

@@ -51,8 +51,8 @@ Loaded& Scenery::load(const RenderArguments& a, const cli::Common& common) {
   return in_;
 }
 
-void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tells) {
-  world_.reset();  // it refers to the scene
+void Scenery::read(const Arguments& a, const cli::Common& common, bool tells) {
+  vista_.reset();  // it refers to the scene
   in_ = {};
   in_.scene = file_->at(a.pose.seconds);
   common.also_read(in_.scene.files);
@@ -101,10 +101,11 @@ void Scenery::take_poses(const RenderArguments& a, const cli::Common& common) {
 Lens Scenery::lens(const cli::Common& common) {
   Lens lens;
   if (!in_.lens.f_stop) return lens;
-  const FilmPlane& film = world_->film;
+  const FilmPlane& film = vista_->view.film;
   const Frame& frame = in_.scene.frame;
   lens.radius = aperture_radius(film, *in_.lens.f_stop) * frame.scale;
-  lens.focus = in_.lens.focus ? *in_.lens.focus * frame.scale : distance_in_the_middle(*world_);
+  lens.focus =
+      in_.lens.focus ? *in_.lens.focus * frame.scale : distance_in_the_middle(*vista_->world, film);
   in_.focus = lens.focus / frame.scale;
   if (!in_.lens.focus && !std::exchange(told_focus_, true))
     common.note(fmt::format("in focus: {}, as the middle of the picture shows {} (--focus)",
@@ -138,28 +139,27 @@ bool Scenery::only_moves_camera(const RenderArguments& a, const cli::Common& com
     camera.position = in_.scene.frame.to_canonical(camera.position);
   take_camera(a, common);
   read_portals(a, common);
-  if (!world_) return true;
-  world_->film = FilmPlane(in_.camera, in_.size.width, in_.size.height);
-  world_->fill_openings(PortalSet(in_.portals, in_.scene.frame));
-  world_->lights.choose_by_power();
   return true;
 }
 
-World& Scenery::world(const cli::Common& common) {
-  if (!world_) {
-    OpenWorld open =
-        open_world(in_.scene, in_.camera, in_.size.width, in_.size.height, in_.portals);
-    world_ = std::move(open.world);
+Vista& Scenery::vista(const cli::Common& common) {
+  std::shared_ptr<const World> world = vista_ ? vista_->world : nullptr;
+  const WindowSky before = vista_ ? vista_->openings.windows : WindowSky();
+  if (!world) {
+    OpenWorld open = open_world(in_.scene, in_.camera.culls);
+    world = std::move(open.world);
     if (open.uncovered > 0 && !std::exchange(told_, true))
       common.warn(uncovered_sentence(open.uncovered, in_.scene.frame));
   }
+  vista_.emplace(std::move(world), in_.camera, in_.size.width, in_.size.height, in_.portals,
+                 before);
   tell_of_backs(common);
-  world_->blur = CameraBlur(lens(common), in_.poses);
-  return *world_;
+  vista_->view.blur = CameraBlur(lens(common), in_.poses);
+  return *vista_;
 }
 
 void Scenery::tell_of_backs(const cli::Common& common) {
-  const std::string sentence = backs_sentence(*world_);
+  const std::string sentence = backs_sentence(*vista_);
   if (!sentence.empty() && !shows_backs_) common.warn(sentence);
   shows_backs_ = !sentence.empty();
 }

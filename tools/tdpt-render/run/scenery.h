@@ -1,7 +1,8 @@
-// What the command line names, read: scene, sky, camera, portals, and the world that they make. The
-// frames of a shot share it as far as nothing but the camera moves between them.
+// What the command line names, read: scene, sky, camera, portals, and the vista that they make.
+// The frames of a shot share its world as far as nothing but the camera moves between them.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct Loaded {
   Camera camera;
   std::vector<Camera> poses;  ///< of the camera while its shutter is open [CameraBlur]
   LensArguments lens;
-  double focus = 0;  ///< [m], of a lens, once there is a world; may be infinite
+  double focus = 0;  ///< [m], of a lens, once there is a vista; may be infinite
   PictureSize size;
   std::vector<Portal> portals;
   std::vector<cli::Common::Input> files;
@@ -32,8 +33,8 @@ class Scenery {
   /// what has changed. Warnings and notes of the scene are printed the first time.
   Loaded& load(const RenderArguments& a, const cli::Common& common);
 
-  /// The world of what was loaded last, with its portals as they were given.
-  World& world(const cli::Common& common);
+  /// Of what was loaded last, with its portals as they were given.
+  Vista& vista(const cli::Common& common);
 
  private:
   void read(const RenderArguments& a, const cli::Common& common, bool tells);
@@ -47,12 +48,12 @@ class Scenery {
   std::unique_ptr<SceneFile> file_;
   Loaded in_;
   size_t files_but_portals_ = 0;  // of in_.files, the first
-  std::unique_ptr<World> world_;
+  std::optional<Vista> vista_;
   bool told_ = false;         ///< of covered lamps
   bool told_focus_ = false;   ///< what is in focus
   bool told_stand_ = false;   ///< that the camera of a shutter does
   bool told_motion_ = false;  ///< of motion that no shutter blurs
-  bool shows_backs_ = false;  ///< the camera of the last world did, and a warning said so
+  bool shows_backs_ = false;  ///< the last camera did, and a warning said so
 };
 
 }  // namespace tdpt

@@ -23,31 +23,31 @@ bool is_culled_back(const Scene& scene, const Hit& hit, const Vec3d& w) {
 
 }  // namespace
 
-std::string no_backs_sentence(const World& world) {
-  if (!world.tracer.culls()) return "";
+std::string no_backs_sentence(const Vista& vista) {
+  if (!vista.world->tracer.culls()) return "";
   for (int i = 0; i < kRays * kRays; ++i)
-    if (Hit hit; world.tracer.closest({world.film.position()}, direction_of(world.film, i), hit) &&
-                 is_culled_back(world.scene, hit, direction_of(world.film, i)))
+    if (Hit hit; vista.world->tracer.closest({vista.view.film.position()}, direction_of(vista.view.film, i), hit) &&
+                 is_culled_back(vista.world->scene, hit, direction_of(vista.view.film, i)))
       return "";
   return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
 }
 
-std::string backs_sentence(const World& world) {
-  const FilmPlane& film = world.film;
-  std::vector<int> met(world.scene.materials.size());
+std::string backs_sentence(const Vista& vista) {
+  const FilmPlane& film = vista.view.film;
+  std::vector<int> met(vista.world->scene.materials.size());
   int backs = 0;
   for (int i = 0; i < kRays * kRays; ++i) {
     const Vec3d w = direction_of(film, i);
     Hit hit;
-    if (!world.tracer.first_seen(film.position(), w, hit) || !is_culled_back(world.scene, hit, w))
+    if (!vista.world->tracer.first_seen(film.position(), w, hit) || !is_culled_back(vista.world->scene, hit, w))
       continue;
     ++backs;
-    ++met[world.scene.triangles[hit.triangle].material];
+    ++met[vista.world->scene.triangles[hit.triangle].material];
   }
   const double share = static_cast<double>(backs) / (kRays * kRays);
   if (share < kLeastShare) return "";
   const auto most = std::max_element(met.begin(), met.end());
-  const std::string& name = world.scene.materials[static_cast<size_t>(most - met.begin())].name;
+  const std::string& name = vista.world->scene.materials[static_cast<size_t>(most - met.begin())].name;
   return fmt::format(
       "the camera sees the backs of single-sided surfaces in {:.0f} % of the picture, most of all "
       "of {}: glTF viewers do not draw them (--cull)",
@@ -56,11 +56,11 @@ std::string backs_sentence(const World& world) {
                    : "material \"" + shown(name, 60) + "\"");
 }
 
-bool sees_only_backs(const World& world) {
+bool sees_only_backs(const Vista& vista) {
   for (int i = 0; i < kRays * kRays; ++i) {
-    const Vec3d w = direction_of(world.film, i);
+    const Vec3d w = direction_of(vista.view.film, i);
     Hit hit;
-    if (!world.tracer.first_seen(world.film.position(), w, hit) || dot(hit.normal, w) < 0)
+    if (!vista.world->tracer.first_seen(vista.view.film.position(), w, hit) || dot(hit.normal, w) < 0)
       return false;
   }
   return true;

@@ -13,8 +13,8 @@ namespace tdpt::stats_test {
 
 RenderResult render_rooms(Job settings, const Integrator& integrator = tdpt_org) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
-  return render(*renderer_under_test(world), integrator, settings);
+  const Vista vista(scene, scene.camera(""), 24, 18, {portal_in_the_hole()});
+  return render(*renderer_under_test(vista), integrator, settings);
 }
 
 Job with_frames(uint64_t spp) {
@@ -95,12 +95,12 @@ struct Spoilt {
     Material material = scene.materials[scene.triangles[0].material];
     scene.materials = {material, material};
     for (size_t i = 0; i < scene.triangles.size(); ++i) scene.triangles[i].material = i % 2;
-    const World world(scene, scene.camera(""), width, height, {portal_in_the_furnace()});
+    const Vista vista(scene, scene.camera(""), width, height, {portal_in_the_furnace()});
     scene.materials[1].emission.y = emission;
     Job settings;
     settings.limits.spp = spp;
     settings.max_depth = max_depth;
-    result = render(*renderer_under_test(world), integrator, settings);
+    result = render(*renderer_under_test(vista), integrator, settings);
   }
 
   static constexpr int width = 32, height = 24;

@@ -44,17 +44,17 @@ struct DepthRuns {
 };
 
 /// One picture per path length as in DepthRuns, [0] unused, luminance per pixel and sample.
-inline std::vector<std::vector<double>> render_by_depth(const World& world, const Variant& variant,
+inline std::vector<std::vector<double>> render_by_depth(const Vista& vista, const Variant& variant,
                                                         const AgreementSettings& settings,
                                                         uint64_t seed, Tally& tally) {
-  const int width = world.film.width(), height = world.film.height();
+  const int width = vista.view.film.width(), height = vista.view.film.height();
   std::vector<std::vector<double>> pictures(
       settings.lengths(),
       std::vector<double>(static_cast<size_t>(width) * static_cast<size_t>(height)));
   Film film(width, height, 1);
   int px = 0, py = 0;
   const PathObserver observer = [&](const Contribution& found) {
-    if (variant.loses && variant.loses(world, found)) return;
+    if (variant.loses && variant.loses(vista, found)) return;
     const auto& [path, strategy, value, times] = found;
     const int k = path.k();
     int x = px, y = py;
@@ -73,21 +73,22 @@ inline std::vector<std::vector<double>> render_by_depth(const World& world, cons
       pictures[std::min(static_cast<size_t>(k), pictures.size() - 1)]
               [static_cast<size_t>(y * width + x)] += weighted / static_cast<double>(settings.spp);
   };
-  PathSampler sampler(world, variant.settings(settings.max_depth, seed), film, tally, &observer);
+  PathSampler sampler(vista, variant.settings(settings.max_depth, seed), film, tally, &observer);
   variant.picture(sampler, width, height, settings.spp, [&](int x, int y) { px = x, py = y; });
   return pictures;
 }
 
-inline DepthRuns render_runs(const World& world, const Variant& variant,
+inline DepthRuns render_runs(const Vista& vista, const Variant& variant,
                              const AgreementSettings& settings) {
-  const int width = world.film.width(), height = world.film.height(), side = settings.block;
+  const int width = vista.view.film.width(), height = vista.view.film.height(),
+            side = settings.block;
   const size_t depths = settings.lengths();
   const auto across = static_cast<size_t>(width / side), down = static_cast<size_t>(height / side);
   using Blocks = std::vector<std::vector<double>>;  // [k][block]
   std::vector<Blocks> runs(settings.runs, Blocks(depths, std::vector<double>(across * down)));
   std::vector<Tally> tallies(settings.runs);
   tbb::parallel_for(size_t{0}, settings.runs, [&](size_t r) {
-    const auto pictures = render_by_depth(world, variant, settings,
+    const auto pictures = render_by_depth(vista, variant, settings,
                                           testing::fresh(settings.first_seed + r), tallies[r]);
     for (size_t k = 1; k < depths; ++k)
       for (int y = 0; y < height; ++y)
@@ -159,13 +160,13 @@ inline ::testing::AssertionResult holds(const Verdict& verdict, const std::strin
 }
 
 /// Compares each of `others` with the reference.
-inline void expect_agreement(const World& world, const std::vector<Variant>& others,
+inline void expect_agreement(const Vista& vista, const std::vector<Variant>& others,
                              const DepthRuns& reference, const AgreementSettings& settings) {
   EXPECT_EQ(reference.not_finite, 0u);
   EXPECT_GT(reference.of_depth[0].mean(), 0);
   for (const Variant& variant : others) {
     const Integrator* integrator = &variant.integrator;
-    const DepthRuns runs = render_runs(world, variant, settings);
+    const DepthRuns runs = render_runs(vista, variant, settings);
     EXPECT_EQ(runs.not_finite, 0u);
     const Verdict verdict = judge(runs, reference);
     std::printf("%-9s least p %.1e; all depths %s\n", integrator->name, verdict.worst_p,
@@ -179,17 +180,17 @@ inline void expect_agreement(const World& world, const std::vector<Variant>& oth
 
 /// Compares each of `others`, with MIS exponent `beta`, with bdpt and the balance heuristic. The
 /// twin counts portal segments twice, in the same room with as many samples.
-inline void expect_agreement(const World& world, const std::vector<const Integrator*>& others,
+inline void expect_agreement(const Vista& vista, const std::vector<const Integrator*>& others,
                              const AgreementSettings& settings, double beta = 1) {
   std::vector<Variant> variants;
   for (const Integrator* integrator : others) {
     variants.emplace_back(*integrator);
     variants.back().beta.fill(beta);
   }
-  const DepthRuns reference = render_runs(world, bdpt, settings.of_reference());
-  expect_agreement(world, variants, reference, settings);
+  const DepthRuns reference = render_runs(vista, bdpt, settings.of_reference());
+  expect_agreement(vista, variants, reference, settings);
   const Variant twice(tdpt_org, run_twice<Technique::portal>);
-  EXPECT_FALSE(judge(render_runs(world, twice, settings), reference).holds());
+  EXPECT_FALSE(judge(render_runs(vista, twice, settings), reference).holds());
 }
 
 }  // namespace tdpt

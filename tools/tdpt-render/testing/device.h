@@ -50,12 +50,12 @@ struct Samples {
   bool alpha = false, layers = false, halves = false;
 };
 
-inline Outcome rendered_by(SampleRenderer& renderer, const World& world,
+inline Outcome rendered_by(SampleRenderer& renderer, const Vista& vista,
                            const Integrator& integrator, const Samples& samples) {
   const int depth = samples.rules.max_depth;
   Integrator expecting = integrator;
-  expecting.mixture = expecting_connections(world, integrator.mixture, depth);
-  Film film = film_for(world, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
+  expecting.mixture = expecting_connections(vista, integrator.mixture, depth);
+  Film film = film_for(vista, samples.layers ? integrator.mixture.techniques : TechniqueSet(),
                        samples.alpha, samples.halves);
   Tally tally(film.unit());
   ProgressBar progress("rendering", "samples", 0, true);
@@ -99,11 +99,9 @@ class Borrowed : public Machine {
   const Faults faults_;
 };
 
-/// Number of words of films of the world's size that keep everything.
-inline uint32_t film_words(const World& world) {
-  const auto pixels =
-      static_cast<uint64_t>(world.film.width()) * static_cast<uint64_t>(world.film.height());
-  return FilmPlaces(pixels, {true, true}, world.portals.portals()).words;
+/// Number of words of films of the vista's size that keep everything.
+inline uint32_t film_words(const Vista& vista) {
+  return FilmPlaces(vista.view.film.pixels(), {true, true}, vista.openings.portals.portals()).words;
 }
 
 constexpr Capacity kEnough{1u << 17, 1u << 12};
@@ -111,13 +109,13 @@ constexpr Capacity kEnough{1u << 17, 1u << 12};
 /// Renders by the scalar build of the device's kernels.
 class ScalarRenderer : public SampleRenderer {
  public:
-  explicit ScalarRenderer(const World& world_, const Capacity& room = kEnough,
+  explicit ScalarRenderer(const Vista& vista_, const Capacity& room = kEnough,
                           const Faults& faults = {})
-      : SampleRenderer(world_), tables_(world_) {
+      : SampleRenderer(vista_), tables_(vista_) {
     if (faults.tables) faults.tables(tables_);
-    machine_ = make_scalar_machine(tables_, room, film_words(world));
+    machine_ = make_scalar_machine(tables_, room, film_words(vista));
     renderer_ = std::make_unique<WavefrontRenderer>(
-        world, std::make_unique<Borrowed>(*machine_, room, faults), "scalar build");
+        vista, std::make_unique<Borrowed>(*machine_, room, faults), "scalar build");
   }
   bool on_device() const override { return true; }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,

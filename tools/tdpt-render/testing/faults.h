@@ -21,7 +21,9 @@ struct PortalSetFaults {
 
 struct LightsFaults {
   /// `factor` times the density of the sky's directions.
-  static void scale_sky(Lights& lights, double factor) { lights.sky_.pdf_1_ *= factor; }
+  static void scale_sky(LightSelection& selection, double factor) {
+    selection.sky_pdf_1_ *= factor;
+  }
 };
 
 }  // namespace tdpt

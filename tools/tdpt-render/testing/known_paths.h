@@ -102,11 +102,11 @@ inline bool has_short_edge(const Path& path) {
 
 // Whether a vertex, on the rim of a hole, is so near a portal's plane that its edges do not count
 // as crossing it [PortalSet::kMargin], which the oracle ignores.
-inline bool touches_a_portals_plane(const World& world, const Path& path) {
+inline bool touches_a_portals_plane(const Vista& vista, const Path& path) {
   for (int i = 0; i <= path.k(); ++i) {
     if (path.vertex(i).at_infinity()) continue;
-    for (size_t q = 0; q < world.portals.size(); ++q) {
-      const PortalSet::Polygon& polygon = world.portals.polygon(static_cast<int>(q));
+    for (size_t q = 0; q < vista.openings.portals.size(); ++q) {
+      const PortalSet::Polygon& polygon = vista.openings.portals.polygon(static_cast<int>(q));
       const double height = dot(polygon.normal, path.vertex(i).position - polygon.p0);
       if (std::abs(height) < 2 * PortalSet::kMargin) return true;
     }
@@ -124,13 +124,13 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
                      int max_depth = 6, uint64_t spp = 64,
                      const std::vector<Portal>& portals = two_crossing_portals(),
                      const CameraBlur& blur = {}) {
-  World world(scene, scene.camera(""), 16, 12, portals);
-  world.blur = blur;
+  Vista vista(scene, scene.camera(""), 16, 12, portals);
+  vista.view.blur = blur;
   Film film(16, 12, 1);
   Tally tally;
   Worst worst;
   std::optional<oracle::SkyLight> sky;
-  if (scene.sky) sky.emplace(world);
+  if (scene.sky) sky.emplace(vista);
   const PathObserver observer = [&](const Contribution& found) {
     const auto& [path, strategy, value, times] = found;
     ++worst.paths[static_cast<size_t>(strategy.technique)];
@@ -144,11 +144,11 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     worst.dirac += dirac;
     worst.short_ones += has_short_edge(path);
     if (has_short_edge(path)) return;
-    if (touches_a_portals_plane(world, path)) {
+    if (touches_a_portals_plane(vista, path)) {
       ++worst.in_planes;
       return;
     }
-    const auto p = oracle::densities(world, path, integrator.mixture, fault, sky ? &*sky : nullptr);
+    const auto p = oracle::densities(vista, path, integrator.mixture, fault, sky ? &*sky : nullptr);
     const auto weight = [&](double beta) {
       return path.weight(integrator.mixture, strategy, beta);
     };
@@ -170,7 +170,7 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
     }
   };
   const Variant variant(integrator);
-  PathSampler sampler(world, variant.settings(max_depth, 11), film, tally, &observer);
+  PathSampler sampler(vista, variant.settings(max_depth, 11), film, tally, &observer);
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 16; ++x)
       for (uint64_t s = 0; s < spp; ++s) variant.sample(sampler, x, y, s);
@@ -183,31 +183,31 @@ inline Worst compare(const Scene& scene, const Integrator& integrator, oracle::F
 inline int weighed_as_others(const Scene& scene, const Integrator& made, const Mixture& asked,
                              const Mixture& told,
                              const std::vector<Portal>& portals = two_crossing_portals()) {
-  const World world(scene, scene.camera(""), 16, 12, portals);
+  const Vista vista(scene, scene.camera(""), 16, 12, portals);
   Film film(16, 12, 1);
   Tally tally;
-  const Guide guide = Guide::knowing_all(world, made.mixture);
-  const Guide other = Guide::knowing_all(world, asked);
+  const Guide guide = Guide::knowing_all(vista, made.mixture);
+  const Guide other = Guide::knowing_all(vista, asked);
   int all = 0, off = 0;
   WalkDensities plain, directed;
   std::optional<oracle::SkyLight> sky;
-  if (scene.sky) sky.emplace(world);
+  if (scene.sky) sky.emplace(vista);
   const PathObserver observer = [&](const Contribution& found) {
     const auto& [path, strategy, value, times] = found;
     if (path.k() < 2 || !asked.has(strategy.technique)) return;
-    path.plain_densities(world, plain);
+    path.plain_densities(vista, plain);
     path.directed_densities(other, plain, directed);
     const StrategySums sums = path.sums(asked, directed, plain, strategy);
     const auto [technique, split] = strategy;
     const double per_sample = asked.sample_weight(technique, split, path.k()) /
                               asked.samples_of(technique, split, path.k());
     const double weight = oracle::weight(
-        oracle::densities(world, path, told, oracle::Fault::none, sky ? &*sky : nullptr), strategy,
+        oracle::densities(vista, path, told, oracle::Fault::none, sky ? &*sky : nullptr), strategy,
         1);
     ++all;
     off += std::abs(sums.used * per_sample / sums.counted - weight) > 1e-4;
   };
-  PathSampler sampler(world, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
+  PathSampler sampler(vista, {made.mixture, 6, 1, 5, made.stream}, guide, film, tally, &observer);
   for (uint64_t s = 0; s < 3000; ++s) sampler.sample(8, 6, s);
   EXPECT_GT(all, 25);
   return off;

@@ -1,4 +1,4 @@
-// For tests: worlds with lights of all kinds, their tables and their scalar build.
+// For tests: vistas with lights of all kinds, their tables and their scalar build.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -16,21 +16,21 @@ namespace tdpt {
 
 inline constexpr double kUnit = 0.25;  // power of two of the radiance in tables
 
-/// A world and its device tables. They refer to each other, so neither may be moved.
-struct LitWorld {
+/// A vista and its device tables. They refer to each other, so neither may be moved.
+struct LitVista {
   std::string name;
   Scene scene;
-  World world;
+  Vista vista;
   LightTables tables;
   shader::ScalarLights scalar;
 
-  LitWorld(std::string name_, Scene scene_, const std::vector<Portal>& portals)
+  LitVista(std::string name_, Scene scene_, const std::vector<Portal>& portals)
       : name(std::move(name_)),
         scene(std::move(scene_)),
-        world(scene, scene.cameras[0], 4, 4, portals),
-        tables(make_light_tables(world, kUnit)),
+        vista(scene, scene.cameras[0], 4, 4, portals),
+        tables(make_light_tables(vista, kUnit)),
         scalar(tables) {}
-  LitWorld(const LitWorld&) = delete;
+  LitVista(const LitVista&) = delete;
 };
 
 /// 320 x 160, uneven, with one very bright texel and a black band.
@@ -87,13 +87,13 @@ inline std::vector<Portal> three_windows() {
       {"triangle", {{2.5, 0.3, 0.2}, {3.5, 1.9, 0.3}, {2.6, 1.8, 0.3}}, {{0, 1, 2}}, {}, {}, true}};
 }
 
-/// All worlds, or those `named`.
-inline std::vector<std::unique_ptr<LitWorld>> lit_worlds(
+/// All, or those `named`.
+inline std::vector<std::unique_ptr<LitVista>> lit_vistas(
     const std::vector<std::string>& named = {}) {
-  std::vector<std::unique_ptr<LitWorld>> all;
+  std::vector<std::unique_ptr<LitVista>> all;
   const auto add = [&](const char* name, Scene scene, const std::vector<Portal>& portals) {
     if (!named.empty() && std::find(named.begin(), named.end(), name) == named.end()) return;
-    all.push_back(std::make_unique<LitWorld>(name, std::move(scene), portals));
+    all.push_back(std::make_unique<LitVista>(name, std::move(scene), portals));
   };
   const auto sun = [](double half_angle) {
     return std::vector{sun_of({0.3, 1, 0.4}, half_angle, 4)};

@@ -24,10 +24,10 @@ inline MeanAndError mean_and_error(const std::vector<double>& runs) {
 }
 
 /// Rendered as pictures are.
-inline MeanAndError rendered(const World& world, const Integrator& integrator, uint64_t spp,
+inline MeanAndError rendered(const Vista& vista, const Integrator& integrator, uint64_t spp,
                              uint64_t runs = 16, int max_depth = kMaxDepth) {
   std::vector<double> means;
-  const auto renderer = renderer_under_test(world);
+  const auto renderer = renderer_under_test(vista);
   for (uint64_t seed = 1; seed <= runs; ++seed) {
     Job settings;
     settings.limits.spp = spp;

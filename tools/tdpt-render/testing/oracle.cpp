@@ -96,32 +96,33 @@ double disc_of(const Scene& scene) {
 }
 
 /// P>(x_0).
-double light_pdf(const World& world, const SkyLight* sky, const Vertex& x0, Fault fault) {
-  if (x0.on_surface()) return world.lights.pdf_A(x0.triangle);
-  if (!in_the_sky(x0)) return x0.source->pdf_1();
+double light_pdf(const Vista& vista, const SkyLight* sky, const Vertex& x0, Fault fault) {
+  if (x0.on_surface()) return vista.openings.selection.pdf_A(x0.triangle);
+  if (!in_the_sky(x0)) return vista.openings.selection.pdf(*x0.source, ~0u, {}, {});
   const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
-  return spoilt * x0.source->pdf_1() * sky->start_pdf_w(-x0.position);
+  return spoilt * vista.openings.selection.sky_pdf_1() * sky->start_pdf_w(-x0.position);
 }
 
 /// p_nee(x_0) of a next event at x_1.
-double next_event_pdf(const World& world, const SkyLight* sky, const Path& path,
+double next_event_pdf(const Vista& vista, const SkyLight* sky, const Path& path,
                       double through_windows, Fault fault) {
   const Vertex& x0 = path.vertex(0);
-  if (x0.on_surface() && !world.next_events.rect_lights().empty())
-    return (fault == Fault::rect_light_5_percent ? 1.05 : 1) * world.lights.shares().surfaces *
-           rect_light_pdf_A(world, x0, path.vertex(1), path.vertex(2));
-  if (!in_the_sky(x0)) return light_pdf(world, sky, x0, fault);
+  if (x0.on_surface() && !vista.world->rect_lights.empty())
+    return (fault == Fault::rect_light_5_percent ? 1.05 : 1) *
+           vista.openings.selection.shares().surfaces *
+           rect_light_pdf_A(vista, x0, path.vertex(1), path.vertex(2));
+  if (!in_the_sky(x0)) return light_pdf(vista, sky, x0, fault);
   const double spoilt = fault == Fault::sky_5_percent ? 1.05 : 1;
   const double through = fault == Fault::window_5_percent ? 1.05 : 1;
-  return spoilt * x0.source->pdf_1() *
+  return spoilt * vista.openings.selection.sky_pdf_1() *
          sky->next_event_pdf_w(path.vertex(1), path.vertex(2), -x0.position, through_windows,
                                through);
 }
 
 /// For surfaces, points and spots [1/sr]; for light from infinity [1/area across it].
-double emission_pdf_w(const World& world, const Vertex& x0, const Vertex& x1) {
+double emission_pdf_w(const Vista& vista, const Vertex& x0, const Vertex& x1) {
   if (luminance(Vec3f(emission(x0, x1))) <= 0) return 0;
-  if (x0.at_infinity()) return 1 / disc_of(world.scene);
+  if (x0.at_infinity()) return 1 / disc_of(vista.world->scene);
   if (!x0.on_surface()) return 1 / x0.source->cos_per_pdf_w(unit(x0, x1));
   return cosine_at(x0, x1) / (x0.material->double_sided ? 2 * pi : pi);
 }
@@ -139,11 +140,11 @@ double film_pdf_w(const FilmPlane& film, const Vertex& camera, const Vertex& x) 
 using Triangles = std::vector<std::array<Vec3d, 3>>;
 
 /// Corners of the portals' triangles, grouped by portal and direction. Each group is planar.
-std::vector<Triangles> surfaces(const World& world) {
+std::vector<Triangles> surfaces(const Vista& vista) {
   std::vector<Triangles> all;
   std::vector<PortalSet::Polygon> firsts;
-  for (size_t i = 0; i < world.portals.size(); ++i) {
-    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+  for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
+    const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
     size_t k = 0;
     while (k < all.size() && !(firsts[k].portal == q.portal && dot(firsts[k].normal, q.normal) > 0))
       ++k;
@@ -214,17 +215,17 @@ double pair_pdf(const Vertex& a, const Vertex& b, const Triangles& f, const Tria
 
 /// p_AA [eq. 4], polygon by polygon with its cosines written out, and for pairs of portals. From
 /// the sky: per solid angle of its direction and area at b.
-double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault fault) {
+double segment_pdf(const Vista& vista, const Vertex& a, const Vertex& b, Fault fault) {
   if (!a.on_surface() && !in_the_sky(a)) return 0;
   const Vec3d w = unit(a, b);
   const double G = cosine_at(a, b) * cosine_at(b, a) / distance2(a, b);
   double total_area = 0, sum = 0;
-  for (size_t i = 0; i < world.portals.size(); ++i) {
-    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+  for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
+    const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
     total_area += 0.5 * length(cross(q.e1, q.e2));
   }
   double pairs = 0, etendues = 0;
-  const std::vector<Triangles> all = surfaces(world);
+  const std::vector<Triangles> all = surfaces(vista);
   for (size_t i = 0; i < all.size(); ++i)
     for (size_t j = 0; j < all.size(); ++j) {
       if (i == j) continue;
@@ -235,8 +236,8 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
     }
   const double c = etendues > 0 ? 0.25 : 0;
   if (c > 0) sum += c * pairs / etendues;
-  for (size_t i = 0; i < world.portals.size(); ++i) {
-    const PortalSet::Polygon& q = world.portals.polygon(static_cast<int>(i));
+  for (size_t i = 0; i < vista.openings.portals.size(); ++i) {
+    const PortalSet::Polygon& q = vista.openings.portals.polygon(static_cast<int>(i));
     const double cos_q = dot(q.normal, w);
     if (cos_q <= 0) continue;
     const double t = dot(q.normal, b.position - q.p0) / cos_q;  // from there to b
@@ -264,10 +265,10 @@ double segment_pdf(const World& world, const Vertex& a, const Vertex& b, Fault f
 
 /// Density of the parallel light's line to `to`, among those guided through portals [1/area
 /// across].
-double guide_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
+double guide_line_pdf(const Vista& vista, const Vec3d& d, const Vertex& to) {
   double total = 0;
   int number = 0;
-  for (const Triangles& triangles : surfaces(world)) {
+  for (const Triangles& triangles : surfaces(vista)) {
     const Plane plane(triangles);
     if (dot(plane.n, d) <= 0) continue;
     total += plane.area * dot(plane.n, d);
@@ -279,11 +280,11 @@ double guide_line_pdf(const World& world, const Vec3d& d, const Vertex& to) {
 
 /// Density [1/sr] with which guiding of a walk at `at`, coming from `back`, chooses the direction
 /// of `to`; null: the walk begins there.
-double guide_pdf_w(const World& world, From from, const Vertex* back, const Vertex& at,
+double guide_pdf_w(const Vista& vista, From from, const Vertex* back, const Vertex& at,
                    const Vertex& to) {
   const Vec3d w = unit(at, to);
   double total = 0, sum = 0;
-  for (const Triangles& triangles : surfaces(world)) {
+  for (const Triangles& triangles : surfaces(vista)) {
     const auto [n, centre, area] = Plane(triangles);
     bool above = false;
     const double side = dot(n, at.position - triangles[0][0]);
@@ -324,13 +325,13 @@ struct Directed {
   double matt = 1, broad = 1;
   double aimed = -1;  ///< density [1/sr] of aiming; negative: nothing to aim at
 
-  Directed(const World& world, const Guiding& guiding, From from, const Vertex* back,
+  Directed(const Vista& vista, const Guiding& guiding, From from, const Vertex* back,
            const Vertex& at, const Vertex& to)
       : chance(guiding.chance[static_cast<size_t>(from)]) {
     if (back) survival = albedo(*back, at);
     if (back && !at.connectible) return;
-    aimed = at.at_infinity() ? guide_line_pdf(world, unit(at, to), to)
-                             : guide_pdf_w(world, from, back, at, to);
+    aimed = at.at_infinity() ? guide_line_pdf(vista, unit(at, to), to)
+                             : guide_pdf_w(vista, from, back, at, to);
     if (!back) return;
     if (aimed < 0) return;
     // Of the walks that would end, three in ten aim.
@@ -369,10 +370,10 @@ double survival(const Directed& d, int i, Fault fault) {
 struct Densities {
   std::vector<double> from_light, from_camera;
 };
-Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
+Densities of_walks(const Vista& vista, const SkyLight* sky, const Path& path,
                    const Guiding& guiding, Fault fault) {
   const int k = path.k();
-  const FilmPlane& film = fault == Fault::film_of_the_middle ? world.film : path.film();
+  const FilmPlane& film = fault == Fault::film_of_the_middle ? vista.view.film : path.film();
   Densities all{std::vector<double>(static_cast<size_t>(k)),
                 std::vector<double>(static_cast<size_t>(k))};
   for (int i = 0; i < k; ++i) {
@@ -380,13 +381,13 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
     double& P_light = all.from_light[static_cast<size_t>(i)];
     double& P_camera = all.from_camera[static_cast<size_t>(i)];
     if (i == 0) {
-      P_light = light_pdf(world, sky, x, fault);
+      P_light = light_pdf(vista, sky, x, fault);
     } else {
       const Vertex& before = path.vertex(i - 1);
       const Vertex* back = i == 1 ? nullptr : &path.vertex(i - 2);
       const bool dirac = i > 1 && path.dirac(i - 1);
-      const double p = i == 1 ? emission_pdf_w(world, before, x) : pdf_w(*back, before, x, dirac);
-      const Directed directed(world, guiding, From::light, back, before, x);
+      const double p = i == 1 ? emission_pdf_w(vista, before, x) : pdf_w(*back, before, x, dirac);
+      const Directed directed(vista, guiding, From::light, back, before, x);
       double per_area = cosine_at(x, before) / distance2(before, x);
       if (fault == Fault::missing_cosine && i == 2) per_area /= cosine_at(x, before);
       P_light =
@@ -397,7 +398,7 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
     if (i < k - 1) {
       const Vertex& back = path.vertex(i + 2);
       const double p = pdf_w(back, after, x, path.dirac(i + 1));
-      const Directed directed(world, guiding, From::camera, &back, after, x);
+      const Directed directed(vista, guiding, From::camera, &back, after, x);
       q = survival(directed, k - i - 1, fault) *
           guided_pdf_w(directed, path.dirac(i + 1), p, fault);
     }
@@ -410,12 +411,12 @@ Densities of_walks(const World& world, const SkyLight* sky, const Path& path,
 
 }  // namespace
 
-std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+std::vector<StrategyDensity> densities(const Vista& vista, const Path& path, const Mixture& mixture,
                                        Fault fault, const SkyLight* sky) {
   const int k = path.k();
   std::optional<SkyLight> own;
-  if (!sky && world.scene.sky) sky = &own.emplace(world);
-  const auto [from_light, from_camera] = of_walks(world, sky, path, mixture.guiding, fault);
+  if (!sky && vista.world->scene.sky) sky = &own.emplace(vista);
+  const auto [from_light, from_camera] = of_walks(vista, sky, path, mixture.guiding, fault);
   std::vector<StrategyDensity> result;
   const auto add = [&, &from_light = from_light, &from_camera = from_camera](Technique technique,
                                                                              int split) {
@@ -430,12 +431,12 @@ std::vector<StrategyDensity> densities(const World& world, const Path& path, con
     double log_p = 0;
     for (int i = 0; i < split; ++i)
       log_p += std::log(technique == Technique::direct
-                            ? next_event_pdf(world, sky, path, mixture.through_windows, fault)
+                            ? next_event_pdf(vista, sky, path, mixture.through_windows, fault)
                             : from_light[static_cast<size_t>(i)]);
     for (int i = portal ? split + 2 : split; i < k; ++i)
       log_p += std::log(from_camera[static_cast<size_t>(i)]);
     if (portal) {
-      double p = segment_pdf(world, path.vertex(split), path.vertex(split + 1), fault);
+      double p = segment_pdf(vista, path.vertex(split), path.vertex(split + 1), fault);
       p *= mixture.segments * (split > 0 ? mixture.connected_to_segments : 1);
       // The camera sees only a sample's own segment; its vertices are connected with those of all
       // samples.

@@ -31,8 +31,8 @@ enum class Fault {
   film_of_the_middle,    ///< of lens and exposure, not that of the sample
 };
 
-/// All strategies of `mixture` that can make the path. `sky`: of the world, to be reused.
-std::vector<StrategyDensity> densities(const World& world, const Path& path, const Mixture& mixture,
+/// All strategies of `mixture` that can make the path. `sky`: of the vista, to be reused.
+std::vector<StrategyDensity> densities(const Vista& vista, const Path& path, const Mixture& mixture,
                                        Fault fault = Fault::none, const SkyLight* sky = nullptr);
 
 /// Weight of `used`: (n p)^beta over the sum of those of all strategies, n the sample weight.

@@ -39,14 +39,14 @@ struct Layout {
 
 }  // namespace
 
-double rect_light_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const Vertex& x2) {
+double rect_light_pdf_A(const Vista& vista, const Vertex& x0, const Vertex& x1, const Vertex& x2) {
   const bool both_ways = !x1.simple && bsdf::transmits(x1.bsdf);
   const Vec3d way = towards(x1, x2);
   Vec3d up = x1.simple ? x1.normal : x1.shading;
   const Vec3d seen_from = dot(x1.normal, way) > 0 ? x1.normal : -x1.normal;
   if (!both_ways && dot(up, seen_from) < 0) up = -up;
   double sum = 0, mine = 0;
-  for (const RectLight& rect_light : world.next_events.rect_lights()) {
+  for (const RectLight& rect_light : vista.world->rect_lights) {
     const double height = dot(rect_light.normal, x1.position - rect_light.corner);
     if (height == 0 || (height < 0 && !rect_light.source->both_sides())) continue;
     const Layout layout(rect_light, x1.position);

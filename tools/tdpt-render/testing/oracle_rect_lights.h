@@ -7,6 +7,6 @@ namespace tdpt::oracle {
 
 /// p_A of x_0, on a rectangular light, as a next event among rectangular lights at x_1 of a path
 /// that goes on to x_2.
-double rect_light_pdf_A(const World& world, const Vertex& x0, const Vertex& x1, const Vertex& x2);
+double rect_light_pdf_A(const Vista& vista, const Vertex& x0, const Vertex& x1, const Vertex& x2);
 
 }  // namespace tdpt::oracle

@@ -103,8 +103,8 @@ struct Rectangle {
   }
 };
 
-SkyLight::SkyLight(const World& world) : world_(world) {
-  const Sky& sky = *world.scene.sky;
+SkyLight::SkyLight(const Vista& vista) : vista_(vista) {
+  const Sky& sky = *vista.world->scene.sky;
   const Sky::Map& map = sky.map();
   if (map.width > 0) {
     across_ = (127 + map.width) / map.width;
@@ -125,7 +125,7 @@ SkyLight::SkyLight(const World& world) : world_(world) {
     total_ += light;
     total_across_ += light * across_portals(sun.towards);
   }
-  for (const WindowSky::Window& window : world.windows.windows()) {
+  for (const WindowSky::Window& window : vista.openings.windows.windows()) {
     const WindowFrame* const frame = window.frame.get();
     if (std::any_of(layouts_.begin(), layouts_.end(),
                     [&](const Layout& l) { return l.frame == frame; }))
@@ -143,15 +143,15 @@ SkyLight::SkyLight(const World& world) : world_(world) {
 
 double SkyLight::across_portals(const Vec3d& towards) const {
   double area = 0;
-  for (size_t i = 0; i < world_.portals.size(); ++i) {
-    const PortalSet::Polygon& q = world_.portals.polygon(static_cast<int>(i));
+  for (size_t i = 0; i < vista_.openings.portals.size(); ++i) {
+    const PortalSet::Polygon& q = vista_.openings.portals.polygon(static_cast<int>(i));
     area += 0.5 * length(cross(q.e1, q.e2)) * std::max(0.0, -dot(q.normal, towards));
   }
   return area;
 }
 
 double SkyLight::start_pdf_w(const Vec3d& towards) const {
-  const Sky& sky = *world_.scene.sky;
+  const Sky& sky = *vista_.world->scene.sky;
   const double plain = luminance(sky.radiance(towards)) / total_;
   if (!(total_across_ > 0)) return plain;
   double light = 0;
@@ -190,14 +190,14 @@ double SkyLight::seen_through(const WindowSky::Window& window, const Rectangle& 
 
 double SkyLight::next_event_pdf_w(const Vertex& shaded, const Vertex& next, const Vec3d& towards,
                                   double q, double through) const {
-  const double plain = luminance(world_.scene.sky->radiance(towards)) / total_;
+  const double plain = luminance(vista_.world->scene.sky->radiance(towards)) / total_;
   const bool one_sided = shaded.simple || !bsdf::transmits(shaded.bsdf);
   const double side = dot(shaded.normal, next.position - shaded.position) < 0 ? -1 : 1;
   double seen = 0, light = 0;
-  for (size_t i = 0; i < world_.windows.windows().size(); ++i) {
-    if (!(world_.windows.in_view(shaded.position) >> i & 1u)) continue;
-    const WindowSky::Window& window = world_.windows.windows()[i];
-    const Rectangle r(world_.portals, window, shaded.position,
+  for (size_t i = 0; i < vista_.openings.windows.windows().size(); ++i) {
+    if (!(vista_.openings.windows.in_view(shaded.position) >> i & 1u)) continue;
+    const WindowSky::Window& window = vista_.openings.windows.windows()[i];
+    const Rectangle r(vista_.openings.portals, window, shaded.position,
                       one_sided ? shaded.normal * side : Vec3d());
     seen += seen_through(window, r);
     const WindowFrame& frame = *window.frame;

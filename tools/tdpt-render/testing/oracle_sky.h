@@ -11,8 +11,8 @@ struct Rectangle;
 
 class SkyLight {
  public:
-  /// `world` must outlive it and keep its present portals.
-  explicit SkyLight(const World& world);
+  /// `vista` must outlive it and keep its present portals.
+  explicit SkyLight(const Vista& vista);
 
   /// Density of the direction in which a walk begins [1/sr], `towards`: unit, to the sky. A tenth
   /// of it by luminance alone, the rest by luminance times the portals' area projected along the
@@ -35,7 +35,7 @@ class SkyLight {
   const Layout& layout_of(const WindowSky::Window& window) const;
   double seen_through(const WindowSky::Window& window, const Rectangle& r) const;
 
-  const World& world_;
+  const Vista& vista_;
   // Parts of a cell between texels' centres, within which the portals' weight is constant.
   int across_ = 0, down_ = 0;
   double total_ = 0, total_across_ = 0;  // of luminance, and of luminance times area [per sr]

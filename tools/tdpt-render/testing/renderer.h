@@ -15,11 +15,11 @@ inline constexpr bool kByScalar = true;
 inline constexpr bool kByScalar = false;
 #endif
 
-inline std::shared_ptr<SampleRenderer> renderer_under_test(const World& world) {
+inline std::shared_ptr<SampleRenderer> renderer_under_test(const Vista& vista) {
 #ifdef TDPT_BY_SCALAR
-  return std::make_shared<ScalarRenderer>(world);
+  return std::make_shared<ScalarRenderer>(vista);
 #else
-  return std::make_shared<CpuRenderer>(world);
+  return std::make_shared<CpuRenderer>(vista);
 #endif
 }
 

@@ -19,8 +19,8 @@ struct Stage {
   std::vector<Portal> portals;
   bool alpha = false;
 
-  std::unique_ptr<World> world(int width = 32, int height = 24) const {
-    return std::make_unique<World>(scene, scene.camera(""), width, height, portals);
+  Vista vista(int width = 32, int height = 24) const {
+    return Vista(scene, scene.camera(""), width, height, portals);
   }
 };
 

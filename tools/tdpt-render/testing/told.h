@@ -8,18 +8,17 @@ namespace tdpt {
 
 /// relMSE of one sample, normalised per pixel as in exrdiff, from each pixel's variance over
 /// pictures of 16 samples.
-inline double error_of_pictures(const World& world, const Integrator& integrator,
+inline double error_of_pictures(const Vista& vista, const Integrator& integrator,
                                 int max_depth = kMaxDepth) {
   constexpr int kPictures = 48;
   Job settings;
   settings.limits.spp = 16;
   settings.max_depth = max_depth;
-  const size_t pixels =
-      static_cast<size_t>(world.film.width()) * static_cast<size_t>(world.film.height());
+  const size_t pixels = vista.view.film.pixels();
   std::vector<double> sum(pixels), squares(pixels);
   for (int i = 0; i < kPictures; ++i) {
     settings.seed = 100 + static_cast<uint64_t>(i);
-    const Picture p = render(world, integrator, settings).picture;
+    const Picture p = render(vista, integrator, settings).picture;
     for (size_t k = 0; k < pixels; ++k) {
       const double l = luminance(p.pixels[k]);
       sum[k] += l, squares[k] += l * l;

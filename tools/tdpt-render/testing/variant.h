@@ -24,10 +24,10 @@ struct Variant {
 
   /// As pictures are rendered [passes.h]: light walks are cached, and the weights expect the real
   /// number of connections.
-  static Variant cached(const World& world, const Integrator& integrator, int max_depth) {
+  static Variant cached(const Vista& vista, const Integrator& integrator, int max_depth) {
     Variant v(integrator);
     v.caches = true;
-    v.integrator.mixture = expecting_connections(world, integrator.mixture, max_depth);
+    v.integrator.mixture = expecting_connections(vista, integrator.mixture, max_depth);
     return v;
   }
 
@@ -53,7 +53,7 @@ struct Variant {
   /// Which pixels share a cache.
   uint64_t (*pixel)(uint64_t cache, uint64_t i, uint64_t caches, uint64_t pixels) = pixel_of_cache;
   /// Whether a contribution is lost on the way to the film; null: none is.
-  bool (*loses)(const World&, const Contribution&) = nullptr;
+  bool (*loses)(const Vista&, const Contribution&) = nullptr;
   /// What a sample with caches does besides its phases.
   void (*besides)(PathSampler&) = [](PathSampler&) {};
 };

@@ -11,14 +11,14 @@ using testing::Json;
 
 /// The BSDF of the triangle's material at u = `u`.
 Bsdf bsdf_at(const Scene& scene, double u) {
-  const World world(scene, Camera(), 8, 8, {});
+  const Vista vista(scene, Camera(), 8, 8, {});
   Hit hit;
   hit.triangle = 0;
   hit.b1 = u;
   hit.b2 = 0.1;
   hit.normal = shape_of(scene, 0).normal;
   Point p;
-  place_on_surface(world, hit, p);
+  place_on_surface(*vista.world, hit, p);
   return p.bsdf;
 }
 

@@ -16,7 +16,7 @@ struct NextEvents {
   using RectLight = tdpt::RectLight;
   using LightPlace = Lights::Point;
 
-  const Lights& lights;
+  const LightSelection& selection;
   const WindowSky& windows;
   const std::vector<RectLight>& rect_lights;
 
@@ -25,15 +25,15 @@ struct NextEvents {
   struct {
     uint rect_lights;
     double surfaces, sky_pdf_1;
-  } light_settings{static_cast<uint>(rect_lights.size()), lights.shares().surfaces,
-                   lights.sky() ? lights.sky()->pdf_1() : 0};
+  } light_settings{static_cast<uint>(rect_lights.size()), selection.shares().surfaces,
+                   selection.sky_pdf_1()};
   const RectLight& load_rect_light(uint i) const { return rect_lights[i]; }
   static bool is_surface(Source source) { return source->is_surface(); }
   static bool is_sky(Source source) { return source->is_sky(); }
   static bool is_two_sided(Source source) { return source->both_sides(); }
   static LightPlace no_light_place() { return {}; }
   double light_pdf(Source source, uint triangle, const Vec3d& position, const InSky& in_sky) const {
-    return lights.pdf(*source, triangle, position, in_sky);
+    return selection.pdf(*source, triangle, position, in_sky);
   }
   double windows_pdf_w(const Vec3d& x, const Vec3d& facing, double seen, const Vec3d& to) const {
     return windows.pdf_w(x, facing, seen, to);
@@ -50,14 +50,14 @@ struct NextEvents {
 namespace tdpt {
 
 [[gnu::flatten]] double NextEvents::sent_by_rect_lights(const Vertex& v) const {
-  return shader::NextEvents{lights_, windows_, rect_lights_}.sent_by_rect_lights(
+  return shader::NextEvents{selection_, windows_, rect_lights_}.sent_by_rect_lights(
       v, v.light_context.facing);
 }
 
 // Like place_on_rect_lights() of the shared code, which looks at each light a second time.
 [[gnu::flatten]] Lights::Point NextEvents::sample_rect_lights(Vertex& v, double pick, double a,
                                                               double b) const {
-  const shader::NextEvents text{lights_, windows_, rect_lights_};
+  const shader::NextEvents text{selection_, windows_, rect_lights_};
   const Vec3d up = text.rect_light_horizon(v, v.light_context.facing);
   const bool both_ways = shader::is_zero(v.light_context.facing);
   std::array<shader::NextEvents::RectLightView, kMostRectLights> views;
@@ -81,12 +81,12 @@ namespace tdpt {
 
 Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double pick, double u,
                                  double v, double side) const {
-  if (const double share = lights_.shares().surfaces; by_rect_lights() && pick < share) {
+  if (const double share = selection_.shares().surfaces; !rect_lights_.empty() && pick < share) {
     Lights::Point point = sample_rect_lights(shaded, pick / share, u, v);
     point.pdf *= share;
     return point;
   }
-  if (!lights_.picks_sky(pick)) return lights_.sample(pick, u, v, side);
+  if (!selection_.picks_sky(pick)) return selection_.sample(pick, u, v, side);
   const auto& [facing, seen, sent] = shaded.light_context;
   const double q = seen > 0 ? through_windows : 0;
   // Directions below the horizon contribute nothing: do not evaluate the sky there.
@@ -94,21 +94,21 @@ Lights::Point NextEvents::sample(Vertex& shaded, double through_windows, double 
     return facing == Vec3d() || dot(facing, towards) > 0;
   };
   Lights::Point point;
-  point.source = lights_.sky();
+  point.source = selection_.lights().sky();
   if (side < q) {
     const Vec3d towards = windows_.sample(shaded.position, facing, seen, side / q, u, v);
     point.position = -towards;
-    if (above(towards)) point.in_sky = lights_.look(towards);
+    if (above(towards)) point.in_sky = selection_.look(towards);
   } else {
-    const Sky::Place place = lights_.directions().draw((side - q) / (1 - q), u, v);
+    const Sky::Place place = selection_.lights().directions().draw((side - q) / (1 - q), u, v);
     point.position = -place.towards;
-    if (above(place.towards)) point.in_sky = lights_.look(place);
+    if (above(place.towards)) point.in_sky = selection_.look(place);
   }
   return point;
 }
 
 [[gnu::flatten]] NextEventPdf NextEvents::pdf(const Vertex& shaded, const Point& light) const {
-  const shader::NextEvents text{lights_, windows_, rect_lights_};
+  const shader::NextEvents text{selection_, windows_, rect_lights_};
   LightContext light_context = shaded.light_context;
   if (light_context.sent < 0 && light.source->is_surface())
     light_context.sent = sent_by_rect_lights(shaded);

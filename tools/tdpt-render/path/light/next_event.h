@@ -17,12 +17,10 @@ struct NextEventPdf {
 
 class NextEvents {
  public:
-  NextEvents(const Scene& scene, const Lights& lights, const WindowSky& windows)
-      : lights_(lights), windows_(windows), rect_lights_(rect_lights_of(scene, lights)) {}
-
-  /// Whether densities depend on the shaded point through rectangular lights.
-  bool by_rect_lights() const { return !rect_lights_.empty(); }
-  const std::vector<RectLight>& rect_lights() const { return rect_lights_; }
+  /// Keeps references to all three.
+  NextEvents(const LightSelection& selection, const WindowSky& windows,
+             const std::vector<RectLight>& rect_lights)
+      : selection_(selection), windows_(windows), rect_lights_(rect_lights) {}
 
   /// Sets what next events know of a surface that is seen along unit `away` from it, or was left
   /// along it. Rectangular lights are evaluated later, on first use.
@@ -41,7 +39,7 @@ class NextEvents {
   /// Samples a point on a light. `point.source` is null if no rectangular light sends anything. A
   /// point in the sky has no density yet, and is black if below the horizon of `shaded`. If q > 0
   /// or there are rectangular lights, look_out() must have been called for `shaded`, whose `sent`
-  /// is then set. Four numbers in [0,1), as in Lights::sample.
+  /// is then set. Four numbers in [0,1), as in LightSelection::sample.
   Lights::Point sample(Vertex& shaded, double q, double pick, double u, double v,
                        double side) const;
   /// Density with which sample() chooses a point on a light.
@@ -51,9 +49,9 @@ class NextEvents {
   double sent_by_rect_lights(const Vertex& v) const;
   Lights::Point sample_rect_lights(Vertex& v, double pick, double a, double b) const;
 
-  const Lights& lights_;
+  const LightSelection& selection_;
   const WindowSky& windows_;
-  std::vector<RectLight> rect_lights_;
+  const std::vector<RectLight>& rect_lights_;
 };
 
 }  // namespace tdpt

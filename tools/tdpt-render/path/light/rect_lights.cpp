@@ -32,8 +32,8 @@ std::optional<CommonEdge> common_edge(const Corners& a, const Corners& b) {
   return std::nullopt;
 }
 
-std::optional<RectLight> connected(const Scene& scene, const Lights& lights, uint32_t first,
-                                   uint32_t second) {
+std::optional<RectLight> connected(const Scene& scene, const LightSelection& selection,
+                                   uint32_t first, uint32_t second) {
   const TriangleShape sa = shape_of(scene, first), sb = shape_of(scene, second);
   const Corners a = corners_of(sa), b = corners_of(sb);
   const auto edge = common_edge(a, b);
@@ -56,9 +56,9 @@ std::optional<RectLight> connected(const Scene& scene, const Lights& lights, uin
   if (!(skew < most) || !(length(around[0] + x + y - around[2]) < most)) return std::nullopt;
   const bool both = scene.material_of(first).double_sided;
   if (both != scene.material_of(second).double_sided) return std::nullopt;
-  rect_light.source = &lights.surface(both);
+  rect_light.source = &selection.lights().surface(both);
   rect_light.least_height = kLeastHeight * 0.5 * length(around[2] - around[0]);
-  rect_light.weight = 0.5 * (lights.pdf_A(first) + lights.pdf_A(second)) / (both ? 2 : 1);
+  rect_light.weight = 0.5 * (selection.pdf_A(first) + selection.pdf_A(second)) / (both ? 2 : 1);
   rect_light.triangle0 = second, rect_light.triangle1 = first;
   // `corners`: of a triangle, from its vertex k on.
   const auto packed = [](size_t k, const std::array<uint32_t, 3>& corners) {
@@ -70,10 +70,10 @@ std::optional<RectLight> connected(const Scene& scene, const Lights& lights, uin
 
 }  // namespace
 
-std::vector<RectLight> rect_lights_of(const Scene& scene, const Lights& lights) {
+std::vector<RectLight> rect_lights_of(const Scene& scene, const LightSelection& selection) {
   std::vector<uint32_t> rest;
   for (uint32_t t = 0; t < scene.triangles.size(); ++t)
-    if (lights.pdf_A(t) > 0) {
+    if (selection.pdf_A(t) > 0) {
       if (rest.size() == 2 * kMostRectLights) return {};
       rest.push_back(t);
     }
@@ -81,7 +81,7 @@ std::vector<RectLight> rect_lights_of(const Scene& scene, const Lights& lights) 
   while (!rest.empty()) {
     std::optional<RectLight> rect_light;
     size_t other = 1;
-    while (other < rest.size() && !(rect_light = connected(scene, lights, rest[0], rest[other])))
+    while (other < rest.size() && !(rect_light = connected(scene, selection, rest[0], rest[other])))
       ++other;
     if (!rect_light) return {};
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(other));

@@ -20,6 +20,6 @@ struct RectLight {
 inline constexpr size_t kMostRectLights = 8;
 
 /// Empty unless all emitting surfaces are rectangles of two triangles: one big one or a few.
-std::vector<RectLight> rect_lights_of(const Scene& scene, const Lights& lights);
+std::vector<RectLight> rect_lights_of(const Scene& scene, const LightSelection& selection);
 
 }  // namespace tdpt

@@ -23,9 +23,9 @@ struct Shaded {
 class Rooms {
  public:
   Rooms()
-      : scene_(with_rect_lights(diffuse_rooms())), world_(scene_, scene_.camera(""), 4, 4, {}) {}
-  const World& world() const { return world_; }
-  const std::vector<RectLight>& rect_lights() const { return world_.next_events.rect_lights(); }
+      : scene_(with_rect_lights(diffuse_rooms())), vista_(scene_, scene_.camera(""), 4, 4, {}) {}
+  const Vista& vista() const { return vista_; }
+  const std::vector<RectLight>& rect_lights() const { return vista_.world->rect_lights; }
 
   Vertex vertex(const Shaded& shaded) const {
     Vertex v;
@@ -34,7 +34,7 @@ class Rooms {
     v.material = &scene_.materials[0];
     v.simple = !shaded.both_ways;
     if (shaded.both_ways) v.bsdf.through = Rgb(0.5f);
-    world_.next_events.look_out(v.normal, v);
+    vista_.next_events().look_out(v.normal, v);
     return v;
   }
   double density(const Vertex& v, const RectLight& rect_light, double x, double y) const {
@@ -43,12 +43,12 @@ class Rooms {
     light.triangle = x < y ? rect_light.triangle1 : rect_light.triangle0;
     light.position = rect_light.corner + rect_light.x * (x * rect_light.length_x) +
                      rect_light.y * (y * rect_light.length_y);
-    return world_.next_events.pdf(v, light).of(0);
+    return vista_.next_events().pdf(v, light).of(0);
   }
 
  private:
   Scene scene_;
-  World world_;
+  Vista vista_;
 };
 
 size_t part(double x) {
@@ -79,11 +79,11 @@ double next_events(const Shaded& shaded, const Shaded& claimed) {
     const double a = rng.uniform();
     const double b = rng.uniform();
     const double side = rng.uniform();
-    const Lights::Point p = rooms.world().next_events.sample(v, 0, pick, a, b, side);
+    const Lights::Point p = rooms.vista().next_events().sample(v, 0, pick, a, b, side);
     for (size_t k = 0; k < rooms.rect_lights().size(); ++k) {
       const RectLight& rect_light = rooms.rect_lights()[k];
       if (p.triangle != rect_light.triangle0 && p.triangle != rect_light.triangle1) continue;
-      const TriangleShape& shape = rooms.world().tracer.shape(p.triangle);
+      const TriangleShape& shape = rooms.vista().world->tracer.shape(p.triangle);
       EXPECT_LT(length(shape.p0 + shape.e1 * p.b1 + shape.e2 * p.b2 - p.position), 1e-6);
       const double x = dot(rect_light.x, p.position - rect_light.corner) / rect_light.length_x;
       const double y = dot(rect_light.y, p.position - rect_light.corner) / rect_light.length_y;
@@ -123,7 +123,7 @@ TEST(rect_lights, those_that_send_nothing_are_not_chosen) {
   for (const Shaded& dark : {Shaded{{0.01, 0.5, 0}, {-1, 0, 0}},     // behind the one in the wall
                              Shaded{{1.0, 2.5, 0.9}, {0, 1, 0}}}) {  // all below the horizon
     Vertex v = rooms.vertex(dark);
-    const Lights::Point p = rooms.world().next_events.sample(v, 0, 0.5, 0.5, 0.5, 0.5);
+    const Lights::Point p = rooms.vista().next_events().sample(v, 0, 0.5, 0.5, 0.5, 0.5);
     EXPECT_EQ(p.source, nullptr);
     EXPECT_EQ(v.light_context.sent, 0);
     for (const RectLight& rect_light : rooms.rect_lights())
@@ -144,7 +144,7 @@ TEST(rect_lights, densities_are_finite_at_the_extremes) {
         const double pick = rng.uniform();
         const double a = rng.uniform();
         const double b = rng.uniform();
-        const Lights::Point p = rooms.world().next_events.sample(v, 0, pick, a, b, 0.5);
+        const Lights::Point p = rooms.vista().next_events().sample(v, 0, pick, a, b, 0.5);
         if (!p.source) continue;
         EXPECT_TRUE(std::isfinite(p.pdf) && p.pdf > 0) << p.pdf;
         EXPECT_TRUE(is_finite(p.position));
@@ -156,7 +156,8 @@ TEST(rect_lights, densities_are_finite_at_the_extremes) {
 
 TEST(rect_lights, are_few_and_rectangles_or_there_are_none) {
   const auto number = [](const Scene& scene) {
-    return rect_lights_of(scene, Lights(scene)).size();
+    const Lights lights(scene);
+    return rect_lights_of(scene, LightSelection(lights)).size();
   };
   EXPECT_EQ(number(diffuse_rooms()), 0u);  // one small lamp
   Scene scene = with_rect_lights(diffuse_rooms());
@@ -200,10 +201,10 @@ TEST(rect_light_paths_beside_a_sky, are_the_oracles) {
   const Scene scene = under(open_end(with_rect_lights(diffuse_rooms()), 4.09), uneven_sky());
   std::vector<Portal> portals = two_crossing_portals();
   portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
-  const World world(scene, scene.camera(""), 16, 12, portals);
-  ASSERT_TRUE(world.next_events.by_rect_lights() && !world.windows.empty());
+  const Vista vista(scene, scene.camera(""), 16, 12, portals);
+  ASSERT_TRUE(!vista.world->rect_lights.empty() && !vista.openings.windows.empty());
   int caught = 0;
-  for (const Candidate& c : auto_candidates(world)) {
+  for (const Candidate& c : auto_candidates(vista)) {
     const Worst worst = compare(scene, c.integrator, Fault::none, 6, 48, portals);
     EXPECT_LT(worst.weight, 1e-5) << c.label;
     EXPECT_LT(worst.value, 1e-4) << c.label;

@@ -141,9 +141,9 @@ const std::vector<Portal>& windows() {
 // Lights: emitters together, lamps by kind, the sky by direction.
 double lights(const std::vector<Portal>& portals, double fault) {
   const Scene scene = room_with_lamps();
-  World world(scene, scene.camera(""), 4, 4, portals);
-  const Lights& all = world.lights;
-  const LightSource& sky = *all.sky();
+  Vista vista(scene, scene.camera(""), 4, 4, portals);
+  const LightSelection& all = vista.openings.selection;
+  const LightSource& sky = *all.lights().sky();
   std::vector<double> probability =
       integral([&](const Vec3d& w) { return all.pdf(sky, ~0u, -w, all.look(w)) * fault; });
   double emitters = 0;
@@ -182,8 +182,8 @@ TEST(sky_samplers, twin_a_sky_that_is_chosen_a_twentieth_more_often) {
 // Whatever the shares of the kinds, lights keep their shares within a kind.
 TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
   const Scene scene = room_with_lamps();
-  World world(scene, scene.camera(""), 4, 4, windows());
-  Lights& all = world.lights;
+  Vista vista(scene, scene.camera(""), 4, 4, windows());
+  LightSelection& all = vista.openings.selection;
   const auto of_emitters = [&] {
     double sum = 0;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t)
@@ -193,9 +193,10 @@ TEST(sky_samplers, kinds_of_lights_are_chosen_as_often_as_was_asked) {
   const Lights::KindProbabilities before = all.shares();
   EXPECT_NEAR(of_emitters(), before.surfaces, 1e-6);
   EXPECT_NEAR(before.surfaces + before.lamps + before.parallel + before.sky, 1, 1e-12);
-  all.choose_by({0.1, 0.2, 0.3, 0.4});
+  const Lights::KindProbabilities asked{0.1, 0.2, 0.3, 0.4};
+  vista.openings = Openings(*vista.world, windows(), asked);
   EXPECT_NEAR(of_emitters(), 0.1, 1e-6);
-  EXPECT_NEAR(all.sky()->pdf_1(), 0.4, 1e-12);
+  EXPECT_NEAR(all.sky_pdf_1(), 0.4, 1e-12);
   std::vector<uint64_t> counts(4);
   for (uint64_t i = 0; i < kSamples; ++i) {
     Rng rng(57, 0, i);
@@ -220,20 +221,20 @@ struct Shaded {
 };
 double next_events(const Shaded& shaded, double fault) {
   const Scene scene = room_with_lamps();
-  World world(scene, scene.camera(""), 4, 4, windows());
+  Vista vista(scene, scene.camera(""), 4, 4, windows());
   Vertex v;
   v.position = scene.frame.to_canonical(shaded.place);
   v.normal = normalize(shaded.normal);
   v.material = &scene.materials[0];
   v.simple = shaded.simple;
   if (!v.simple) v.bsdf.through = Rgb(0.5f);  // both sides count
-  world.next_events.look_out(v.normal, v);
+  vista.next_events().look_out(v.normal, v);
   EXPECT_GT(v.light_context.seen, 0);
   Vertex sky;
   double q = kThroughWindows;
   const auto density = [&](const Vec3d& w) {
-    place_in_sky(world, w, sky);
-    return world.next_events.pdf(v, sky).of(q);
+    place_in_sky(vista.openings.selection, w, sky);
+    return vista.next_events().pdf(v, sky).of(q);
   };
   q *= fault;
   std::vector<double> probability = integral(density, fault == 1 ? 72 : 24);
@@ -246,7 +247,7 @@ double next_events(const Shaded& shaded, double fault) {
                                  const double b = rng.uniform();
                                  const double side = rng.uniform();
                                  const Lights::Point p =
-                                     world.next_events.sample(v, q, pick, a, b, side);
+                                     vista.next_events().sample(v, q, pick, a, b, side);
                                  if (!p.source->is_sky()) return kBins;
                                  return bin_of(-p.position);
                                })
@@ -293,8 +294,8 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
   scene.cameras.resize(1);
   scene.cameras[0] = {"", {0, 1, 0}, {1, 0, 0}, {0, 0, -1}, {0, -1, 0}};
   scene.sky = one_colour_sky(Rgb(1));
-  const World world(scene, scene.cameras[0], 4, 4, portals);
-  const Guide guide(world, integrator.mixture);
+  const Vista vista(scene, scene.cameras[0], 4, 4, portals);
+  const Guide guide(vista, integrator.mixture);
   constexpr int kSide = 4;
   constexpr size_t kPlaces = kSide * kSide;
   const auto quarter = [](const Vec3d& towards) {
@@ -314,9 +315,9 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
     for (int j = 0; j < kAround; ++j) {
       const double y = 1 - (2 * i + 1.0) / kUp, phi = 2 * pi * (j + 0.5) / kAround;
       const double r = std::sqrt(1 - y * y);
-      place_in_sky(world, {r * std::cos(phi), y, r * std::sin(phi)}, y0);
+      place_in_sky(vista.openings.selection, {r * std::cos(phi), y, r * std::sin(phi)}, y0);
       if (guide.active()) guide.guide_totals_at_light(y0);
-      const double begins = world.lights.pdf(*y0.source, ~0u, y0.position, y0.in_sky);
+      const double begins = vista.openings.selection.pdf(*y0.source, ~0u, y0.position, y0.in_sky);
       if (begins == 0) continue;
       for (int a = 0; a < kFine * kSide; ++a)
         for (int b = 0; b < kFine * kSide; ++b) {
@@ -337,7 +338,7 @@ double light_walks(const std::vector<Portal>& portals, const Integrator& integra
              4 * kSamples, probability,
              [&](uint64_t i) {
                Walk walk;
-               walk_from_light(world, guide, 1, Sequence(56, 0, 0, i), walk, rays);
+               walk_from_light(vista, guide, 1, Sequence(56, 0, 0, i), walk, rays);
                if (walk.size < 2) return probability.size();
                return quarter(-walk[0].position) * kPlaces + place(walk[1].position);
              })

@@ -18,13 +18,16 @@ const Portal kBeginning = rectangle({0, 0, -1}, {0, 2, 0}, {0, 0, 2});
 
 struct House {
   Scene scene;
-  World world;
+  Vista vista;
   explicit House(Scene s, const std::vector<Portal>& portals)
-      : scene(std::move(s)), world(scene, scene.camera(""), 4, 4, portals) {}
+      : scene(std::move(s)), vista(scene, scene.camera(""), 4, 4, portals) {}
+  void open(const std::vector<Portal>& portals) {
+    vista.openings = Openings(*vista.world, portals, {}, vista.openings.windows);
+  }
 
   // Whether a point [m] sees the window whose centre is that of `portal`.
   bool shows(const Portal& portal, const Vec3d& place) const {
-    return world.windows.in_view(scene.frame.to_canonical(place)) >> window(portal) & 1u;
+    return vista.openings.windows.in_view(scene.frame.to_canonical(place)) >> window(portal) & 1u;
   }
   // Share of the window that the point sees.
   double share(const Portal& portal, const Vec3d& place, uint64_t seed) const {
@@ -39,7 +42,7 @@ struct House {
       const double u = rng.uniform(), v = rng.uniform();
       const Vec3d at = corner(0) + (corner(1) - corner(0)) * u + (corner(3) - corner(0)) * v;
       const Vec3d normal = cross(corner(1) - corner(0), corner(3) - corner(0));
-      seen += dot(normal, p - at) > 0 && world.tracer.visible({p}, {at});
+      seen += dot(normal, p - at) > 0 && vista.world->tracer.visible({p}, {at});
     }
     return static_cast<double>(seen) / kLines;
   }
@@ -48,7 +51,7 @@ struct House {
   size_t window(const Portal& portal) const {
     Vec3d centre;
     for (const Vec3d& corner : portal.vertices) centre += scene.frame.to_canonical(corner) * 0.25;
-    const auto& all = world.windows.windows();
+    const auto& all = vista.openings.windows.windows();
     for (size_t i = 0; i < all.size(); ++i)
       if (length(all[i].centre - centre) < 1e-6) return i;
     ADD_FAILURE() << "no such window";
@@ -100,11 +103,11 @@ TEST(window_views, are_of_the_windows_that_there_are) {
   const Vec3d place(3, 0.5, 0);
   EXPECT_TRUE(house.shows(kEnd, place));
   EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
-  house.world.fill_openings(PortalSet({kBeginning}, house.scene.frame));
+  house.open({kBeginning});
   EXPECT_TRUE(house.shows(kBeginning, {1, 0.5, 0}));
   EXPECT_FALSE(house.shows(kBeginning, {3, 1.9, 0.9}));  // the other room's corner
-  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));
-  house.world.fill_openings(PortalSet({kEnd}, house.scene.frame));  // the same again
+  house.open({kEnd});
+  house.open({kEnd});  // the same again
   EXPECT_TRUE(house.shows(kEnd, place));
   EXPECT_FALSE(house.shows(kEnd, {5.5, 1, 0}));
 }
@@ -114,11 +117,11 @@ TEST(window_views, are_of_the_windows_that_there_are) {
 // of 26.
 TEST(window_views, what_comes_straight_in_is_found_through_the_windows) {
   const RoomWithWindows room(testing::RoomKind::sky_windows, 2);
-  const World world(room.scene, room.scene.camera(""), 24, 18, room.windows);
+  const Vista vista(room.scene, room.scene.camera(""), 24, 18, room.windows);
   Integrator everywhere = nee;
   everywhere.mixture.through_windows = 0;
-  const double with = error_of_pictures(world, nee, 2);
-  const double without = error_of_pictures(world, everywhere, 2);
+  const double with = error_of_pictures(vista, nee, 2);
+  const double without = error_of_pictures(vista, everywhere, 2);
   std::printf("error without windows %g, with %g: %g times\n", without, with, without / with);
   EXPECT_GT(without, 10 * with);
 }
@@ -131,7 +134,7 @@ TEST(window_views, next_events_look_everywhere_where_no_window_is_seen) {
     v.position = house.scene.frame.to_canonical(place);
     v.normal = {0, 1, 0};
     v.material = &house.scene.materials[0];
-    house.world.next_events.look_out(v.normal, v);
+    house.vista.next_events().look_out(v.normal, v);
     return v.light_context.seen;
   };
   EXPECT_GT(seen_at({1, 0, 0}), 0);

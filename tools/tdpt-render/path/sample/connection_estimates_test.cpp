@@ -58,7 +58,7 @@ struct Compared {
 // Compares each end with all others; `fault`: factor of the columns' `facing`.
 Compared compare(const Surfaces& surfaces, double fault = 1) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 8, 8, {});
+  const Vista vista(scene, scene.camera(""), 8, 8, {});
   const std::vector<End>& ends = surfaces.ends();
   const Rgb light(0.5f, 2.0f, 1.0f);
   Ends columns;
@@ -73,7 +73,7 @@ Compared compare(const Surfaces& surfaces, double fault = 1) {
     columns.estimate(c, all.data());
     for (size_t i = 0; i < ends.size(); ++i) {
       if (&ends[i] == &c || !Ends::has(ends[i]) || !Ends::has(c)) continue;
-      const double exact = luminance(connect(world, ends[i], c) * light), told = all[i];
+      const double exact = luminance(connect(*vista.world, ends[i], c) * light), told = all[i];
       EXPECT_GE(told, 0);
       ++out.pairs;
       out.missed += exact > 0 && !(told > 0);

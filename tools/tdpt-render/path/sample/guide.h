@@ -14,14 +14,14 @@ namespace tdpt {
 class Guide {
  public:
   /// Guides walks of `mixture`. If that has no use for portals the guide sees none, at no cost.
-  Guide(const World& world, const Mixture& mixture)
-      : Guide(world, mixture.guiding, mixture.guiding != Guiding{},
+  Guide(const Vista& vista, const Mixture& mixture)
+      : Guide(vista, mixture.guiding, mixture.guiding != Guiding{},
               mixture.has(Technique::portal) || mixture.guiding != Guiding{},
               mixture.looks_out() ||
-                  (mixture.has(Technique::direct) && world.next_events.by_rect_lights())) {}
+                  (mixture.has(Technique::direct) && !vista.world->rect_lights.empty())) {}
   /// The same, but with everything known that the densities of any other guided walks depend on.
-  static Guide knowing_all(const World& world, const Mixture& mixture) {
-    return Guide(world, mixture.guiding, true, true, true);
+  static Guide knowing_all(const Vista& vista, const Mixture& mixture) {
+    return Guide(vista, mixture.guiding, true, true, true);
   }
 
   /// Whether any walk may be guided; otherwise `crossing` sets only D and vertices have no guide
@@ -70,12 +70,13 @@ class Guide {
   }
 
  private:
-  Guide(const World& world, const Guiding& guiding, bool active, bool sees_portals, bool looks_out)
-      : portals_(world.portals),
+  Guide(const Vista& vista, const Guiding& guiding, bool active, bool sees_portals, bool looks_out)
+      : portals_(vista.openings.portals),
         guiding_(guiding),
-        active_(active && !world.portals.empty()),
-        sees_portals_(sees_portals && !world.portals.empty()),
-        looks_out_(looks_out && (!world.windows.empty() || world.next_events.by_rect_lights())) {}
+        active_(active && !portals_.empty()),
+        sees_portals_(sees_portals && !portals_.empty()),
+        looks_out_(looks_out &&
+                   (!vista.openings.windows.empty() || !vista.world->rect_lights.empty())) {}
   double guided_survival(From from, double albedo) const;
   double mixed_pdf_A(From from, const Vertex& at, const Incidence* in, const Edge& e,
                      const Point& to, double plain_A, const PortalSet::CrossingDensity& crossing,

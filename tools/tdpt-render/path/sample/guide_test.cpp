@@ -133,21 +133,21 @@ Scene box(const Material& middle, double size) {
 
 // Where a walk stands whose next direction is tested.
 struct Stand {
-  const World& world;
+  const Vista& vista;
   Guide guide;
   From from;
   Vertex before, at;
   Vec3d back{};  // 0: the walk begins there
 
-  Stand(const World& w, From f) : world(w), guide(w, tdpt_guided.mixture), from(f) {}
+  Stand(const Vista& w, From f) : vista(w), guide(w, tdpt_guided.mixture), from(f) {}
 
   // Density [1/sr] of continuing along w by a lobe that is not Dirac. `least`: lower limit of the
   // surface's own density, for a twin.
   double pdf_w(const Vec3d& w, double least = 0) const {
     Hit hit;
-    if (!world.tracer.closest(at.origin(), w, hit)) return 0;
+    if (!vista.world->tracer.closest(at.origin(), w, hit)) return 0;
     Vertex to;
-    place_on_surface(world, hit, to);
+    place_on_surface(*vista.world, hit, to);
     const Edge e = between(at, to);
     const double plain = std::max(
         back == Vec3d() ? emission_pdf_A(at, e, to)
@@ -177,7 +177,7 @@ struct Case {
   // miss what lies beyond it.
   SphereBins bins{normalize(Vec3d(0.31, -0.52, 0.83)), 2, 12, 16};
 
-  World world() const { return World(scene, scene.cameras[0], 64, 64, portals); }
+  Vista vista() const { return Vista(scene, scene.cameras[0], 64, 64, portals); }
 };
 
 // A walk that scatters at a piece of `kind` in the middle.
@@ -212,23 +212,24 @@ Case begins_at_a_point(const std::string& name, const std::vector<Portal>& porta
   return c;
 }
 
-Stand stand_of(const World& world, const Case& c) {
-  Stand s(world, c.from);
+Stand stand_of(const Vista& vista, const Case& c) {
+  Stand s(vista, c.from);
   if (c.from == From::light) {
-    place_on_light(world, world.lights.sample(0.5, 1.0 / 3, 0.5, 0), c.begins ? s.at : s.before);
+    place_on_light(*vista.world, vista.openings.selection.sample(0.5, 1.0 / 3, 0.5, 0),
+                   c.begins ? s.at : s.before);
     if (c.begins) {
       s.guide.guide_totals_at_light(s.at);
       return s;
     }
   } else {
     s.before = {};
-    s.before.position = world.film.position();
+    s.before.position = vista.view.film.position();
   }
   Hit hit;
   const Vec3d w =
-      c.from == From::light ? -normalize(s.before.position) : world.film.direction(32, 32);
-  EXPECT_TRUE(world.tracer.closest(s.before.origin(), w, hit));
-  place_on_surface(world, hit, s.at);
+      c.from == From::light ? -normalize(s.before.position) : vista.view.film.direction(32, 32);
+  EXPECT_TRUE(vista.world->tracer.closest(s.before.origin(), w, hit));
+  place_on_surface(*vista.world, hit, s.at);
   EXPECT_LT(length(s.at.position), 1e-6);
   s.guide.guide_totals_at_surface(-w, s.at);
   s.back = -w;
@@ -251,9 +252,10 @@ Judgement judge(const Case& c, const Stand& s, uint64_t stream, const Pdf& pdf_w
     do {  // until it reaches the vertex under test: walks from lamps are guided, too
       const Sequence numbers(7, stream, tried++, 0);
       if (c.from == From::camera)
-        walk_from_camera(s.world, s.guide, s.world.film, 32, 32, begin + 1, numbers, walk, rays);
+        walk_from_camera(s.vista, s.guide, s.vista.view.film, 32, 32, begin + 1, numbers, walk,
+                         rays);
       else
-        walk_from_light(s.world, s.guide, begin + 1, numbers, walk, rays);
+        walk_from_light(s.vista, s.guide, begin + 1, numbers, walk, rays);
     } while (walk.size <= begin ||
              (!c.begins && length(walk[begin].position - s.at.position) > 1e-3));
     if (walk.size == begin + 1) return c.bins.size();
@@ -273,8 +275,8 @@ void all_hold(const std::vector<Case>& cases, bool guided = true) {
   const double least = sidak(kLevel, 2 * cases.size());
   for (size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
-    const World world = c.world();
-    const Stand s = stand_of(world, c);
+    const Vista vista = c.vista();
+    const Stand s = stand_of(vista, c);
     EXPECT_EQ(s.aim() > 0, guided) << c.name;
     const Judgement j = judge(c, s, i, [&](const Vec3d& w) { return s.pdf_w(w); });
     const std::string name = c.name + (c.from == From::light ? ", from the light" : "");
@@ -368,10 +370,10 @@ double sun_lines(double fault) {
   sun.kind = PunctualLight::Kind::directional;
   sun.direction = normalize(Vec3d(0.2, -0.3, 1));
   const Onb<double> onb(sun.direction);
-  const World world = c.world();
-  const Guide guide(world, tdpt_guided.mixture);
+  const Vista vista = c.vista();
+  const Guide guide(vista, tdpt_guided.mixture);
   Vertex y0;
-  place_on_light(world, world.lights.sample(0.5, 0.5, 0.5, 0), y0);
+  place_on_light(*vista.world, vista.openings.selection.sample(0.5, 0.5, 0.5, 0), y0);
   guide.guide_totals_at_light(y0);
   EXPECT_GT(y0.guide_totals.emitted, 0);
   constexpr int kSide = 16, kFine = 128;
@@ -388,7 +390,7 @@ double sun_lines(double fault) {
     for (int j = 0; j < kSide * kFine; ++j) {
       const double x = (i + 0.5) * cell - radius, y = (j + 0.5) * cell - radius;
       Vertex to;  // a surface perpendicular to the light
-      to.material = &world.scene.materials[0];
+      to.material = &vista.world->scene.materials[0];
       to.normal = -sun.direction;
       to.position = onb.x * x + onb.y * y;
       uint64_t tests = 0;
@@ -405,8 +407,8 @@ double sun_lines(double fault) {
                                [&](uint64_t i) {
                                  Sequence numbers(3, 1, i, 0);
                                  const auto u = numbers.uniforms<4>();
-                                 Lights::Ray ray = world.lights.leave(
-                                     world.lights.sample(0.5, 0.5, 0.5, 0), u[0], u[1]);
+                                 Lights::Ray ray = vista.world->lights.leave(
+                                     vista.openings.selection.sample(0.5, 0.5, 0.5, 0), u[0], u[1]);
                                  int triangle = -1;
                                  guide.leave(y0, u, ray, triangle);
                                  return bin(ray.origin);
@@ -423,8 +425,8 @@ TEST(guide, twin_parallel_light_less_directed_than_its_density_says) {
 // Twins: `spoil` gets the stand and W, and changes what the density is computed from.
 template <class Spoil>
 Judgement spoilt(const Case& c, Spoil spoil, double least = 0) {
-  const World world = c.world();
-  Stand s = stand_of(world, c);
+  const Vista vista = c.vista();
+  Stand s = stand_of(vista, c);
   EXPECT_GT(s.aim(), 0) << c.name;
   // Walks use a stand of their own.
   spoil(s, s.aim());
@@ -463,7 +465,7 @@ TEST(guide, twin_a_density_that_knows_no_horizon_when_it_chooses) {
     const Case c = scatters("above and below", from, Kind::diffuse, kBelow + kOne);
     const Judgement j = spoilt(c, [&](Stand& s, double W) {
       const double all =
-          shader::PortalText(s.world.portals)
+          shader::PortalText(s.vista.openings.portals)
               .portal_guide_totals(s.at.position, Vec3d(), static_cast<uint32_t>(from));
       EXPECT_GT(all, 1.2 * W);
       s.aim() *= all / W;
@@ -502,10 +504,10 @@ TEST(guide, twin_smooth_lobes_that_are_directed_too) {
 // top. What a walk carries grows only where it leaves a light.
 TEST(guide, no_walk_carries_more_after_a_surface_than_before) {
   const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/three-rooms.glb");
-  const World world(scene, scene.camera(""), 16, 12,
+  const Vista vista(scene, scene.camera(""), 16, 12,
                     {rectangle({4.15, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0}),
                      rectangle({2.05, 0.75, -0.25}, {0, 0, 0.5}, {0, 0.5, 0})});
-  const Guide guide(world, tdpt_guided.mixture);
+  const Guide guide(vista, tdpt_guided.mixture);
   RayCounts rays;
   Walk walk;
   int longest = 0;
@@ -513,9 +515,9 @@ TEST(guide, no_walk_carries_more_after_a_surface_than_before) {
     for (uint64_t i = 0; i < 3000; ++i) {
       const Sequence numbers(3, 1, 0, i);
       if (from == From::light)
-        walk_from_light(world, guide, 64, numbers, walk, rays);
+        walk_from_light(vista, guide, 64, numbers, walk, rays);
       else
-        walk_from_camera(world, guide, world.film, 8, 6, 64, numbers, walk, rays);
+        walk_from_camera(vista, guide, vista.view.film, 8, 6, 64, numbers, walk, rays);
       longest = std::max(longest, walk.size);
       for (int j = 2; j < walk.size; ++j)
         EXPECT_LE(max_component(walk.state(j).throughput),

@@ -90,17 +90,17 @@ double LightVertexCache::draw(bool starts, double u, std::vector<const LightVert
   return walks_ / step;
 }
 
-LightVertices expected_light_vertices(const World& world, const Guiding& guiding, int max_depth) {
+LightVertices expected_light_vertices(const Vista& vista, const Guiding& guiding, int max_depth) {
   constexpr int kWalks = 512;
   Mixture mixture;
   mixture.guiding = guiding;
-  const Guide guide(world, mixture);
+  const Guide guide(vista, mixture);
   RayCounts rays;
   Walk y;
   LightVertices sum;
   for (int i = 0; i < kWalks; ++i) {
     walk_from_light(
-        world, guide, max_depth - 1,
+        vista, guide, max_depth - 1,
         Sequence(*kExpectedWalks.seed, kExpectedWalks.first, 0, static_cast<uint64_t>(i)), y, rays);
     for (int j = 0; j < y.size; ++j)
       if (y[j].connectible) ++(j == 0 ? sum.first : sum.later);
@@ -123,9 +123,9 @@ Mixture expecting_connections(const LightVertices& vertices, const Mixture& mixt
   return expecting;
 }
 
-Mixture expecting_connections(const World& world, const Mixture& mixture, int max_depth) {
+Mixture expecting_connections(const Vista& vista, const Mixture& mixture, int max_depth) {
   if (!mixture.techniques.walks_from_light()) return mixture;
-  return expecting_connections(expected_light_vertices(world, mixture.guiding, max_depth), mixture);
+  return expecting_connections(expected_light_vertices(vista, mixture.guiding, max_depth), mixture);
 }
 
 }  // namespace tdpt

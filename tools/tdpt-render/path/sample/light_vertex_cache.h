@@ -91,11 +91,11 @@ uint64_t light_walks_of(const Mixture& mixture, uint64_t samples);
 struct LightVertices {
   double first = 0, later = 0;
 };
-/// Estimated from a few walks with that guiding; always the same for the same world, guiding and
+/// Estimated from a few walks with that guiding; always the same for the same vista, guiding and
 /// length.
-LightVertices expected_light_vertices(const World& world, const Guiding& guiding, int max_depth);
+LightVertices expected_light_vertices(const Vista& vista, const Guiding& guiding, int max_depth);
 /// `mixture` with the numbers of connections to expect from such walks [Mixture::connected].
 Mixture expecting_connections(const LightVertices& vertices, const Mixture& mixture);
-Mixture expecting_connections(const World& world, const Mixture& mixture, int max_depth);
+Mixture expecting_connections(const Vista& vista, const Mixture& mixture, int max_depth);
 
 }  // namespace tdpt

@@ -113,9 +113,9 @@ double scattered(double albedo, int max_depth) {
 Mixture in_furnace(const Mixture& mixture, float albedo, int max_depth) {
   Scene scene = read_gltf(furnace_path());
   for (Material& m : scene.materials) m.base_color = Rgb(albedo);
-  const World world(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
-  const Mixture expecting = expecting_connections(world, mixture, max_depth);
-  EXPECT_EQ(expecting, expecting_connections(world, mixture, max_depth));
+  const Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
+  const Mixture expecting = expecting_connections(vista, mixture, max_depth);
+  EXPECT_EQ(expecting, expecting_connections(vista, mixture, max_depth));
   EXPECT_EQ(expecting.techniques, mixture.techniques);
   EXPECT_EQ(expecting.segments, mixture.segments);
   return expecting;

@@ -98,22 +98,22 @@ size_t u(int i) {
 
 }  // namespace
 
-Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
+Path::Path(const Vista& vista, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
            RayCounts& rays)
     : guide_(guide), film_(z.film) {
-  fill(world, y, s, z, t, nullptr, rays);
+  fill(vista, y, s, z, t, nullptr, rays);
 }
 
-Path::Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
+Path::Path(const Vista& vista, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
            const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t,
            RayCounts& rays)
     : guide_(guide), film_(z.film) {
   place(s).x = &x_l;
   place(s + 1).x = &x_c;
-  fill(world, y, s, z, t, &segment, rays);
+  fill(vista, y, s, z, t, &segment, rays);
 }
 
-void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
+void Path::fill(const Vista& vista, const Walk& y, int s, const Walk& z, int t,
                 const SegmentCrossings* segment, RayCounts& rays) {
   const int middle = segment ? 2 : 0;
   k_ = s + middle + t - 1;
@@ -132,8 +132,8 @@ void Path::fill(const World& world, const Walk& y, int s, const Walk& z, int t,
     connection_ = guide_.crossing(x(s - 1), x(s), rays.portal);
     place(s - 1).crossing = &connection_;
   }
-  fill_joint(world, s, first_z);
-  if (k_ > 1) next_event_ = world.next_events.pdf(x(1), x(0));
+  fill_joint(vista, s, first_z);
+  if (k_ > 1) next_event_ = vista.next_events().pdf(x(1), x(0));
 }
 
 // The walk knows both densities of all vertices but its last two; it has scattered at all but the
@@ -177,7 +177,7 @@ void Path::take_camera_prefix(const Walk& z, int t) {
 
 // Densities and survival that the walks do not know, from the finished path: neither walk left x_s
 // to x_{first_z}.
-void Path::fill_joint(const World& world, int s, int first_z) {
+void Path::fill_joint(const Vista& vista, int s, int first_z) {
   std::array<Edge, 5> edges;  // and none outside the path
   const auto at = [&](int i) -> Edge& { return edges[u(i - (s - 2))]; };  // x_i -> x_{i+1}
   if (s > 1) at(s - 2) = *place(s - 2).edge;
@@ -186,10 +186,10 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     place(i).edge = &joint_[u(i - (s - 1))];
   }
   if (first_z < k_) at(first_z) = reversed(*place(first_z).edge);
-  walks_[0].light_A = plain_light_A(world, 0, nullptr, {});  // by a walk, whoever placed x_0
+  walks_[0].light_A = plain_light_A(vista, 0, nullptr, {});  // by a walk, whoever placed x_0
   if (s <= 1)
     walks_[1].light_A =
-        directed_light_A(guide_, 1, plain_light_A(world, 1, nullptr, at(0)), nullptr, at(0));
+        directed_light_A(guide_, 1, plain_light_A(vista, 1, nullptr, at(0)), nullptr, at(0));
   if (first_z == k_)
     walks_[k_ - 1].camera_A = camera_survival(k_ - 1) * plain_camera_A(k_ - 1, at(k_ - 1), nullptr);
   for (int i = std::max(s - 1, 1); i <= first_z && i < k_; ++i) {
@@ -200,7 +200,7 @@ void Path::fill_joint(const World& world, int s, int first_z) {
     if (i < first_z && !always_goes_on(k_ - i))
       place(i).survival[1] = guide_.survival(From::camera, x(i), albedo_at(x(i), from_camera));
     if (i + 1 < k_) {
-      const double plain = plain_light_A(world, i + 1, &from_light, after);
+      const double plain = plain_light_A(vista, i + 1, &from_light, after);
       walks_[i + 1].light_A =
           light_survival(i + 1) * directed_light_A(guide_, i + 1, plain, &from_light, after);
     }
@@ -210,8 +210,9 @@ void Path::fill_joint(const World& world, int s, int first_z) {
   }
 }
 
-double Path::plain_light_A(const World& world, int i, const Incidence* in, const Edge& e) const {
-  if (i == 0) return world.lights.pdf(*x(0).source, x(0).triangle, x(0).position, x(0).in_sky);
+double Path::plain_light_A(const Vista& vista, int i, const Incidence* in, const Edge& e) const {
+  if (i == 0)
+    return vista.openings.selection.pdf(*x(0).source, x(0).triangle, x(0).position, x(0).in_sky);
   if (i == 1) return emission_pdf_A(x(0), e, x(1));
   return scatter_pdf_A(x(i - 1), *in, e, x(i), dirac(i - 1));
 }
@@ -250,12 +251,12 @@ double Path::survival(int i, const std::optional<Incidence>& in, const Guide* gu
   return guide ? guide->survival(from, x(i), albedo) : albedo;
 }
 
-void Path::plain_densities(const World& world, WalkDensities& d) const {
+void Path::plain_densities(const Vista& vista, WalkDensities& d) const {
   const auto given = [](const std::optional<Incidence>& in) { return in ? &*in : nullptr; };
   for (int i = 0; i < k_; ++i) {
     const auto light = from_light(i - 1), camera = from_camera(i + 1);
     d[i].light_A = survival(i - 1, light, nullptr, From::light) *
-                   plain_light_A(world, i, given(light), edge(i - 1));
+                   plain_light_A(vista, i, given(light), edge(i - 1));
     d[i].camera_A =
         survival(i + 1, camera, nullptr, From::camera) * plain_camera_A(i, edge(i), given(camera));
   }

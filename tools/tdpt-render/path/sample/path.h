@@ -61,10 +61,10 @@ struct SegmentCrossings {
 class Path {
  public:
   /// x = y_0..y_{s-1}, z_{t-1}..z_0.
-  Path(const World& world, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
+  Path(const Vista& vista, const Guide& guide, const Walk& y, int s, const Walk& z, int t,
        RayCounts& rays);
   /// x = y_0..y_{s-1}, x_l, x_c, z_{t-1}..z_0.
-  Path(const World& world, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
+  Path(const Vista& vista, const Guide& guide, const Walk& y, int s, const Vertex& x_l,
        const Vertex& x_c, const SegmentCrossings& segment, const Walk& z, int t, RayCounts& rays);
   Path(const Path&) = delete;
   Path& operator=(const Path&) = delete;
@@ -91,7 +91,7 @@ class Path {
   /// Densities for walks like those that made it.
   const WalkDensities& walks() const { return walks_; }
   /// Densities for unguided walks.
-  void plain_densities(const World& world, WalkDensities& d) const;
+  void plain_densities(const Vista& vista, WalkDensities& d) const;
   /// Densities for walks guided by `guide`, from the plain ones. The path must have been made with
   /// all that Guide::knowing_all() knows.
   void directed_densities(const Guide& guide, const WalkDensities& plain, WalkDensities& d) const;
@@ -103,17 +103,17 @@ class Path {
  private:
   template <bool has_portals, bool any_dirac>
   friend struct shader::PathWeights;
-  void fill(const World& world, const Walk& y, int s, const Walk& z, int t,
+  void fill(const Vista& vista, const Walk& y, int s, const Walk& z, int t,
             const SegmentCrossings* segment, RayCounts& rays);
   void take_light_prefix(const Walk& y, int s);
   void take_camera_prefix(const Walk& z, int t);
-  void fill_joint(const World& world, int s, int first_z);
+  void fill_joint(const Vista& vista, int s, int first_z);
   double light_survival(int i) const { return i == 0 ? 1 : survives(From::light, i - 1); }
   double camera_survival(int i) const { return survives(From::camera, i + 1); }
   /// P>(x_i) and P<(x_i) of walks that continue at the vertex before, from the finished path: plain
   /// densities, and guided ones computed from them. `e`: the edge walked, in the order of the path;
   /// `in`: how the walk arrived at the vertex that it leaves, null at the path's ends.
-  double plain_light_A(const World& world, int i, const Incidence* in, const Edge& e) const;
+  double plain_light_A(const Vista& vista, int i, const Incidence* in, const Edge& e) const;
   double plain_camera_A(int i, const Edge& e, const Incidence* in) const;
   double directed_light_A(const Guide& guide, int i, double plain, const Incidence* in,
                           const Edge& e) const;

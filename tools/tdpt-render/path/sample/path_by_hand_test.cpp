@@ -15,17 +15,17 @@ Walk walk_of(int size) {
 // strategy is thousands of orders of magnitude below the common factor.
 TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   const Scene scene = diffuse_rooms();
-  const World world(scene, scene.camera(""), 16, 12, {});
+  const Vista vista(scene, scene.camera(""), 16, 12, {});
   uint32_t lamp = 0;
   while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
   Material grey;
   grey.base_color = Rgb(1);  // walks always survive
   const int k = 1000;
   Walk y = walk_of(1), z = walk_of(k);
-  const Vec3d across = world.film.forward();  // the camera sees x_{k-1} on its front
+  const Vec3d across = vista.view.film.forward();  // the camera sees x_{k-1} on its front
   const Vec3d along = normalize(cross(across, Vec3d(0, 1, 0)));
   const auto place = [&](int i, Vertex& v) {
-    v.position = world.film.position() + across * (0.3 + 1e-7 * (i % 2)) +
+    v.position = vista.view.film.position() + across * (0.3 + 1e-7 * (i % 2)) +
                  along * (0.01 * (i / 2 - (k - 1) / 2));
     v.normal = across * (i % 2 ? -1 : 1);
     v.material = &grey;
@@ -34,10 +34,10 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   place(0, y.v[0]);
   y.v[0].material = &scene.material_of(lamp);
   y.v[0].triangle = lamp;
-  y.v[0].source = &world.lights.surface(false);
-  y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
-  z.film = &world.film;
-  z.v[0].position = world.film.position();
+  y.v[0].source = &vista.world->lights.surface(false);
+  y.states[0].pdf_own_A = vista.openings.selection.pdf_A(lamp);
+  z.film = &vista.view.film;
+  z.v[0].position = vista.view.film.position();
   for (int j = 1; j < k; ++j) place(k - j, z.v[static_cast<size_t>(j)]);
   const auto at = [&](int i) -> const Vertex& { return i == 0 ? y[0] : z[k - i]; };
   const auto scattered = [](const Vertex& from, const Vertex& v, const Vertex& to) {
@@ -46,7 +46,7 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
   for (int i = 0; i < k; ++i) {
     const Vertex& v = at(i);
     const Edge from_camera = between(at(k), at(i));
-    const double camera = i == k - 1 ? to_area(world.film.pdf_w(from_camera.w), from_camera, v)
+    const double camera = i == k - 1 ? to_area(vista.view.film.pdf_w(from_camera.w), from_camera, v)
                                      : scattered(at(i + 2), at(i + 1), v);
     const double light = i == 0   ? y.state(0).pdf_own_A
                          : i == 1 ? emission_pdf_A(at(0), between(at(0), v), v)
@@ -57,9 +57,9 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
     state.pdf_own_A = camera, state.pdf_other_A = light;
   }
   RayCounts rays;
-  const Guide guide(world, tdpt_org.mixture);
-  const Path path(world, guide, y, 1, z, k, rays);
-  const auto p = oracle::densities(world, path, bdpt.mixture);
+  const Guide guide(vista, tdpt_org.mixture);
+  const Path path(vista, guide, y, 1, z, k, rays);
+  const auto p = oracle::densities(vista, path, bdpt.mixture);
   double largest = -1e300;
   for (const auto& d : p) largest = std::max(largest, d.log_p);
   for (const double beta : {1, 2}) {
@@ -92,10 +92,10 @@ TEST(paths_by_hand, weights_survive_products_that_no_double_holds) {
 // only the portal segments that end there, x_1 -> x_2 and x_2 -> x_3, have a density.
 TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_segments) {
   const Scene scene = diffuse_rooms();
-  const World plain(scene, scene.camera(""), 16, 12, {});
-  const Vec3d forward = plain.film.forward();
+  const FilmPlane seen_by(scene.camera(""), 16, 12);
+  const Vec3d forward = seen_by.forward();
   const Vec3d side = normalize(cross(forward, Vec3d(0, 1, 0)));
-  const Vec3d x4 = plain.film.position(), x3 = x4 + forward * 0.3;
+  const Vec3d x4 = seen_by.position(), x3 = x4 + forward * 0.3;
   const Vec3d x2 = x3 + forward * 0.2 + side * 0.05, x1 = x2 + side * 0.2;
   const Vec3d x0 = x1 + forward * 0.1 + side * 0.15;
   // A square about the middle of an edge, perpendicular to it.
@@ -107,7 +107,7 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
     return rectangle(metres(corner), metres(corner + u) - metres(corner),
                      metres(corner + v) - metres(corner));
   };
-  const World world(scene, scene.camera(""), 16, 12,
+  const Vista vista(scene, scene.camera(""), 16, 12,
                     {between_ends(x1, x2, 0.04), between_ends(x2, x3, 0.05)});
   uint32_t lamp = 0;
   while (max_component(scene.material_of(lamp).emission) <= 0) ++lamp;
@@ -124,24 +124,24 @@ TEST(paths_by_hand, a_vertex_that_no_walk_can_have_made_leaves_the_weights_of_se
   y.v[0] = vertex(x0, x1 - x0);
   y.v[0].material = &scene.material_of(lamp);
   y.v[0].triangle = lamp;
-  y.v[0].source = &world.lights.surface(false);
-  y.states[0].pdf_own_A = world.lights.pdf_A(lamp);
-  z.film = &world.film;
+  y.v[0].source = &vista.world->lights.surface(false);
+  y.states[0].pdf_own_A = vista.openings.selection.pdf_A(lamp);
+  z.film = &vista.view.film;
   z.v[0].position = x4;
   z.v[1] = vertex(x3, -forward);  // x_2 is behind it
   const Edge film = between(z[0], z[1]);
   z.states[1].edge = film;
-  z.states[1].pdf_own_A = to_area(world.film.pdf_w(film.w), film, z[1]);
+  z.states[1].pdf_own_A = to_area(vista.view.film.pdf_w(film.w), film, z[1]);
   const Vertex end_1 = vertex(x1, side);  // x_2 is behind it, x_0 in front
   const Vertex end_2 = vertex(x2, side - forward);
   RayCounts rays;
-  const Guide guide(world, tdpt_org.mixture);
+  const Guide guide(vista, tdpt_org.mixture);
   const SegmentCrossings crossings{guide.crossing(end_1, end_2, rays.portal),
                                    guide.crossing(y[0], end_1, rays.portal),
                                    guide.crossing(end_2, z[1], rays.portal)};
-  const Path path(world, guide, y, 1, end_1, end_2, crossings, z, 2, rays);
+  const Path path(vista, guide, y, 1, end_1, end_2, crossings, z, 2, rays);
   for (const double beta : {1, 2}) {
-    const auto p = oracle::densities(world, path, tdpt_org.mixture);
+    const auto p = oracle::densities(vista, path, tdpt_org.mixture);
     double sum = 0;
     for (const auto& d : p) {
       const double w = path.weight(tdpt_org.mixture, d.strategy, beta);

@@ -5,15 +5,15 @@
 
 namespace tdpt {
 
-PathSampler::PathSampler(const World& world, const SampleSettings& settings, const Guide& guide,
+PathSampler::PathSampler(const Vista& vista, const SampleSettings& settings, const Guide& guide,
                          Film& film, Tally& tally, const PathObserver* observer)
-    : world_(world),
+    : vista_(vista),
       settings_(settings),
       guide_(guide),
       film_(film),
       tally_(tally),
       observer_(observer),
-      drawn_film_(world.film) {}
+      drawn_film_(vista.view.film) {}
 
 Sequence PathSampler::numbers(uint32_t purpose) const {
   const uint64_t pixel = static_cast<uint64_t>(y_) << 32 | static_cast<uint64_t>(x_);
@@ -38,7 +38,7 @@ void PathSampler::run() {
 }
 
 void PathSampler::light_phase(Walk& y) {
-  tdpt::walk_from_light(world_, guide_, settings_.max_depth - 1,
+  tdpt::walk_from_light(vista_, guide_, settings_.max_depth - 1,
                         numbers(shader::PURPOSE_LIGHT_WALK), y, tally_.rays);
 }
 
@@ -79,13 +79,8 @@ void PathSampler::walk_from_camera() {
   Sequence place = numbers(shader::PURPOSE_FILM);
   const double x = x_ + place.uniform();
   const double y = y_ + place.uniform();
-  const FilmPlane* film = &world_.film;
-  if (world_.blur.any()) {
-    const auto [u, v, time] = place.uniforms<3>();
-    drawn_film_ = world_.blur.draw(world_.film, u, v, time);
-    film = &drawn_film_;
-  }
-  tdpt::walk_from_camera(world_, guide_, *film, x, y, settings_.max_depth,
+  drawn_film_ = vista_.view.of_sample(place);
+  tdpt::walk_from_camera(vista_, guide_, drawn_film_, x, y, settings_.max_depth,
                          numbers(shader::PURPOSE_CAMERA_WALK), camera_walk_, tally_.rays);
   camera_ends_.clear();
   for (int j = 1; j < camera_walk_.size; ++j)
@@ -150,24 +145,24 @@ double PathSampler::to_film(const Contribution& found, double raster_x, double r
 
 bool PathSampler::visible(const Point& a, const Point& b) {
   ++tally_.rays.shadow;
-  const double before = std::max<double>(shader::kBeforeTheScene, 2 * world_.tracer.reach());
+  const double before = std::max<double>(shader::kBeforeTheScene, 2 * vista_.world->tracer.reach());
   const auto origin = [&](const Point& p, const Point& other) {
     if (!p.at_infinity()) return p.origin();
     return Tracer::Origin{before_the_scene(other.position, p.position, before)};
   };
-  return world_.tracer.visible(origin(a, b), origin(b, a));
+  return vista_.world->tracer.visible(origin(a, b), origin(b, a));
 }
 
 bool PathSampler::seen(const Point& p) {
   const Vec3d& camera = camera_walk_[0].position;
-  if (!world_.tracer.draws(p.triangle, p.position - camera)) return false;
+  if (!vista_.world->tracer.draws(p.triangle, p.position - camera)) return false;
   ++tally_.rays.shadow;
-  return world_.tracer.sees(camera, p.origin());
+  return vista_.world->tracer.sees(camera, p.origin());
 }
 
 Rgb PathSampler::geometry(const Point& a, const Point& b, const Edge& e) const {
   const auto g = static_cast<float>(tdpt::geometry(a, b, e));
-  return world_.absorbing ? transmittance(a, b, e.w, std::sqrt(e.d2)) * g : Rgb(g);
+  return vista_.world->absorbing ? transmittance(a, b, e.w, std::sqrt(e.d2)) * g : Rgb(g);
 }
 
 bool PathSampler::project(const Point& p, Vec3d& to_camera, Rgb& factor, double& x,
@@ -186,24 +181,24 @@ void PathSampler::camera() {
     if (!z[j].source) continue;
     const Rgb Le = emitted(z[j], way_back(z, j));
     if (black(Le)) continue;
-    const Path path(world_, guide_, *light_, 0, z, j + 1, tally_.rays);
+    const Path path(vista_, guide_, *light_, 0, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::camera, 0}, z.state(j).throughput * Le, 1});
   }
 }
 
 void PathSampler::direct() {
   const Walk& z = camera_walk_;
-  if (world_.lights.empty()) return;
+  if (vista_.world->lights.empty()) return;
   Sequence random = numbers(shader::PURPOSE_NEXT_EVENT);
   for (int j = 1; j < z.size && j < settings_.max_depth; ++j) {
     if (!z[j].connectible) continue;
     random.seek(4 * static_cast<uint32_t>(j));
     const auto [u, v, pick, side] = random.uniforms<4>();
     const Lights::Point point =
-        world_.next_events.sample(camera_walk_.v[static_cast<size_t>(j)],
-                                  settings_.mixture.through_windows, pick, u, v, side);
+        vista_.next_events().sample(camera_walk_.v[static_cast<size_t>(j)],
+                                    settings_.mixture.through_windows, pick, u, v, side);
     if (!point.source) continue;
-    begin_at_light(world_, point, light_point_);
+    begin_at_light(*vista_.world, point, light_point_);
     const Vertex& y0 = light_point_[0];
     const Edge e = between(z[j], y0);
     const Rgb Le = emitted(y0, -e.w);
@@ -212,13 +207,13 @@ void PathSampler::direct() {
     const Rgb sent = z.state(j).throughput * f * Le;
     if (black(sent) || !visible(z[j], y0)) continue;
     // Computed only after the visibility test: at least half of the points are hidden.
-    const double pdf = point.pdf > 0
-                           ? point.pdf
-                           : world_.next_events.pdf(z[j], y0).of(settings_.mixture.through_windows);
+    const double pdf =
+        point.pdf > 0 ? point.pdf
+                      : vista_.next_events().pdf(z[j], y0).of(settings_.mixture.through_windows);
     const Rgb value = sent * Rgb(static_cast<float>(1 / pdf)) * geometry(z[j], y0, e);
     if (black(value)) continue;
     if (guide_.active()) guide_.guide_totals_at_light(light_point_.v[0]);
-    const Path path(world_, guide_, light_point_, 1, z, j + 1, tally_.rays);
+    const Path path(vista_, guide_, light_point_, 1, z, j + 1, tally_.rays);
     to_pixel({path, {Technique::direct, 1}, value, 1});
   }
 }
@@ -235,7 +230,7 @@ void PathSampler::light() {
     const Rgb value = y.state(i).throughput * bsdf_at(y[i], way_back(y, i), to_camera) * factor *
                       static_cast<float>(1 / times);
     if (black(value) || !seen(y[i])) continue;
-    const Path path(world_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);
+    const Path path(vista_, guide_, y, i + 1, camera_walk_, 1, tally_.rays);
     to_film({path, {Technique::light, i + 1}, value, times}, raster_x, raster_y);
   }
 }
@@ -244,7 +239,7 @@ void PathSampler::connect_drawn(const End& end, int edges) {
   resampling_.clear(drawn_.size());
   values_.resize(drawn_.size());
   tally_.rays.connect += drawn_.size();
-  const bool in_columns = Ends::has(end) && !world_.absorbing;
+  const bool in_columns = Ends::has(end) && !vista_.world->absorbing;
   if (in_columns) cache_->estimate(drawn_, end, estimates_);
   for (size_t c = 0; c < drawn_.size(); ++c) {
     const LightVertex& y = *drawn_[c];
@@ -253,7 +248,7 @@ void PathSampler::connect_drawn(const End& end, int edges) {
     } else if (in_columns && Ends::has(y)) {
       resampling_.add(estimates_[c]);
     } else {
-      values_[c] = connect(world_, y, end);
+      values_[c] = connect(*vista_.world, y, end);
       resampling_.add(luminance(values_[c]));
     }
   }
@@ -261,8 +256,8 @@ void PathSampler::connect_drawn(const End& end, int edges) {
 
 // Contributions that were only estimated in columns are computed when they are chosen.
 Rgb PathSampler::connected(const End& l, const End& c, size_t number) const {
-  const bool in_columns = Ends::has(l) && Ends::has(c) && !world_.absorbing;
-  return in_columns ? connect(world_, l, c) : values_[number];
+  const bool in_columns = Ends::has(l) && Ends::has(c) && !vista_.world->absorbing;
+  return in_columns ? connect(*vista_.world, l, c) : values_[number];
 }
 
 void PathSampler::bi() {
@@ -279,7 +274,7 @@ void PathSampler::bi() {
       const LightVertex& y = *drawn_[c];
       if (!visible(*y.vertex, z[t - 1])) continue;
       const double n = times * chance;
-      const Path path(world_, guide_, *y.walk, y.index + 1, z, t, tally_.rays);
+      const Path path(vista_, guide_, *y.walk, y.index + 1, z, t, tally_.rays);
       const Rgb value = connected(y, end, c) * static_cast<float>(1 / n);
       to_pixel({path, {Technique::bi, y.index + 1}, value, n});
     }

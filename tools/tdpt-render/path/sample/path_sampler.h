@@ -43,11 +43,11 @@ using PathObserver = std::function<void(const Contribution&)>;
 /// Makes samples of a mixture: call sample(), or its parts begin(), run() and end().
 class PathSampler {
  public:
-  PathSampler(const World& world, const SampleSettings& settings, Film& film, Tally& tally,
+  PathSampler(const Vista& vista, const SampleSettings& settings, Film& film, Tally& tally,
               const PathObserver* observer = nullptr)
-      : PathSampler(world, settings, Guide(world, settings.mixture), film, tally, observer) {}
+      : PathSampler(vista, settings, Guide(vista, settings.mixture), film, tally, observer) {}
   /// `guide`: of that mixture.
-  PathSampler(const World& world, const SampleSettings& settings, const Guide& guide, Film& film,
+  PathSampler(const Vista& vista, const SampleSettings& settings, const Guide& guide, Film& film,
               Tally& tally, const PathObserver* observer);
 
   void sample(int x, int y, uint64_t sample) {
@@ -137,7 +137,7 @@ class PathSampler {
   void see(PortalSegment& segment);
   void connect_with_segments();
 
-  const World& world_;
+  const Vista& vista_;
   SampleSettings settings_;
   Guide guide_;
   Film& film_;
@@ -146,7 +146,7 @@ class PathSampler {
   int x_ = 0, y_ = 0;
   uint64_t sample_ = 0;
   uint64_t coins_ = 0, layer_coins_ = 0;  ///< state of coin(), layer_coin()
-  FilmPlane drawn_film_;                  ///< of this sample, in a picture with blur
+  FilmPlane drawn_film_;                  ///< of this sample
   Vec3d pixel_{};
   Walk light_walk_, camera_walk_, light_point_;
   const Walk* light_ = &light_walk_;  ///< the light walk of this sample

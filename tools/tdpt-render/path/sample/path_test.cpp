@@ -65,7 +65,7 @@ TEST_P(paths, of_a_wide_lens_that_moves_too) {
 
 TEST_P(paths, weights_of_all_strategies_sum_to_1) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const Vista vista(scene, scene.camera(""), 16, 12, two_crossing_portals());
   Film film(16, 12, 1);
   Tally tally;
   const Mixture& set = GetParam()->mixture;
@@ -92,7 +92,7 @@ TEST_P(paths, weights_of_all_strategies_sum_to_1) {
     EXPECT_NEAR(sum, 1, 1e-12);
   };
   const Variant variant(*GetParam());
-  PathSampler sampler(world, variant.settings(6, 5), film, tally, &observer);
+  PathSampler sampler(vista, variant.settings(6, 5), film, tally, &observer);
   for (uint64_t s = 0; s < 2000; ++s) variant.sample(sampler, 8, 6, s);
   if (set.has(Technique::portal)) {
     EXPECT_GT(crossing, 0);  // some paths cross twice
@@ -207,11 +207,11 @@ double carried_by_directed_walks(double fault) {
     for (uint32_t v : scene.triangles[t].vertex)
       scene.normals[v] = Vec3f(normalize(shape_of(scene, t).normal + Vec3d(0.7, 0.35, -0.35)));
   }
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const Vista vista(scene, scene.camera(""), 16, 12, two_crossing_portals());
   constexpr int kWalks = 800000;
   double mean[2] = {}, variance = 0;
   for (size_t directed : {0, 1}) {
-    const Guide guide(world,
+    const Guide guide(vista,
                       directed ? Mixture{kThreeWays, 1, 1, 1, {{0.9, 0.9}}} : tdpt_org.mixture);
     double sum = 0, squares = 0;
     Walk walk;
@@ -219,7 +219,7 @@ double carried_by_directed_walks(double fault) {
     for (int i = 0; i < kWalks; ++i) {
       Rng rng(3, directed, static_cast<uint64_t>(i));
       const double x = 16 * rng.uniform(), y = 12 * rng.uniform();
-      walk_from_camera(world, guide, world.film, x, y, 2,
+      walk_from_camera(vista, guide, vista.view.film, x, y, 2,
                        Sequence(4, directed, static_cast<uint64_t>(i), 0), walk, rays);
       if (walk.size < 3 || !(walk.state(2).crossing.density > 0)) continue;
       const Vertex& z1 = walk[1];
@@ -348,11 +348,11 @@ TEST(paths_connected, any_number_of_times_are_the_oracles) {
 // Connections that the weights do not know of: their light must not vanish silently.
 TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
   const Scene scene = diffuse_rooms();
-  const World world(scene, scene.camera(""), 16, 12, two_crossing_portals());
+  const Vista vista(scene, scene.camera(""), 16, 12, two_crossing_portals());
   const auto not_finite = [&](const Variant& variant) {
     Film film(16, 12, 1);
     Tally tally;
-    PathSampler sampler(world, variant.settings(6, 5), film, tally);
+    PathSampler sampler(vista, variant.settings(6, 5), film, tally);
     for (uint64_t s = 0; s < 1000; ++s) variant.sample(sampler, 8, 6, s);
     return tally.not_finite;
   };
@@ -364,12 +364,12 @@ TEST(paths_skipped, samples_of_a_strategy_without_density_are_counted) {
 // G is unbounded in the corners of a box. Nothing is clamped: the weights keep it down.
 TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
   const Scene scene = read_gltf(furnace_path());
-  const World world(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
+  const Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_furnace()});
   for (const Integrator* integrator : {&bdpt, &tdpt_org, &tdpt_ref}) {
     Film film(16, 12, 1);
     Tally tally;
     double weighted = 0, plain = 0;
-    const Variant variant = Variant::cached(world, *integrator, 6);
+    const Variant variant = Variant::cached(vista, *integrator, 6);
     const PathObserver observer = [&](const Contribution& found) {
       const auto& [path, strategy, value, times] = found;
       const double w = path.weight(variant.integrator.mixture, strategy, 1);
@@ -378,7 +378,7 @@ TEST(connections, at_tiny_distances_are_bounded_by_their_weights) {
       if (strategy.split < path.k() && path.k() - strategy.split > 2)
         weighted = std::max(weighted, w * value.x);
     };
-    PathSampler sampler(world, variant.settings(6, 3), film, tally, &observer);
+    PathSampler sampler(vista, variant.settings(6, 3), film, tally, &observer);
     variant.picture(sampler, 16, 12, 512, [](int, int) {});
     EXPECT_LT(weighted, 2) << integrator->name;  // the radiance in the box
     EXPECT_GT(plain, 20) << integrator->name;    // twin: without the weights

@@ -89,13 +89,13 @@ struct Census {
 
 Census count(const Variant& variant, int k, const RayCounts& expected, bool glowing = true) {
   const Scene scene = ball(glowing);
-  const World world(scene, scene.camera(""), 16, 16,
+  const Vista vista(scene, scene.camera(""), 16, 16,
                     {rectangle({0, -0.2, -0.2}, {0, 0, 0.4}, {0, 0.4, 0})});
   Film film(16, 16, 1);
   Census census;
   for (int i = 0; i < 512; ++i) {
     Tally tally;
-    PathSampler sampler(world, variant.settings(k, 3), film, tally);
+    PathSampler sampler(vista, variant.settings(k, 3), film, tally);
     variant.sample(sampler, i % 16, i / 16 % 16, static_cast<uint64_t>(i));
     const RayCounts& r = tally.rays;
     census.most.closest = std::max(census.most.closest, r.closest);

@@ -15,10 +15,10 @@ namespace tdpt {
 
 void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
   connect_with(y, cache);
-  if (world_.portals.empty() || settings_.max_depth < 2) return;
-  tally_.begin_portals(world_.portals.portals());
+  if (vista_.openings.portals.empty() || settings_.max_depth < 2) return;
+  tally_.begin_portals(vista_.openings.portals.portals());
   Sequence random = numbers(shader::PURPOSE_SEGMENT);
-  const PortalSet::Sample sample = world_.portals.sample(random.uniforms<7>());
+  const PortalSet::Sample sample = vista_.openings.portals.sample(random.uniforms<7>());
   const double share = settings_.mixture.segments;
   if (!(random.uniform() < share)) return;
   PortalSegment& segment = cache.place_for_segment();
@@ -32,7 +32,7 @@ void PathSampler::segment_phase(const Walk& y, LightVertexCache& cache) {
   const Edge middle = between(segment.x_l, segment.x_c);
   segment.through =
       Rgb(static_cast<float>(1 / (share * segment.crossing.density * segment.opacity)));
-  if (world_.absorbing)
+  if (vista_.world->absorbing)
     segment.through =
         segment.through * transmittance(segment.x_l, segment.x_c, middle.w, std::sqrt(middle.d2));
   segment.x = x_, segment.y = y_, segment.sample = sample_;
@@ -47,17 +47,17 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   Vertex &x_l = segment.x_l, &x_c = segment.x_c;
   x_l = x_c = {};
   segment.opacity = 1;
-  const Vec3f from(world_.portals.start(sample));
+  const Vec3f from(vista_.openings.portals.start(sample));
   const auto end = [&](const Vec3d& w, Vertex& v) {
     Hit hit;
     ++tally_.rays.closest;
-    if (world_.tracer.closest_from(from, w, hit)) {
-      place_on_surface(world_, hit, v);
+    if (vista_.world->tracer.closest_from(from, w, hit)) {
+      place_on_surface(*vista_.world, hit, v);
       segment.opacity *= hit.opacity;
       return true;
     }
-    if (hit.triangle != ~0u || !world_.lights.sky()) return false;
-    place_in_sky(world_, w, v);
+    if (hit.triangle != ~0u || !vista_.world->lights.sky()) return false;
+    place_in_sky(vista_.openings.selection, w, v);
     return true;
   };
   if (!end(sample.direction, x_c) || !x_c.connectible || !end(-sample.direction, x_l)) return false;
@@ -67,7 +67,7 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   if (!(middle.d2 > 0)) return false;
   const Vec3d begin =
       x_l.at_infinity() ? before_the_scene(x_c.position, x_l.position) : x_l.position;
-  if (!world_.portals.spans(sample.drawn, begin, x_c.position)) return false;
+  if (!vista_.openings.portals.spans(sample.drawn, begin, x_c.position)) return false;
   if (guide_.active()) {
     if (x_l.at_infinity())
       guide_.guide_totals_at_light(x_l);
@@ -77,8 +77,8 @@ bool PathSampler::draw_segment(const PortalSet::Sample& sample, PortalSegment& s
   }
   if (guide_.looks_out()) {
     // If light begins at x_l, x_c may be x_1.
-    if (!x_l.at_infinity()) world_.next_events.look_out(sample.direction, x_l);
-    if (x_l.source) world_.next_events.look_out(-sample.direction, x_c);
+    if (!x_l.at_infinity()) vista_.next_events().look_out(sample.direction, x_l);
+    if (x_l.source) vista_.next_events().look_out(-sample.direction, x_c);
   }
   segment.w = middle.w;
   segment.crossing = guide_.crossing(x_l, x_c, tally_.rays.portal, sample.drawn);
@@ -124,7 +124,7 @@ void PathSampler::through(PortalSegment& segment, int t, const Rgb& value, doubl
     const Rgb all = before.value * value;
     if (black(all)) continue;
     const SegmentCrossings crossings{segment.crossing, before.crossing, after};
-    const Path path(world_, guide_, *before.walk, before.prefix, x_l, x_c, crossings, z, t,
+    const Path path(vista_, guide_, *before.walk, before.prefix, x_l, x_c, crossings, z, t,
                     tally_.rays);
     const Contribution found{path, {Technique::portal, before.prefix}, all, times * before.chance};
     brought += t == 1 ? to_film(found, raster[0], raster[1]) : to_pixel(found);
@@ -154,7 +154,7 @@ void PathSampler::estimate_segments(int t) {
     std::fill(of_t.begin(), of_t.end(), 0.0);
     return;
   }
-  const bool in_columns = Ends::has(c) && !world_.absorbing;
+  const bool in_columns = Ends::has(c) && !vista_.world->absorbing;
   Ends& columns = cache_->segment_columns();
   if (in_columns && settings_.max_depth < kMaxDepth)
     for (size_t i = 0; i < segments.size(); ++i) columns.set_light(i, light_of(segments[i], t));
@@ -162,7 +162,7 @@ void PathSampler::estimate_segments(int t) {
   for (size_t i = 0; i < segments.size(); ++i) {
     const End& l = cache_->segment_end(i);
     if (in_columns && Ends::has(l)) continue;
-    values_[first + i] = connect(world_, l, c);
+    values_[first + i] = connect(*vista_.world, l, c);
     of_t[i] = luminance(values_[first + i] * light_of(segments[i], t));
   }
 }

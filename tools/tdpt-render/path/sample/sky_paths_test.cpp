@@ -93,9 +93,9 @@ INSTANTIATE_TEST_SUITE_P(integrators, sky_paths, testing::ValuesIn(integrators()
 // All candidates of auto.
 TEST(sky_paths_of_candidates, are_the_oracles) {
   const Scene scene = diffuse_with_lamps();
-  const World world(scene, scene.camera(""), 16, 12, three_portals());
+  const Vista vista(scene, scene.camera(""), 16, 12, three_portals());
   int directed = 0, anywhere = 0;
-  for (const Candidate& c : auto_candidates(world)) {
+  for (const Candidate& c : auto_candidates(vista)) {
     const Worst worst = compare(scene, c.integrator, Fault::none, 6, 64, three_portals());
     EXPECT_LT(worst.weight, 1e-6) << c.label;
     EXPECT_LT(worst.value, 1e-4) << c.label;

@@ -54,11 +54,11 @@ void place_on_surface(const World& world, const Hit& hit, Point& p) {
     add_emission(world, m, hit, p);
 }
 
-void place_in_sky(const World& world, const Vec3d& w, Point& p) {
+void place_in_sky(const LightSelection& selection, const Vec3d& w, Point& p) {
   p = {};
   p.position = -w;
-  p.source = world.lights.sky();
-  p.in_sky = world.lights.look(w);
+  p.source = selection.lights().sky();
+  p.in_sky = selection.look(w);
   p.connectible = false;
 }
 

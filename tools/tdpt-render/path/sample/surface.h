@@ -9,7 +9,7 @@ namespace tdpt {
 void place_on_surface(const World& world, const Hit& hit, Point& p);
 
 /// Sets `p` to the sky, where a ray along unit `w` leaves the scene, which must have a sky.
-void place_in_sky(const World& world, const Vec3d& w, Point& p);
+void place_in_sky(const LightSelection& selection, const Vec3d& w, Point& p);
 
 /// Sets `p` to a place on a light. An emitter that is not opaque shines in proportion to its
 /// coverage, since no ray decides here whether it is hit.

@@ -22,9 +22,9 @@ constexpr uint32_t kPerBounce = 8, kDirection = 4;
 
 class Walker {
  public:
-  Walker(const World& world, const Guide& guide, From from, const Sequence& numbers, Walk& walk,
+  Walker(const Vista& vista, const Guide& guide, From from, const Sequence& numbers, Walk& walk,
          RayCounts& rays)
-      : world_(world), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {}
+      : vista_(vista), guide_(guide), from_(from), numbers_(numbers), walk_(walk), rays_(rays) {}
 
   Sequence& numbers() { return numbers_; }
 
@@ -42,7 +42,7 @@ class Walker {
  private:
   PortalSet::CrossingDensity crossing(const Vertex& v, const Vertex& next, int triangle);
 
-  const World& world_;
+  const Vista& vista_;
   const Guide& guide_;
   From from_;
   Sequence numbers_;
@@ -66,13 +66,15 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   Hit hit;
   ++rays_.closest;
   const bool by_film = n == 1 && from_ == From::camera;
-  const bool leaves = by_film ? !world_.tracer.first_seen(origin.position, w, hit)
-                              : !world_.tracer.closest(origin, w, hit);
-  if (leaves && (from_ == From::light || !world_.lights.sky() || hit.triangle != ~0u)) return false;
+  const bool leaves = by_film ? !vista_.world->tracer.first_seen(origin.position, w, hit)
+                              : !vista_.world->tracer.closest(origin, w, hit);
+  if (leaves && (from_ == From::light || !vista_.world->lights.sky() || hit.triangle != ~0u))
+    return false;
   walk_.make_place();
   Vertex& v = walk_.v[n - 1];
   Vertex& next = walk_.v[n];
-  leaves ? place_in_sky(world_, w, next) : place_on_surface(world_, hit, next);
+  leaves ? place_in_sky(vista_.openings.selection, w, next)
+         : place_on_surface(*vista_.world, hit, next);
   const Edge e = between(v, next);
   const double plain = plain_A(v, e, next);
   if (!(plain > 0)) return false;
@@ -88,8 +90,8 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
     leaves ? guide_.guide_totals_at_light(next) : guide_.guide_totals_at_surface(-w, next);
   // For light walks only the first vertex: it may be x_1.
   if (guide_.looks_out() && !leaves && (from_ == From::camera || n == 1)) {
-    world_.next_events.look_out(-w, next);
-    if (from_ == From::light) world_.next_events.look_at_rect_lights(next);
+    vista_.next_events().look_out(-w, next);
+    if (from_ == From::light) vista_.next_events().look_at_rect_lights(next);
   }
   const From reverse = from_ == From::light ? From::camera : From::light;
   if (n >= 2) here.other_survival = guide_.survival(reverse, v, albedo_at(v, before_next));
@@ -105,7 +107,7 @@ bool Walker::extend(const Tracer::Origin& origin, const Vec3d& w, const Rgb& thr
   state.edge = e;
   state.crossing = crossing(v, next, triangle);
   state.dirac = false;
-  if (world_.absorbing && !leaves)
+  if (vista_.world->absorbing && !leaves)
     state.throughput = state.throughput * transmittance(v, next, w, hit.distance);
   ++walk_.size;
   const Edge before = std::exchange(last_, e);
@@ -174,7 +176,7 @@ void begin_at_light(const World& world, const Lights::Point& light, Walk& walk) 
   walk.states[0].pdf_own_A = light.pdf;
 }
 
-void walk_from_camera(const World& world, const Guide& guide, const FilmPlane& film, double x,
+void walk_from_camera(const Vista& vista, const Guide& guide, const FilmPlane& film, double x,
                       double y, int edges, Sequence numbers, Walk& walk, RayCounts& rays) {
   walk.size = 0;
   walk.make_place();
@@ -188,25 +190,25 @@ void walk_from_camera(const World& world, const Guide& guide, const FilmPlane& f
   const auto pdf_A = [&](const Vertex&, const Edge& e, const Vertex& to) {
     return to_area(film.pdf_w(w), {w, e.d2}, to);
   };
-  Walker walker(world, guide, From::camera, numbers, walk, rays);
+  Walker walker(vista, guide, From::camera, numbers, walk, rays);
   const Tracer::Origin pinhole = walk.v[0].origin();
   if (walker.extend(pinhole, w, Rgb(1.0f), pdf_A, -1)) walker.scatter(edges);
 }
 
-void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+void walk_from_light(const Vista& vista, const Guide& guide, int edges, Sequence numbers,
                      Walk& walk, RayCounts& rays) {
   walk.size = 0;
-  if (world.lights.empty()) return;
-  Walker walker(world, guide, From::light, numbers, walk, rays);
+  if (vista.world->lights.empty()) return;
+  Walker walker(vista, guide, From::light, numbers, walk, rays);
   walker.numbers().seek(0);
   const auto [u, v, pick, side] = walker.numbers().uniforms<4>();
-  const Lights::Point light = world.lights.sample(pick, u, v, side);
-  begin_at_light(world, light, walk);
+  const Lights::Point light = vista.openings.selection.sample(pick, u, v, side);
+  begin_at_light(*vista.world, light, walk);
   if (guide.active()) guide.guide_totals_at_light(walk.v[0]);
   if (edges < 1) return;
   const Vertex& y0 = walk[0];
   const std::array<double, 4> direction = walker.numbers().uniforms<4>();
-  Lights::Ray ray = world.lights.leave(light, direction[0], direction[1]);
+  Lights::Ray ray = vista.world->lights.leave(light, direction[0], direction[1]);
   int triangle = -1;
   if (guide.active()) guide.leave(y0, direction, ray, triangle);
   // Rounding may have put the direction beside the light's cone: black, with a density of 0.
@@ -216,8 +218,8 @@ void walk_from_light(const World& world, const Guide& guide, int edges, Sequence
                          static_cast<float>(light.source->cos_per_pdf_w(ray.direction));
   if (max_component(throughput) <= 0) return;
   // A guided walk begins before the frame, but some of the scene may lie beyond.
-  if (y0.at_infinity() && world.tracer.reach() > 2)
-    ray.origin = before_the_scene(ray.origin, ray.direction, 2 * world.tracer.reach());
+  if (y0.at_infinity() && vista.world->tracer.reach() > 2)
+    ray.origin = before_the_scene(ray.origin, ray.direction, 2 * vista.world->tracer.reach());
   const Tracer::Origin origin{ray.origin, y0.normal, y0.triangle};
   if (walker.extend(origin, ray.direction, throughput, emission_pdf_A, triangle))
     walker.scatter(edges);

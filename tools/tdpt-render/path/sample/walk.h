@@ -54,11 +54,11 @@ void begin_at_light(const World& world, const Lights::Point& light, Walk& walk);
 
 /// z_0 at the pinhole of `film`, which must outlive the walk, z_1 ... z_n, n <= edges, through
 /// raster place (x, y).
-void walk_from_camera(const World& world, const Guide& guide, const FilmPlane& film, double x,
+void walk_from_camera(const Vista& vista, const Guide& guide, const FilmPlane& film, double x,
                       double y, int edges, Sequence numbers, Walk& walk, RayCounts& rays);
 
 /// y_0 on a light, y_1 ... y_n, n <= edges.
-void walk_from_light(const World& world, const Guide& guide, int edges, Sequence numbers,
+void walk_from_light(const Vista& vista, const Guide& guide, int edges, Sequence numbers,
                      Walk& walk, RayCounts& rays);
 
 }  // namespace tdpt
