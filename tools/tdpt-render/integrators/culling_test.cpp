@@ -180,12 +180,10 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   Scene scene = wall_before_the_sky();
   scene.materials.back().name = "plaster";
   const auto sentence = [&] {
-    return backs_sentence(
-        seen_backs(World(scene, scene.camera("").culls), {scene.camera(""), kWidth, kHeight}));
+    return backs_sentence(Vista(scene, scene.camera(""), kWidth, kHeight, {}));
   };
   const auto none = [&] {
-    return no_backs_sentence(World(scene, scene.camera("").culls),
-                             {scene.camera(""), kWidth, kHeight});
+    return no_backs_sentence(Vista(scene, scene.camera(""), kWidth, kHeight, {}));
   };
   EXPECT_EQ(sentence(), "");
   EXPECT_EQ(none(), "");
@@ -202,9 +200,7 @@ TEST(culling, backs_that_the_camera_sees_are_told) {
   EXPECT_EQ(none(),
             "no back of a single-sided surface is in the camera's way: --cull changes nothing");
   const Scene inside = read_gltf(furnace_path());
-  EXPECT_EQ(backs_sentence(seen_backs(World(inside, inside.camera("").culls),
-                                      {inside.camera(""), kWidth, kHeight})),
-            "");
+  EXPECT_EQ(backs_sentence(Vista(inside, inside.camera(""), kWidth, kHeight, {})), "");
 }
 
 }  // namespace tdpt::culling_test

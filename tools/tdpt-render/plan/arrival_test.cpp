@@ -14,8 +14,9 @@ constexpr double kEnd = 4.09;  // the far room's wall [m]
 Lights::KindProbabilities arriving(const Scene& scene, const std::vector<Portal>& portals = {}) {
   Vista vista(scene, scene.camera(""), 32, 24, portals);
   const Lights::KindProbabilities plain = vista.openings.selection.shares(),
-                                  found = explore(vista, scene.camera(""), portals, kMaxDepth, 1)
-                                              .arriving;
+                                  found =
+                                      explore(vista, scene.camera(""), portals, kMaxDepth, 1)
+                                          .lights;
   EXPECT_NEAR(found.surfaces + found.lamps + found.parallel + found.sky, 1, 1e-12);
   EXPECT_GE(found.sky, 0.1 * plain.sky * (1 - 1e-12));
   EXPECT_GE(found.surfaces, 0.1 * plain.surfaces * (1 - 1e-12));

@@ -129,8 +129,8 @@ TEST(auto_choice, costs_a_small_part_of_the_work) {
   const Room room = two_rooms(64, 48);
   Film film(64, 48, room.vista.world->lights.power());
   Pilot pilot(room.vista, room.candidates, {});
-  EXPECT_FALSE(can_spare(4, 20, pilot));
-  EXPECT_TRUE(can_spare(4, 64 * 48, pilot));
+  EXPECT_FALSE(can_spare(4 * 20, pilot));
+  EXPECT_TRUE(can_spare(4 * 64 * 48, pilot));
   pilot.draw(kFewestGroups, film);
   const Forecast told = pilot.forecast();
   const double work = told.estimates[told.best].work;
@@ -177,7 +177,7 @@ TEST(auto_choice, stands_in_the_statistics) {
   }
   EXPECT_EQ(j["techniques"].size(), size_t{kTechniques});
   const RenderResult plain = render(room.vista, bdpt, of(2));
-  const auto without = nlohmann::json::parse(stats_json(bdpt, settings, plain, {}));
+  const nlohmann::ordered_json without = (stats_of(of(2), bdpt, {}, plain));
   EXPECT_FALSE(without.contains("chosen"));
   EXPECT_FALSE(without.contains("pilot"));
 }

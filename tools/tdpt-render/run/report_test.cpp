@@ -15,10 +15,10 @@ Portal in_the_corner() {
 
 RenderResult render_with(const std::vector<Portal>& portals) {
   const Scene scene = read_gltf(two_rooms_path());
-  const World world(scene, scene.camera(""), 32, 24, portals);
+  const Vista vista(scene, scene.camera(""), 32, 24, portals);
   Job settings;
   settings.limits.spp = 32;
-  return render(world, tdpt_org, settings);
+  return render(vista, tdpt_org, settings);
 }
 
 nlohmann::ordered_json portals_of(const std::vector<Portal>& portals, const RenderResult& result) {
@@ -115,14 +115,14 @@ TEST(report, explain_has_what_the_statistics_have) {
 // The camera sees a wall that no light reaches, or stands in the wall.
 TEST(report, a_black_picture_is_told_why_as_far_as_rays_tell) {
   const Scene scene = read_gltf(two_rooms_path());
-  World world(scene, scene.camera(""), 8, 6, {});
-  EXPECT_EQ(why_black(world), "are the samples too few, or is a door shut?");
-  world.blur = CameraBlur({50, 1}, {});
-  EXPECT_NE(why_black(world).find("--f-stop"), std::string::npos);
+  Vista vista(scene, scene.camera(""), 8, 6, {});
+  EXPECT_EQ(why_black(vista), "are the samples too few, or is a door shut?");
+  vista.view.blur = CameraBlur({50, 1}, {});
+  EXPECT_NE(why_black(vista).find("--f-stop"), std::string::npos);
   Scene inside = scene;
   for (Triangle& t : inside.triangles) std::swap(t.vertex[1], t.vertex[2]);
   inside.normals.clear();
-  const World in_a_wall(inside, inside.camera(""), 8, 6, {});
+  const Vista in_a_wall(inside, inside.camera(""), 8, 6, {});
   EXPECT_NE(why_black(in_a_wall).find("stand in a wall"), std::string::npos);
 }
 

@@ -51,7 +51,7 @@ Loaded& Scenery::load(const RenderArguments& a, const cli::Common& common) {
   return in_;
 }
 
-void Scenery::read(const Arguments& a, const cli::Common& common, bool tells) {
+void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tells) {
   vista_.reset();  // it refers to the scene
   in_ = {};
   in_.scene = file_->at(a.pose.seconds);

@@ -10,7 +10,7 @@ namespace tdpt {
 // All from 32 x 32 rays at fixed places of the film.
 
 /// A note if a camera is set to see through backs but none is in its way; else empty.
-std::string no_backs_sentence(const Vista& vista, const FilmPlane& film);
+std::string no_backs_sentence(const Vista& vista);
 
 /// A warning that the camera sees the backs of single-sided surfaces, most of all of one material;
 /// empty if the share is negligible.

@@ -164,10 +164,10 @@ TEST(target, smaller_errors_take_more_samples) {
     const RenderResult r = render(window().vista, nee, to(error));
     EXPECT_GT(r.spp(), before);
     EXPECT_EQ(r.spp(), r.target->fixed);
-    EXPECT_EQ(target_json(*r.target)["stopped_by"], "target");
+    EXPECT_EQ(target_json(*r.target, r.plan, *r.progress)["stopped_by"], "target");
     before = r.spp();
   }
-  EXPECT_EQ(render(window().vista, nee, to(1e6)).spp, 1u);
+  EXPECT_EQ(render(window().vista, nee, to(1e6)).spp(), 1u);
 }
 
 TEST(target, samples_and_time_are_limits) {
@@ -231,21 +231,21 @@ TEST(target, a_retry_goes_on_with_the_picture_once) {
     if (!missed.target->reached()) break;
   }
   ASSERT_FALSE(missed.target->reached()) << "no seed misses it";
-  EXPECT_FALSE(missed.target->retried);
+  EXPECT_FALSE((missed.progress->retried > 0));
   settings.limits.retry = settings.frames = true;
   const RenderResult retried = render(vista, bdpt, settings);
-  EXPECT_TRUE(retried.target->retried);
+  EXPECT_TRUE((retried.progress->retried > 0));
   EXPECT_GT(retried.spp(), missed.spp());
   EXPECT_EQ(retried.spp(), retried.target->fixed);
   EXPECT_EQ(retried.frames.back().spp, retried.spp());
-  EXPECT_LT(*retried.target->relmse, *missed.target->relmse);
+  EXPECT_LT(retried.target->noise->relmse, missed.target->noise->relmse);
   Job plain;
   plain.seed = settings.seed;
   plain.limits.spp = retried.spp();
   EXPECT_EQ(retried.picture.pixels, render(vista, bdpt, plain).picture.pixels);
   settings.limits.spp = missed.spp();  // a limit that allows no more samples
   const RenderResult limited = render(vista, bdpt, settings);
-  EXPECT_FALSE(limited.target->retried);
+  EXPECT_FALSE((limited.progress->retried > 0));
   EXPECT_EQ(limited.spp(), missed.spp());
   EXPECT_EQ(limited.target->fixed, missed.target->fixed);
   EXPECT_EQ(target_json(*limited.target, limited.plan, *limited.progress)["stopped_by"], "spp");
