@@ -2,9 +2,9 @@
 // picture, which equals that from beyond the wall; light is not affected.
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/render.h"
-#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"

@@ -88,7 +88,7 @@ void check_part(const RenderArguments& a, const Progress& progress, const std::s
                       words_of({{progress.first, progress.goal}}), progress.whole));
     return;
   }
-  const SampleRange part = shard_of(a.shard).part(progress.spp());
+  const SampleRange part = samples_of_shard(a.shard, progress.spp());
   if (part.first != progress.first || part.count != progress.goal)
     throw InputError(file, "",
                      fmt::format("is to hold {}, not those of shard {}",
@@ -99,30 +99,25 @@ void check_part(const RenderArguments& a, const Progress& progress, const std::s
 
 }  // namespace
 
-SampleRange Shard::part(uint64_t samples) const {
+SampleRange samples_of_shard(const std::string& shard, uint64_t samples) {
+  uint64_t index = 0, of = 1;
+  const char* const end = shard.data() + shard.size();
+  const auto first = std::from_chars(shard.data(), end, index);
+  const bool is_pair = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = is_pair ? std::from_chars(first.ptr + 1, end, of) : first;
+  if (!is_pair || second.ec != std::errc() || second.ptr != end || index >= of || of > 1 << 20)
+    throw UsageError("--shard " + shard +
+                     ": expected I/N with I from 0 to N - 1, N up to 1048576");
   const auto at = [&](uint64_t i) {
     return static_cast<uint64_t>(static_cast<unsigned __int128>(samples) * i / of);
   };
   return {at(index), at(index + 1) - at(index)};
 }
 
-Shard shard_of(const std::string& text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  const bool is_pair = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
-  const auto of = is_pair ? std::from_chars(index.ptr + 1, end, shard.of) : index;
-  if (!is_pair || of.ec != std::errc() || of.ptr != end || shard.index >= shard.of ||
-      shard.of > 1 << 20)
-    throw UsageError("--shard " + text +
-                     ": expected I/N with I from 0 to N - 1, N up to 1048576");
-  return shard;
-}
-
 void take_part(const RenderArguments& a, Progress& progress) {
   if (a.shard.empty()) return;
   progress.whole = progress.goal;
-  const SampleRange part = shard_of(a.shard).part(progress.whole);
+  const SampleRange part = samples_of_shard(a.shard, progress.whole);
   if (part.count == 0)
     throw UsageError(fmt::format("--shard {}: there {} only {}", a.shard,
                                  progress.whole == 1 ? "is" : "are",

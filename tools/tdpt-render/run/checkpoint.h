@@ -11,13 +11,9 @@
 
 namespace tdpt {
 
-/// Reads "I/N", one of N parts of a picture's samples. Throws UsageError.
-struct Shard {
-  uint64_t index = 0, of = 1;
-  /// Its samples of those of a picture; parts differ by at most one sample.
-  SampleRange part(uint64_t samples) const;
-};
-Shard shard_of(const std::string& text);
+/// The samples of "I/N", the I-th of N parts of a picture of so many; parts differ by at most one
+/// sample. Throws UsageError.
+SampleRange samples_of_shard(const std::string& shard, uint64_t samples);
 /// Makes `progress` that of the part, where there is --shard.
 void take_part(const RenderArguments& a, Progress& progress);
 

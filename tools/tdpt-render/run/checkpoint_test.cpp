@@ -27,7 +27,8 @@ TEST(shard, takes_its_part_and_all_parts_are_the_whole) {
     for (const uint64_t of : {1ull, 2ull, 7ull, 16ull, 1000ull}) {
       uint64_t next = 0;
       for (uint64_t i = 0; i < of; ++i) {
-        const SampleRange part = Shard{i, of}.part(samples);
+        const SampleRange part =
+            samples_of_shard(std::to_string(i) + "/" + std::to_string(of), samples);
         ASSERT_EQ(part.first, next);
         EXPECT_LE(part.count, samples / of + 1);
         EXPECT_GE(part.count, samples / of);
@@ -35,15 +36,9 @@ TEST(shard, takes_its_part_and_all_parts_are_the_whole) {
       }
       EXPECT_EQ(next, samples);
     }
-  EXPECT_EQ((Shard{3, 4}.part(64)), (SampleRange{48, 16}));
-}
-
-TEST(shard, is_read_or_refused) {
-  EXPECT_EQ(shard_of("3/16").index, 3u);
-  EXPECT_EQ(shard_of("3/16").of, 16u);
   for (const char* bad : {"", "3", "/", "3/", "/4", "4/4", "-1/4", "1/4x", "x1/4", "1 /4",
                           "1/99999999", "1/0", "0/0", "99999999999999999999/100000000000000000000"})
-    EXPECT_NE(complaint([&] { shard_of(bad); }), "") << bad;
+    EXPECT_NE(complaint([&] { samples_of_shard(bad, 16); }), "") << bad;
 }
 
 TEST(options, that_contradict_each_other_are_refused) {

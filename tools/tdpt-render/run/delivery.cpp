@@ -13,7 +13,7 @@
 #include "libcommon/cli/ending.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/checkpoint.h"
-#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {
@@ -59,7 +59,6 @@ std::vector<std::string> derived_of(const RenderArguments& a) {
 }
 
 Channels channels_of(const RenderArguments& a, const Vista& vista, uint64_t seed) {
-  if (!a.shard.empty() && shard_of(a.shard).index > 0) return {};
   std::vector<std::string> names = aovs_of(a);
   if (a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
   return features(vista, names, seed);

@@ -45,7 +45,7 @@ class Delivery {
 
 /// The --aov channels that are computed from the film's sums, and the filter: FilmFacts::derived.
 std::vector<std::string> derived_of(const RenderArguments& a);
-/// The --aov channels that samples do not change: among shards only the first has them.
+/// The --aov channels that samples do not change, and those that the filter needs.
 Channels channels_of(const RenderArguments& a, const Vista& vista, uint64_t seed);
 
 }  // namespace tdpt

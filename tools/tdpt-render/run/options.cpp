@@ -14,7 +14,7 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/run/checkpoint.h"
-#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/integrators/features.h"
 
 namespace tdpt {
 namespace {
@@ -108,7 +108,7 @@ void check_options(const RenderArguments& a) {
     throw UsageError("--add-samples: needs --resume with the film of the picture");
   if (!a.shard.empty()) {
     check_stores_film(a, "--shard");
-    shard_of(a.shard);
+    samples_of_shard(a.shard, 0);  // throws
     if (a.seconds > 0 || a.target_error > 0 || (a.spp == 0 && a.resume.empty()))
       throw UsageError("--shard: needs --spp, and neither --time nor --target-error: all parts "
                        "must know how many samples the picture has");

@@ -17,7 +17,7 @@
 #include "tools/tdpt-render/run/delivery.h"
 #include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
 namespace {
@@ -177,11 +177,12 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
   }
 
   const RenderResult result = rendered(session, plan, std::move(progress), a, files);
-  nlohmann::ordered_json stats = stats_of(job, asked, in.portals, result);
-  stats["device"] = renderer->name();
+  nlohmann::ordered_json stats = stats_of(job, asked, in.portals, result, renderer->name());
   if (frame) stats["frame"] = frame_mark(in, common, *frame);
+  // Among shards only the first has what samples do not change.
+  const bool has_channels = result.progress->first == 0;
   const Delivery::Finish finish =
-      files.deliver(result, channels_of(a, vista, job.seed),
+      files.deliver(result, has_channels ? channels_of(a, vista, job.seed) : Channels(),
                     [&](const Delivery::Finish& f) { return finished(stats, f).dump(); });
   tell_after(session, in.portals, result, a, common);
   if (!finish.filtered.empty()) common.note(finish.filtered);

@@ -10,7 +10,7 @@
 
 #include "libcommon/base/counted.h"
 #include "libcommon/base/number_words.h"
-#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
 namespace {
@@ -117,20 +117,10 @@ bool is_black(const RenderResult& result) {
   return !result.plan.cut_short && result.nonzero() == 0;
 }
 
-// Whether a wall stands between some points of the lens.
-bool lens_is_cut(const Vista& vista) {
-  const Vec3d middle = vista.view.film.position();
-  for (int i = 0; i < 64; ++i) {
-    const FilmPlane drawn = vista.view.blur.draw(vista.view.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
-    if (!vista.world->tracer.visible({middle}, {drawn.position()})) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>& portals,
-              const RenderResult& result) {
+              const RenderResult& result, const std::string& device) {
   const Plan& plan = result.plan;
   const auto numbers = [](const Vec3d& v) { return Json{v.x, v.y, v.z}; };
   Json j{{"integrator", asked.name}};
@@ -138,8 +128,6 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
     j["chosen"] = plan.label;
     if (plan.pilot_samples > 0) j["pilot"] = pilot_json(plan);
   }
-  if (plan.explored.samples > 0)
-    j["exploration"] = {{"samples", plan.explored.samples}, {"cpu", plan.explored.cpu_seconds}};
   j["spp"] = result.spp();
   j["width"] = result.picture.width;
   j["height"] = result.picture.height;
@@ -147,6 +135,7 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
   if (job.max_depth < kMaxDepth) j["max_depth"] = job.max_depth;
   j["seconds"] = result.progress->seconds;
   j["cpu_seconds"] = result.progress->cpu_seconds;
+  j["device"] = device;
   j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
   if (result.target) j["target"] = target_json(*result.target, plan, *result.progress);
@@ -169,6 +158,8 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
                  {"lamps", lights.lamps},
                  {"parallel", lights.parallel},
                  {"sky", lights.sky}};
+  if (plan.explored.samples > 0)
+    j["exploration"] = {{"samples", plan.explored.samples}, {"cpu", plan.explored.cpu_seconds}};
   j["not_finite"] = result.tally.not_finite;
   for (size_t i = 0; i < portals.size(); ++i)
     j["portals"].push_back(portal_json(portals[i], i, result));
@@ -247,7 +238,9 @@ std::string turning_sentence(const Portal& portal, PortalWay::Way way) {
 }
 
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result) {
-  if (portals.empty() || !result.plan.integrator.mixture.has(Technique::portal)) return "";
+  const bool used = std::any_of(portals.begin(), portals.end(),
+                                [](const Portal& portal) { return !portal.triangles.empty(); });
+  if (!used || !result.plan.integrator.mixture.has(Technique::portal)) return "";
   const double total = total_energy(result.tally);
   const double share = result.tally.energy[static_cast<size_t>(Technique::portal)] / total;
   if (total > 0 && share < kLeastEnergy)
@@ -332,13 +325,6 @@ std::string told_of(const Vista& vista, const RenderResult& result) {
     noise = ", " + words_of(*result.noise);
   return fmt::format("{} per pixel in {}{}", counted(result.spp(), "sample"),
                      duration_words(result.progress->seconds), noise);
-}
-
-std::string why_black(const Vista& vista) {
-  if (sees_only_backs(vista)) return "the camera sees only backs of surfaces: does it stand in a wall?";
-  if (vista.view.blur.any() && lens_is_cut(vista))
-    return "surfaces cut through the lens of the camera: is --f-stop too small?";
-  return "are the samples too few, or is a door shut?";
 }
 
 std::vector<std::string> first_few(std::vector<std::string> sentences) {

@@ -11,11 +11,12 @@
 
 namespace tdpt {
 
-/// The statistics of tdpt-render(1) that are known before the picture is written, but for the
-/// device. `asked`: the only candidate, or `auto` with the techniques of all. `portals`: with the
-/// ways they work.
+/// The statistics of tdpt-render(1) that are known before the picture is written. `asked`: the only
+/// candidate, or `auto` with the techniques of all. `portals`: with the ways they work. `device`:
+/// the renderer's name.
 nlohmann::ordered_json stats_of(const Job& job, const Integrator& asked,
-                                const std::vector<Portal>& portals, const RenderResult& result);
+                                const std::vector<Portal>& portals, const RenderResult& result,
+                                const std::string& device = "cpu");
 
 /// Statistics as text: a decision for each, and for each portal and candidate. `frames`, which are
 /// long, are left out.
@@ -43,9 +44,6 @@ std::string length_sentence(const Job& job, const RenderResult& result);
 std::string turning_sentence(const Portal& portal, PortalWay::Way way);
 /// Segments that carried little light, or portals whose samples did; empty if there are none.
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
-
-/// Why no sample found light, as far as rays from the camera tell; for a black picture.
-std::string why_black(const Vista& vista);
 
 /// The first of the sentences, one for each portal, and how many more there are.
 std::vector<std::string> first_few(std::vector<std::string> sentences);

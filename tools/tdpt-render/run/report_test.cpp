@@ -112,18 +112,4 @@ TEST(report, explain_has_what_the_statistics_have) {
   EXPECT_NE(all.back().chosen.find("useless false"), std::string::npos);
 }
 
-// The camera sees a wall that no light reaches, or stands in the wall.
-TEST(report, a_black_picture_is_told_why_as_far_as_rays_tell) {
-  const Scene scene = read_gltf(two_rooms_path());
-  Vista vista(scene, scene.camera(""), 8, 6, {});
-  EXPECT_EQ(why_black(vista), "are the samples too few, or is a door shut?");
-  vista.view.blur = CameraBlur({50, 1}, {});
-  EXPECT_NE(why_black(vista).find("--f-stop"), std::string::npos);
-  Scene inside = scene;
-  for (Triangle& t : inside.triangles) std::swap(t.vertex[1], t.vertex[2]);
-  inside.normals.clear();
-  const Vista in_a_wall(inside, inside.camera(""), 8, 6, {});
-  EXPECT_NE(why_black(in_a_wall).find("stand in a wall"), std::string::npos);
-}
-
 }  // namespace tdpt::report_test

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "tools/tdpt-render/portals/given_portals.h"
-#include "tools/tdpt-render/run/covered_lamps.h"
-#include "tools/tdpt-render/run/focus.h"
+#include "tools/tdpt-render/path/sample/covered_lamps.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
 namespace {

@@ -59,7 +59,7 @@ bool is_made(const FrameCommand& frame, const std::string& mark) {
   if (!is(kFrameAttribute, mark)) return false;
   if (frame.a.shard.empty()) return !attributes.contains(film_attribute);
   const auto spp = static_cast<uint64_t>(frame.a.spp);
-  return is(kPartAttribute, part_words({shard_of(frame.a.shard).part(spp)}, spp));
+  return is(kPartAttribute, part_words({samples_of_shard(frame.a.shard, spp)}, spp));
 }
 
 // Writes the preview of a complete frame if it is not there, or is not as it should be now.
@@ -104,7 +104,7 @@ int render_shot(const RenderArguments& a, const cli::Common& common, Workshop& s
   for (int64_t k = range.first; k <= range.last; ++k) {
     FrameCommand frame = frame_command(a, common, k);
     frame.a.exposure = exposure;
-    frame.common.quiet = common.quiet || k > range.first;  // the first tells what all have
+    frame.common.quiet = common.quiet || done > 0;  // the first tells what all have
     const Loaded& in = shop.scenery.load(frame.a, frame.common);
     if (a.check) return 0;
     if (is_made(frame, frame_mark(in, frame.common, k))) {

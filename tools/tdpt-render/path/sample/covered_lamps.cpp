@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/run/covered_lamps.h"
+#include "tools/tdpt-render/path/sample/covered_lamps.h"
 
 #include <algorithm>
 #include <atomic>

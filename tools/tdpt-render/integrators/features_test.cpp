@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/run/features.h"
+#include "tools/tdpt-render/integrators/features.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
-#include "tools/tdpt-render/run/seen_backs.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,27 @@ Vec3d direction_of(const FilmPlane& film, int ray) {
 
 bool is_culled_back(const Scene& scene, const Hit& hit, const Vec3d& w) {
   return dot(hit.normal, w) > 0 && scene.single_sided(hit.triangle);
+}
+
+// Whether each ray meets the back of a surface, as in a wall.
+bool sees_only_backs(const Vista& vista) {
+  for (int i = 0; i < kRays * kRays; ++i) {
+    const Vec3d w = direction_of(vista.view.film, i);
+    Hit hit;
+    if (!vista.world->tracer.first_seen(vista.view.film.position(), w, hit) || dot(hit.normal, w) < 0)
+      return false;
+  }
+  return true;
+}
+
+// Whether a wall stands between some points of the lens.
+bool lens_is_cut(const Vista& vista) {
+  const Vec3d middle = vista.view.film.position();
+  for (int i = 0; i < 64; ++i) {
+    const FilmPlane drawn = vista.view.blur.draw(vista.view.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
+    if (!vista.world->tracer.visible({middle}, {drawn.position()})) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -56,14 +78,23 @@ std::string backs_sentence(const Vista& vista) {
                    : "material \"" + shown(name, 60) + "\"");
 }
 
-bool sees_only_backs(const Vista& vista) {
-  for (int i = 0; i < kRays * kRays; ++i) {
-    const Vec3d w = direction_of(vista.view.film, i);
-    Hit hit;
-    if (!vista.world->tracer.first_seen(vista.view.film.position(), w, hit) || dot(hit.normal, w) < 0)
-      return false;
+double distance_in_the_middle(const World& world, const FilmPlane& film) {
+  std::vector<uint32_t> passed;
+  Tracer::Sheet sheet;
+  double passes = 1;
+  while (world.tracer.first_sheet_seen(film.position(), film.forward(), passed, sheet)) {
+    passes *= 1 - sheet.coverage;
+    if (passes < 0.5) return sheet.hit.distance;
+    passed.push_back(sheet.hit.triangle);
   }
-  return true;
+  return std::numeric_limits<double>::infinity();
+}
+
+std::string why_black(const Vista& vista) {
+  if (sees_only_backs(vista)) return "the camera sees only backs of surfaces: does it stand in a wall?";
+  if (vista.view.blur.any() && lens_is_cut(vista))
+    return "surfaces cut through the lens of the camera: is --f-stop too small?";
+  return "are the samples too few, or is a door shut?";
 }
 
 }  // namespace tdpt
