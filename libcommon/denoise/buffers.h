@@ -1,12 +1,11 @@
 // What a filter needs of a picture file: its halves and features, as planes of checked numbers.
 #pragma once
 #include "libcommon/denoise/reproject.h"
+#include "libcommon/film/film.h"
 #include "libcommon/formats/picture.h"
 
 namespace tdpt::denoise {
 
-/// Layers with the means of the two halves of the samples.
-inline constexpr std::array kHalves{"halfA", "halfB"};
 /// Layer with the picture as it was rendered, beside the filtered one.
 inline constexpr const char* kNoisyLayer = "noisy";
 inline constexpr std::array kFeatureChannels{"albedo.R", "albedo.G", "albedo.B", "normal.X",

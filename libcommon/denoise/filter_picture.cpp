@@ -196,4 +196,26 @@ Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind,
   return filtered;
 }
 
+Unfiltered unfiltered(const Film& film, const FilmFacts& facts, Channels channels) {
+  const auto asks = [&](const char* word) {
+    return std::find(facts.derived.begin(), facts.derived.end(), word) != facts.derived.end();
+  };
+  Unfiltered picture{finished_picture(film, facts, std::move(channels)), {}, asks("halves")};
+  const auto word = std::find_if(kDenoised.begin(), kDenoised.end(), asks);
+  const bool by_halves = word != &kDenoised.back();
+  if (word == kDenoised.end() || (by_halves && !film.has_both_halves())) return picture;
+  picture.kind = static_cast<Kind>(word - kDenoised.begin());
+  for (const uint64_t half : {0, 1})
+    if (by_halves) picture.file.layers[kHalves[half]] = film.half(half);
+  return picture;
+}
+
+std::optional<Filtered> filter(Unfiltered& picture) {
+  if (!picture.kind) return {};
+  Filtered filtered = filter_picture(picture.file, "picture", *picture.kind);
+  if (!picture.keeps_halves)
+    for (const char* half : kHalves) picture.file.layers.erase(half);
+  return filtered;
+}
+
 }  // namespace tdpt::denoise

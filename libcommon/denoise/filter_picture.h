@@ -1,10 +1,13 @@
-// Filters a picture file by the buffers in it: tdpt-render(1), CHANNELS BESIDE THE LIGHT.
+// Filters a picture by the buffers beside it, of a file (tdpt-render(1), CHANNELS BESIDE THE LIGHT)
+// or of a film.
 #pragma once
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "libcommon/denoise/buffers.h"
+#include "libcommon/film/film_file.h"
 
 namespace tdpt::denoise {
 
@@ -16,6 +19,8 @@ enum class Kind { automatic, regression, oidn };
 /// As --denoiser has them.
 inline constexpr std::array kKinds{"auto", "regression", "oidn"};
 Kind kind_of(const std::string& name);
+/// The words of FilmFacts::derived that ask for them.
+inline constexpr std::array kDenoised{"denoise", "denoise-regression", "denoise-oidn"};
 
 struct Filtered {
   std::string denoiser;             ///< "regression", "oidn 2.5.1", "regression + oidn 2.5.1"
@@ -50,5 +55,15 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 /// them. Throws InputError, `name` in its place, if buffers are missing or no numbers.
 Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind = Kind::automatic,
                         std::span<const NamedPicture> frames = {});
+
+/// A film's finished picture, until it is filtered as its facts ask.
+struct Unfiltered {
+  ExrFile file;                ///< with the halves if the filter needs them
+  std::optional<Kind> kind{};  ///< none: not asked for, or a half has no samples
+  bool keeps_halves = false;   ///< they are asked for beside the filtered picture
+};
+Unfiltered unfiltered(const Film& film, const FilmFacts& facts, Channels channels = {});
+/// Filters it, as filter_picture() does; nothing if that has no `kind`.
+std::optional<Filtered> filter(Unfiltered& picture);
 
 }  // namespace tdpt::denoise

@@ -169,6 +169,39 @@ TEST(FilterPicture, RefusesWhatIsMissingOrNoNumber) {
             "a.exr:channel halfB.R: is empty: a filter needs two samples per pixel or more");
 }
 
+// A film of that many samples of a picture.
+Film film_of(uint64_t samples) {
+  const TestPicture test;
+  Film film(TestPicture::kSize.width, TestPicture::kSize.height, 1, {.halves = true});
+  for (uint64_t s = 0; s < samples; ++s) {
+    const Picture sample = picture_of(test.halves(0.3, s).shot.a);
+    for (size_t i = 0; i < sample.pixels.size(); ++i)
+      film.add(static_cast<int>(i % 96), static_cast<int>(i / 96), Vec3d(sample.pixels[i]), 0, s);
+  }
+  film.complete({0, samples});
+  return film;
+}
+
+TEST(FilterPicture, OfAFilmIsFilteredAsItsFactsAsk) {
+  const Film film = film_of(4);
+  FilmFacts facts;
+  const auto filtered = [&](const Film& of, std::vector<std::string> derived) {
+    facts.derived = std::move(derived);
+    Unfiltered picture = unfiltered(of, facts);
+    filter(picture);
+    return picture.file;
+  };
+  ExrFile expected = filtered(film, {"halves"});
+  EXPECT_EQ(expected.layers.size(), 2u);
+  filter_picture(expected, "a.exr", Kind::regression);
+  const ExrFile all = filtered(film, {"halves", "denoise-regression"}),
+                alone = filtered(film, {"denoise-regression"});
+  EXPECT_EQ(exr_bytes(all), exr_bytes(expected));
+  EXPECT_EQ(alone.picture.pixels, expected.picture.pixels);
+  EXPECT_EQ(alone.layers.size(), 1u) << "noisy";
+  EXPECT_TRUE(filtered(film_of(1), {"denoise-regression"}).layers.empty());
+}
+
 const char* const kCamera = "0 0 0 0 0 -1 0 1 0 1 1.5 all";
 
 TEST(FilterPicture, FramesAreAlignedByCameraAndDepth) {

@@ -15,6 +15,13 @@ double luminance_of(const Vec3d& c) {
 
 }  // namespace
 
+size_t Film::Options::bytes_of_pixel() const {
+  const auto kept = std::count_if(layers.begin(), layers.end(),
+                                  [](const std::string& name) { return !name.empty(); });
+  const size_t planes = 1 + static_cast<size_t>(kept) + (halves ? 1 : 0);
+  return 3 * sizeof(FixedSum) * planes + (alpha ? sizeof(uint64_t) : 0);
+}
+
 double Film::power_of_two(double power) {
   return std::exp2(std::ceil(std::log2(power > 0 ? power : 1.0)));
 }

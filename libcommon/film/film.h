@@ -27,6 +27,9 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
+/// Layers of a picture with the means of its samples with even and with odd numbers.
+inline constexpr std::array kHalves{"halfA", "halfB"};
+
 class Film {
  public:
   static constexpr size_t kMostLayers = 8, kOddPlane = 1 + kMostLayers;
@@ -38,6 +41,8 @@ class Film {
     std::vector<std::string> layers{};
     bool alpha = false;   ///< keep what alpha() needs
     bool halves = false;  ///< keep what half() and variance() need
+    /// Memory of a pixel's sums.
+    size_t bytes_of_pixel() const;
     friend bool operator==(const Options&, const Options&) = default;
   };
 

@@ -186,7 +186,7 @@ FilmFacts facts_of(const Reader& in) {
   facts.processor = in.text("processor");
   facts.plan = in.text("plan");
   facts.state = in.text("state");
-  facts.derived = in.texts("derived", kDerived.size() + 1);
+  facts.derived = in.texts("derived", kMostChannels);
   for (const auto& [name, value] : in.at("shape", Json::value_t::object).items())
     facts.shape.emplace_back(name, in.text(name, value));
   for (const auto& [name, values] : in.at("counts", Json::value_t::object).items()) {
@@ -218,7 +218,8 @@ void check_sums(const Film::Options& options, size_t state_channels, const ExrFi
     if (!there.contains(word.name))
       throw InputError(name, "channel " + shown(word.name, 80), "is missing");
   const size_t of_pictures = sizeof(Rgb) * (1 + exr.layers.size());
-  const size_t of_pixel = 4 * words.size() + of_pictures;
+  const size_t of_pixel =
+      options.bytes_of_pixel() + sizeof(uint32_t) * state_channels + of_pictures;
   expect_memory(
       name, "film",
       fmt::format("{} x {} pixels of {} bytes", exr.picture.width, exr.picture.height, of_pixel),
@@ -323,7 +324,10 @@ void FilmFile::merge(const FilmFile& other, const std::string& name) {
   if (const std::string other_shape = difference(other.facts.shape, facts.shape);
       !other_shape.empty())
     refuse("is of " + other_shape);
-  if (other.facts.plan != facts.plan) refuse("was rendered by another plan");
+  if (other.facts.plan != facts.plan)
+    refuse(
+        "was rendered by another plan: give all parts the same options, and name the integrator "
+        "(--integrator NAME) or use --set isa=sse2, so that all machines decide alike");
   if (other.film.options() != film.options() || other.film.unit() != film.unit() ||
       other.film.width() != film.width() || other.film.height() != film.height())
     refuse("keeps other sums");
@@ -407,19 +411,15 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   exr.channels = std::move(channels);
   const size_t pixels = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   for (const std::string& name : facts.derived) {
-    if (name == kDenoised.back()) continue;
-    if (name == "halves" || name.starts_with(kDenoised[0])) {
-      for (uint64_t half : {0, 1}) exr.layers[denoise::kHalves[half]] = film.half(half);
-      continue;
-    }
-    std::vector<float>& values = exr.channels[name + ".Y"];
-    values.assign(pixels, static_cast<float>(film.samples()));
+    if (name == "samples")
+      exr.channels["samples.Y"].assign(pixels, static_cast<float>(film.samples()));
+    if (name == "halves")
+      for (const uint64_t half : {0, 1}) exr.layers[kHalves[half]] = film.half(half);
     if (name != "variance") continue;
     // Pictures must not contain infinities.
-    const std::vector<double> variance = film.variance();
-    for (size_t i = 0; i < pixels; ++i)
-      values[i] = static_cast<float>(
-          std::min(variance[i], static_cast<double>(std::numeric_limits<float>::max())));
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    std::vector<float>& values = exr.channels["variance.Y"];
+    for (const double v : film.variance()) values.push_back(static_cast<float>(std::min(v, most)));
   }
   exr.picture = film.picture();
   const std::vector<std::string>& layers = film.options().layers;
@@ -429,23 +429,6 @@ ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels chan
   if (film.samples() < facts.spp) exr.attributes.erase(kFrameAttribute);
   exr.attributes["spp"] = std::to_string(film.samples());
   return exr;
-}
-
-std::optional<denoise::Filtered> filter_as_asked(ExrFile& picture, bool both_halves,
-                                                 const FilmFacts& facts,
-                                                 std::span<const denoise::NamedPicture> frames) {
-  const auto asks = [&](const char* name) {
-    return std::find(facts.derived.begin(), facts.derived.end(), name) != facts.derived.end();
-  };
-  const auto asked = std::find_if(kDenoised.begin(), kDenoised.end(), asks);
-  if (asked == kDenoised.end()) return {};
-  const auto kind = static_cast<denoise::Kind>(asked - kDenoised.begin());
-  if (kind == denoise::Kind::oidn) return denoise::filter_picture(picture, "picture", kind);
-  std::optional<denoise::Filtered> filtered;
-  if (both_halves) filtered = denoise::filter_picture(picture, "picture", kind, frames);
-  if (!asks("halves"))
-    for (const char* half : denoise::kHalves) picture.layers.erase(half);
-  return filtered;
 }
 
 }  // namespace tdpt

@@ -4,14 +4,11 @@
 #pragma once
 #include <array>
 #include <map>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "libcommon/base/fingerprint.h"
-#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/film/film.h"
 
 namespace tdpt {
@@ -42,7 +39,8 @@ struct FilmFacts {
   std::string processor;
   uint64_t spp = 0;  ///< samples per pixel of the whole picture; 0: limited by time
   Counts counts;
-  /// Channels of the finished picture that derive from its sums, out of kDerived.
+  /// What is made of the sums at the end: channels of kDerived, and words that others understand
+  /// [filter_picture.h].
   std::vector<std::string> derived;
   std::map<std::string, std::string> attributes;  ///< of the finished picture, except `spp`
   friend bool operator==(const FilmFacts&, const FilmFacts&) = default;
@@ -51,12 +49,9 @@ struct FilmFacts {
 /// More of a rendering's state than its facts hold, as its program understands it.
 using StateWords = std::vector<uint32_t>;
 
-/// "variance": of the mean luminance, "halves": the means of even and of odd samples
-/// [denoise::kHalves], both of a film that keeps halves; "samples": number per pixel.
+/// "variance": of the mean luminance, "halves": kHalves, both of a film that keeps halves;
+/// "samples": number per pixel.
 inline constexpr std::array kDerived{"variance", "halves", "samples"};
-/// Also in FilmFacts::derived: the picture itself is filtered, by that denoise::Kind
-/// [filter_as_asked()].
-inline constexpr std::array kDenoised{"denoise", "denoise-regression", "denoise-oidn"};
 
 struct FilmFile {
   Film film;
@@ -89,13 +84,7 @@ std::string part_words(const std::vector<SampleRange>& ranges, uint64_t of);
 /// Whether a picture has the attribute that marks films.
 bool is_film(const ExrFile& file);
 
-/// The finished picture, before filtering, identical to that of a rendering that was not split.
+/// The finished picture, identical to that of a rendering that was not split.
 ExrFile finished_picture(const Film& film, const FilmFacts& facts, Channels channels = {});
-/// Filters it if the facts ask for that and its film has `both_halves`: then it has no halves if
-/// they are not asked for. Nothing if it is not filtered. `frames`: as in
-/// denoise::filter_picture().
-std::optional<denoise::Filtered> filter_as_asked(
-    ExrFile& picture, bool both_halves, const FilmFacts& facts,
-    std::span<const denoise::NamedPicture> frames = {});
 
 }  // namespace tdpt

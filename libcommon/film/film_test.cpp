@@ -110,6 +110,18 @@ TEST(film, knows_its_samples) {
   EXPECT_EQ(film.samples(), 7u);
 }
 
+TEST(film, says_what_memory_its_sums_take) {
+  for (const Film::Options& options :
+       {Film::Options(), Film::Options{{"camera", "", "light"}, false, false},
+        Film::Options{{}, true, false}, Film::Options{{"camera"}, true, true}}) {
+    Film pixel(1, 1, 1, options);
+    size_t bytes = 0;
+    for (const Film::Numbers& n : pixel.numbers()) bytes += n.each * n.bytes;
+    EXPECT_EQ(options.bytes_of_pixel(), bytes);
+  }
+  EXPECT_EQ(Film::Options().bytes_of_pixel(), 48u);
+}
+
 TEST(film, merges_with_films_of_the_same_picture_only) {
   Film::Options other;
   other.layers = {"camera"};

@@ -11,8 +11,9 @@
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
-#include "libcommon/options/picture_options.h"
+#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/formats/tone.h"
+#include "libcommon/options/picture_options.h"
 #include "tools/exrmerge/merging.h"
 
 namespace tdpt {
@@ -89,10 +90,10 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(mixed_code_sentence(film.facts.processor));
   if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
-  ExrFile file = a.film ? ExrFile{film.film.picture(), {}, {}, {}, {}}
-                        : finished_picture(film.film, film.facts, film.channels);
-  const auto filtered =
-      a.film ? std::nullopt : filter_as_asked(file, film.film.has_both_halves(), film.facts);
+  denoise::Unfiltered all = a.film ? denoise::Unfiltered{{film.film.picture(), {}, {}, {}, {}}}
+                                   : denoise::unfiltered(film.film, film.facts, film.channels);
+  const std::optional<denoise::Filtered> filtered = denoise::filter(all);
+  const ExrFile& file = all.file;
   const Picture& picture = file.picture;
   const std::string& png = is_png ? common.output : a.preview;
   const std::optional<double> exposure = exposure_of(picture, png, a.exposure);

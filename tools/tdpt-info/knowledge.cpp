@@ -233,14 +233,8 @@ void tell_film(const FilmFile& file, Knowledge& k) {
   for (const std::string& layer : file.film.options().layers)
     if (!layer.empty()) channels.push_back(layer + ".R");
   for (const auto& [name, values] : file.channels) channels.push_back(name);
-  for (const std::string& name : file.facts.derived)
-    if (name == "halves")
-      for (const char* half : denoise::kHalves) channels.push_back(half + std::string(".R"));
-    else if (std::find(kDenoised.begin(), kDenoised.end(), name) != kDenoised.end())
-      channels.push_back(denoise::kNoisyLayer + std::string(".R"));
-    else
-      channels.push_back(name + ".Y");
   fact(k, "layers", layers_of(channels));
+  fact(k, "derived", file.facts.derived);
   fact(k, "goes_on", !file.facts.state.empty());
   fact(k, "processor", file.facts.processor);
   for (const auto& [name, value] : file.facts.shape) {

@@ -32,9 +32,9 @@ std::string nonzero_png(const Picture& picture) {
 }
 
 // Filters the picture as its facts ask, and tells what the filter did.
-void filter(ExrFile& picture, bool both_halves, const FilmFacts& facts, Delivery::Finish& told) {
+void filter(denoise::Unfiltered& picture, Delivery::Finish& told) {
   const auto start = std::chrono::steady_clock::now();
-  const auto filtered = filter_as_asked(picture, both_halves, facts);
+  const auto filtered = denoise::filter(picture);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   told.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
                            : "not filtered: there is one sample per pixel";
@@ -54,7 +54,7 @@ std::vector<std::string> derived_of(const RenderArguments& a) {
   for (const std::string& name : aovs_of(a))
     if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
       derived.push_back(name);
-  if (a.filters()) derived.push_back(kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
+  if (a.filters()) derived.push_back(denoise::kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
   return derived;
 }
 
@@ -104,11 +104,12 @@ Delivery::Finish Delivery::deliver(const RenderResult& result, const Channels& c
   const Film& film = result.progress->film;
   const bool is_shard = !a_.shard.empty();
   Finish finish;
-  ExrFile file{result.picture, {}, {}, {}, {}};
+  denoise::Unfiltered all{{result.picture, {}, {}, {}, {}}};
   if (!is_shard) {
-    file = finished_picture(film, facts_, channels);
-    if (a_.filters()) filter(file, film.has_both_halves(), facts_, finish);
+    all = denoise::unfiltered(film, facts_, channels);
+    if (a_.filters()) filter(all, finish);
   }
+  const ExrFile& file = all.file;
   finish.exposure = exposure_of(file.picture, a_.preview, a_.exposure);
   warn_of_range(file, a_.storage(), common_);
   const auto bytes = [&] {

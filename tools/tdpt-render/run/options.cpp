@@ -9,7 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/film/film_file.h"
+#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/gpu/device_options.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/walk.h"
