@@ -29,6 +29,13 @@ std::atomic<uint64_t>& limit() {
   return bytes;
 }
 
+// Empty if they are within the limit.
+std::string excess_of(const std::string& what, uint64_t bytes) {
+  if (bytes <= limit()) return "";
+  return fmt::format("{} take {} of memory, expected at most the {} of --max-memory", what,
+                     size_words(bytes), size_words(limit()));
+}
+
 }  // namespace
 
 uint64_t memory_limit() {
@@ -63,10 +70,12 @@ std::optional<uint64_t> parse_size(std::string_view text) {
 
 void expect_memory(const std::string& file, const std::string& place, const std::string& what,
                    uint64_t bytes) {
-  if (bytes <= limit()) return;
-  throw InputError(file, place,
-                   fmt::format("{} take {} of memory, expected at most the {} of --max-memory",
-                               what, size_words(bytes), size_words(limit())));
+  if (const std::string excess = excess_of(what, bytes); !excess.empty())
+    throw InputError(file, place, excess);
+}
+
+void expect_memory(const std::string& what, uint64_t bytes) {
+  if (const std::string excess = excess_of(what, bytes); !excess.empty()) throw UsageError(excess);
 }
 
 }  // namespace tdpt

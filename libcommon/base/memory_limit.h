@@ -1,5 +1,6 @@
-// --max-memory: the most memory that reading one file may take. Readers check before they allocate,
-// wherever the file's size is no bound: compressed data, and data that is referenced many times.
+// --max-memory: the most memory that reading one file, or one result, may take. Programs check
+// before they allocate, wherever the file's size is no bound: compressed data, and data that is
+// referenced many times.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -22,5 +23,8 @@ std::optional<uint64_t> parse_size(std::string_view text);
 /// bytes than the limit.
 void expect_memory(const std::string& file, const std::string& place, const std::string& what,
                    uint64_t bytes);
+/// Throws UsageError if what the options ask for, likewise, takes more: "640 x 480 pixels (--width,
+/// --height)".
+void expect_memory(const std::string& what, uint64_t bytes);
 
 }  // namespace tdpt

@@ -69,7 +69,7 @@ void Options::declare_general(const Program& program) {
            Effect::speed);
   impl_->keep(impl_
                   ->add("--max-memory,--set max-memory", impl_->most_memory, "SIZE",
-                        "Most memory that reading a file may take; default three quarters of "
+                        "Most memory that a file, film or grid may take; default three quarters of "
                         "the machine's")
                   ->check(size()),
               Effect::speed);

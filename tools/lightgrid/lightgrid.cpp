@@ -13,8 +13,11 @@
 #include <cmath>
 #include <span>
 
+#include <fmt/format.h>
+
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/memory_limit.h"
 #include "tools/lightgrid/air.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
@@ -31,6 +34,7 @@ constexpr size_t kFewestKept = 2000;   // with fewer kept segments the counts ne
 constexpr double kHot = 0.25;          // of the largest count: voxels that are compared
 constexpr uint64_t kBlock = 1 << 17;   // segments in memory at a time
 constexpr size_t kMostKept = 1 << 20;  // coarse lines from which the fine pass starts
+constexpr size_t kBytesOfVoxel = 100;  // the grid, its counters and the weights of the fine pass
 
 // Number of lines through each voxel of air.
 void read_counts(const LightGrid& grid, LineTracer& tracer, std::vector<uint32_t>& count) {
@@ -158,6 +162,8 @@ LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution) {
     corner[c] -= 0.5 * grid.dim[s] * voxel;
     total *= static_cast<size_t>(grid.dim[s]);
   }
+  expect_memory(fmt::format("{} voxels (--resolution)", fmt::join(grid.dim, " x ")),
+                total * kBytesOfVoxel);
   grid.origin = scene.frame.to_metres(corner);
   grid.voxel = voxel / scene.frame.scale;
   grid.count.assign(total, 0);

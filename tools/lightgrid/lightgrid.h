@@ -60,6 +60,7 @@ Extent box_of(const Scene& scene);
 /// the patches of the rooms count, with some air around.
 Extent reach_of_cut(const Scene& scene, const CutFile& cut);
 /// A box of a scene as cubic voxels, `resolution` along its longest side; without air and counts.
+/// Throws UsageError if they, and what counts lines in them, take more than memory_limit().
 LightGrid empty_grid(const Scene& scene, const Extent& box, int resolution);
 inline LightGrid empty_grid(const Scene& scene, int resolution) {
   return empty_grid(scene, box_of(scene), resolution);

@@ -27,19 +27,36 @@ TEST(picture_size, is_16_by_9_for_a_camera_without_aspect) {
   expect(picture_size(camera, 0, 0), 640, 360);
 }
 
-TEST(picture_size, has_a_pixel_at_least_and_as_many_as_memory_is_meant_for_at_most) {
+TEST(picture_size, has_a_pixel_at_least_and_2_to_the_27_at_most) {
   Camera camera;
   camera.aspect = 1000;
   expect(picture_size(camera, 8, 0), 8, 1);
   EXPECT_THROW(picture_size(camera, 0, 100), UsageError);  // 100000 wide
-  const uint64_t machine = memory_limit();
-  limit_memory(uint64_t{6} << 30);
   expect(picture_size(camera, 16384, 8192), 16384, 8192);
   EXPECT_THROW(picture_size(camera, 16384, 8193), UsageError);
-  limit_memory(100 << 20);
-  expect(picture_size(camera, 1600, 1200), 1600, 1200);
-  EXPECT_THROW(picture_size(camera, 1600, 1400), UsageError) << "its film takes 103 MiB";
-  limit_memory(machine);
+}
+
+TEST(film, is_limited_by_the_memory_of_all_its_sums) {
+  Arguments a;
+  const uint64_t machine = memory_limit();
+  const auto expect_bytes = [&](uint64_t bytes) {
+    limit_memory(6 * bytes);
+    EXPECT_NO_THROW(expect_memory_of_film(a, {3, 2})) << bytes;
+    limit_memory(6 * bytes - 1);
+    EXPECT_THROW(expect_memory_of_film(a, {3, 2}), UsageError) << bytes;
+    limit_memory(machine);
+  };
+  expect_bytes(48);
+  a.alpha = true;
+  expect_bytes(56);
+  a.denoise = true;
+  expect_bytes(104);
+  a.layers = true;
+  expect_bytes(296);
+  a.portals = {"door.glb"};
+  expect_bytes(344);
+  a.integrator = "nee";
+  expect_bytes(200);
 }
 
 TEST(picture_size, is_that_of_the_scene_where_the_command_line_has_none) {

@@ -42,6 +42,8 @@ bool stands_as(const Camera& a, const Camera& b) {
 
 Loaded& Scenery::load(const RenderArguments& a, const cli::Common& common) {
   const bool first = !file_;
+  if (a.width > 0 && a.height > 0)
+    expect_memory_of_film(a, picture_size(Camera(), a.width, a.height));
   if (first) file_ = std::make_unique<SceneFile>(a.scene, a.pose.animations);
   cli::Common quiet = common;
   quiet.quiet = true;
@@ -70,6 +72,7 @@ void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tel
 void Scenery::take_camera(const RenderArguments& a, const cli::Common& common) {
   in_.camera = chosen_camera(in_.scene, a.camera, common);
   in_.size = picture_size(in_.scene, in_.camera, a.width, a.height);
+  expect_memory_of_film(a, in_.size);
 }
 
 // A camera of the options stands still.
