@@ -55,14 +55,6 @@ Integrator with_numbers(const RenderArguments& a, Integrator guided) {
   return guided;
 }
 
-bool keeps_halves(const RenderArguments& a) {
-  const std::vector<std::string> aovs = aovs_of(a);
-  return (a.filters() && a.denoiser != kDenoisers.back()) ||
-         std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
-           return name == "variance" || name == "halves";
-         });
-}
-
 }  // namespace
 
 std::vector<std::string> aovs_of(const RenderArguments& a) {
@@ -85,6 +77,14 @@ std::vector<std::string> aovs_of(const RenderArguments& a) {
   for (const std::string& name : known)
     if (has(given, name)) names.push_back(name);
   return names;
+}
+
+bool keeps_halves(const RenderArguments& a) {
+  const std::vector<std::string> aovs = aovs_of(a);
+  return (a.filters() && a.denoiser != kDenoisers.back()) ||
+         std::any_of(aovs.begin(), aovs.end(), [](const std::string& name) {
+           return name == "variance" || name == "halves";
+         });
 }
 
 bool is_there(const std::string& path) {

@@ -19,6 +19,8 @@ void check_checkpoint(const RenderArguments& a);
 /// Throws UsageError if numbers for guided walks are given to an integrator that has none.
 Job job_of(const RenderArguments& a, const cli::Common& common);
 
+/// Whether the film keeps its halves, for the filter or for --aov.
+bool keeps_halves(const RenderArguments& a);
 /// The names of --aov, each once, in the order of kFeatures and kDerived. Throws UsageError for an
 /// unknown one.
 std::vector<std::string> aovs_of(const RenderArguments& a);

@@ -36,7 +36,7 @@ PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width
   }
 }
 
-void expect_memory_of_film(const Arguments& a, const PictureSize& size) {
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size) {
   const TechniqueSet techniques = a.integrator != "auto"
                                       ? integrator_named(a.integrator).mixture.techniques
                                       : (a.portals.empty() ? kTwoWays : kThreeWays);

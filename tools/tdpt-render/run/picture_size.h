@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "libcommon/scene/scene.h"
-#include "tools/tdpt-render/run/arguments.h"
+#include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {
 
@@ -21,6 +21,6 @@ PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width
 
 /// Throws UsageError if the film of such a picture takes too much memory [memory_limit.h]. With
 /// `auto` it may get layers for all techniques of its candidates.
-void expect_memory_of_film(const Arguments& a, const PictureSize& size);
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size);
 
 }  // namespace tdpt

@@ -37,7 +37,7 @@ TEST(picture_size, has_a_pixel_at_least_and_2_to_the_27_at_most) {
 }
 
 TEST(film, is_limited_by_the_memory_of_all_its_sums) {
-  Arguments a;
+  RenderArguments a;
   const uint64_t machine = memory_limit();
   const auto expect_bytes = [&](uint64_t bytes) {
     limit_memory(6 * bytes);
