@@ -57,7 +57,8 @@ void render_one(const Vista& vista, const Integrator& integrator, uint64_t spp, 
   pictures.spp = spp;
   pictures.cpu_seconds += r.progress->cpu_seconds;
   pictures.work =
-      WorkModel(vista, integrator.mixture).per_sample(r.tally.rays, spp * r.picture.pixels.size());
+      sample_work(vista, integrator.mixture, work_costs(vista, integrator.mixture), r.tally.rays,
+                  spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
@@ -170,13 +171,11 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
         std::printf("told\t%s\t%llu\t%d\t%s\t%.5g\t%.5g\n", name,
                     static_cast<unsigned long long>(length), seed, p.integrator.c_str(),
                     p.cost / p.work, p.work);
-      const PortalsGain gain = told.portals.value_or(PortalsGain{});
-      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\t%.5g\t%.5g\t%.5g\t%s\t%s\n", name,
+      std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\t%.5g\t%.5g\t%.5g\n", name,
                   static_cast<unsigned long long>(length), seed,
                   told.estimates[told.best].integrator.c_str(), spent,
-                  static_cast<unsigned long long>(pilot.groups()), s.width * s.height, gain.times,
-                  gain.low, gain.high, told.estimates[gain.with].integrator.c_str(),
-                  told.estimates[gain.without].integrator.c_str());
+                  static_cast<unsigned long long>(pilot.groups()), s.width * s.height, told.portals_gain,
+                  told.gain_low, told.gain_high);
     }
   std::fflush(stdout);
 }

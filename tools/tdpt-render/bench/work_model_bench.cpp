@@ -62,8 +62,8 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
       for (const auto& [name, member] : kTerms) {
         WorkCosts unit;
         unit.*member = 1;
-        const WorkModel model(vista, c.integrator.mixture, unit);
-        std::printf("\t%.9g", model.per_sample(r.tally.rays, samples));
+        std::printf("\t%.9g",
+                    sample_work(vista, c.integrator.mixture, unit, r.tally.rays, samples));
       }
       std::printf("\n");
       std::fflush(stdout);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace tdpt {
 namespace {
 
+constexpr size_t kTraits = std::tuple_size_v<Traits>;
 constexpr double kUnknown = 100;  // variance of the level
 // Effects of traits on the logarithm: mean and standard deviation over scenes, and standard
 // deviation of the measurement's systematic errors. Rough values: halving or doubling them hardly
@@ -16,14 +18,20 @@ constexpr double kOwn = 0.2, kOwnError = 0.1;  // of the effect of one candidate
 constexpr double kTails = 2;  // the jackknife misses bright paths that no batch has met
 constexpr double kNinety = 1.645;
 
-struct Measured {
-  std::vector<double> logs, covariance;
+struct Evidence {
+  Traits traits;
+  std::vector<double> costs;  // by batch
 };
 
-Measured measured(const std::vector<Evidence>& all) {
-  const size_t n = all.size(), batches = all[0].costs.size();
+// Of normal variables, the covariance row by row.
+struct Logs {
+  std::vector<double> mean, covariance;
+};
+
+Logs measured(const std::vector<Evidence>& all) {
+  const size_t n = all.size(), batches = n > 0 ? all[0].costs.size() : 0;
   const auto m = static_cast<double>(batches);
-  Measured out{std::vector<double>(n), std::vector<double>(n * n)};
+  Logs out{std::vector<double>(n), std::vector<double>(n * n)};
   std::vector<std::vector<double>> without(n);  // logs without each batch, less their mean
   for (size_t i = 0; i < n; ++i) {
     double sum = 0, mean = 0;
@@ -32,7 +40,7 @@ Measured measured(const std::vector<Evidence>& all) {
       without[i].push_back(std::log(std::max(sum - c, 1e-3 * sum)));
     for (const double l : without[i]) mean += l / m;
     for (double& l : without[i]) l -= mean;
-    out.logs[i] = std::log(sum / m);
+    out.mean[i] = std::log(sum / m);
   }
   for (size_t i = 0; i < n; ++i)
     for (size_t j = 0; j < n; ++j)
@@ -71,12 +79,9 @@ std::vector<double> solved(std::vector<double> A, std::vector<double> B, size_t 
   return B;
 }
 
-}  // namespace
-
-CostPosterior::CostPosterior(const std::vector<Evidence>& all) : logs_(all.size()) {
+Logs posterior(const std::vector<Evidence>& all) {
   const size_t n = all.size();
-  if (n == 0) return;
-  const Measured measurement = measured(all);
+  const Logs measurement = measured(all);
   std::vector<double> prior(n * n), sum(n * n);
   for (size_t i = 0; i < n; ++i)
     for (size_t j = 0; j < n; ++j) {
@@ -86,25 +91,51 @@ CostPosterior::CostPosterior(const std::vector<Evidence>& all) : logs_(all.size(
                 shared(all[i], all[j], kErrors, kOwnError);
     }
   const std::vector<double> gain = solved(sum, prior, n);  // transposed
-  covariance_ = prior;
+  Logs out{{}, prior};
   for (size_t i = 0; i < n; ++i) {
-    logs_[i] = expected(all[i]);
+    double& mean = out.mean.emplace_back(expected(all[i]));
     for (size_t k = 0; k < n; ++k) {
-      logs_[i] += gain[k * n + i] * (measurement.logs[k] - expected(all[k]));
-      for (size_t j = 0; j < n; ++j) covariance_[i * n + j] -= gain[k * n + i] * prior[k * n + j];
+      mean += gain[k * n + i] * (measurement.mean[k] - expected(all[k]));
+      for (size_t j = 0; j < n; ++j)
+        out.covariance[i * n + j] -= gain[k * n + i] * prior[k * n + j];
     }
   }
+  return out;
 }
 
-double CostPosterior::cost(size_t i) const {
-  return std::exp(logs_[i]);
-}
+}  // namespace
 
-CostRatio CostPosterior::ratio(size_t i, size_t j) const {
-  const double variance = covariance(i, i) + covariance(j, j) - 2 * covariance(i, j);
+Forecast posterior_costs(std::vector<CandidateEstimate> estimates,
+                         const std::vector<Traits>& traits,
+                         const std::vector<std::vector<double>>& costs) {
+  std::vector<Evidence> evidence;
+  std::vector<size_t> judged;  // their candidates
+  for (size_t i = 0; i < estimates.size(); ++i) {
+    if (!(std::isfinite(estimates[i].cost) && estimates[i].cost > 0)) continue;
+    evidence.push_back({traits[i], costs[i]});
+    judged.push_back(i);
+  }
+  const Logs logs = posterior(evidence);
+  Forecast out{std::move(estimates)};
+  std::optional<size_t> best[2];  // of `judged`: without portals, with them
+  for (size_t k = 0; k < judged.size(); ++k) {
+    CandidateEstimate& e = out.estimates[judged[k]];
+    e.cost = std::exp(logs.mean[k]);
+    std::optional<size_t>& rival = best[e.with_portals];
+    if (!rival || e.cost < out.estimates[judged[*rival]].cost) rival = k;
+  }
+  for (const auto& b : best)
+    if (b && out.estimates[judged[*b]].cost < out.estimates[out.best].cost) out.best = judged[*b];
+  if (!best[0] || !best[1]) return out;
+  const size_t i = *best[0], j = *best[1], n = judged.size();
+  const std::vector<double>& V = logs.covariance;
+  const double variance = V[i * n + i] + V[j * n + j] - 2 * V[i * n + j];
   const double off = kNinety * std::sqrt(std::max(variance, 0.0));
-  const double log = logs_[i] - logs_[j];
-  return {std::exp(log), std::exp(log - off), std::exp(log + off)};
+  const double log = logs.mean[i] - logs.mean[j];
+  out.portals_gain = std::exp(log);
+  out.gain_low = std::exp(log - off);
+  out.gain_high = std::exp(log + off);
+  return out;
 }
 
 }  // namespace tdpt

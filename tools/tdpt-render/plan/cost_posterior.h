@@ -11,38 +11,41 @@
 // prior   log cost = level + sum of the effects of i's traits + an effect of i alone, all
 //         independent and normal, the level unknown
 // model   systematic errors of the measurement, of the same form
-// P       posterior mean; V its covariance
+// P       posterior mean; V its covariance. Of P_i - P_j = log of a ratio of costs comes its
+// interval
 #pragma once
 #include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace tdpt {
 
+/// What is known of one candidate.
+struct CandidateEstimate {
+  std::string integrator;     ///< its label
+  bool with_portals = false;  ///< whether it uses them
+  double relmse = 0;          ///< of one sample per pixel; infinite if it misses light
+  double work = 0;            ///< of one sample [ns]
+  double cost = 0;            ///< error x work, as measured; posterior after posterior_costs()
+};
+
+struct Forecast {
+  std::vector<CandidateEstimate> estimates;
+  size_t best = 0;  ///< the first if none met light
+  /// Gain by portals: the cost of the best candidate without them over that of the best with them,
+  /// and its 90 % interval. 0: one kind is missing, or none met light.
+  double portals_gain = 0, gain_low = 0, gain_high = 0;
+};
+
 /// Traits that candidates share: portal segments, walks guided to portals, no light walks, next
 /// events through portals, a light walk for every sample.
-constexpr size_t kTraits = 5;
+using Traits = std::array<bool, 5>;
 
-struct Evidence {
-  std::array<bool, kTraits> traits{};
-  std::vector<double> costs;  ///< by batch, finite; the same batches for every candidate
-};
-
-/// The ratio of two costs with its 90 % interval.
-struct CostRatio {
-  double times = 1, low = 1, high = 1;
-};
-
-class CostPosterior {
- public:
-  /// Each needs a batch that is not 0.
-  explicit CostPosterior(const std::vector<Evidence>& all);
-  double cost(size_t i) const;
-  CostRatio ratio(size_t i, size_t j) const;  ///< of i's cost to j's
-
- private:
-  double covariance(size_t i, size_t j) const { return covariance_[i * logs_.size() + j]; }
-  std::vector<double> logs_, covariance_;  // P, V
-};
+/// `costs`: as measured, by candidate and batch; the same batches for every candidate. Candidates
+/// without a finite cost above 0 keep theirs and are never the best.
+Forecast posterior_costs(std::vector<CandidateEstimate> estimates,
+                         const std::vector<Traits>& traits,
+                         const std::vector<std::vector<double>>& costs);
 
 }  // namespace tdpt

@@ -19,8 +19,13 @@ double normal(Rng& rng) {
   return std::normal_distribution<double>()(rng);
 }
 
+struct Evidence {
+  Traits traits{};
+  std::vector<double> costs;
+};
+
 // A candidate of that cost: batches of mean 1 with log-normal noise.
-Evidence measured(Rng& rng, double cost, double noise, std::array<bool, kTraits> traits = {}) {
+Evidence measured(Rng& rng, double cost, double noise, Traits traits = {}) {
   Evidence e{traits, {}};
   for (size_t b = 0; b < kBatches; ++b)
     e.costs.push_back(cost * std::exp(noise * normal(rng) - 0.5 * noise * noise));
@@ -38,12 +43,17 @@ Evidence smoothed(Evidence e) {
   return e;
 }
 
-size_t least(const std::vector<Evidence>& all) {
-  const CostPosterior judged(all);
-  size_t best = 0;
-  for (size_t i = 1; i < all.size(); ++i)
-    if (judged.cost(i) < judged.cost(best)) best = i;
-  return best;
+// Those with the first trait use portals.
+Forecast judged(const std::vector<Evidence>& all) {
+  std::vector<CandidateEstimate> estimates;
+  std::vector<Traits> traits;
+  std::vector<std::vector<double>> costs;
+  for (const Evidence& e : all) {
+    estimates.push_back({"", e.traits[0], mean(e), 1, mean(e)});
+    traits.push_back(e.traits);
+    costs.push_back(e.costs);
+  }
+  return posterior_costs(estimates, traits, costs);
 }
 
 // One low-noise candidate, and eight noisy ones that cost more.
@@ -61,8 +71,8 @@ Lost lost() {
         all.begin(), all.end(), [](const auto& a, const auto& b) { return mean(a) < mean(b); });
     const double loss = std::log(1.5);
     sum.plainly += plain == all.begin() ? 0 : loss;
-    sum.judged += least(all) == 0 ? 0 : loss;
-    sum.smoothed += least(twin) == 0 ? 0 : loss;
+    sum.judged += judged(all).best == 0 ? 0 : loss;
+    sum.smoothed += judged(twin).best == 0 ? 0 : loss;
   }
   return sum;
 }
@@ -88,11 +98,13 @@ double held(bool smooth) {
     std::vector<Evidence> all{measured(rng, 1, 0.5), measured(rng, 1.2, 0.5),
                               measured(rng, std::exp(portals), 1.2, {true}),
                               measured(rng, std::exp(portals + own), 1.2, {true})};
+    const std::array truth{1.0, 1.2, std::exp(portals), std::exp(portals + own)};
     if (smooth)
       for (Evidence& e : all) e = smoothed(e);
-    const CostRatio r = CostPosterior(all).ratio(0, 3);
-    const double truth = std::exp(-portals - own);
-    held += r.low <= truth && truth <= r.high;
+    const Forecast f = judged(all);
+    const double ratio = truth[f.estimates[1].cost < f.estimates[0].cost] /
+                         truth[f.estimates[3].cost < f.estimates[2].cost ? 3 : 2];
+    held += f.gain_low <= ratio && ratio <= f.gain_high;
   }
   return static_cast<double>(held) / kTrials;
 }
@@ -109,14 +121,14 @@ TEST(cost_posterior, twin_intervals_do_not_where_noise_is_not_known) {
 
 TEST(cost_posterior, of_what_is_known_well_is_the_measurement) {
   Rng rng(3);
-  const CostPosterior judged(
-      {measured(rng, 1, 0), measured(rng, 0.5, 0, {true, true}), measured(rng, 3, 0)});
-  const CostRatio r = judged.ratio(0, 1);
-  EXPECT_NEAR(std::log(r.times), std::log(2), 0.15);
-  EXPECT_LT(r.low, r.times);
-  EXPECT_NEAR(r.low * r.high, r.times * r.times, 1e-9);
-  EXPECT_NEAR(judged.ratio(1, 0).times, 1 / r.times, 1e-9);
-  EXPECT_GT(judged.cost(2), judged.cost(0));
+  const Forecast f =
+      judged({measured(rng, 1, 0), measured(rng, 0.5, 0, {true, true}), measured(rng, 3, 0)});
+  EXPECT_EQ(f.best, 1u);
+  EXPECT_NEAR(std::log(f.portals_gain), std::log(2), 0.15);
+  EXPECT_NEAR(f.portals_gain, f.estimates[0].cost / f.estimates[1].cost, 1e-9);
+  EXPECT_LT(f.gain_low, f.portals_gain);
+  EXPECT_NEAR(f.gain_low * f.gain_high, f.portals_gain * f.portals_gain, 1e-9);
+  EXPECT_GT(f.estimates[2].cost, f.estimates[0].cost);
 }
 
 }  // namespace tdpt::cost_posterior_test

@@ -8,6 +8,16 @@ namespace tdpt {
 namespace {
 
 constexpr double kDark = 0.01;  // as exrdiff's relMSE
+// Of the pilot, over all pixels. With fewer than kFewest samples small pictures give no estimate;
+// after kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
+constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
+// A fourth of the picture's samples is enough in any case; an eighth, and at most kMostIfKnown
+// samples per pixel, if the estimate is good.
+constexpr uint64_t kShare = 4, kShareIfKnown = 8, kMostIfKnown = uint64_t{1} << 15;
+constexpr double kKnown = 0.1, kCalm = 0.3;
+// Where the picture takes at most that many samples per pixel, a fourth of them may give no
+// estimate, and more are cheap.
+constexpr uint64_t kFewSamples = 32;
 
 double mean_magnitude(const PictureParts& parts) {
   double sum = 0;
@@ -17,16 +27,16 @@ double mean_magnitude(const PictureParts& parts) {
   return sum / (3 * static_cast<double>(parts.size() * parts[0].size()));
 }
 
-// Terms of one component of one pixel.
-struct Told {
+// One component of one pixel.
+struct Terms {
   double high = 0, low = 0, denominator = 1, sum = 0;
 };
 
-Told tell(const PictureParts& parts, size_t pixel, int c, double dark) {
+Terms terms_of(const PictureParts& parts, size_t pixel, int c, double dark) {
   const auto x = [&](size_t k) { return static_cast<double>(parts[k][pixel][c]); };
   const size_t count = parts.size();
   const auto n = static_cast<double>(count);
-  Told t;
+  Terms t;
   for (size_t k = 0; k < count; ++k) t.sum += x(k);
   const double m = t.sum / n;
   double v = 0;
@@ -65,10 +75,20 @@ uint64_t rounded_up(uint64_t n) {
   return (n + step - 1) / step * step;
 }
 
+// Whether that round of the pilot is the last, for a picture of so many samples per pixel.
+bool is_enough(const ErrorEstimate& e, uint64_t picture) {
+  const uint64_t drawn = kErrorPilotParts * e.samples;
+  if (drawn >= (picture + kShare - 1) / kShare)
+    return tells(e) || picture > kFewSamples || drawn >= kErrorPilotParts * kFewSamples;
+  return e.spread <= kKnown && e.relmse <= kCalm &&
+         drawn >= std::min((picture + kShareIfKnown - 1) / kShareIfKnown, kMostIfKnown);
+}
+
 }  // namespace
 
-ErrorEstimate estimate_error(const PictureParts& parts) {
+ErrorEstimate estimate_error(const PictureParts& parts, uint64_t samples) {
   ErrorEstimate e;
+  e.samples = samples;
   const double mean = mean_magnitude(parts), n = static_cast<double>(parts.size());
   if (!(mean > 0)) return e;
   e.lit = true;
@@ -78,7 +98,7 @@ ErrorEstimate estimate_error(const PictureParts& parts) {
   for (size_t i = 0; i < parts[0].size(); ++i) {
     double of_pixel = 0;
     for (int c = 0; c < 3; ++c) {
-      const Told t = tell(parts, i, c, dark);
+      const Terms t = terms_of(parts, i, c, dark);
       high += t.high;
       of_pixel += t.low;
       for (size_t k = 0; k < parts.size(); ++k) {
@@ -103,14 +123,14 @@ double interval_factor(const ErrorEstimate& estimate) {
   return std::exp(2 * std::min(estimate.spread, 2.0));
 }
 
-uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t samples,
-                        double target) {
+uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, double target) {
   constexpr double kMost = 0x1p32, kNinetyFive = 1.645;
   constexpr double kMargin = 1.1;  // the estimate may be a tenth too small
-  const double plain = static_cast<double>(samples) * estimate.relmse / target;
+  if (!estimate.lit) return 0;
+  const double plain = static_cast<double>(estimate.samples) * estimate.relmse / target;
   if (!(plain > 0)) return 1;
   // Variance of the estimate, and of this picture about the mean of such pictures.
-  const double known = static_cast<double>(parts * samples);
+  const double known = static_cast<double>(parts * estimate.samples);
   const double variance =
       estimate.spread * estimate.spread * (1 + known / std::max(plain, 1.0)) + 2 / estimate.pixels;
   const double safe = kMargin * plain * quantile(std::min(std::sqrt(variance), 2.0), kNinetyFive);
@@ -133,6 +153,35 @@ void PictureBlocks::add(const std::vector<Vec3d>& sums) {
   }
   blocks_.resize(4);
   size_ *= 2;
+}
+
+std::vector<ErrorEstimate> run_error_pilot(uint64_t pixels, double target, uint64_t most,
+                                           const DrawPart& draw) {
+  PictureParts parts(kErrorPilotParts, std::vector<Rgb>(pixels));
+  std::vector<ErrorEstimate> rounds;
+  for (uint64_t samples = 1, done = 0;; done = samples, samples *= 2) {
+    const auto before = static_cast<double>(done), now = static_cast<double>(samples);
+    for (uint64_t k = 0; k < kErrorPilotParts; ++k) {
+      const auto sums = draw(k, {done, samples - done});
+      if (!sums) return rounds;
+      for (size_t i = 0; i < pixels; ++i)
+        parts[k][i] = Vec3f((Vec3d(parts[k][i]) * before + (*sums)[i]) * (1 / now));
+    }
+    const ErrorEstimate& estimate = rounds.emplace_back(estimate_error(parts, samples));
+    const uint64_t drawn = kErrorPilotParts * samples;
+    if (estimate.lit) {
+      const uint64_t picture = std::min(samples_needed(estimate, kErrorPilotParts, target), most);
+      if (drawn * pixels >= kFewest && is_enough(estimate, picture)) return rounds;
+    } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
+      return rounds;
+    }
+  }
+}
+
+const ErrorEstimate& best_round(const std::vector<ErrorEstimate>& rounds, uint64_t samples) {
+  size_t k = 0;
+  while (k + 1 < rounds.size() && (rounds[k + 1].samples <= samples || !tells(rounds[k]))) ++k;
+  return rounds[k];
 }
 
 }  // namespace tdpt

@@ -15,11 +15,19 @@
 //   are within a fifth of the truth and their geometric mean is within a tenth.
 //
 // Like any estimate it misses bright paths that no part met.
+//
+// From it follows, before a picture is rendered, how many samples it needs to meet a given relMSE:
+// two-stage sampling, as Stein's for a mean, so that the stopping point does not depend on the
+// picture's own samples. Eight parts with random numbers of their own are rendered with doubling
+// numbers of samples until their estimate suffices; they are thrown away.
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <vector>
 
-#include "libcommon/math/vec.h"
+#include "libcommon/film/film.h"
+#include "libcommon/math/streams.h"
 
 namespace tdpt {
 
@@ -32,10 +40,11 @@ struct ErrorEstimate {
   /// Its relative standard error: the larger of those over parts and over pixels.
   double spread = 0;
   double pixels = 1;
+  uint64_t samples = 0;  ///< per pixel of a part
 };
 
-/// Needs two parts or more; `high` needs three.
-ErrorEstimate estimate_error(const PictureParts& parts);
+/// Needs two parts or more, of `samples` per pixel; `high` needs three.
+ErrorEstimate estimate_error(const PictureParts& parts, uint64_t samples);
 
 /// Whether the estimate is within about a tenth of the truth, apart from chance; otherwise it may
 /// be many times too large.
@@ -47,11 +56,10 @@ inline bool tells(const ErrorEstimate& estimate) {
 double interval_factor(const ErrorEstimate& estimate);
 
 /// Samples per pixel that meet `target` with about 95 % chance, as far as the estimate from `parts`
-/// parts of `samples` samples per pixel shows: relMSE falls at least as 1/N; a safety factor is
-/// added. At most 2^32, and of the form m 2^j, m < 16: blocks of a fourth to an eighth of such a
-/// number are as well stratified as samples in powers of two.
-uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, uint64_t samples,
-                        double target);
+/// parts shows: relMSE falls at least as 1/N; a safety factor is added. At most 2^32, and of the
+/// form m 2^j, m < 16: blocks of a fourth to an eighth of such a number are as well stratified as
+/// samples in powers of two. 0: not known, no light was met.
+uint64_t samples_needed(const ErrorEstimate& estimate, uint64_t parts, double target);
 
 /// Cuts the samples of a picture, as they arrive, into four to seven blocks of 2^j each. The
 /// samples of a pixel are stratified, across blocks too, so the picture is better than the blocks
@@ -76,5 +84,19 @@ class PictureBlocks {
   PictureParts blocks_;
   std::vector<Vec3d> before_;
 };
+
+/// Parts of an error pilot.
+inline constexpr uint64_t kErrorPilotParts = kErrorPilotRounds.count;
+/// Sums over those samples of a part, by pixel; nothing to give up.
+using DrawPart =
+    std::function<std::optional<std::vector<Vec3d>>(uint64_t part, const SampleRange& samples)>;
+/// Its rounds, each of twice as many samples; none: given up before the first. `most`: upper limit
+/// of the picture's samples per pixel.
+std::vector<ErrorEstimate> run_error_pilot(uint64_t pixels, double target, uint64_t most,
+                                           const DrawPart& draw);
+/// The round that best predicts a picture of `samples`: the last that is no larger, since relMSE
+/// falls at least as 1/N; if there is none, or its estimate does not suffice, the next that does.
+/// Needs a round.
+const ErrorEstimate& best_round(const std::vector<ErrorEstimate>& rounds, uint64_t samples);
 
 }  // namespace tdpt

@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/plan/error_pilot.h"
-
 namespace tdpt::error_estimate_test {
 
 class Synthetic {
@@ -62,9 +60,9 @@ class Synthetic {
 };
 
 // Mean estimate over the true relMSE of a part; `shared`: the parts share their random numbers.
-double told_over_truth(uint64_t samples, uint64_t count, bool shared) {
+double estimate_over_truth(uint64_t samples, uint64_t count, bool shared) {
   const Synthetic scene(512, 1);
-  double told = 0;
+  double mean = 0;
   constexpr int kRuns = 20;
   std::mt19937_64 random(1);
   for (int run = 0; run < kRuns; ++run) {
@@ -74,23 +72,23 @@ double told_over_truth(uint64_t samples, uint64_t count, bool shared) {
       if (shared) random = start;
       parts.push_back(scene.picture(samples, random));
     }
-    told += estimate_error(parts).relmse / kRuns;
+    mean += estimate_error(parts, samples).relmse / kRuns;
   }
-  return told / (scene.relmse() / static_cast<double>(samples));
+  return mean / (scene.relmse() / static_cast<double>(samples));
 }
 
 TEST(error_estimate, is_that_of_independent_parts) {
-  EXPECT_NEAR(told_over_truth(4, 8, false), 1, 0.1);
-  EXPECT_NEAR(told_over_truth(16, 8, false), 1, 0.05);
-  EXPECT_NEAR(told_over_truth(16, 4, false), 1, 0.1);
+  EXPECT_NEAR(estimate_over_truth(4, 8, false), 1, 0.1);
+  EXPECT_NEAR(estimate_over_truth(16, 8, false), 1, 0.05);
+  EXPECT_NEAR(estimate_over_truth(16, 4, false), 1, 0.1);
 }
 
 TEST(error_estimate, twin_parts_that_share_their_random_numbers) {
-  EXPECT_LT(told_over_truth(4, 8, true), 0.1);
+  EXPECT_LT(estimate_over_truth(4, 8, true), 0.1);
 }
 
-TEST(error_estimate, of_black_parts_nothing_is_told) {
-  const ErrorEstimate e = estimate_error(PictureParts(8, std::vector<Rgb>(4, Rgb(0))));
+TEST(error_estimate, of_black_parts_is_none) {
+  const ErrorEstimate e = estimate_error(PictureParts(8, std::vector<Rgb>(4, Rgb(0))), 1);
   EXPECT_FALSE(e.lit);
   EXPECT_EQ(e.relmse, 0);
 }
@@ -100,7 +98,7 @@ TEST(error_estimate, is_finite_from_faint_to_bright) {
     PictureParts parts;
     for (int k = 0; k < 4; ++k)
       parts.push_back({Rgb(scale * (1 + static_cast<float>(k))), Rgb(0), Rgb(scale)});
-    const ErrorEstimate e = estimate_error(parts);
+    const ErrorEstimate e = estimate_error(parts, 1);
     EXPECT_TRUE(e.lit);
     EXPECT_GT(e.relmse, 0.01);
     EXPECT_LT(e.relmse, 10);
@@ -118,8 +116,8 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
   std::vector<double> better;
   constexpr size_t kPictures = 200;
   for (size_t n = 0; n < kPictures; ++n) {
-    PictureParts last(ErrorPilot::kParts);
-    const ErrorPilot pilot =
+    PictureParts last(kErrorPilotParts);
+    const std::vector<ErrorEstimate> rounds =
         run_error_pilot(pixels, target, 1 << 20, [&](uint64_t part, const SampleRange& samples) {
           std::vector<Vec3d> sums = scene.sums(samples.count, random);
           last[part].clear();
@@ -127,7 +125,7 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
             last[part].emplace_back(Vec3f(s * (1 / static_cast<double>(samples.count))));
           return std::optional(sums);
         });
-    uint64_t samples = pilot.needed;
+    uint64_t samples = samples_needed(rounds.back(), kErrorPilotParts, target);
     if (naive) {
       double sum = 0;
       for (size_t i = 0; i < pixels; ++i) {
@@ -135,7 +133,7 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
         const double own = (a * a + b * b) / 2;
         sum += (a - b) * (a - b) / 2 / (own + 0.01 * scene.mean() * scene.mean());
       }
-      const double each = static_cast<double>((pilot.part_samples() + 1) / 2);
+      const double each = static_cast<double>((rounds.back().samples + 1) / 2);
       samples = static_cast<uint64_t>(std::ceil(each * sum / static_cast<double>(pixels) / target));
     }
     better.push_back(target / scene.relmse(scene.picture(samples, random)));
@@ -189,12 +187,11 @@ Bias bias(bool looking) {
       done = until;
       if (done == blocks.next()) blocks.add(sums);
       if (done < goal || !again) continue;
-      const ErrorEstimate e = estimate_error(blocks.blocks());
+      const ErrorEstimate e = estimate_error(blocks.blocks(), blocks.size());
       const auto size = static_cast<double>(blocks.size());
       if (e.relmse * size / static_cast<double>(done) <= target) break;
       again = looking;
-      goal = looking ? blocks.next()
-                     : samples_needed(e, blocks.blocks().size(), blocks.size(), target);
+      goal = looking ? blocks.next() : samples_needed(e, blocks.blocks().size(), target);
       result.retried += 1.0 / kPictures;
     }
     double mean = 0;
@@ -220,11 +217,11 @@ TEST(error_estimate, twin_a_picture_that_ends_when_it_looks_good) {
 }
 
 TEST(error_estimate, samples_are_few_bits_and_enough) {
-  ErrorEstimate e{true, 1, 0, 1e6};
-  EXPECT_EQ(samples_needed(e, 8, 1, 1e9), 1u);
-  EXPECT_EQ(samples_needed(e, 8, 1, 1e-12), uint64_t{1} << 32);
+  ErrorEstimate e{true, 1, 0, 1e6, 1};
+  EXPECT_EQ(samples_needed(e, 8, 1e9), 1u);
+  EXPECT_EQ(samples_needed(e, 8, 1e-12), uint64_t{1} << 32);
   for (double target = 0.5; target > 1e-7; target *= 0.77) {
-    const uint64_t n = samples_needed(e, 8, 1, target);
+    const uint64_t n = samples_needed(e, 8, target);
     EXPECT_GE(static_cast<double>(n), 1 / target);
     EXPECT_LE(static_cast<double>(n), 1.3 / target + 2);
     uint64_t m = n;
@@ -233,12 +230,12 @@ TEST(error_estimate, samples_are_few_bits_and_enough) {
   }
   // The error of one-pixel pictures scatters more than that of large ones.
   e.pixels = 1;
-  EXPECT_GT(samples_needed(e, 8, 1, 0.01), 300u);
+  EXPECT_GT(samples_needed(e, 8, 0.01), 300u);
   e.pixels = 1e6;
   e.spread = 0.3;
-  EXPECT_GT(samples_needed(e, 8, 1, 0.01), 150u);
+  EXPECT_GT(samples_needed(e, 8, 0.01), 150u);
   e.relmse = 0;
-  EXPECT_EQ(samples_needed(e, 8, 1, 0.01), 1u);
+  EXPECT_EQ(samples_needed(e, 8, 0.01), 1u);
 }
 
 TEST(error_estimate, blocks_of_a_picture_double_in_size) {

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
+#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/base/number_words.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/path_sampler.h"
 
@@ -12,31 +16,100 @@ namespace tdpt {
 namespace {
 
 constexpr int kDeepest = 8;  // edges, if no limit of depth asks for longer paths
+constexpr size_t kMostPortals = 16;
+constexpr uint64_t kLeastSamples = 10, kEnoughLit = 100;
+constexpr double kNoLight = 1e-4;  // share of the picture's without its brightest sample
+constexpr double kByPower = 0.1;
+constexpr double kBrightest = 0.1;  // largest share of the total that one path counts for
 
-struct Observers {
-  Observers(const std::vector<PassedPortals::Opening>& openings, int depth)
-      : passed(openings), by_depth(depth), max_depth(depth) {}
+// A portal as working one way, and both.
+struct Opening {
+  PortalSet front, both;
+};
+
+// Luminance that samples carried.
+struct Light {
+  void add(double sample) { merge({sample > 0, sample, sample}); }
+  void merge(const Light& other) {
+    samples += other.samples;
+    sum += other.sum;
+    brightest = std::max(brightest, other.brightest);
+  }
+  double sure() const { return samples < kLeastSamples ? 0 : sum - brightest; }
+
+  uint64_t samples = 0;  // that carried any
+  double sum = 0, brightest = 0;
+};
+
+// What the paths of a row of pixels carry; merged, those of all rows.
+class Observer {
+ public:
+  Observer(const std::vector<Opening>& openings, int max_depth)
+      : passed(openings.size()),
+        either(openings.size()),
+        openings_(openings),
+        max_depth_(max_depth),
+        of_sample_(openings.size()) {}
+
+  // A path of the current sample and its weighted luminance. Directly seen lights are ignored: no
+  // selection was needed.
   void see(const Path& path, double light) {
-    by_depth.see(path, light);
-    if (path.k() > max_depth) return;
-    passed.see(path, light);
-    arriving.see(path, light);
+    const bool longer = path.k() > max_depth_;
+    by_depth[0][longer] += light;
+    if (longer || path.k() < 2) return;
+    arrived.push_back({path.vertex(0).source, light});
+    all.sum += light;
+    sample_ += light;
+    for (size_t p = 0; p < openings_.size(); ++p)
+      if (pass(path, light, openings_[p], of_sample_[p])) either[p] += light;
   }
-  void merge(const Observers& other) {
-    passed.merge(other.passed);
-    arriving.merge(other.arriving);
-    by_depth.merge(other.by_depth);
+  void end_sample() {
+    all.merge({sample_ > 0, 0, sample_});
+    sample_ = 0;
+    for (size_t p = 0; p < openings_.size(); ++p)
+      for (size_t way = 0; way < 2; ++way)
+        passed[p][way].add(std::exchange(of_sample_[p][way], 0.0));
+  }
+  void merge(const Observer& other) {
+    all.merge(other.all);
+    arrived.insert(arrived.end(), other.arrived.begin(), other.arrived.end());
+    by_depth.insert(by_depth.end(), other.by_depth.begin(), other.by_depth.end());
+    for (size_t p = 0; p < openings_.size(); ++p) {
+      either[p] += other.either[p];
+      for (size_t way = 0; way < 2; ++way) passed[p][way].merge(other.passed[p][way]);
+    }
   }
 
-  PassedPortals passed;
-  ArrivingLight arriving;
-  LightByDepth by_depth;
-  int max_depth;
+  Light all;
+  std::vector<std::array<Light, 2>> passed;  // by opening: along its normal and against it
+  std::vector<double> either;                // either way, each path once
+  std::vector<std::pair<const LightSource*, double>> arrived;  // by path
+  std::vector<std::array<double, 2>> by_depth{{0, 0}};  // by row: within the depth and beyond
+
+ private:
+  static bool pass(const Path& path, double light, const Opening& opening,
+                   std::array<double, 2>& ways) {
+    bool passes = false;
+    for (int i = 0; i + 1 < path.k(); ++i) {
+      const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
+      const Vec3d from = a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
+      if (!(opening.both.density(from, b.position) > 0)) continue;
+      passes = true;
+      if (opening.front.density(from, b.position) > 0) ways[0] += light;
+      if (opening.front.density(b.position, from) > 0) ways[1] += light;
+    }
+    return passes;
+  }
+
+  const std::vector<Opening>& openings_;
+  int max_depth_;
+  double sample_ = 0;  // luminance of the current sample
+  std::vector<std::array<double, 2>> of_sample_;
 };
 
 // Renders one sample for each pixel of the film.
-Observers look(const Vista& vista, const std::vector<PassedPortals::Opening>& openings,
-               int max_depth, uint64_t seed, uint64_t round) {
+Observer look(const Vista& vista, const std::vector<Opening>& openings, int max_depth,
+              uint64_t seed, uint64_t round) {
   const int width = vista.view.film.width(), height = vista.view.film.height();
   // With so few samples each makes its own light walk and draws a segment.
   Mixture mixture = tdpt_guided.mixture;
@@ -44,9 +117,9 @@ Observers look(const Vista& vista, const std::vector<PassedPortals::Opening>& op
   const SampleSettings how{mixture, max_depth < kMaxDepth ? kMaxDepth : kDeepest, 1, seed,
                            kExplorationStream};
   Film film(width, height, vista.world->lights.power());
-  std::vector<Observers> rows(static_cast<size_t>(height), Observers(openings, max_depth));
+  std::vector<Observer> rows(static_cast<size_t>(height), Observer(openings, max_depth));
   tbb::parallel_for(0, height, [&](int y) {
-    Observers& row = rows[static_cast<size_t>(y)];
+    Observer& row = rows[static_cast<size_t>(y)];
     const PathObserver observer = [&](const Contribution& found) {
       const double light =
           luminance(found.value) * found.path.weight(mixture, found.strategy, how.beta);
@@ -56,7 +129,7 @@ Observers look(const Vista& vista, const std::vector<PassedPortals::Opening>& op
     PathSampler sampler(vista, how, film, tally, &observer);
     for (int x = 0; x < width; ++x) {
       sampler.sample(x, y, round << 32);  // runs of 2^32 samples of a pixel are independent
-      row.passed.end_sample();
+      row.end_sample();
     }
   });
   for (size_t y = 1; y < rows.size(); ++y) rows[0].merge(rows[y]);
@@ -72,31 +145,108 @@ FilmPlane small_film(const Camera& camera, const FilmPlane& film, double pixels)
   return FilmPlane(camera, size(pixels / height), height);
 }
 
+Lights::KindProbabilities arriving_shares(
+    const std::vector<std::pair<const LightSource*, double>>& arrived,
+    const Lights::KindProbabilities& by_power) {
+  double all = 0, sum = 0;
+  for (const auto& [source, light] : arrived) all += light;
+  Lights::KindProbabilities by_arrival, shares;
+  for (const auto& [source, light] : arrived) {
+    const double clamped = std::min(light, kBrightest * all);
+    by_arrival.of(*source) += clamped;
+    sum += clamped;
+  }
+  if (!(sum > 0)) return by_power;
+  for (double Lights::KindProbabilities::*const kind :
+       {&Lights::KindProbabilities::surfaces, &Lights::KindProbabilities::lamps,
+        &Lights::KindProbabilities::parallel, &Lights::KindProbabilities::sky})
+    shares.*kind = kByPower * by_power.*kind + (1 - kByPower) / sum * by_arrival.*kind;
+  return shares;
+}
+
+// `by_depth`: light within the depth and beyond, by group of samples.
+Truncation truncation_of(const std::vector<std::array<double, 2>>& by_depth, int depth) {
+  Truncation result{depth, 0, 0};
+  double all = 0, beyond = 0, squares = 0;
+  for (const auto& group : by_depth) {
+    all += group[0] + group[1];
+    beyond += group[1];
+  }
+  if (!(all > 0)) return result;
+  result.share = beyond / all;
+  for (const auto& group : by_depth) {
+    const double off = group[1] - result.share * (group[0] + group[1]);
+    squares += off * off;
+  }
+  result.error = std::sqrt(squares) / all;
+  return result;
+}
+
 }  // namespace
 
 Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples) {
   Explored out;
-  WayFinder finder(portals);
-  ArrivingLight arriving;
-  LightByDepth by_depth(max_depth);
+  out.ways.resize(portals.size());
+  std::vector<size_t> open(std::min(portals.size(), kMostPortals));
+  std::iota(open.begin(), open.end(), size_t{0});
+  std::vector<bool> dark(portals.size());
+  uint64_t lit = 0;  // samples
+  std::vector<std::pair<const LightSource*, double>> arrived;
+  std::vector<std::array<double, 2>> by_depth;
   Vista small = vista;
   small.view.film = small_film(camera, vista.view.film, samples);
-  for (uint64_t round = 0; !vista.world->lights.empty() && finder.asks(round); ++round) {
-    const std::vector<Portal> open = finder.opened();
-    const Frame& frame = vista.world->scene.frame;
-    const std::vector<PassedPortals::Opening> openings = PassedPortals::openings(open, frame);
-    small.openings.portals = PortalSet(open, frame);
-    const Observers seen = look(small, openings, max_depth, seed, round);
-    finder.learn(seen.passed, small);
-    arriving.merge(seen.arriving);
-    by_depth.merge(seen.by_depth);
+  const Frame& frame = vista.world->scene.frame;
+  bool again = !vista.world->lights.empty();
+  for (uint64_t round = 0; again; ++round) {
+    std::vector<Portal> both;
+    std::vector<Opening> openings;
+    for (const size_t i : open) {
+      both.emplace_back(portals[i]).both_ways = true;
+      Portal front = portals[i];
+      front.both_ways = false;
+      openings.push_back({PortalSet({front}, frame), PortalSet({both.back()}, frame)});
+    }
+    small.openings.portals = PortalSet(both, frame);
+    const Observer seen = look(small, openings, max_depth, seed, round);
+    arrived.insert(arrived.end(), seen.arrived.begin(), seen.arrived.end());
+    by_depth.insert(by_depth.end(), seen.by_depth.begin(), seen.by_depth.end());
     out.samples += small.view.film.pixels();
+    again = false;
+    if (small.openings.portals.empty()) continue;
+    lit = std::max(lit, seen.all.samples);
+    std::vector<size_t> silent;
+    for (size_t k = 0; k < open.size(); ++k) {
+      const size_t i = open[k];
+      const auto& [with, against] = seen.passed[k];
+      const auto way = [&, &with = with, &against = against](bool wide) {
+        return way_of(portals[i].both_ways, {with.sum, against.sum}, {with.sure(), against.sure()},
+                      seen.all.sum, wide);
+      };
+      // Conductance is probed only where it matters.
+      out.ways[i] = way(way(true) != way(false) && is_wide(*vista.world, portals[i]));
+      dark[i] = seen.either[k] < kNoLight * (seen.all.sum - seen.all.brightest);
+      if (std::max(with.samples, against.samples) < kLeastSamples) silent.push_back(i);
+    }
+    again = round == 0 && !silent.empty() && silent.size() < open.size();
+    open = std::move(silent);
   }
-  out.ways = finder.told();
-  out.lights = arriving.shares(vista.openings.selection.shares());
-  if (max_depth < kMaxDepth) out.beyond = by_depth.beyond();
+  for (size_t i = 0; i < portals.size() && lit >= kEnoughLit; ++i)
+    if (dark[i] || std::find(open.begin(), open.end(), i) != open.end())
+      out.ways[i] = PortalWay::left_out;
+  out.lights = arriving_shares(arrived, vista.openings.selection.shares());
+  if (max_depth < kMaxDepth) out.beyond = truncation_of(by_depth, max_depth);
   return out;
+}
+
+std::string sentence(const Truncation& beyond) {
+  const double most = beyond.share + 2 * beyond.error;
+  const std::string depth = fmt::format("--max-depth {} leaves out ", beyond.depth);
+  if (beyond.share > 0.995) return depth + "all of the light, or nearly";
+  if (most < 0.001) return depth + "less than 0.1 % of the light";
+  if (beyond.error > 0.25 * beyond.share)
+    return depth + fmt::format("at most about {} of the light", percent_words(most));
+  return depth + fmt::format("about {} of the light", percent_words(beyond.share));
 }
 
 }  // namespace tdpt

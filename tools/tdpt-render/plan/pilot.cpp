@@ -13,50 +13,19 @@ namespace tdpt {
 namespace {
 
 constexpr uint64_t kChunk = 64;  // groups that one thread sums in order
-constexpr double kAlike = 1.05;  // greatest moment over least
+constexpr double kEqual = 1.05;  // greatest moment over least
 
-bool directed(const Candidate& c) {
-  return c.integrator.mixture.guiding != Guiding{};
-}
+// A run stands for the candidates whose walks and next events are drawn in the same way.
+enum class Draws { plain, looking_out, directed };
 
-// A run stands for the candidates whose walks and next events are of the same manner.
-enum class Manner { plain, looking_out, directed };
-
-Manner manner(const Vista& vista, const Candidate& c) {
-  if (directed(c)) return Manner::directed;
-  return !vista.openings.windows.empty() && c.integrator.mixture.looks_out() ? Manner::looking_out
-                                                                             : Manner::plain;
+Draws draws_of(const Vista& vista, const Candidate& c) {
+  const Mixture& m = c.integrator.mixture;
+  if (m.guiding != Guiding{}) return Draws::directed;
+  return !vista.openings.windows.empty() && m.looks_out() ? Draws::looking_out : Draws::plain;
 }
 
 int techniques(const Candidate& c) {
   return std::popcount(c.integrator.mixture.techniques.bits());
-}
-
-// Index of the block, across or down, in which a pixel lies.
-int64_t part_of(int64_t at, int64_t size) {
-  return at * PilotSums::kAcross / size;
-}
-
-}  // namespace
-
-PilotSums::PilotSums(size_t candidates, size_t runs)
-    : splats(candidates, std::vector<double>(kBatches * kBlocks)),
-      luminance(kBlocks),
-      squares(kBlocks),
-      missed(candidates),
-      rays(runs) {}
-
-void PilotSums::merge(const PilotSums& other) {
-  for (size_t b = 0; b < kBlocks; ++b) {
-    luminance[b] += other.luminance[b];
-    squares[b] += other.squares[b];
-  }
-  for (size_t i = 0; i < splats.size(); ++i) {
-    missed[i] += other.missed[i];
-    for (size_t b = 0; b < splats[i].size(); ++b) splats[i][b] += other.splats[i][b];
-  }
-  for (size_t r = 0; r < rays.size(); ++r)
-    for (size_t p = 0; p < kParts; ++p) rays[r][p].merge(other.rays[r][p]);
 }
 
 bool begins_with_a_light_walk(Strategy s) {
@@ -67,37 +36,40 @@ bool begins_with_a_light_walk(Strategy s) {
 // A path of a sample's camera walk with a light walk or a segment of the cache, as a candidate
 // would make it.
 struct Connected {
-  double brought;  // contribution, given that the candidate has that walk
-  double often;    // how often it has it, relative to the run
-  double chance;   // that the path is then made; a rarer path has a square as much larger
+  double light;      // contribution, given that the candidate has that walk
+  double frequency;  // how often it has it, relative to the run
+  double chance;     // that the path is then made; a rarer path has a square as much larger
 };
 
 // Correlation of the paths of one sample, for one candidate: the expectation of X^2 less the sum of
 // squares of its paths.
-class Together {
+class Correlation {
  public:
   void clear() {
-    sum = squares = lit = 0;
+    camera_ = camera_squares_ = lit_ = 0;
     walks_.clear();
   }
-  void add(const Vertex* walk, const Connected& j) {
-    lit += j.brought * j.often;
+  // A path from the camera.
+  void add(double light) {
+    camera_ += light;
+    camera_squares_ += light * light;
+  }
+  // A path that begins with that light walk.
+  void add(const Vertex* walk, const Connected& c) {
+    lit_ += c.light * c.frequency;
     auto at =
         std::find_if(walks_.begin(), walks_.end(), [&](const Walk& w) { return w.y == walk; });
     if (at == walks_.end()) at = walks_.insert(at, {walk});
-    at->sum += j.brought * std::sqrt(j.often);
-    at->squares += j.brought * j.brought * j.often * j.chance;
-    at->lit += j.brought * j.often;
+    at->sum += c.light * std::sqrt(c.frequency);
+    at->squares += c.light * c.light * c.frequency * c.chance;
+    at->lit += c.light * c.frequency;
   }
-  double of_camera() const { return sum * sum - squares; }
+  double of_camera() const { return camera_ * camera_ - camera_squares_; }
   double of_light_walks() const {
-    double all = (2 * sum + lit) * lit;
+    double all = (2 * camera_ + lit_) * lit_;
     for (const Walk& w : walks_) all += w.sum * w.sum - w.squares - w.lit * w.lit;
     return all;
   }
-
-  double sum = 0, squares = 0;  // of paths from the camera
-  double lit = 0;               // of paths that begin with light walks
 
  private:
   // Two paths of one walk occur together about as often as the geometric mean of their frequencies.
@@ -105,29 +77,30 @@ class Together {
     const Vertex* y;
     double sum = 0, squares = 0, lit = 0;
   };
+  double camera_ = 0, camera_squares_ = 0, lit_ = 0;
   std::vector<Walk> walks_;
 };
+
+}  // namespace
 
 // One sample of a run, evaluated for all candidates.
 class PilotSample {
  public:
-  PilotSample(const Pilot& pilot, size_t run, PilotSums& sums)
+  PilotSample(Pilot& pilot, size_t run, Pilot::Sums& sums)
       : pilot_(pilot),
         run_(run),
         sums_(sums),
-        together_(pilot.candidates_.size()),
-        of_(together_.size()),
-        moments_(together_.size()) {}
+        correlations_(pilot.candidates_.size()),
+        of_(correlations_.size()),
+        moments_(correlations_.size()) {}
 
-  void begin(int x, int y, uint64_t group, PilotRecord& record) {
-    block_ = block_of(x, y);
-    batch_ = group % PilotSums::kBatches * PilotSums::kBlocks;
-    record_ = &record;
-    const size_t n = together_.size();
-    record = {0, 0, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
-    for (Together& t : together_) t.clear();
+  void begin(int x, int y, uint64_t group, size_t number) {
+    batch_ = group % Pilot::kBatches * Pilot::kBlocks;
+    sample_ = (group * pilot_.runs_.size() + run_) * Pilot::kGroup + number;
+    first_ = sample_ * correlations_.size();
+    pilot_.blocks_[group] = static_cast<uint32_t>(block_ = block_of(x, y));
+    for (Correlation& c : correlations_) c.clear();
   }
-
   /// Samples of this cache over those of a picture's.
   void share_of_cache(double share) { share_of_cache_ = share; }
 
@@ -138,19 +111,18 @@ class PilotSample {
     // A lamp seen directly.
     const double share = light / static_cast<double>(pilot_.runs_.size());
     add_light(block_, share);
-    record_->brought += light;
-    record_->alike += light * share;
-    for (size_t i = 0; i < together_.size(); ++i) bring(i, light);
+    pilot_.luminance_[sample_] += light;
+    pilot_.equal_[sample_] += light * share;
+    for (size_t i = 0; i < of_.size(); ++i) add_camera_path(i, light);
   }
 
   void end() {
-    for (size_t i = 0; i < together_.size(); ++i) {
-      if (pilot_.home_[i] == run_) record_->common[i] += together_[i].of_camera();
-      if (pilot_.lit_by_[i] == run_) record_->common[i] += together_[i].of_light_walks();
+    for (size_t i = 0; i < of_.size(); ++i) {
+      double& sum = pilot_.correlation_[first_ + i];
+      if (pilot_.home_[i] == run_) sum += correlations_[i].of_camera();
+      if (pilot_.lit_by_[i] == run_) sum += correlations_[i].of_light_walks();
     }
   }
-
-  size_t block() const { return block_; }
 
  private:
   const Mixture& mixture(size_t candidate) const {
@@ -158,10 +130,11 @@ class PilotSample {
   }
 
   size_t block_of(int x, int y) const {
-    return static_cast<size_t>(part_of(y, pilot_.vista_.view.film.height()) * PilotSums::kAcross +
-                               part_of(x, pilot_.vista_.view.film.width()));
+    const FilmPlane& film = pilot_.vista_.view.film;
+    const auto part_of = [](int64_t at, int64_t size) { return at * Pilot::kAcross / size; };
+    return static_cast<size_t>(part_of(y, film.height()) * Pilot::kAcross +
+                               part_of(x, film.width()));
   }
-
   // Block of a splat, whose pixel is not the sample's.
   size_t block_of(const Path& path) const {
     const FilmPlane& film = path.film();
@@ -172,22 +145,18 @@ class PilotSample {
   }
 
   void add_light(size_t block, double light) {
-    sums_.luminance[block] += light;
-    sums_.squares[block] += light * light;
+    sums_[Pilot::kLuminance][block] += light;
+    sums_[Pilot::kSquares][block] += light * light;
   }
-
   // A path from the camera, in the sample's own pixel, that candidate i makes as the run does.
-  void bring(size_t i, double brought) {
-    Together& t = together_[i];
-    t.sum += brought;
-    t.squares += brought * brought;
-    if (pilot_.home_[i] == run_) record_->x[i] += brought;
+  void add_camera_path(size_t i, double light) {
+    correlations_[i].add(light);
+    if (pilot_.home_[i] == run_) pilot_.x_[first_ + i] += light;
   }
-
   // A path with a light walk of the run, or with its segment.
-  void bring(size_t i, const Connected& j, const Vertex* walk) {
-    if (pilot_.lit_by_[i] == run_) together_[i].add(walk, j);
-    if (pilot_.home_[i] == run_) record_->x[i] += j.brought * j.often;
+  void add_connected_path(size_t i, const Connected& c, const Vertex* walk) {
+    if (pilot_.lit_by_[i] == run_) correlations_[i].add(walk, c);
+    if (pilot_.home_[i] == run_) pilot_.x_[first_ + i] += c.light * c.frequency;
   }
 
   // By candidate. The run knows the densities of its own walks; an unguided run's are the plain
@@ -237,63 +206,67 @@ class PilotSample {
         std::min(1.0, times / (samples_of(own) * (segment ? share_of_cache_ : 1)));
     const size_t block = splat ? block_of(path) : block_;
     add_light(block, share);
-    if (!splat) record_->brought += f * per_sample(own) / of[own].counted;
+    if (!splat) pilot_.luminance_[sample_] += f * per_sample(own) / of[own].counted;
     double least = INFINITY, most = 0;
     for (size_t i = 0; i < of.size(); ++i) {
       if (!(of[i].counted > 0)) {
-        sums_.missed[i] += share;
+        sums_[Pilot::kMissed][i] += share;
         continue;
       }
       moments_[i] = share * f * (of[i].squares / of[i].counted / of[i].counted);
       least = std::min(least, moments_[i]);
       most = std::max(most, moments_[i]);
       if (splat || !(of[i].used > 0)) continue;
-      const double brought = f * per_sample(i) / of[i].counted;
+      const double contribution = f * per_sample(i) / of[i].counted;
       if (!segment && !begins_with_a_light_walk(strategy)) {
-        bring(i, brought);
+        add_camera_path(i, contribution);
         continue;
       }
       // Samples that the candidate makes for each of the run's, if all were connected.
       const double more = samples_of(i) / samples_of(own);
-      const int walk = segment ? strategy.split : 0;
-      bring(i, {brought, of[i].used / of[own].used / more, std::min(1.0, chance / more)},
-            &path.vertex(walk));
+      add_connected_path(
+          i, {contribution, of[i].used / of[own].used / more, std::min(1.0, chance / more)},
+          &path.vertex(segment ? strategy.split : 0));
     }
-    if (!splat && most < kAlike * least) {
-      record_->alike += most;
+    if (!splat && most < kEqual * least) {
+      pilot_.equal_[sample_] += most;
       return;
     }
     for (size_t i = 0; i < of.size(); ++i)
       if (of[i].counted > 0)
-        (splat ? sums_.splats[i][batch_ + block] : record_->moments[i]) += moments_[i];
+        (splat ? sums_[Pilot::kSplats + i][batch_ + block] : pilot_.moments_[first_ + i]) +=
+            moments_[i];
   }
 
-  const Pilot& pilot_;
+  Pilot& pilot_;
   const size_t run_;
-  PilotSums& sums_;
+  Pilot::Sums& sums_;
   size_t block_ = 0, batch_ = 0;
+  size_t sample_ = 0, first_ = 0;  // its place in the pilot's records, and of its first candidate
   double share_of_cache_ = 1;
-  PilotRecord* record_ = nullptr;
-  std::vector<Together> together_;  // by candidate
+  std::vector<Correlation> correlations_;  // by candidate
   std::vector<StrategySums> of_;
   std::vector<double> moments_;
   WalkDensities plain_, directed_;
 };
 
 Pilot::Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const SampleRules& rules,
-             const WorkTables& work)
-    : vista_(vista), candidates_(candidates), rules_(rules), work_(work), home_(candidates.size()) {
-  // For each manner, the first candidate with the most techniques.
-  for (const Manner m : {Manner::plain, Manner::looking_out, Manner::directed}) {
+             bool on_device)
+    : vista_(vista),
+      candidates_(candidates),
+      rules_(rules),
+      on_device_(on_device),
+      home_(candidates.size()) {
+  // For each way of drawing, the first candidate with the most techniques.
+  for (const Draws draws : {Draws::plain, Draws::looking_out, Draws::directed}) {
     size_t most = candidates.size();
-    for (size_t i = 0; i < candidates.size(); ++i)
-      if (manner(vista, candidates[i]) == m &&
-          (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most])))
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (draws_of(vista, candidates[i]) != draws) continue;
+      home_[i] = runs_.size();
+      if (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most]))
         most = i;
-    if (most == candidates.size()) continue;
-    for (size_t i = 0; i < candidates.size(); ++i)
-      if (manner(vista, candidates[i]) == m) home_[i] = runs_.size();
-    runs_.push_back(most);
+    }
+    if (most < candidates.size()) runs_.push_back(most);
   }
   lit_by_ = home_;
   for (size_t r = 0; r < runs_.size(); ++r)
@@ -301,118 +274,93 @@ Pilot::Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const
       std::fill(lit_by_.begin(), lit_by_.end(), r);
   for (const Candidate& c : candidates)
     guides_.push_back(Guide::knowing_all(vista, c.integrator.mixture));
-  sums_ = PilotSums(candidates.size(), runs_.size());
+  sums_ = no_sums();
+  rays_.resize(runs_.size());
 }
 
-namespace {
-
-// Makes samples of one run and counts the rays by phase and technique.
-class Runner {
- public:
-  using Rays = std::array<RayCounts, PilotSums::kParts>;
-
-  Runner(const Vista& vista, const Mixture& mixture, const Guide& guide, const SampleSettings& how,
-         Film& film, const PathObserver& observer)
-      : mixture_(mixture),
-        tally_(film.unit()),
-        sampler_(vista, how, guide, film, tally_, &observer) {}
-
-  void light_phase(int x, int y, uint64_t number, Walk& walk, Rays& rays) {
-    if (!sampler_.has_light_phase()) return;
-    sampler_.begin(x, y, number);
-    count(rays[1], [&] { sampler_.light_phase(walk); });
-  }
-
-  void segment_phase(int x, int y, uint64_t number, const Walk& walk, LightVertexCache& cache,
-                     Rays& rays) {
-    if (!sampler_.has_segment_phase()) return;
-    sampler_.begin(x, y, number);
-    count(rays[2], [&] { sampler_.segment_phase(walk, cache); });
-  }
-
-  void camera_phase(int x, int y, uint64_t number, const Walk& walk, LightVertexCache& cache,
-                    Rays& rays) {
-    sampler_.begin(x, y, number);
-    sampler_.connect_with(walk, cache);
-    count(rays[0], [&] { sampler_.walk_from_camera(); });
-    for (size_t t = 0; t < kTechniques; ++t)
-      if (const auto technique = static_cast<Technique>(t); mixture_.has(technique))
-        count(rays[3 + t], [&] { sampler_.run(technique); });
-  }
-
- private:
-  template <class Work>
-  void count(RayCounts& rays, const Work& work) {
-    tally_.rays = {};
-    work();
-    rays.merge(tally_.rays);
-  }
-
-  const Mixture& mixture_;
-  Tally tally_;
-  PathSampler sampler_;
-};
-
-}  // namespace
+Pilot::Sums Pilot::no_sums() const {
+  const size_t n = candidates_.size();
+  Sums sums(kSplats + n, std::vector<double>(kBatches * kBlocks));
+  sums[kLuminance].resize(kBlocks), sums[kSquares].resize(kBlocks), sums[kMissed].resize(n);
+  return sums;
+}
 
 // Draws groups [first, end) of one run, one sample of each at a time; light walks are cached as in
 // the picture.
-void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, PilotSums& sums) {
+void Pilot::draw_run(size_t r, uint64_t first, uint64_t end, Film& film, Sums& sums, Rays& rays) {
   const Integrator& integrator = candidates_[runs_[r]].integrator;
+  const Mixture& mixture = integrator.mixture;
   PilotSample seen(*this, r, sums);
   const PathObserver observer = [&](const Contribution& found) { seen.see(found); };
-  const SampleSettings how{integrator.mixture, rules_.max_depth, 1, rules_.seed,
+  const SampleSettings how{mixture, rules_.max_depth, 1, rules_.seed,
                            stream_in(kPilotRound.first, integrator.stream)};
-  Runner runner(vista_, integrator.mixture, guides_[runs_[r]], how, film, observer);
-  const uint64_t per_cache = samples_of_cache(integrator.mixture);
-  std::vector<Walk> walks(light_walks_of(integrator.mixture, per_cache));
+  Tally tally(film.unit());
+  PathSampler sampler(vista_, how, guides_[runs_[r]], film, tally, &observer);
+  const auto count = [&](RayCounts& counts, const auto& work) {
+    tally.rays = {};
+    work();
+    counts.merge(tally.rays);
+  };
+  const uint64_t per_cache = samples_of_cache(mixture);
+  std::vector<Walk> walks(light_walks_of(mixture, per_cache));
   const Walk none;
   LightVertexCache cache;
-  // Runs of 2^32 samples of a pixel are independent [sequence.h].
-  const auto number = [](uint64_t k, size_t j) { return (kPilotGroup * k + j) << 32; };
   const auto draw_cache = [&](uint64_t begin, uint64_t in_cache, size_t j) {
-    const uint64_t walking = light_walks_of(integrator.mixture, in_cache);
+    const uint64_t walking = light_walks_of(mixture, in_cache);
     cache.clear(in_cache);
     seen.share_of_cache(static_cast<double>(in_cache) / static_cast<double>(per_cache));
-    // Visits the first `count` samples: place in the cache, group, pixel.
-    const auto each = [&](uint64_t count, const auto& visit) {
-      for (uint64_t i = 0; i < count; ++i) {
-        const auto [x, y] =
-            spread_pixel(begin + i, vista_.view.film.width(), vista_.view.film.height());
-        visit(i, begin + i, x, y);
+    // Begins the first `samples` samples of the cache.
+    const auto each = [&](uint64_t samples, const auto& visit) {
+      for (uint64_t i = 0; i < samples; ++i) {
+        const uint64_t k = begin + i;
+        const auto [x, y] = spread_pixel(k, vista_.view.film.width(), vista_.view.film.height());
+        // Runs of 2^32 samples of a pixel are independent [sequence.h].
+        sampler.begin(x, y, (kGroup * k + j) << 32);
+        seen.begin(x, y, k, j);
+        visit(i);
       }
     };
     const auto walk_of = [&](uint64_t i) -> const Walk& { return i < walking ? walks[i] : none; };
-    each(walking, [&](uint64_t i, uint64_t k, int x, int y) {
-      runner.light_phase(x, y, number(k, j), walks[i], sums.rays[r]);
+    each(walking, [&](uint64_t i) {
+      if (sampler.has_light_phase()) count(rays[1], [&] { sampler.light_phase(walks[i]); });
       cache.add(walks[i]);
     });
-    each(in_cache, [&](uint64_t i, uint64_t k, int x, int y) {
-      runner.segment_phase(x, y, number(k, j), walk_of(i), cache, sums.rays[r]);
-    });
-    each(in_cache, [&](uint64_t i, uint64_t k, int x, int y) {
-      seen.begin(x, y, k, record(k, r, j));
-      runner.camera_phase(x, y, number(k, j), walk_of(i), cache, sums.rays[r]);
+    each(sampler.has_segment_phase() ? in_cache : 0,
+         [&](uint64_t i) { count(rays[2], [&] { sampler.segment_phase(walk_of(i), cache); }); });
+    each(in_cache, [&](uint64_t i) {
+      sampler.connect_with(walk_of(i), cache);
+      count(rays[0], [&] { sampler.walk_from_camera(); });
+      for (size_t t = 0; t < kTechniques; ++t)
+        if (const auto technique = static_cast<Technique>(t); mixture.has(technique))
+          count(rays[3 + t], [&] { sampler.run(technique); });
       seen.end();
-      blocks_[k] = static_cast<uint32_t>(seen.block());
     });
   };
   for (uint64_t begin = first; begin < end; begin += per_cache)
-    for (size_t j = 0; j < kPilotGroup; ++j) draw_cache(begin, std::min(per_cache, end - begin), j);
+    for (size_t j = 0; j < kGroup; ++j) draw_cache(begin, std::min(per_cache, end - begin), j);
 }
 
 void Pilot::draw(uint64_t groups, Film& film) {
   const uint64_t first = this->groups(), end = first + groups;
+  const size_t samples = end * samples_of_group();
   blocks_.resize(end);
-  records_.resize(end * samples_of_group());
-  std::vector<PilotSums> parts((groups + kChunk - 1) / kChunk);
+  for (auto* const of_sample : {&luminance_, &equal_}) of_sample->resize(samples);
+  for (auto* const of_candidate : {&moments_, &x_, &correlation_})
+    of_candidate->resize(samples * candidates_.size());
+  std::vector<std::pair<Sums, std::vector<Rays>>> parts((groups + kChunk - 1) / kChunk);
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t c) {
-    parts[c] = PilotSums(candidates_.size(), runs_.size());
+    parts[c] = {no_sums(), std::vector<Rays>(runs_.size())};
+    auto& [sums, rays] = parts[c];
     const uint64_t begin = first + c * kChunk;
     for (size_t r = 0; r < runs_.size(); ++r)
-      draw_run(r, begin, std::min(end, begin + kChunk), film, parts[c]);
+      draw_run(r, begin, std::min(end, begin + kChunk), film, sums, rays[r]);
   });
-  for (const PilotSums& part : parts) sums_.merge(part);
+  for (const auto& [sums, rays] : parts) {
+    for (size_t s = 0; s < sums.size(); ++s)
+      for (size_t b = 0; b < sums[s].size(); ++b) sums_[s][b] += sums[s][b];
+    for (size_t r = 0; r < rays.size(); ++r)
+      for (size_t p = 0; p < rays[r].size(); ++p) rays_[r][p].merge(rays[r][p]);
+  }
 }
 
 }  // namespace tdpt

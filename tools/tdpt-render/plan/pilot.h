@@ -43,82 +43,30 @@
 //
 // The samples are thrown away, so that decisions made from them cannot bias the picture.
 #pragma once
-#include <optional>
-#include <string>
-#include <vector>
+#include <array>
 
 #include "tools/tdpt-render/integrators/passes.h"
 #include "tools/tdpt-render/plan/candidates.h"
 #include "tools/tdpt-render/plan/cost_posterior.h"
-#include "tools/tdpt-render/plan/work_model.h"
 
 namespace tdpt {
-
-/// What is known of one candidate.
-struct CandidateEstimate {
-  std::string integrator;     ///< its label
-  bool with_portals = false;  ///< whether it uses them
-  double relmse = 0;          ///< of one sample per pixel; infinite if it misses light
-  double work = 0;            ///< of one sample [ns]
-  double cost = 0;            ///< posterior error x work
-};
-
-/// Gain by portals: the cost of the best candidate without them over that of the best with them.
-struct PortalsGain : CostRatio {
-  size_t with = 0, without = 0;  ///< their indices
-};
-
-struct Forecast {
-  std::vector<CandidateEstimate> estimates;
-  size_t best = 0;                     ///< the first if none met light
-  std::optional<PortalsGain> portals;  ///< none: one kind is missing, or none met light
-};
-
-/// Samples of a pixel that are drawn together.
-inline constexpr size_t kPilotGroup = 4;
-
-/// One sample of a run, evaluated for each candidate.
-struct PilotRecord {
-  double brought = 0;           ///< luminance that the run adds to the sample's own pixel
-  double alike = 0;             ///< second moment of paths that all candidates make alike
-  std::vector<double> moments;  ///< of its own pixel
-  // X, where the run is the candidate's home; its term X^2 less the squares of its paths.
-  std::vector<double> x, common;
-};
-
-/// Sums over all samples, for splats to other pixels and for all that needs no pairs of samples.
-struct PilotSums {
-  /// Blocks across the picture, and down; row by row.
-  static constexpr int kAcross = 16;
-  static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
-  static constexpr size_t kBatches = 16;  ///< group k belongs to batch k mod 16
-  /// Rays of each run: of camera walks, of light walks, of segments until they are connected with
-  /// the camera's side, then by technique.
-  static constexpr size_t kParts = 3 + kTechniques;
-
-  PilotSums() = default;
-  PilotSums(size_t candidates, size_t runs);
-  void merge(const PilotSums& other);
-
-  std::vector<std::vector<double>> splats;  ///< M_i of splats [candidate][batch, block]
-  std::vector<double> luminance, squares;   ///< of all paths, by block; squared path by path
-  std::vector<double> missed;               ///< luminance of paths that a candidate cannot make
-  std::vector<std::array<RayCounts, kParts>> rays;
-};
 
 /// Judges candidates for one picture.
 class Pilot {
  public:
-  /// Needs at least one candidate, with its expected connections [expecting_connections()]. `work`:
-  /// of the renderer that will render; the pilot itself runs on the CPU.
+  static constexpr size_t kGroup = 4;     ///< samples of a pixel that are drawn together
+  static constexpr size_t kBatches = 16;  ///< group k belongs to batch k mod 16
+
+  /// Needs at least one candidate, with its expected connections [expecting_connections()].
+  /// `on_device`: whether the picture's renderer is; the pilot itself runs on the CPU.
   Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const SampleRules& rules,
-        const WorkTables& work = kCpuWork);
+        bool on_device = false);
 
   /// Draws more groups of samples in each run. They accumulate in `film`, of the picture's size.
   void draw(uint64_t groups, Film& film);
   uint64_t groups() const { return blocks_.size(); }
   /// Samples in a group, over all runs.
-  uint64_t samples_of_group() const { return kPilotGroup * runs_.size(); }
+  uint64_t samples_of_group() const { return kGroup * runs_.size(); }
 
   Forecast forecast() const;
   /// Work of a group, over all runs [ns]; needs a group.
@@ -126,33 +74,51 @@ class Pilot {
 
  private:
   friend class PilotSample;
-  void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, PilotSums& sums);
-  double work_of(size_t candidate, const WorkTables& tables) const;
-  /// relMSE by candidate, from each batch of the groups.
-  std::array<std::vector<double>, PilotSums::kBatches> errors() const;
-  PilotRecord& record(uint64_t group, size_t run, size_t sample) {
-    return records_[(group * runs_.size() + run) * kPilotGroup + sample];
-  }
+  /// Blocks across the picture, and down; row by row.
+  static constexpr int kAcross = 16;
+  static constexpr size_t kBlocks = size_t{kAcross} * kAcross;
+  /// Sums over all samples, for splats to other pixels and for all that needs no pairs of samples:
+  /// luminance of all paths by block; its squares, path by path; luminance of paths that a
+  /// candidate cannot make, by candidate; then for each candidate M_i of splats [batch, block].
+  using Sums = std::vector<std::vector<double>>;
+  enum SumRow : size_t { kLuminance, kSquares, kMissed, kSplats };
+  /// Of camera walks, of light walks, of segments until they are connected with the camera's side,
+  /// then by technique.
+  using Rays = std::array<RayCounts, 3 + kTechniques>;
+
+  Sums no_sums() const;
+  void draw_run(size_t run, uint64_t first, uint64_t end, Film& film, Sums& sums, Rays& rays);
+  double work_of(size_t candidate, bool on_device) const;
+  std::vector<double> block_luminance() const;
+  /// relMSE by candidate and batch of the groups.
+  std::vector<std::vector<double>> errors() const;
 
   const Vista& vista_;
   const std::vector<Candidate>& candidates_;
   const SampleRules rules_;
-  const WorkTables work_;
+  const bool on_device_;
   std::vector<size_t> runs_;  ///< candidates that are rendered
   std::vector<size_t> home_;  ///< by candidate: index of a run
   /// By candidate: the run that estimates the correlation of paths of one light walk; with portals,
   /// a run that guides its light walks. Unguided, they seldom come in, and few samples see one.
   std::vector<size_t> lit_by_;
   std::vector<Guide> guides_;  ///< by candidate
-  PilotSums sums_;
-  std::vector<uint32_t> blocks_;      ///< by group: block of its pixel
-  std::vector<PilotRecord> records_;  ///< by group, run, sample
+  Sums sums_;
+  std::vector<Rays> rays_;        ///< by run
+  std::vector<uint32_t> blocks_;  ///< by group: block of its pixel
+
+  // By group, run and sample: luminance that the run adds to the sample's own pixel; second moment
+  // of paths that all candidates sample equally.
+  std::vector<double> luminance_, equal_;
+  // By group, run, sample and candidate: second moment of the other paths of its own pixel; X,
+  // where the run is the candidate's home; its term X^2 less the squares of its paths.
+  std::vector<double> moments_, x_, correlation_;
 };
 
 /// Share of a picture's work that a pilot may take.
 inline constexpr double kPilotShare = 0.025;
 /// Fewer groups give no estimate, more add nothing.
-inline constexpr uint64_t kFewestGroups = PilotSums::kBatches, kMostGroups = 8192;
+inline constexpr uint64_t kFewestGroups = Pilot::kBatches, kMostGroups = 8192;
 /// Whether kFewestGroups fit into the pilot's share of a picture of so many samples.
 bool can_spare(double samples, const Pilot& pilot);
 /// How many groups fit, at most kMostGroups, by the work of those drawn so far. A multiple of

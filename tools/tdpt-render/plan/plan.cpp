@@ -8,7 +8,7 @@
 namespace tdpt {
 namespace {
 
-constexpr uint64_t kSppOfTarget = 64;   // foreseen, while nothing is known
+constexpr uint64_t kSppOfTarget = 64;      // foreseen, while nothing is known
 constexpr double kSamplesPerSecond = 2e5;  // foreseen, of a typical scene
 constexpr double kCores = 4;               // of the machine for which work is foreseen
 
@@ -44,11 +44,10 @@ void draw_pilot(const Session& session, Pilot& pilot, Film& film) {
 
 void choose_by_pilot(Session& session, const std::vector<Candidate>& candidates, Film& film,
                      Plan& plan) {
-  const double cpu = session.clock.cpu();
-  Pilot pilot(session.vista, candidates, session.rules,
-              session.renderer.on_device() ? kDeviceWork : kCpuWork);
+  const double cpu = session.cpu();
+  Pilot pilot(session.vista, candidates, session.rules, session.renderer.on_device());
   draw_pilot(session, pilot, film);
-  plan.pilot_cpu_seconds = session.clock.cpu() - cpu;
+  plan.pilot_cpu_seconds = session.cpu() - cpu;
   if (pilot.groups() == 0) return;
   plan.forecast = pilot.forecast();
   plan.pilot_samples = pilot.groups() * pilot.samples_of_group();
@@ -62,18 +61,24 @@ void aim_at_error(Session& session, Film& film, Plan& plan) {
     return;
   }
   session.make_ready(plan.integrator, film);
-  const double cpu = session.clock.cpu();
-  const auto gives_up = [&] {
-    return stop_requested() ||
-           (limits.seconds > 0 && session.clock.seconds() > 0.5 * limits.seconds);
-  };
-  Film aside = session.film_aside();
+  const double cpu = session.cpu();
+  Tally tally(film.unit());
   ProgressBar bar("measuring the error", "samples", 0, session.job.quiet);
-  const ErrorPilot& pilot = plan.error_pilot = run_error_pilot(
-      session.renderer, plan.integrator, session.rules, limits.target_error,
-      limits.spp > 0 ? limits.spp : kMostSamples, gives_up, aside, bar);
-  plan.error_pilot_cpu_seconds = session.clock.cpu() - cpu;
-  uint64_t goal = pilot.needed > 0 ? pilot.needed : pilot.samples();
+  const DrawPart draw = [&](uint64_t part,
+                            const SampleRange& samples) -> std::optional<std::vector<Vec3d>> {
+    if (stop_requested() || (limits.seconds > 0 && session.seconds() > 0.5 * limits.seconds))
+      return {};
+    film.clear();
+    session.renderer.render(plan.integrator, session.rules, kErrorPilotRounds.first + part, samples,
+                            film, tally, bar);
+    return film.sums();
+  };
+  plan.error_rounds = run_error_pilot(session.pixels, limits.target_error,
+                                      limits.spp > 0 ? limits.spp : kMostSamples, draw);
+  plan.error_pilot_cpu_seconds = session.cpu() - cpu;
+  if (!plan.error_rounds.empty())
+    plan.needed = samples_needed(plan.error_rounds.back(), kErrorPilotParts, limits.target_error);
+  uint64_t goal = plan.needed > 0 ? plan.needed : plan.error_pilot_samples();
   if (limits.spp > 0) goal = goal > 0 ? std::min(goal, limits.spp) : limits.spp;
   if (goal == 0 && limits.seconds == 0) goal = kMostSamples;  // a signal will end it
   plan.spp = goal;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/tdpt-render/plan/error_pilot.h"
+#include "tools/tdpt-render/plan/error_estimate.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/pilot.h"
 #include "tools/tdpt-render/plan/session.h"
@@ -22,12 +22,18 @@ struct Plan {
   uint64_t spp = 0;              ///< samples per pixel; 0: as many as the time allows
   Explored explored;
 
-  // What was measured besides, told with the picture.
+  // What was measured besides, reported with the picture.
   Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
   uint64_t pilot_samples = 0;  ///< behind the forecast
   double pilot_cpu_seconds = 0;
-  ErrorPilot error_pilot;  ///< of a target error; without rounds if there is none
+  /// Rounds of the error pilot; none without a target error.
+  std::vector<ErrorEstimate> error_rounds;
   double error_pilot_cpu_seconds = 0;
+  uint64_t needed = 0;  ///< samples per pixel for the target error; 0: unknown
+  /// Per pixel, thrown away.
+  uint64_t error_pilot_samples() const {
+    return error_rounds.empty() ? 0 : kErrorPilotParts * error_rounds.back().samples;
+  }
 
   bool cut_short = false;  ///< by a signal: another run would decide otherwise
 };
@@ -41,8 +47,8 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals);
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for
-/// a target error the number of samples [error_pilot.h]. The renderer's portals and lights must be
-/// as `explored` says.
+/// a target error the number of samples [error_estimate.h]. The renderer's portals and lights must
+/// be as `explored` says.
 Plan make_plan(Session& session, const std::vector<Candidate>& candidates, Explored explored);
 
 }  // namespace tdpt

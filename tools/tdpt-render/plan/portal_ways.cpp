@@ -1,168 +1,85 @@
 #include "tools/tdpt-render/plan/portal_ways.h"
 
 #include <algorithm>
-#include <numeric>
 
-#include "tools/tdpt-render/plan/portal_probe.h"
+#include "libcommon/math/streams.h"
+#include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {
 
-constexpr size_t kMostPortals = 16;
-constexpr uint64_t kLeastSamples = 10;
-constexpr double kLeastEnergy = 0.001;  // share of the picture's
+constexpr double kLeastEnergy = 0.001;  // share of the picture's light
 constexpr double kEarnest = 0.2;        // share of the light through the portal
 constexpr double kWideWay = 0.066;      // conductance
-constexpr double kNoLight = 1e-4;       // share of the picture's without its brightest sample
-constexpr uint64_t kEnoughLit = 100;    // samples
-
-bool tells(const std::array<PassedLight, 2>& light) {
-  return std::max(light[0].samples, light[1].samples) >= kLeastSamples;
-}
+// Walks of the probe. The first steps are too near the portal to measure the size of the room.
+constexpr uint64_t kWalks = 800;
+constexpr int kSteps = 8, kSkipped = 2;
 
 }  // namespace
 
-PortalWay::Way way_of(bool drawn_both_ways, const PassedLight& with, const PassedLight& against,
-                      double total, bool wide) {
-  const auto sure = [](const PassedLight& light) {
-    return light.samples < kLeastSamples ? 0 : light.energy - light.brightest;
-  };
-  if (!(std::max(sure(with), sure(against)) > kLeastEnergy * total)) return PortalWay::as_drawn;
-  const double least = kEarnest * (with.energy + against.energy);
-  if (sure(against) > least && with.energy < least) return PortalWay::back;
+PortalWay way_of(bool drawn_both_ways, const std::array<double, 2>& passed,
+                 const std::array<double, 2>& sure, double total, bool wide) {
+  if (!(std::max(sure[0], sure[1]) > kLeastEnergy * total)) return PortalWay::as_drawn;
+  const double least = kEarnest * (passed[0] + passed[1]);
+  if (sure[1] > least && passed[0] < least) return PortalWay::back;
   if (drawn_both_ways) {
-    if (sure(with) > least && against.energy < least) return PortalWay::front;
-    if (wide) return with.energy < against.energy ? PortalWay::back : PortalWay::front;
+    if (sure[0] > least && passed[1] < least) return PortalWay::front;
+    if (wide) return passed[0] < passed[1] ? PortalWay::back : PortalWay::front;
     return PortalWay::as_drawn;
   }
-  return sure(against) > least && !wide ? PortalWay::both : PortalWay::as_drawn;
+  return sure[1] > least && !wide ? PortalWay::both : PortalWay::as_drawn;
 }
 
-std::vector<PassedPortals::Opening> PassedPortals::openings(const std::vector<Portal>& portals,
-                                                            const Frame& frame) {
-  std::vector<Opening> openings;
-  for (Portal portal : portals) {
-    portal.both_ways = true;
-    PortalSet both({portal}, frame);
-    portal.both_ways = false;
-    openings.push_back({PortalSet({portal}, frame), std::move(both)});
-  }
-  return openings;
-}
-
-PassedPortals::PassedPortals(const std::vector<Opening>& openings)
-    : openings_(openings),
-      ways_(openings.size()),
-      either_(openings.size()),
-      of_sample_(openings.size()) {}
-
-void PassedPortals::see(const Path& path, double light) {
-  if (path.k() < 2) return;
-  total_ += light;
-  sample_ += light;
-  for (size_t p = 0; p < openings_.size(); ++p) {
-    bool passes = false;
-    for (int i = 0; i + 1 < path.k(); ++i) {
-      const Vertex &a = path.vertex(i), &b = path.vertex(i + 1);
-      const Vec3d from = a.at_infinity() ? before_the_scene(b.position, a.position) : a.position;
-      if (!(openings_[p].both.density(from, b.position) > 0)) continue;
-      passes = true;
-      if (openings_[p].front.density(from, b.position) > 0) of_sample_[p][0] += light;
-      if (openings_[p].front.density(b.position, from) > 0) of_sample_[p][1] += light;
+double probed_conductance(const World& world, const Portal& portal) {
+  Portal one_way = portal;
+  one_way.both_ways = false;
+  const PortalSet opening({one_way}, world.scene.frame);
+  if (opening.empty()) return 0;
+  double narrowest = 0;
+  for (const uint64_t to_camera : {0, 1}) {
+    uint64_t crossed = 0, bounces = 0;
+    for (uint64_t i = 0; i < kWalks; ++i) {
+      Rng rng(*kPortalProbe.seed, kPortalProbe.first + to_camera, i);
+      const PortalSet::Sample start = opening.sample(rng);
+      Tracer::Origin from{start.position};
+      Vec3d w = to_camera ? start.direction : -start.direction;
+      for (int step = 0; step < kSteps; ++step) {
+        Hit hit;
+        if (!world.tracer.closest(from, w, hit)) break;
+        if (step >= kSkipped) {
+          ++bounces;
+          const bool crosses = to_camera ? opening.density(hit.position, from.position) > 0
+                                         : opening.density(from.position, hit.position) > 0;
+          crossed += crosses;
+          if (crosses) break;
+        }
+        const Vec3d n = dot(hit.normal, w) < 0 ? hit.normal : -hit.normal;
+        from = {hit.position, n};
+        const double u = rng.uniform(), v = rng.uniform();
+        w = Onb<double>(n).to_world(cosine_hemisphere(u, v));
+      }
     }
-    if (passes) either_[p] += light;
+    if (bounces > 0)
+      narrowest = std::max(narrowest, static_cast<double>(crossed) / static_cast<double>(bounces));
   }
+  return narrowest;
 }
 
-void PassedPortals::end_sample() {
-  lit_ += sample_ > 0;
-  brightest_ = std::max(brightest_, sample_);
-  sample_ = 0;
-  for (size_t p = 0; p < openings_.size(); ++p) {
-    for (size_t way = 0; way < 2; ++way) {
-      double& light = of_sample_[p][way];
-      PassedLight& sum = ways_[p][way];
-      sum.samples += light > 0;
-      sum.energy += light;
-      sum.brightest = std::max(sum.brightest, light);
-      light = 0;
-    }
-  }
-}
-
-void PassedPortals::merge(const PassedPortals& other) {
-  total_ += other.total_;
-  lit_ += other.lit_;
-  brightest_ = std::max(brightest_, other.brightest_);
-  for (size_t p = 0; p < openings_.size(); ++p) {
-    either_[p] += other.either_[p];
-    for (size_t way = 0; way < 2; ++way) {
-      PassedLight& sum = ways_[p][way];
-      const PassedLight& part = other.ways_[p][way];
-      sum.samples += part.samples;
-      sum.energy += part.energy;
-      sum.brightest = std::max(sum.brightest, part.brightest);
-    }
-  }
-}
-
-WayFinder::WayFinder(const std::vector<Portal>& portals)
-    : portals_(portals),
-      open_(std::min(portals.size(), kMostPortals)),
-      ways_(portals.size()),
-      dark_(portals.size()) {
-  std::iota(open_.begin(), open_.end(), size_t{0});
-  for (size_t i = 0; i < ways_.size(); ++i) ways_[i].portal = i;
-}
-
-std::vector<Portal> WayFinder::opened() const {
-  std::vector<Portal> opened;
-  for (const size_t i : open_) opened.emplace_back(portals_[i]).both_ways = true;
-  return opened;
-}
-
-void WayFinder::learn(const PassedPortals& passed, const Vista& vista) {
-  some_silent_ = false;
-  if (vista.openings.portals.empty()) return;
-  lit_ = std::max(lit_, passed.lit_);
-  std::vector<size_t> silent;
-  for (size_t k = 0; k < open_.size(); ++k) {
-    const size_t i = open_[k];
-    const auto& [with, against] = passed.ways_[k];
-    const auto way = [&, &with = with, &against = against](bool wide) {
-      return way_of(portals_[i].both_ways, with, against, passed.total_, wide);
-    };
-    // Conductance is probed only where it matters.
-    const bool wide =
-        way(true) != way(false) && probed_conductance(*vista.world, portals_[i]) > kWideWay;
-    ways_[i].way = way(wide);
-    dark_[i] = passed.either_[k] < kNoLight * (passed.total_ - passed.brightest_);
-    if (!tells(passed.ways_[k])) silent.push_back(i);
-  }
-  some_silent_ = !silent.empty() && silent.size() < open_.size();
-  open_ = std::move(silent);
-}
-
-std::vector<PortalWay> WayFinder::told() const {
-  std::vector<PortalWay> ways = ways_;
-  if (lit_ < kEnoughLit) return ways;
-  for (size_t i = 0; i < ways.size(); ++i)
-    if (dark_[i] || std::find(open_.begin(), open_.end(), i) != open_.end())
-      ways[i].way = PortalWay::left_out;
-  return ways;
+bool is_wide(const World& world, const Portal& portal) {
+  return probed_conductance(world, portal) > kWideWay;
 }
 
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals) {
-  for (const PortalWay& w : ways) {
-    Portal& portal = portals.at(w.portal);
-    if (w.way == PortalWay::as_drawn) continue;
-    if (w.way == PortalWay::left_out) {
+  for (size_t i = 0; i < ways.size(); ++i) {
+    Portal& portal = portals.at(i);
+    if (ways[i] == PortalWay::as_drawn) continue;
+    if (ways[i] == PortalWay::left_out) {
       portal.figures.emplace("area", area_of(portal));
       portal.triangles.clear();
       continue;
     }
-    portal.both_ways = w.way == PortalWay::both;
-    if (w.way == PortalWay::back)
+    portal.both_ways = ways[i] == PortalWay::both;
+    if (ways[i] == PortalWay::back)
       for (auto& t : portal.triangles) std::swap(t[1], t[2]);
   }
 }

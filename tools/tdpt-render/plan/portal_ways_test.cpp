@@ -24,19 +24,16 @@ Portal for_both_ways(Portal portal) {
 Scene scene_of(const std::string& name) {
   return read_gltf(TDPT_TESTDATA "/scenes/" + name);
 }
-std::vector<PortalWay::Way> ways_in(const Scene& scene, const std::vector<Portal>& portals,
-                                    uint64_t seed = 1) {
+std::vector<PortalWay> ways_in(const Scene& scene, const std::vector<Portal>& portals,
+                               uint64_t seed = 1) {
   Vista vista(scene, scene.camera(""), 320, 240, portals);
-  std::vector<PortalWay::Way> ways;
-  for (const PortalWay& w : explore(vista, scene.camera(""), portals, 6, seed).ways) {
-    EXPECT_EQ(w.portal, ways.size());
-    ways.push_back(w.way);
-  }
+  const std::vector<PortalWay> ways = explore(vista, scene.camera(""), portals, 6, seed).ways;
+  EXPECT_EQ(ways.size(), portals.size());
   EXPECT_EQ(vista.view.film.width(), 320);
   EXPECT_EQ(vista.openings.portals.size(), PortalSet(portals, scene.frame).size());
   return ways;
 }
-using Ways = std::vector<PortalWay::Way>;
+using Ways = std::vector<PortalWay>;
 
 /// A portal in a wall between rooms, with light going to -x; y and z extents.
 Portal in_the_wall(double x, double y0, double y1, double z0, double z1) {
@@ -49,32 +46,39 @@ std::vector<Portal> round_the_leaf() {
 }
 
 TEST(way_of, asks_for_light_that_is_clear) {
-  const PassedLight much{1000, 100, 1}, tenth{100, 10, 1}, little{100, 2, 0.1}, none{};
-  const PassedLight half{1000, 60, 1}, one_sample{20, 100, 99.9}, few{9, 100, 1};
-  EXPECT_EQ(way_of(false, much, none, 200, false), kAsDrawn);
-  EXPECT_EQ(way_of(false, none, much, 200, false), kBack);
-  EXPECT_EQ(way_of(false, little, much, 200, false), kBack);
-  EXPECT_EQ(way_of(false, tenth, much, 200, false), kBack);
-  EXPECT_EQ(way_of(false, much, tenth, 200, false), kAsDrawn);
-  EXPECT_EQ(way_of(false, much, half, 200, false), kBoth);
-  EXPECT_EQ(way_of(false, half, much, 200, false), kBoth);
-  EXPECT_EQ(way_of(true, much, none, 200, false), kFront);
-  EXPECT_EQ(way_of(true, much, little, 200, false), kFront);
-  EXPECT_EQ(way_of(true, little, much, 200, false), kBack);
-  EXPECT_EQ(way_of(true, much, tenth, 200, false), kFront);
-  EXPECT_EQ(way_of(true, tenth, much, 200, false), kBack);
-  EXPECT_EQ(way_of(true, much, half, 200, false), kAsDrawn);
-  EXPECT_EQ(way_of(false, much, half, 200, true), kAsDrawn);
-  EXPECT_EQ(way_of(false, half, much, 200, true), kAsDrawn);
-  EXPECT_EQ(way_of(false, none, much, 200, true), kBack);
-  EXPECT_EQ(way_of(true, much, half, 200, true), kFront);
-  EXPECT_EQ(way_of(true, half, much, 200, true), kBack);
+  struct Passed {
+    double all = 0, sure = 0;
+  };
+  const Passed much{100, 99}, tenth{10, 9}, little{2, 1.9}, none{}, half{60, 59}, few{100, 0},
+      one_sample{100, 0.1};
+  const auto way = [](bool both, const Passed& with, const Passed& against, double total,
+                      bool wide) {
+    return way_of(both, {with.all, against.all}, {with.sure, against.sure}, total, wide);
+  };
+  EXPECT_EQ(way(false, much, none, 200, false), kAsDrawn);
+  EXPECT_EQ(way(false, none, much, 200, false), kBack);
+  EXPECT_EQ(way(false, little, much, 200, false), kBack);
+  EXPECT_EQ(way(false, tenth, much, 200, false), kBack);
+  EXPECT_EQ(way(false, much, tenth, 200, false), kAsDrawn);
+  EXPECT_EQ(way(false, much, half, 200, false), kBoth);
+  EXPECT_EQ(way(false, half, much, 200, false), kBoth);
+  EXPECT_EQ(way(true, much, none, 200, false), kFront);
+  EXPECT_EQ(way(true, much, little, 200, false), kFront);
+  EXPECT_EQ(way(true, little, much, 200, false), kBack);
+  EXPECT_EQ(way(true, much, tenth, 200, false), kFront);
+  EXPECT_EQ(way(true, tenth, much, 200, false), kBack);
+  EXPECT_EQ(way(true, much, half, 200, false), kAsDrawn);
+  EXPECT_EQ(way(false, much, half, 200, true), kAsDrawn);
+  EXPECT_EQ(way(false, half, much, 200, true), kAsDrawn);
+  EXPECT_EQ(way(false, none, much, 200, true), kBack);
+  EXPECT_EQ(way(true, much, half, 200, true), kFront);
+  EXPECT_EQ(way(true, half, much, 200, true), kBack);
   for (const bool both : {false, true}) {
-    EXPECT_EQ(way_of(both, none, none, 200, false), kAsDrawn);
-    EXPECT_EQ(way_of(both, none, few, 200, false), kAsDrawn);
-    EXPECT_EQ(way_of(both, little, one_sample, 200, false), kAsDrawn);
-    EXPECT_EQ(way_of(both, none, much, 1e6, false), kAsDrawn);
-    EXPECT_EQ(way_of(both, none, none, 0, false), kAsDrawn);
+    EXPECT_EQ(way(both, none, none, 200, false), kAsDrawn);
+    EXPECT_EQ(way(both, none, few, 200, false), kAsDrawn);
+    EXPECT_EQ(way(both, little, one_sample, 200, false), kAsDrawn);
+    EXPECT_EQ(way(both, none, much, 1e6, false), kAsDrawn);
+    EXPECT_EQ(way(both, none, none, 0, false), kAsDrawn);
   }
 }
 
@@ -91,7 +95,7 @@ TEST(portal_ways, turns_the_small_portal_of_a_door_ajar) {
             (Ways{kFront, kBack}));
 }
 
-TEST(portal_ways, tells_holes_and_windows_alike) {
+TEST(portal_ways, are_found_for_holes_and_windows) {
   const std::vector<std::pair<const char*, Portal>> openings{
       {"small-hole.glb", in_the_wall(2.05, 0.95, 1.05, -0.05, 0.05)},
       {"two-rooms.glb", portal_in_the_hole()},
@@ -145,7 +149,7 @@ TEST(portal_ways, lets_light_pass_both_ways_where_it_does) {
   EXPECT_EQ(ways_in(scene, {for_both_ways(slip)}), Ways{kAsDrawn});
 }
 
-TEST(portal_ways, portals_in_a_row_are_told_one_by_one) {
+TEST(portal_ways, portals_in_a_row_are_judged_one_by_one) {
   const Scene scene = scene_of("three-rooms.glb");
   const Portal first = in_the_wall(4.15, 0.75, 1.25, -0.25, 0.25);
   const Portal second = in_the_wall(2.05, 0.75, 1.25, -0.25, 0.25);
@@ -188,7 +192,7 @@ TEST(portal_ways, is_a_function_of_its_arguments) {
 TEST(apply_ways, turns_portals_and_lets_them_work_both_ways) {
   const Portal hole = portal_in_the_hole();
   std::vector<Portal> portals{hole, hole, for_both_ways(hole), for_both_ways(hole), hole};
-  apply_ways({{0, kAsDrawn}, {1, kBack}, {2, kFront}, {3, kBack}, {4, kBoth}}, portals);
+  apply_ways({kAsDrawn, kBack, kFront, kBack, kBoth}, portals);
   EXPECT_EQ(portals[0].triangles, hole.triangles);
   EXPECT_EQ(portals[1].triangles, turned_round(hole).triangles);
   EXPECT_EQ(portals[2].triangles, hole.triangles);
@@ -196,9 +200,26 @@ TEST(apply_ways, turns_portals_and_lets_them_work_both_ways) {
   EXPECT_EQ(portals[3].triangles, turned_round(hole).triangles);
   EXPECT_FALSE(portals[3].both_ways);
   EXPECT_TRUE(portals[4].both_ways);
-  apply_ways({{1, kLeftOut}}, portals);
+  apply_ways({kAsDrawn, kLeftOut}, portals);
   EXPECT_TRUE(portals[1].triangles.empty());
   EXPECT_NEAR(portals[1].figures.at("area"), 0.0625, 1e-12);
+}
+
+double conductance_in(const char* scene_name, const Portal& portal) {
+  return probed_conductance(World(scene_of(scene_name), false), portal);
+}
+
+bool near(double measured, double expected) {
+  return measured > 0.75 * expected && measured < 1.33 * expected;
+}
+
+// The room's surface is 24 m2, less the opening.
+TEST(portal_probe, measures_the_opening_against_the_room) {
+  const double window = 2.56 / 24;
+  EXPECT_TRUE(near(conductance_in("window.glb", in_the_wall(2.05, 0.2, 1.8, -0.8, 0.8)), window));
+  // Twin: a portal over a quarter of the window has another conductance.
+  EXPECT_FALSE(near(conductance_in("window.glb", in_the_wall(2.05, 0.2, 1, -0.8, 0)), window));
+  EXPECT_LT(conductance_in("two-rooms.glb", portal_in_the_hole()), 0.01);
 }
 
 }  // namespace tdpt::portal_ways_test

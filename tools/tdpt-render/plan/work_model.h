@@ -1,6 +1,6 @@
 // What a sample costs, predicted from its counts of rays: a linear model of CPU time, fitted to
-// measurements. `auto` weights errors by it and never by the clock, so that it chooses alike in
-// every run.
+// measurements. `auto` weights errors by it and never by the clock, so that it chooses the same
+// in every run.
 //   cost = sample + rays.closest (closest + closest_deeper L) + rays.shadow x shadow
 //          + rays.connect x connect
 //          + rays.portal (portal + portal_triangle T + directed D
@@ -84,24 +84,11 @@ inline constexpr WorkCosts kDeviceWorkWithoutPortals{
     .window = 49,
 };
 
-/// For samples that use portals, and for those that do not.
-struct WorkTables {
-  WorkCosts with_portals, without_portals;
-};
-inline constexpr WorkTables kCpuWork{kWorkWithPortals, kWorkWithoutPortals};
-/// For any --device gpu, so that a sample's cost is the same in every run.
-inline constexpr WorkTables kDeviceWork{kDeviceWorkWithPortals, kDeviceWorkWithoutPortals};
-
-class WorkModel {
- public:
-  WorkModel(const Vista& vista, const Mixture& mixture, const WorkTables& tables = kCpuWork);
-  WorkModel(const Vista& vista, const Mixture& mixture, const WorkCosts& costs);
-
-  /// Cost of one sample [ns]; `rays`: counts over `samples` samples.
-  double per_sample(const RayCounts& rays, uint64_t samples) const;
-
- private:
-  double sample_, closest_, shadow_, connect_, portal_;
-};
+/// The table of a sample's costs, for a device of any kind or the CPU: a sample's cost is the same
+/// in every run.
+const WorkCosts& work_costs(const Vista& vista, const Mixture& mixture, bool on_device = false);
+/// Cost of one sample [ns]; `rays`: counts over `samples` samples.
+double sample_work(const Vista& vista, const Mixture& mixture, const WorkCosts& costs,
+                   const RayCounts& rays, uint64_t samples);
 
 }  // namespace tdpt

@@ -12,9 +12,11 @@ constexpr RayCounts kRays{1000, 500, 2000, 300};
 
 class WorkModelTest : public ::testing::Test {
  protected:
-  double of(const std::vector<Portal>& portals, const Integrator& integrator) const {
-    return WorkModel(Vista(scene_, scene_.camera(""), 8, 6, portals), integrator.mixture)
-        .per_sample(kRays, kSamples);
+  double of(const std::vector<Portal>& portals, const Integrator& integrator,
+            const RayCounts& rays = kRays, bool on_device = false) const {
+    const Vista vista(scene_, scene_.camera(""), 8, 6, portals);
+    const Mixture& m = integrator.mixture;
+    return sample_work(vista, m, work_costs(vista, m, on_device), rays, kSamples);
   }
   const Scene scene_ = read_gltf(two_rooms_path());
   const std::vector<Portal> one_{portal_in_the_hole()}, two_ = two_crossing_portals();
@@ -31,27 +33,22 @@ TEST_F(WorkModelTest, more_for_edges_of_directed_walks_and_more_again_with_facet
 TEST_F(WorkModelTest, of_what_has_no_use_for_portals_has_a_table_of_its_own) {
   const WorkCosts& c = kWorkWithoutPortals;
   const RayCounts none{};
-  const WorkModel model(Vista(scene_, scene_.camera(""), 8, 6, one_), bdpt.mixture);
-  EXPECT_EQ(model.per_sample(none, kSamples), c.sample);
-  EXPECT_NEAR(model.per_sample({0, kSamples, 0}, kSamples), c.sample + c.shadow, 1e-9);
+  EXPECT_EQ(of(one_, bdpt, none), c.sample);
+  EXPECT_NEAR(of(one_, bdpt, {0, kSamples, 0}), c.sample + c.shadow, 1e-9);
   EXPECT_EQ(of({}, tdpt_guided), of({}, bdpt));
   EXPECT_EQ(of(two_, bdpt), of({}, bdpt));
 }
 
 TEST_F(WorkModelTest, of_a_device_has_tables_of_its_own) {
-  const Vista vista(scene_, scene_.camera(""), 8, 6, one_);
-  const auto of_device = [&](const Integrator& integrator) {
-    return WorkModel(vista, integrator.mixture, kDeviceWork).per_sample({0, kSamples, 0}, kSamples);
-  };
-  EXPECT_EQ(of_device(bdpt), kDeviceWorkWithoutPortals.shadow);
-  EXPECT_EQ(of_device(tdpt_guided), kDeviceWorkWithPortals.shadow);
+  EXPECT_EQ(of(one_, bdpt, {0, kSamples, 0}, true), kDeviceWorkWithoutPortals.shadow);
+  EXPECT_EQ(of(one_, tdpt_guided, {0, kSamples, 0}, true), kDeviceWorkWithPortals.shadow);
 }
 
 // work_model_bench gets each term of the model this way.
 TEST_F(WorkModelTest, is_linear_in_its_table) {
   const Vista vista(scene_, scene_.camera(""), 8, 6, two_);
   const auto cost = [&](const WorkCosts& c) {
-    return WorkModel(vista, tdpt_guided.mixture, c).per_sample(kRays, kSamples);
+    return sample_work(vista, tdpt_guided.mixture, c, kRays, kSamples);
   };
   EXPECT_EQ(cost({}), 0);
   EXPECT_NEAR(cost({.sample = 3}) + cost({.closest = 7}) + cost({.facet = 5}),

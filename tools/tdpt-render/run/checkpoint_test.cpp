@@ -87,20 +87,17 @@ TEST(progress, is_read_as_it_was_written) {
   plan.integrator = tdpt_guided;
   plan.label = "tdpt-guided";
   plan.spp = 64;
-  plan.explored = {{{0, PortalWay::back}, {2, PortalWay::left_out}},
+  plan.explored = {{PortalWay::back, PortalWay::left_out},
                    {0.25, 0.25, 0, 0.5},
                    Truncation{6, 0.25, 0.01},
                    128,
                    0.5};
-  ErrorPilot::Round round;
-  round.samples = 8;
-  round.estimate.lit = true;
-  round.estimate.spread = std::numeric_limits<double>::infinity();
-  plan.error_pilot = {{round}, 64};
+  plan.error_rounds = {{true, 0, std::numeric_limits<double>::infinity(), 1, 8}};
+  plan.needed = 64;
   plan.forecast.estimates = {{"bdpt", false, 0.5, 100, std::numeric_limits<double>::infinity()},
                              {"tdpt", true, 0.25, 200, 50}};
   plan.forecast.best = 1;
-  plan.forecast.portals = {{2, 1, 4}, 1, 0};
+  plan.forecast.portals_gain = 2, plan.forecast.gain_low = 1, plan.forecast.gain_high = 4;
   plan.pilot_samples = 64, plan.pilot_cpu_seconds = 0.5;
   Progress a(Film(2, 1, 1), {64, 3600, 0.01, true});
   a.film.complete({16, 4});
@@ -130,8 +127,8 @@ TEST(progress, is_read_as_it_was_written) {
   EXPECT_EQ(again.explored.ways, plan.explored.ways);
   EXPECT_EQ(again.explored.lights, plan.explored.lights);
   EXPECT_EQ(again.explored.beyond->share, 0.25);
-  EXPECT_EQ(again.error_pilot.rounds[0].estimate.spread, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(again.forecast.portals->low, 1);
+  EXPECT_EQ(again.error_rounds[0].spread, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(again.forecast.gain_low, 1);
 }
 
 TEST(progress, that_is_no_beginning_is_refused) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libcommon/options/render_options.h"
-#include "tools/tdpt-render/plan/job.h"
+#include "tools/tdpt-render/plan/session.h"
 
 namespace tdpt {
 

@@ -27,9 +27,8 @@ constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 // Throws InputError where a film was rendered by other portals or kinds of light than there are.
 void check_explored(const Explored& explored, const Loaded& in, const Vista& vista,
                     const std::string& file) {
-  for (const PortalWay& way : explored.ways)
-    if (way.portal >= in.portals.size())
-      throw InputError(file, "film.plan.portals", "speak of one that there is not");
+  if (explored.ways.size() > in.portals.size())
+    throw InputError(file, "film.plan.portals", "speak of one that there is not");
   const Lights::KindProbabilities &then = explored.lights, now = vista.openings.selection.shares();
   const auto same = [](double x, double y) { return (x > 0) == (y > 0); };
   if (!same(then.surfaces, now.surfaces) || !same(then.lamps, now.lamps) ||

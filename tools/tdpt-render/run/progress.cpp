@@ -149,8 +149,7 @@ void describe(auto& as, Of<Truncation> auto& beyond) {
 }
 
 void describe(auto& as, Of<PortalWay> auto& way) {
-  as.count("portal", way.portal, kMostCount);
-  as.count("way", way.way, PortalWay::left_out);
+  as.count("way", way, static_cast<uint64_t>(PortalWay::left_out));
 }
 
 void describe(auto& as, Of<Mixture> auto& m) {
@@ -175,20 +174,12 @@ void describe(auto& as, Of<CandidateEstimate> auto& c) {
   as.number("cost", c.cost, 0, kAny);
 }
 
-void describe(auto& as, Of<PortalsGain> auto& gain) {
-  as.number("times", gain.times, 0, kAny);
-  as.number("low", gain.low, 0, kAny);
-  as.number("high", gain.high, 0, kAny);
-  as.count("with", gain.with, kMostCount);
-  as.count("without", gain.without, kMostCount);
-}
-
-void describe(auto& as, Of<ErrorPilot::Round> auto& round) {
+void describe(auto& as, Of<ErrorEstimate> auto& round) {
   as.count("samples", round.samples, kMostCount);
-  as.flag("lit", round.estimate.lit);
-  as.number("relmse", round.estimate.relmse, 0, kAny);
-  as.number("spread", round.estimate.spread, 0, kAny);
-  as.number("pixels", round.estimate.pixels, 0, kAny);
+  as.flag("lit", round.lit);
+  as.number("relmse", round.relmse, 0, kAny);
+  as.number("spread", round.spread, 0, kAny);
+  as.number("pixels", round.pixels, 0, kAny);
 }
 
 void describe(auto& as, Of<FrameRecord> auto& frame) {
@@ -221,13 +212,15 @@ void describe(auto& as, Of<Plan> auto& plan) {
 void describe_measured(auto& as, auto& plan) {
   as.list("estimates", plan.forecast.estimates, 64);
   as.count("best", plan.forecast.best, 64);
-  as.record("gain", plan.forecast.portals);
+  as.number("portals_gain", plan.forecast.portals_gain, 0, kAny);
+  as.number("gain_low", plan.forecast.gain_low, 0, kAny);
+  as.number("gain_high", plan.forecast.gain_high, 0, kAny);
   as.count("pilot_samples", plan.pilot_samples, kMostCount);
   as.number("pilot_cpu", plan.pilot_cpu_seconds, 0, kMostSeconds);
   as.count("explored", plan.explored.samples, kMostCount);
   as.number("exploration_cpu", plan.explored.cpu_seconds, 0, kMostSeconds);
-  as.list("rounds", plan.error_pilot.rounds, 64);
-  as.count("needed", plan.error_pilot.needed, kMostCount);
+  as.list("rounds", plan.error_rounds, 64);
+  as.count("needed", plan.needed, kMostCount);
   as.number("error_pilot_cpu", plan.error_pilot_cpu_seconds, 0, kMostSeconds);
 }
 
@@ -371,8 +364,6 @@ Plan plan_of(const FilmFacts& facts, const std::string& name) {
   const Forecast& forecast = plan.forecast;
   const size_t n = forecast.estimates.size();
   if (forecast.best > 0 && forecast.best >= n) state.fail("best", "is out of range");
-  if (forecast.portals && std::max(forecast.portals->with, forecast.portals->without) >= n)
-    state.fail("gain", "is of other candidates");
   return plan;
 }
 

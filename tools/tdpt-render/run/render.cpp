@@ -74,19 +74,17 @@ void Rendering::look() {
 
 // "relMSE about 0.02", predicted by the pilot, or estimated from the picture.
 std::string Rendering::error_so_far() const {
-  const ErrorPilot& pilot = plan_.error_pilot;
-  if (pilot.rounds.empty()) return noise_words_;
+  if (plan_.error_rounds.empty()) return noise_words_;
   if (film_.samples() == 0) return "";
-  const ErrorPilot::Round& round = pilot.about(film_.samples());
-  if (!(round.estimate.relmse > 0)) return "";
+  const ErrorEstimate& round = best_round(plan_.error_rounds, film_.samples());
+  if (!(round.relmse > 0)) return "";
   const double of = static_cast<double>(round.samples) / static_cast<double>(film_.samples());
-  return fmt::format("relMSE about {}", number_words(round.estimate.relmse * of, 2));
+  return fmt::format("relMSE about {}", number_words(round.relmse * of, 2));
 }
 
 void Rendering::record_frame() {
-  WorkClock& clock = session_.clock;
-  const double seconds = clock.seconds(), cpu = clock.cpu();
-  clock.aside([&] {
+  const double seconds = session_.seconds(), cpu = session_.cpu();
+  session_.aside([&] {
     const Picture picture = film_.picture();
     progress_.frames.push_back(
         {film_.samples(), nonzero_of(picture), mean_of(picture), seconds, cpu});
@@ -108,15 +106,15 @@ uint64_t Rendering::next_pass() const {
   if (limit == 0) return n;
   if (done == 0) return 1;  // there must be a picture
   // Samples are expected to take as long as those before; stops nearest to the limit.
-  const double now = session_.clock.seconds();
+  const double now = session_.seconds();
   const double per_sample = (now - progress_.began) / static_cast<double>(done);
   const double in_time = (limit - now) / per_sample;
   return in_time < 0.5 ? 0 : std::min(n, static_cast<uint64_t>(std::max(in_time, 1.0)));
 }
 
 void Rendering::stop_clock() {
-  progress_.seconds = session_.clock.seconds();
-  progress_.cpu_seconds = session_.clock.cpu();
+  progress_.seconds = session_.seconds();
+  progress_.cpu_seconds = session_.cpu();
 }
 
 // Each visitor gets at most a tenth of the time, however large the picture.
@@ -124,11 +122,11 @@ void Rendering::receive_visitors() {
   if (plan_.cut_short) return;
   due_.resize(visitors_.size(), progress_.began);
   for (size_t i = 0; i < due_.size(); ++i) {
-    const double now = session_.clock.seconds();
+    const double now = session_.seconds();
     if (now < due_[i] + visitors_[i].every) continue;
     stop_clock();
     const auto before = std::chrono::steady_clock::now();
-    session_.clock.aside([&] { visitors_[i].visit(plan_, progress_); });
+    session_.aside([&] { visitors_[i].visit(plan_, progress_); });
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
     due_[i] = now + std::max(0.0, 10 * took.count() - visitors_[i].every);
   }
@@ -150,7 +148,7 @@ void Rendering::render_goal() {
   if (next_pass() > 0) session_.make_ready(plan_.integrator, film_);
   ProgressBar bar("rendering", "samples",
                   (goal - std::min(goal, film_.samples())) * session_.pixels, session_.job.quiet);
-  if (goal == 0) bar.ends_after(progress_.in_force().seconds - session_.clock.seconds());
+  if (goal == 0) bar.ends_after(progress_.in_force().seconds - session_.seconds());
   if (const uint64_t all = std::max<uint64_t>(goal, 1);
       session_.longest == 0 && film_.samples() < all)
     film_.complete({progress_.next(), all - film_.samples()});
@@ -231,9 +229,9 @@ RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress
   result.plan = plan;
   result.progress = std::move(progress);
   if (result.spp() == 0)
-    result.progress->began = session.clock.seconds();
+    result.progress->began = session.seconds();
   else
-    session.clock.add(result.progress->seconds, result.progress->cpu_seconds);
+    session.add_time(result.progress->seconds, result.progress->cpu_seconds);
   Rendering(session, plan, *result.progress, visitors, rescue).run(result);
   return result;
 }

@@ -35,10 +35,10 @@ std::string names_of(const std::vector<std::string>& names) {
       names.size() - named);
 }
 
-const char* words_of(PortalWay::Way way) {
+const char* words_of(PortalWay way) {
   constexpr std::array kWords{"as drawn", "from its back to its front", "from its front to its back",
                               "both ways", "left out"};
-  return kWords[way];
+  return kWords[static_cast<size_t>(way)];
 }
 
 // What became of the samples of one portal.
@@ -47,8 +47,8 @@ Json portal_json(const Portal& portal, size_t i, const RenderResult& result) {
   Json j{{"name", portal.name}, {"area", used ? area_of(portal) : portal.figures.at("area")}};
   for (const char* key : {"flux_share", "tightness", "conductance"})
     if (const auto at = portal.figures.find(key); at != portal.figures.end()) j[key] = at->second;
-  for (const PortalWay& w : result.plan.explored.ways)
-    if (w.portal == i) j["way"] = words_of(w.way);
+  const std::vector<PortalWay>& ways = result.plan.explored.ways;
+  if (i < ways.size()) j["way"] = words_of(ways[i]);
   const double total = total_energy(result.tally);
   RenderTally::OfPortal tally;
   if (i < result.tally.portals.size()) tally = result.tally.portals[i];
@@ -68,9 +68,9 @@ Json portal_json(const Portal& portal, size_t i, const RenderResult& result) {
 
 Json pilot_json(const Plan& plan) {
   Json j{{"samples", plan.pilot_samples}, {"cpu", plan.pilot_cpu_seconds}};
-  if (const auto& gain = plan.forecast.portals) {
-    j["portals_gain"] = gain->times;
-    j["portals_gain_interval"] = {gain->low, gain->high};
+  if (const Forecast& forecast = plan.forecast; forecast.portals_gain > 0) {
+    j["portals_gain"] = forecast.portals_gain;
+    j["portals_gain_interval"] = {forecast.gain_low, forecast.gain_high};
   }
   Json& candidates = j["candidates"] = Json::array();
   for (const CandidateEstimate& p : plan.forecast.estimates)
@@ -204,13 +204,12 @@ std::string choice_sentence(const RenderResult& result, bool lit) {
 
 std::string verdict_sentence(const RenderResult& result) {
   const Forecast& forecast = result.plan.forecast;
-  const std::optional<PortalsGain>& gain = forecast.portals;
-  if (!gain) return "";
+  if (!(forecast.portals_gain > 0)) return "";
   const std::string times =
-      fmt::format("({} times as fast, {} to {})", number_words(gain->times, 2),
-                  number_words(gain->low, 2), number_words(gain->high, 2));
+      fmt::format("({} times as fast, {} to {})", number_words(forecast.portals_gain, 2),
+                  number_words(forecast.gain_low, 2), number_words(forecast.gain_high, 2));
   // Where the interval holds 1 the pilot cannot be sure.
-  const bool sure = gain->low > 1 || gain->high < 1;
+  const bool sure = forecast.gain_low > 1 || forecast.gain_high < 1;
   if (!forecast.estimates[forecast.best].with_portals)
     return fmt::format("portals {} not pay in this view {}: rendering without them",
                        sure ? "do" : "probably do", times);
@@ -226,7 +225,7 @@ std::string length_sentence(const Job& job, const RenderResult& result) {
       kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
-std::string turning_sentence(const Portal& portal, PortalWay::Way way) {
+std::string turning_sentence(const Portal& portal, PortalWay way) {
   if (way == PortalWay::back && !portal.both_ways)
     return portal.name + ": its front faces the light, not the camera: turned round";
   if (way == PortalWay::both && !portal.both_ways)
@@ -262,10 +261,10 @@ void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
   if (portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
     common.warn("no portal is given, so no path is sampled through one");
   std::vector<std::string> left_out, turned;
-  for (const PortalWay& w : ways) {
-    const Portal& portal = portals[w.portal];
-    if (w.way == PortalWay::left_out) left_out.push_back(portal.name);
-    if (const std::string sentence = turning_sentence(portal, w.way); !sentence.empty())
+  for (size_t i = 0; i < ways.size(); ++i) {
+    const Portal& portal = portals[i];
+    if (ways[i] == PortalWay::left_out) left_out.push_back(portal.name);
+    if (const std::string sentence = turning_sentence(portal, ways[i]); !sentence.empty())
       turned.push_back(sentence);
   }
   if (!left_out.empty())

@@ -41,7 +41,7 @@ std::string verdict_sentence(const RenderResult& result);
 /// negligible.
 std::string length_sentence(const Job& job, const RenderResult& result);
 /// A portal that will work in another way than it is drawn; empty if it does not.
-std::string turning_sentence(const Portal& portal, PortalWay::Way way);
+std::string turning_sentence(const Portal& portal, PortalWay way);
 /// Segments that carried little light, or portals whose samples did; empty if there are none.
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
 

@@ -52,7 +52,7 @@ TEST(report, a_portal_that_faces_the_lamp_is_useless) {
 TEST(report, a_portal_that_is_turned_is_told) {
   Portal portal = portal_in_the_hole();
   portal.name = "door";
-  const auto ends_with = [&](PortalWay::Way way, const char* end) {
+  const auto ends_with = [&](PortalWay way, const char* end) {
     return turning_sentence(portal, way).ends_with(end);
   };
   EXPECT_EQ(turning_sentence(portal, PortalWay::as_drawn), "");
@@ -89,7 +89,7 @@ TEST(report, few_samples_prove_nothing) {
 
 TEST(report, one_that_no_light_passes_stays_in_the_statistics) {
   std::vector<Portal> portals(1, portal_in_the_hole());
-  apply_ways({{0, PortalWay::left_out}}, portals);
+  apply_ways({PortalWay::left_out}, portals);
   const auto json = portals_of(portals, empty_result());
   EXPECT_NEAR(json[0].at("area").get<double>(), 0.0625, 1e-12);
   EXPECT_TRUE(json[0].at("useless").get<bool>());

@@ -24,7 +24,8 @@ const char* stop_of(const TargetOutcome& target) {
 }
 
 ErrorEstimate estimate_of(const PictureBlocks& blocks) {
-  return blocks.blocks().size() > 2 ? estimate_error(blocks.blocks()) : ErrorEstimate{};
+  return blocks.blocks().size() > 2 ? estimate_error(blocks.blocks(), blocks.size())
+                                    : ErrorEstimate{.samples = blocks.size()};
 }
 
 Stop stop_of(const Progress& progress, uint64_t fixed) {
@@ -37,17 +38,18 @@ Stop stop_of(const Progress& progress, uint64_t fixed) {
 
 // What the picture's blocks show, or the pilot's parts, if the blocks' estimate does not suffice or
 // there are fewer than three.
-std::optional<Noise> noise_of_parts(const ErrorPilot& pilot, const Progress& progress) {
+std::optional<Noise> noise_of_parts(const std::vector<ErrorEstimate>& rounds,
+                                    const Progress& progress) {
   const uint64_t samples = progress.film.samples();
   ErrorEstimate estimate = estimate_of(progress.blocks);
-  uint64_t of = progress.blocks.size();
-  if (!tells(estimate) && of < kTelling && !pilot.rounds.empty()) {
-    const ErrorPilot::Round& round = pilot.about(samples);
-    if (round.estimate.lit && (tells(round.estimate) || round.samples > of || !estimate.lit))
-      estimate = round.estimate, of = round.samples;
+  if (!tells(estimate) && estimate.samples < kTelling && !rounds.empty()) {
+    const ErrorEstimate& round = best_round(rounds, samples);
+    if (round.lit && (tells(round) || round.samples > estimate.samples || !estimate.lit))
+      estimate = round;
   }
   if (!estimate.lit) return {};
-  const double relmse = estimate.relmse * static_cast<double>(of) / static_cast<double>(samples);
+  const double relmse =
+      estimate.relmse * static_cast<double>(estimate.samples) / static_cast<double>(samples);
   const double factor = interval_factor(estimate);
   return Noise{relmse, relmse / factor, relmse * factor};
 }
@@ -69,9 +71,9 @@ std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
   target.dark = session.is_dark();
   target.fixed = target.dark           ? plan.spp
                  : progress.retried > 0 ? progress.retried
-                                        : plan.error_pilot.needed;
+                                        : plan.needed;
   target.stop = stop_of(progress, target.fixed);
-  target.noise = noise ? noise : noise_of_parts(plan.error_pilot, progress);
+  target.noise = noise ? noise : noise_of_parts(plan.error_rounds, progress);
   return target;
 }
 
@@ -82,8 +84,7 @@ bool raise_goal(TargetOutcome& target, Progress& progress) {
   const ErrorEstimate estimate = estimate_of(blocks);
   const bool known = tells(estimate) || (estimate.lit && blocks.size() >= kTelling);
   if (target.stop != Stop::fixed || target.reached() || !known) return false;
-  const uint64_t needed =
-      samples_needed(estimate, blocks.blocks().size(), blocks.size(), target.error);
+  const uint64_t needed = samples_needed(estimate, blocks.blocks().size(), target.error);
   const uint64_t goal = limits.spp > 0 ? std::min(needed, limits.spp) : needed;
   if (goal <= progress.film.samples()) {
     if (needed > goal) target.stop = Stop::spp;
@@ -133,7 +134,7 @@ nlohmann::ordered_json target_json(const TargetOutcome& target, const Plan& plan
   j["fixed_spp"] = nullptr;
   if (target.fixed > 0) j["fixed_spp"] = target.fixed;
   j["retried"] = progress.retried > 0;
-  j["pilot"] = {{"spp", plan.error_pilot.samples()}, {"cpu", plan.error_pilot_cpu_seconds}};
+  j["pilot"] = {{"spp", plan.error_pilot_samples()}, {"cpu", plan.error_pilot_cpu_seconds}};
   return j;
 }
 

@@ -3,7 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/tdpt-render/plan/error_pilot.h"
+#include "tools/tdpt-render/plan/error_estimate.h"
 #include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/run/target.h"
 #include "tools/tdpt-render/testing/rooms.h"
@@ -65,16 +65,16 @@ double told_over_true(bool one_round) {
                    progress);
     return std::optional(film.sums());
   };
-  const ErrorPilot pilot = run_error_pilot(kWidth * kHeight, 1e6, 1, draw);
+  const auto rounds = run_error_pilot(kWidth * kHeight, 1e6, 1, draw);
   double mean = 0;
   constexpr uint64_t kPictures = 12;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     Job settings;
-    settings.limits.spp = pilot.part_samples();
+    settings.limits.spp = rounds.back().samples;
     settings.seed = seed;
     mean += relmse(render(window().vista, nee, settings).picture, reference()) / kPictures;
   }
-  return pilot.rounds.back().estimate.relmse / mean;
+  return rounds.back().relmse / mean;
 }
 
 TEST(target, a_pilot_tells_the_error_of_pictures_like_its_parts) {
@@ -129,7 +129,7 @@ struct Few {
         before[i] = sum;
       }
     }
-    return {relmse(picture, truth), estimate_error(blocks).relmse / 4};
+    return {relmse(picture, truth), estimate_error(blocks, 1).relmse / 4};
   }
 };
 

@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/plan/longest_path.h"
+#include "tools/tdpt-render/plan/session.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // No path is sampled for a picture that no path can light.
-#include "tools/tdpt-render/plan/longest_path.h"
+#include "tools/tdpt-render/plan/session.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
-namespace tdpt::longest_path_test {
+namespace tdpt::session_test {
 
 constexpr int kWidth = 16, kHeight = 12;
 constexpr uint64_t kSpp = 8;
@@ -117,4 +117,4 @@ TEST(longest_path, never_passes_by_what_a_ray_meets) {
   EXPECT_GT(passed_by, 60u);
 }
 
-}  // namespace tdpt::longest_path_test
+}  // namespace tdpt::session_test
