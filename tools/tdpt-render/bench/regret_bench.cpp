@@ -13,7 +13,7 @@
 //                            work model
 //   told   SCENE SPP SEED INTEGRATOR  relMSE and work of a sample, as a pilot estimates them
 //   choice SCENE SPP SEED INTEGRATOR  that was chosen, CPU s of the pilot, its groups; pixels; the
-//                                     gain by portals, its interval, the best with and without them
+//                                     gain by portals and its interval
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

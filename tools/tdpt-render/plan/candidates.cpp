@@ -12,58 +12,53 @@ constexpr double kAim = 0.4;
 // Samples share their light walks. With a light walk per sample bdpt took 1.07 to 1.5 times the
 // work for the same error in twenty scenes with doors, windows and neither; plain bdpt is kept for
 // caustics.
-Integrator few(Integrator integrator, uint64_t stream) {
-  integrator.stream = stream;
-  integrator.mixture.light_walks = kFewLightWalks;
-  return integrator;
+void few_light_walks(Mixture& m) {
+  m.light_walks = kFewLightWalks;
 }
-
 // Next events as without portals.
-Integrator looking_everywhere(Integrator integrator) {
-  integrator.mixture.through_windows = 0;
-  return integrator;
+void look_everywhere(Mixture& m) {
+  m.through_windows = 0;
 }
-
 // With tdpt-guided's sample weights of next events: tdpt-guided without its portal techniques.
-Integrator favouring_next_events(Integrator integrator) {
-  integrator.mixture.first_direct = tdpt_guided.mixture.first_direct;
-  integrator.mixture.later_direct = tdpt_guided.mixture.later_direct;
-  return integrator;
+void favour_next_events(Mixture& m) {
+  m.first_direct = tdpt_guided.mixture.first_direct;
+  m.later_direct = tdpt_guided.mixture.later_direct;
 }
-
-Integrator with_stream(Integrator integrator, uint64_t stream) {
-  integrator.stream = stream;
-  return integrator;
-}
-
 // With camera walks guided to portals: much of a sky's light is reflected by the ground outside,
 // where no next event looks.
-Integrator aiming(Integrator integrator, uint64_t stream) {
+void aim(Mixture& m) {
+  m.guiding.chance = {0, kAim};
+}
+
+Integrator variant(Integrator integrator, uint64_t stream,
+                   std::initializer_list<void (*)(Mixture&)> changes) {
   integrator.stream = stream;
-  integrator.mixture.guiding.chance = {0, kAim};
+  for (const auto change : changes) change(integrator.mixture);
   return integrator;
 }
 
 }  // namespace
 
 std::vector<Candidate> possible_candidates(const Vista& vista, const Integrator& guided) {
-  const Integrator plain = looking_everywhere(few(bdpt, stream::bdpt_with_few_light_walks));
   std::vector<Candidate> all{
-      {plain, "bdpt with few light walks"},
-      {looking_everywhere(nee), "nee"},
-      {with_stream(favouring_next_events(plain), stream::bdpt_favouring_next_events),
+      {variant(bdpt, stream::bdpt_with_few_light_walks, {few_light_walks, look_everywhere}),
+       "bdpt with few light walks"},
+      {variant(nee, nee.stream, {look_everywhere}), "nee"},
+      {variant(bdpt, stream::bdpt_favouring_next_events,
+               {few_light_walks, look_everywhere, favour_next_events}),
        "bdpt favouring next events"},
-      {looking_everywhere(bdpt), "bdpt"}};
+      {variant(bdpt, bdpt.stream, {look_everywhere}), "bdpt"}};
   // tdpt-org, and tdpt-guided with more or fewer segments, were never much better in forty rooms
   // and seventeen views of others, and choosing among them by chance cost up to half.
   if (!vista.openings.portals.empty())
     all.push_back({guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
-  if (!vista.openings.windows.empty()) {
-    all.push_back({few(bdpt, stream::bdpt_through_windows), "bdpt through windows"});
-    all.push_back({with_stream(nee, stream::nee_through_windows), "nee through windows"});
-    all.push_back({aiming(few(bdpt, 0), stream::bdpt_guided_to_windows), "bdpt guided to windows"});
-    all.push_back({aiming(nee, stream::nee_guided_to_windows), "nee guided to windows"});
-  }
+  if (vista.openings.windows.empty()) return all;
+  all.push_back(
+      {variant(bdpt, stream::bdpt_through_windows, {few_light_walks}), "bdpt through windows"});
+  all.push_back({variant(nee, stream::nee_through_windows, {}), "nee through windows"});
+  all.push_back({variant(bdpt, stream::bdpt_guided_to_windows, {few_light_walks, aim}),
+                 "bdpt guided to windows"});
+  all.push_back({variant(nee, stream::nee_guided_to_windows, {aim}), "nee guided to windows"});
   return all;
 }
 

@@ -21,13 +21,13 @@ constexpr double kNinety = 1.645;                   // standard deviations
 constexpr double kOfSquares = 1.7;
 // Relative error of the brightness, and of what stratification gains beyond `low`.
 constexpr double kOfModel = 0.15;
-// Told from so many blocks, if the pixels around tell the brightness within about half of it, and
-// the estimate its error.
+// There is an estimate from so many blocks, if the pixels around show the brightness within about
+// half of it, and the estimate its error.
 constexpr size_t kFewestBlocks = 4;
 constexpr double kMostRelmse = 5, kMostSpread = 0.5;
 
 // One pixel's component.
-struct Told {
+struct Terms {
   double error = 0, difference = 0, denominator = 1;
 };
 
@@ -42,7 +42,7 @@ class Watched {
 
   size_t count() const { return (sums_.size() + step_ - 1) / step_; }
   bool lit() const { return light_ > 0; }
-  std::array<Told, 3> tell(size_t i) const;
+  std::array<Terms, 3> terms(size_t i) const;
 
  private:
   double samples() const { return static_cast<double>(film_.samples()); }
@@ -88,13 +88,13 @@ Vec3d Watched::around(size_t pixel, double& count) const {
   return sum / (std::max(count, 1.0) * samples());
 }
 
-std::array<Told, 3> Watched::tell(size_t i) const {
+std::array<Terms, 3> Watched::terms(size_t i) const {
   double count = 0;
   const Vec3d mean = sums_[i * step_] / samples(), near = around(i * step_, count),
               error = variance(i);
-  std::array<Told, 3> told;
+  std::array<Terms, 3> terms;
   for (int c = 0; c < 3; ++c) {
-    Told& t = told[static_cast<size_t>(c)];
+    Terms& t = terms[static_cast<size_t>(c)];
     const double off = mean[c] - near[c], squared = off * off;
     const double kept = squared > error[c] ? 1 - error[c] / squared : 0;
     const double bright = count > 0 ? near[c] + kept * off : mean[c];
@@ -102,7 +102,7 @@ std::array<Told, 3> Watched::tell(size_t i) const {
     t.error = error[c] / t.denominator;
     t.difference = count > 0 ? squared * count / (count + 1) / t.denominator : t.error;
   }
-  return told;
+  return terms;
 }
 
 }  // namespace
@@ -124,7 +124,7 @@ std::optional<Noise> noise_of(const Film& film, const PictureBlocks& blocks) {
     double error = 0, difference = 0;  // of a run
     for (const size_t end = std::min(i + kRun, watched.count()); i < end; ++i) {
       double of_pixel = 0;
-      for (const Told& t : watched.tell(i)) {
+      for (const Terms& t : watched.terms(i)) {
         of_pixel += t.error;
         difference += t.difference;
       }

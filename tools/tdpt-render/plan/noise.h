@@ -1,6 +1,6 @@
-// How noisy a picture is, told from the picture alone: its relMSE as exrdiff reports it against a
-// converged one, with an interval that holds in nine of ten pictures; nothing where that is not
-// known. For display, and to judge a target: no sample depends on it.
+// How noisy a picture is, estimated from the picture alone: its relMSE as exrdiff reports it
+// against a converged one, with an interval that holds in nine of ten pictures; nothing where that
+// is not known. For display, and to judge a target: no sample depends on it.
 //
 // It uses blocks of the picture's own samples at some of its pixels, so that it costs next to
 // nothing.
@@ -14,7 +14,7 @@
 //          bright as those around it unless it differs by more than its noise. So one bright sample
 //          does not pass for brightness, nor a pixel without one for black
 //   high = mean of V / (r^2 + 0.01 M^2). Samples are stratified, across blocks too, so the picture
-//          is better than its blocks tell
+//          is better than its blocks show
 //   low  = the same of (m - n)^2 24/25 in the place of V in those runs of pixels where its sum is
 //          less: what differs no more from its surroundings cannot be noisier
 //   The estimate is the geometric mean of the two. The interval reaches from one to the other and

@@ -28,9 +28,9 @@
 //             meet one.
 // I         the larger of two brightnesses: the mean of the smallest block of pixels for which it
 //           is well known, and that of the other samples of the pixel, which tell a lamp or a
-//           window from the wall beside it. Paths that all candidates make alike, such as those to
-//           a visible lamp, do not distinguish them: they are divided by the mean of all samples of
-//           the pixel
+//           window from the wall beside it. Paths that all candidates sample equally, such as those
+//           to a visible lamp, do not distinguish them: they are divided by the mean of all samples
+//           of the pixel
 //
 // The error of a candidate is the mean of V_i / (I^2 + 0.01 mean^2): the relMSE of one sample per
 // pixel, as exrdiff has it but for I. Its work is modelled from the rays that its walks and

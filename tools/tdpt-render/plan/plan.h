@@ -41,7 +41,7 @@ struct Plan {
 /// The one integrator that is named, or the candidates of `auto` [candidates.h].
 std::vector<Candidate> candidates_of(const Job& job, const Vista& vista);
 
-/// What the exploration tells that matters for this job: nothing for portals that nothing goes
+/// What of the exploration matters for this job: nothing for portals that nothing goes
 /// through, for kinds of light that do not compete with a sky, and for paths of any length.
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals);

@@ -28,8 +28,8 @@ struct Job {
   uint64_t seed = 1;
   bool quiet = true;
   bool alpha = false;   ///< transparent film: the sky in the background is left out
-  bool layers = false;  ///< keep each technique's contribution apart
-  bool halves = false;  ///< keep the samples with odd numbers apart
+  bool layers = false;  ///< keep each technique's contribution separately
+  bool halves = false;  ///< keep the samples with odd numbers separately
   bool frames = false;  ///< measure the unfinished picture
 };
 
