@@ -23,6 +23,7 @@
 #include "libcommon/base/threads.h"
 #include "libcommon/options/sky_options.h"
 #include "tools/tdpt-render/plan/exploration.h"
+#include "tools/tdpt-render/plan/work_model.h"
 #include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {
