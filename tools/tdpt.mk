@@ -91,9 +91,6 @@ define tdpt_end
 @printf '%s\n' $(call tdpt_quoted,$1) >$(tdpt_known).command
 endef
 
-# What programs say of a scene that several of them read, the first of a run says alone.
-$(shell rm -f .tdpt/told)
-export TDPT_TOLD := $(CURDIR)/.tdpt/told
 # Every line says which file it is about: with -j they come in turns.
 export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 

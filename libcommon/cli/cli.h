@@ -102,10 +102,6 @@ struct Common {
   void explain_by(const std::function<Decisions()>& decisions) const;
   /// "tool: warning: ..." on stderr, always.
   void warn(const std::string& sentence) const;
-  /// A note or warning about an input that other programs of a chain read, too: printed only if
-  /// none of them has printed it yet [told.h].
-  void note_of(const std::string& file, const std::string& sentence) const;
-  void warn_of(const std::string& file, const std::string& sentence) const;
   /// Prints one JSON text (already dumped) where --json says; nothing without --json.
   void summary(const std::string& json_text) const;
   /// Prints what was asked for besides the result: on stdout, on stderr when the result goes there.

@@ -11,7 +11,6 @@
 #include "libcommon/base/say.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/dependencies.h"
-#include "libcommon/cli/told.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -76,14 +75,6 @@ void Common::explain_by(const std::function<Decisions()>& decisions) const {
 
 void Common::warn(const std::string& sentence) const {
   say(fmt::format("{}: warning: {}", about(tool), sentence));
-}
-
-void Common::note_of(const std::string& file, const std::string& sentence) const {
-  if (!quiet && is_news(file, sentence)) note(sentence);
-}
-
-void Common::warn_of(const std::string& file, const std::string& sentence) const {
-  if (is_news(file, sentence)) warn(sentence);
 }
 
 void Common::summary(const std::string& json_text) const {

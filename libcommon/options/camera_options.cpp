@@ -184,17 +184,17 @@ Camera one_camera(const Scene& scene, const CameraArguments& a, const std::strin
                             : scene.camera(name);
   if (placed) camera.yfov = yfov;
   camera.culls = a.cull || a.frame;
-  if (a.frame) common.note_of(scene.path, frame_sentence(scene, camera));
+  if (a.frame) common.note(frame_sentence(scene, camera));
   if (!placed && !a.frame && name.empty() && scene.defaults.camera.empty() &&
       scene.cameras.size() > 1)
-    common.note_of(scene.path, fmt::format("camera \"{}\", one of {}; --camera NAME takes another",
-                                           camera.name, scene.cameras.size()));
+    common.note(fmt::format("camera \"{}\", one of {}; --camera NAME takes another", camera.name,
+                            scene.cameras.size()));
   return camera;
 }
 
 void warn_of_others(const Scene& scene, const Camera& taken, const cli::Common& common) {
   if (const std::string faults = scene.faults_of_cameras_but(taken.name); !faults.empty())
-    common.warn_of(scene.path, faults);
+    common.warn(faults);
 }
 
 bool has_camera(const Scene& scene, const std::string& name) {

@@ -144,11 +144,11 @@ std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
                        const cli::Common& common) {
   if (!scene.has_lamps()) {
     if (a.light_units != "auto")
-      common.note_of(scene.path, "the scene has no lamp: --set light-units changes nothing");
+      common.note("the scene has no lamp: --set light-units changes nothing");
     return "";
   }
   if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
-    common.note_of(scene.path, scene.lamp_units.reason);
+    common.note(scene.lamp_units.reason);
   const LampUnits::Kind units = units_of(scene, a.light_units);
   const bool shifted = shifts_light(scene, units, with_map);
   take_lamps_as(scene, units);
@@ -204,7 +204,7 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
   if (a.sun_angle > 0 && suns.empty())
-    common.note_of(scene.path, "the scene has no directional lamp: --sun-angle changes nothing");
+    common.note("the scene has no directional lamp: --sun-angle changes nothing");
   if (map.texels.empty() && suns.empty()) return sky;
   if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
   scene.needs.push_back("a sky");
@@ -217,10 +217,10 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
 
 void note_lost_light(const Scene& scene, const cli::Common& common) {
   if (!scene.by_blender || scene.sky || scene.has_lamps() || has_emission(scene)) return;
-  common.note_of(scene.path,
-                 "Blender's exporter leaves out the world (sky) and area lamps, and other lamps "
-                 "unless Include > Punctual Lights is ticked: tdpt's Blender extension exports "
-                 "them, or --environment a sky; see LIGHTS in gltf-scene(5)");
+  common.note(
+      "Blender's exporter leaves out the world (sky) and area lamps, and other lamps "
+      "unless Include > Punctual Lights is ticked: tdpt's Blender extension exports "
+      "them, or --environment a sky; see LIGHTS in gltf-scene(5)");
 }
 
 void tell_unit(const Scene& scene, const cli::Common& common) {
@@ -234,11 +234,10 @@ void tell_unit(const Scene& scene, const cli::Common& common) {
       scene.lights.begin(), scene.lights.end(),
       [](const PunctualLight& lamp) { return lamp.kind != PunctualLight::Kind::directional; });
   if (has_lamps)
-    common.warn_of(scene.path,
-                   fmt::format("{}: its lamps are {} times too weak; {}", sentence,
-                               number_words(1 / (unit->metres * unit->metres), 2), advice));
+    common.warn(fmt::format("{}: its lamps are {} times too weak; {}", sentence,
+                            number_words(1 / (unit->metres * unit->metres), 2), advice));
   else
-    common.note_of(scene.path, sentence + ": " + advice);
+    common.note(sentence + ": " + advice);
 }
 
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {
@@ -249,14 +248,12 @@ void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   // What is left of rounding is no power.
   if (!(surfaces > 1e-9 * of_area && lamps > kOutshines * surfaces)) return;
   const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
-  common.warn_of(
-      scene.path,
-      fmt::format("lamps have {} times the power of the surfaces that emit: if that is not "
-                  "meant, {}",
-                  number_words(lamps / surfaces),
-                  as_they_are
-                      ? "their units differ, and --set light-units=photometric divides lamps by 683"
-                      : "--set light-units says in what their numbers are"));
+  common.warn(fmt::format(
+      "lamps have {} times the power of the surfaces that emit: if that is not "
+      "meant, {}",
+      number_words(lamps / surfaces),
+      as_they_are ? "their units differ, and --set light-units=photometric divides lamps by 683"
+                  : "--set light-units says in what their numbers are"));
 }
 
 }  // namespace tdpt

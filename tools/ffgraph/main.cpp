@@ -11,11 +11,11 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/camera_options.h"
 #include "libcommon/options/pose_options.h"
 #include "libcommon/options/shot_options.h"
 #include "libcommon/options/sky_options.h"
-#include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/lights.h"
 #include "tools/ffgraph/camera_poses.h"
 #include "tools/ffgraph/explain.h"
@@ -124,7 +124,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.scene = file.at(a.shot.is_given() ? frame_range(a.shot).first / a.shot.fps : a.pose.seconds);
   common.also_read(in.scene.files);
   open_glass(in.scene);
-  for (const std::string& warning : in.scene.warnings) common.warn_of(a.scene, warning);
+  for (const std::string& warning : in.scene.warnings) common.warn(warning);
   if (in.scene.triangles.empty())
     throw InputError(display_name(a.scene), "", "no triangles, expected surfaces");
   in.files.push_back({a.scene, in.scene.hash, {}});

@@ -56,8 +56,8 @@ void Conversation::show(const std::string& how_far) {
 }
 
 void Conversation::step(size_t number, size_t steps, const std::string& title,
-                        const std::string& program) {
-  number_ = number, steps_ = steps, title_ = title, program_ = program;
+                        const std::string& program, const std::string& about) {
+  number_ = number, steps_ = steps, title_ = title, program_ = program, about_ = about;
   began_ = Clock::now();
   told_.clear();
   show("");
@@ -66,26 +66,25 @@ void Conversation::step(size_t number, size_t steps, const std::string& title,
   tdpt::say(Json{{"progress", json}}.dump());
 }
 
-bool Conversation::heard(const std::string& line) {
+void Conversation::heard(const std::string& line) {
   const bool may_tell = line.starts_with("{\"progress\"");
   Json json = may_tell ? Json::parse(line, nullptr, false) : Json();
   if (!json.is_object() || !json.contains("progress") || !json["progress"].is_object()) {
-    // Which program finds that there is no bottleneck, tells it; those after it pass it on.
-    const size_t at = line.find(": no bottleneck: ");
-    if (at == line.npos || reasons_.emplace(line.substr(at), program_).first->second == program_)
-      say(line);
-    return false;
+    const size_t colon = line.find(": "), at = colon == line.npos ? 0 : colon + 2;
+    if (!said_.insert(line.substr(at)).second) return;
+    clear();
+    tdpt::say(line.substr(0, at) + (about_.empty() ? "" : about_ + ": ") + line.substr(at));
+    return;
   }
   Json& progress = json["progress"];
   told_ = words_of(progress);
   if (form_ == ProgressForm::json) {
     progress["step"] = number_, progress["steps"] = steps_;
     progress["title"] = title_, progress["program"] = program_;
-    say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+    tdpt::say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
     show(told_);
   }
-  return true;
 }
 
 void Conversation::tick() {
@@ -93,11 +92,6 @@ void Conversation::tick() {
   if (form_ != ProgressForm::automatic || now - shown_ < kEvery) return;
   const double seconds = std::chrono::duration<double>(now - began_).count();
   show(told_.empty() ? fmt::format("{:.0f} s", seconds) : told_);
-}
-
-void Conversation::say(const std::string& line) {
-  clear();
-  tdpt::say(line);
 }
 
 }  // namespace tdpt

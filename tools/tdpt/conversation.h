@@ -2,7 +2,7 @@
 // messages as they come.
 #pragma once
 #include <chrono>
-#include <map>
+#include <set>
 #include <string>
 
 #include "libcommon/base/progress.h"
@@ -17,14 +17,15 @@ class Conversation {
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
 
-  /// From now on step `number` of `steps` runs, counted from 1.
-  void step(size_t number, size_t steps, const std::string& title, const std::string& program);
-  /// Handles a line from the program. Returns whether it reported progress.
-  bool heard(const std::string& line);
+  /// From now on step `number` of `steps` runs, counted from 1. `about`: the one of several
+  /// pictures that it is of, named in each message; else empty.
+  void step(size_t number, size_t steps, const std::string& title, const std::string& program,
+            const std::string& about);
+  /// Handles a line from the program: its progress, or a message, which is printed unless another
+  /// program that reads the same files has said it.
+  void heard(const std::string& line);
   /// Shows the elapsed time if nothing else is reported; call now and then.
   void tick();
-  /// Prints a line of tdpt itself on stderr.
-  void say(const std::string& line);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -32,11 +33,11 @@ class Conversation {
   void clear();
 
   ProgressForm form_;
-  std::string title_, program_;
+  std::string title_, program_, about_;
   size_t number_ = 0, steps_ = 0;
   Clock::time_point began_ = Clock::now(), shown_ = began_;
-  std::string told_;                            ///< progress last reported by the program
-  std::map<std::string, std::string> reasons_;  ///< why there is no bottleneck, by whom
+  std::string told_;            ///< progress last reported by the program
+  std::set<std::string> said_;  ///< messages, without the names of programs
   bool visible_ = false;
 };
 

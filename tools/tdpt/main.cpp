@@ -1,5 +1,4 @@
 // tdpt: makes a scene's picture through its portals, by running the other programs.
-#include <cstdlib>
 #include <set>
 
 #include <fmt/format.h>
@@ -56,8 +55,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.option("--work-size", a.work_size, "SIZE",
                  "Largest size of that folder: what was used longest ago goes; default 10G",
                  Effect::told);
-  options.flag("--clean", a.clean, "Empty that folder, but for what runs of tdpt are using",
-               Effect::told);
+  options.flag("--clean", a.clean, "Empty that folder", Effect::told);
   options.part(cli::Part::telling);
   options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
                Effect::told);
@@ -93,15 +91,15 @@ int run(const Arguments& a, const cli::Common& common) {
   check_render_arguments(a);
   catch_signals();
   std::set<std::string> printed;
-  const bool told_before = std::getenv("TDPT_TOLD");
   const std::vector<View> views = views_of(a, common);
   if (views.size() > 1 && !a.report.empty() && !a.dry_run)
     common.note(fmt::format("{} pictures with a report each, one after the other", views.size()));
   for (const View& view : views) {
-    if (!told_before) ::unsetenv("TDPT_TOLD");  // each picture has its own, in a folder that goes
     Making making(view.arguments, view.common, form_of(common));
-    const int code = a.dry_run ? making.print(printed) : making.run();
-    if (code != 0) return code;
+    if (a.dry_run)
+      making.print(printed);
+    else if (const int code = making.run(); code != 0)
+      return code;
   }
   return 0;
 }

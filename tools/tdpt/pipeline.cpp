@@ -7,7 +7,7 @@
 
 #include "libcommon/base/hash.h"
 #include "libcommon/base/shell_quoted.h"
-#include "tools/tdpt/parts.h"
+#include "libcommon/scene/scene_file.h"
 
 namespace tdpt {
 namespace {
@@ -22,6 +22,31 @@ Words joined(const std::vector<Words>& parts) {
 
 std::string file_name(const std::string& path) {
   return fs::path(path).filename().string();
+}
+
+// Frames of a shot for which portals are found together.
+struct Part {
+  FrameRange frames;
+  bool moves = false;  // the scene does, beside its cameras
+};
+
+// Frames in which nothing but cameras moves are one part. Each frame in which the scene moves is a
+// part of its own. Reads the scene.
+std::vector<Part> parts_of_shot(const Arguments& a) {
+  SceneFile file(a.scene, a.pose.animations);
+  const FrameRange range = frame_range(a.shot);
+  std::vector<Part> parts;
+  std::string before;
+  for (int64_t k = range.first; k <= range.last; ++k) {
+    std::string pose = file.glance_at(static_cast<double>(k) / a.shot.fps).pose_hash;
+    if (k > range.first && pose == before)
+      parts.back().frames.last = k;
+    else
+      parts.push_back({{k, k}});
+    before = std::move(pose);
+  }
+  for (Part& part : parts) part.moves = parts.size() > 1 && part.frames.count() == 1;
+  return parts;
 }
 
 // The words of one search: when portals are sought, for ffgraph and for what needs only the scene,
@@ -138,17 +163,10 @@ Words Step::command(const std::string& to) const {
 
 namespace {
 
-std::string entry_of(const Request& r) {
-  std::error_code ignored;
-  const fs::path place = fs::weakly_canonical(fs::absolute(r.picture, ignored), ignored);
-  return "picture-" + content_hash(place.string());
-}
-
 // The last stage writes what is asked for.
 Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
                              const WorkFolder& work, const std::string& programs) {
   Pipeline p;
-  p.picture_entry = entry_of(r);
   p.searches = {search_of(a, r, state, work, programs, nullptr)};
   p.key = p.searches[0].entry;
   p.render = p.searches[0].stages.back();
@@ -175,31 +193,30 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   Words portals = a.portals;
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
-  p.picture_entry = entry_of(r);
-  if (portals.empty() && uses_portals(a, state.has_sky)) {
+  if (portals.empty() && uses_portals(a, state.has_sky))
     p.searches = searches_of(a, r, state, work, programs);
-    if (p.searches.size() > 1)
-      p.portals_by_frame = work.path_of(p.picture_entry) + "/frame.######.portal.glb";
-    portals.push_back(p.searches.size() > 1 ? p.portals_by_frame : p.searches[0].found());
-  }
   const auto key_of = [&](const cli::Common& asked, const FrameRange& frames, const Words& tools,
                           cli::Effect up_to) {
     Fingerprint facts = facts_of(a, r, state, p.searches, given, frames);
     for (const std::string& tool : tools) facts.emplace_back(tool, content_hash_of_file(tool));
     return hash_of(asked.fingerprint(facts, up_to));
   };
-  if (!r.is_shot) {
-    p.key = key_of(common, {}, {renderer}, cli::Effect::stored);
-    p.film_key = key_of(common, {}, {renderer}, cli::Effect::picture);
-  }
-  p.counts_samples = a.spp > 0 || a.seconds > 0;
+  const FrameRange all = r.is_shot ? frame_range(a.shot) : FrameRange{};
+  p.key = key_of(common, all, {renderer}, cli::Effect::stored);
+  const std::string film_of = key_of(common, all, {renderer}, cli::Effect::picture);
+  p.shared_film = work.path_of("picture-" + film_of) + "/film.exr";
+  // A number of samples is added to those that are there; another end of a rendering is its own.
+  p.entry = "picture-" + (a.spp > 0 || a.seconds > 0 ? film_of : p.key);
+  if (r.is_shot) p.entry = "picture-" + p.key;
+  if (p.searches.size() == 1) portals.push_back(p.searches[0].found());
+  if (p.searches.size() > 1)
+    portals.push_back(p.portals_by_frame = work.path_of(p.entry) + "/frame.######.portal.glb");
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
-  p.keeps_film = a.checkpoint.empty() && a.resume.empty() && !r.is_shot;
   Words beside = joined({r.unshaped, r.beside});
-  if (p.keeps_film) {
-    const std::string film = work.path_of(p.picture_entry) + "/film.exr";
-    beside.insert(beside.end(), {"--checkpoint", film, "--resume", film});
+  if (a.checkpoint.empty() && a.resume.empty() && !r.is_shot) {
+    p.film = work.path_of(p.entry) + "/film.exr";
+    beside.insert(beside.end(), {"--checkpoint", p.film, "--resume", p.film});
   }
   const Words options = joined({{renderer},
                                 r.camera,
@@ -216,11 +233,10 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};
   if (!filters_frames(a)) return p;
   const std::string filter = programs + "/exrdenoise";
-  p.noisy = work.path_of(p.picture_entry) + "/noisy/frame.######";
+  p.noisy = work.path_of(p.entry) + "/noisy/frame.######";
   p.render.output = p.noisy + ".exr";
   if (!r.stats.empty())
     p.render.unshaped.insert(p.render.unshaped.end(), {"--stats", p.noisy + ".json"});
-  const FrameRange all = frame_range(a.shot);
   for (int64_t k = all.first; k <= all.last; ++k) {
     const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
     cli::Common asked = common;

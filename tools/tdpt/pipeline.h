@@ -37,19 +37,18 @@ struct FilteredFrame {
 };
 
 struct Pipeline {
-  std::string picture_entry;     ///< of the work folder, for the picture's film
+  std::string entry;             ///< of the work folder, for the picture's film, or its frames
   std::vector<Search> searches;  ///< none if no portals are sought
   /// Of a shot with several searches: the pattern of the frames' portals, in the picture's entry.
   std::string portals_by_frame;
   Step render;
   std::vector<FilteredFrame> filtered;  ///< not empty: `render` makes what they are filtered from,
   std::string noisy;                    ///< under this name in the picture's entry, a pattern
-  Words check;                  ///< the renderer's check of all files that exist before the stages
-  std::string key;              ///< of the picture: hash of everything that affects its file
-  std::string film_key;         ///< of its film: hash of everything that affects a sample
-  bool counts_samples = false;  ///< one of these is given
-  bool keeps_film = false;      ///< so that the next run can resume it, or add samples
-  bool repeatable = true;       ///< running the same command again does nothing
+  Words check;       ///< the renderer's check of all files that exist before the stages
+  std::string key;   ///< of the picture: hash of everything that affects its file
+  std::string film;  ///< path of its film, with which the next run goes on; empty: none is kept
+  std::string shared_film;  ///< to which all commands go on that say a number of samples or seconds
+  bool repeatable = true;   ///< running the same command again does nothing
 };
 
 /// `programs`: the folder with the programs.

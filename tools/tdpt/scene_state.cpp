@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
@@ -25,26 +23,6 @@ std::optional<std::string> hash_of(const std::string& path) {
   } catch (const InputError&) {
     return {};
   }
-}
-
-// The files it reads follow from its content, and are cached: a large .gltf takes long to parse.
-SceneFiles files_of(const std::string& scene, const std::string& hash, const WorkFolder& work) {
-  using Json = nlohmann::json;
-  SceneFiles files;
-  const Json known = Json::parse(work.known(hash).value_or(""), nullptr, false);
-  try {
-    known.at("beside").get_to(files.beside);
-    known.at("environment").get_to(files.has_environment);
-    return files;
-  } catch (const Json::exception&) {
-    files = files_of_scene(scene);
-  }
-  try {
-    work.know(hash,
-              Json{{"beside", files.beside}, {"environment", files.has_environment}}.dump() + "\n");
-  } catch (const Json::exception&) {  // a name that is not UTF-8
-  }
-  return files;
 }
 
 // Whether the file lies in the folder or below, following links: no other is read.
@@ -67,17 +45,16 @@ std::string drawn_portals(const std::string& scene) {
 
 }  // namespace
 
-SceneState state_of(const Arguments& a, const WorkFolder& work) {
+SceneState state_of(const Arguments& a) {
   SceneState state;
   std::error_code failed;
   if (fs::exists(a.scene, failed) && !fs::is_regular_file(a.scene, failed))  // read more than once
     throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
-  const std::string own = content_hash_of_file(a.scene);
-  std::string all = own;
+  std::string all = content_hash_of_file(a.scene);
   state.files.push_back(a.scene);
   fs::path folder = fs::path(a.scene).parent_path();
   if (folder.empty()) folder = ".";
-  const SceneFiles files = files_of(a.scene, own, work);
+  const SceneFiles files = files_of_scene(a.scene);
   state.has_sky = files.has_environment;
   for (const std::string& name : files.beside) {
     const std::string path = (folder / name).string();

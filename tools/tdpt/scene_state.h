@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "tools/tdpt/request.h"
-#include "tools/tdpt/work_folder.h"
 
 namespace tdpt {
 
@@ -18,8 +17,8 @@ struct SceneState {
   friend bool operator==(const SceneState&, const SceneState&) = default;
 };
 
-/// Only hashes bytes, so an invalid scene has a state too. The names of its files are cached in
-/// `work`. Throws InputError if the scene cannot be read.
-SceneState state_of(const Arguments& a, const WorkFolder& work);
+/// Only hashes bytes, so an invalid scene has a state too. Throws InputError if the scene cannot be
+/// read.
+SceneState state_of(const Arguments& a);
 
 }  // namespace tdpt

@@ -13,7 +13,6 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/formats/tone.h"
-#include "tools/tdpt/made.h"
 
 namespace tdpt {
 namespace {
@@ -79,6 +78,19 @@ class Strip {
   size_t added_ = 0;
 };
 
+// The mark by which tdpt-render knows a frame of a shot, in a picture; empty for other files.
+std::string frame_mark_in(const std::string& path) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(path, failed)) return "";
+  // The attribute as it stands in the header of an OpenEXR file: its name, its type, and its size
+  // in four bytes, of which the first is enough.
+  constexpr std::string_view kAttribute("frame\0string", 13);
+  const std::string bytes = read_file(path);
+  const size_t at = bytes.find(kAttribute), text = at + kAttribute.size() + 4;
+  if (at == std::string::npos || text > bytes.size()) return "";
+  return bytes.substr(text, static_cast<unsigned char>(bytes[text - 4]));
+}
+
 // Statistics of a frame, without how it formed; null for other files.
 Json stats_in(const std::string& path) {
   std::string text;
@@ -97,6 +109,12 @@ Json stats_in(const std::string& path) {
 
 std::string stats_beside(const std::string& frames) {
   return std::filesystem::path(frames).replace_extension(".stats.json").string();
+}
+
+void check_is_frame(const std::string& path) {
+  std::error_code failed;
+  if (std::filesystem::is_regular_file(path, failed) && frame_mark_in(path).empty())
+    throw UsageError(path + ": is there already, and is no frame of a shot; --force replaces it");
 }
 
 void check_is_stats(const std::string& path) {

@@ -9,6 +9,8 @@ namespace tdpt {
 /// The renderer's statistics of frames, beside them.
 std::string stats_beside(const std::string& frames);
 
+/// Throws UsageError if the file exists and is no frame of a shot that tdpt-render has rendered.
+void check_is_frame(const std::string& path);
 /// Throws UsageError for a file that is no statistics of a frame, and would be replaced by one.
 void check_is_stats(const std::string& path);
 

@@ -1,20 +1,14 @@
 #include "tools/tdpt/work_folder.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
-#include <thread>
-#include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
@@ -32,32 +26,6 @@ constexpr const char* kTag =
 constexpr const char* kVersionKey = "# Version of its format: ";
 constexpr int kVersion = 1;
 constexpr size_t kMostKnown = 10000;  // of known-KEY files, some hundred bytes each
-
-[[noreturn]] void fail(const std::string& path, int error) {
-  throw OutputError(path, std::string("cannot be made: ") + std::strerror(error));
-}
-
-enum class Locked { yes, by_another, never };  // never: the file system has no locks
-
-Locked lock(int fd, int how) {
-  while (::flock(fd, how | LOCK_NB) != 0) {
-    if (errno == EINTR) continue;
-    return errno == EWOULDBLOCK ? Locked::by_another : Locked::never;
-  }
-  return Locked::yes;
-}
-
-std::string lock_in(const std::string& entry) {
-  return entry + "/lock";
-}
-
-// Whether the path still leads to the open file: it may have been removed and created anew.
-bool is_still_there(int fd, const std::string& path) {
-  struct stat open {
-  }, there{};
-  return ::fstat(fd, &open) == 0 && ::stat(path.c_str(), &there) == 0 &&
-         open.st_ino == there.st_ino && open.st_dev == there.st_dev;
-}
 
 // Whether the name is `prefix` and a hash.
 bool is_keyed(const std::string& name, const char* prefix) {
@@ -101,29 +69,7 @@ std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string
   return all;
 }
 
-void remove_unless_held(const fs::path& path) {
-  const std::string file = lock_in(path.string());
-  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd < 0) return;
-  std::error_code ignored;
-  if (lock(fd, LOCK_EX) == Locked::yes && is_still_there(fd, file)) fs::remove_all(path, ignored);
-  ::close(fd);
-}
-
 }  // namespace
-
-HeldEntry::HeldEntry(HeldEntry&& other) noexcept
-    : path_(std::move(other.path_)), fd_(std::exchange(other.fd_, -1)) {}
-
-HeldEntry& HeldEntry::operator=(HeldEntry&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-HeldEntry::~HeldEntry() {
-  if (fd_ >= 0) ::close(fd_);
-}
 
 std::string WorkFolder::usual_path() {
   for (const auto& [variable, below] :
@@ -133,13 +79,18 @@ std::string WorkFolder::usual_path() {
   throw UsageError("neither XDG_CACHE_HOME nor HOME says where caches are: give --work FOLDER");
 }
 
-void WorkFolder::make() const {
-  std::error_code failed;
+std::string WorkFolder::use(const std::string& name) const {
+  std::error_code failed, ignored;
   fs::create_directories(path_, failed);
-  if (failed) fail(path_, failed.value());
-  if (is_ours()) return;
-  check_has_no_others();
-  write_output(path_ + "/CACHEDIR.TAG", fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
+  if (!failed && !is_ours()) {
+    check_has_no_others();
+    write_output(path_of("CACHEDIR.TAG"), fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
+  }
+  const std::string path = path_of(name);
+  if (!failed) fs::create_directory(path, failed);
+  if (failed) throw OutputError(path, "cannot be made: " + failed.message());
+  fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+  return path;
 }
 
 void WorkFolder::check_has_no_others() const {
@@ -147,7 +98,7 @@ void WorkFolder::check_has_no_others() const {
   if (is_ours() || !fs::exists(path_, failed)) return;
   for (const auto& file : fs::directory_iterator(path_, failed))
     if (file.path().filename() != "CACHEDIR.TAG" &&
-        !file.path().filename().string().starts_with(".tdpt-"))  // a starting run's
+        !file.path().filename().string().starts_with(".tdpt-") && !is_ours())  // a starting run's
       throw UsageError("--work " + path_ +
                        ": has other things in it, expected a folder of its own");
   if (failed) throw OutputError(path_, "cannot be listed: " + failed.message());
@@ -169,70 +120,39 @@ bool WorkFolder::is_ours() const {
   return true;
 }
 
-HeldEntry WorkFolder::hold(const std::string& name, For what,
-                           const std::function<void()>& waits) const {
-  make();
-  const std::string path = path_of(name);
-  const int how = what == For::writing ? LOCK_EX : LOCK_SH;
-  // It may be removed and created anew in between; after many tries it is something else.
-  for (int tries = 0;; ++tries) {
-    if (::mkdir(path.c_str(), 0777) != 0 && errno != EEXIST) fail(path, errno);
-    const std::string file = lock_in(path);
-    const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (fd < 0 && errno == ENOENT && tries < 1000) continue;
-    if (fd < 0) fail(path, errno);
-    HeldEntry entry(path, fd);
-    while (lock(fd, how) == Locked::by_another) {
-      waits();
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
-    if (!is_still_there(fd, file)) continue;
-    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);  // marks it as just used
-    return entry;
-  }
+void WorkFolder::know(const std::string& hash, const std::string& key) const {
+  if (knows(hash, key)) return;
+  const std::string path = path_of("known-" + hash);
+  std::error_code failed;
+  write_output(path, (fs::exists(path, failed) ? read_file(path) : "") + key + "\n");
 }
 
-std::optional<std::string> WorkFolder::known(const std::string& hash) const {
-  if (!is_ours()) return {};
-  const std::string path = path_ + "/known-" + hash;
-  try {
-    std::string text = read_file(path);
-    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
-    return text;
-  } catch (const InputError&) {
-    return {};
-  }
-}
-
-bool WorkFolder::know(const std::string& hash, const std::string& text) const {
-  if (!is_ours()) return false;
-  try {
-    write_output(path_ + "/known-" + hash, text);
-    return true;
-  } catch (const OutputError&) {
-    return false;
-  }
+bool WorkFolder::knows(const std::string& hash, const std::string& key) const {
+  std::error_code failed;
+  const std::string path = path_of("known-" + hash);
+  if (hash.empty() || !is_ours() || !fs::exists(path, failed)) return false;
+  return key.empty() || ("\n" + read_file(path)).find("\n" + key + "\n") != std::string::npos;
 }
 
 void WorkFolder::shrink_to(uint64_t most) const {
   if (!is_ours()) return;
+  std::error_code ignored;
   const std::vector<Used> entries = all_in(path_, is_entry);
   uint64_t bytes = 0;
   for (const Used& one : entries) bytes += one.bytes;
   for (const Used& one : entries) {
     if (bytes <= most) break;
-    remove_unless_held(one.path);
-    std::error_code failed;
-    if (!fs::exists(one.path, failed)) bytes -= one.bytes;
+    fs::remove_all(one.path, ignored);
+    bytes -= one.bytes;
   }
   const std::vector<Used> known =
       all_in(path_, [](const std::string& name) { return is_keyed(name, "known-"); });
-  std::error_code ignored;
-  const auto hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
-  for (const Used& left :
-       all_in(path_, [](const std::string& name) { return name.starts_with(".tdpt-"); }))
-    if (left.when < hour_ago) fs::remove(left.path, ignored);
   for (size_t i = 0; i + kMostKnown < known.size(); ++i) fs::remove(known[i].path, ignored);
+  const auto hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  for (const Used& run : all_in(path_, [](const std::string& name) {
+         return name.starts_with("run-") || name.starts_with(".tdpt-");
+       }))
+    if (run.when < hour_ago) fs::remove_all(run.path, ignored);
 }
 
 }  // namespace tdpt

@@ -59,7 +59,7 @@ void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tel
   in_.scene = file_->at(a.pose.seconds);
   common.also_read(in_.scene.files);
   if (tells)
-    for (const std::string& warning : in_.scene.warnings) common.warn_of(a.scene, warning);
+    for (const std::string& warning : in_.scene.warnings) common.warn(warning);
   in_.files.push_back({a.scene, in_.scene.hash, {}});
   take_camera(a, common);
   in_.sky = add_sky(in_.scene, a.sky, common, in_.files);
