@@ -169,6 +169,7 @@ void Making::make() {
   if (made && !is_there(preview())) make_preview();
   if (made && reported) return common_.note(request_.picture + " is up to date");
   work_.use(name_of(run_));
+  if (!pipeline_.entry.empty()) work_.use(pipeline_.entry);
   if (!made) check_owners();
   left_ = made ? request_.picture + " is whole" : "nothing is rendered yet";
   steps_ = !made + !a_.report.empty() + !pipeline_.filtered.empty();
@@ -203,7 +204,6 @@ void Making::find_portals() {
     if (!exists(search.found()))
       for (const Step& step : search.stages) run_stage(search, step);
     if (pipeline_.portals_by_frame.empty()) continue;
-    work_.use(pipeline_.entry);
     const std::string bytes = read_file(search.found());
     for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
       write_output(name_of_frame("", pipeline_.portals_by_frame, k), bytes);
@@ -244,11 +244,13 @@ void Making::run_stage(const Search& search, const Step& step) {
     }
   }
   write_output(step.output + ".command", shell_text(step.options) + "\n");
-  need(words, how, tells ? &told : nullptr);
+  const int code = run_program(words, how, tells ? &told : nullptr);
+  if (reads_scene && code != kStopped && has_changed()) {
+    fs::remove_all(work_.path_of(search.entry));  // it is of another scene than its key says
+    throw InputError(request_.scene, "", "has changed while tdpt was at work; start it again");
+  }
+  if (code != 0) throw Ended{code};
   if (tells) write_output(step.output + ".told.txt", told);
-  if (!reads_scene || !has_changed()) return;
-  fs::remove_all(work_.path_of(search.entry));  // it is of another scene than its key says
-  throw InputError(request_.scene, "", "has changed while tdpt was at work; start it again");
 }
 
 // Of the picture that is there.
@@ -279,7 +281,6 @@ void Making::render() {
   if (!asks_for_portals(request_.picture)) append(words, {"--set", "progress=json"});
   ChildProcess::How how;
   how.shares_stdout = true;
-  if (!film.empty()) work_.use(pipeline_.entry);
   const bool goes_on = exists(film);
   int code = run_program(words, how);
   if (goes_on &&
@@ -339,7 +340,6 @@ void Making::render_frames() {
   std::vector<FrameRange> runs{frame_range(a_.shot)};
   if (!pipeline_.filtered.empty()) {
     runs = with_those_beside(missing_frames(), runs[0]);
-    work_.use(pipeline_.entry);
     fs::create_directories(fs::path(pipeline_.noisy).parent_path());
   }
   for (const FrameRange& run : runs) {
@@ -466,8 +466,8 @@ int Making::run_program(const Words& words, const ChildProcess::How& how, std::s
                           code == 128 + SIGKILL ? ", perhaps for want of memory" : ""));
 }
 
-void Making::need(const Words& words, const ChildProcess::How& how, std::string* told) {
-  if (const int code = run_program(words, how, told); code != 0) throw Ended{code};
+void Making::need(const Words& words, const ChildProcess::How& how) {
+  if (const int code = run_program(words, how); code != 0) throw Ended{code};
 }
 
 void Making::print(std::set<std::string>& printed) {

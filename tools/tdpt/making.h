@@ -61,7 +61,7 @@ class Making {
   int run_program(const Words& words, const ChildProcess::How& how = {},
                   std::string* told = nullptr);
   /// Throws the exit code if it is not 0.
-  void need(const Words& words, const ChildProcess::How& how = {}, std::string* told = nullptr);
+  void need(const Words& words, const ChildProcess::How& how = {});
   bool has_changed() const;
 
   const Arguments& a_;

@@ -17,12 +17,10 @@ import re
 import shlex
 import shutil
 import signal
-import struct
 import subprocess
 import sys
-import threading
+import tempfile
 import time
-import zlib
 
 # What a command of tdpt-render may say and a measurement says for itself, with the number of values.
 OURS = {
@@ -77,76 +75,30 @@ def die_with_parent():
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def run(command, env=None, progress=None):
+def run(command, progress=None):
     """-> standard output, standard error, largest memory [bytes]; ends what it started when it is ended itself. `progress` takes
     the lines of progress among the errors."""
-    read_out, write_out = os.pipe()
-    child = subprocess.Popen(command, stdout=write_out, stderr=subprocess.PIPE, env=env, preexec_fn=die_with_parent)
-    os.close(write_out)
-    try:
-        kept = []
-
-        def drain():
-            with os.fdopen(read_out, "rb") as stream:
-                kept.append(stream.read())
-        reader = threading.Thread(target=drain)
-        reader.start()
-        err = ""
-        for line in child.stderr:
-            line = line.decode("utf-8", "replace")
-            if progress and line.startswith('{"progress"'):
-                progress(line)
-            else:
-                err += line
-        _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = os.waitstatus_to_exitcode(status)
-        reader.join()
-    finally:
-        if child.returncode is None:
-            child.terminate()
-            child.wait()
-        child.stderr.close()
-    if child.returncode != 0:
-        raise Failed(child.returncode if child.returncode > 0 else 6, err)
-    return kept[0].decode("utf-8", "replace"), err, usage.ru_maxrss * 1024
-
-
-def png_columns(data, first, count):
-    """The columns first ... first + count - 1 of an 8-bit RGB PNG without interlace, as a PNG."""
-    at, packed, width, height = 8, b"", 0, 0
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + length]
-        if kind == b"IHDR":
-            width, height, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
-            if (depth, colour, interlace) != (8, 2, 0):
-                raise ValueError("no plain RGB")
-        elif kind == b"IDAT":
-            packed += body
-        at += length + 12
-    raw, stride = zlib.decompress(packed), 3 * width
-    rows, before = [], bytearray(stride)
-    for y in range(height):
-        how, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for i in range(stride):
-            left, up, corner = (row[i - 3] if i > 2 else 0), before[i], (before[i - 3] if i > 2 else 0)
-            if how == 1:
-                row[i] = (row[i] + left) & 255
-            elif how == 2:
-                row[i] = (row[i] + up) & 255
-            elif how == 3:
-                row[i] = (row[i] + (left + up) // 2) & 255
-            elif how == 4:
-                p = left + up - corner
-                near = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))
-                row[i] = (row[i] + near[2]) & 255
-        rows.append(b"\0" + bytes(row[3 * first:3 * (first + count)]))
-        before = row
-
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-    return (data[:8] + chunk(b"IHDR", struct.pack(">IIBBBBB", count, height, 8, 2, 0, 0, 0)) +
-            chunk(b"IDAT", zlib.compress(b"".join(rows), 9)) + chunk(b"IEND", b""))
+    with tempfile.TemporaryFile() as out:
+        child = subprocess.Popen(command, stdout=out, stderr=subprocess.PIPE, preexec_fn=die_with_parent)
+        try:
+            err = ""
+            for line in child.stderr:
+                line = line.decode("utf-8", "replace")
+                if progress and line.startswith('{"progress"'):
+                    progress(line)
+                else:
+                    err += line
+            _, status, usage = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+        finally:
+            if child.returncode is None:
+                child.terminate()
+                child.wait()
+            child.stderr.close()
+        if child.returncode != 0:
+            raise Failed(child.returncode if child.returncode > 0 else 6, err)
+        out.seek(0)
+        return out.read().decode("utf-8", "replace"), err, usage.ru_maxrss * 1024
 
 
 def pose_of(words):
@@ -335,17 +287,12 @@ def measure(a):
             black = score["black"]
             step.update({key: score[key] for key in ("relmse", "relmse_trimmed", "psnr", "mape", "mean", "reference_mean",
                                                      "nonzero")})
-        last = render.steps[-1]["picture"]
-        pair = os.path.join(a.folder, "pair.png")
-        run([a.exrdiff, last, truth, "--side-by-side", pair, "-o", os.path.join(a.folder, f"{render.name}-error.png")])
-        with open(pair, "rb") as stream:
-            data = stream.read()
-        width = reference.last["width"]
-        whole = struct.unpack(">I", data[16:20])[0]
-        for name, first in ((render.name, 0), ("reference", whole - width)):
-            with open(os.path.join(a.folder, f"{name}.png"), "wb") as stream:
-                stream.write(png_columns(data, first, width))
-        os.remove(pair)
+        run([a.exrdiff, render.steps[-1]["picture"], truth, "-o", os.path.join(a.folder, f"{render.name}-error.png")])
+    # All are exposed as the reference.
+    show = [os.path.join(os.path.dirname(a.exrdiff), "exrmerge"), "--quiet"]
+    stops = json.loads(run([*show, truth, "-o", os.path.join(a.folder, "reference.png"), "--json"])[0])["exposure"]
+    for render in (with_portals, without):
+        run([*show, render.steps[-1]["picture"], "-o", os.path.join(a.folder, f"{render.name}.png"), f"--exposure={stops}"])
 
     files = [a.scene, *(f"{a.stem}.{end}" for _, end in STAGES[:3] if a.stem), *ours.get("--portal", []),
              without.steps[-1]["picture"], with_portals.steps[-1]["picture"], truth]
