@@ -86,7 +86,7 @@ std::string WorkFolder::use(const std::string& name) const {
     check_has_no_others();
     write_output(path_of("CACHEDIR.TAG"), fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
   }
-  const std::string path = path_of(name);
+  const std::string path = failed ? path_ : path_of(name);
   if (!failed) fs::create_directory(path, failed);
   if (failed) throw OutputError(path, "cannot be made: " + failed.message());
   fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
