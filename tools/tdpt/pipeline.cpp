@@ -203,11 +203,11 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   };
   const FrameRange all = r.is_shot ? frame_range(a.shot) : FrameRange{};
   p.key = key_of(common, all, {renderer}, cli::Effect::stored);
-  const std::string film_of = key_of(common, all, {renderer}, cli::Effect::picture);
-  p.shared_film = work.path_of("picture-" + film_of) + "/film.exr";
+  const std::string shared = "film-" + key_of(common, all, {renderer}, cli::Effect::picture);
+  p.shared_film = work.path_of(shared) + "/film.exr";
   // A number of samples is added to those that are there; another end of a rendering is its own.
-  p.entry = "picture-" + (a.spp > 0 || a.seconds > 0 ? film_of : p.key);
-  if (r.is_shot) p.entry = "picture-" + p.key;
+  const bool counts = !r.is_shot && (a.spp > 0 || a.seconds > 0);
+  p.entry = counts ? shared : "picture-" + p.key;
   if (p.searches.size() == 1) portals.push_back(p.searches[0].found());
   if (p.searches.size() > 1)
     portals.push_back(p.portals_by_frame = work.path_of(p.entry) + "/frame.######.portal.glb");

@@ -36,7 +36,7 @@ bool is_keyed(const std::string& name, const char* prefix) {
 }
 
 bool is_entry(const std::string& name) {
-  return is_keyed(name, "portals-") || is_keyed(name, "picture-");
+  return is_keyed(name, "portals-") || is_keyed(name, "film-") || is_keyed(name, "picture-");
 }
 
 uint64_t size_of(const fs::path& folder) {

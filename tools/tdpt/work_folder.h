@@ -4,7 +4,10 @@
 //                      version of the format; without it nothing is removed from a folder, which
 //                      may be anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of everything that affects it
-//   picture-KEY/       the film of a picture; KEY: hash of everything that affects it
+//   film-KEY/          samples of a picture, to which others are added; KEY: hash of everything
+//   that
+//                      affects a sample
+//   picture-KEY/       samples of a picture whose end is not yet known, or frames of a shot
 //   known-HASH         keys of what made a file with this hash of its bytes, one per line
 //   run-NAME/          files of a run, until it ends
 //
