@@ -58,7 +58,7 @@ assert first["chosen"] == last["chosen"], (first["chosen"], last["chosen"])
 assert last.get("pilot", first["pilot"])["samples"] == first["pilot"]["samples"], "it was decided again"
 assert len(steps) > 2 and steps[0]["spp"] == first["spp"], (first["spp"], steps)
 assert steps[0]["cpu"] > first["pilot"]["cpu"], "the pilot is not counted"
-assert ": technique portal: " in m["with"]["text"] and m["with"]["text"].count(": pilot: ") == 1, m["with"]["text"]
+assert m["with"]["text"].count(": pilot: ") == 1, m["with"]["text"]
 # The same with another choice: portals that are left out are worth nothing in any headline, whatever was foretold.
 candidates = [{"integrator": "tdpt-guided 0.7", "portals": True, "relmse": 1.0, "work": 1.0, "cost": 1.0},
               {"integrator": "nee", "portals": False, "relmse": 1.0, "work": 1.3, "cost": 1.3}]
