@@ -10,8 +10,6 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/options/picture_options.h"
-#include "tools/exrdiff/difference.h"
-#include "tools/exrdiff/explain.h"
 #include "tools/exrdiff/measure.h"
 #include "tools/exrdiff/report.h"
 

@@ -2,6 +2,7 @@
 // arcs that a minimum cut (series_cut.h) crosses.
 #pragma once
 #include "libcommon/formats/dimacs.h"
+#include "libcommon/math/max_flow.h"
 #include "libcommon/math/series_cut.h"
 
 namespace tdpt {
@@ -28,5 +29,12 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
 /// The cut of a plain network as text: `s` value, `n` side of each node, `a` arcs of the cut.
 std::string plain_cut_text(const DimacsFile& problem, const MaxFlow& flow,
                            const Provenance& provenance);
+
+/// Verifies a maximum flow and minimum cut from the network alone, by duality (max-flow min-cut
+/// theorem); shares no code with the solver. Throws Error (internal) naming the first rule
+/// violated: every flow between 0 and its capacity, inflow = outflow at inner nodes, source and
+/// sink on different sides, and value of the flow = capacity of the cut. By duality flow and cut
+/// are then both optimal.
+void verify_max_flow(const FlowNetwork& network, const MaxFlow& result);
 
 }  // namespace tdpt

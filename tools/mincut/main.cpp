@@ -11,16 +11,15 @@
 #include "libcommon/base/phases.h"
 #include "libcommon/cli/built_with.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/cli/decision.h"
 #include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_lines.h"
 #include "libcommon/formats/viewpoint.h"
+#include "libcommon/math/cut_facts.h"
 #include "libcommon/options/pose_options.h"
 #include "tools/mincut/cut_of.h"
-#include "tools/mincut/explain.h"
-#include "tools/mincut/limit_options.h"
 #include "tools/mincut/preview.h"
-#include "tools/mincut/verify.h"
 
 namespace tdpt {
 namespace {
@@ -41,6 +40,28 @@ struct Arguments {
   Pose pose;
   CutLimits limits;
 };
+
+// A member of CutLimits: its name as a setting, and its range.
+struct CutLimit {
+  const char* name;
+  double CutLimits::*value;
+  double lowest, highest;
+};
+constexpr CutLimit kCutLimits[]{
+    {"least-area", &CutLimits::least_area, 0, 1},
+    {"least-carried", &CutLimits::least_carried, 0, 1},
+    {"straight", &CutLimits::straight, 0, 1},
+    {"seen", &CutLimits::seen, 0, 1},
+    {"hold", &CutLimits::hold, 0, 1},
+    {"least-drop", &CutLimits::least_drop, 0, 1},
+    {"loose", &CutLimits::loose, 0, 1e9},
+    {"most-drops", &CutLimits::most_drops, 0, 1e9},
+};
+
+void declare_limits(cli::Options& options, CutLimits& limits) {
+  for (const CutLimit& limit : kCutLimits)
+    options.limit(limit.name, limits.*limit.value, limit.lowest, limit.highest);
+}
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
@@ -155,6 +176,11 @@ std::string sentence_of(const FoundCuts::OfCamera& found, const std::vector<CutF
   return found.reason.empty() ? bottlenecks_sentence(cuts) : "no bottleneck: " + found.reason;
 }
 
+size_t pairs_of(const CutFile& cut, size_t c) {
+  return static_cast<size_t>(std::count_if(cut.arcs.begin(), cut.arcs.end(),
+                                           [&](const CutArc& a) { return cut.crosses(a, c); }));
+}
+
 // A note for each camera, and what the summary says of the bottlenecks and of the cuts that are
 // none.
 void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
@@ -162,9 +188,7 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
   summary["bottleneck"] = cut.bottleneck;
   summary["cuts"] = Json::array();
   for (size_t c = 0; c < cut.cuts.size(); ++c) {
-    const auto pairs = std::count_if(cut.arcs.begin(), cut.arcs.end(),
-                                     [&](const CutArc& arc) { return cut.crosses(arc, c); });
-    summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs}});
+    summary["cuts"].push_back({{"flow", cut.cuts[c].flow}, {"pairs", pairs_of(cut, c)}});
     summary["cuts"].back().update(json_of(found.facts[c]));
     if (const std::string name = cut.name_if_several(cut.cuts[c].camera); !name.empty())
       summary["cuts"].back()["camera"] = name;
@@ -183,6 +207,77 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
     common.note((name.empty() ? "" : name + ": ") + sentence_of(found.cameras[k], own));
   }
   if (!cut.bottleneck) summary["reason"] = cut.reason;
+}
+
+// ---- The text of --explain: each cut kept or refused, and where the search ended ----
+
+using cli::Decision;
+using cli::Decisions;
+using cli::plural;
+
+// The two figures by which every cut is judged.
+std::string figures(const CutFacts& f, const CutLimits& limits) {
+  return fmt::format("conductance {}, at most {}; smaller side {}, at least {}",
+                     number_words(f.conductance, 2), number_words(limits.largest_conductance, 2),
+                     percent_words(f.smaller_side()), percent_words(limits.least_area));
+}
+
+Decision of_search(const FoundCuts::OfCamera& found, const std::string& price) {
+  return {"search", fmt::format("ended after {} of the potential", plural(found.drops, "drop")),
+          found.passed > 0
+              ? fmt::format("{} more {} wider", found.passed, found.passed == 1 ? "is" : "are")
+              : "the potential falls nowhere else",
+          price};
+}
+
+// Refused cuts that are bottlenecks all the same.
+size_t one_too_many(const FoundCuts::OfCamera& found, const CutLimits& limits) {
+  size_t n = 0;
+  for (const SeriesCut::Refused& r : found.refused) n += why_refused(r.facts, limits).empty();
+  return n;
+}
+
+// Of one camera: what was refused and where the search ended. `name`: empty for the only one.
+void add_camera(const FoundCuts::OfCamera& found, const std::string& name, size_t most,
+                const CutLimits& limits, const std::string& price, Decisions& all) {
+  const std::string before = name.empty() ? "" : name + ": ";
+  for (const SeriesCut::Refused& r : found.refused)
+    all.push_back({fmt::format("{}a cut with {} of the surface on the light's side", before,
+                               percent_words(r.facts.area[0])),
+                   "refused", r.why + ": " + figures(r.facts, limits), ""});
+  if (found.closets > 0)
+    all.push_back({before + "closets", fmt::format("{} passed by", found.closets),
+                   "no light passes their doors on its way to the camera", "not cut"});
+  all.push_back(of_search(found, price));
+  all.back().what = before + all.back().what;
+  if (const size_t more = one_too_many(found, limits); more > 0)
+    all.push_back({before + plural(more, "bottleneck"), "left out",
+                   fmt::format("--cuts is {}, and others promise more", most), ""});
+}
+
+// `most`: number of cuts asked for. Of the phases only `flow` is used.
+Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& limits,
+                       const Phases& phases) {
+  Decisions all;
+  for (size_t c = 0; found.file.bottleneck && c < found.facts.size(); ++c)
+    all.push_back({fmt::format("cut {}", c + 1), "kept",
+                   fmt::format("light has to pass it: {}; {}", figures(found.facts[c], limits),
+                               words_for(found.facts[c])),
+                   plural(pairs_of(found.file, c), "pivot pair")});
+  const std::string flows = fmt::format("{}, verified", plural(found.flows, "maximum flow"));
+  for (size_t k = 0; k < found.cameras.size(); ++k) {
+    const bool last = k + 1 == found.cameras.size();
+    add_camera(found.cameras[k], found.file.name_if_several(k), most, limits,
+               last ? flows + ": " + cli::price_of(phases, {"flow"}) : "", all);
+  }
+  if (found.left_out > 0)
+    all.push_back(
+        {plural(found.left_out, "cut"), "left out",
+         fmt::format("a file has {} at most, and others of the camera promise more", kMostCuts),
+         ""});
+  if (!found.file.bottleneck)
+    all.push_back({"bottleneck", "none", found.file.reason, "the next stages have nothing to do"});
+  return all;
 }
 
 void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile& problem,

@@ -6,7 +6,6 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/mincut/cut_of.h"
-#include "tools/mincut/verify.h"
 
 namespace tdpt::mincut_test {
 

@@ -15,7 +15,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/hash.h"
-#include "libcommon/base/json_depth.h"
 #include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/replaced.h"
@@ -24,7 +23,6 @@
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/formats/environment.h"
-#include "libcommon/formats/format_version.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
@@ -260,19 +258,6 @@ void tell_picture(const std::string& bytes, const std::string& name, Knowledge& 
     if (key != provenance_attribute) fact(k, key, value);
 }
 
-void tell_plan(const Json& json, const std::string& name, Knowledge& k) {
-  const auto version = json.find("format");
-  check_version(name, "format", version == json.end() ? "" : version->dump(), format_version::plan);
-  k.kind = "plan";
-  const Json plan = json.value("plan", Json::object()), shape = json.value("shape", Json::object());
-  for (const char* key : {"integrator", "label", "spp"})
-    if (plan.contains(key)) fact(k, key, plan[key]);
-  for (const auto& [key, value] : shape.items()) {
-    if (key == "scene" && value.is_string()) k.scene = value.get<std::string>();
-    fact(k, key, value);
-  }
-}
-
 void tell_environment(const std::string& bytes, const std::string& name, Knowledge& k) {
   k.kind = "environment";
   const Sky::Map map = parse_environment(bytes, name);
@@ -284,10 +269,6 @@ bool is_json(const std::string& bytes) {
   const size_t first = bytes.find_first_not_of(" \t\r\n");
   return first != std::string::npos && bytes[first] == '{';
 }
-
-}  // namespace
-
-namespace {
 
 // Some readers open a file themselves: standard input is copied to a temporary one.
 Knowledge knowledge_of_input() {
@@ -316,7 +297,7 @@ Knowledge knowledge_of(const std::string& path) {
   };
   if (begins("\x76\x2f\x31\x01")) {
     tell_picture(bytes, name, k);
-  } else if (begins("glTF")) {
+  } else if (begins("glTF") || is_json(bytes)) {
     tell_gltf(path, bytes, k);
   } else if (begins(" BDV")) {
     tell_grid(read_light_grid(bytes, name), "light grid", k);
@@ -326,12 +307,6 @@ Knowledge knowledge_of(const std::string& path) {
     tell_environment(bytes, name, k);
   } else if (begins("c tdpt cut")) {
     tell_cut(read_cut(path), k);
-  } else if (is_json(bytes)) {
-    const Json json = nested_too_deep(bytes) ? Json() : Json::parse(bytes, nullptr, false);
-    if (json.is_object() && json.contains("plan") && json.contains("shape"))
-      tell_plan(json, name, k);
-    else
-      tell_gltf(path, bytes, k);
   } else if (begins("c") || begins("p ")) {
     tell_network(read_dimacs(path), k);
   } else {

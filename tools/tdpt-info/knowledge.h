@@ -12,7 +12,7 @@ namespace tdpt {
 struct Knowledge {
   std::string path;
   std::string kind;   ///< "scene", "flow network", "cut", "light grid", "table of a light grid",
-                      ///< "portals", "picture", "film", "plan", "environment"
+                      ///< "portals", "picture", "film", "environment"
   std::string hash;   ///< of its bytes; for a scene with all files it reads
   std::string scene;  ///< hash of the scene it was made from; empty: unknown
   struct Fact {
