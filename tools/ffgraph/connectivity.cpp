@@ -2,7 +2,7 @@
 //
 // Method: half-edge connectivity (OpenMesh) over vertices welded by position in a hash table, and
 // union-find over the edges whose two triangles face roughly the same way.
-#include "tools/ffgraph/connectivity.h"
+#include "tools/ffgraph/patch_map.h"
 
 #include <array>
 #include <bit>

@@ -7,7 +7,7 @@
 #include "libcommon/base/threads.h"
 #include "libcommon/math/alias_table.h"
 #include "libcommon/math/warp.h"
-#include "tools/ffgraph/connectivity.h"
+#include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/rounds.h"
 
 namespace tdpt::ffgraph_test {

@@ -1,7 +1,7 @@
 // Closed forms: J. R. Howell's catalogue of configuration factors, C-11 (parallel squares) and C-14
 // (perpendicular rectangles with a common edge). Squares are two triangles, so
 // F_AB = (1/A) sum over triangles i of A, j of B: A_i F_ij.
-#include "tools/ffgraph/form_factor.h"
+#include "tools/ffgraph/triangle_flow.h"
 
 #include <numbers>
 

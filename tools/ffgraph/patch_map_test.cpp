@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/ffgraph/connectivity.h"
-#include "tools/ffgraph/fragments.h"
-#include "tools/ffgraph/patch_grid.h"
+#include "tools/ffgraph/etendue.h"
+#include "tools/ffgraph/walks.h"
 
 namespace tdpt::patch_map_test {
 

@@ -7,8 +7,8 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/threads.h"
 #include "libcommon/math/camera_cut.h"
-#include "tools/ffgraph/connectivity.h"
-#include "tools/ffgraph/patch_grid.h"
+#include "tools/ffgraph/patch_map.h"
+#include "tools/ffgraph/walks.h"
 
 namespace tdpt {
 namespace {

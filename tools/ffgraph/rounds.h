@@ -13,7 +13,7 @@ struct GraphSettings {
   WalkSettings walks;
   uint32_t rays = 300000;  ///< etendue samples of one round
   int rounds = 1;          ///< refinements after the first estimate
-  double cells = 24;       ///< along the diagonal of the region that the walks reach [patch_grid.h]
+  double cells = 24;       ///< along the diagonal of the region that the walks reach [grid_for]
   double straddle_share = 0.92;
 };
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/ffgraph/rounds.h"
-#include "tools/ffgraph/sky_lines.h"
+#include "tools/ffgraph/walks.h"
 
 namespace tdpt::sky_test {
 

@@ -5,12 +5,64 @@
 #include <cstdint>
 #include <vector>
 
+#include "libcommon/math/alias_table.h"
+#include "libcommon/math/reach.h"
+#include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/scene/sky_bins.h"
 #include "libcommon/trace/tracer.h"
-#include "tools/ffgraph/sky_lines.h"
+#include "tools/ffgraph/patch_map.h"
 
 namespace tdpt {
+
+// Light from infinity for the light walks: which part of the sky a line comes from, and where it is
+// aimed.
+//
+// A small window in a wide landscape would be hit by few of the lines spread over all of it. So
+// half of the lines are aimed at a ball around what the camera walks reach, a quarter at a wider
+// one, the rest at the whole scene. Windows that face away from the sun count, too: half of the
+// lines come from the sky in proportion to light, half from all bins that shine, by solid angle and
+// grade.
+
+/// Unary terms of the bins of a sky: min(1, L_k / (0.5 L_med)), L_k = light_k / solid angle, L_med
+/// the median of L over the bins that shine, weighted by solid angle.
+std::vector<double> sky_grades(const std::vector<double>& light);
+
+class SkyLines {
+ public:
+  struct Ball {
+    Vec3d centre;  ///< canonical
+    double radius;
+  };
+
+  /// `aim`, `wider`: targets of the first half and the next quarter of the lines. `scene` must be
+  /// lit from infinity.
+  SkyLines(const Scene& scene, const Extent& aim, const Extent& wider);
+
+  struct Line {
+    Vec3d origin, direction;  ///< canonical; outside the scene, unit
+    uint32_t bin;             ///< where it comes from
+    double power;             ///< luminance / density of the line: the light it stands for
+  };
+  Line draw(Rng& rng) const;
+
+ private:
+  struct Towards {
+    Vec3d w;
+    double per_pdf;  ///< luminance / density of the direction [1/sr]; of a lamp its irradiance over
+                     ///< its probability
+  };
+  Towards towards(Rng& rng) const;
+  double density_across(const Vec3d& through, const Vec3d& w) const;
+
+  std::vector<Ball> balls_;         // aim, wider, all
+  SkyDirections directions_;        // of the sky
+  std::vector<Vec3d> parallel_;     // directions towards the lamps
+  std::vector<double> irradiance_;  // across them, luminance
+  const Sky* sky_ = nullptr;
+  AliasTable lights_;  // the lamps, then the sky
+  AliasTable bins_;    // by grade and solid angle
+};
 
 struct WalkSettings {
   uint64_t seed = 1;
@@ -57,5 +109,20 @@ LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSetti
 Walks camera_walks(const Scene& scene, const Camera& camera, const Tracer& tracer,
                    const WalkSettings& settings);
 size_t hits_in(const Walks& walks);
+
+/// The size of patches: chosen by the region that walks reach, not by the scene's bounding box,
+/// which a ground or a sky may make a hundred times as large as the rooms.
+struct GridOfWalks {
+  PatchGrid grid;
+  FineRegion fine;
+};
+
+/// Cells of (diagonal of the region) / `cells` in and around the region, of several cameras the
+/// median of theirs, at least half as large as for all; outside 4 times as large, or 16 times and
+/// so on, if the scene is that much larger than the region. The region contains most hits of light
+/// walks and most of each camera's walks (reach.h); only those of camera walks if light comes from
+/// infinity.
+GridOfWalks grid_for(const Scene& scene, const Walks& light, const std::vector<Walks>& cameras,
+                     double cells);
 
 }  // namespace tdpt

@@ -18,12 +18,9 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/memory_limit.h"
-#include "tools/lightgrid/air.h"
+#include "tools/lightgrid/building.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"
-#include "tools/lightgrid/panes.h"
-#include "tools/lightgrid/sky_dome.h"
-#include "tools/lightgrid/walls.h"
 
 namespace tdpt {
 namespace {

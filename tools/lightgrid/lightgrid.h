@@ -7,7 +7,7 @@
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/reach.h"
 #include "libcommon/scene/scene.h"
-#include "tools/lightgrid/embree_lines.h"
+#include "tools/lightgrid/line_tracer.h"
 
 namespace tdpt {
 

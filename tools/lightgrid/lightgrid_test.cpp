@@ -7,7 +7,7 @@
 #include <tbb/global_control.h>
 
 #include "libcommon/base/error.h"
-#include "tools/lightgrid/air.h"
+#include "tools/lightgrid/building.h"
 #include "tools/lightgrid/testing/perfect_cut.h"
 
 namespace tdpt::lightgrid_test {

@@ -11,10 +11,48 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/alias_table.h"
-#include "tools/lightgrid/sky_dome.h"
+#include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {
+
+// ---- The dome of the sky ----
+
+bool has_sky(const CutFile& cut) {
+  return std::any_of(cut.patches.begin(), cut.patches.end(),
+                     [](const Patch& p) { return p.is_sky(); });
+}
+
 namespace {
+
+// Radius of the dome [canonical]: the direction to a bin varies by at most 3 degrees over a scene.
+constexpr float kDomeRadius = 32;
+
+}  // namespace
+
+void add_sky_dome(Scene& scene) {
+  scene.dome = static_cast<uint32_t>(scene.triangles.size());
+  const auto material = static_cast<uint32_t>(scene.materials.size());
+  scene.materials.emplace_back();
+  for (uint32_t bin = 0; bin < kSkyBins; ++bin) {
+    const auto first = static_cast<uint32_t>(scene.positions.size());
+    for (const Vec3d& corner : sky_bin_corners(bin))
+      scene.positions.push_back(Vec3f(corner) * kDomeRadius);
+    scene.triangles.push_back({{first, first + 1, first + 2}, material});
+  }
+  const auto follow = [](auto& attributes, size_t count) {
+    if (!attributes.empty()) attributes.resize(count);
+  };
+  const size_t n = scene.positions.size();
+  follow(scene.normals, n);
+  follow(scene.tangents, n);
+  for (auto& uv : scene.uv) follow(uv, n);
+  follow(scene.colours, n);
+  follow(scene.smooth, scene.triangles.size());
+}
+
+namespace {
+
+// ---- Tables ----
 
 // One step of Sutherland-Hodgman clipping: keeps the part of the polygon with sign*(p[axis] - at)
 // >= 0.
@@ -45,6 +83,11 @@ struct Surface {
   std::vector<shader::Piece> pieces;
   std::vector<double> areas;
 };
+
+// The face of a sky bin, seen from inside.
+uint32_t dome_face(const Scene& scene, int32_t bin) {
+  return 2 * (scene.dome + static_cast<uint32_t>(bin));
+}
 
 Surface surface_of(const Scene& scene, const PatchGrid& grid, const Patch& patch) {
   Surface out;

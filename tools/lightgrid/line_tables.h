@@ -30,7 +30,7 @@ struct LineTables {
   shader::vec3 cell_corner{};  ///< canonical
   float cells_per_unit = 1;
   uint32_t levels = 0;
-  uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky, see sky_dome.h
+  uint32_t first_sky_face = UINT32_MAX;  ///< faces from here on belong to the sky
 };
 
 /// The finest patch that contains `place` [canonical] on `face`; UINT32_MAX: none. The host's
@@ -40,5 +40,15 @@ uint32_t patch_at(const LineTables& tables, uint32_t face, const shader::vec3& p
 /// `scene` must have a dome if the cut has a sky. Throws InputError if the cut refers to triangles
 /// that the scene does not have; `cut_name` names the cut file in the message.
 LineTables make_line_tables(const Scene& scene, const CutFile& cut, const std::string& cut_name);
+
+// The sky as surfaces: a distant dome of triangles around a scene, one per bin of directions
+// (sky_bins.h). Lines of light from the sky begin on it, and lines that leave the scene end on it,
+// as on any patch.
+
+/// Whether a cut has sky directions among its nodes.
+bool has_sky(const CutFile& cut);
+
+/// Adds the dome after all triangles, facing inwards, and sets `scene.dome`.
+void add_sky_dome(Scene& scene);
 
 }  // namespace tdpt

@@ -1,9 +1,10 @@
 // Interface that traces lines of light and counts them in the grid. Implementations: Embree
-// (embree_lines.h), compute shaders on a Vulkan device (gpu_lines.h) and, for tests, the scalar
+// (below), compute shaders on a Vulkan device (gpu_lines.h) and, for tests, the scalar
 // build of these shaders (testing/scalar_lines.h). All generate the same lines from the same seed;
 // Embree's rays hit another triangle than the two others' in fewer than 1 of 10 000 cases.
 #pragma once
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -105,5 +106,11 @@ class VoxelSums {
   };
   std::vector<Sum> sums_;
 };
+
+// Lines of light traced by Embree on all cores.
+
+/// Keeps references to the scene and the tables.
+std::unique_ptr<LineTracer> make_embree_lines(const Scene& scene, const LineTables& tables,
+                                              const LightGrid& grid, uint64_t seed);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-#include "tools/lightgrid/panes.h"
+#include "tools/lightgrid/building.h"
 
 #include <gtest/gtest.h>
 

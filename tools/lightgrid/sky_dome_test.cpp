@@ -5,7 +5,7 @@
 
 #include "libcommon/scene/sky_bins.h"
 #include "libcommon/trace/tracer.h"
-#include "tools/lightgrid/sky_dome.h"
+#include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/testing/lines.h"
 
 namespace tdpt::testing::sky_dome_test {

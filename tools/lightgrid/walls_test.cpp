@@ -1,4 +1,4 @@
-#include "tools/lightgrid/walls.h"
+#include "tools/lightgrid/building.h"
 
 #include <cmath>
 #include <numbers>

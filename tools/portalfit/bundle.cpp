@@ -14,7 +14,7 @@
 #include <unordered_map>
 
 #include "libcommon/math/thinned.h"
-#include "tools/portalfit/moments.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/portalfit/candidate.h"
+#include "tools/portalfit/aperture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/portalfit/candidate.h"
-#include "tools/portalfit/parting.h"
+#include "tools/portalfit/aperture.h"
+#include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_windows.h"

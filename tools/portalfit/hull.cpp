@@ -4,7 +4,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <CGAL/convex_hull_2.h>
 
-#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {

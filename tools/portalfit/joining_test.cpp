@@ -1,4 +1,4 @@
-#include "tools/portalfit/joining.h"
+#include "tools/portalfit/neighbours.h"
 
 #include <utility>
 #include <vector>

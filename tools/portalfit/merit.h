@@ -6,8 +6,7 @@
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
 #include "tools/portalfit/limits.h"
-#include "tools/portalfit/polygon.h"
-#include "tools/portalfit/portal_shape.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tools/portalfit/plane.h"
-#include "tools/portalfit/polygon.h"
 
 namespace tdpt {
 

@@ -1,4 +1,4 @@
-#include "tools/portalfit/parting.h"
+#include "tools/portalfit/neighbours.h"
 
 #include <algorithm>
 #include <cmath>

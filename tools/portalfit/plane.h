@@ -1,18 +1,90 @@
+// Plane geometry: convex polygons, the spread of points, crossings of light lines with a plane and
+// their passage through the slab between two parallel planes, and portals as flat shapes.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "libcommon/formats/light_grid.h"
+#include "libcommon/formats/portal.h"
+#include "libcommon/math/vec.h"
+#include "tools/portalfit/limits.h"
+
+namespace tdpt {
+
+struct Vec2d {
+  double x = 0, y = 0;
+  friend constexpr Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
+  friend constexpr Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Vec2d operator*(Vec2d a, double s) { return {a.x * s, a.y * s}; }
+};
+constexpr double dot(Vec2d a, Vec2d b) {
+  return a.x * b.x + a.y * b.y;
+}
+constexpr double cross(Vec2d a, Vec2d b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// Corners counter-clockwise.
+using Polygon = std::vector<Vec2d>;
+
+/// Convex hull, counter-clockwise; fewer than three corners if the points are collinear (CGAL).
+Polygon convex_hull(const std::vector<Vec2d>& points);
+/// Delaunay triangulation of a convex polygon's corners, counter-clockwise (CGAL).
+std::vector<std::array<uint32_t, 3>> triangulate(const Polygon& polygon);
+
+double area(const Polygon& polygon);
+/// Whether the convex polygon contains p, border included.
+bool contains(const Polygon& polygon, Vec2d p);
+/// Scales about the centre of mass until the area has grown by the factor `growth`.
+Polygon enlarged(const Polygon& polygon, double growth);
+/// The part of the convex polygon with dot(axis, p) <= limit.
+Polygon clipped(const Polygon& polygon, Vec2d axis, double limit);
+/// A convex polygon around `polygon` with fewer corners: edges are removed by extending their
+/// neighbours, the one that adds least area first, until the next would add more than `tolerance`
+/// of the area.
+Polygon simplified(const Polygon& polygon, double tolerance);
+
+// Spread of points in a plane: mean and covariance, and the rectangle with the same moments.
+
+struct Moments {
+  double n = 0;  ///< points
+  Vec2d mean;
+  double xx = 0, xy = 0, yy = 0;  ///< covariance [m2]
+  double determinant() const { return xx * yy - xy * xy; }
+};
+
+/// Moments without the points farther than 3 standard deviations (a uniform rectangle reaches
+/// 2.45); `n` counts all.
+Moments trimmed_moments(const std::vector<Vec2d>& points);
+
+/// Coordinates along u and v from an origin.
+struct Whitening {
+  Vec2d origin, u{1, 0}, v{0, 1};
+  Vec2d operator()(Vec2d p) const { return {dot(p - origin, u), dot(p - origin, v)}; }
+};
+
+/// The rectangle whose uniform distribution has these moments.
+struct Extents {
+  Vec2d mean, axis;  ///< axis: unit, of the longer side
+  double longer = 0, shorter = 0;
+  /// In these coordinates the rectangle is a unit square, so that slits are described as well as
+  /// squares.
+  Whitening whitening() const {
+    return {mean, axis * (1 / longer), Vec2d{-axis.y, axis.x} * (1 / shorter)};
+  }
+};
+/// Needs a point.
+Extents extents_of(const std::vector<Vec2d>& points);
+
 // Crossings of light lines with a plane, and their passage through the slab between two parallel
 // planes.
 //
 // Symbols: o a point in the plane, n its unit normal, the way the light goes, (u, v) coordinates in
 // the plane along the axes of Onb(n); all lengths in metres.
-#pragma once
-#include <algorithm>
-#include <optional>
-
-#include "libcommon/formats/light_grid.h"
-#include "libcommon/math/vec.h"
-#include "tools/portalfit/limits.h"
-#include "tools/portalfit/polygon.h"
-
-namespace tdpt {
 
 struct Plane {
   Vec3d o, n;
@@ -70,5 +142,17 @@ std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double o
 Vec3d to_space(const Plane& plane, Vec2d at);
 /// The inverse, for the foot of the perpendicular from `place`.
 Vec2d in_plane(const Plane& plane, const Vec3d& place);
+
+// A portal as a flat shape: its plane, and its triangles within it.
+
+struct PortalShape {
+  double area = 0;                 ///< [m2]; 0: all triangles are degenerate, there is no plane
+  Plane plane{};                   ///< through the centroid, with the triangles' normal
+  std::vector<Polygon> triangles;  ///< in the plane, without degenerate ones
+};
+PortalShape shape_of(const Portal& portal);
+
+/// Whether some triangle contains `p`, a point of the plane.
+bool contains(const PortalShape& shape, Vec2d p);
 
 }  // namespace tdpt

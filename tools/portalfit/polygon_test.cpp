@@ -1,4 +1,4 @@
-#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/plane.h"
 
 #include <cmath>
 #include <numbers>

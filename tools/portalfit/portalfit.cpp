@@ -22,12 +22,9 @@
 #include "libcommon/base/number_words.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/aperture.h"
-#include "tools/portalfit/candidate.h"
-#include "tools/portalfit/joining.h"
-#include "tools/portalfit/moments.h"
+#include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/paper.h"
-#include "tools/portalfit/parting.h"
-#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/plane.h"
 #include "tools/portalfit/tube.h"
 
 namespace tdpt {

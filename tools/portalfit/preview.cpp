@@ -10,7 +10,7 @@
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/thinned.h"
-#include "tools/portalfit/portal_shape.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {

@@ -10,7 +10,7 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
-#include "tools/portalfit/portal_shape.h"
+#include "tools/portalfit/plane.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/test_bundle.h"
 #include "tools/portalfit/test_tube_lines.h"

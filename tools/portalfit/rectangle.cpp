@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "tools/portalfit/plane.h"
-#include "tools/portalfit/polygon.h"
-#include "tools/portalfit/portal_shape.h"
 
 namespace tdpt {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "tools/portalfit/polygon.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt::rectangle_test {
 

@@ -30,7 +30,7 @@
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include "libcommon/math/thinned.h"
-#include "tools/portalfit/moments.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {

@@ -6,7 +6,7 @@
 #include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
 #include "shaders/shared/triangle.h"
-#include "tools/lightgrid/cpu_lines.h"
+#include "tools/lightgrid/line_kernel.h"
 
 namespace tdpt {
 namespace shader {

@@ -1,0 +1,361 @@
+#include "tools/portalfit/neighbours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+
+#include "tools/portalfit/plane.h"
+
+namespace tdpt {
+namespace {
+
+// ---- Joining ----
+
+// Decides which openings are one.
+//
+// Method: agglomerative clustering of flat shapes. The pair that leaves most of its joint outline
+// open is joined first. A portal over bars loses, in tightness, the share that they cover; a portal
+// for each gap between them costs a technique each, and narrow gaps are fitted badly. So panes are
+// joined across bars, but windows are not joined across the wall between them.
+
+std::vector<Vec3d> corners_of(const Aperture& a) {
+  std::vector<Vec3d> corners;
+  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
+  return corners;
+}
+
+// Least-squares plane of the points, with heights measured along the normal of `first`.
+Plane nearest_plane(const Plane& first, const std::vector<Vec3d>& places) {
+  const Onb<double> frame(first.n);
+  double n = 0, xx = 0, xy = 0, yy = 0, xh = 0, yh = 0;
+  Vec3d mean{};
+  for (const Vec3d& p : places) mean += p, ++n;
+  mean = mean / n;
+  for (const Vec3d& p : places) {
+    const Vec3d d = p - mean;
+    const double x = dot(d, frame.x), y = dot(d, frame.y), h = dot(d, first.n);
+    xx += x * x, xy += x * y, yy += y * y, xh += x * h, yh += y * h;
+  }
+  const double det = xx * yy - xy * xy;
+  if (!(det > 1e-9 * (xx + yy) * (xx + yy))) return {mean, first.n};
+  const double a = (xh * yy - yh * xy) / det, b = (yh * xx - xh * xy) / det;
+  return {mean, normalize(first.n - frame.x * a - frame.y * b)};
+}
+
+double distance_from_edge(Vec2d p, Vec2d a, Vec2d b) {
+  const Vec2d d = b - a;
+  const double along = dot(d, d) > 0 ? std::clamp(dot(p - a, d) / dot(d, d), 0.0, 1.0) : 0;
+  const Vec2d off = p - a - d * along;
+  return std::sqrt(dot(off, off));
+}
+
+double from_corners(const Polygon& corners, const Polygon& edges) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec2d& p : corners) {
+    if (contains(edges, p)) return 0;
+    for (size_t i = 0; i < edges.size(); ++i)
+      least = std::min(least, distance_from_edge(p, edges[i], edges[(i + 1) % edges.size()]));
+  }
+  return least;
+}
+
+Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
+  std::vector<Vec2d> corners;
+  for (const Aperture& a : parts)
+    for (const Vec3d& p : corners_of(a)) corners.push_back(in_plane(plane, p));
+  return convex_hull(corners);
+}
+
+// Merit of joining two groups of parts: the share left open; 0 if they stay apart.
+double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
+                     const FitInput& in) {
+  std::vector<Aperture> both = a;
+  both.insert(both.end(), b.begin(), b.end());
+  const Joint joint = joint_of(in, both);
+  if (!joint.flat || joint.open < kMost) return 0;
+  if (too_many) return joint.open;
+  const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
+  const double bar = distance_between(one, other);
+  if (bar <= in.limits.resolved * in.grid.voxel) return joint.open;
+  // The corners of a rectangle spread like a larger rectangle.
+  const double side =
+      std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
+  return joint.open >= in.limits.mostly && bar <= in.limits.beside * side ? joint.open : 0;
+}
+
+using Group = std::vector<Aperture>;
+
+// Joins the best pair; returns false if there is none.
+bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
+               const FitInput& in) {
+  size_t best_a = 0, best_b = 0;
+  double best = 0;
+  for (size_t a = 0; a < groups.size(); ++a)
+    for (size_t b = a + 1; b < groups.size(); ++b) {
+      double& w = worth[a][b];
+      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, in);
+      if (w > best) best = w, best_a = a, best_b = b;
+    }
+  if (!(best > 0)) return false;
+  groups[best_a].insert(groups[best_a].end(), groups[best_b].begin(), groups[best_b].end());
+  groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(best_b));
+  worth.erase(worth.begin() + static_cast<std::ptrdiff_t>(best_b));
+  for (auto& row : worth) row.erase(row.begin() + static_cast<std::ptrdiff_t>(best_b));
+  for (size_t k = 0; k < groups.size(); ++k) worth[best_a][k] = worth[k][best_a] = -1;
+  return true;
+}
+
+std::vector<std::vector<double>> unknown(size_t groups) {
+  return std::vector<std::vector<double>>(groups, std::vector<double>(groups, -1));
+}
+
+// Fits one opening to the lines of all parts; returns the parts if that fails.
+std::vector<Aperture> laid_again(const FitInput& in, const Bundle& all, const Group& parts) {
+  const Joint joint = joint_of(in, parts);
+  std::vector<uint32_t> own;
+  for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
+  std::sort(own.begin(), own.end());
+  own.erase(std::unique(own.begin(), own.end()), own.end());
+  const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
+  Aperture a{holding_plane(lines, {joint.plane, 0}, in.limits), {}, {}};
+  if (const auto square = tube_in_wall(lines, a.tube, in.grid.walls, in.limits)) a.tube = *square;
+  std::vector<Vec2d> places;
+  for (const LightLine& line : lines)
+    if (const auto at = clear_crossing(a.tube.middle, line, in.limits)) places.push_back(*at);
+  a.polygon = outline_of(std::move(places), in.limits);
+  if (a.polygon.empty()) return parts;
+  a.lines = lines_across(all, a);
+  return {a};
+}
+
+}  // namespace
+
+Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts) {
+  Plane first{{}, {}};
+  std::vector<Vec3d> corners;
+  double whole = 0;
+  for (const Aperture& a : parts) {
+    first.n += a.tube.middle.n * area(a.polygon);
+    whole += area(a.polygon);
+    const auto own = corners_of(a);
+    corners.insert(corners.end(), own.begin(), own.end());
+  }
+  Joint joint;
+  if (!(length(first.n) > 0.5 * whole)) return joint;
+  first.n = normalize(first.n);
+  joint.plane = nearest_plane(first, corners);
+  std::vector<Vec2d> flat;
+  double high = 0;
+  for (const Vec3d& p : corners) {
+    flat.push_back(in_plane(joint.plane, p));
+    high = std::max(high, std::abs(dot(p - joint.plane.o, joint.plane.n)));
+  }
+  joint.outline = convex_hull(flat);
+  if (joint.outline.size() < 3) return joint;
+  double open = 0;
+  bool faces = true;
+  for (const Aperture& a : parts) {
+    const double cosine = dot(a.tube.middle.n, joint.plane.n);
+    open += area(a.polygon) * cosine;
+    faces = faces && cosine > in.limits.parallel;
+  }
+  joint.open = open / area(joint.outline);
+  const double side = extents_of(joint.outline).shorter;
+  joint.flat = faces && high <= std::max(in.grid.voxel, in.limits.beside * side);
+  return joint;
+}
+
+double distance_between(const Polygon& a, const Polygon& b) {
+  return std::min(from_corners(a, b), from_corners(b, a));
+}
+
+std::vector<Aperture> joined_in_planes(const FitInput& in, const Bundle& all,
+                                       std::vector<Aperture> parts, size_t most) {
+  const bool too_many = parts.size() > most;
+  std::vector<Group> groups;
+  for (Aperture& a : parts) groups.push_back({std::move(a)});
+  auto worth = unknown(groups.size());
+  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, in)) {
+  }
+  std::vector<Aperture> joined;
+  for (const Group& group : groups) {
+    const auto some = group.size() > 1 ? laid_again(in, all, group) : group;
+    joined.insert(joined.end(), some.begin(), some.end());
+  }
+  return joined;
+}
+
+namespace {
+
+// ---- Parting ----
+
+// Separates openings that share lines or an edge: each is fitted again to its own lines.
+//
+// Method: alternating assignment of lines and fit of openings. The plane of one opening bounds the
+// other as a half-plane, at which its convex outline is clipped.
+
+// Midpoint of the half-plane's border within `polygon`, if it crosses it.
+std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& half) {
+  Vec2d sum{};
+  int ends = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+    const double from = dot(p, half.axis) - half.limit, to = dot(q, half.axis) - half.limit;
+    if ((from > 0) == (to > 0)) continue;
+    sum = sum + p + (q - p) * (from / (from - to));
+    ++ends;
+  }
+  if (ends == 0) return {};
+  return sum * (1.0 / ends);
+}
+
+// Clips `a`, which is or replaces number `own` of `all`, at the edges that it shares with the
+// others. Returns false if it shares none.
+bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all,
+                 const FitLimits& limits) {
+  bool shares = false;
+  for (size_t b = 0; b < all.size(); ++b) {
+    if (b == own) continue;
+    const auto edge = shared_edge(a, all[b], limits);
+    if (!edge) continue;
+    a.polygon = clipped(a.polygon, edge->axis, edge->limit);
+    shares = true;
+  }
+  return shares;
+}
+
+// Lines through `plane` near `polygon`, except those in `taken`, which is sorted.
+std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
+                                  const std::vector<uint32_t>& taken, const FitLimits& limits) {
+  const Polygon reach = enlarged(polygon, limits.widening);
+  std::vector<LightLine> lines;
+  for (const uint32_t l : all.which)
+    if (const auto at = clear_crossing(plane, all.line(l), limits);
+        at && contains(reach, *at) && !std::binary_search(taken.begin(), taken.end(), l))
+      lines.push_back(all.line(l));
+  return lines;
+}
+
+std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines,
+                             const FitLimits& limits) {
+  std::vector<Vec2d> places;
+  for (const LightLine& line : lines)
+    if (const auto at = clear_crossing(plane, line, limits)) places.push_back(*at);
+  return places;
+}
+
+// Fits the opening again, to all lines that pass here and not through the others.
+std::optional<Aperture> fitted_again(const FitInput& in, const Bundle& all,
+                                     const std::vector<uint32_t>& taken, Aperture a) {
+  constexpr int kRounds = 6;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto own = lines_near(all, a.tube.middle, a.polygon, taken, in.limits);
+    if (in.limits.few(own.size())) return {};
+    a.tube = holding_plane(own, a.tube, in.limits);
+    if (const auto square = tube_in_wall(own, a.tube, in.grid.walls, in.limits)) a.tube = *square;
+    const auto places = places_in(a.tube.middle, own, in.limits);
+    if (in.limits.few(places.size())) return {};
+    const bool last = round + 1 == kRounds;
+    a.polygon = last ? whole_outline(places, in.limits) : outline_of(places, in.limits);
+    if (a.polygon.empty()) return {};
+  }
+  return a;
+}
+
+// Whether `a` is a better opening than `b`: less area, or more lines. A fit to only part of the
+// light may be turned by what it lacks.
+bool better(const Aperture& a, const Aperture& b, double worth_of_line) {
+  const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
+  return std::log(area(a.polygon) / area(b.polygon)) <
+         worth_of_line * std::log(lines(a) / lines(b));
+}
+
+}  // namespace
+
+std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b,
+                                     const FitLimits& limits) {
+  const Plane &own = a.tube.middle, &other = b.tube.middle;
+  const Onb<double> frame(own.n);
+  const Vec2d axis{dot(other.n, frame.x), dot(other.n, frame.y)};
+  const double slant = std::hypot(axis.x, axis.y);
+  if (slant * slant < 1 - limits.parallel * limits.parallel) return {};
+  HalfPlane half{axis * (1 / slant), dot(other.o - own.o, other.n) / slant};
+  const double whole = area(a.polygon);
+  double kept = area(clipped(a.polygon, half.axis, half.limit));
+  if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
+  const auto middle = middle_of_border(enlarged(a.polygon, limits.widening), half);
+  if (!middle) return {};
+  const Vec2d there = in_plane(other, to_space(own, *middle));
+  if (!contains(enlarged(b.polygon, limits.widening), there)) return {};
+  return half;
+}
+
+void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
+  if (found.size() < 2) return;
+  for (const double growth : {in.limits.widening, std::sqrt(in.limits.widening), 1.0}) {
+    for (Aperture& a : found) {
+      std::vector<uint32_t> others;
+      for (const Aperture& b : found) {
+        if (&b == &a) continue;
+        Aperture wider = b;
+        wider.polygon = enlarged(b.polygon, growth);
+        const Bundle across = lines_across(all, wider);
+        others.insert(others.end(), across.which.begin(), across.which.end());
+      }
+      std::sort(others.begin(), others.end());
+      const auto without = [&](const Bundle& lines) {
+        Bundle left{all.of};
+        std::set_difference(lines.which.begin(), lines.which.end(), others.begin(), others.end(),
+                            std::back_inserter(left.which));
+        return left;
+      };
+      const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
+      const auto size = static_cast<double>(a.lines.size());
+      if (shared < in.limits.slight * size || shared > 0.5 * size) continue;
+      auto again = outlined(in, without(all), a.tube, true);
+      if (!again) continue;
+      again->lines = lines_across(all, *again);
+      if (again->lines.size() >= kMost * size) a = std::move(*again);
+    }
+  }
+}
+
+Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others,
+                    const FitLimits& limits) {
+  return all.where([&](const LightLine& line) {
+    return std::none_of(others.begin(), others.end(), [&](const Aperture& b) {
+      const auto at = clear_crossing(b.tube.middle, line, limits);
+      return at && contains(b.polygon, *at);
+    });
+  });
+}
+
+void part_at_shared_edges(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
+  std::vector<size_t> smallest_first;
+  for (size_t k = 0; k < found.size(); ++k)
+    if (keep_before(found[k], k, found, in.limits)) {
+      found[k].lines = lines_across(all, found[k]);
+      smallest_first.push_back(k);
+    }
+  std::stable_sort(smallest_first.begin(), smallest_first.end(), [&](size_t a, size_t b) {
+    return found[a].lines.size() < found[b].lines.size();
+  });
+  for (const size_t k : smallest_first) {
+    std::vector<uint32_t> taken;
+    for (size_t b = 0; b < found.size(); ++b)
+      if (b != k)
+        taken.insert(taken.end(), found[b].lines.which.begin(), found[b].lines.which.end());
+    std::sort(taken.begin(), taken.end());
+    auto again = fitted_again(in, all, taken, found[k]);
+    if (!again) continue;
+    keep_before(*again, k, found, in.limits);
+    again->lines = lines_across(all, *again);
+    if (again->lines.size() >= kMost * static_cast<double>(found[k].lines.size()) &&
+        better(*again, found[k], in.limits.missing_of_known))
+      found[k] = std::move(*again);
+  }
+}
+
+}  // namespace tdpt
