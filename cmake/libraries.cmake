@@ -101,7 +101,7 @@ function(tdpt_linked_by target out)
   set(${out} "${linked}" PARENT_SCOPE)
 endfunction()
 
-# tdpt_tell_origin(tool): writes generated/<tool>/built_with.cpp, which defines libcommon/cli/built_with.h. Call it
+# tdpt_tell_origin(tool): writes generated/<tool>/built_with.cpp, which defines kLibraries of libcommon/cli/cli.h. Call it
 # after all libraries of the tool are declared.
 function(tdpt_tell_origin tool)
   tdpt_linked_by(${tool} linked)
@@ -113,7 +113,7 @@ function(tdpt_tell_origin tool)
   list(SORT names CASE INSENSITIVE)
   list(JOIN names "\\n\"\n    \"" text)
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/generated/${tool}/built_with.cpp CONTENT
-"#include \"libcommon/cli/built_with.h\"
+"#include \"libcommon/cli/cli.h\"
 namespace tdpt::cli {
 const char kLibraries[] =
     \"@text@\\n\";

@@ -11,16 +11,12 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/phases.h"
+#include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
-#include "libcommon/base/shell_quoted.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::base_test {
 namespace fs = std::filesystem;

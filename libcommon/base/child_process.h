@@ -1,5 +1,9 @@
-// Another program, started without a shell, that never outlives this one.
+// Other processes, none of which outlives this one: programs started without a shell, and work in a
+// copy of this process.
 #pragma once
+#include <cstdint>
+#include <cstdio>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,11 +48,21 @@ class ChildProcess {
   std::optional<int> code_;
 };
 
-/// Ends the calling process when its parent, the process `parent`, ends. For use between fork() and
-/// exec(), or in a forked copy that works for its parent.
-void die_with_parent(pid_t parent);
-
 /// Folder of the running program.
 std::string program_folder();
+
+// Runs work in a child process, for libraries that may abort the program on bad input.
+
+/// Runs `work` in a forked copy of this process, while `take` reads here what it writes. The copy
+/// prints nothing on stderr, dumps no core and may allocate about memory_limit() more than this
+/// process. Returns true if the copy ended normally (no exception, signal or exit of its own) and
+/// `take` returned true. The copy has a single thread, so `work` must not wait for another. Throws
+/// Error(Exit::internal) if no process can be created.
+bool in_another_process(const std::function<void(std::FILE* out)>& work,
+                        const std::function<bool(std::FILE* in)>& take);
+
+/// Limits this process (normally such a copy) from now on: beyond about `bytes` of additional
+/// memory std::bad_alloc is thrown, and after `seconds` of CPU time the process is killed.
+void limit_this_process(uint64_t bytes, unsigned seconds);
 
 }  // namespace tdpt

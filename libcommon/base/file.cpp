@@ -1,16 +1,23 @@
 #include "libcommon/base/file.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string_view>
 
+#include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 
@@ -69,6 +76,140 @@ std::string read_file(const std::string& path) {
     throw InputError(display_name(path), "",
                      std::string("cannot be read: ") + std::strerror(errno));
   return bytes;
+}
+
+namespace {
+
+constexpr std::string_view kPrefixes = "KMGT";
+
+uint64_t three_quarters_of_the_machine() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || size <= 0) return uint64_t{1} << 32;
+  return static_cast<uint64_t>(pages) * static_cast<uint64_t>(size) / 4 * 3;
+}
+
+std::atomic<uint64_t>& limit() {
+  static std::atomic<uint64_t> bytes{three_quarters_of_the_machine()};
+  return bytes;
+}
+
+}  // namespace
+
+uint64_t memory_limit() {
+  return limit();
+}
+
+void limit_memory(uint64_t bytes) {
+  limit() = bytes;
+}
+
+std::string size_words(uint64_t bytes) {
+  if (bytes < 1024) return counted(bytes, "byte");
+  double size = static_cast<double>(bytes) / 1024;
+  size_t prefix = 0;
+  for (; size >= 1000 && prefix + 1 < kPrefixes.size(); ++prefix) size /= 1024;
+  return fmt::format("{} {}iB", number_words(size), kPrefixes[prefix]);
+}
+
+std::optional<uint64_t> parse_size(std::string_view text) {
+  double value = 0;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, value, std::chars_format::fixed);
+  if (error != std::errc() || last - end > 1) return {};
+  if (end != last) {
+    const size_t prefix = kPrefixes.find(*end);
+    if (prefix == kPrefixes.npos) return {};
+    value = std::ldexp(value, 10 * (static_cast<int>(prefix) + 1));
+  }
+  if (!(value >= 1 && value < 0x1p63)) return {};
+  return static_cast<uint64_t>(value);
+}
+
+namespace {
+
+// Empty where it is no excess.
+std::string excess_of(const std::string& what, uint64_t bytes) {
+  if (bytes <= limit()) return "";
+  return fmt::format("{} take {} of memory, expected at most the {} of --max-memory", what,
+                     size_words(bytes), size_words(limit()));
+}
+
+}  // namespace
+
+void expect_memory(const std::string& file, const std::string& place, const std::string& what,
+                   uint64_t bytes) {
+  if (const std::string excess = excess_of(what, bytes); !excess.empty())
+    throw InputError(file, place, excess);
+}
+
+void expect_memory(const std::string& what, uint64_t bytes) {
+  if (const std::string excess = excess_of(what, bytes); !excess.empty()) throw UsageError(excess);
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_below(const fs::path& file, const fs::path& folder) {
+  const auto [rest, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  return rest == folder.end();
+}
+
+[[noreturn]] void nothing(const Namer& namer, const std::string& where, const std::string& message,
+                          const std::string& what_is) {
+  throw NothingThere(InputError(namer.file, where, message), what_is);
+}
+
+}  // namespace
+
+LocalFile local_file(const Namer& namer, const std::string& name, const std::string& where) {
+  const auto fail = [&](const std::string& message) {
+    throw InputError(namer.file, where, message);
+  };
+  const std::string quoted = "\"" + shown(name) + "\"";
+  const size_t colon = name.find(':'), slash = name.find_first_of("/?#");
+  bool outside = name.empty() || name.front() == '/' ||
+                 name.find_first_of(std::string_view("\\\0", 2)) != name.npos ||
+                 (colon != name.npos && colon < slash);
+  std::error_code error;
+  const fs::path folder = fs::canonical(namer.folder, error);
+  outside = outside || !is_below((folder / name).lexically_normal(), folder);
+  if (outside) fail(quoted + " is not a file in the scene's folder, which is all that is read");
+  if (namer.folder.empty())
+    fail(quoted + " is another file, expected a scene in one piece on standard input");
+  const fs::path file = fs::canonical(folder / name, error);
+  if (error)
+    nothing(namer, where, quoted + " cannot be opened: " + error.message(),
+            "a file that is missing, " + quoted);
+  if (!is_below(file, folder))
+    fail(quoted + " leads out of the scene's folder, which is all that is read");
+  if (!fs::is_regular_file(file, error)) fail(quoted + " is no regular file");
+  return {(fs::path(namer.folder) / name).lexically_normal().string(), file.string()};
+}
+
+std::string folder_of(const std::string& path) {
+  if (path == "-") return "";
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+bool nested_too_deep(std::string_view json) {
+  int depth = 0;
+  bool in_text = false;
+  for (size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_text) {
+      if (c == '\\') ++i;
+      if (c == '"') in_text = false;
+    } else if (c == '"') {
+      in_text = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > 32) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
 }
 
 }  // namespace tdpt

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/hash.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

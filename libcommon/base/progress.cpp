@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {
@@ -32,6 +32,10 @@ std::string quoted(const std::string& text) {
 }
 
 }  // namespace
+
+void say(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stderr);
+}
 
 void show_progress_as(ProgressForm form) {
   form_of_all = form;

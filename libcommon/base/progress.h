@@ -59,4 +59,8 @@ class ProgressBar {
   Clock::time_point start_ = Clock::now();
 };
 
+/// A message for people on stderr. A failed write (full disk, terminal gone) is ignored, so that it
+/// ends no work; fmt::print would throw.
+void say(const std::string& line);
+
 }  // namespace tdpt

@@ -1,11 +1,22 @@
 #include "libcommon/base/provenance.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <vector>
 
-#include "libcommon/base/shown.h"
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "libcommon/base/error.h"
+#include "libcommon/base/words.h"
 #include "tdpt_version.h"
 
 namespace tdpt {
+
 namespace {
 
 // A name or a value may contain line breaks; a line of a text format must not.
@@ -29,6 +40,45 @@ void Provenance::from(const std::string& path, const std::string& hash) {
   const std::string name =
       path == "-" ? "(standard input)" : path.substr(path.find_last_of('/') + 1);
   lines.push_back("from " + in_one_line(name) + " " + hash);
+}
+
+namespace {
+
+std::string words_of(const XXH128_hash_t& h) {
+  return fmt::format("{:016x}{:016x}", h.high64, h.low64);
+}
+
+struct OpenFile {
+  int fd;
+  ~OpenFile() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+}  // namespace
+
+std::string content_hash(std::string_view bytes) {
+  return words_of(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+std::string content_hash_of_file(const std::string& path) {
+  const auto fail = [&](const char* what) {
+    throw InputError(path, "", std::string(what) + std::strerror(errno));
+  };
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0) fail("cannot be opened: ");
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_128bits_reset(state.get());
+  std::vector<char> part(size_t{1} << 20);
+  for (;;) {
+    const ssize_t n = ::read(file.fd, part.data(), part.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("cannot be read: ");
+    if (n == 0) break;
+    XXH3_128bits_update(state.get(), part.data(), static_cast<size_t>(n));
+  }
+  return words_of(XXH3_128bits_digest(state.get()));
 }
 
 }  // namespace tdpt

@@ -13,11 +13,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/progress.h"
-#include "libcommon/base/say.h"
-#include "libcommon/cli/dependencies.h"
-#include "libcommon/cli/help.h"
 #include "libcommon/cli/options_impl.h"
-#include "libcommon/cli/validators.h"
+#include "libcommon/cli/outputs.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {

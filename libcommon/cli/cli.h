@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "libcommon/base/fingerprint.h"
+#include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
-#include "libcommon/cli/decision.h"
 #include "libcommon/cli/outputs.h"
 
 namespace tdpt::cli {
@@ -41,7 +41,25 @@ enum class Effect {
   told      ///< what is told or written beside it
 };
 
-/// The sections of --help, in order [titles: help.cpp].
+/// What --explain prints: a decision of the run, with its reason and its price, in plain words
+/// without a full stop; numbers with their units.
+struct Decision {
+  std::string what;    ///< what is decided on
+  std::string chosen;  ///< what was decided
+  std::string reason;  ///< completes "because ..."; may be empty
+  std::string price;   ///< what it costs or saves: CPU seconds, rays, shares
+};
+using Decisions = std::vector<Decision>;
+
+/// "what: chosen, because reason (price)"; without what is empty.
+std::string sentence(const Decision& decision);
+
+/// "0.31 CPU s": the phases of these names together; a phase that did not run counts 0.
+std::string price_of(const Phases& phases, const std::vector<std::string>& names);
+/// The same for a number.
+std::string price_of(double cpu_seconds);
+
+/// The sections of --help, in order [titles: options_impl.cpp].
 enum class Part { files, effort, picture, camera, animation, light, lasting, telling, general };
 
 /// An option present on the command line.
@@ -137,7 +155,7 @@ struct Program {
   const char* summary;      ///< one sentence
   const char* output_help;  ///< what -o receives; null: there is no -o
   Result result = Result::text;
-  // [built_with.h]
+  // [kLibraries, kCommit]
   const char* libraries = "";  ///< what it is built with, one per line
   const char* commit = "";     ///< that it is built from
   unsigned uses = kAll;
@@ -257,5 +275,36 @@ int run_program(int argc, char** argv, const Program& program,
   declare(options, arguments);
   return options.run_main(argc, argv, [&] { return run(arguments, options.common); });
 }
+
+// How all programs end: every output file is made before the first is written, they are written
+// together, and the summary says what the run cost.
+
+/// A file to deliver. If `path` is empty, none was asked for and `make` is not called.
+struct Deliverable {
+  std::string path;
+  std::function<std::string()> make;  ///< its bytes
+};
+
+/// Makes and writes `files`, the result first, and the run's dependency file [write_outputs,
+/// base/output_file.h]. If one cannot be made or written, none of them is left behind.
+void deliver(const std::vector<Deliverable>& files, const Common& common);
+/// The same, timed as the phases "write" and, for files beside the result, "pictures".
+void deliver(const std::vector<Deliverable>& files, const Common& common, Phases& phases);
+
+/// Prints `summary`, a JSON object, where --json says, adding the cost of the run: "phases",
+/// "cpu_seconds" and "peak_bytes".
+template <class Json>
+void report(const Common& common, Json summary, const Phases& phases) {
+  summary["phases"] = phases;
+  summary["cpu_seconds"] = cpu_seconds();
+  summary["peak_bytes"] = peak_memory();
+  common.summary(summary.dump());
+}
+
+// What a program was built from and with, for --version. Each executable defines its own, so that a
+// new commit recompiles and relinks nothing else [cmake/libraries.cmake].
+
+extern const char kLibraries[];  ///< one library and its version per line
+extern const char kCommit[];     ///< of the git checkout, abbreviated; empty without one
 
 }  // namespace tdpt::cli

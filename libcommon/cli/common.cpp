@@ -8,9 +8,12 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/say.h"
+#include "libcommon/base/output_file.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/progress.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/dependencies.h"
+#include "libcommon/cli/outputs.h"
 #include "tdpt_version.h"
 
 namespace tdpt::cli {
@@ -107,6 +110,41 @@ void Common::check_dependencies() const {
   if (output == "-" || (output.empty() && target_.empty()))
     throw UsageError("-MF tells what a file was made from: give -o FILE");
   check_make_name(target_.empty() ? output : target_);
+}
+
+std::string sentence(const Decision& d) {
+  return fmt::format("{}: {}{}{}", d.what, d.chosen,
+                     d.reason.empty() ? "" : ", because " + d.reason,
+                     d.price.empty() ? "" : " (" + d.price + ")");
+}
+
+std::string price_of(double cpu_seconds) {
+  if (cpu_seconds >= 10) return fmt::format("{:.0f} CPU s", cpu_seconds);
+  return fmt::format("{} CPU s", number_words(cpu_seconds < 1e-4 ? 0.0 : cpu_seconds, 2));
+}
+
+std::string price_of(const Phases& phases, const std::vector<std::string>& names) {
+  double sum = 0;
+  for (const Phases::Phase& p : phases.all())
+    if (std::find(names.begin(), names.end(), p.name) != names.end()) sum += p.cpu_seconds;
+  return price_of(sum);
+}
+
+void deliver(const std::vector<Deliverable>& files, const Common& common) {
+  Phases untold;
+  deliver(files, common, untold);
+}
+
+void deliver(const std::vector<Deliverable>& files, const Common& common, Phases& phases) {
+  std::vector<OutputFile> made;
+  for (const Deliverable& file : files) {
+    if (file.path.empty()) continue;
+    made.push_back({file.path, file.make()});
+    phases.done(&file == &files.front() ? "write" : "pictures");
+  }
+  if (!common.dependencies.empty()) made.push_back({common.dependencies, common.dependency_rule()});
+  write_outputs(made);
+  phases.done("write");
 }
 
 }  // namespace tdpt::cli

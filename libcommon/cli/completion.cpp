@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/replaced.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::cli {
 namespace {

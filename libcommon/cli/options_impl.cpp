@@ -1,19 +1,35 @@
 #include "libcommon/cli/options_impl.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/replaced.h"
-#include "libcommon/base/threads.h"
-#include "libcommon/cli/help.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/nearest.h"
 
 namespace tdpt::cli {
+
 namespace {
+
+// CLI11 knows a setting as an option named "--set.walks", in a group of its own.
+constexpr const char* kSetting = "--set.";
+constexpr const char* kSettings = "Settings that few need, each given as --set NAME=VALUE";
+
+// Its name, "walks"; empty for an ordinary option.
+std::string setting_name(const CLI::Option* option) {
+  if (option->get_lnames().empty()) return "";
+  const std::string last = "--" + option->get_lnames().back();
+  return last.starts_with(kSetting) ? last.substr(std::string(kSetting).size()) : "";
+}
 
 // "--set walks" for people; "--set.walks" for CLI11.
 std::string for_people(const std::string& text) {
@@ -180,6 +196,139 @@ std::string Options::Impl::no_such_option(const std::string& given) const {
   const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
   return fmt::format("{}: no such option{}", for_people(option),
                      meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
+}
+
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool digits =
+            !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        errno = 0;
+        if (digits) std::strtoull(text.c_str(), nullptr, 10);
+        if (digits && errno == 0) return std::string();
+        return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
+      },
+      "");
+}
+
+CLI::Validator size() {
+  return CLI::Validator(
+      [](std::string& text) {
+        if (parse_size(text)) return std::string();
+        return fmt::format("'{}' given, expected bytes, or a number with K, M, G or T", text);
+      },
+      "");
+}
+
+CLI::Validator some_text() {
+  return CLI::Validator(
+      [](std::string& text) {
+        return text.empty() ? std::string("'' given, expected a value") : std::string();
+      },
+      "");
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  return CLI::Validator(
+      [words](std::string& text) {
+        for (const std::string& word : words)
+          if (text == word) return std::string();
+        const std::string meant = nearest(text, words);
+        return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
+                           meant.empty() ? "" : " (did you mean " + meant + "?)");
+      },
+      "");
+}
+
+namespace {
+
+constexpr size_t kWidth = 80, kRight = 30;  ///< columns; start of the right column
+
+// Titles, indexed by Part.
+constexpr const char* kTitles[]{"What goes in and what comes out",
+                                "How long and how good",
+                                "What the picture holds",
+                                "Camera",
+                                "Animation",
+                                "Sky and lamps",
+                                "Long renders and many machines",
+                                "What is told of the work",
+                                "General"};
+
+// Breaks `text` into lines that end before kWidth; the first begins at column `at`, the others at
+// `indent`. A word longer than a line gets its own.
+std::string wrapped(const std::string& text, size_t at, size_t indent) {
+  std::string lines, word;
+  std::istringstream words(text);
+  bool first = true;
+  while (words >> word) {
+    if (!first && at + 1 + word.size() > kWidth) {
+      lines += "\n" + std::string(indent, ' ');
+      at = indent;
+      first = true;
+    }
+    lines += (first ? "" : " ") + word;
+    at += (first ? 0 : 1) + word.size();
+    first = false;
+  }
+  return lines + "\n";
+}
+
+class In80Columns : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option, bool positional) const override {
+    const std::string setting = setting_name(option);
+    if (setting.empty())
+      return line("  " + make_option_name(option, positional) + make_option_opts(option),
+                  make_option_desc(option));
+    const std::string& flag = option->get_lnames().front();
+    return line("  " + setting + "=" + option->get_type_name(),
+                make_option_desc(option) + (flag == setting ? "; also --" + flag : ""));
+  }
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
+    std::string text = make_description(app) + make_usage(app, name) + make_positionals(app);
+    const auto add = [&](const std::string& title) {
+      const auto options = app->get_options([&](const CLI::Option* option) {
+        return option->nonpositional() && option->get_group() == title;
+      });
+      if (!options.empty()) text += make_group(title, false, options);
+    };
+    for (const char* title : kTitles) add(title);
+    add(kSettings);
+    return text + limits_of(app);
+  }
+  std::string make_description(const CLI::App* app) const override {
+    return wrapped(app->get_description(), 0, 0);
+  }
+
+ private:
+  // Names and defaults.
+  static std::string limits_of(const CLI::App* app) {
+    std::string all;
+    for (const CLI::Option* option : app->get_options())
+      if (option->get_group() == kLimits)
+        all += setting_name(option) + "=" + option->get_type_name() + " ";
+    return all.empty()
+               ? ""
+               : "\n" + wrapped(kLimits + std::string(":"), 0, 0) + "  " + wrapped(all, 2, 2);
+  }
+  static std::string line(std::string left, const std::string& right) {
+    if (left.size() >= kRight)
+      left += "\n" + std::string(kRight, ' ');
+    else
+      left.resize(kRight, ' ');
+    return left + wrapped(right, kRight, kRight);
+  }
+};
+
+}  // namespace
+
+std::string title_of(Part part) {
+  return kTitles[static_cast<size_t>(part)];
+}
+
+std::shared_ptr<CLI::FormatterBase> help_in_80_columns() {
+  return std::make_shared<In80Columns>();
 }
 
 }  // namespace tdpt::cli

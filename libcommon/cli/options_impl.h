@@ -2,9 +2,11 @@
 // room.
 #pragma once
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "libcommon/cli/cli.h"
@@ -83,5 +85,44 @@ struct Options::Impl {
   /// All files that the command line names in role `is`, by option.
   std::vector<NamedFile> files(Is is) const;
 };
+
+// CLI11 validators for the values of options.
+
+/// From 0 to 2^64 - 1. CLI11 alone reads -1 and too large numbers as 2^64 - 1.
+CLI::Validator whole_number();
+
+/// Bytes, as parse_size() reads them.
+CLI::Validator size();
+
+/// Not empty: an unset shell variable must not count as an option that was not given.
+CLI::Validator some_text();
+
+/// One of `words`; the error suggests the nearest.
+CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// std::to_string and CLI11's own text would print 1e18 in full; people read these bounds.
+template <class T>
+CLI::Validator within(T lowest, T highest) {
+  return CLI::Validator(
+      [lowest, highest](std::string& text) {
+        T value{};
+        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
+          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
+        return std::string();
+      },
+      "");
+}
+
+// What --help prints, in lines of 80 columns.
+
+/// Title of this section, used as CLI11's group.
+std::string title_of(Part part);
+
+/// Title of the options of Options::limit().
+inline constexpr const char* kLimits =
+    "Limits that verdicts hang on, each given as --set NAME=VALUE; the manual explains them";
+
+/// Options on the left, descriptions on the right, wrapped between words.
+std::shared_ptr<CLI::FormatterBase> help_in_80_columns();
 
 }  // namespace tdpt::cli

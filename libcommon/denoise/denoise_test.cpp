@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "libcommon/denoise/test_picture.h"
+#include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
 namespace denoise_test {

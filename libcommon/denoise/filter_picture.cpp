@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 #include "libcommon/denoise/buffers.h"
 #include "libcommon/denoise/oidn.h"
 #include "libcommon/denoise/outliers.h"

@@ -44,7 +44,7 @@ std::string words_of(const std::optional<ErrorLeft>& left);
 std::string sentence_of(const Filtered& filtered);
 
 /// Reads a file with all its channels. Throws InputError, also if filtering it needs too much
-/// memory [memory_limit.h].
+/// memory [file.h].
 ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 
 /// Replaces R G B by the filtered picture, sets denoiser_attribute and keeps what was there as the

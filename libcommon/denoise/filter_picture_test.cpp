@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/denoise/test_picture.h"
+#include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
 namespace filter_picture_test {

@@ -9,7 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/denoise/filter_picture.h"
-#include "libcommon/denoise/test_picture.h"
+#include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
 namespace oidn_test {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/denoise/test_picture.h"
+#include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
 namespace regression_test {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/denoise/test_picture.h"
+#include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
 namespace reproject_test {

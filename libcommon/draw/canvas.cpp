@@ -13,7 +13,7 @@
 
 #include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
-#include "libcommon/base/suffix.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt::draw {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/draw/sheet.h"
 
 namespace tdpt::draw {

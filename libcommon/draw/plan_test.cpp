@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/draw/sheet.h"
-#include "libcommon/draw/test_house.h"
+#include "libcommon/testing/scenes/box_house.h"
 
 namespace tdpt::draw::plan_test {
 

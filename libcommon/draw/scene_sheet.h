@@ -1,10 +1,14 @@
 // A sheet with the views of a scene: from its camera, and the plan of each storey.
 #pragma once
+#include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "libcommon/draw/plan.h"
 #include "libcommon/draw/sheet.h"
+#include "libcommon/formats/cut.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt::draw {
 
@@ -49,6 +53,31 @@ class SceneSheet {
   SceneView camera_view_;
   std::vector<Plan> plans_;
   Box legend_;
+};
+
+class PatchLookup {
+ public:
+  PatchLookup(const Frame& frame, const PatchGrid& grid, const std::vector<Patch>& patches);
+
+  /// Index of the patch that contains canonical `place` on face 2 * triangle + side; empty if there
+  /// is none (no walk has reached this surface).
+  std::optional<uint32_t> at(uint32_t face, const Vec3d& place) const;
+
+ private:
+  struct Key {
+    uint32_t face;
+    int level;
+    std::array<int32_t, 3> cell;
+    bool operator==(const Key&) const = default;
+  };
+  struct Hash {
+    size_t operator()(const Key& k) const;
+  };
+
+  Frame frame_;
+  PatchGrid grid_;
+  std::vector<int> levels_;  // levels in use, finest first
+  std::unordered_map<Key, uint32_t, Hash> patch_;
 };
 
 }  // namespace tdpt::draw

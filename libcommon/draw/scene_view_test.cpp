@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 
 namespace tdpt::draw::scene_view_test {

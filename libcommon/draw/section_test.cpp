@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/draw/test_house.h"
+#include "libcommon/testing/scenes/box_house.h"
 
 namespace tdpt::draw::section_test {
 

@@ -167,6 +167,9 @@ std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer) {
   return storeys;
 }
 
+namespace {
+
+// The whole scene as one, cut at `height`, at its middle if that is not within it.
 Storey whole_scene(const Scene& scene, double height) {
   Vec3d low{INFINITY}, high{-INFINITY};
   const auto end = std::min<size_t>(scene.triangles.size(), scene.dome);
@@ -187,6 +190,7 @@ Storey whole_scene(const Scene& scene, double height) {
   return all;
 }
 
+// Index of the storey whose floor is the next below a place [metres]; of the lowest if none is.
 size_t storey_at(const std::vector<Storey>& storeys, const Vec3d& place) {
   constexpr double kBelow = 0.3;  // how far below its floor something still belongs to it
   size_t at = 0;
@@ -194,6 +198,8 @@ size_t storey_at(const std::vector<Storey>& storeys, const Vec3d& place) {
     if (place.y >= *storeys[k].floor - kBelow) at = k;
   return at;
 }
+
+}  // namespace
 
 std::vector<Storey> storeys_to_draw(const Scene& scene, const Tracer& tracer, const Vec3d& camera,
                                     const std::vector<Vec3d>& places) {

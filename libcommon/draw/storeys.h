@@ -22,12 +22,6 @@ struct Storey {
 /// Ascending; empty if there is no floor. `tracer` is of `scene`.
 std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer);
 
-/// The whole scene as one, cut at `height`, at its middle if that is not within it.
-Storey whole_scene(const Scene& scene, double height);
-
-/// Index of the storey whose floor is the next below a place [metres]; of the lowest if none is.
-size_t storey_at(const std::vector<Storey>& storeys, const Vec3d& place);
-
 /// The storeys to draw for a camera and other places to show: those with the camera or a good share
 /// of the places, and those between; the camera's first. One at least.
 std::vector<Storey> storeys_to_draw(const Scene& scene, const Tracer& tracer, const Vec3d& camera,

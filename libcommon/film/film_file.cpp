@@ -13,10 +13,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/json_depth.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/format_version.h"
 
 namespace tdpt {

@@ -35,7 +35,7 @@ struct FilmFacts {
   Shape shape;
   std::string plan;   ///< decisions made by measuring, as JSON: the same in all parts
   std::string state;  ///< progress of the rendering, as JSON; "": not resumable
-  /// Instruction set in use [processor.h], or kGpuCode; if mixed "avx2, avx512".
+  /// Instruction set in use [process.h], or kGpuCode; if mixed "avx2, avx512".
   std::string processor;
   uint64_t spp = 0;  ///< samples per pixel of the whole picture; 0: limited by time
   Counts counts;
@@ -76,8 +76,8 @@ FilmFile read_film(const std::string& path);
 /// Name of the attribute that tells which frame of a shot a picture is, and that it is complete.
 inline constexpr const char* kFrameAttribute = "frame";
 
-/// Name of the attribute of a film file that tells its samples, and of how many: "samples 0 to 15 of
-/// 64". So a file's header tells which part it is.
+/// Name of the attribute of a film file that tells its samples, and of how many: "samples 0 to 15
+/// of 64". So a file's header tells which part it is.
 inline constexpr const char* kPartAttribute = "part";
 std::string part_words(const std::vector<SampleRange>& ranges, uint64_t of);
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt::film_file_test {

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/formats/patch_lines.h"
 
 namespace tdpt {

@@ -77,10 +77,6 @@ struct CutFile {
   size_t number_of_cameras() const { return std::max<size_t>(1, cameras.size()); }
   /// Of camera `k`, for messages; empty where there is only one.
   std::string name_if_several(size_t k) const;
-  /// Sides of a patch that lies between the first `passed` cuts and the others.
-  static uint64_t sides_behind(size_t passed) {
-    return passed >= 64 ? ~uint64_t{0} : (uint64_t{1} << passed) - 1;
-  }
   static Side side(uint64_t sides, size_t c) { return sides >> c & 1 ? Side::sink : Side::source; }
   Side side_of(size_t patch, size_t c) const { return side(sides[patch], c); }
   /// Whether an arc crosses cut `c`, or any.

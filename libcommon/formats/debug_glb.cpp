@@ -8,6 +8,7 @@
 #include "tdpt_version.h"
 
 namespace tdpt {
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -206,6 +207,16 @@ std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenan
     if (!mesh.positions.empty())
       writer.add(width > 0 && mesh.kind == DebugMesh::Kind::lines ? strips_of(mesh, width) : mesh);
   return writer.glb();
+}
+
+void declare_debug_lines(cli::Options& options, std::string& value) {
+  options.choice("--set debug-lines", value, {"edges", "strips"},
+                 "Lines in --debug-glb: edges, the default, or thin strips, which renderers show",
+                 cli::Effect::told);
+}
+
+DebugLines debug_lines(const std::string& value) {
+  return value == "strips" ? DebugLines::strips : DebugLines::edges;
 }
 
 }  // namespace tdpt

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt {
@@ -36,5 +37,10 @@ enum class DebugLines { edges, strips };
 /// alpha is below 255.
 std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance,
                             DebugLines lines = DebugLines::edges);
+
+/// --set debug-lines.
+void declare_debug_lines(cli::Options& options, std::string& value);
+
+DebugLines debug_lines(const std::string& value);
 
 }  // namespace tdpt

@@ -7,7 +7,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/formats/picture.h"
-#include "libcommon/formats/radiance_hdr.h"
 
 namespace tdpt {
 namespace {

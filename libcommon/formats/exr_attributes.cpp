@@ -1,7 +1,7 @@
 // Layout ("OpenEXR File Layout"): magic number and version (8 bytes), then attributes: name, type
 // (zero-terminated text), size (4 bytes), value. A 0 ends a header; in a multi-part file an empty
 // header ends the headers.
-#include "libcommon/formats/exr_attributes.h"
+#include "libcommon/formats/picture_bounds.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {

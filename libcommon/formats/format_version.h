@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "libcommon/base/another_process.h"
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/formats/light_grid.h"

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "libcommon/base/another_process.h"
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/rng.h"
 

@@ -13,8 +13,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/formats/format_version.h"
 #include "libcommon/formats/patch_lines.h"
 #include "libcommon/formats/text_lines.h"

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/replaced.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/files/temp_folder.h"
 

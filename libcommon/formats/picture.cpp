@@ -21,8 +21,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/shown.h"
-#include "libcommon/formats/exr_attributes.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/format_version.h"
 #include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"

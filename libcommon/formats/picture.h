@@ -1,4 +1,4 @@
-// Pictures: OpenEXR with layers and attributes; PNG for viewing.
+// Pictures: OpenEXR with layers and attributes; PNG for viewing; Radiance.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -89,5 +89,22 @@ std::string exr_bytes(const ExrFile& file, const Storage& storage = {});
 /// 8-bit sRGB PNG, clipped, as bytes; with alpha if the picture has it, colours divided by it. NaN
 /// becomes black. Rendered pictures are shown by preview_bytes() [tone.h].
 std::string png_bytes(const Picture& picture);
+
+// Pictures of the Radiance system (.hdr, .pic): scan lines of RGBE, flat or run-length encoded, as
+// in Radiance's filefmts document.
+
+/// Whether the bytes begin with the signature of one.
+bool is_radiance_hdr(std::string_view bytes);
+
+/// A file in memory; `name` is used in messages. Values are divided by its EXPOSURE and COLORCORR
+/// lines, the factors already applied to them, and become Rec.709 by its PRIMARIES. Orientation
+/// must be "-Y H +X W". A size above `most_width` x `most_height` is refused before allocation.
+/// Throws InputError.
+Picture parse_radiance_hdr(std::string_view bytes, const std::string& name, int most_width,
+                           int most_height);
+
+/// The attributes of type string in the header of a file with one part, read from its beginning
+/// alone; none if it is no such file or cannot be read.
+std::map<std::string, std::string> string_attributes_of_file(const std::string& path);
 
 }  // namespace tdpt

@@ -18,8 +18,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/formats/exr_attributes.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::exr {
 namespace {

@@ -1,8 +1,9 @@
-// Bounds on what an OpenEXR file may declare. The library allocates what a header declares before
-// it has read a pixel, and accepts an empty chunk, leaving its pixels unchanged: both are refused
-// here.
+// What an OpenEXR file may declare, checked before the library sees it: the library allocates what
+// a header declares before it has read a pixel, reads past an attribute's end, and accepts an empty
+// chunk, leaving its pixels unchanged. Internal to the reader and writer of pictures.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -10,6 +11,21 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 
 #include "libcommon/math/vec.h"
+
+namespace tdpt {
+
+/// String attribute with the version of our format; absent in pictures of other programs.
+inline constexpr const char* kVersionAttribute = "tdptFormat";
+
+/// Describes the first attribute, of all headers, whose declared size does not match its type or
+/// contents; "" if there is none.
+std::string fault_of_exr_attributes(std::string_view bytes);
+/// Value of the attribute `compression` of each header [Imf::Compression, and what comes after].
+std::string exr_compressions(std::string_view bytes);
+/// Offset where the headers of such a file end and the tables of offsets begin.
+size_t end_of_exr_headers(std::string_view bytes);
+
+}  // namespace tdpt
 
 namespace tdpt::exr {
 

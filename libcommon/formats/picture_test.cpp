@@ -26,8 +26,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/formats/exr_attributes.h"
+#include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"
 #include "libcommon/math/rng.h"
 

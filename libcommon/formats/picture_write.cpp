@@ -16,9 +16,9 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <half.h>
 
-#include "libcommon/formats/exr_attributes.h"
 #include "libcommon/formats/format_version.h"
 #include "libcommon/formats/picture.h"
+#include "libcommon/formats/picture_bounds.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt {

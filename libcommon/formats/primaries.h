@@ -11,7 +11,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "libcommon/math/affine.h"
+#include "libcommon/math/vec.h"
 
 namespace tdpt {
 

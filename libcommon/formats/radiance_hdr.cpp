@@ -1,4 +1,4 @@
-#include "libcommon/formats/radiance_hdr.h"
+#include "libcommon/formats/picture.h"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/primaries.h"
 
 namespace tdpt {

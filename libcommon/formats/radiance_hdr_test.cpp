@@ -1,9 +1,9 @@
-#include "libcommon/formats/radiance_hdr.h"
+#include "libcommon/formats/picture.h"
 
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt::radiance_hdr_test {

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/format_version.h"
 
 namespace tdpt {

@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/text_lines.h"
 
 namespace tdpt {

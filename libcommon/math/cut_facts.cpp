@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {

@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/math/alias_table.h"
-#include "libcommon/math/cumulative_table.h"
+#include "libcommon/math/discrete.h"
+#include "libcommon/math/reach.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/thinned.h"
 #include "libcommon/math/vec.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt::math_test {
 

@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 
+#include "libcommon/math/vec.h"
 #include "shaders/shared/rng.h"
+#include "shaders/shared/warp.h"
 
 namespace tdpt {
 
@@ -31,5 +33,10 @@ class Rng {
  private:
   shader::Rng rng_;
 };
+
+// The warps of shaders/shared/warp.h, in floats and in doubles.
+
+using shader::cosine_hemisphere;
+using shader::uniform_triangle;
 
 }  // namespace tdpt

@@ -43,4 +43,11 @@ using FlowCheck = std::function<void(const FlowNetwork&, const MaxFlow&)>;
 SeriesCut series_cut(const PatchNetwork& problem, size_t most, const CutLimits& limits,
                      const FlowCheck& check = {});
 
+/// series_cut() in the part of the network that the light's walks or this camera's hit: what a
+/// network of this camera alone would hold, so that rooms of other cameras neither cost time nor
+/// count as a side of a cut. Other nodes then get the region to which most of their capacity leads,
+/// or that of the light. `whole` must know the hits.
+SeriesCut camera_cut(const PatchNetwork& whole, size_t most, const CutLimits& limits,
+                     const FlowCheck& check = {});
+
 }  // namespace tdpt

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/math/camera_cut.h"
 #include "libcommon/math/rng.h"
 
 namespace tdpt::series_cut_test {

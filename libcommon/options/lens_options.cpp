@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

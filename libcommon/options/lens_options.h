@@ -5,7 +5,7 @@
 
 #include "libcommon/cli/cli.h"
 #include "libcommon/options/shot_options.h"
-#include "libcommon/scene/camera_blur.h"
+#include "libcommon/scene/film_plane.h"
 
 namespace tdpt {
 

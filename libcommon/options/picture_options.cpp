@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/tone.h"
 
 namespace tdpt {

@@ -2,7 +2,7 @@
 // program that reads a scene.
 #pragma once
 #include "libcommon/cli/cli.h"
-#include "libcommon/scene/pose.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 

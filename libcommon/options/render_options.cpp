@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/suffix.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 
 namespace tdpt {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libcommon/cli/cli.h"
-#include "libcommon/scene/pose.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 

@@ -9,12 +9,12 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/environment.h"
+#include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/lights.h"
-#include "libcommon/scene/scene_unit.h"
-#include "libcommon/scene/sky_colour.h"
+#include "libcommon/scene/units.h"
 
 namespace tdpt {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/testing/files/temp_folder.h"
 

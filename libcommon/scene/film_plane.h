@@ -16,7 +16,10 @@
 // Every pixel has the same area of that plane and of
 // the film, so the density of directions is the same function of the cosine.
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include "libcommon/scene/scene.h"
 
@@ -92,6 +95,56 @@ class FilmPlane {
   int width_, height_;
   double half_height_, half_width_, area_;
   double shift_x_ = 0, shift_y_ = 0;  // of the film to the right and up, in half sizes
+};
+
+// What blurs the picture of a camera: a thin lens, and its motion while the shutter is open.
+//
+// Method: distribution ray tracing (Cook et al. 1984). Each sample has a point of the lens and a
+// moment, both uniform, and sees by the pinhole camera that they make [film_plane.h]. Their
+// densities are the same for every technique that finds a path, so they cancel in its weights.
+
+struct Lens {
+  double radius = 0;  ///< of the aperture, a disc; 0: a pinhole
+  double focus = 1;   ///< distance of the plane in focus along the view direction; may be infinite
+};
+
+class CameraBlur {
+ public:
+  CameraBlur() = default;
+  /// Lengths are canonical. `poses`: the camera at even distances in time while the shutter is
+  /// open, from its opening to its closing; fewer than two: it stands still.
+  CameraBlur(const Lens& lens, std::vector<Camera> poses) : lens_(lens), poses_(std::move(poses)) {
+    if (poses_.size() < 2) poses_.clear();
+  }
+
+  bool any() const { return lens_.radius > 0 || !poses_.empty(); }
+
+  /// What a sample of `film` sees by, for numbers uniform in [0,1): two for the lens, one for time.
+  FilmPlane draw(const FilmPlane& film, double u, double v, double time) const {
+    FilmPlane drawn = poses_.empty() ? film : film.moved_to(pose_at(time));
+    if (lens_.radius == 0) return drawn;
+    const double r = lens_.radius * std::sqrt(u), angle = 2 * std::numbers::pi * v;
+    return drawn.through(r * std::cos(angle), r * std::sin(angle), lens_.focus);
+  }
+
+ private:
+  /// Between two poses, straight and at even speed.
+  Camera pose_at(double time) const {
+    const double at = time * static_cast<double>(poses_.size() - 1);
+    const size_t i = std::min(static_cast<size_t>(at), poses_.size() - 2);
+    const Camera &a = poses_[i], &b = poses_[i + 1];
+    const double s = at - static_cast<double>(i);
+    const auto mixed = [s](const Vec3d& from, const Vec3d& to) { return from + (to - from) * s; };
+    Camera pose;
+    pose.position = mixed(a.position, b.position);
+    pose.forward = normalize(mixed(a.forward, b.forward));
+    pose.right = normalize(cross(pose.forward, mixed(a.up, b.up)));
+    pose.up = cross(pose.right, pose.forward);
+    return pose;
+  }
+
+  Lens lens_;
+  std::vector<Camera> poses_;
 };
 
 }  // namespace tdpt

@@ -9,7 +9,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/testing/files/ies_text.h"
 

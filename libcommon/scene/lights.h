@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/cumulative_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/scene.h"

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/scene/distinct_names.h"
-#include "libcommon/scene/test_materials.h"
+#include "libcommon/base/file.h"
+#include "libcommon/scene/gltf/document.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::memory_test {
 
@@ -115,7 +115,7 @@ TEST(Memory, TexelsOfAllImagesAreCounted) {
 }
 
 TEST(DistinctNames, AreNumberedInTheOrderTheyCome) {
-  DistinctNames names;
+  gltf::DistinctNames names;
   EXPECT_EQ(names.take("hall", "", "camera"), "hall");
   EXPECT_EQ(names.take("hall", "node", "camera"), "node");
   EXPECT_EQ(names.take("hall.2", "", "camera"), "hall.2");

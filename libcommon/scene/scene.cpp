@@ -5,7 +5,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

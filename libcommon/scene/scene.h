@@ -1,17 +1,17 @@
 // A scene as the tools see it: triangles in a canonical frame, materials, cameras.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libcommon/base/error.h"
 #include "libcommon/math/vec.h"
-#include "libcommon/scene/lamp_units.h"
-#include "libcommon/scene/pose.h"
-#include "libcommon/scene/scene_defaults.h"
 #include "libcommon/scene/sky.h"
+#include "libcommon/scene/units.h"
 #include "shaders/shared/path/surface_layout.h"
 
 namespace tdpt {
@@ -78,6 +78,37 @@ struct Material : shader::SurfaceMaterial {
   bool glossy_map = false;
 };
 
+// Window panes: thin, smooth, colourless and uniform sheets. Light that is not reflected continues
+// straight, so a ray may pass the pane with the probability of transmission. So not only rays that
+// scatter at the glass but also connections, shadow rays and portals work through a glazed window.
+
+struct Pane {
+  float share = 0;        ///< of the light that is not reflected, transmitted; 0: not a pane
+  float f0 = 0, f90 = 0;  ///< reflectance at normal and at grazing incidence (Schlick)
+
+  explicit operator bool() const { return share > 0; }
+  /// Probability that a ray hits the pane: 1 - share (1 - F); cos is its cosine to the normal.
+  double opacity(double cos) const {
+    const double m = 1 - std::abs(cos);
+    const double f = f0 + (double{f90} - f0) * m * m * m * m * m;
+    return 1 - share * (1 - f);
+  }
+};
+
+inline Pane pane_of(const Material& m) {
+  const auto grey = [](const Rgb& c) { return c.x == c.y && c.y == c.z; };
+  const bool textured = m.maps[MAP_BASE] || m.maps[MAP_METALLIC_ROUGHNESS] || m.maps[MAP_NORMAL] ||
+                        m.maps[MAP_SPECULAR] || m.maps[MAP_SPECULAR_COLOR] ||
+                        m.maps[MAP_TRANSMISSION];
+  if (!(m.transmission > 0) || m.solid || m.coloured || m.metallic != 0 || m.roughness >= 0.01f ||
+      textured || m.alpha_mode != Material::Alpha::opaque || max_component(m.emission) > 0 ||
+      !grey(m.base_color) || !grey(m.specular_color) || m.coat > 0 || m.sheened())
+    return {};
+  const float r = (m.ior - 1) / (m.ior + 1);
+  const float f0 = std::min(r * r * m.specular_color.x, 1.0f) * m.specular;
+  return {m.transmission * m.base_color.x, f0, m.ior == 1 ? 0.0f : m.specular};
+}
+
 /// Radiance [W/m2/sr] of emission. Below, it vanishes in single precision before it reaches the
 /// camera, and counts as none; above, it overflows.
 constexpr double kFaintestEmission = 1e-30, kBrightestEmission = 1e30;
@@ -123,6 +154,40 @@ struct Camera {
   bool culls = false;
   /// An error in the file, thrown only when this camera is used; null: none.
   std::shared_ptr<const InputError> fault{};
+};
+
+/// A moment of a scene's animations.
+struct Pose {
+  std::optional<double> seconds{};        ///< none: not asked for, the beginning
+  std::vector<std::string> animations{};  ///< names of those that are applied; none: all
+  bool is_given() const { return seconds || !animations.empty(); }
+};
+
+struct AnimationFacts {
+  std::string name;    ///< distinct
+  double seconds = 0;  ///< time of its last key that moves something
+};
+
+// Rendering defaults stored in a scene and used unless the command line says otherwise: picture
+// size, camera and environment.
+
+struct SceneDefaults {
+  std::string place;  ///< where the file sets them, "scenes[0].extras"
+
+  std::string environment;       ///< a file's name, "R,G,B" [W/m2/sr] or "none"; empty: not set
+  std::string environment_file;  ///< path of that file; empty: no file, or not readable
+  /// Why it cannot be read; thrown only when it is used. Null: no error.
+  std::shared_ptr<const InputError> environment_fault{};
+  std::optional<double> rotation, scale;  ///< of that environment: [deg], factor
+
+  int width = 0, height = 0;  ///< pixels; 0: not set
+  std::string camera;         ///< a camera's name; empty: not set
+
+  std::vector<std::string> warnings;  ///< sentences: settings that are ignored
+
+  /// Whether an environment is set, other than "none".
+  bool has_environment() const { return !environment.empty() && environment != "none"; }
+  std::string place_of(const char* key) const { return place + "." + key; }
 };
 
 struct Scene {
@@ -219,5 +284,28 @@ void open_glass(Scene& scene);
 /// are dropped. Throws InputError "file:place: message" for any error; never reads outside a
 /// buffer, never opens a file outside the scene's folder.
 Scene read_gltf(const std::string& path, const Pose& pose = {});
+
+/// A scene file that is read once and posed as often as wanted.
+class SceneFile {
+ public:
+  /// Reads and checks the file. `animations`: names of those that are applied; empty: all. Throws
+  /// InputError as read_gltf().
+  SceneFile(const std::string& path, const std::vector<std::string>& animations);
+  ~SceneFile();
+
+  /// The scene at this time [s]; none: its beginning, with a warning if something moves.
+  Scene at(std::optional<double> seconds);
+
+  /// What may be known of a moment without reading a mesh.
+  struct Glance {
+    std::string pose_hash;        ///< Scene::pose_hash
+    std::vector<Camera> cameras;  ///< those of the scene at that time, positions in metres
+  };
+  Glance glance_at(double seconds);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace tdpt

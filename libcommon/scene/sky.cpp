@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 
 namespace tdpt {
 namespace {

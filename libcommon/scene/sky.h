@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/cumulative_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "libcommon/base/phases.h"
+#include "libcommon/base/process.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/sky.h"
 

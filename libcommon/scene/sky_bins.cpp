@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 
 namespace tdpt {
 namespace {

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/testing/statistics/chi_square.h"
 
 namespace tdpt::sky_test {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/scene/srgb.h"
 #include "libcommon/scene/surface_tables.h"
 #include "shaders/shared/vector.h"
 

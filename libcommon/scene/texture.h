@@ -3,6 +3,8 @@
 // texture coordinates are accepted: NaN, and anything beyond 1e9 images, counts as 0.
 #pragma once
 #include <array>
+#include <cmath>
+#include <cstddef>
 
 #include "libcommon/scene/scene.h"
 #include "shaders/shared/path/surface_layout.h"
@@ -39,5 +41,30 @@ float coverage_at(const Scene& scene, const SurfacePlace& place);
 Vec3d shading_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
 /// The same for its clear coat, which has a normal map of its own.
 Vec3d coat_normal_at(const Scene& scene, const SurfacePlace& place, const Vec3d& geometric);
+
+using LinearTable = std::array<float, 256>;
+
+/// Linear light of an sRGB byte (IEC 61966-2-1).
+inline const LinearTable& linear_of_srgb() {
+  static const LinearTable table = [] {
+    LinearTable t{};
+    for (size_t i = 0; i < t.size(); ++i) {
+      const double c = static_cast<double>(i) / 255;
+      t[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+    }
+    return t;
+  }();
+  return table;
+}
+
+/// byte / 255.
+inline const LinearTable& linear_of_byte() {
+  static const LinearTable table = [] {
+    LinearTable t{};
+    for (size_t i = 0; i < t.size(); ++i) t[i] = static_cast<float>(i) / 255.0f;
+    return t;
+  }();
+  return table;
+}
 
 }  // namespace tdpt

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "libcommon/cli/decision.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {

@@ -15,7 +15,7 @@
 #include <memory>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/pane.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 namespace {

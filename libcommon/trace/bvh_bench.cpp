@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/trace/scalar_tracer.h"
 #include "libcommon/trace/tracer.h"
 

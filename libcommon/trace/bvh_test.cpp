@@ -6,8 +6,8 @@
 
 #include <cstring>
 
+#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/trace/scalar_tracer.h"
-#include "libcommon/trace/test_meshes.h"
 
 namespace tdpt::bvh_test {
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "libcommon/base/processor.h"
+#include "libcommon/base/process.h"
 #include "libcommon/trace/embree.h"
 
 using tdpt::embree::Query;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/trace/test_meshes.h"
+#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/trace/tracer.h"
 
 namespace tdpt::testing::ray_record_test {

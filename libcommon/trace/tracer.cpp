@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/processor.h"
+#include "libcommon/base/process.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/scene/pane.h"
+#include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
 #include "libcommon/trace/embree.h"
 #include "shaders/shared/triangle.h"

@@ -10,7 +10,7 @@
 // its frame: along the geometric normal to the side that the ray leaves on, or along the ray if the
 // origin is in the air (even there a lamp or camera may lie in a surface).
 //
-// Stochastic transparency: surfaces that are not opaque (alpha) and window panes (pane.h) have a
+// Stochastic transparency: surfaces that are not opaque (alpha) and window panes (scene.h) have a
 // `coverage` at each point and stop that share of the rays, selected by a hash of the exact point.
 // So three of ten rays hit a blend of 0.3, and no ray needs random numbers of its own. A pane's
 // coverage is its reflectance; the rest is transmitted.

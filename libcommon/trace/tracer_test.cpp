@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/testing/tracer_faults.h"
 
 namespace tdpt::tracer_test {

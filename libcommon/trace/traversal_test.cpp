@@ -3,9 +3,9 @@
 
 #include <cstring>
 
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
+#include "libcommon/testing/scenes/meshes.h"
 #include "libcommon/trace/scalar_tracer.h"
-#include "libcommon/trace/test_meshes.h"
 #include "libcommon/trace/tracer.h"
 
 // Twins of ScalarTracer.

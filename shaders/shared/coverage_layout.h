@@ -1,5 +1,5 @@
 // Layout of image texels and of the coverage (alpha) of triangles that are not opaque: std430 in
-// GLSL, the same bytes in C++. libcommon/scene/coverage_tables.h fills them.
+// GLSL, the same bytes in C++. libcommon/scene/surface_tables.h fills them.
 #ifndef TDPT_SHADERS_SHARED_COVERAGE_LAYOUT_H
 #define TDPT_SHADERS_SHARED_COVERAGE_LAYOUT_H
 

@@ -4,7 +4,6 @@
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/sequence.h"
-#include "libcommon/math/warp.h"
 #include "shaders/numbers_test.h"
 #include "shaders/shared/numbers_test.h"
 

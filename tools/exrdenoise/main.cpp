@@ -3,13 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/ending.h"
 #include "libcommon/denoise/filter_picture.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/tone.h"

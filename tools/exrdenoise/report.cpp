@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "libcommon/cli/decision.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/denoise/filter_picture.h"
 
 namespace tdpt {

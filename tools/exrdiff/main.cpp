@@ -1,14 +1,11 @@
 // exrdiff: measures how far a picture is from its reference.
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/suffix.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/ending.h"
 #include "libcommon/options/picture_options.h"
 #include "tools/exrdiff/measure.h"
 #include "tools/exrdiff/report.h"

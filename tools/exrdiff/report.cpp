@@ -5,9 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/number_words.h"
-#include "libcommon/base/suffix.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/words.h"
+#include "libcommon/base/process.h"
 
 namespace tdpt {
 

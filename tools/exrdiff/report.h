@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "libcommon/cli/decision.h"
+#include "libcommon/cli/cli.h"
 #include "tools/exrdiff/measure.h"
 
 namespace tdpt {

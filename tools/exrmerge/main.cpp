@@ -3,14 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/shown.h"
-#include "libcommon/base/suffix.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/ending.h"
 #include "libcommon/denoise/filter_picture.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/options/picture_options.h"
@@ -80,10 +76,10 @@ int run(const Arguments& a, const cli::Common& common) {
       return show(a, common, file, name);
   }
   FilmFile film = merged(std::move(first), a.films);
-  const std::string names = a.films.size() == 1
-                                ? a.films.front()
-                                : fmt::format("{} and {}", a.films.front(),
-                                              cli::plural(a.films.size() - 1, "other film"));
+  const std::string names =
+      a.films.size() == 1
+          ? a.films.front()
+          : fmt::format("{} and {}", a.films.front(), counted(a.films.size() - 1, "other film"));
   if (!a.film && !a.gaps) check_whole(film, names);
   if (common.no_provenance) film.facts.attributes.erase(provenance_attribute);
   if (film.facts.processor.find(", ") != std::string::npos)
@@ -108,7 +104,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (common.json) common.summary(summary_json(film, a.films.size(), exposure));
   common.note(fmt::format("{} per pixel of {} at {} x {} from {}",
                           counted(film.film.samples(), "sample"), film.facts.spp, picture.width,
-                          picture.height, cli::plural(a.films.size(), "film")));
+                          picture.height, counted(a.films.size(), "film")));
   if (filtered) common.note(sentence_of(*filtered));
   common.explain_by([&] {
     return with_exposure(decisions_of(film, a.films.size(), a.film), a.exposure, exposure);

@@ -72,7 +72,7 @@ std::string summary_json(const FilmFile& film, size_t films, std::optional<doubl
 cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums) {
   const bool mixed = film.facts.processor.find(", ") != std::string::npos;
   return {{"films", "added up", "all are of one picture, by one plan, and share no sample",
-           fmt::format("{} read, the sums of two in memory", cli::plural(films, "film"))},
+           fmt::format("{} read, the sums of two in memory", counted(films, "film"))},
           {"samples", words_of(film.film.ranges()),
            film.gaps().empty() ? "none is missing" : words_of(film.gaps()) + " are not there", ""},
           {"sums", keeps_sums ? "kept" : "left out",

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/cli/decision.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/film/film_file.h"
 
 namespace tdpt {

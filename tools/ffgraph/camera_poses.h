@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libcommon/options/shot_options.h"
-#include "libcommon/scene/scene_file.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 

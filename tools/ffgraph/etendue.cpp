@@ -8,9 +8,9 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
+#include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/base/threads.h"
-#include "libcommon/math/alias_table.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/base/process.h"
+#include "libcommon/math/discrete.h"
+#include "libcommon/math/rng.h"
 #include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/rounds.h"
 

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/draw/patch_lookup.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/potential_sweep.h"

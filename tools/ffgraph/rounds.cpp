@@ -5,8 +5,8 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/threads.h"
-#include "libcommon/math/camera_cut.h"
+#include "libcommon/base/process.h"
+#include "libcommon/math/series_cut.h"
 #include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/walks.h"
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-#include "libcommon/base/phases.h"
+#include "libcommon/base/process.h"
 #include "tools/ffgraph/light_flow.h"
 
 namespace tdpt {

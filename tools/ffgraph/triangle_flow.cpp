@@ -10,7 +10,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/streams.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 #include "tools/ffgraph/walks.h"
 
 namespace tdpt {

@@ -9,7 +9,7 @@
 // Kept for comparison: the sum of fractions grows with the number of nodes, so its cut tends to
 // fall on the terminals.
 #pragma once
-#include "libcommon/base/phases.h"
+#include "libcommon/base/process.h"
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/trace/tracer.h"

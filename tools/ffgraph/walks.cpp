@@ -6,8 +6,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 

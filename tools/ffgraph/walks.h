@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/reach.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"

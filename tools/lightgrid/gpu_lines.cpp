@@ -17,7 +17,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/gpu/tables.h"
-#include "libcommon/scene/coverage_tables.h"
+#include "libcommon/scene/surface_tables.h"
 #include "libcommon/trace/bvh.h"
 #include "shaders/light_march.h"
 #include "shaders/light_segments.h"

@@ -17,7 +17,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/memory_limit.h"
 #include "tools/lightgrid/building.h"
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/line_walk.h"

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "libcommon/base/phases.h"
+#include "libcommon/base/process.h"
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/reach.h"

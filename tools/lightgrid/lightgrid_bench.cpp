@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "libcommon/gpu/device.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"

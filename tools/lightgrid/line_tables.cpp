@@ -10,7 +10,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {

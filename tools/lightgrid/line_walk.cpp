@@ -49,7 +49,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 

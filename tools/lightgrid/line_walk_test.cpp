@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt::line_walk_test {
 

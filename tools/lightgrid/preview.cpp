@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/draw/sheet.h"
 #include "libcommon/formats/debug_glb.h"
-#include "libcommon/math/thinned.h"
+#include "libcommon/math/reach.h"
 
 namespace tdpt {
 namespace {

@@ -4,17 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/base/phases.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/decision.h"
-#include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_lines.h"
+#include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/cut_facts.h"
 #include "libcommon/options/pose_options.h"

@@ -8,8 +8,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/draw/patch_lookup.h"
+#include "libcommon/base/words.h"
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/reach.h"

@@ -13,7 +13,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "libcommon/math/thinned.h"
+#include "libcommon/math/reach.h"
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {

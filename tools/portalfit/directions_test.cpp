@@ -9,8 +9,8 @@
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/test_bundle.h"
-#include "tools/portalfit/test_windows.h"
+#include "tools/portalfit/testing/bundle.h"
+#include "tools/portalfit/testing/windows.h"
 
 namespace tdpt::directions_test {
 

@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
-#include "tools/portalfit/test_bundle.h"
+#include "tools/portalfit/testing/bundle.h"
 
 namespace tdpt::joining_test {
 

@@ -4,17 +4,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/ending.h"
 #include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_lines.h"
+#include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/light_tables.h"
-#include "libcommon/formats/portal_worth.h"
+#include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/pose_options.h"
 #include "tools/portalfit/limits.h"

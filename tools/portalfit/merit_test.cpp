@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt::merit_test {
 

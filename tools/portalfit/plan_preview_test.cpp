@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/draw/colour.h"
 #include "libcommon/draw/sheet.h"
 
 namespace tdpt::plan_preview_test {

@@ -18,8 +18,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/viewpoint.h"
 #include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt::portalfit_test {
 

@@ -6,14 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/read_png.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/portalfit/plane.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/test_bundle.h"
-#include "tools/portalfit/test_tube_lines.h"
+#include "tools/portalfit/testing/bundle.h"
+#include "tools/portalfit/testing/tube_lines.h"
 
 namespace tdpt::preview_test {
 

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/formats/portal_worth.h"
+#include "libcommon/base/words.h"
+#include "libcommon/formats/portal.h"
 
 namespace tdpt {
 namespace {

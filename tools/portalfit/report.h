@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/base/phases.h"
-#include "libcommon/cli/decision.h"
+#include "libcommon/base/process.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/formats/portal.h"
 #include "tools/portalfit/portalfit.h"
 

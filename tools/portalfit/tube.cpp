@@ -29,7 +29,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
 
-#include "libcommon/math/thinned.h"
+#include "libcommon/math/reach.h"
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {

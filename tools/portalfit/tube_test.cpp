@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
-#include "tools/portalfit/test_tube_lines.h"
+#include "tools/portalfit/testing/tube_lines.h"
 
 namespace tdpt::tube_test {
 

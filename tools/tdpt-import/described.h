@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/affine.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt::foreign {

@@ -31,8 +31,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/formats/picture.h"
-#include "libcommon/formats/radiance_hdr.h"
-#include "libcommon/scene/srgb.h"
+#include "libcommon/scene/texture.h"
 
 namespace tdpt::foreign {
 namespace {

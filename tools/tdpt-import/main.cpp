@@ -3,12 +3,10 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/shown.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt-import/gltf/writer.h"
 #include "tools/tdpt-import/mitsuba/mitsuba.h"

@@ -6,9 +6,8 @@
 #include <filesystem>
 
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/local_file.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign {
 namespace {

@@ -2,8 +2,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/say.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/progress.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/formats/light_tables.h"
 #include "tools/tdpt-info/knowledge.h"

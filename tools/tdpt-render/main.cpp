@@ -1,7 +1,5 @@
 // tdpt-render: renders a glTF scene by path tracing, through portals where given.
-#include "libcommon/base/processor.h"
-#include "libcommon/base/signals.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/process.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/denoise/oidn.h"
 #include "libcommon/gpu/device_options.h"

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include "libcommon/base/say.h"
+#include "libcommon/base/progress.h"
 
 namespace tdpt {
 namespace {

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/signals.h"
-#include "libcommon/cli/built_with.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/process.h"
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt/making.h"
 #include "tools/tdpt/views.h"

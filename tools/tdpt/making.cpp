@@ -12,14 +12,12 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/signals.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/outputs.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/options/picture_options.h"

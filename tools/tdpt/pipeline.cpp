@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/hash.h"
-#include "libcommon/base/shell_quoted.h"
-#include "libcommon/scene/scene_file.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt {
 namespace {

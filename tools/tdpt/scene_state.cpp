@@ -6,8 +6,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/scene/gltf/scene_files.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/scene/gltf/defaults.h"
 
 namespace tdpt {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/json_depth.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/formats/tone.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "libcommon/scene/gltf/document.h"
-#include "libcommon/scene/pose.h"
+#include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
 

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/base/counted.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::gltf {
+
 namespace {
 
 // A triangle is flat if its normals are this close to the geometric one [rad].
@@ -48,6 +49,43 @@ constexpr std::array<float, 4> kWhite{1, 1, 1, 1};
 /// A component of a vertex colour, made finite and not negative.
 float within(float c) {
   return c > 0 ? std::min(c, 1e6f) : 0.0f;
+}
+
+/// The targets with non-zero weight, with all their deltas.
+std::vector<MorphTarget> morph_targets_of(const tinygltf::Primitive& p,
+                                          const std::vector<double>& weights) {
+  std::vector<MorphTarget> out;
+  for (size_t k = 0; k < std::min(p.targets.size(), weights.size()); ++k) {
+    if (weights[k] == 0) continue;
+    const auto find = [&](const char* name) {
+      const auto it = p.targets[k].find(name);
+      return it == p.targets[k].end() ? -1 : it->second;
+    };
+    out.push_back({weights[k],
+                   find("POSITION"),
+                   find("NORMAL"),
+                   find("TANGENT"),
+                   find("COLOR_0"),
+                   {find("TEXCOORD_0"), find("TEXCOORD_1")}});
+  }
+  return out;
+}
+
+/// As add_position_deltas() for another attribute: `accessor` selects it in a target; `values` has
+/// `components` per vertex.
+template <class AccessorOf>
+void add_deltas(const Document& document, const std::vector<MorphTarget>& targets,
+                const AccessorOf& accessor, const Attribute& delta, size_t components,
+                std::vector<float>& values) {
+  for (const MorphTarget& t : targets) {
+    if (accessor(t) < 0) continue;
+    const std::vector<float> d = read_attribute(document, static_cast<size_t>(accessor(t)), delta);
+    const size_t n = delta.components;
+    for (size_t i = 0; i < d.size(); ++i) {
+      float& v = values[components * (i / n) + i % n];
+      v = static_cast<float>(double{v} + t.weight * double{d[i]});
+    }
+  }
 }
 
 }  // namespace
@@ -220,6 +258,21 @@ void mark_smooth_triangles(Scene& scene) {
     scene.smooth = std::move(smooth);
   else
     scene.normals = {};
+}
+
+const std::vector<double>& morph_weights(const Document& d, size_t node) {
+  const tinygltf::Node& n = d.model.nodes[node];
+  if (!n.weights.empty() || n.mesh < 0) return n.weights;
+  return d.model.meshes[static_cast<size_t>(n.mesh)].weights;
+}
+
+void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targets,
+                         std::vector<Vec3d>& positions) {
+  for (const MorphTarget& t : targets) {
+    if (t.position < 0) continue;
+    const std::vector<Vec3d> deltas = read_positions(d, static_cast<size_t>(t.position));
+    for (size_t i = 0; i < deltas.size(); ++i) positions[i] += deltas[i] * t.weight;
+  }
 }
 
 }  // namespace tdpt::gltf

@@ -1,17 +1,33 @@
 // Vertex attributes of placed meshes, gathered into the scene's arrays. Internal to this room.
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
+#include "libcommon/math/vec.h"
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/materials.h"
-#include "libcommon/scene/gltf/morphs.h"
 #include "libcommon/scene/gltf/nodes.h"
 #include "libcommon/scene/gltf/skins.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
+
+/// A morph target with non-zero weight: accessors of its deltas, -1 if absent.
+struct MorphTarget {
+  double weight = 0;
+  int position = -1, normal = -1, tangent = -1, colour = -1;
+  std::array<int, 2> uv{-1, -1};
+  auto operator<=>(const MorphTarget&) const = default;
+};
+
+/// Weights of the targets of a node's mesh: the node's own, else the mesh's; missing ones are 0.
+const std::vector<double>& morph_weights(const Document& document, size_t node);
+
+/// Adds weight times delta of each target to the positions of a primitive.
+void add_position_deltas(const Document& document, const std::vector<MorphTarget>& targets,
+                         std::vector<Vec3d>& positions);
 
 /// Accessors of a primitive's attributes, -1 for those that are absent or not needed. Primitives of
 /// a mesh share vertices if all of these agree.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/scene/test_materials.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::bubbles_test {
 

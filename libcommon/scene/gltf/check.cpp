@@ -2,12 +2,15 @@
 // reads. All later code may rely on them.
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "libcommon/scene/gltf/checker.h"
 #include "libcommon/scene/gltf/compression.h"
+#include "libcommon/scene/gltf/document.h"
 
 namespace tdpt::gltf {
+
 namespace {
 
 void check_accessors(Checker& c, Json& root) {
@@ -173,6 +176,137 @@ Checked check_json(Json& root, const std::string& file,
   check_accessors(c, root);
   check_buffers(c, root);
   return {c.warnings(), c.uses.of("buffers"), cameras};
+}
+
+namespace {
+
+/// Element sizes that meshoptimizer requires in its modes and filters.
+void check_meshopt_stride(Checker& c, const Json& e, const std::string& at) {
+  const auto stride = e["byteStride"].get<uint64_t>();
+  const auto mode = e["mode"].get<std::string>(), filter = e.value("filter", "NONE");
+  const auto expect = [&](bool right, const char* expected) {
+    if (!right) c.fail(at + ".byteStride", e["byteStride"], expected);
+  };
+  if (mode != "ATTRIBUTES") {
+    expect(stride == 2 || stride == 4, "2 or 4, the bytes of an index");
+    if (filter != "NONE") c.fail(at + ".filter", e["filter"], "NONE where there are indices");
+    return;
+  }
+  expect(stride % 4 == 0, "a multiple of 4");
+  if (filter == "OCTAHEDRAL") expect(stride == 4 || stride == 8, "4 or 8 with this filter");
+  if (filter == "QUATERNION") expect(stride == 8, "8 with this filter");
+}
+
+}  // namespace
+
+void check_draco(Checker& c, Json& p, const std::string& at) {
+  Json* const e = c.check_extension(
+      p, at, kDraco, {index("bufferView", "bufferViews", true), object("attributes", true)});
+  if (!e) return;
+  Json& ids = (*e)["attributes"];
+  std::erase_if(ids.get_ref<Json::object_t&>(),
+                [](const auto& a) { return !is_read_attribute(a.first); });
+  for (const auto& [name, value] : ids.items()) {
+    c.check(ids, at + ".extensions." + kDraco + ".attributes",
+            {integer(name.c_str(), true, 0, 4294967295.0)});
+    if (!p["attributes"].contains(name))
+      c.fail_missing(at + ".attributes." + name.substr(0, 60), "but is compressed by Draco");
+  }
+  if (!p.contains("indices") && p.value("mode", 4) >= 4)
+    c.fail_missing(at + ".indices", "meshes compressed by Draco have some");
+}
+
+void check_meshopt_buffer(Checker& c, Json& buffer, const std::string& at) {
+  for (const char* name : kMeshopt) c.check_extension(buffer, at, name, {boolean("fallback")});
+}
+
+void check_meshopt_view(Checker& c, Json& view, const std::string& at) {
+  for (const char* name : kMeshopt) {
+    const Json* const extension =
+        c.check_extension(view, at, name,
+                          {index("buffer", "buffers", true), integer("byteOffset"),
+                           integer("byteLength", true, 1), integer("byteStride", true, 1, 256),
+                           integer("count", true, 1), text("mode", true), text("filter")});
+    if (!extension) continue;
+    const Json& e = *extension;
+    const std::string here = at + ".extensions." + name;
+    const auto mode = e["mode"].get<std::string>(), filter = e.value("filter", "NONE");
+    if (mode != "ATTRIBUTES" && mode != "TRIANGLES" && mode != "INDICES")
+      c.fail(here + ".mode", e["mode"], "ATTRIBUTES, TRIANGLES or INDICES");
+    if (filter != "NONE" && filter != "OCTAHEDRAL" && filter != "QUATERNION" &&
+        filter != "EXPONENTIAL")
+      c.fail(here + ".filter", e["filter"], "NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL");
+    check_meshopt_stride(c, e, here);
+    if (view.contains("byteStride") && view["byteStride"] != e["byteStride"])
+      c.fail(here + ".byteStride", e["byteStride"],
+             fmt::format("{} as of the bufferView", view["byteStride"].get<uint64_t>()));
+    if (mode == "TRIANGLES" && e["count"].get<uint64_t>() % 3 != 0)
+      c.fail(here + ".count", e["count"], "a multiple of 3");
+  }
+}
+
+// Extensions by name: those that are read, and those that a renderer of still pictures may ignore
+// even if a file requires them.
+
+namespace {
+
+constexpr std::array kSupported = {"KHR_materials_emissive_strength",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_volume",
+                                   "KHR_materials_clearcoat",
+                                   "KHR_materials_sheen",
+                                   "KHR_materials_iridescence",
+                                   "KHR_materials_anisotropy",
+                                   "KHR_materials_dispersion",
+                                   "KHR_materials_diffuse_transmission",
+                                   "KHR_materials_volume_scatter",
+                                   "KHR_materials_unlit",
+                                   "KHR_lights_punctual",
+                                   "EXT_lights_ies",
+                                   "EXT_lights_area",
+                                   "KHR_mesh_quantization",
+                                   "KHR_draco_mesh_compression",
+                                   "EXT_meshopt_compression",
+                                   "KHR_meshopt_compression",
+                                   "EXT_texture_webp",
+                                   "EXT_texture_avif",
+                                   "KHR_texture_basisu",
+                                   "MSFT_texture_dds",
+                                   "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_node_visibility",
+                                   "EXT_mesh_gpu_instancing"};
+
+constexpr std::array kOfNoPicture = {
+    // Alternative materials and levels of detail: what the nodes refer to is rendered.
+    "KHR_materials_variants", "MSFT_lod",
+    // Animates properties outside of nodes; only animations of nodes are evaluated.
+    "KHR_animation_pointer",
+    // Interaction.
+    "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
+    // Metadata.
+    "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
+    "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
+    "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
+    // Physics and sound.
+    "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
+    "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
+    // Modelling history, and the drawing order of rasterisers.
+    "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
+    "GODOT_single_root",
+    // An offset of the whole scene, cameras and lamps included.
+    "CESIUM_RTC"};
+
+}  // namespace
+
+bool is_supported(const std::string& extension) {
+  return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
+
+bool changes_no_picture(const std::string& extension) {
+  return std::find(kOfNoPicture.begin(), kOfNoPicture.end(), extension) != kOfNoPicture.end();
 }
 
 }  // namespace tdpt::gltf

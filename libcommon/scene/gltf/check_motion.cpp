@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "libcommon/scene/distinct_names.h"
 #include "libcommon/scene/gltf/checker.h"
+#include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/nodes.h"
 
 namespace tdpt::gltf {

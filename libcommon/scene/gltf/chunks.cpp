@@ -1,8 +1,7 @@
 // Splits the container: .glb header and chunks (glTF 2.0, section 4.4).
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/suffix.h"
+#include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/document.h"
 
 namespace tdpt::gltf {

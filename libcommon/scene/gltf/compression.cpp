@@ -6,8 +6,7 @@
 #include <set>
 #include <tuple>
 
-#include "libcommon/base/memory_limit.h"
-#include "libcommon/scene/gltf/draco.h"
+#include "libcommon/base/file.h"
 #include "libcommon/scene/gltf/nodes.h"
 
 namespace tdpt::gltf {

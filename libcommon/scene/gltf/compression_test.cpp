@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/scene/gltf/images.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/temp_folder.h"

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <string_view>
 
 #include "libcommon/base/file.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/checker.h"
-#include "libcommon/scene/gltf/uri.h"
-#include "libcommon/scene/sky_colour.h"
+#include "libcommon/scene/gltf/document.h"
 
 namespace tdpt {
+
 namespace {
 
 using gltf::Json;
@@ -114,6 +116,82 @@ SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
   find_environment_file(file, d);
   warn_of_meaningless(extras, d);
   return d;
+}
+
+namespace {
+
+std::optional<float> number(std::string_view text) {
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+}  // namespace
+
+bool means_colour(const std::string& text) {
+  if (text.find('/') != std::string::npos) return false;
+  for (const char* suffix : {".exr", ".hdr", ".pic"})
+    if (text.ends_with(suffix)) return false;
+  return text.find(',') != std::string::npos || number(text);
+}
+
+std::optional<Rgb> parse_colour(const std::string& text, std::string& expected) {
+  Rgb colour{};
+  size_t start = 0;
+  for (int c = 0; c < 3; ++c) {
+    const size_t end = c < 2 ? text.find(',', start) : text.size();
+    const auto value = end == std::string::npos
+                           ? std::nullopt
+                           : number(std::string_view(text).substr(start, end - start));
+    if (!value || !(*value >= 0 && *value <= kBrightestSky)) {
+      expected = "a file, or R,G,B: three numbers from 0 to 1e30";
+      return {};
+    }
+    colour[c] = *value;
+    start = end + 1;
+  }
+  if (max_component(colour) >= kFaintestSky) return colour;
+  expected = "a colour that is not black";
+  return {};
+}
+
+namespace {
+
+void add(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
+  using Pointer = nlohmann::json::json_pointer;
+  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
+    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
+      if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
+      const std::string uri = one["uri"].get<std::string>();
+      if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);
+    }
+}
+
+}  // namespace
+
+SceneFiles files_of_scene(const std::string& path) {
+  SceneFiles files;
+  const std::string bytes = read_file(path);
+  try {
+    std::vector<std::string> ignored;
+    const nlohmann::json json =
+        gltf::parse_json(gltf::split_chunks(bytes, path, ignored).json, path);
+    add_uris(json, files.beside);
+    const SceneDefaults defaults = defaults_of(json, path);
+    files.has_environment = defaults.has_environment();
+    if (files.has_environment)  // the name as written, or decoded; a colour is no file
+      for (const std::string& name :
+           {defaults.environment, gltf::percent_decode(defaults.environment)})
+        add(name, files.beside);
+  } catch (const InputError&) {
+  } catch (const nlohmann::json::exception&) {
+  }
+  return files;
 }
 
 }  // namespace tdpt

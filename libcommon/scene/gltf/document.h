@@ -1,6 +1,7 @@
 // A glTF file, parsed and checked so far that its parts can be accessed safely: JSON of the right
 // types, indices within their arrays, buffers in memory. Internal to this room.
 #pragma once
+#include <fmt/format.h>
 #include <tiny_gltf.h>
 #include <deque>
 #include <map>
@@ -12,7 +13,7 @@
 #include <vector>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/local_file.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::gltf {
 
@@ -48,6 +49,29 @@ std::string place(const char* section, size_t index);
 /// "1 material is", "3 materials are".
 std::string counted(size_t n, const std::string& noun, const std::string& one,
                     const std::string& many);
+
+/// Makes names unique.
+class DistinctNames {
+ public:
+  /// The first of the two names that is not empty and not taken. If there is none, the first that
+  /// is not empty, or `otherwise`, with a number: "door.1".
+  std::string take(const std::string& first, const std::string& second,
+                   const std::string& otherwise) {
+    for (const std::string& name : {first, second})
+      if (!name.empty() && taken_.insert(name).second) return name;
+    const std::string base = !first.empty() ? first : !second.empty() ? second : otherwise;
+    if (taken_.insert(base).second) return base;
+    size_t& k = numbers_[base];  // all numbers below are taken
+    std::string name;
+    do name = fmt::format("{}.{}", base, ++k);
+    while (!taken_.insert(name).second);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+  std::map<std::string, size_t> numbers_;
+};
 
 /// A warning about `faults` errors in things that nothing needs; `first` is one of them.
 std::string unused_sentence(const std::string& file, const std::string& first, size_t faults);
@@ -108,5 +132,8 @@ std::string_view buffer_bytes(const Document& document, const std::string& place
 /// Upper bound on the bytes that accessors can read: those of the file, its buffers and their
 /// decompressed contents.
 size_t most_bytes(const Document& document);
+
+/// "%20" becomes a blank, and so on.
+std::string percent_decode(std::string_view text);
 
 }  // namespace tdpt::gltf

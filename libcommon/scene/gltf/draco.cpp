@@ -1,15 +1,15 @@
 // The only caller of Draco, in a child process: it allocates whatever numbers of faces and vertices
 // a header declares, and may compute for long before it finds an error. The decoded meshes return
 // through a pipe, one by one.
-#include "libcommon/scene/gltf/draco.h"
+#include "libcommon/scene/gltf/compression.h"
 
 #include <draco/compression/decode.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstdio>
 
-#include "libcommon/base/another_process.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/child_process.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::gltf {
 namespace {

@@ -17,8 +17,6 @@
 #define STBI_FREE(pointer) std::free(pointer)
 #include <stb/stb_image.h>
 
-#include "libcommon/scene/gltf/webp.h"
-
 namespace tdpt::gltf {
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/test_strips.h"
+#include "libcommon/testing/scenes/strips.h"
 
 namespace tdpt::testing::instances_test {
 

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/test_materials.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::leniency_test {
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/nodes.h"
@@ -34,23 +35,8 @@ class LightReader {
   std::map<std::string, std::shared_ptr<const LightProfile>> profiles_;  // by their source
 };
 
-constexpr const char* kAreaLights = "EXT_lights_area";
-
 /// Of any of the three extensions.
 bool holds_light(const Document& document, size_t node);
-
-/// The light's name, else its node's.
-std::string name_of_light(const Document& document, const nlohmann::json& light, size_t node);
-
-/// `owner`'s color, white if it has none.
-Vec3d colour_of_light(const nlohmann::json& owner);
-
-/// Throws InputError, naming `place`, if a component is above 1e30.
-void check_intensity(const Document& document, const std::string& place, const Vec3d& intensity);
-
-/// The map of a node without its scale, shear and mirroring: unit axes, orthogonal and
-/// right-handed, Z that of the node. Empty if the node's map destroys its Z or leaves no plane.
-std::optional<Affine> axes_of_light(const Affine& map);
 
 /// asset.generator; empty: not given.
 std::string generator_of(const Document& document);
@@ -61,5 +47,37 @@ LampUnits lamp_units_of(const Document& document, bool area_lights);
 /// Transforms a light to the canonical frame. Throws InputError if its intensity there is outside
 /// the range of single precision.
 void to_canonical(const Document& document, const Frame& frame, PunctualLight& light);
+
+// EXT_lights_area (a draft: KhronosGroup/glTF, pull request 2525).
+
+/// Vertices and triangles of the node's area light; zeros if it holds none.
+struct Polygon {
+  size_t vertices = 0, triangles = 0;
+};
+Polygon polygon_of_light(const Document& document, size_t node);
+
+/// Adds area lights to the scene as black triangles that emit from their front, which faces -Z of
+/// the node: a rectangle is two, a disk a polygon of 64 corners and of the disk's area. Each light
+/// has a material of its own, whose emission is in the units of the file [take_lamps_as()].
+class AreaLightReader {
+ public:
+  AreaLightReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+
+  /// Adds the node's light to the scene, its vertices [m] to `world`. Adds nothing if the node
+  /// holds none, a dark one, or one whose direction its transform destroys; faint ones and the last
+  /// are counted.
+  void add(const PlacedNode& node, std::vector<Vec3d>& world);
+  size_t flat() const { return flat_; }
+  /// Lights left out because they emit next to nothing.
+  size_t faint() const { return faint_; }
+
+ private:
+  void add_corners(const PlacedNode& node, const std::vector<Vec3d>& corners,
+                   std::vector<Vec3d>& world);
+
+  const Document& d_;
+  Scene& scene_;
+  size_t flat_ = 0, faint_ = 0;
+};
 
 }  // namespace tdpt::gltf

@@ -1,8 +1,8 @@
 // Which maps and images of materials are kept, and the warnings and needs that they cause.
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/test_materials.h"
 #include "libcommon/scene/texture.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::maps_test {
 

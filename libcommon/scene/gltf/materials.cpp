@@ -5,10 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/hash.h"
-#include "libcommon/base/shown.h"
-#include "libcommon/scene/gltf/specular_glossiness.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/texture.h"
 #include "shaders/shared/path/fresnel.h"

@@ -1,7 +1,7 @@
 // How materials are converted, and the warnings and needs that they cause.
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/test_materials.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::materials_test {
 

@@ -1,13 +1,13 @@
 // The only caller of meshoptimizer. It checks what it decodes, given the size of the result, so
 // only that size is left to check. One byte of its vertex stream decodes to at most 64 (two bits
 // per byte of 16 vertices), one byte of its index stream to a triangle.
-#include "libcommon/scene/gltf/meshopt.h"
+#include "libcommon/scene/gltf/compression.h"
 
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 #include <algorithm>
 
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::gltf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/scene/gltf/nodes.h"
-#include "libcommon/scene/test_strips.h"
+#include "libcommon/testing/scenes/strips.h"
 
 namespace tdpt::testing::motion_test {
 

@@ -7,11 +7,11 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/gltf/images.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/scene/test_materials.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/sound_scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"
+#include "libcommon/testing/scenes/materials.h"
 
 namespace tdpt::testing::mutations_test {
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/affine.h"
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/gltf/document.h"
 
@@ -36,5 +35,15 @@ struct PlacedNode {
 /// first, in file order. Throws InputError for cycles and nodes with two parents. Adds a sentence
 /// to `warnings` about roots that are also children.
 std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
+
+// EXT_mesh_gpu_instancing: a node's mesh, placed several times.
+
+/// Number of instances of the node's mesh: 1 without the extension. As declared, not yet compared
+/// with the size of the buffers. Throws InputError if the attributes' counts differ.
+size_t instances_declared(const Document& document, size_t node);
+
+/// Their transforms: the node's after that of the instance. Throws InputError for missing numbers
+/// and invalid transforms.
+std::vector<Affine> place_instances(const Document& document, const PlacedNode& node);
 
 }  // namespace tdpt::gltf

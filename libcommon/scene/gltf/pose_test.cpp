@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/scene/scene_file.h"
+#include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
 

@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/scene_files.h"
+#include "libcommon/scene/gltf/defaults.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/specular_glossiness.h"
+#include "libcommon/scene/gltf/materials.h"
 
 #include <algorithm>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "libcommon/scene/gltf/images.h"
-#include "libcommon/scene/srgb.h"
+#include "libcommon/scene/texture.h"
 
 namespace tdpt::gltf {
 namespace {

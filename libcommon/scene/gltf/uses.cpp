@@ -1,9 +1,9 @@
-#include "libcommon/scene/gltf/uses.h"
+#include "libcommon/scene/gltf/checker.h"
 
 #include <algorithm>
 #include <array>
 
-#include "libcommon/scene/gltf/meshopt.h"
+#include "libcommon/scene/gltf/compression.h"
 
 namespace tdpt::gltf {
 namespace {

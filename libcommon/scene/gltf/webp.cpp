@@ -1,5 +1,5 @@
 // The only caller of libwebp.
-#include "libcommon/scene/gltf/webp.h"
+#include "libcommon/scene/gltf/images.h"
 
 #include <webp/decode.h>
 #include <algorithm>

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "libcommon/testing/files/temp_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);

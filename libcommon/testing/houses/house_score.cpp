@@ -7,9 +7,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/testing/rooms/portal_score.h"
 
 namespace tdpt::testing {

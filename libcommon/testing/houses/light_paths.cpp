@@ -12,7 +12,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/trace/tracer.h"

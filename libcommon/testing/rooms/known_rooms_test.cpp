@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/portal_distance.h"
 #include "libcommon/testing/rooms/portal_score.h"

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/known_rooms.h"
 #include "libcommon/testing/rooms/portal_score.h"

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt::testing {
 namespace {

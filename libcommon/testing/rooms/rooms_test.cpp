@@ -8,7 +8,6 @@
 
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/reencode.h"
 #include "libcommon/testing/files/temp_folder.h"

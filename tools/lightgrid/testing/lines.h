@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/test_coverage.h"
+#include "libcommon/testing/scenes/sheet.h"
 #include "shaders/shared/rng.h"
 #include "tools/lightgrid/gpu_lines.h"
 #include "tools/lightgrid/lightgrid.h"

@@ -5,9 +5,8 @@
 #include <map>
 
 #include "libcommon/formats/cut.h"
-#include "libcommon/math/alias_table.h"
+#include "libcommon/math/discrete.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/tracer.h"
 

@@ -1,6 +1,6 @@
 #include "tools/lightgrid/testing/scalar_lines.h"
 
-#include "libcommon/scene/coverage_tables.h"
+#include "libcommon/scene/surface_tables.h"
 #include "libcommon/trace/bvh.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/tables.h"

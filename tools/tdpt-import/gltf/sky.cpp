@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "libcommon/formats/picture.h"
-#include "libcommon/formats/radiance_hdr.h"
 #include "tools/tdpt-import/images.h"
 
 namespace tdpt::foreign {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/base/hash.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/provenance.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/png.h"
 
 namespace tdpt::foreign {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/portal.h"
 #include "tdpt_version.h"
 #include "tools/tdpt-import/gltf/buffer.h"

@@ -9,7 +9,7 @@
 #include <zlib.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::foreign::meshes_test {
 

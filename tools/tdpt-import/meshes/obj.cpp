@@ -12,7 +12,7 @@
 #include <tiny_obj_loader.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/checked.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/checked.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 

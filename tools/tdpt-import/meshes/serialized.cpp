@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 #include "tools/tdpt-import/meshes/checked.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 

@@ -3,8 +3,8 @@
 // integers.
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/checked.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/mitsuba/transforms.h"
 

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/mitsuba/lights.h"
 #include "tools/tdpt-import/mitsuba/sensor.h"
 #include "tools/tdpt-import/mitsuba/shapes.h"

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign::mitsuba {
 

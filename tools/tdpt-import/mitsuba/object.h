@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/affine.h"
+#include "libcommon/math/vec.h"
 #include "tools/tdpt-import/source.h"
 
 namespace tdpt::foreign::mitsuba {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/mitsuba/transforms.h"
 
 namespace tdpt::foreign::mitsuba {

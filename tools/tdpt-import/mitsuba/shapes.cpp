@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/mitsuba/transforms.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/mitsuba/transforms.h"
 
 namespace tdpt::foreign::mitsuba {

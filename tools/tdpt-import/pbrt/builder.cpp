@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/pbrt/camera.h"
 #include "tools/tdpt-import/pbrt/directives.h"

@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/pbrt/inflate.h"
 #include "tools/tdpt-import/pbrt/transforms.h"

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/images.h"
 #include "tools/tdpt-import/pbrt/spectra.h"
 #include "tools/tdpt-import/pbrt/textures.h"

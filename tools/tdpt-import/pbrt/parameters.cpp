@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign::pbrt {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/affine.h"
+#include "libcommon/math/vec.h"
 #include "tools/tdpt-import/pbrt/lights.h"
 #include "tools/tdpt-import/pbrt/surfaces.h"
 

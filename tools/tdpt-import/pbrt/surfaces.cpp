@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/pbrt/surface_reader.h"
 

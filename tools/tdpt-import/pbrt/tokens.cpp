@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/pbrt/inflate.h"
 
 namespace tdpt::foreign::pbrt {

@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "libcommon/math/affine.h"
+#include "libcommon/math/vec.h"
 #include "tools/tdpt-import/source.h"
 
 namespace tdpt::foreign::pbrt {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign::tungsten {
 

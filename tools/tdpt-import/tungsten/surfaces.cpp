@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign::tungsten {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <set>
 
-#include "libcommon/base/json_depth.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 #include "tools/tdpt-import/tungsten/shapes.h"
 #include "tools/tdpt-import/tungsten/surfaces.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "tools/tdpt-render/bench/device_traffic.h"
 #include "tools/tdpt-render/device/gpu_machine.h"
 #include "tools/tdpt-render/device/wavefront.h"

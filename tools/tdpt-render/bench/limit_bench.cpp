@@ -12,8 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "libcommon/base/threads.h"
-#include "libcommon/scene/pane.h"
+#include "libcommon/base/process.h"
+#include "libcommon/scene/scene.h"
 #include "libcommon/trace/ray_record.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/run/picture_size.h"

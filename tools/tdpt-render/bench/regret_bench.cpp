@@ -20,7 +20,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "libcommon/options/sky_options.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/work_model.h"

@@ -13,7 +13,7 @@
 #include <cstring>
 
 #include "libcommon/base/output_file.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "tools/tdpt-render/run/render.h"
 
 namespace tdpt {

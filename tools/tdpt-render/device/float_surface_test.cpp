@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/scene/pane.h"
+#include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
 #include "shaders/surface_test.h"
 #include "tools/tdpt-render/path/sample/surface.h"

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/gpu/tables.h"
 #include "libcommon/math/sequence.h"

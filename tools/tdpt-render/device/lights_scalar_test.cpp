@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
 #include "shaders/lights_test.h"
 #include "shaders/shared/path/lights_test_layout.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/portals/portal_text.h"

@@ -165,7 +165,7 @@ class through : public ::testing::Test {
     m.roughness = roughness;
     return m;
   }
-  /// Of index 2.4; coloured, and so not one that rays pass [pane.h].
+  /// Of index 2.4; coloured, and so not one that rays pass [scene.h].
   static Material tinted_pane() {
     Material m = clear_pane();
     m.base_color = Rgb(1, 1, 0.999f);

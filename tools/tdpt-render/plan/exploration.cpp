@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/path_sampler.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "libcommon/base/signals.h"
+#include "libcommon/base/process.h"
 #include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "libcommon/math/streams.h"
-#include "libcommon/math/warp.h"
+#include "libcommon/math/rng.h"
 
 namespace tdpt {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "libcommon/base/threads.h"
+#include "libcommon/base/process.h"
 #include "tools/tdpt-render/integrators/sample_renderer.h"
 
 namespace tdpt {

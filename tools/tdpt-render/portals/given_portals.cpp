@@ -7,7 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
 #include "tools/tdpt-render/portals/portals.h"
@@ -47,8 +47,7 @@ size_t triangles_of(const PortalFile& file) {
 
 class PortalCheck {
  public:
-  PortalCheck(const std::string& path, const Scene& scene, const Camera& camera,
-              bool of_shot)
+  PortalCheck(const std::string& path, const Scene& scene, const Camera& camera, bool of_shot)
       : name_(display_name(path)), scene_(scene), camera_(camera), of_shot_(of_shot) {
     out_.file = read_portals(path);
   }
@@ -113,10 +112,11 @@ class PortalCheck {
   // is measured [exploration.h]. False if the file has no such poses.
   bool is_for_this_shot() const {
     return of_shot_ && std::any_of(out_.file.made_for.begin(), out_.file.made_for.end(),
-                                 [&](const std::string& text) {
-                                   const auto made_for = parse_viewpoint(text);
-                                   return made_for && frame_of_camera(made_for->name, camera_.name);
-                                 });
+                                   [&](const std::string& text) {
+                                     const auto made_for = parse_viewpoint(text);
+                                     return made_for &&
+                                            frame_of_camera(made_for->name, camera_.name);
+                                   });
   }
 
   // Which openings are narrow depends on where the camera stands. All portals are kept for a camera

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/testing/statistics/chi_square.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {
@@ -48,7 +48,8 @@ bool lens_is_cut(const Vista& vista) {
 std::string no_backs_sentence(const Vista& vista) {
   if (!vista.world->tracer.culls()) return "";
   for (int i = 0; i < kRays * kRays; ++i)
-    if (Hit hit; vista.world->tracer.closest({vista.view.film.position()}, direction_of(vista.view.film, i), hit) &&
+    if (Hit hit; vista.world->tracer.closest({vista.view.film.position()},
+                                             direction_of(vista.view.film, i), hit) &&
                  is_culled_back(vista.world->scene, hit, direction_of(vista.view.film, i)))
       return "";
   return "no back of a single-sided surface is in the camera's way: --cull changes nothing";
@@ -61,7 +62,8 @@ std::string backs_sentence(const Vista& vista) {
   for (int i = 0; i < kRays * kRays; ++i) {
     const Vec3d w = direction_of(film, i);
     Hit hit;
-    if (!vista.world->tracer.first_seen(film.position(), w, hit) || !is_culled_back(vista.world->scene, hit, w))
+    if (!vista.world->tracer.first_seen(film.position(), w, hit) ||
+        !is_culled_back(vista.world->scene, hit, w))
       continue;
     ++backs;
     ++met[vista.world->scene.triangles[hit.triangle].material];
@@ -69,7 +71,8 @@ std::string backs_sentence(const Vista& vista) {
   const double share = static_cast<double>(backs) / (kRays * kRays);
   if (share < kLeastShare) return "";
   const auto most = std::max_element(met.begin(), met.end());
-  const std::string& name = vista.world->scene.materials[static_cast<size_t>(most - met.begin())].name;
+  const std::string& name =
+      vista.world->scene.materials[static_cast<size_t>(most - met.begin())].name;
   return fmt::format(
       "the camera sees the backs of single-sided surfaces in {:.0f} % of the picture, most of all "
       "of {}: glTF viewers do not draw them (--cull)",

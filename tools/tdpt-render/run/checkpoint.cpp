@@ -5,10 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/base/counted.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/shown.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {

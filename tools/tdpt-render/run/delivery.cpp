@@ -10,7 +10,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/cli/ending.h"
+#include "libcommon/cli/cli.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/integrators/features.h"

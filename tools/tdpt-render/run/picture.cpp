@@ -7,8 +7,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/processor.h"
-#include "libcommon/base/signals.h"
+#include "libcommon/base/process.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/gpu/device_options.h"
 #include "libcommon/scene/uses.h"
@@ -153,8 +152,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
 
   const std::shared_ptr<SampleRenderer> renderer =
       upload ? upload->renderer(vista) : std::make_shared<CpuRenderer>(vista);
-  if (shop.device)
-    common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
+  if (shop.device) common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
   Session session(*renderer, job);
   const Plan plan = begun ? begun->plan : make_plan(session, candidates, explored);
   if (plan.cut_short && !a.shard.empty()) {

@@ -7,7 +7,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/memory_limit.h"
 #include "tools/tdpt-render/integrators/passes.h"
 
 namespace tdpt {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/memory_limit.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::picture_size_test {
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/json_depth.h"
+#include "libcommon/base/file.h"
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 namespace tdpt {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/number_words.h"
-#include "libcommon/base/signals.h"
+#include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {
@@ -48,9 +48,9 @@ class Rendering {
   Film& film_;
   const std::vector<Visitor>& visitors_;
   const std::function<void(const Plan&, Progress&)>& rescue_;
-  uint64_t framed_;           // samples when the last frame was recorded
-  std::string noise_words_;   // as of the last block
-  std::vector<double> due_;   // when each visitor's period last began [s]
+  uint64_t framed_;          // samples when the last frame was recorded
+  std::string noise_words_;  // as of the last block
+  std::vector<double> due_;  // when each visitor's period last began [s]
 };
 
 // A device would rather not be stopped: its first block is a fourth of the picture. Samples without
@@ -242,8 +242,7 @@ RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& cand
   Explored explored;
   explored.lights = session.vista.openings.selection.shares();
   const Plan plan = make_plan(session, candidates, explored);
-  return render(session, plan,
-                std::make_shared<Progress>(new_progress(session, candidates, plan)));
+  return render(session, plan, std::make_shared<Progress>(new_progress(session, candidates, plan)));
 }
 
 RenderResult render(SampleRenderer& renderer, const Integrator& integrator, const Job& job) {

@@ -8,8 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
@@ -58,9 +57,8 @@ Json portal_json(const Portal& portal, size_t i, const RenderResult& result) {
   j["samples"] = tally.drawn;
   j["lit"] = lit;
   j["energy"] = energy;
-  j["useless"] =
-      !used || (tally.drawn >= kEnoughSamples &&
-                (energy < kNoEnergy || (energy < kLeastEnergy && lit < kLeastLit)));
+  j["useless"] = !used || (tally.drawn >= kEnoughSamples &&
+                           (energy < kNoEnergy || (energy < kLeastEnergy && lit < kLeastLit)));
   return j;
 }
 
@@ -284,8 +282,7 @@ void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
 void tell_after(const Session& session, const std::vector<Portal>& portals,
                 const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
   const Progress& progress = *result.progress;
-  if (const std::string verdict = verdict_sentence(result); !verdict.empty())
-    common.note(verdict);
+  if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
   if (session.job.automatic) common.note(choice_sentence(result, !session.is_shorter()));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
     common.warn(fmt::format(

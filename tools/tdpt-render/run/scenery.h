@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libcommon/cli/cli.h"
-#include "libcommon/scene/scene_file.h"
+#include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/picture_size.h"

@@ -8,10 +8,9 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/number_words.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/base/words.h"
 #include "libcommon/film/film_file.h"
-#include "libcommon/formats/exr_attributes.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
@@ -70,8 +69,7 @@ void mend_preview(const FrameCommand& frame) {
   const std::string bytes =
       preview_bytes(picture, frame.a.exposure.value_or(auto_exposure(picture)));
   std::error_code failed;
-  if (!std::filesystem::exists(path, failed) || read_file(path) != bytes)
-    write_output(path, bytes);
+  if (!std::filesystem::exists(path, failed) || read_file(path) != bytes) write_output(path, bytes);
 }
 
 // "3 of 10 done, about 5 min left".

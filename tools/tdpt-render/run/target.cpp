@@ -5,8 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/counted.h"
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {
@@ -69,7 +68,7 @@ std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
   target.error = progress.in_force().target_error;
   if (target.error == 0) return {};
   target.dark = session.is_dark();
-  target.fixed = target.dark           ? plan.spp
+  target.fixed = target.dark            ? plan.spp
                  : progress.retried > 0 ? progress.retried
                                         : plan.needed;
   target.stop = stop_of(progress, target.fixed);
@@ -99,7 +98,8 @@ std::string target_sentence(const TargetOutcome& target, const Progress& progres
   const std::string aim = fmt::format("target relMSE {} ", number_words(target.error));
   if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
-      fmt::format(": it is {} after {} per pixel{}", estimate_of(target), counted(progress.film.samples(), "sample"),
+      fmt::format(": it is {} after {} per pixel{}", estimate_of(target),
+                  counted(progress.film.samples(), "sample"),
                   progress.retried > 0 ? ", those of --set retry=1 among them" : "");
   if (target.reached()) return aim + "reached" + got;
   const std::string enough =

@@ -3,7 +3,7 @@
 #include <limits>
 #include <optional>
 
-#include "libcommon/scene/pane.h"
+#include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/bsdf/surfaces.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
 #include "tools/tdpt-render/testing/oracle_coat.h"

@@ -2,7 +2,7 @@
 // c_diff = diffuse (1 - max specular), F0 = specular, F90 = 1, alpha = (1 - glossiness)^2.
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/test_materials.h"
+#include "libcommon/testing/scenes/materials.h"
 #include "tools/tdpt-render/path/sample/surface.h"
 
 namespace tdpt::specular_glossiness_test {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "libcommon/scene/srgb.h"
+#include "libcommon/scene/texture.h"
 #include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {

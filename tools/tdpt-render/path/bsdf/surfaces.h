@@ -1,7 +1,7 @@
 // Evaluates surfaces: the code of shaders/shared/path in doubles, over the renderer's points. Slow
 // to compile: other files use scatter.h.
 #pragma once
-#include "libcommon/scene/pane.h"
+#include "libcommon/scene/scene.h"
 #include "shaders/shared/path/fresnel.h"
 #include "shaders/shared/path/ggx.h"
 #include "shaders/shared/path/surface_layout.h"

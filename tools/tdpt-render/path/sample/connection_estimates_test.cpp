@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/math/warp.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/rooms.h"
 

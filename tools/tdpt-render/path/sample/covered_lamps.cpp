@@ -8,10 +8,9 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/base/number_words.h"
+#include "libcommon/base/words.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
-#include "libcommon/math/warp.h"
 
 namespace tdpt {
 namespace {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "libcommon/math/sequence.h"
-#include "libcommon/scene/camera_blur.h"
+#include "libcommon/scene/film_plane.h"
 #include "libcommon/trace/tracer.h"
 #include "tools/tdpt-render/path/light/next_event.h"
 
