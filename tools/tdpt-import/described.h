@@ -7,11 +7,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "libcommon/math/vec.h"
+#include "tools/tdpt-import/source.h"
 
 namespace tdpt::foreign {
 
@@ -143,5 +145,13 @@ struct Described {
   std::optional<Sky> sky{};
   std::vector<Shape> portals{};  ///< openings for the sky's light, fronts towards the room
 };
+
+/// Reads a scene of Mitsuba 0.4 to 0.6, 2 and 3 (XML). `parameters` replace `$name` and the scene's
+/// own defaults. Readers throw InputError.
+Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters);
+/// Of pbrt-v3 and pbrt-v4: the version is told from the scene's directives and materials.
+Described read_pbrt(Source& source);
+/// Of Tungsten (JSON).
+Described read_tungsten(Source& source);
 
 }  // namespace tdpt::foreign

@@ -8,10 +8,8 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
+#include "tools/tdpt-import/described.h"
 #include "tools/tdpt-import/gltf/writer.h"
-#include "tools/tdpt-import/mitsuba/mitsuba.h"
-#include "tools/tdpt-import/pbrt/pbrt.h"
-#include "tools/tdpt-import/tungsten/tungsten.h"
 
 namespace tdpt {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "tools/tdpt-import/gltf/buffer.h"
-#include "tools/tdpt-import/gltf/frame.h"
+#include "tools/tdpt-import/gltf/writer.h"
 #include "tools/tdpt-import/source.h"
 
 namespace tdpt::foreign {

@@ -1,14 +1,266 @@
 #include "tools/tdpt-import/gltf/surfaces.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
+#include "libcommon/formats/png.h"
 #include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign {
 namespace {
+
+// ---- Textures ----
+
+uint8_t byte_of(float v) {
+  return static_cast<uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
+}
+
+uint8_t coded_of(float linear) {
+  const float v = std::clamp(linear, 0.0f, 1.0f);
+  return byte_of(v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f);
+}
+
+// A texel as a linear colour, or as a number.
+Rgb colour_at(const Texels& t, const Texture& how, size_t i) {
+  const Rgb& c = t.rgb[i];
+  return t.is_8bit && how.srgb ? linear_of(c) : c;
+}
+
+float number_at(const Texels& t, const Texture& how, size_t i) {
+  if (how.alpha && !t.alpha.empty()) return t.alpha[i];
+  const Rgb c = colour_at(t, how, i);
+  return how.luminance ? luminance(c) : (c.x + c.y + c.z) / 3;
+}
+
+// Index of the texel at image coordinates (u, v), repeated.
+size_t nearest(const Texels& t, double u, double v) {
+  const auto cell = [](double x, int size) {
+    const double f = (x - std::floor(x)) * size;
+    return static_cast<size_t>(std::clamp(f, 0.0, size - 1.0));
+  };
+  return cell(v, t.height) * static_cast<size_t>(t.width) + cell(u, t.width);
+}
+
+// Coordinates in one texture's image of a point in another's, both placed on the same mesh.
+std::array<double, 2> in_other(const Texture& from, double u, double v, const Texture& to) {
+  const auto& m = from.map;
+  const double det = m[0] * m[4] - m[1] * m[3];
+  const double x = u - m[2], y = v - m[5];
+  const double mu = det != 0 ? (m[4] * x - m[1] * y) / det : 0;
+  const double mv = det != 0 ? (m[0] * y - m[3] * x) / det : 0;
+  const auto& n = to.map;
+  return {n[0] * mu + n[1] * mv + n[2], n[3] * mu + n[4] * mv + n[5]};
+}
+
+// A picture of `at(x, y)`, four channels, reduced by whole boxes so that no side exceeds `longest`.
+struct Reduced {
+  int width, height;
+  std::vector<std::array<float, 4>> pixels;
+};
+template <class At>
+Reduced reduced(int width, int height, int longest, const At& at) {
+  const int step = longest > 0 ? std::max(1, (std::max(width, height) + longest - 1) / longest) : 1;
+  Reduced out{std::max(1, width / step), std::max(1, height / step), {}};
+  out.pixels.reserve(static_cast<size_t>(out.width) * static_cast<size_t>(out.height));
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      std::array<float, 4> sum{};
+      int n = 0;
+      for (int j = y * step; j < std::min(height, (y + 1) * step); ++j)
+        for (int i = x * step; i < std::min(width, (x + 1) * step); ++i, ++n) {
+          const std::array<float, 4> p = at(i, j);
+          for (size_t c = 0; c < 4; ++c) sum[c] += p[c];
+        }
+      for (float& s : sum) s /= static_cast<float>(n);
+      out.pixels.push_back(sum);
+    }
+  return out;
+}
+
+std::string png_of(const Reduced& image, bool coded, bool with_alpha) {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(image.pixels.size() * 4);
+  for (const auto& p : image.pixels) {
+    for (size_t c = 0; c < 3; ++c) bytes.push_back(coded ? coded_of(p[c]) : byte_of(p[c]));
+    if (with_alpha) bytes.push_back(byte_of(p[3]));
+  }
+  return with_alpha ? png_of_rgba8(image.width, image.height, bytes)
+                    : png_of_rgb8(image.width, image.height, bytes);
+}
+
+bool is_png(const std::string& bytes) {
+  return bytes.starts_with("\x89PNG");
+}
+bool is_jpeg(const std::string& bytes) {
+  return bytes.starts_with("\xff\xd8\xff");
+}
+
+}  // namespace
+
+const Texels* Textures::texels(const Texture& texture) {
+  auto it = decoded_.find(texture.image);
+  if (it == decoded_.end()) {
+    const Image& image = scene_.images[texture.image];
+    Texels t;
+    if (!image.texels.empty()) {
+      t = {image.width, image.height, false, image.texels, {}};
+    } else {
+      try {
+        t = decode(image.bytes, source_.shown_name(image.name));
+      } catch (const InputError& e) {
+        source_.lose({source_.path(), ""}, std::string("a picture is left out: ") + e.what());
+      }
+    }
+    const auto is_value = [](const Rgb& c) { return is_finite(c) && max_component(c) <= 1e30f; };
+    if (!std::all_of(t.rgb.begin(), t.rgb.end(), is_value)) {
+      for (Rgb& c : t.rgb)
+        if (!is_value(c)) c = Rgb(0);
+      source_.lose({source_.path(), ""}, "texels that are not finite or above 1e30 become 0");
+    }
+    it = decoded_.emplace(texture.image, std::move(t)).first;
+  }
+  return it->second.rgb.empty() ? nullptr : &it->second;
+}
+
+// Whether the file may be used as it is for a colour.
+bool Textures::passes(const Texture& texture) {
+  const std::string& bytes = scene_.images[texture.image].bytes;
+  if (!is_png(bytes) && !is_jpeg(bytes)) return false;
+  const Texels* t = texels(texture);
+  return t && (longest_ == 0 || std::max(t->width, t->height) <= longest_);
+}
+
+GltfJson Textures::sampler(const Texture& texture) const {
+  const auto wrap = [](Texture::Wrap w) {
+    return w == Texture::Wrap::repeat ? 10497 : w == Texture::Wrap::mirror ? 33648 : 33071;
+  };
+  GltfJson s = GltfJson::object();
+  if (texture.nearest) s["magFilter"] = 9728, s["minFilter"] = 9728;
+  if (texture.wrap_u != Texture::Wrap::repeat) s["wrapS"] = wrap(texture.wrap_u);
+  if (texture.wrap_v != Texture::Wrap::repeat) s["wrapT"] = wrap(texture.wrap_v);
+  return s;
+}
+
+void Textures::add_map(const Texture& texture, GltfJson& info) {
+  const auto& m = texture.map;
+  if (m == std::array<double, 6>{1, 0, 0, 0, 1, 0}) return;
+  double r = 0, su = m[0], sv = m[4];
+  if (m[1] != 0 || m[3] != 0) {
+    r = std::atan2(-m[3], m[0]);
+    su = std::hypot(m[0], m[3]);
+    sv = m[1] * std::sin(r) + m[4] * std::cos(r);
+    const double off = std::hypot(m[1] - sv * std::sin(r), m[4] - sv * std::cos(r));
+    if (off > 1e-5 * std::hypot(m[1], m[4]))
+      source_.lose({source_.path(), ""}, "texture coordinates that shear are not sheared");
+  }
+  GltfJson t = GltfJson::object();
+  if (m[2] != 0 || m[5] != 0) t["offset"] = {m[2], m[5]};
+  if (r != 0) t["rotation"] = r;
+  if (su != 1 || sv != 1) t["scale"] = {su, sv};
+  info["extensions"]["KHR_texture_transform"] = std::move(t);
+}
+
+GltfJson Textures::info(const Texture& texture, const std::string& bytes, const std::string& name) {
+  const auto [image, new_image] = images_.try_emplace(content_hash(bytes), images_.size());
+  if (new_image)
+    root_["images"].push_back({{"name", shown(name, 200)},
+                               {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"},
+                               {"bufferView", buffer_.bytes(bytes)}});
+  const GltfJson how = sampler(texture);
+  std::string key = fmt::format("{} ", image->second);
+  GltfJson t = {{"source", image->second}};
+  if (!how.empty()) {
+    const auto [at, is_new] = samplers_.try_emplace(how.dump(), samplers_.size());
+    if (is_new) root_["samplers"].push_back(how);
+    t["sampler"] = at->second;
+    key += fmt::format("{}", at->second);
+  }
+  const auto [at, is_new] = textures_.try_emplace(key, textures_.size());
+  if (is_new) root_["textures"].push_back(std::move(t));
+  GltfJson out = {{"index", at->second}};
+  add_map(texture, out);
+  return out;
+}
+
+float Textures::largest(const Colour& colour) {
+  if (!colour.texture) return 1;
+  const Texels* t = texels(*colour.texture);
+  float most = 0;
+  for (size_t i = 0; t && i < t->rgb.size(); ++i) {
+    const Rgb c = colour_at(*t, *colour.texture, i);
+    most = std::max(most, max_component(colour.curve ? colour.curve(c) : c));
+  }
+  return most;
+}
+
+GltfJson Textures::colour(const Colour& colour, const Number* opacity, float scale) {
+  const Texture* cut = opacity && opacity->texture ? &*opacity->texture : nullptr;
+  if (!colour.texture && !cut) return nullptr;
+  const Texture& lead = colour.texture ? *colour.texture : *cut;
+  const Image& image = scene_.images[lead.image];
+  if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb && passes(lead))
+    return info(lead, plain_file(image.bytes), image.name);
+
+  const Texels* t = texels(lead);
+  const Texels* holes = cut ? texels(*cut) : nullptr;
+  if (!t || (cut && !holes)) return nullptr;
+  bool above_1 = false;
+  const auto at = [&](int x, int y) -> std::array<float, 4> {
+    const size_t i =
+        static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x);
+    Rgb c(1);
+    if (colour.texture) c = colour_at(*t, lead, i);
+    if (colour.texture && colour.curve) c = colour.curve(c);
+    above_1 |= max_component(c) > 1.0001f * scale;
+    float alpha = 1;
+    if (cut) {
+      const auto [u, v] = in_other(lead, (x + 0.5) / t->width, (y + 0.5) / t->height, *cut);
+      alpha = number_at(*holes, *cut, nearest(*holes, u, v));
+      if (opacity->curve) alpha = opacity->curve(alpha);
+    }
+    return {c.x / scale, c.y / scale, c.z / scale, alpha};
+  };
+  const Reduced out = reduced(t->width, t->height, longest_, at);
+  if (above_1) source_.lose({source_.path(), ""}, "reflectances above 1 are taken as 1");
+  return info(lead, png_of(out, true, cut), image.name);
+}
+
+GltfJson Textures::roughness(const Number& roughness) {
+  if (!roughness.texture) return nullptr;
+  const Texels* t = texels(*roughness.texture);
+  if (!t) return nullptr;
+  const auto at = [&](int x, int y) -> std::array<float, 4> {
+    const size_t i =
+        static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x);
+    const float r = number_at(*t, *roughness.texture, i);
+    return {1, roughness.curve ? roughness.curve(r) : r, 1, 1};
+  };
+  return info(*roughness.texture, png_of(reduced(t->width, t->height, longest_, at), false, false),
+              scene_.images[roughness.texture->image].name);
+}
+
+GltfJson Textures::normal_map(const Texture& texture) {
+  const Image& image = scene_.images[texture.image];
+  if (!texture.green_down && passes(texture))
+    return info(texture, plain_file(image.bytes), image.name);
+  const Texels* t = texels(texture);
+  if (!t) return nullptr;
+  const auto at = [&](int x, int y) -> std::array<float, 4> {
+    const Rgb& c =
+        t->rgb[static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x)];
+    return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
+  };
+  return info(texture, png_of(reduced(t->width, t->height, longest_, at), false, false),
+              image.name);
+}
+
+namespace {
+
+// ---- Materials ----
 
 bool is_white(const Rgb& c) {
   return c.x == 1 && c.y == 1 && c.z == 1;

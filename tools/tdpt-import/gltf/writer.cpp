@@ -1,9 +1,10 @@
 #include "tools/tdpt-import/gltf/writer.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <fmt/format.h>
 
 #include "libcommon/base/words.h"
 #include "libcommon/formats/portal.h"
@@ -14,6 +15,32 @@
 
 namespace tdpt::foreign {
 namespace {
+
+// Mirrors the scene along x if its first camera is mirrored, and turns `up` to +y. By the camera:
+// the axis that is nearest to what is up in its picture.
+Frame frame_of(const Described& scene, Up up) {
+  Frame frame;
+  if (!scene.cameras.empty()) {
+    const Affine& camera = scene.cameras.front().to_world;
+    frame.mirrored = camera.mirrors();
+    if (up == Up::by_camera) {
+      const Vec3d& y = camera.y;
+      const double x = std::abs(y.x), z = std::abs(y.z), upright = std::abs(y.y);
+      up = upright >= x && upright >= z ? Up::y : z >= x ? Up::z : Up::x;
+      frame.downwards = (up == Up::y ? y.y : up == Up::z ? y.z : y.x) < 0;
+    }
+  }
+  if (up == Up::by_camera) up = Up::y;
+  frame.up = up;
+  // Rotations that take the axis to +y and keep one of the others.
+  Affine turn;
+  if (up == Up::z) turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
+  if (up == Up::x) turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
+  if (frame.downwards) turn = Affine{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {}} * turn;
+  if (frame.mirrored) turn = turn * Affine{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
+  frame.to_gltf = turn;
+  return frame;
+}
 
 constexpr double kShear = 1e-5;  // cosine between axes that still counts as a right angle
 

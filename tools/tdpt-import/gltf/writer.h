@@ -3,10 +3,19 @@
 #include <string>
 
 #include "libcommon/base/provenance.h"
-#include "tools/tdpt-import/gltf/frame.h"
-#include "tools/tdpt-import/source.h"
+#include "tools/tdpt-import/described.h"
 
 namespace tdpt::foreign {
+
+enum class Up { by_camera, x, y, z };
+
+/// The frame in which a scene is written: right-handed, +y up, as glTF wants it.
+struct Frame {
+  Affine to_gltf{};       ///< orthogonal; of the source's coordinates
+  bool mirrored = false;  ///< the source's frame is left-handed
+  Up up = Up::y;          ///< what is up in the source; never by_camera
+  bool downwards = false;
+};
 
 struct Writing {
   Up up = Up::by_camera;

@@ -13,7 +13,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
-#include "tools/tdpt-import/meshes/checked.h"
 #include "tools/tdpt-import/meshes/meshes.h"
 
 namespace tdpt::foreign {

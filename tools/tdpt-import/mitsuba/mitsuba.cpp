@@ -1,18 +1,19 @@
-#include "tools/tdpt-import/mitsuba/mitsuba.h"
+#include "tools/tdpt-import/described.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "libcommon/base/words.h"
-#include "tools/tdpt-import/mitsuba/lights.h"
-#include "tools/tdpt-import/mitsuba/sensor.h"
+#include "tools/tdpt-import/meshes/meshes.h"
+#include "tools/tdpt-import/mitsuba/object.h"
 #include "tools/tdpt-import/mitsuba/shapes.h"
 #include "tools/tdpt-import/mitsuba/surfaces.h"
-#include "tools/tdpt-import/mitsuba/xml.h"
+#include "tools/tdpt-import/mitsuba/textures.h"
 
-namespace tdpt::foreign {
-namespace mitsuba {
+namespace tdpt::foreign::mitsuba {
 namespace {
 
 // What an integrator leaves out of the light.
@@ -70,8 +71,221 @@ void read_integrator(const Object& integrator, Source& source) {
                      "volume_photons", "work_units"});
 }
 
+// ---- Sensors as cameras ----
+
+constexpr int kMostPixels = 65535;  // on a side
+
+// Whether Mitsuba cuts something away that lies ahead of the camera.
+bool is_clipped(const Described& scene, const Camera& camera, double near, double far) {
+  for (const Shape& shape : scene.shapes)
+    for (const Vec3f& p : scene.meshes[shape.mesh].positions) {
+      const double ahead =
+          -dot(shape.to_world.point({p.x, p.y, p.z}) - camera.to_world.t, camera.to_world.z);
+      if ((ahead > 0 && ahead < near) || ahead > far) return true;
+    }
+  return false;
+}
+
+// Width and height of the picture.
+void read_film(const Object& sensor, Source& source, Camera& camera) {
+  camera.width = 768, camera.height = 576;
+  const auto films = sensor.nested("film");
+  if (films.empty()) return;
+  const Object& film = *films[0];
+  camera.width = film.integer("width", camera.width);
+  camera.height = film.integer("height", camera.height);
+  if (camera.width < 1 || camera.height < 1 || camera.width > kMostPixels ||
+      camera.height > kMostPixels)
+    film.fail(fmt::format("a picture of {} x {} pixels", camera.width, camera.height));
+  if (film.integer("crop_width", camera.width) != camera.width ||
+      film.integer("crop_height", camera.height) != camera.height ||
+      film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
+    source.lose(film.place, "the crop window is left out");
+  for (const Object* filter : film.nested("rfilter"))
+    filter->ignore({"B", "C", "lobes", "radius", "stddev"});  // other than this renderer's
+  film.ignore({"attach_log", "banner", "burn", "channel_names", "compensate", "component_format",
+               "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges",
+               "key", "pixel_format", "sample_border", "tonemap_method",
+               "variable"});  // of the file that is written
+}
+
+double in_radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+// Full vertical angle.
+double yfov(const Object& sensor, double aspect) {
+  double degrees = 0;
+  std::string axis = sensor.text("fov_axis", "x");
+  if (sensor.find("fov")) {
+    degrees = sensor.number("fov", 0);
+  } else {  // of a picture of 36 x 24 mm
+    std::string mm = sensor.text("focal_length", "50mm");
+    if (mm.ends_with("mm")) mm.resize(mm.size() - 2);
+    const auto f = number_of(mm);
+    if (!f || !(*f > 0)) sensor.fail(fmt::format("a focal_length of \"{}\"", shown(mm, 40)));
+    degrees = 2 * std::atan(std::hypot(36, 24) / (2 * *f)) * 180 / std::numbers::pi;
+    axis = "diagonal";
+  }
+  if (!(degrees > 0 && degrees < 180)) sensor.fail(fmt::format("a fov of {} degrees", degrees));
+  const double t = std::tan(in_radians(degrees) / 2);
+  if (axis == "smaller") axis = aspect > 1 ? "y" : "x";
+  if (axis == "larger") axis = aspect > 1 ? "x" : "y";
+  if (axis == "x") return 2 * std::atan(t / aspect);
+  if (axis == "y") return 2 * std::atan(t);
+  if (axis == "diagonal") return 2 * std::atan(t / std::hypot(1, aspect));
+  sensor.find("fov_axis")->fail(fmt::format("a fov_axis \"{}\"", shown(axis, 40)));
+}
+
+void add_camera(const Object& sensor, Described& scene, Source& source) {
+  if (sensor.type != "perspective" && sensor.type != "thinlens")
+    return source.lose(sensor.place, fmt::format("sensors of type \"{}\" are not read and left out",
+                                                 shown(sensor.type, 40)));
+  Camera camera;
+  camera.name = sensor.id.empty() ? sensor.type : sensor.id;
+  read_film(sensor, source, camera);
+  camera.yfov = yfov(sensor, static_cast<double>(camera.width) / camera.height);
+  const Affine map = sensor.map("to_world", source), axes = axes_of(map, sensor.place);
+  // Mitsuba looks along +z with +x to the left.
+  camera.to_world = {-axes.x, axes.y, -axes.z, map.t};
+  camera.shift_x = sensor.number("principal_point_offset_x", 0);
+  camera.shift_y = sensor.number("principal_point_offset_y", 0);
+  if (sensor.type == "thinlens") {
+    camera.lens_radius = sensor.number("aperture_radius", 0);
+    camera.focus_distance = sensor.number("focus_distance", sensor.number("far_clip", 1e4));
+    if (!(camera.lens_radius >= 0) || !(camera.focus_distance > 0))
+      sensor.fail(fmt::format("a lens of radius {} focused at {}", camera.lens_radius,
+                              camera.focus_distance));
+  }
+  if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
+    source.lose(sensor.place,
+                "what is nearer than near_clip or farther than far_clip is not cut away");
+  sensor.ignore({"focus_distance", "shutter_open", "shutter_close"});  // nothing moves
+  for (const Object* sampler : sensor.nested("sampler"))
+    sampler->ignore({"dimension", "jitter", "sample_count", "scramble", "seed", "strength"});
+  for (const Object* medium : sensor.nested("medium"))
+    source.lose(medium->place, "media (fog, absorption, scattering) are left out");
+  scene.cameras.push_back(camera);
+}
+
+// ---- Emitters that are no shapes ----
+
+// Mitsuba's maps have +z, not -z, in their centre.
+constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
+
+class Lights {
+ public:
+  Lights(const Object& emitter, Described& scene, Source& source, Textures& textures)
+      : e_(emitter), scene_(scene), source_(source), textures_(textures) {}
+
+  void add() {
+    if (e_.type == "point")
+      point();
+    else if (e_.type == "spot")
+      spot();
+    else if (e_.type == "directional")
+      sun();
+    else if (e_.type == "constant")
+      constant();
+    else if (e_.type == "envmap")
+      envmap();
+    else if (e_.type == "portal")
+      portal();
+    else
+      return source_.lose(e_.place, fmt::format("emitters of type \"{}\" are not read and left out",
+                                                shown(e_.type, 40)));
+    e_.ignore({"sampling_weight", "mis_compensation", "cache"});  // how it is sampled and kept
+    for (const Object* medium : e_.nested("medium"))
+      source_.lose(medium->place, "media (fog, absorption, scattering) are left out");
+  }
+
+ private:
+  Lamp lamp(Lamp::Kind kind, const char* strength) {
+    Lamp out;
+    out.kind = kind;
+    out.name = e_.id.empty() ? e_.type : e_.id;
+    out.intensity = textures_.plain_colour(e_, strength, Rgb(1), Of::light);
+    return out;
+  }
+
+  void point() {
+    Lamp out = lamp(Lamp::Kind::point, "intensity");
+    const Affine map = e_.map("to_world", source_);
+    out.at = e_.vector("position").value_or(map.t);
+    scene_.lamps.push_back(out);
+  }
+
+  void spot() {
+    Lamp out = lamp(Lamp::Kind::spot, "intensity");
+    const Affine map = e_.map("to_world", source_);
+    out.at = map.t;
+    out.towards = axes_of(map, e_.place).z;
+    const double outer = e_.number("cutoff_angle", 20),
+                 inner = e_.number("beam_width", outer * 0.75);
+    if (!(outer > 0 && outer <= 180 && inner >= 0 && inner <= outer))
+      e_.fail(fmt::format("a spot of beam_width {} and cutoff_angle {}", inner, outer));
+    out.outer = outer * std::numbers::pi / 180, out.inner = inner * std::numbers::pi / 180;
+    if (inner < outer)
+      source_.lose(e_.place,
+                   "between beam_width and cutoff_angle spots fade as glTF has it, "
+                   "not linearly in the angle");
+    if (e_.find("texture")) source_.lose(e_.place, "the textures of spots are left out");
+    scene_.lamps.push_back(out);
+  }
+
+  void sun() {
+    Lamp out = lamp(Lamp::Kind::sun, "irradiance");
+    const auto direction = e_.vector("direction");
+    out.towards = direction ? *direction : axes_of(e_.map("to_world", source_), e_.place).z;
+    if (!(length(out.towards) > 0)) e_.fail("a direction of length 0");
+    scene_.lamps.push_back(out);
+  }
+
+  void keep(const Sky& sky) {
+    if (scene_.sky) return source_.lose(e_.place, "of several skies the first is taken");
+    scene_.sky = sky;
+  }
+
+  void constant() {
+    Sky sky;
+    sky.colour = textures_.plain_colour(e_, "radiance", Rgb(1), Of::light);
+    e_.ignore({"to_world"});  // the same all around
+    keep(sky);
+  }
+
+  void envmap() {
+    Sky sky;
+    const std::string file = e_.needed_text("filename");
+    sky.image = textures_.image(file, e_.find("filename")->place);
+    sky.colour = Rgb(static_cast<float>(e_.number("scale", 1)));
+    if (e_.number("gamma", 0) != 0) source_.lose(e_.place, "the gamma of an envmap is left out");
+    sky.to_map = kHalfTurn * inverse(axes_of(e_.map("to_world", source_), e_.place), e_.place);
+    keep(sky);
+  }
+
+  // The square of a rectangle; +z leads into the room.
+  void portal() {
+    Shape out;
+    out.mesh = scene_.meshes.size();
+    out.to_world = e_.map("to_world", source_);
+    scene_.meshes.push_back(square());
+    scene_.portals.push_back(out);
+  }
+
+  const Object& e_;
+  Described& scene_;
+  Source& source_;
+  Textures& textures_;
+};
+
+void add_light(const Object& emitter, Described& scene, Source& source, Textures& textures) {
+  Lights(emitter, scene, source, textures).add();
+}
+
 }  // namespace
-}  // namespace mitsuba
+}  // namespace tdpt::foreign::mitsuba
+
+namespace tdpt::foreign {
 
 Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters) {
   using namespace mitsuba;

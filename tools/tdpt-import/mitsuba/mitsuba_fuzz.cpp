@@ -1,5 +1,5 @@
 // Parses arbitrary bytes as a scene of Mitsuba; what was read must hold together.
-#include "tools/tdpt-import/mitsuba/mitsuba.h"
+#include "tools/tdpt-import/described.h"
 
 #include "tools/tdpt-import/testing/sound.h"
 

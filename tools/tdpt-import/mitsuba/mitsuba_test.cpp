@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/mitsuba/mitsuba.h"
+#include "tools/tdpt-import/described.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // A Mitsuba scene as objects with named values, before anything is made of them.
 #pragma once
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -73,5 +74,25 @@ std::vector<std::string> split(const std::string& text, const std::string& separ
 
 /// "the bitmap", "the shape "hair"" in messages.
 std::string described(const Object& object);
+
+// Transforms of Mitsuba scenes.
+
+/// One step of a transform: translate, rotate, scale, lookat, matrix. Empty: no such step.
+std::optional<Affine> step_of(const std::string& tag, const Attributes& attributes,
+                              const Place& place);
+
+/// The inverse; `place` is named if there is none.
+Affine inverse(const Affine& map, const Place& place);
+/// The map without translation, its axes at length 1; fails if one has no length.
+Affine axes_of(const Affine& map, const Place& place);
+
+struct Document {
+  std::deque<Object> objects;     ///< addresses stay
+  const Object* scene = nullptr;  ///< its values are what the scene holds
+};
+
+/// Parses a scene: defaults and $names, includes, search paths, ids and references. Throws
+/// InputError for malformed files, unknown ids, and objects that hold themselves.
+Document parse(Source& source, const std::map<std::string, std::string>& parameters);
 
 }  // namespace tdpt::foreign::mitsuba

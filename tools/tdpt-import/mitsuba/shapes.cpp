@@ -8,7 +8,7 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/transforms.h"
+#include "tools/tdpt-import/mitsuba/object.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {

@@ -1,15 +1,184 @@
 #include "tools/tdpt-import/mitsuba/textures.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
 
+// ---- Colours ----
+
+using Samples = std::vector<std::array<double, 2>>;
+
 float single(double v) {
   return static_cast<float>(v);
 }
+
+double number(const std::string& word, const Value& value) {
+  if (const auto n = number_of(word); n && std::abs(*n) < 1e30) return *n;
+  value.fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
+}
+
+// One or three numbers, or #rrggbb.
+Rgb three(const Value& value) {
+  const auto words = split(value.text());
+  if (words.size() == 1 && words[0][0] == '#') {
+    if (words[0].size() != 7 ||
+        words[0].find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+      value.fail(fmt::format("\"{}\" is no colour #rrggbb", shown(words[0], 40)));
+    const auto bits = static_cast<uint32_t>(std::stoul(words[0].substr(1), nullptr, 16));
+    return Rgb(single(bits >> 16 & 255), single(bits >> 8 & 255), single(bits & 255)) / 255;
+  }
+  if (words.size() != 1 && words.size() != 3)
+    value.fail(fmt::format("a colour of {} numbers, expected 3", words.size()));
+  const auto at = [&](size_t i) { return single(number(words[words.size() == 1 ? 0 : i], value)); };
+  return {at(0), at(1), at(2)};
+}
+
+float linear(float v) {
+  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+// Colour of a light with a spectrum of which 1 is a constant 1: not white.
+Rgb of_equal_energy() {
+  return rgb_of_xyz(Rgb(1));
+}
+
+// CIE standard illuminant D65 from 380 nm on, every 10 nm.
+constexpr double kD65[] = {49.98,  54.65,  82.75,  91.49,  93.43,  86.68,  104.86, 117.01, 117.81,
+                           114.86, 115.92, 108.81, 109.35, 107.80, 104.79, 107.69, 104.41, 104.05,
+                           100.00, 96.33,  95.79,  88.69,  90.01,  89.60,  87.70,  83.29,  83.70,
+                           80.03,  80.21,  82.28,  78.28,  69.72,  71.61,  74.35,  61.60,  69.89,
+                           75.09,  63.59,  46.42,  66.81,  63.38};
+
+// Outside its samples a spectrum is 0.
+double value_at(const Samples& samples, double nm) {
+  if (nm < samples.front()[0] || nm > samples.back()[0]) return 0;
+  for (size_t i = 1; i < samples.size(); ++i)
+    if (nm <= samples[i][0]) {
+      const double t = (nm - samples[i - 1][0]) / (samples[i][0] - samples[i - 1][0]);
+      return samples[i - 1][1] * (1 - t) + samples[i][1] * t;
+    }
+  return samples.back()[1];
+}
+
+// Colour of a surface in the light that shines white.
+Rgb lit(const Samples& samples) {
+  Samples light, reflected;
+  for (int nm = 380; nm <= 780; nm += 2) {
+    const int i = (nm - 380) / 10, rest = (nm - 380) % 10;
+    const double d65 = rest == 0 ? kD65[i] : kD65[i] + (kD65[i + 1] - kD65[i]) * rest / 10;
+    light.push_back({static_cast<double>(nm), d65});
+    reflected.push_back({static_cast<double>(nm), d65 * value_at(samples, nm)});
+  }
+  const Rgb c = rgb_of_spectrum(reflected), white = rgb_of_spectrum(light);
+  return {c.x / white.x, c.y / white.y, c.z / white.z};
+}
+
+Rgb sampled(Samples samples, const Value& value, bool old, Of of) {
+  if (samples.empty()) value.fail("a spectrum without values");
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const double nm = samples[i][0];
+    if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
+    if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
+  }
+  if (!old && of == Of::surface) return lit(samples);
+  samples.insert(samples.begin(), {samples.front()[0], 0});
+  samples.push_back({samples.back()[0], 0});
+  return rgb_of_spectrum(samples) * of_equal_energy();
+}
+
+// Pairs of a wavelength and a value, one a line.
+Samples file(const Value& value, Source& source) {
+  Samples out;
+  for (std::string line : split(source.read(value.text("filename"), value.place), "\r\n")) {
+    line = line.substr(0, line.find('#'));
+    const auto words = split(line);
+    if (words.empty()) continue;
+    if (words.size() < 2)
+      value.fail("its file has a line with one number, expected a wavelength and a value");
+    out.push_back({number(words[0], value), number(words[1], value)});
+  }
+  return out;
+}
+
+Rgb spectrum(const Value& value, bool old, Of of, Source& source) {
+  if (value.attributes.contains("filename")) return sampled(file(value, source), value, old, of);
+  const auto words = split(value.text());
+  if (words.size() == 1 && words[0].find(':') == std::string::npos) {
+    const Rgb grey(single(number(words[0], value)));
+    return !old && of == Of::light ? grey * of_equal_energy() : grey;
+  }
+  if (words.empty()) value.fail("a spectrum without values");
+  if (words[0].find(':') == std::string::npos) {
+    if (words.size() != 3)
+      value.fail(
+          fmt::format("a spectrum of {} values, expected pairs wavelength:value", words.size()));
+    return three(value);
+  }
+  Samples samples;
+  for (const std::string& word : words) {
+    const size_t colon = word.find(':');
+    if (colon == word.npos)
+      value.fail(fmt::format("\"{}\" is no pair wavelength:value", shown(word, 40)));
+    samples.push_back(
+        {number(word.substr(0, colon), value), number(word.substr(colon + 1), value)});
+  }
+  return sampled(std::move(samples), value, old, of);
+}
+
+}  // namespace
+
+// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it.
+Rgb blackbody(double kelvin, const Value& value) {
+  if (!(kelvin > 0 && kelvin < 1e6)) value.fail(fmt::format("a temperature of {} K", kelvin));
+  Samples samples;
+  for (double nm = 360; nm <= 830; nm += 5) {
+    const double m = nm * 1e-9, c = 299792458, h = 6.62607015e-34, k = 1.380649e-23;
+    samples.push_back(
+        {nm, 2e-9 * h * c * c / (std::pow(m, 5) * std::expm1(h * c / (m * k * kelvin)))});
+  }
+  return rgb_of_spectrum(samples) * of_equal_energy();
+}
+
+bool is_colour(const Value& value) {
+  for (const char* tag : {"float", "integer", "rgb", "srgb", "spectrum", "blackbody"})
+    if (value.tag == tag) return true;
+  return false;
+}
+
+Rgb colour_of(const Value& value, bool old, Of of, Source& source) {
+  if (value.tag == "rgb") return three(value);
+  if (value.tag == "srgb") {
+    const Rgb c = three(value);
+    return {linear(c.x), linear(c.y), linear(c.z)};
+  }
+  if (value.tag == "spectrum") return spectrum(value, old, of, source);
+  if (value.tag == "blackbody") {
+    std::string kelvin = value.text("temperature");
+    while (!kelvin.empty() &&
+           (kelvin.back() == ' ' || kelvin.back() == 'K' || kelvin.back() == 'k'))
+      kelvin.pop_back();
+    const double scale = value.attributes.contains("scale") ? value.number("scale") : 1;
+    return blackbody(number(kelvin, value), value) * single(scale);
+  }
+  return Rgb(single(number(value.text(), value)));
+}
+
+float mean(const Rgb& c) {
+  return (c.x + c.y + c.z) / 3;
+}
+bool is_grey(const Rgb& c) {
+  return c.x == c.y && c.y == c.z;
+}
+
+namespace {
+
+// ---- Textures ----
 
 Colour plain(const Rgb& c) {
   return {c, {}, {}};

@@ -1,13 +1,23 @@
-// Textures, and colours and numbers that may have one.
+// Numbers and colours of Mitsuba scenes as linear Rec.709, and those that may have a texture.
 #pragma once
 #include <map>
 #include <unordered_map>
 
 #include "tools/tdpt-import/described.h"
 #include "tools/tdpt-import/mitsuba/object.h"
-#include "tools/tdpt-import/mitsuba/spectra.h"
 
 namespace tdpt::foreign::mitsuba {
+
+/// What a colour is of: Mitsuba 3 lets a spectrum of equal energy reflect white light as white and
+/// shine yellowish.
+enum class Of { surface, light };
+
+bool is_colour(const Value& value);
+/// Of a float, rgb, srgb, spectrum or blackbody.
+Rgb colour_of(const Value& value, bool old, Of of, Source& source);
+
+float mean(const Rgb& c);
+bool is_grey(const Rgb& c);
 
 class Textures {
  public:

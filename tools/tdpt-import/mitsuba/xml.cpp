@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/mitsuba/xml.h"
+#include "tools/tdpt-import/mitsuba/object.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 #include <unordered_map>
 
 #include "libcommon/base/words.h"
-#include "tools/tdpt-import/mitsuba/transforms.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {

@@ -1,17 +1,42 @@
 // Carries out the directives of a scene.
 #pragma once
+#include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "libcommon/math/vec.h"
 #include "tools/tdpt-import/pbrt/geometry.h"
-#include "tools/tdpt-import/pbrt/painter.h"
-#include "tools/tdpt-import/pbrt/state.h"
+#include "tools/tdpt-import/pbrt/lights.h"
+#include "tools/tdpt-import/pbrt/parameters.h"
+#include "tools/tdpt-import/pbrt/surfaces.h"
 #include "tools/tdpt-import/pbrt/textures.h"
-#include "tools/tdpt-import/pbrt/tokens.h"
 
 namespace tdpt::foreign::pbrt {
+
+/// pbrt's graphics state: what AttributeBegin saves and AttributeEnd brings back.
+struct State {
+  Affine to_world{};      ///< current transformation, at the shutter's opening
+  bool is_active = true;  ///< transformations apply to the opening
+  bool is_reversed = false;
+  size_t surface = 0;  ///< current one of Painter
+  std::shared_ptr<const AreaLight> area{};
+  std::string inside{}, outside{};  ///< media
+  /// pbrt-v4's "Attribute" of shape, light, material, medium, texture; shared until one is added.
+  std::array<std::shared_ptr<const std::vector<Parameter>>, 5> attributes{};
+};
+
+class Builder;
+
+struct Directive {
+  const char* name;
+  void (*run)(Builder&);
+};
+
+/// None if there is no such directive.
+const Directive* directive_of(const std::string& name);
 
 class Builder {
  public:

@@ -1,8 +1,14 @@
 #include "tools/tdpt-import/pbrt/context.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
+#include <fmt/format.h>
+
+#include "libcommon/base/words.h"
 #include "tools/tdpt-import/images.h"
+#include "tools/tdpt-import/materials.h"
 
 namespace tdpt::foreign::pbrt {
 
@@ -26,6 +32,237 @@ bool Context::has_alpha(size_t image) {
         std::any_of(texels.alpha.begin(), texels.alpha.end(), [](float a) { return a < 1; });
   }
   return it->second;
+}
+
+// ---- Transformations ----
+
+Affine inverse(const Affine& a, const Place& place) {
+  // Columns are scaled to keep the products in range.
+  const double sx = length(a.x), sy = length(a.y), sz = length(a.z);
+  if (!(sx > 0 && sy > 0 && sz > 0)) Source::fail(place, "the transformation flattens space");
+  const Vec3d x = a.x / sx, y = a.y / sy, z = a.z / sz;
+  const double det = dot(cross(x, y), z);
+  if (!(std::abs(det) > 1e-12)) Source::fail(place, "the transformation flattens space");
+  const Vec3d rx = cross(y, z) / (det * sx), ry = cross(z, x) / (det * sy),
+              rz = cross(x, y) / (det * sz);
+  Affine b;
+  b.x = {rx.x, ry.x, rz.x};
+  b.y = {rx.y, ry.y, rz.y};
+  b.z = {rx.z, ry.z, rz.z};
+  b.t = b.vector(a.t) * -1.0;
+  if (!is_finite(b.x) || !is_finite(b.y) || !is_finite(b.z) || !is_finite(b.t))
+    Source::fail(place, "the transformation flattens space");
+  return b;
+}
+
+Affine translated(const Vec3d& by) {
+  Affine a;
+  a.t = by;
+  return a;
+}
+
+Affine scaled_by(const Vec3d& by) {
+  Affine a;
+  a.x = {by.x, 0, 0};
+  a.y = {0, by.y, 0};
+  a.z = {0, 0, by.z};
+  return a;
+}
+
+Affine rotated(double degrees, const Vec3d& axis) {
+  const double l = length(axis), half = degrees * std::numbers::pi / 360;
+  if (!(l > 0)) return {};
+  const double s = std::sin(half) / l;
+  return affine_of({}, {axis.x * s, axis.y * s, axis.z * s, std::cos(half)}, Vec3d(1)).value();
+}
+
+Affine looking(const Vec3d& from, const Vec3d& at, const Vec3d& up, const Place& place) {
+  const Vec3d along = at - from;
+  const Vec3d side = cross(up, along);
+  if (!(length(side) > 1e-12 * length(up) * length(along)))
+    Source::fail(place, "the direction of view is zero or parallel to \"up\"");
+  Affine to_world;
+  to_world.z = normalize(along);
+  to_world.x = normalize(side);
+  to_world.y = cross(to_world.z, to_world.x);
+  to_world.t = from;
+  return inverse(to_world, place);
+}
+
+Affine affine_of_matrix(std::span<const double> m, const Place& place) {
+  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
+    Source::fail(place, "a transformation with perspective");
+  const double w = m[15];
+  Affine a;
+  a.x = Vec3d(m[0], m[1], m[2]) / w;
+  a.y = Vec3d(m[4], m[5], m[6]) / w;
+  a.z = Vec3d(m[8], m[9], m[10]) / w;
+  a.t = Vec3d(m[12], m[13], m[14]) / w;
+  return a;
+}
+
+namespace {
+
+// ---- Colours and spectra ----
+
+// pbrt-v3 (core/paramset.cpp, spectrum.cpp) renders in RGB: a spectrum becomes the linear Rec.709
+// of its XYZ, without regard to the white of the lights, so that a constant 1 is no grey. pbrt-v4
+// (paramdict.cpp, lights.cpp, util/spectrum.cpp) renders in wavelengths under lights of daylight
+// D65, where a constant reflectance is grey.
+
+using Samples = std::vector<std::array<double, 2>>;
+
+struct Illuminant {
+  const char* name;
+  double kelvin;  ///< correlated colour temperature
+};
+constexpr Illuminant kIlluminants[] = {
+    {"stdillum-A", 2856},   {"stdillum-D50", 5003}, {"stdillum-F1", 6430},  {"stdillum-F2", 4230},
+    {"stdillum-F3", 3450},  {"stdillum-F4", 2940},  {"stdillum-F5", 6350},  {"stdillum-F6", 4150},
+    {"stdillum-F7", 6500},  {"stdillum-F8", 5000},  {"stdillum-F9", 4150},  {"stdillum-F10", 5000},
+    {"stdillum-F11", 4000}, {"stdillum-F12", 3000}, {"illum-acesD60", 6000}};
+
+Rgb with_luminance_1(const Rgb& c) {
+  const float y = luminance(c);
+  return y > 0 ? c / y : c;
+}
+
+// Colour of a spectrum as it is, not relative to the spectrum of equal energy.
+Rgb unadapted(const Samples& samples) {
+  return rgb_of_spectrum(samples) * rgb_of_xyz(Rgb(1));
+}
+
+Rgb of_samples(const Context& context, const Samples& samples, Use use) {
+  if (use == Use::light) {
+    const Rgb c = unadapted(samples);
+    return context.v4 ? with_luminance_1(c) : c;
+  }
+  return context.v4 ? rgb_of_spectrum(samples) : unadapted(samples);
+}
+
+// Luminance of a black body whose spectrum has its maximum at 1.
+float luminance_of_normalised(double kelvin) {
+  constexpr double kSecond = 1.438776877e7, kWien = 2.8977721e6;  // nm K
+  const auto planck = [&](double nm) {
+    return std::pow(nm, -5) / std::expm1(kSecond / (nm * kelvin));
+  };
+  const double most = planck(kWien / kelvin);
+  Samples samples;
+  for (int nm = 360; nm <= 830; nm += 5)
+    samples.push_back({static_cast<double>(nm), planck(nm) / most});
+  return luminance(unadapted(samples));
+}
+
+Rgb of_blackbody(const Context& context, const Parameter& p) {
+  if (p.numbers.size() != 1 && p.numbers.size() != 2)
+    Source::fail(p.place, fmt::format("\"{}\" must be a temperature in kelvin", shown(p.name)));
+  const double kelvin = p.numbers[0];
+  if (!(kelvin >= 100 && kelvin <= 1e6))
+    Source::fail(p.place, fmt::format("{} kelvin are not between 100 and 1000000", kelvin));
+  const float scale = p.numbers.size() == 2 ? static_cast<float>(p.numbers[1]) : 1.0f;
+  return rgb_of_blackbody(kelvin) * (context.v4 ? scale : scale * luminance_of_normalised(kelvin));
+}
+
+Samples sorted_samples(const std::vector<double>& numbers, const Place& place) {
+  if (numbers.empty() || numbers.size() % 2)
+    Source::fail(place, "a spectrum must be pairs of a wavelength and a value");
+  Samples samples;
+  for (size_t i = 0; i < numbers.size(); i += 2) samples.push_back({numbers[i], numbers[i + 1]});
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const auto& a, const auto& b) { return a[0] < b[0]; });
+  return samples;
+}
+
+// "metal-Cu-eta", "metal-Cu-k".
+std::optional<Rgb> of_metal(const std::string& name) {
+  if (!name.starts_with("metal-")) return {};
+  const size_t dash = name.rfind('-');
+  if (dash < 6) return {};
+  const std::string metal = name.substr(6, dash - 6), part = name.substr(dash + 1);
+  std::optional<std::array<Rgb, 2>> both = conductor_named(metal);
+  // Brass by refractiveindex.info; the oxides hardly absorb.
+  if (metal == "CuZn") both = {{{0.444f, 0.527f, 1.094f}, {3.695f, 2.765f, 1.829f}}};
+  if (metal == "MgO") both = {{Rgb(1.735f), Rgb(0)}};
+  if (metal == "TiO2") both = {{{2.59f, 2.65f, 2.80f}, Rgb(0)}};
+  if (!both || (part != "eta" && part != "k")) return {};
+  return (*both)[part == "k"];
+}
+
+Rgb of_name(Context& context, const Parameter& p, const std::string& name, Use use) {
+  if (use == Use::index) {
+    if (const auto metal = of_metal(name)) return *metal;
+    if (const auto ior = ior_named(name)) return Rgb(static_cast<float>(*ior));
+  }
+  if (name == "stdillum-D65") return Rgb(1);
+  for (const Illuminant& light : kIlluminants)
+    if (name == light.name) {
+      if (name != "stdillum-A")
+        context.source.lose(p.place, fmt::format("the spectrum \"{}\" becomes that of a black body "
+                                                 "of {} kelvin",
+                                                 name, light.kelvin));
+      return rgb_of_blackbody(light.kelvin);
+    }
+  // pbrt-v3 says "metal-Cu-eta" as "spds/Cu.eta.spd", which often comes without its file.
+  if (!context.source.has(name, p.place)) {
+    const size_t slash = name.find_last_of("/\\") + 1;
+    const std::string stem = name.substr(slash);
+    const size_t dot = stem.find('.');
+    if (use == Use::index && dot != std::string::npos)
+      for (const char* part : {"eta", "k"})
+        if (stem.substr(dot) == fmt::format(".{}.spd", part))
+          if (const auto metal = of_metal(fmt::format("metal-{}-{}", stem.substr(0, dot), part)))
+            return *metal;
+  }
+  const std::string bytes = context.source.read(name, p.place);
+  Tokens tokens(bytes, context.source.shown_name(name));
+  std::vector<double> numbers;
+  while (const std::optional<Token> token = tokens.next())
+    numbers.push_back(number_of(*token, tokens.place()));
+  return of_samples(context, sorted_samples(numbers, p.place), use);
+}
+
+Rgb of_three(const Parameter& p) {
+  if (p.numbers.size() != 3)
+    Source::fail(p.place, fmt::format("\"{}\" must be three numbers", shown(p.name)));
+  return {static_cast<float>(p.numbers[0]), static_cast<float>(p.numbers[1]),
+          static_cast<float>(p.numbers[2])};
+}
+
+}  // namespace
+
+std::optional<Rgb> colour_of(Context& context, const Parameters& list, const std::string& name,
+                             Use use) {
+  const Parameter* p = list.find(name, {"rgb", "color", "xyz", "blackbody", "spectrum"});
+  if (!p) return {};
+  Rgb colour;
+  if (p->type == "xyz")
+    colour = rgb_of_xyz(of_three(*p));
+  else if (p->type == "blackbody")
+    colour = of_blackbody(context, *p);
+  else if (p->type != "spectrum")
+    colour = of_three(*p);
+  else if (p->strings.size() == 1)
+    colour = of_name(context, *p, p->strings[0], use);
+  else
+    colour = of_samples(context, sorted_samples(p->numbers, p->place), use);
+  if (!is_finite(colour))
+    Source::fail(p->place, fmt::format("the values of \"{}\" are too large", shown(name)));
+  return max(colour, Rgb(0));
+}
+
+Rgb colour_of(Context& context, const Parameters& list, const std::string& name, Use use,
+              const Rgb& absent) {
+  return colour_of(context, list, name, use).value_or(absent);
+}
+
+double index_of(Context& context, const Parameters& list, const std::string& name, double absent) {
+  if (const Parameter* p = list.find(name, {"float"})) {
+    if (p->numbers.empty())
+      Source::fail(p->place, fmt::format("\"{}\" must be a number", shown(name)));
+    return p->numbers[0];
+  }
+  const auto spectrum = colour_of(context, list, name, Use::index);
+  return spectrum ? spectrum->y : absent;
 }
 
 }  // namespace tdpt::foreign::pbrt

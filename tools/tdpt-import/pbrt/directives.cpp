@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/pbrt/directives.h"
+#include "tools/tdpt-import/pbrt/builder.h"
 
 #include <algorithm>
 #include <iterator>
@@ -6,8 +6,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
-#include "tools/tdpt-import/pbrt/builder.h"
-#include "tools/tdpt-import/pbrt/transforms.h"
+#include "tools/tdpt-import/pbrt/context.h"
 
 namespace tdpt::foreign::pbrt {
 

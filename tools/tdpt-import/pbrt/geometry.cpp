@@ -14,8 +14,8 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/pbrt/inflate.h"
-#include "tools/tdpt-import/pbrt/transforms.h"
+#include "tools/tdpt-import/pbrt/context.h"
+#include "tools/tdpt-import/pbrt/parameters.h"
 
 namespace tdpt::foreign::pbrt {
 namespace {

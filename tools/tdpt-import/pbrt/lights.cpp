@@ -10,9 +10,8 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/images.h"
-#include "tools/tdpt-import/pbrt/spectra.h"
+#include "tools/tdpt-import/pbrt/context.h"
 #include "tools/tdpt-import/pbrt/textures.h"
-#include "tools/tdpt-import/pbrt/transforms.h"
 
 namespace tdpt::foreign::pbrt {
 namespace {

@@ -3,13 +3,173 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
+#include <zlib.h>
 
+#include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
 
 namespace tdpt::foreign::pbrt {
 namespace {
+
+// ---- Files compressed by gzip ----
+
+constexpr size_t kMost = size_t{1} << 30;
+constexpr size_t kStep = size_t{1} << 16;
+constexpr int kGzip = 16 + MAX_WBITS;
+
+}  // namespace
+
+bool is_gzip(std::string_view bytes) {
+  return bytes.substr(0, 2) == "\x1f\x8b";
+}
+
+std::string inflated(std::string_view bytes, const std::string& name) {
+  if (bytes.size() > std::numeric_limits<uInt>::max())
+    throw InputError(name, "", "more than 4 GiB of compressed bytes");
+  z_stream stream{};
+  if (inflateInit2(&stream, kGzip) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
+  // zlib does not write to its input; its interface only lacks the const.
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::string out;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    if (out.size() >= kMost) throw InputError(name, "", "more than 1 GiB when inflated");
+    const size_t before = out.size();
+    out.resize(before + kStep);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
+    stream.avail_out = static_cast<uInt>(kStep);
+    status = inflate(&stream, Z_NO_FLUSH);
+    out.resize(out.size() - stream.avail_out);
+  }
+  if (status == Z_MEM_ERROR) throw std::bad_alloc();
+  if (status != Z_STREAM_END) throw InputError(name, "", "the compressed bytes are broken");
+  return out;
+}
+
+namespace {
+
+// ---- Words ----
+
+constexpr size_t kDeepest = 16;  // the scene itself and 15 included files
+constexpr size_t kMostFiles = 10000, kMostBytes = size_t{1} << 33;  // files that repeat count again
+
+bool is_space(char c) {
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+bool ends_word(char c) {
+  return is_space(c) || c == '"' || c == '[' || c == ']' || c == '#';
+}
+
+char unescaped(char c) {
+  switch (c) {
+    case 'b':
+      return '\b';
+    case 'f':
+      return '\f';
+    case 'n':
+      return '\n';
+    case 'r':
+      return '\r';
+    case 't':
+      return '\t';
+    default:
+      return c;
+  }
+}
+
+}  // namespace
+
+Tokens::Tokens(std::string_view text, std::string shown_name) {
+  open_.push_back(std::make_unique<File>());
+  open_.back()->shown = std::move(shown_name);
+  open_.back()->text = text;
+}
+
+Place Tokens::place() const {
+  return last_;
+}
+
+std::optional<Token> Tokens::next() {
+  if (again_) {
+    std::optional<Token> token = std::move(again_);
+    again_.reset();
+    return token;
+  }
+  while (!open_.empty()) {
+    File& f = *open_.back();
+    while (f.at < f.text.size()) {
+      const char c = f.text[f.at];
+      if (c == '\n') ++f.line;
+      if (is_space(c)) {
+        ++f.at;
+        continue;
+      }
+      if (c == '#') {
+        while (f.at < f.text.size() && f.text[f.at] != '\n') ++f.at;
+        continue;
+      }
+      last_ = {f.shown, "line " + std::to_string(f.line)};
+      if (c == '[' || c == ']') {
+        ++f.at;
+        return Token{c == '[' ? Token::Kind::open : Token::Kind::close, std::string(1, c), f.line};
+      }
+      if (c == '"') {
+        ++f.at;
+        return Token{Token::Kind::quoted, quoted(f), f.line};
+      }
+      const size_t from = f.at;
+      while (f.at < f.text.size() && !ends_word(f.text[f.at])) ++f.at;
+      return Token{Token::Kind::word, std::string(f.text.substr(from, f.at - from)), f.line};
+    }
+    if (open_.size() == 1) return {};
+    open_.pop_back();
+  }
+  return {};
+}
+
+std::string Tokens::quoted(File& f) {
+  std::string out;
+  while (f.at < f.text.size()) {
+    char c = f.text[f.at++];
+    if (c == '"') return out;
+    if (c == '\n') break;
+    if (c == '\\') {
+      if (f.at == f.text.size() || f.text[f.at] == '\n') break;
+      c = unescaped(f.text[f.at++]);
+    }
+    out += c;
+  }
+  Source::fail(last_, "a string does not end on its line");
+}
+
+void Tokens::include(Source& source, const std::string& given) {
+  const Place place = last_;
+  const std::string name = std::filesystem::path(given).lexically_normal().string();
+  for (const auto& file : open_)
+    if (file->name == name || source.shown_name(name) == file->shown)
+      Source::fail(place, "\"" + shown(name) + "\" includes itself");
+  if (open_.size() >= kDeepest) Source::fail(place, "more than 15 files include each other");
+  auto file = std::make_unique<File>();
+  file->name = name;
+  file->shown = source.shown_name(name);
+  file->bytes = source.read(name, place);
+  if (is_gzip(file->bytes)) file->bytes = inflated(file->bytes, file->shown);
+  file->text = file->bytes;
+  bytes_ += file->bytes.size();
+  if (++files_ > kMostFiles || bytes_ > kMostBytes)
+    Source::fail(place, "more files are included than 10000, or more than 8 GiB");
+  open_.push_back(std::move(file));
+}
+
+namespace {
+
+// ---- Parameter lists ----
 
 // Type and name of "type name".
 void declare(Parameter& p, const std::string& words) {

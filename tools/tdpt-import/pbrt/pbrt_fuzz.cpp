@@ -1,5 +1,5 @@
 // Parses arbitrary bytes as a scene of pbrt; what was read must hold together.
-#include "tools/tdpt-import/pbrt/pbrt.h"
+#include "tools/tdpt-import/described.h"
 
 #include "tools/tdpt-import/testing/sound.h"
 

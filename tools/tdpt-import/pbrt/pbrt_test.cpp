@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/pbrt/pbrt.h"
+#include "tools/tdpt-import/described.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

@@ -6,7 +6,6 @@
 
 #include "tools/tdpt-import/pbrt/context.h"
 #include "tools/tdpt-import/pbrt/parameters.h"
-#include "tools/tdpt-import/pbrt/spectra.h"
 
 namespace tdpt::foreign::pbrt {
 

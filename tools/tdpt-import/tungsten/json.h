@@ -8,7 +8,6 @@
 #include <unordered_map>
 
 #include "tools/tdpt-import/described.h"
-#include "tools/tdpt-import/source.h"
 
 namespace tdpt::foreign::tungsten {
 

@@ -1,5 +1,5 @@
 // Parses arbitrary bytes as a Tungsten scene; what was read must hold together.
-#include "tools/tdpt-import/tungsten/tungsten.h"
+#include "tools/tdpt-import/described.h"
 
 #include "tools/tdpt-import/testing/sound.h"
 

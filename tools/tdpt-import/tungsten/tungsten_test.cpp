@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/tungsten/tungsten.h"
+#include "tools/tdpt-import/described.h"
 
 #include <cmath>
 #include <numbers>

@@ -28,7 +28,6 @@ Number alpha(const Reader& r, double absent, const std::string& prefix = "");
 
 /// Clamped to 0..1.
 Colour scaled(const Colour& c, float k);
-bool is_black(const Rgb& c);
 
 /// A glossy lobe ks * Fresnel(ior) beside, not above, a Lambertian kd: of the light that enters,
 /// the part kd / (1 - share reflected) must come out.
@@ -36,9 +35,6 @@ Material lobes(const Reader& r, const Colour& kd, const Rgb& ks, double ior, con
 
 /// A dielectric surface between bodies.
 Surface body(const Reader& r, double ior, const Colour& tint, const Number& alpha);
-
-/// Conductor of `prefix` + eta and k; copper is the default.
-Surface metal_of(const Reader& r, const Number& alpha, const std::string& prefix = "");
 
 struct SurfaceKind {
   const char* name;

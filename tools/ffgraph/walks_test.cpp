@@ -1,5 +1,3 @@
-// The sky as patches of the network: no light leaks into a closed box, a window connects it to the
-// sky, and a sun outshines no window.
 #include <cmath>
 #include <numbers>
 
@@ -8,7 +6,10 @@
 #include "tools/ffgraph/rounds.h"
 #include "tools/ffgraph/walks.h"
 
-namespace tdpt::sky_test {
+namespace tdpt::walks_test {
+
+// The sky as patches of the network: no light leaks into a closed box, a window connects it to the
+// sky, and a sun outshines no window.
 
 // A box from -0.5 to 0.5 with a square hole of side `hole` in one wall; 0: none.
 Scene box(float hole) {
@@ -158,4 +159,4 @@ TEST(sky_lines, come_from_outside_and_half_of_them_to_the_aim) {
   EXPECT_NEAR(of_sun, 0.5 * kLines, 0.03 * kLines);
 }
 
-}  // namespace tdpt::sky_test
+}  // namespace tdpt::walks_test

@@ -1,13 +1,12 @@
-#include "tools/portalfit/plane.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
+#include "tools/portalfit/plane.h"
 
-namespace tdpt::polygon_test {
+namespace tdpt::plane_test {
 
 Polygon circle(size_t n) {
   Polygon p;
@@ -89,4 +88,4 @@ TEST(Polygon, CutsThroughACornerLeaveNoEdgeWithoutLength) {
     }
 }
 
-}  // namespace tdpt::polygon_test
+}  // namespace tdpt::plane_test

@@ -1,13 +1,14 @@
-// Closed forms: J. R. Howell's catalogue of configuration factors, C-11 (parallel squares) and C-14
-// (perpendicular rectangles with a common edge). Squares are two triangles, so
-// F_AB = (1/A) sum over triangles i of A, j of B: A_i F_ij.
-#include "tools/ffgraph/triangle_flow.h"
-
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-namespace tdpt::form_factor_test {
+#include "tools/ffgraph/triangle_flow.h"
+
+namespace tdpt::triangle_flow_test {
+
+// Closed forms: J. R. Howell's catalogue of configuration factors, C-11 (parallel squares) and C-14
+// (perpendicular rectangles with a common edge). Squares are two triangles, so
+// F_AB = (1/A) sum over triangles i of A, j of B: A_i F_ij.
 
 using Square = std::array<FacingTriangle, 2>;
 
@@ -117,4 +118,4 @@ TEST(form_factor, is_0_through_a_wall_and_whole_without) {
   EXPECT_GT(form_factor(low, near, 8, 8, rng, &tracer), 0);
 }
 
-}  // namespace tdpt::form_factor_test
+}  // namespace tdpt::triangle_flow_test

@@ -1,20 +1,81 @@
+#include "tools/tdpt-import/meshes/meshes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "libcommon/base/words.h"
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+
+namespace tdpt::foreign {
+namespace {
+
+Vec3d position(const Mesh& mesh, uint32_t vertex) {
+  const Vec3f& p = mesh.positions[vertex];
+  return {p.x, p.y, p.z};
+}
+
+bool is_unit(const Vec3f& n) {
+  return n.x != 0 || n.y != 0 || n.z != 0;
+}
+
+// In double precision, since squares of small or large floats leave the range of float.
+Vec3f unit_or_zero(const Vec3d& n) {
+  const double l = length(n);
+  if (!(l > 0) || !std::isfinite(l)) return {};
+  return {static_cast<float>(n.x / l), static_cast<float>(n.y / l), static_cast<float>(n.z / l)};
+}
+
+void mend_normals(Mesh& mesh) {
+  size_t usable = 0;
+  for (Vec3f& n : mesh.normals) {
+    n = unit_or_zero({n.x, n.y, n.z});
+    usable += is_unit(n);
+  }
+  if (usable == 0) mesh.normals.clear();
+  if (usable == mesh.normals.size()) return;
+  std::vector<Vec3d> sums(mesh.positions.size());  // weighted by area
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3d at = position(mesh, a);
+    const Vec3d n = cross(position(mesh, b) - at, position(mesh, c) - at);
+    for (const uint32_t corner : {a, b, c}) sums[corner] = sums[corner] + n;
+  }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    if (is_unit(mesh.normals[i])) continue;
+    mesh.normals[i] = unit_or_zero(sums[i]);
+    if (!is_unit(mesh.normals[i])) mesh.normals[i] = {0, 0, 1};  // only of triangles without area
+  }
+}
+
+}  // namespace
+
+void check(Mesh& mesh, const std::string& name) {
+  if (mesh.triangles.empty()) throw InputError(name, "", "has no faces");
+  for (size_t i = 0; i < mesh.positions.size(); ++i)
+    if (!is_finite(mesh.positions[i]))
+      throw InputError(name, fmt::format("vertex {}", i), "its position is not finite");
+  for (size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const uint32_t corner : mesh.triangles[i])
+      if (corner >= mesh.positions.size())
+        throw InputError(name, fmt::format("face {}", i),
+                         fmt::format("refers to vertex {}, but the file has only {}", corner,
+                                     mesh.positions.size()));
+  for (auto& uv : mesh.uv)
+    for (float& x : uv)
+      if (!std::isfinite(x)) x = 0;
+  mend_normals(mesh);
+}
+
+namespace {
+
 // Mitsuba's .serialized, versions 3 and 4, little-endian. Each shape: the magic number and version
 // (16 bits each), then a zlib stream of flags, in version 4 a name that ends with 0, counts of
 // vertices and triangles (64 bits each), and arrays of positions, normals, texture coordinates,
 // colours and corners. The file ends with the offset of each shape (64 bits, in version 3 32) and
 // their number.
-#include <zlib.h>
-
-#include <fmt/format.h>
-#include <algorithm>
-
-#include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
-#include "tools/tdpt-import/meshes/checked.h"
-#include "tools/tdpt-import/meshes/meshes.h"
-
-namespace tdpt::foreign {
-namespace {
 
 constexpr uint16_t kMagic = 0x041C;
 enum Flags : uint32_t { normals = 1, uv = 2, colours = 8, face_normals = 0x10, in_double = 0x2000 };
@@ -145,6 +206,51 @@ Mesh read_serialized(std::string_view bytes, const std::string& name, size_t ind
     mesh.triangles.push_back({v(0), v(1), v(2)});
   });
   check(mesh, name);
+  return mesh;
+}
+
+namespace {
+
+// Tungsten's .wo3, little-endian: a count (64 bits) of vertices and these, each a position, a
+// normal and uv as 8 floats; a count of triangles and these, each 3 corners and a material as 4
+// integers.
+
+// Takes a count and that many records off the front of `bytes`.
+std::string_view records(std::string_view& bytes, size_t size, const char* what,
+                         const std::string& name) {
+  if (bytes.size() < 8) throw InputError(name, "", fmt::format("ends before its {}", what));
+  const auto count = value_at<uint64_t>(bytes.data());
+  bytes.remove_prefix(8);
+  if (count > bytes.size() / size)
+    throw InputError(name, "",
+                     fmt::format("has {} {} by its count, but bytes for only {}", count, what,
+                                 bytes.size() / size));
+  const std::string_view taken = bytes.substr(0, count * size);
+  bytes.remove_prefix(taken.size());
+  return taken;
+}
+
+}  // namespace
+
+Mesh read_wo3(std::string_view bytes, const std::string& name) {
+  constexpr size_t vertex_size = 32, triangle_size = 16;
+  const std::string_view vertices = records(bytes, vertex_size, "vertices", name);
+  const std::string_view triangles = records(bytes, triangle_size, "triangles", name);
+  if (!bytes.empty())
+    throw InputError(name, "", counted(bytes.size(), "byte") + " after the last triangle");
+  Mesh mesh;
+  for (size_t at = 0; at < vertices.size(); at += vertex_size) {
+    const auto f = [&](size_t i) { return value_at<float>(vertices.data() + at + 4 * i); };
+    mesh.positions.push_back({f(0), f(1), f(2)});
+    mesh.normals.push_back({f(3), f(4), f(5)});
+    mesh.uv.push_back({f(6), f(7)});
+  }
+  for (size_t at = 0; at < triangles.size(); at += triangle_size) {
+    const auto corner = [&](size_t i) { return value_at<uint32_t>(triangles.data() + at + 4 * i); };
+    mesh.triangles.push_back({corner(0), corner(1), corner(2)});
+  }
+  check(mesh, name);
+  flip_v(mesh);
   return mesh;
 }
 

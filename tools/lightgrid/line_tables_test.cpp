@@ -1,4 +1,3 @@
-// Lines from the sky: Embree, the Vulkan device and the scalar build of its kernels compared.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -8,7 +7,9 @@
 #include "tools/lightgrid/line_tables.h"
 #include "tools/lightgrid/testing/lines.h"
 
-namespace tdpt::testing::sky_dome_test {
+namespace tdpt::testing::line_tables_test {
+
+// Lines from the sky: Embree, the Vulkan device and the scalar build of its kernels compared.
 
 // Two rooms without a ceiling under a sky, whose bins are connected to the upward faces in one of
 // them.
@@ -96,4 +97,4 @@ TEST(LinesUnderASky, are_free_and_end_at_the_grid) {
   EXPECT_LE(met_on_the_way, seen / 500);  // along edges
 }
 
-}  // namespace tdpt::testing::sky_dome_test
+}  // namespace tdpt::testing::line_tables_test
