@@ -339,7 +339,7 @@ class Reader {
     for (std::string key; meta[key = key_of_pane(light.panes.size(), "front")];) {
       const vdb::Vec3d f = value<vdb::Vec3d>(meta, key.c_str());
       const vdb::Vec3d b = value<vdb::Vec3d>(meta, key_of_pane(light.panes.size(), "back").c_str());
-      const Pane pane{{f.x(), f.y(), f.z()}, {b.x(), b.y(), b.z()}};
+      const GridPane pane{{f.x(), f.y(), f.z()}, {b.x(), b.y(), b.z()}};
       if (!is_pane(pane)) fail(key, "has no thickness, expected two places apart from each other");
       if (light.panes.size() == kMostPanes)
         fail(key, fmt::format("is one pane more than {}, expected no more", kMostPanes));

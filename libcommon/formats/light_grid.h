@@ -34,9 +34,9 @@ struct Probe {
 
 /// A sheet of solid glass, between two parallel planes: a point of one face and that of the other
 /// which is opposite [metres]. Panes in one plane are one.
-struct Pane {
+struct GridPane {
   Vec3d front, back;
-  bool operator==(const Pane&) const = default;
+  bool operator==(const GridPane&) const = default;
 };
 
 /// How narrow the passage through one cut is.
@@ -66,7 +66,7 @@ struct LightGrid {
   /// the most frequent first; at most kMostWalls; empty: unknown.
   std::vector<Vec3d> walls{};
   /// The largest first; at most kMostPanes; empty: none, or unknown.
-  std::vector<Pane> panes{};
+  std::vector<GridPane> panes{};
   std::string scene_hash;
   std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
   Provenance provenance;
@@ -117,7 +117,7 @@ constexpr size_t kMostWalls = 16;
 constexpr size_t kMostPanes = 64;
 
 /// Whether its faces are finite places apart from each other.
-inline bool is_pane(const Pane& pane) {
+inline bool is_pane(const GridPane& pane) {
   const double thick = length(pane.back - pane.front);
   return is_finite(pane.front) && thick > 0 && std::isfinite(thick);
 }

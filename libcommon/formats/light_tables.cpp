@@ -95,7 +95,7 @@ struct Header {
   std::optional<Answer> answer;
   std::vector<CutFigures> cuts;
   std::vector<Vec3d> walls;
-  std::vector<Pane> panes;
+  std::vector<GridPane> panes;
   Provenance provenance;
 };
 
@@ -258,8 +258,8 @@ class TableReader {
   }
 
   // Number `n` of the panes.
-  void read_pane(size_t n, std::vector<Pane>& panes) {
-    Pane pane;
+  void read_pane(size_t n, std::vector<GridPane>& panes) {
+    GridPane pane;
     for (Vec3d* const face : {&pane.front, &pane.back})
       for (int c = 0; c < 3; ++c) (*face)[c] = in_.real("pane");
     in_.end();
@@ -267,7 +267,7 @@ class TableReader {
       in_.fail("a pane without thickness, expected two places apart from each other");
     if (n == kMostPanes) in_.fail(fmt::format("one pane more than {}", kMostPanes));
     if (n == panes.size()) panes.push_back(pane);
-    std::optional<Pane> known = panes[n];
+    std::optional<GridPane> known = panes[n];
     same(known, pane, "pane");
   }
 

@@ -12,6 +12,7 @@ namespace tdpt::film_plane_test {
 
 Camera camera() {
   Camera c;
+  c.position = {0.3, -0.2, 0.1};
   c.forward = normalize(Vec3d(1, -0.5, 0.3));
   c.right = normalize(cross(c.forward, Vec3d(0, 1, 0)));
   c.up = cross(c.right, c.forward);
@@ -63,16 +64,6 @@ TEST(FilmPlane, DensityIntegratesToOneOverTheSphere) {
   const double mean = sum / n, error = std::sqrt((squares / n - mean * mean) / n);
   EXPECT_NEAR(mean, 1, 4 * error);
   EXPECT_GT(std::abs(faulty / n - 1), 4 * error);
-}
-
-Camera camera() {
-  Camera c;
-  c.position = {0.3, -0.2, 0.1};
-  c.forward = normalize(Vec3d(1, -0.5, 0.3));
-  c.right = normalize(cross(c.forward, Vec3d(0, 1, 0)));
-  c.up = cross(c.right, c.forward);
-  c.yfov = 0.9;
-  return c;
 }
 
 const FilmPlane kFilm(camera(), 64, 48);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "libcommon/base/words.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 

@@ -163,7 +163,6 @@ void warn_of_no_flow(const cli::Common& common, const Loaded& in, const GraphRep
 
 using cli::Decision;
 using cli::Decisions;
-using cli::plural;
 
 // All surfaces are treated as diffuse: only transmission and lamps matter.
 Decisions of_scene(const Scene& scene) {
@@ -173,7 +172,7 @@ Decisions of_scene(const Scene& scene) {
 // `after`: conductance of the narrowest opening after the round.
 std::string gain(const RoundReport& round, double after) {
   return fmt::format("the narrowest of {} let {} of the smaller side's light pass, now {}",
-                     plural(round.openings, "opening"), number_words(round.conductance, 2),
+                     counted(round.openings, "opening"), number_words(round.conductance, 2),
                      number_words(after, 2));
 }
 
@@ -210,7 +209,7 @@ Decisions decisions_of(const Scene& scene, const LightFlow& flow, const GraphRep
                            last ? narrowest_opening(flow) : report.by_round[i + 1].conductance));
   }
   all.push_back(
-      {"splitting", fmt::format("stopped after {}", plural(report.rounds, "round")),
+      {"splitting", fmt::format("stopped after {}", counted(report.rounds, "round")),
        report.why_stopped,
        fmt::format("{} rays, {} in all", report.rays, cli::price_of(report.phases, {"patches"}))});
   return all;
@@ -229,7 +228,7 @@ Decisions decisions_of(const Scene& scene, const TriangleSettings& settings,
   all.push_back(largest("triangles that are lit", report.lit, report.kept_lit));
   all.push_back(largest("triangles that are seen", report.seen, report.kept_seen));
   all.push_back({"light and camera", report.shared > 0 ? "joined directly" : "not joined directly",
-                 fmt::format("{} are both lit and seen", plural(report.shared, "triangle")),
+                 fmt::format("{} are both lit and seen", counted(report.shared, "triangle")),
                  cli::price_of(report.phases, {"patches"})});
   return all;
 }

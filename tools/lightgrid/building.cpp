@@ -236,9 +236,9 @@ std::vector<Face> flat_faces(const Scene& scene) {
 
 }  // namespace
 
-std::vector<Pane> solid_panes(const Scene& scene) {
+std::vector<GridPane> solid_panes(const Scene& scene) {
   const std::vector<Face> faces = flat_faces(scene);
-  std::vector<Pane> panes;
+  std::vector<GridPane> panes;
   std::vector<uint8_t> paired(faces.size(), 0);
   for (size_t f = 0; f < faces.size() && panes.size() < kMostPanes; ++f) {
     const Vec3d n = faces[f].normal(), at = faces[f].place();

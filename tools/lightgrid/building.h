@@ -25,6 +25,6 @@ std::vector<Vec3d> wall_directions(const Scene& scene, const LightGrid& grid);
 /// Solids of glass between two parallel planes that are less than half as thick as wide; glass that
 /// is curved or a sheet without thickness is none. The largest first, at most kMostPanes. Faces
 /// must point out of the glass.
-std::vector<Pane> solid_panes(const Scene& scene);
+std::vector<GridPane> solid_panes(const Scene& scene);
 
 }  // namespace tdpt

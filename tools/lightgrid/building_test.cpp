@@ -115,7 +115,7 @@ TEST(Panes, are_sheets_of_solid_glass) {
   Scene scene = scene_of_glass();
   scene.frame = {{5, 0, 0}, 0.5};  // a metre is half a unit
   add_box(scene, {0, 0, 0}, {1, 1, 0.01}, 0);
-  const std::vector<Pane> panes = solid_panes(scene);
+  const std::vector<GridPane> panes = solid_panes(scene);
   ASSERT_EQ(panes.size(), 1u);
   EXPECT_NEAR(length(panes[0].back - panes[0].front), 0.02, 1e-6);
   EXPECT_NEAR(std::abs(panes[0].back.z - panes[0].front.z), 0.02, 1e-6);
@@ -124,9 +124,9 @@ TEST(Panes, are_sheets_of_solid_glass) {
   add_box(scene, {2, 0, 0}, {3, 1, 0.01}, 0);
   EXPECT_EQ(solid_panes(scene).size(), 1u);
   add_box(scene, {0, 0, 0.02}, {1, 1, 0.03}, 0);
-  const std::vector<Pane> two = solid_panes(scene);
+  const std::vector<GridPane> two = solid_panes(scene);
   ASSERT_EQ(two.size(), 2u);
-  for (const Pane& pane : two) EXPECT_NEAR(length(pane.back - pane.front), 0.02, 1e-6);
+  for (const GridPane& pane : two) EXPECT_NEAR(length(pane.back - pane.front), 0.02, 1e-6);
 }
 
 TEST(Panes, are_no_other_things) {

@@ -209,7 +209,6 @@ void report(const cli::Common& common, const FoundCuts& found, Json& summary) {
 
 using cli::Decision;
 using cli::Decisions;
-using cli::plural;
 
 // The two figures by which every cut is judged.
 std::string figures(const CutFacts& f, const CutLimits& limits) {
@@ -219,7 +218,7 @@ std::string figures(const CutFacts& f, const CutLimits& limits) {
 }
 
 Decision of_search(const FoundCuts::OfCamera& found, const std::string& price) {
-  return {"search", fmt::format("ended after {} of the potential", plural(found.drops, "drop")),
+  return {"search", fmt::format("ended after {} of the potential", counted(found.drops, "drop")),
           found.passed > 0
               ? fmt::format("{} more {} wider", found.passed, found.passed == 1 ? "is" : "are")
               : "the potential falls nowhere else",
@@ -247,7 +246,7 @@ void add_camera(const FoundCuts::OfCamera& found, const std::string& name, size_
   all.push_back(of_search(found, price));
   all.back().what = before + all.back().what;
   if (const size_t more = one_too_many(found, limits); more > 0)
-    all.push_back({before + plural(more, "bottleneck"), "left out",
+    all.push_back({before + counted(more, "bottleneck"), "left out",
                    fmt::format("--cuts is {}, and others promise more", most), ""});
 }
 
@@ -259,8 +258,8 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
     all.push_back({fmt::format("cut {}", c + 1), "kept",
                    fmt::format("light has to pass it: {}; {}", figures(found.facts[c], limits),
                                words_for(found.facts[c])),
-                   plural(pairs_of(found.file, c), "pivot pair")});
-  const std::string flows = fmt::format("{}, verified", plural(found.flows, "maximum flow"));
+                   counted(pairs_of(found.file, c), "pivot pair")});
+  const std::string flows = fmt::format("{}, verified", counted(found.flows, "maximum flow"));
   for (size_t k = 0; k < found.cameras.size(); ++k) {
     const bool last = k + 1 == found.cameras.size();
     add_camera(found.cameras[k], found.file.name_if_several(k), most, limits,
@@ -268,7 +267,7 @@ Decisions decisions_of(const FoundCuts& found, size_t most, const CutLimits& lim
   }
   if (found.left_out > 0)
     all.push_back(
-        {plural(found.left_out, "cut"), "left out",
+        {counted(found.left_out, "cut"), "left out",
          fmt::format("a file has {} at most, and others of the camera promise more", kMostCuts),
          ""});
   if (!found.file.bottleneck)

@@ -74,7 +74,7 @@ double way_out_of_glass(const FitInput& in, const Aperture& a) {
   double way = 0;
   // Two sheets may stand one behind the other.
   for (size_t again = 0; again < 2; ++again)
-    for (const Pane& pane : in.grid.panes) {
+    for (const GridPane& pane : in.grid.panes) {
       const double thick = length(pane.back - pane.front);
       const Vec3d across = (pane.back - pane.front) / thick;
       const double cosine = dot(across, n);

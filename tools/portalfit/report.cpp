@@ -34,7 +34,7 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
 
 Decision of_search(const LightGrid& grid, const FitResult& found, const Phases& phases) {
   const std::string chosen = fmt::format(
-      "{} looked at, {} fitted", cli::plural(found.candidates, "candidate"), found.portals.size());
+      "{} looked at, {} fitted", counted(found.candidates, "candidate"), found.portals.size());
   const std::string price = cli::price_of(phases, {"fit"});
   return {"search", chosen,
           fmt::format("{} of {} lines cross what was found", percent(found.explained),
