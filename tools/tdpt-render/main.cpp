@@ -3,6 +3,7 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/denoise/oidn.h"
 #include "libcommon/gpu/device_options.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/shot.h"
 
@@ -27,10 +28,10 @@ int run(const RenderArguments& a, const cli::Common& common) {
   choose_processor_code(a.isa, common.arguments);
   if (a.denoiser == kDenoisers.back())
     denoise::OpenImageDenoise();  // or there is no use in rendering
-  Workshop shop{device_asked(a.device)};
+  Scenery scenery(device_asked(a.device));
   catch_signals();
-  if (a.shot.is_given()) return render_shot(a, common, shop);
-  return render_picture(a, common, shop).code;
+  if (a.shot.is_given()) return render_shot(a, common, scenery);
+  return render_picture(a, common, scenery).code;
 }
 
 }  // namespace

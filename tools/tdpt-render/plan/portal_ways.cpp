@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "libcommon/math/streams.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/streams.h"
 
 namespace tdpt {
 namespace {

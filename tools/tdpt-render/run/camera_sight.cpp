@@ -27,7 +27,8 @@ bool sees_only_backs(const Vista& vista) {
   for (int i = 0; i < kRays * kRays; ++i) {
     const Vec3d w = direction_of(vista.view.film, i);
     Hit hit;
-    if (!vista.world->tracer.first_seen(vista.view.film.position(), w, hit) || dot(hit.normal, w) < 0)
+    if (!vista.world->tracer.first_seen(vista.view.film.position(), w, hit) ||
+        dot(hit.normal, w) < 0)
       return false;
   }
   return true;
@@ -37,7 +38,8 @@ bool sees_only_backs(const Vista& vista) {
 bool lens_is_cut(const Vista& vista) {
   const Vec3d middle = vista.view.film.position();
   for (int i = 0; i < 64; ++i) {
-    const FilmPlane drawn = vista.view.blur.draw(vista.view.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
+    const FilmPlane drawn =
+        vista.view.blur.draw(vista.view.film, (i % 8 + 0.5) / 8, (i / 8 + 0.5) / 8, 0.5);
     if (!vista.world->tracer.visible({middle}, {drawn.position()})) return true;
   }
   return false;
@@ -94,7 +96,8 @@ double distance_in_the_middle(const World& world, const FilmPlane& film) {
 }
 
 std::string why_black(const Vista& vista) {
-  if (sees_only_backs(vista)) return "the camera sees only backs of surfaces: does it stand in a wall?";
+  if (sees_only_backs(vista))
+    return "the camera sees only backs of surfaces: does it stand in a wall?";
   if (vista.view.blur.any() && lens_is_cut(vista))
     return "surfaces cut through the lens of the camera: is --f-stop too small?";
   return "are the samples too few, or is a door shut?";

@@ -1,7 +1,7 @@
 #include "tools/tdpt-render/run/checkpoint.h"
 
 #include <algorithm>
-#include <charconv>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -12,6 +12,18 @@
 
 namespace tdpt {
 namespace {
+
+// An empty file does not count: it may be a placeholder for one to come.
+bool is_there(const std::string& path) {
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(path, failed);
+  return !failed && size > 0;
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  return !b.empty() &&
+         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
+}
 
 // To the command that began the picture, in its provenance.
 void add_option(const std::string& option, std::map<std::string, std::string>& attributes) {
@@ -98,19 +110,10 @@ void check_part(const RenderArguments& a, const Progress& progress, const std::s
 
 }  // namespace
 
-SampleRange samples_of_shard(const std::string& shard, uint64_t samples) {
-  uint64_t index = 0, of = 1;
-  const char* const end = shard.data() + shard.size();
-  const auto first = std::from_chars(shard.data(), end, index);
-  const bool is_pair = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-  const auto second = is_pair ? std::from_chars(first.ptr + 1, end, of) : first;
-  if (!is_pair || second.ec != std::errc() || second.ptr != end || index >= of || of > 1 << 20)
-    throw UsageError("--shard " + shard +
-                     ": expected I/N with I from 0 to N - 1, N up to 1048576");
-  const auto at = [&](uint64_t i) {
-    return static_cast<uint64_t>(static_cast<unsigned __int128>(samples) * i / of);
-  };
-  return {at(index), at(index + 1) - at(index)};
+void check_checkpoint(const RenderArguments& a) {
+  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
+    throw UsageError("--checkpoint " + a.checkpoint +
+                     ": is there already; go on from it with --resume, or remove it");
 }
 
 void take_part(const RenderArguments& a, Progress& progress) {

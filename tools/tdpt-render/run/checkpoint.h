@@ -11,9 +11,8 @@
 
 namespace tdpt {
 
-/// The samples of "I/N", the I-th of N parts of a picture of so many; parts differ by at most one
-/// sample. Throws UsageError.
-SampleRange samples_of_shard(const std::string& shard, uint64_t samples);
+/// Throws UsageError for a checkpoint that would be overwritten.
+void check_checkpoint(const RenderArguments& a);
 /// Makes `progress` that of the part, where there is --shard.
 void take_part(const RenderArguments& a, Progress& progress);
 

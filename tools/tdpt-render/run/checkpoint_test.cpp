@@ -52,8 +52,9 @@ TEST(options, that_contradict_each_other_are_refused) {
   EXPECT_NE(refusal([](RenderArguments& a) { a.shard = "0/2"; }).find("needs --spp"),
             std::string::npos);
   for (double RenderArguments::*limit : {&RenderArguments::seconds, &RenderArguments::target_error})
-    EXPECT_NE(refusal([&](RenderArguments& a) { a.shard = "0/2", a.spp = 4, a.*limit = 1; })
-                  .find("needs --spp"),
+    EXPECT_NE(refusal([&](RenderArguments& a) {
+                a.shard = "0/2", a.spp = 4, a.*limit = 1;
+              }).find("needs --spp"),
               std::string::npos);
   EXPECT_EQ(refusal([](RenderArguments& a) { a.add_samples = 4; }),
             "--add-samples: needs --resume with the film of the picture");

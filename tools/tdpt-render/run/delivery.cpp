@@ -12,8 +12,8 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/formats/tone.h"
-#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/integrators/features.h"
+#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {
@@ -21,6 +21,8 @@ namespace {
 
 // Value of kFrameAttribute for a frame that a signal interrupted.
 constexpr const char* kIncomplete = "incomplete";
+
+constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // Red where a pixel got some contribution, green where it is black.
 std::string nonzero_png(const Picture& picture) {
@@ -54,7 +56,8 @@ std::vector<std::string> derived_of(const RenderArguments& a) {
   for (const std::string& name : aovs_of(a))
     if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
       derived.push_back(name);
-  if (a.filters()) derived.push_back(denoise::kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
+  if (a.filters())
+    derived.push_back(denoise::kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
   return derived;
 }
 
@@ -86,6 +89,22 @@ bool Delivery::save(const Plan& plan, Progress& progress, const Channels& channe
   return false;
 }
 
+void Delivery::renew(const Plan& plan, Progress& progress) {
+  const auto each = [&](double& due, double every, const auto& work) {
+    if (due == 0) due = progress.began + every;
+    if (progress.seconds < due) return;
+    const auto before = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    due = progress.seconds + std::max(every, 10 * took.count());
+  };
+  if (!checkpoint().empty())
+    each(due_[0], a_.checkpoint_every < 0 ? kCheckpointEvery : a_.checkpoint_every,
+         [&] { save(plan, progress); });
+  if (!a_.preview.empty()) each(due_[1], kPreviewEvery, [&] { show(progress.film.picture()); });
+}
+
+// A failure is ignored: the final write will report it.
 void Delivery::show(const Picture& picture) const {
   try {
     const std::optional<double> exposure = exposure_of(picture, a_.preview, a_.exposure);

@@ -1,6 +1,7 @@
 // The files of a picture: checkpoints and previews on the way, the picture and whatever else was
 // asked for at the end.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -18,11 +19,15 @@ class Delivery {
       : a_(a), common_(common), facts_(std::move(facts)) {}
 
   /// Where the checkpoint is kept; empty: nowhere.
-  const std::string& checkpoint() const { return a_.checkpoint.empty() ? a_.resume : a_.checkpoint; }
-  /// Writes it. A failure is only a warning, since the previous one stays whole; returns false then.
+  const std::string& checkpoint() const {
+    return a_.checkpoint.empty() ? a_.resume : a_.checkpoint;
+  }
+  /// Writes it. A failure is only a warning, since the previous one stays whole; returns false
+  /// then.
   bool save(const Plan& plan, Progress& progress, const Channels& channels = {}) const;
-  /// Writes the preview. A failure is ignored: the final write will report it.
-  void show(const Picture& picture) const;
+  /// Between passes: renews checkpoint and preview where they are due, each for at most a tenth of
+  /// the time.
+  void renew(const Plan& plan, Progress& progress);
 
   /// What became of the picture after its last sample.
   struct Finish {
@@ -36,11 +41,13 @@ class Delivery {
                  const std::function<std::string(const Finish&)>& stats);
 
  private:
+  void show(const Picture& picture) const;
   std::string film_of(const Plan& plan, Progress& progress, const Channels& channels) const;
 
   const RenderArguments& a_;
   const cli::Common& common_;
   FilmFacts facts_;
+  std::array<double, 2> due_{};  // when checkpoint and preview are [s]; 0: not known
 };
 
 /// The --aov channels that are computed from the film's sums, and the filter: FilmFacts::derived.

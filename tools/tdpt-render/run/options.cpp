@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
+#include <charconv>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,10 +11,9 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/denoise/filter_picture.h"
 #include "libcommon/gpu/device_options.h"
+#include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/sample/walk.h"
-#include "tools/tdpt-render/run/checkpoint.h"
-#include "tools/tdpt-render/integrators/features.h"
 
 namespace tdpt {
 namespace {
@@ -87,15 +86,18 @@ bool keeps_halves(const RenderArguments& a) {
          });
 }
 
-bool is_there(const std::string& path) {
-  std::error_code failed;
-  const auto size = std::filesystem::file_size(path, failed);
-  return !failed && size > 0;
-}
-
-bool is_same(const std::string& a, const std::string& b) {
-  return !b.empty() &&
-         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
+SampleRange samples_of_shard(const std::string& shard, uint64_t samples) {
+  uint64_t index = 0, of = 1;
+  const char* const end = shard.data() + shard.size();
+  const auto first = std::from_chars(shard.data(), end, index);
+  const bool is_pair = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = is_pair ? std::from_chars(first.ptr + 1, end, of) : first;
+  if (!is_pair || second.ec != std::errc() || second.ptr != end || index >= of || of > 1 << 20)
+    throw UsageError("--shard " + shard + ": expected I/N with I from 0 to N - 1, N up to 1048576");
+  const auto at = [&](uint64_t i) {
+    return static_cast<uint64_t>(static_cast<unsigned __int128>(samples) * i / of);
+  };
+  return {at(index), at(index + 1) - at(index)};
 }
 
 void check_options(const RenderArguments& a) {
@@ -110,15 +112,10 @@ void check_options(const RenderArguments& a) {
     check_stores_film(a, "--shard");
     samples_of_shard(a.shard, 0);  // throws
     if (a.seconds > 0 || a.target_error > 0 || (a.spp == 0 && a.resume.empty()))
-      throw UsageError("--shard: needs --spp, and neither --time nor --target-error: all parts "
-                       "must know how many samples the picture has");
+      throw UsageError(
+          "--shard: needs --spp, and neither --time nor --target-error: all parts "
+          "must know how many samples the picture has");
   }
-}
-
-void check_checkpoint(const RenderArguments& a) {
-  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
-    throw UsageError("--checkpoint " + a.checkpoint +
-                     ": is there already; go on from it with --resume, or remove it");
 }
 
 Job job_of(const RenderArguments& a, const cli::Common& common) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "libcommon/film/film.h"
 #include "libcommon/options/render_options.h"
 #include "tools/tdpt-render/plan/session.h"
 
@@ -13,8 +14,6 @@ void declare_options(cli::Options& options, RenderArguments& a);
 
 /// Throws UsageError for options that contradict each other.
 void check_options(const RenderArguments& a);
-/// Throws UsageError for a checkpoint that would be overwritten.
-void check_checkpoint(const RenderArguments& a);
 
 /// Throws UsageError if numbers for guided walks are given to an integrator that has none.
 Job job_of(const RenderArguments& a, const cli::Common& common);
@@ -25,8 +24,8 @@ bool keeps_halves(const RenderArguments& a);
 /// unknown one.
 std::vector<std::string> aovs_of(const RenderArguments& a);
 
-/// An empty file does not count as there: it may be a placeholder for one to come.
-bool is_there(const std::string& path);
-bool is_same(const std::string& a, const std::string& b);
+/// The samples of "I/N", the I-th of N parts of a picture of so many; parts differ by at most one
+/// sample. Throws UsageError.
+SampleRange samples_of_shard(const std::string& shard, uint64_t samples);
 
 }  // namespace tdpt

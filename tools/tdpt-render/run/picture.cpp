@@ -12,16 +12,14 @@
 #include "libcommon/gpu/device_options.h"
 #include "libcommon/scene/uses.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
+#include "tools/tdpt-render/run/camera_sight.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/delivery.h"
 #include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/report.h"
-#include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
 namespace {
-
-constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
 
 // Throws InputError where a film was rendered by other portals or kinds of light than there are.
 void check_explored(const Explored& explored, const Loaded& in, const Vista& vista,
@@ -75,27 +73,16 @@ nlohmann::ordered_json finished(nlohmann::ordered_json stats, const Delivery::Fi
   return stats;
 }
 
-std::vector<Visitor> visitors_of(const RenderArguments& a, const Delivery& files) {
-  std::vector<Visitor> visitors;
-  if (!files.checkpoint().empty())
-    visitors.push_back({a.checkpoint_every < 0 ? kCheckpointEvery : a.checkpoint_every,
-                        [&](const Plan& plan, Progress& progress) { files.save(plan, progress); }});
-  if (!a.preview.empty())
-    visitors.push_back({kPreviewEvery, [&](const Plan&, Progress& progress) {
-                          files.show(progress.film.picture());
-                        }});
-  return visitors;
-}
-
 // If the device is lost, what has been rendered is kept where a checkpoint can hold it.
 RenderResult rendered(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
-                      const RenderArguments& a, const Delivery& files) {
+                      Delivery& files) {
   bool kept = false;
+  const auto between = [&](const Plan& of, Progress& so_far) { files.renew(of, so_far); };
   const auto rescue = [&](const Plan& of, Progress& so_far) {
     if (!files.checkpoint().empty()) kept = files.save(of, so_far);
   };
   try {
-    return render(session, plan, std::move(progress), visitors_of(a, files), rescue);
+    return render(session, plan, std::move(progress), between, rescue);
   } catch (const Error& e) {
     if (!kept) throw;
     throw Error(e.code, fmt::format("{}; what was rendered is in {}: --resume goes on from it",
@@ -122,18 +109,18 @@ Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
   return common.fingerprint(facts, up_to);
 }
 
-Made render_picture(const RenderArguments& a, const cli::Common& common, Workshop& shop,
+Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery& scenery,
                     std::optional<int64_t> frame) {
-  Loaded& in = shop.scenery.load(a, common);
+  Loaded& in = scenery.load(a, common);
   const Job job = job_of(a, common);
   if (a.check) return {};
-  const Vista& seen = shop.scenery.vista(common);
+  const Vista& seen = scenery.vista(common);
   std::optional<GpuUpload> upload;
-  if (shop.device) upload.emplace(*shop.device, seen, FilmPlanes{job.layers, job.halves});
+  if (scenery.device) upload.emplace(*scenery.device, seen, FilmPlanes{job.layers, job.halves});
   if (const std::string sentence = no_backs_sentence(seen); !sentence.empty())
     common.note(sentence);
 
-  const std::string code = shop.device ? kGpuCode : processor_code();
+  const std::string code = scenery.device ? kGpuCode : processor_code();
   const Fingerprint is_of = fingerprint_of(in, common, frame, cli::Effect::picture);
   const std::optional<Begun> begun = read_begun(a, is_of, seen);
   if (begun) check_explored(begun->plan.explored, in, seen, display_name(a.resume));
@@ -152,7 +139,8 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
 
   const std::shared_ptr<SampleRenderer> renderer =
       upload ? upload->renderer(vista) : std::make_shared<CpuRenderer>(vista);
-  if (shop.device) common.note("samples are rendered by " + words_of(shop.device->info()) + ".");
+  if (scenery.device)
+    common.note("samples are rendered by " + words_of(scenery.device->info()) + ".");
   Session session(*renderer, job);
   const Plan plan = begun ? begun->plan : make_plan(session, candidates, explored);
   if (plan.cut_short && !a.shard.empty()) {
@@ -173,7 +161,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Worksho
     take_part(a, *progress);
   }
 
-  const RenderResult result = rendered(session, plan, std::move(progress), a, files);
+  const RenderResult result = rendered(session, plan, std::move(progress), files);
   nlohmann::ordered_json stats = stats_of(job, asked, in.portals, result, renderer->name());
   if (frame) stats["frame"] = frame_mark(in, common, *frame);
   // Among shards only the first has what samples do not change.

@@ -3,16 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "libcommon/gpu/device.h"
 #include "tools/tdpt-render/run/scenery.h"
 
 namespace tdpt {
-
-/// What the pictures of one command share.
-struct Workshop {
-  std::optional<gpu::Device> device;  ///< that renders; none: the CPU
-  Scenery scenery{};
-};
 
 /// Everything that determines the picture, or the `frame` of a shot.
 Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
@@ -26,7 +19,7 @@ struct Made {
   std::string words{};  ///< how many samples, how long, how noisy
 };
 /// Makes the picture. `frame`: its number, if it is of a shot.
-Made render_picture(const RenderArguments& a, const cli::Common& common, Workshop& shop,
+Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery& scenery,
                     std::optional<int64_t> frame = {});
 
 }  // namespace tdpt

@@ -1,9 +1,10 @@
 #include "tools/tdpt-render/run/render.h"
 
+#include <array>
 #include <bit>
-#include <chrono>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
@@ -12,17 +13,155 @@
 namespace tdpt {
 namespace {
 
+// ---- The target error ----
+
+using Stop = TargetOutcome::Stop;
+
+// Indexed by Stop.
+constexpr std::array kStops{"target", "spp", "time", "signal", "no light"};
+
+// Blocks of that many samples are trusted more than a pilot in any case.
+constexpr uint64_t kTelling = 8;
+
+const char* stop_of(const TargetOutcome& target) {
+  return kStops[static_cast<size_t>(target.stop)];
+}
+
+ErrorEstimate estimate_of(const PictureBlocks& blocks) {
+  return blocks.blocks().size() > 2 ? estimate_error(blocks.blocks(), blocks.size())
+                                    : ErrorEstimate{.samples = blocks.size()};
+}
+
+Stop stop_of(const Progress& progress, uint64_t fixed) {
+  const uint64_t samples = progress.film.samples();
+  if (progress.interrupted) return Stop::signal;
+  if (progress.goal == 0 || samples < progress.goal) return Stop::time;
+  if (progress.goal == progress.in_force().spp && fixed != progress.goal) return Stop::spp;
+  return fixed > 0 ? Stop::fixed : Stop::unlit;
+}
+
+// What the picture's blocks show, or the pilot's parts, if the blocks' estimate does not suffice or
+// there are fewer than three.
+std::optional<Noise> noise_of_parts(const std::vector<ErrorEstimate>& rounds,
+                                    const Progress& progress) {
+  const uint64_t samples = progress.film.samples();
+  ErrorEstimate estimate = estimate_of(progress.blocks);
+  if (!tells(estimate) && estimate.samples < kTelling && !rounds.empty()) {
+    const ErrorEstimate& round = best_round(rounds, samples);
+    if (round.lit && (tells(round) || round.samples > estimate.samples || !estimate.lit))
+      estimate = round;
+  }
+  if (!estimate.lit) return {};
+  const double relmse =
+      estimate.relmse * static_cast<double>(estimate.samples) / static_cast<double>(samples);
+  const double factor = interval_factor(estimate);
+  return Noise{relmse, relmse / factor, relmse * factor};
+}
+
+// "about 0.0093 [0.0088, 0.0098]".
+std::string estimate_of(const TargetOutcome& target) {
+  if (!target.noise) return "not known";
+  return fmt::format("about {} [{}, {}]", number_words(target.noise->relmse, 2),
+                     number_words(target.noise->low, 2), number_words(target.noise->high, 2));
+}
+
+}  // namespace
+
+std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
+                                   const Progress& progress, const std::optional<Noise>& noise) {
+  TargetOutcome target;
+  target.error = progress.in_force().target_error;
+  if (target.error == 0) return {};
+  target.dark = session.is_dark();
+  target.fixed = target.dark ? plan.spp : progress.retried > 0 ? progress.retried : plan.needed;
+  target.stop = stop_of(progress, target.fixed);
+  target.noise = noise ? noise : noise_of_parts(plan.error_rounds, progress);
+  return target;
+}
+
+bool raise_goal(TargetOutcome& target, Progress& progress) {
+  const Limits& limits = progress.limits;
+  if (!limits.retry || progress.retried > 0) return false;
+  const PictureBlocks& blocks = progress.blocks;
+  const ErrorEstimate estimate = estimate_of(blocks);
+  const bool known = tells(estimate) || (estimate.lit && blocks.size() >= kTelling);
+  if (target.stop != Stop::fixed || target.reached() || !known) return false;
+  const uint64_t needed = samples_needed(estimate, blocks.blocks().size(), target.error);
+  const uint64_t goal = limits.spp > 0 ? std::min(needed, limits.spp) : needed;
+  if (goal <= progress.film.samples()) {
+    if (needed > goal) target.stop = Stop::spp;
+    return false;
+  }
+  progress.retried = needed;
+  progress.goal = goal;
+  return true;
+}
+
+std::string target_sentence(const TargetOutcome& target, const Progress& progress) {
+  const std::string aim = fmt::format("target relMSE {} ", number_words(target.error));
+  if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
+  const std::string got =
+      fmt::format(": it is {} after {} per pixel{}", estimate_of(target),
+                  counted(progress.film.samples(), "sample"),
+                  progress.retried > 0 ? ", those of --set retry=1 among them" : "");
+  if (target.reached()) return aim + "reached" + got;
+  const std::string enough =
+      target.fixed > 0 ? fmt::format("; {} would do", target.fixed) : std::string();
+  switch (target.stop) {
+    case Stop::spp:
+      return aim + "not reached, stopped by --spp" + got + enough;
+    case Stop::time:
+      return aim + "not reached, stopped by --time" + got + enough;
+    case Stop::signal:
+      return aim + "not reached, stopped by a signal" + got + enough;
+    case Stop::unlit:
+      return aim + "not reached, too little light was met to tell how many samples it takes" + got;
+    case Stop::fixed:
+      break;
+  }
+  return aim + "missed" + got + (!progress.limits.retry ? "; --set retry=1 renders on" : "");
+}
+
+nlohmann::ordered_json target_json(const TargetOutcome& target, const Plan& plan,
+                                   const Progress& progress) {
+  nlohmann::ordered_json j{{"error", target.error},
+                           {"reached", target.reached()},
+                           {"stopped_by", stop_of(target)},
+                           {"relmse", nullptr},
+                           {"interval", nullptr}};
+  if (target.dark) j["relmse"] = 0;
+  if (target.noise) {
+    j["relmse"] = target.noise->relmse;
+    j["interval"] = {target.noise->low, target.noise->high};
+  }
+  j["fixed_spp"] = nullptr;
+  if (target.fixed > 0) j["fixed_spp"] = target.fixed;
+  j["retried"] = progress.retried > 0;
+  j["pilot"] = {{"spp", plan.error_pilot_samples()}, {"cpu", plan.error_pilot_cpu_seconds}};
+  return j;
+}
+
+std::map<std::string, std::string> target_attributes(const TargetOutcome& target) {
+  return {{"targetError", fmt::format("{:.6g}", target.error)},
+          {"estimatedError", target.dark ? "0" : estimate_of(target)},
+          {"stoppedBy", stop_of(target)}};
+}
+
+// ---- Passes ----
+
+namespace {
+
 // Renders pass by pass.
 class Rendering {
  public:
   Rendering(Session& session, const Plan& plan, Progress& progress,
-            const std::vector<Visitor>& visitors,
+            const std::function<void(const Plan&, Progress&)>& between,
             const std::function<void(const Plan&, Progress&)>& rescue)
       : session_(session),
         plan_(plan),
         progress_(progress),
         film_(progress.film),
-        visitors_(visitors),
+        between_(between),
         rescue_(rescue),
         framed_(progress.frames.empty() ? film_.samples() : progress.frames.back().spp) {
     begin_blocks();
@@ -35,7 +174,6 @@ class Rendering {
   void begin_blocks();
   void look();
   uint64_t next_pass() const;
-  void receive_visitors();
   void render_pass(uint64_t samples, ProgressBar& bar);
   void record_frame();
   void render_goal();
@@ -46,11 +184,9 @@ class Rendering {
   const Plan& plan_;
   Progress& progress_;
   Film& film_;
-  const std::vector<Visitor>& visitors_;
-  const std::function<void(const Plan&, Progress&)>& rescue_;
+  const std::function<void(const Plan&, Progress&)>&between_, &rescue_;
   uint64_t framed_;          // samples when the last frame was recorded
   std::string noise_words_;  // as of the last block
-  std::vector<double> due_;  // when each visitor's period last began [s]
 };
 
 // A device would rather not be stopped: its first block is a fourth of the picture. Samples without
@@ -117,21 +253,6 @@ void Rendering::stop_clock() {
   progress_.cpu_seconds = session_.cpu();
 }
 
-// Each visitor gets at most a tenth of the time, however large the picture.
-void Rendering::receive_visitors() {
-  if (plan_.cut_short) return;
-  due_.resize(visitors_.size(), progress_.began);
-  for (size_t i = 0; i < due_.size(); ++i) {
-    const double now = session_.seconds();
-    if (now < due_[i] + visitors_[i].every) continue;
-    stop_clock();
-    const auto before = std::chrono::steady_clock::now();
-    session_.aside([&] { visitors_[i].visit(plan_, progress_); });
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
-    due_[i] = now + std::max(0.0, 10 * took.count() - visitors_[i].every);
-  }
-}
-
 void Rendering::render_pass(uint64_t samples, ProgressBar& bar) {
   try {
     session_.renderer.render(plan_.integrator, session_.rules, 0, {progress_.next(), samples},
@@ -160,7 +281,8 @@ void Rendering::render_goal() {
     render_pass(n, bar);
     look();
     if (session_.job.frames && film_.samples() == next_frame(framed_)) record_frame();
-    receive_visitors();
+    stop_clock();
+    if (between_ && !plan_.cut_short) session_.aside([&] { between_(plan_, progress_); });
   }
 }
 
@@ -223,7 +345,7 @@ Progress new_progress(const Session& session, const std::vector<Candidate>& cand
 }
 
 RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
-                    const std::vector<Visitor>& visitors,
+                    const std::function<void(const Plan&, Progress&)>& between,
                     const std::function<void(const Plan&, Progress&)>& rescue) {
   RenderResult result;
   result.plan = plan;
@@ -232,7 +354,7 @@ RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress
     result.progress->began = session.seconds();
   else
     session.add_time(result.progress->seconds, result.progress->cpu_seconds);
-  Rendering(session, plan, *result.progress, visitors, rescue).run(result);
+  Rendering(session, plan, *result.progress, between, rescue).run(result);
   return result;
 }
 

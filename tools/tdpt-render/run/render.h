@@ -1,4 +1,4 @@
-// Renders a picture as planned, in passes over all pixels.
+// Renders a picture as planned, in passes over all pixels, and judges it by its target error.
 #pragma once
 #include <functional>
 #include <map>
@@ -7,11 +7,40 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/tdpt-render/plan/plan.h"
 #include "tools/tdpt-render/run/progress.h"
-#include "tools/tdpt-render/run/target.h"
 
 namespace tdpt {
+
+/// What became of a target error.
+struct TargetOutcome {
+  /// `fixed`: the fixed number was rendered; `unlit`: the pilot met no light and fixed none.
+  enum class Stop { fixed, spp, time, signal, unlit };
+
+  double error = 0;    ///< the target
+  uint64_t fixed = 0;  ///< samples per pixel that it takes; 0: not known
+  Stop stop = Stop::fixed;
+  bool dark = false;           ///< nothing in the scene emits light: there is no error
+  std::optional<Noise> noise;  ///< of the picture, estimated; none if no light was met
+  bool reached() const { return dark || (noise && noise->relmse <= error); }
+};
+
+/// The outcome as it stands, if there is a target. `noise`: of the picture, if it is known; else
+/// what its blocks or the pilot show.
+std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
+                                   const Progress& progress, const std::optional<Noise>& noise);
+/// Whether a second try is due: then raises the goal. The samples rendered so far are kept.
+bool raise_goal(TargetOutcome& target, Progress& progress);
+
+/// "target relMSE 0.01 reached: ..." or what stopped it.
+std::string target_sentence(const TargetOutcome& target, const Progress& progress);
+/// The object `target` of tdpt-render(1), STATISTICS.
+nlohmann::ordered_json target_json(const TargetOutcome& target, const Plan& plan,
+                                   const Progress& progress);
+/// String attributes of the EXR header.
+std::map<std::string, std::string> target_attributes(const TargetOutcome& target);
 
 Vec3d mean_of(const Picture& picture);      ///< over all pixels
 double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
@@ -31,13 +60,6 @@ struct RenderResult {
   double nonzero() const { return nonzero_of(picture); }
 };
 
-/// Called between passes over the picture about every so many seconds, for at most a tenth of the
-/// time; not counted as rendering.
-struct Visitor {
-  double every;  ///< seconds
-  std::function<void(const Plan&, Progress&)> visit;
-};
-
 /// The sums that the picture's film keeps.
 Film::Options film_options(const Job& job, const std::vector<Candidate>& candidates);
 /// A new picture, of which nothing is rendered yet.
@@ -46,10 +68,10 @@ Progress new_progress(const Session& session, const std::vector<Candidate>& cand
 
 /// Renders on until the goal is reached, or a limit or a signal ends it: passes over the whole
 /// picture, so that all pixels have equally many samples whenever it stops. The picture is a
-/// function of (scene, job, plan, samples) alone. `rescue`: called if the renderer fails with an
-/// Error, to save what has been rendered.
+/// function of (scene, job, plan, samples) alone. `between`: called between passes, not counted as
+/// rendering; `rescue`: if the renderer fails with an Error, to save what has been rendered.
 RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
-                    const std::vector<Visitor>& visitors = {},
+                    const std::function<void(const Plan&, Progress&)>& between = {},
                     const std::function<void(const Plan&, Progress&)>& rescue = {});
 
 /// Plans and renders, without exploring: portals work as drawn.

@@ -91,7 +91,8 @@ class Eager : public CpuRenderer {
     ++prepared;
   }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally,
+              ProgressBar& progress) override {
     EXPECT_EQ(prepared, 1);
     calls.push_back(samples.count);
     CpuRenderer::render(integrator, rules, round, samples, film, tally, progress);

@@ -34,9 +34,18 @@ std::string names_of(const std::vector<std::string>& names) {
       names.size() - named);
 }
 
+// The first of the sentences, one for each portal, and how many more there are.
+std::vector<std::string> first_few(std::vector<std::string> sentences) {
+  if (sentences.size() <= kMostSentences) return sentences;
+  const size_t more = sentences.size() - (kMostSentences - 1);
+  sentences.resize(kMostSentences - 1);
+  sentences.push_back(fmt::format("and {} more portals", more));
+  return sentences;
+}
+
 const char* words_of(PortalWay way) {
-  constexpr std::array kWords{"as drawn", "from its back to its front", "from its front to its back",
-                              "both ways", "left out"};
+  constexpr std::array kWords{"as drawn", "from its back to its front",
+                              "from its front to its back", "both ways", "left out"};
   return kWords[static_cast<size_t>(way)];
 }
 
@@ -321,14 +330,6 @@ std::string told_of(const Vista& vista, const RenderResult& result) {
     noise = ", " + words_of(*result.noise);
   return fmt::format("{} per pixel in {}{}", counted(result.spp(), "sample"),
                      duration_words(result.progress->seconds), noise);
-}
-
-std::vector<std::string> first_few(std::vector<std::string> sentences) {
-  if (sentences.size() <= kMostSentences) return sentences;
-  const size_t more = sentences.size() - (kMostSentences - 1);
-  sentences.resize(kMostSentences - 1);
-  sentences.push_back(fmt::format("and {} more portals", more));
-  return sentences;
 }
 
 }  // namespace tdpt

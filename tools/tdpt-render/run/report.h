@@ -1,5 +1,5 @@
-// What a rendering tells about itself: --stats and --json, --explain, which prints the same as text,
-// and the sentences of a plain run.
+// What a rendering tells about itself: --stats and --json, --explain, which prints the same as
+// text, and the sentences of a plain run.
 #pragma once
 #include <string>
 #include <vector>
@@ -44,9 +44,6 @@ std::string length_sentence(const Job& job, const RenderResult& result);
 std::string turning_sentence(const Portal& portal, PortalWay way);
 /// Segments that carried little light, or portals whose samples did; empty if there are none.
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
-
-/// The first of the sentences, one for each portal, and how many more there are.
-std::vector<std::string> first_few(std::vector<std::string> sentences);
 
 /// A portal is useless if its samples carried less than kNoEnergy of the light, or less than
 /// kLeastEnergy while less than kLeastLit of them connected a lamp with the camera; needs

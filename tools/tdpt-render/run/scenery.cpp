@@ -6,10 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/path/sample/covered_lamps.h"
-#include "tools/tdpt-render/run/camera_sight.h"
-#include "tools/tdpt-render/run/report.h"
+#include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
@@ -124,8 +122,8 @@ void Scenery::read_portals(const RenderArguments& a, const cli::Common& common) 
   for (const std::string& path : a.portals) {
     const GivenPortals given = read_given_portals(path, in_.scene, in_.camera, a.shot.is_given());
     if (!common.quiet || !a.shot.is_given())
-      for (const std::string& warning : first_few(given.warnings)) common.warn(warning);
-    for (const std::string& note : first_few(given.notes)) common.note(note);
+      for (const std::string& warning : given.warnings) common.warn(warning);
+    for (const std::string& note : given.notes) common.note(note);
     const PortalFile& file = given.file;
     common.also_read(file.files);
     in_.portals.insert(in_.portals.end(), file.portals.begin(), file.portals.end());

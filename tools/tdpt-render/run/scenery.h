@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libcommon/cli/cli.h"
+#include "libcommon/gpu/device.h"
 #include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/run/options.h"
@@ -27,8 +28,12 @@ struct Loaded {
   std::vector<std::string> portal_hashes;  ///< of the portal files
 };
 
+/// What the pictures of one command share.
 class Scenery {
  public:
+  const std::optional<gpu::Device> device;  ///< that renders; none: the CPU
+  explicit Scenery(std::optional<gpu::Device> device_) : device(std::move(device_)) {}
+
   /// Reads all of it; the next time, with the same arguments but for the pose and the portals, only
   /// what has changed. Warnings and notes of the scene are printed the first time.
   Loaded& load(const RenderArguments& a, const cli::Common& common);

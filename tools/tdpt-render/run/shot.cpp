@@ -94,7 +94,7 @@ void check_frames(const RenderArguments& a, const cli::Common& common) {
   frame_command(a, common, frame_range(a.shot).first);  // throws for names without a number
 }
 
-int render_shot(const RenderArguments& a, const cli::Common& common, Workshop& shop) {
+int render_shot(const RenderArguments& a, const cli::Common& common, Scenery& scenery) {
   const FrameRange range = frame_range(a.shot);
   const auto start = std::chrono::steady_clock::now();
   size_t done = 0, there = 0;
@@ -103,14 +103,14 @@ int render_shot(const RenderArguments& a, const cli::Common& common, Workshop& s
     FrameCommand frame = frame_command(a, common, k);
     frame.a.exposure = exposure;
     frame.common.quiet = common.quiet || done > 0;  // the first tells what all have
-    const Loaded& in = shop.scenery.load(frame.a, frame.common);
+    const Loaded& in = scenery.load(frame.a, frame.common);
     if (a.check) return 0;
     if (is_made(frame, frame_mark(in, frame.common, k))) {
       ++there;
       mend_preview(frame);
     } else {
       check_checkpoint(frame.a);
-      const Made made = render_picture(frame.a, frame.common, shop, k);
+      const Made made = render_picture(frame.a, frame.common, scenery, k);
       if (made.code != 0) return made.code;
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
       const size_t left = static_cast<size_t>(range.count()) - there;

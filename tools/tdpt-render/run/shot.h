@@ -10,6 +10,6 @@ void check_frames(const RenderArguments& a, const cli::Common& common);
 
 /// Renders the frames that are not there yet, complete and by the same command. Returns the exit
 /// code.
-int render_shot(const RenderArguments& a, const cli::Common& common, Workshop& shop);
+int render_shot(const RenderArguments& a, const cli::Common& common, Scenery& scenery);
 
 }  // namespace tdpt

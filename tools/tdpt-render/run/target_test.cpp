@@ -5,8 +5,6 @@
 
 #include "tools/tdpt-render/plan/error_estimate.h"
 #include "tools/tdpt-render/run/render.h"
-#include "tools/tdpt-render/run/target.h"
-#include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::target_test {
 
@@ -178,16 +176,17 @@ TEST(target, samples_and_time_are_limits) {
   EXPECT_FALSE(few.target->reached());
   EXPECT_GT(few.target->fixed, 1000u);
   EXPECT_EQ(target_json(*few.target, few.plan, *few.progress)["stopped_by"], "spp");
-  EXPECT_NE(
-      target_sentence(*few.target, *few.progress).find("not reached, stopped by --spp: it is about"),
-      std::string::npos);
+  EXPECT_NE(target_sentence(*few.target, *few.progress)
+                .find("not reached, stopped by --spp: it is about"),
+            std::string::npos);
   settings.limits.spp = 0;
   settings.limits.seconds = 0.3;
   const RenderResult late = render(window().vista, nee, settings);
   EXPECT_GT(late.spp(), 0u);
   EXPECT_FALSE(late.target->reached());
   EXPECT_EQ(target_json(*late.target, late.plan, *late.progress)["stopped_by"], "time");
-  EXPECT_NE(target_sentence(*late.target, *late.progress).find("stopped by --time"), std::string::npos);
+  EXPECT_NE(target_sentence(*late.target, *late.progress).find("stopped by --time"),
+            std::string::npos);
 }
 
 TEST(target, one_pixel_is_a_picture) {
@@ -207,7 +206,8 @@ TEST(target, a_picture_without_light_ends) {
   EXPECT_FALSE(unlit.target->noise);
   EXPECT_EQ(target_json(*unlit.target, unlit.plan, *unlit.progress)["stopped_by"], "no light");
   EXPECT_TRUE(target_json(*unlit.target, unlit.plan, *unlit.progress)["relmse"].is_null());
-  EXPECT_NE(target_sentence(*unlit.target, *unlit.progress).find("too little light"), std::string::npos);
+  EXPECT_NE(target_sentence(*unlit.target, *unlit.progress).find("too little light"),
+            std::string::npos);
 
   Scene dark = read_gltf(two_rooms_path());
   for (Material& m : dark.materials) m.emission = Rgb(0);
