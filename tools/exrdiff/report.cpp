@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/words.h"
 #include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/words.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {

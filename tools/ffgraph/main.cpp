@@ -6,8 +6,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/words.h"
 #include "libcommon/base/process.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/viewpoint.h"

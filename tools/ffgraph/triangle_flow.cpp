@@ -9,8 +9,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/math/streams.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/streams.h"
 #include "tools/ffgraph/walks.h"
 
 namespace tdpt {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/words.h"
 #include "libcommon/base/progress.h"
+#include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_glb.h"

@@ -14,9 +14,9 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/output_file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/base/output_file.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/cut.h"
 #include "libcommon/formats/dimacs.h"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "libcommon/base/words.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt::foreign {
 namespace {

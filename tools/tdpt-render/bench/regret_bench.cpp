@@ -57,9 +57,8 @@ void render_one(const Vista& vista, const Integrator& integrator, uint64_t spp, 
   const RenderResult r = render(vista, integrator, how);
   pictures.spp = spp;
   pictures.cpu_seconds += r.progress->cpu_seconds;
-  pictures.work =
-      sample_work(vista, integrator.mixture, work_costs(vista, integrator.mixture), r.tally.rays,
-                  spp * r.picture.pixels.size());
+  pictures.work = sample_work(vista, integrator.mixture, work_costs(vista, integrator.mixture),
+                              r.tally.rays, spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
@@ -175,8 +174,8 @@ void measure(const char* scene_path, std::vector<Portal> portals, const Settings
       std::printf("choice\t%s\t%llu\t%d\t%s\t%.5g\t%llu\t%d\t%.5g\t%.5g\t%.5g\n", name,
                   static_cast<unsigned long long>(length), seed,
                   told.estimates[told.best].integrator.c_str(), spent,
-                  static_cast<unsigned long long>(pilot.groups()), s.width * s.height, told.portals_gain,
-                  told.gain_low, told.gain_high);
+                  static_cast<unsigned long long>(pilot.groups()), s.width * s.height,
+                  told.portals_gain, told.gain_low, told.gain_high);
     }
   std::fflush(stdout);
 }

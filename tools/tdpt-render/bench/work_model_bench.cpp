@@ -55,10 +55,12 @@ void measure(const std::string& scene_path, const std::vector<Portal>& portals, 
       settings.limits.seconds = o.seconds;
       settings.max_depth = depth;
       const RenderResult r = render(*renderer, c.integrator, settings);
-      const auto samples = r.spp() * static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
+      const auto samples =
+          r.spp() * static_cast<uint64_t>(o.width) * static_cast<uint64_t>(o.height);
       std::printf("%s\t%d\t%s\t%d\t%.6g", scene_path.c_str(), depth, c.label.c_str(),
                   Guide(vista, c.integrator.mixture).sees_portals() ? 1 : 0,
-                  (by_clock ? r.progress->seconds : r.progress->cpu_seconds) * 1e9 / static_cast<double>(samples));
+                  (by_clock ? r.progress->seconds : r.progress->cpu_seconds) * 1e9 /
+                      static_cast<double>(samples));
       for (const auto& [name, member] : kTerms) {
         WorkCosts unit;
         unit.*member = 1;

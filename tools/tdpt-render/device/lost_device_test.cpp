@@ -69,8 +69,8 @@ class lost_device : public ::testing::Test {
     }
     FilmFile file = parse_film(film, "kept");
     const Plan plan = plan_of(file.facts, "kept");
-    return render(session, plan,
-                  std::make_shared<Progress>(progress_of(std::move(file), "kept")), {}, rescue);
+    return render(session, plan, std::make_shared<Progress>(progress_of(std::move(file), "kept")),
+                  {}, rescue);
   }
   static std::string bytes_of(Progress& progress, const Plan& plan) {
     progress.seconds = progress.cpu_seconds = progress.began = 0;
@@ -108,7 +108,8 @@ class Careless : public SampleRenderer {
   explicit Careless(std::shared_ptr<SampleRenderer> sound, int passes)
       : SampleRenderer(sound->vista), sound_(std::move(sound)), left_(passes) {}
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally,
+              ProgressBar& progress) override {
     if (left_-- > 0)
       return sound_->render(integrator, rules, round, samples, film, tally, progress);
     film.add(3, 3, Vec3d(1, 1, 1), 0, 0);

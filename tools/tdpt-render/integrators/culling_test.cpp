@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/tdpt-render/integrators/features.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/run/camera_sight.h"
+#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/renderer.h"
 #include "tools/tdpt-render/testing/rooms.h"

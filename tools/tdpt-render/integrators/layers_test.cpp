@@ -51,7 +51,8 @@ TEST(layers, add_up_to_the_picture_for_every_integrator) {
     }
     EXPECT_EQ(layers.size(), techniques);
     // The pixel and each layer are rounded once.
-    EXPECT_LE(worst_difference(r.picture, layers), 1.0 + static_cast<double>(techniques)) << integrator->name;
+    EXPECT_LE(worst_difference(r.picture, layers), 1.0 + static_cast<double>(techniques))
+        << integrator->name;
     for (const auto& [name, layer] : layers)
       if (integrator == &tdpt_org) {
         EXPECT_GT(mean_luminance(layer), 0) << name;

@@ -22,7 +22,8 @@ class SampleRenderer {
   /// [expecting_connections()]. If it throws Error, film and tally hold exactly the samples that
   /// the film reports, and no part of others.
   virtual void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-                      const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) = 0;
+                      const SampleRange& samples, Film& film, Tally& tally,
+                      ProgressBar& progress) = 0;
   /// Default size of a call in samples, all pixels together: small pictures take several samples of
   /// each pixel, so that threads have enough to share.
   virtual uint64_t samples_of_pass() const { return uint64_t{1} << 16; }
@@ -33,7 +34,8 @@ class CpuRenderer : public SampleRenderer {
  public:
   using SampleRenderer::SampleRenderer;
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally,
+              ProgressBar& progress) override {
     render_samples(vista, integrator, rules, round, samples, film, tally, progress);
   }
 };

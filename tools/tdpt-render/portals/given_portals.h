@@ -21,8 +21,8 @@ struct GivenPortals {
 /// many triangles. Left out with a note: those of a file for several cameras that serve others than
 /// `camera`. A warning says if the portals were found for other cameras, and a note if they were
 /// found at another time.
-/// `of_shot`: for a frame of a shot. Portals found for poses of the camera along it are all taken; that they were
-/// found at another time is nothing to speak of.
+/// `of_shot`: for a frame of a shot. Portals found for poses of the camera along it are all taken;
+/// that they were found at another time is nothing to speak of.
 GivenPortals read_given_portals(const std::string& path, const Scene& scene, const Camera& camera,
                                 bool of_shot = false);
 

@@ -35,8 +35,7 @@ class given_portals : public ::testing::Test {
     file.scene_hash = hash;
     return given(file, scene_.camera(""));
   }
-  GivenPortals given(const PortalFile& file, const Camera& camera,
-                     bool frame = false) const {
+  GivenPortals given(const PortalFile& file, const Camera& camera, bool frame = false) const {
     const std::string path = (folder_ / "drawn.glb").string();
     std::ofstream(path, std::ios::binary) << portal_bytes(file);
     return read_given_portals(path, scene_, camera, frame);

@@ -119,7 +119,8 @@ class ScalarRenderer : public SampleRenderer {
   }
   bool on_device() const override { return true; }
   void render(const Integrator& integrator, const SampleRules& rules, uint64_t round,
-              const SampleRange& samples, Film& film, Tally& tally, ProgressBar& progress) override {
+              const SampleRange& samples, Film& film, Tally& tally,
+              ProgressBar& progress) override {
     renderer_->render(integrator, rules, round, samples, film, tally, progress);
   }
 
