@@ -181,7 +181,7 @@ parts_twin() {
   room --spp 8 --shard 0/2 -o a.exr && room --spp 8 --shard 1/2 -o b.exr || fail "no shards"
   exrmerge --quiet a.exr b.exr -o m.exr || fail "they do not merge"
   room --spp 8 --shard 1/2 --seed 2 -o other.exr
-  refused 3 'is of another .*seed (2, expected 1)' exrmerge a.exr other.exr -o x.exr
+  refused 3 'is of another .*seed' exrmerge a.exr other.exr -o x.exr
   tdpt-render "$scene" --quiet --width 40 --height 30 --layers --alpha --spp 8 --shard 1/2 -o other.exr
   refused 3 'is of another .*portal' exrmerge a.exr other.exr -o x.exr
   room --spp 8 --shard 1/2 --integrator bdpt -o other.exr
