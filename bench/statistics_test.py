@@ -362,7 +362,7 @@ class Time(unittest.TestCase):
         self.assertIn("| **390, 410** |", page(lambda n: 0.1, lambda n: 2e8 + 390 * n))
 
     def test_shards_and_what_is_asked_for(self):
-        runs = [price.Shards(10, 9, 1, 10 + k, 9, 1) for k in (0, 1, 2)]
+        runs = [price.Shards(10, 11 + k, 9 + k, 1) for k in (0, 1, 2)]
         self.assertEqual(price.shards_row(["room"], 4, runs)[-2:], ["1.300 (1.200 to 1.400)", "0.50"])
         row = price.asked_row("--layers", "room", [(2 * r, 2) for r in (1.0, 1.01, 1.02, 1.03, 9.0)])
         self.assertEqual(row[2], "1.020")

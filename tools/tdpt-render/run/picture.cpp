@@ -169,7 +169,8 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery
   const Delivery::Finish finish =
       files.deliver(result, has_channels ? channels_of(a, vista, job.seed) : Channels(),
                     [&](const Delivery::Finish& f) { return finished(stats, f).dump(); });
-  tell_after(session, in.portals, result, a, common);
+  tell_choice(session, result, common);
+  if (!frame) tell_after(session, in.portals, result, a, common);
   if (!finish.filtered.empty()) common.note(finish.filtered);
   stats = finished(std::move(stats), finish);
   stats.erase("frames");

@@ -288,9 +288,7 @@ void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
                 (vista.world->scene.sky ? "shows the sky alone" : "is black"));
 }
 
-void tell_after(const Session& session, const std::vector<Portal>& portals,
-                const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
-  const Progress& progress = *result.progress;
+void tell_choice(const Session& session, const RenderResult& result, const cli::Common& common) {
   if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
   if (session.job.automatic) common.note(choice_sentence(result, !session.is_shorter()));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
@@ -298,6 +296,11 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
         "pixel {} {} sample {}: a contribution was not finite, or beyond what a splat holds, and "
         "is left out",
         place.x, place.y, place.sample));
+}
+
+void tell_after(const Session& session, const std::vector<Portal>& portals,
+                const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
+  const Progress& progress = *result.progress;
   // Else the cause was told before, or the sky is left out, or longer paths are.
   const bool black = is_black(result);
   if (black && !session.is_shorter() && !session.job.alpha && session.job.max_depth == kMaxDepth)
@@ -306,9 +309,10 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
       !idle.empty() && !session.is_shorter())
     common.note(idle);
   common.note(fmt::format("{}: {} per pixel{} at {} x {} in {:.1f} s ({:.1f} CPU s)",
-                          result.plan.label, counted(result.spp(), "sample"),
-                          a.shard.empty() ? "" : " of the shard", result.picture.width,
-                          result.picture.height, progress.seconds, progress.cpu_seconds));
+                          session.job.automatic ? result.plan.label : result.plan.integrator.name,
+                          counted(result.spp(), "sample"), a.shard.empty() ? "" : " of the shard",
+                          result.picture.width, result.picture.height, progress.seconds,
+                          progress.cpu_seconds));
   if (progress.interrupted)
     common.note("stopped by a signal; the picture holds the samples named above");
   if (result.plan.cut_short && !(a.checkpoint.empty() && a.resume.empty()))
