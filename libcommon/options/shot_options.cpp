@@ -54,20 +54,6 @@ void check_shot(const ShotArguments& a, const Pose& pose) {
   if (pose.seconds) throw UsageError("--at: the frames of --frames say which time they show");
 }
 
-std::vector<int64_t> key_frames(const FrameRange& range, int64_t apart) {
-  const int64_t steps = (range.count() - 1 + apart - 1) / apart;
-  std::vector<int64_t> keys{range.first};
-  for (int64_t i = 1; i <= steps; ++i)
-    keys.push_back(range.first + ((range.count() - 1) * i + steps / 2) / steps);
-  return keys;
-}
-
-int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame) {
-  return *std::min_element(keys.begin(), keys.end(), [&](int64_t a, int64_t b) {
-    return std::abs(a - frame) < std::abs(b - frame);
-  });
-}
-
 std::string camera_at_frame(const std::string& camera, int64_t frame) {
   return fmt::format("{}, frame {}", camera, frame);
 }
@@ -80,14 +66,6 @@ std::optional<int64_t> frame_of_camera(const std::string& name, const std::strin
   const auto read = std::from_chars(name.data() + before.size(), end, frame);
   if (read.ec != std::errc() || read.ptr != end) return {};
   return frame;
-}
-
-std::string command_of_frames(const std::string& command, const FrameRange& frames) {
-  constexpr std::string_view kOption = " --frames ";
-  const size_t at = command.find(kOption);
-  if (at == std::string::npos) return command;
-  const size_t from = at + kOption.size(), to = std::min(command.find(' ', from), command.size());
-  return std::string(command).replace(from, to - from, words_of(frames));
 }
 
 namespace {

@@ -37,12 +37,6 @@ FrameRange frame_range(const ShotArguments& a);
 /// Throws UsageError for options that contradict each other.
 void check_shot(const ShotArguments& a, const Pose& pose);
 
-/// The frames at which something is measured for a whole shot: the ends and, at even distances, as
-/// many as it takes for them to lie at most `apart` frames from each other.
-std::vector<int64_t> key_frames(const FrameRange& range, int64_t apart);
-/// The key that is nearest to a frame, the earlier of two. `keys`: in order, at least one.
-int64_t nearest_key(const std::vector<int64_t>& keys, int64_t frame);
-
 /// Whether there is a # in the file's name.
 bool has_frame_number(const std::string& pattern);
 /// The name of a frame's file: "shot.0012.exr" for "shot.####.exr". Throws UsageError, naming
@@ -56,8 +50,5 @@ std::string name_of_shot(const std::string& pattern);
 std::string camera_at_frame(const std::string& camera, int64_t frame);
 /// The frame of such a name; nothing for the name of another camera, or of none at a frame.
 std::optional<int64_t> frame_of_camera(const std::string& name, const std::string& camera);
-
-/// The command line of a shot with these frames in the place of all.
-std::string command_of_frames(const std::string& command, const FrameRange& frames);
 
 }  // namespace tdpt

@@ -62,14 +62,6 @@ TEST(Frames, MakeAShot) {
   EXPECT_EQ(name_of_shot("#.exr"), "frames.exr");
 }
 
-TEST(Frames, StandForThemselvesInTheirCommands) {
-  EXPECT_EQ(command_of_frames("tdpt-render --spp 4 --frames 1-48 --fps 24", {12, 12}),
-            "tdpt-render --spp 4 --frames 12 --fps 24");
-  EXPECT_EQ(command_of_frames("tdpt-render --frames 1-48", {7, 7}), "tdpt-render --frames 7");
-  EXPECT_EQ(command_of_frames("tdpt-render --frames 1-48", {7, 9}), "tdpt-render --frames 7-9");
-  EXPECT_EQ(command_of_frames("tdpt-render --spp 4", {7, 7}), "tdpt-render --spp 4");
-}
-
 TEST(Frames, AreNamesOfACamerasPoses) {
   const std::string name = camera_at_frame("walk, frame 1", 12);
   EXPECT_EQ(name, "walk, frame 1, frame 12");
@@ -78,24 +70,6 @@ TEST(Frames, AreNamesOfACamerasPoses) {
   EXPECT_EQ(frame_of_camera("walk", "walk"), std::nullopt);
   EXPECT_EQ(frame_of_camera("walk, frame 7", "walk"), 7);
   EXPECT_EQ(frame_of_camera("walk, frame ", "walk"), std::nullopt);
-}
-
-TEST(Frames, KeysAreEvenAndHoldTheEnds) {
-  EXPECT_EQ(key_frames({1, 48}, 12), (std::vector<int64_t>{1, 13, 25, 36, 48}));
-  EXPECT_EQ(key_frames({5, 5}, 12), std::vector<int64_t>{5});
-  EXPECT_EQ(key_frames({5, 6}, 12), (std::vector<int64_t>{5, 6}));
-  for (int64_t n = 2; n < 60; ++n) {
-    const std::vector<int64_t> keys = key_frames({3, 2 + n}, 7);
-    EXPECT_EQ(keys.front(), 3);
-    EXPECT_EQ(keys.back(), 2 + n);
-    for (size_t i = 1; i < keys.size(); ++i) {
-      EXPECT_GT(keys[i], keys[i - 1]);
-      EXPECT_LE(keys[i] - keys[i - 1], 7);
-    }
-  }
-  EXPECT_EQ(nearest_key({1, 13, 25}, 7), 1);
-  EXPECT_EQ(nearest_key({1, 13, 25}, 8), 13);
-  EXPECT_EQ(nearest_key({1, 13, 25}, 99), 25);
 }
 
 }  // namespace

@@ -101,12 +101,20 @@ void tell_begun(const Begun& begun, const RenderArguments& a, const std::string&
 
 }  // namespace
 
-Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
-                           std::optional<int64_t> frame, cli::Effect up_to) {
-  Fingerprint facts{{"scene", in.scene.hash}, {"environment", in.scene.sky_hash}};
-  facts.emplace_back("portal", fmt::format("{}", fmt::join(in.portal_hashes, " ")));
+Fingerprint fingerprint_of(const Scene& scene, const std::vector<std::string>& portals,
+                           const cli::Common& common, std::optional<int64_t> frame,
+                           cli::Effect up_to) {
+  Fingerprint facts{{"scene", scene.hash},
+                    {"environment", scene.sky_hash},
+                    {"portal", fmt::format("{}", fmt::join(portals, " "))}};
   if (frame) facts.emplace_back("frame", std::to_string(*frame));
   return common.fingerprint(facts, up_to);
+}
+
+std::string frame_mark(const Scene& scene, const std::vector<std::string>& portals,
+                       const cli::Common& common, int64_t frame) {
+  return fmt::format("{} {}", frame,
+                     hash_of(fingerprint_of(scene, portals, common, frame, cli::Effect::stored)));
 }
 
 Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery& scenery,
@@ -121,7 +129,10 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery
     common.note(sentence);
 
   const std::string code = scenery.device ? kGpuCode : processor_code();
-  const Fingerprint is_of = fingerprint_of(in, common, frame, cli::Effect::picture);
+  const std::string mark =
+      frame ? frame_mark(in.scene, in.portal_hashes, common, *frame) : std::string();
+  const Fingerprint is_of =
+      fingerprint_of(in.scene, in.portal_hashes, common, frame, cli::Effect::picture);
   const std::optional<Begun> begun = read_begun(a, is_of, seen);
   if (begun) check_explored(begun->plan.explored, in, seen, display_name(a.resume));
   const Explored explored =
@@ -153,7 +164,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery
   facts.derived = derived_of(a);
   facts.attributes = begun ? begun->attributes : attributes_of(a, common, in, job, asked, plan);
   if (common.no_provenance) facts.attributes.erase(provenance_attribute);
-  if (frame) facts.attributes[kFrameAttribute] = frame_mark(in, common, *frame);
+  if (frame) facts.attributes[kFrameAttribute] = mark;
   Delivery files(a, common, std::move(facts));
   std::shared_ptr<Progress> progress = begun ? begun->progress : nullptr;
   if (!progress) {
@@ -163,7 +174,7 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery
 
   const RenderResult result = rendered(session, plan, std::move(progress), files);
   nlohmann::ordered_json stats = stats_of(job, asked, in.portals, result, renderer->name());
-  if (frame) stats["frame"] = frame_mark(in, common, *frame);
+  if (frame) stats["frame"] = mark;
   // Among shards only the first has what samples do not change.
   const bool has_channels = result.progress->first == 0;
   const Delivery::Finish finish =
@@ -182,11 +193,6 @@ Made render_picture(const RenderArguments& a, const cli::Common& common, Scenery
   });
   const bool interrupted = result.progress->interrupted;
   return {static_cast<int>(interrupted ? Exit::interrupted : Exit::done), told_of(vista, result)};
-}
-
-std::string frame_mark(const Loaded& in, const cli::Common& common, int64_t frame) {
-  return fmt::format("{} {}", frame,
-                     hash_of(fingerprint_of(in, common, frame, cli::Effect::stored)));
 }
 
 }  // namespace tdpt

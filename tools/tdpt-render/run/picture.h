@@ -7,11 +7,14 @@
 
 namespace tdpt {
 
-/// Everything that determines the picture, or the `frame` of a shot.
-Fingerprint fingerprint_of(const Loaded& in, const cli::Common& common,
-                           std::optional<int64_t> frame, cli::Effect up_to);
+/// Everything that determines a picture of the scene, or the `frame` of a shot. `portals`: hashes
+/// of its portal files.
+Fingerprint fingerprint_of(const Scene& scene, const std::vector<std::string>& portals,
+                           const cli::Common& common, std::optional<int64_t> frame,
+                           cli::Effect up_to);
 /// Value of kFrameAttribute for a complete frame: its number and a hash of all that determines it.
-std::string frame_mark(const Loaded& in, const cli::Common& common, int64_t frame);
+std::string frame_mark(const Scene& scene, const std::vector<std::string>& portals,
+                       const cli::Common& common, int64_t frame);
 
 /// How a picture ended.
 struct Made {

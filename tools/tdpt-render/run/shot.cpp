@@ -11,6 +11,7 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/film/film_file.h"
+#include "libcommon/formats/portal.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
@@ -64,12 +65,19 @@ bool is_made(const FrameCommand& frame, const std::string& mark) {
 // Writes the preview of a complete frame if it is not there, or is not as it should be now.
 void mend_preview(const FrameCommand& frame) {
   const std::string& path = frame.a.preview;
-  if (path.empty()) return;
   const Picture picture = read_exr(frame.common.output).picture;
-  const std::string bytes =
-      preview_bytes(picture, frame.a.exposure.value_or(auto_exposure(picture)));
+  const std::string bytes = preview_bytes(picture, *frame.a.exposure);
   std::error_code failed;
   if (!std::filesystem::exists(path, failed) || read_file(path) != bytes) write_output(path, bytes);
+}
+
+// Hashes of the portal files of a frame; those that all frames share are read already.
+std::vector<std::string> portals_of(const FrameCommand& frame, const RenderArguments& shot,
+                                    const Loaded& in) {
+  std::vector<std::string> hashes = in.portal_hashes;
+  for (size_t i = 0; i < hashes.size(); ++i)
+    if (has_frame_number(shot.portals[i])) hashes[i] = read_portals(frame.a.portals[i]).hash;
+  return hashes;
 }
 
 // "3 of 10 done, about 5 min left".
@@ -96,36 +104,45 @@ void check_frames(const RenderArguments& a, const cli::Common& common) {
 
 int render_shot(const RenderArguments& a, const cli::Common& common, Scenery& scenery) {
   const FrameRange range = frame_range(a.shot);
-  const auto start = std::chrono::steady_clock::now();
-  size_t done = 0, there = 0;
-  std::optional<double> exposure = a.exposure;  // of all previews, so that they do not flicker
+  const FrameCommand first = frame_command(a, common, range.first);
+  const Loaded& in = scenery.load(first.a, first.common);
+  if (a.check) return 0;
+  std::vector<int64_t> there, missing;
   for (int64_t k = range.first; k <= range.last; ++k) {
+    const FrameCommand frame = frame_command(a, common, k);
+    const std::string mark = frame_mark(in.scene, portals_of(frame, a, in), frame.common, k);
+    (is_made(frame, mark) ? there : missing).push_back(k);
+  }
+  if (!there.empty())
+    common.note(there.size() == 1 ? "1 frame is there already"
+                                  : fmt::format("{} frames are there already", there.size()));
+  std::optional<double> exposure = a.exposure;  // of all previews, so that they do not flicker
+  const auto expose = [&](const FrameCommand& frame) {
+    if (a.preview.empty() || exposure) return;
+    exposure = auto_exposure(read_exr(frame.common.output).picture);
+    common.note(fmt::format("previews are exposed as frame {}: --exposure {}", frame.number,
+                            number_words(*exposure)));
+  };
+  for (const int64_t k : there) {
+    if (a.preview.empty()) break;
     FrameCommand frame = frame_command(a, common, k);
+    expose(frame);
+    frame.a.exposure = exposure;
+    mend_preview(frame);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  for (size_t done = 0; done < missing.size(); ++done) {
+    FrameCommand frame = frame_command(a, common, missing[done]);
     frame.a.exposure = exposure;
     frame.common.quiet = common.quiet || done > 0;  // the first tells what all have
-    const Loaded& in = scenery.load(frame.a, frame.common);
-    if (a.check) return 0;
-    if (is_made(frame, frame_mark(in, frame.common, k))) {
-      ++there;
-      mend_preview(frame);
-    } else {
-      check_checkpoint(frame.a);
-      const Made made = render_picture(frame.a, frame.common, scenery, k);
-      if (made.code != 0) return made.code;
-      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-      const size_t left = static_cast<size_t>(range.count()) - there;
-      common.note(fmt::format("frame {}: {}; {}", k, made.words,
-                              progress_words(++done, left, took.count())));
-    }
-    if (!a.preview.empty() && !exposure) {
-      exposure = auto_exposure(read_exr(frame.common.output).picture);
-      common.note(fmt::format("previews are exposed as frame {}: --exposure {}", k,
-                              number_words(*exposure)));
-    }
+    check_checkpoint(frame.a);
+    const Made made = render_picture(frame.a, frame.common, scenery, frame.number);
+    if (made.code != 0) return made.code;
+    expose(frame);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    common.note(fmt::format("frame {}: {}; {}", frame.number, made.words,
+                            progress_words(done + 1, missing.size(), took.count())));
   }
-  if (there > 0)
-    common.note(there == 1 ? "1 frame was there already"
-                           : fmt::format("{} frames were there already", there));
   return 0;
 }
 
