@@ -59,7 +59,7 @@ KNOBS = (
     Knob("portalfit", "--threshold", ("0.005", "0.02", "0.05", "0.2"), "0.02", "share of the lines"),
     Knob("portalfit", "--max-portals", ("1", "2", "4", "8"), "8", "portals at most"),
     Knob("portalfit", "--set method", ("paper", "tube"), "tube", words=True),
-    Knob(RENDERER, "--set guide-light", ("0", "0.25", "0.5", "0.7", "0.9"), "0.7", "probability"),
+    Knob(RENDERER, "--set guide-light", ("0", "0.25", "0.5", "0.7", "0.9"), "0.5", "probability"),
     Knob(RENDERER, "--set guide-camera", ("0", "0.2", "0.4", "0.7", "0.9"), "0.4", "probability"),
     Knob(RENDERER, "--set segments", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),
     Knob(RENDERER, "--set light-walks", ("0.0625", "0.125", "0.25", "0.5", "1"), "0.25", "share of the samples"),

@@ -45,7 +45,7 @@ void check_no_portal_twice(const std::vector<std::string>& portals) {
 void declare_mixture_options(cli::Options& options, RenderArguments& a) {
   options.option(
       "--set guide-light", a.guide_light, "Q",
-      "Probability that a light walk aims at a portal; default 0.7 with tdpt-guided, else 0", 0,
+      "Probability that a light walk aims at a portal; default 0.5 with tdpt-guided, else 0", 0,
       0.95);
   options.option(
       "--set guide-camera", a.guide_camera, "Q",

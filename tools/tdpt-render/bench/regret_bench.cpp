@@ -1,8 +1,10 @@
 // regret_bench SCENE PORTAL... : what `auto` loses by not knowing which integrator is best: the
-// true error x work of each, from converged second moments, and what is chosen from few samples,
-// and its cost. bench/promises.py makes tables of the lines.
+// true error x work of each, from pictures against a converged one, and what is chosen from few
+// samples, and its cost. bench/promises.py makes tables of the lines.
 //   --width W --height H --seconds T   default 96 72 2, CPU seconds for the truth of each
-//                                      integrator; 0: no truth
+//                                      integrator, at most four times as many where its error is
+//                                      not known to a fifth by then, and twelve times as many for
+//                                      the converged picture; 0: no truth
 //   --seeds N                          pictures of each length, default 8
 //   --lengths N,N...                   samples per pixel, default 4,8,16,32,64,256
 //   --depth N --camera NAME --environment FILE
@@ -29,7 +31,9 @@
 namespace tdpt {
 namespace {
 
-constexpr size_t kPictures = 8;  // per integrator, for the variance of its pixels
+constexpr size_t kPictures = 8, kMostPictures = 32;  // of each integrator
+constexpr double kKnown = 0.2;       // relative error from which on its error is known
+constexpr double kOfReference = 12;  // its time, in that of an integrator
 
 struct Settings {
   int width = 96, height = 72, seeds = 8, depth = kMaxDepth;
@@ -63,51 +67,46 @@ void render_one(const Vista& vista, const Integrator& integrator, uint64_t spp, 
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
 
-// Mean of each pixel over all integrators, weighted by their errors.
-std::vector<double> reference_of(const std::vector<Pictures>& all) {
-  std::vector<double> mean(all[0].luminance[0].size(), 0);
-  double total = 0;
-  for (const Pictures& p : all) {
-    double variance = 0;
-    std::vector<double> own(mean.size(), 0);
-    for (size_t k = 0; k < own.size(); ++k) {
-      double squares = 0;
-      for (const auto& l : p.luminance) own[k] += l[k], squares += l[k] * l[k];
-      own[k] /= static_cast<double>(p.luminance.size());
-      variance += squares / static_cast<double>(p.luminance.size()) - own[k] * own[k];
-    }
-    const double weight = 1 / std::max(variance, 1e-300);
-    total += weight;
-    for (size_t k = 0; k < own.size(); ++k) mean[k] += weight * own[k];
+// relMSE of one sample, its mean over pictures and that mean's standard error.
+struct TrueError {
+  double mean = 0, error = 0;
+};
+
+// Each picture against the reference. A mean of the pictures themselves would not do: a bright
+// sample in it would pass for brightness, and noisy integrators would look better than they are.
+TrueError error_of(const Pictures& p, const std::vector<double>& reference) {
+  double mean = 0;
+  for (const double r : reference) mean += r / static_cast<double>(reference.size());
+  const auto n = static_cast<double>(p.luminance.size());
+  double sum = 0, squares = 0;
+  for (const auto& l : p.luminance) {
+    double relmse = 0;
+    for (size_t k = 0; k < l.size(); ++k)
+      relmse += (l[k] - reference[k]) * (l[k] - reference[k]) /
+                (reference[k] * reference[k] + 0.01 * mean * mean);
+    relmse *= static_cast<double>(p.spp) / static_cast<double>(l.size());
+    sum += relmse;
+    squares += relmse * relmse;
   }
-  for (double& m : mean) m /= total;
-  return mean;
+  const double m = sum / n;
+  return {m, std::sqrt(std::max(squares / n - m * m, 0.0) / (n - 1))};
 }
 
-void print_truth(const char* scene, const std::string& label, const Pictures& p,
-                 const std::vector<double>& reference) {
-  double mean = 0;
-  for (const double r : reference) mean += r;
-  mean /= static_cast<double>(reference.size());
-  // Each picture against the mean of the others of its integrator: their scatter gives the error.
-  const auto n = static_cast<double>(p.luminance.size());
-  std::vector<double> each;
-  for (const auto& l : p.luminance) {
-    double sum = 0;
-    for (size_t k = 0; k < l.size(); ++k) {
-      double own = 0;
-      for (const auto& other : p.luminance) own += other[k] / n;
-      sum += (l[k] - own) * (l[k] - own) / (reference[k] * reference[k] + 0.01 * mean * mean);
-    }
-    each.push_back(sum / static_cast<double>(l.size()) * static_cast<double>(p.spp) * n / (n - 1));
-  }
-  double m = 0, v = 0;
-  for (const double e : each) m += e / static_cast<double>(each.size());
-  for (const double e : each) v += (e - m) * (e - m) / static_cast<double>(each.size() - 1);
-  const double samples = static_cast<double>(p.spp * p.luminance.size() * reference.size());
-  std::printf("truth\t%s\t%s\t%.5g\t%.3g\t%.5g\t%.5g\n", scene, label.c_str(), m,
-              std::sqrt(v / static_cast<double>(each.size())), p.cpu_seconds * 1e9 / samples,
-              p.work);
+// By the candidate that a pilot thinks best, which need not be it.
+std::vector<double> reference_of(const Vista& vista, const std::vector<Candidate>& candidates,
+                                 const Settings& s) {
+  SampleRules rules;
+  rules.max_depth = s.depth;
+  rules.seed = 3000;
+  Pilot pilot(vista, candidates, rules);
+  Film film(s.width, s.height, vista.world->lights.power());
+  pilot.draw(2048, film);
+  const Integrator& best = candidates[pilot.forecast().best].integrator;
+  Pictures few, many;
+  render_one(vista, best, 4, 3000, s.depth, few);
+  render_one(vista, best, static_cast<uint64_t>(4 + 4 * kOfReference * s.seconds / few.cpu_seconds),
+             3001, s.depth, many);
+  return many.luminance[0];
 }
 
 // For the candidates and all other integrators that can render the scene.
@@ -122,19 +121,21 @@ void print_truths(const char* name, const Vista& vista, const std::vector<Candid
         !(portal_one && vista.openings.portals.empty()))
       all.push_back({i, label_of(i)});
   }
-  std::vector<uint64_t> spp;
+  const std::vector<double> reference = reference_of(vista, candidates, s);
   for (const Candidate& c : all) {
-    Pictures first;
+    Pictures first, p;
     render_one(vista, c.integrator, 4, 1000, s.depth, first);
-    const double per_sample = first.cpu_seconds / 4;
-    spp.push_back(static_cast<uint64_t>(std::max(4.0, s.seconds / kPictures / per_sample)));
+    const auto spp =
+        static_cast<uint64_t>(std::max(4.0, 4 * s.seconds / kPictures / first.cpu_seconds));
+    TrueError v;
+    for (size_t n = 0; n < kPictures || (n < kMostPictures && v.error > kKnown * v.mean); ++n) {
+      render_one(vista, c.integrator, spp, 2000 + n, s.depth, p);
+      v = error_of(p, reference);
+    }
+    const auto samples = static_cast<double>(spp * p.luminance.size() * reference.size());
+    std::printf("truth\t%s\t%s\t%.5g\t%.3g\t%.5g\t%.5g\n", name, c.label.c_str(), v.mean, v.error,
+                p.cpu_seconds * 1e9 / samples, p.work);
   }
-  std::vector<Pictures> pictures(all.size());
-  for (size_t n = 0; n < kPictures; ++n)
-    for (size_t i = 0; i < all.size(); ++i)
-      render_one(vista, all[i].integrator, spp[i], 2000 + n, s.depth, pictures[i]);
-  const std::vector<double> reference = reference_of(pictures);
-  for (size_t i = 0; i < all.size(); ++i) print_truth(name, all[i].label, pictures[i], reference);
 }
 
 void measure(const char* scene_path, std::vector<Portal> portals, const Settings& s) {

@@ -43,7 +43,7 @@ inline constexpr std::array kIntegrators{
     /// The techniques of tdpt-org, with both walks guided towards the portals [guide.h].
     Integrator{"tdpt-guided",
                stream::tdpt_guided,
-               {kThreeWays, 6, 2, 0.25, {{0.7, 0.4}}, kThroughWindows, kFewLightWalks}}};
+               {kThreeWays, 6, 2, 0.25, {{0.5, 0.4}}, kThroughWindows, kFewLightWalks}}};
 
 /// The row of that name; null if there is none.
 constexpr const Integrator* find_integrator(std::string_view name) {
@@ -63,7 +63,7 @@ inline constexpr const Integrator& tdpt_guided = *find_integrator("tdpt-guided")
 const Integrator& integrator_named(const std::string& name);
 
 /// The name; for guided walks also the guiding probabilities and the share of samples with
-/// segments; and the share with light walks if not all have one: "tdpt-guided 0.7 0.4 0.25, light
+/// segments; and the share with light walks if not all have one: "tdpt-guided 0.5 0.4 0.25, light
 /// walks 0.25".
 std::string label_of(const Integrator& integrator);
 

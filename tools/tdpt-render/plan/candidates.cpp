@@ -51,7 +51,8 @@ std::vector<Candidate> possible_candidates(const Vista& vista, const Integrator&
   // tdpt-org, and tdpt-guided with more or fewer segments, were never much better in forty rooms
   // and seventeen views of others, and choosing among them by chance cost up to half.
   if (!vista.openings.portals.empty())
-    all.push_back({guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
+    all.insert(all.begin(),
+               {guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
   if (vista.openings.windows.empty()) return all;
   all.push_back(
       {variant(bdpt, stream::bdpt_through_windows, {few_light_walks}), "bdpt through windows"});

@@ -19,7 +19,8 @@ struct Candidate {
 };
 
 /// All candidates for this scene, with the techniques that its portals allow. The first is the
-/// default if nothing can be measured. `guided`: the one to try with portals.
+/// default if nothing can be measured: the one with portals, since it has the techniques of bdpt
+/// too. `guided`: that one.
 std::vector<Candidate> possible_candidates(const Vista& vista,
                                            const Integrator& guided = tdpt_guided);
 /// Those that miss no light of the scene [light_missed]; the first of all if each misses some.

@@ -10,7 +10,10 @@
 //         between candidates that see the same bright paths
 // prior   log cost = level + sum of the effects of i's traits + an effect of i alone, all
 //         independent and normal, the level unknown
-// model   systematic errors of the measurement, of the same form
+// model   errors of the measurement that no scatter between batches shows, of the same form: the
+//         modelled work, the correlation of samples that repeat, and above all bright paths that no
+//         sample has met. The noisier the estimate itself, relMSE of one sample over their number,
+//         the more of those there are
 // P       posterior mean; V its covariance. Of P_i - P_j = log of a ratio of costs comes its
 // interval
 #pragma once
@@ -42,10 +45,11 @@ struct Forecast {
 /// events through portals, a light walk for every sample.
 using Traits = std::array<bool, 5>;
 
-/// `costs`: as measured, by candidate and batch; the same batches for every candidate. Candidates
-/// without a finite cost above 0 keep theirs and are never the best.
+/// `costs`: as measured, by candidate and batch; the same batches for every candidate. `samples`:
+/// behind each of them. Candidates without a finite cost above 0 keep theirs and are never the
+/// best.
 Forecast posterior_costs(std::vector<CandidateEstimate> estimates,
                          const std::vector<Traits>& traits,
-                         const std::vector<std::vector<double>>& costs);
+                         const std::vector<std::vector<double>>& costs, uint64_t samples);
 
 }  // namespace tdpt

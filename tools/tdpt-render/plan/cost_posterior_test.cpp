@@ -43,8 +43,10 @@ Evidence smoothed(Evidence e) {
   return e;
 }
 
-// Those with the first trait use portals.
-Forecast judged(const std::vector<Evidence>& all) {
+constexpr uint64_t kMany = uint64_t{1} << 40;  // samples: none is unseen
+
+// Those with the first trait use portals. A cost is a relMSE.
+Forecast judged(const std::vector<Evidence>& all, uint64_t samples = kMany) {
   std::vector<CandidateEstimate> estimates;
   std::vector<Traits> traits;
   std::vector<std::vector<double>> costs;
@@ -53,55 +55,77 @@ Forecast judged(const std::vector<Evidence>& all) {
     traits.push_back(e.traits);
     costs.push_back(e.costs);
   }
-  return posterior_costs(estimates, traits, costs);
+  return posterior_costs(estimates, traits, costs, samples);
 }
 
 // One low-noise candidate, and eight noisy ones that cost more.
 struct Lost {
-  double plainly = 0, judged = 0, smoothed = 0;  // sums over all trials, as logarithms
+  double plainly = 0, judged = 0;  // sums over all trials, as logarithms
 };
 Lost lost() {
   Lost sum;
   Rng rng(1);
   for (int trial = 0; trial < 400; ++trial) {
-    std::vector<Evidence> all{measured(rng, 1, 0.1)}, twin;
-    for (int i = 0; i < 8; ++i) all.push_back(measured(rng, 1.5, 1, {true, i > 0}));
-    for (const Evidence& e : all) twin.push_back(cost_posterior_test::smoothed(e));
+    std::vector<Evidence> all{measured(rng, 1, 0.1)};
+    for (int i = 0; i < 8; ++i) all.push_back(measured(rng, 1.5, 1, {false, false, false, true}));
     const auto plain = std::min_element(
         all.begin(), all.end(), [](const auto& a, const auto& b) { return mean(a) < mean(b); });
     const double loss = std::log(1.5);
     sum.plainly += plain == all.begin() ? 0 : loss;
     sum.judged += judged(all).best == 0 ? 0 : loss;
-    sum.smoothed += judged(twin).best == 0 ? 0 : loss;
   }
   return sum;
 }
 
 TEST(cost_posterior, noise_does_not_win_a_choice) {
-  const Lost sum = lost();
-  EXPECT_GT(sum.plainly, 80);  // of 162
-  EXPECT_LT(sum.judged, 0.55 * sum.plainly);
+  EXPECT_LT(lost().judged, 35);  // of 162
 }
 
-TEST(cost_posterior, twin_noise_wins_where_it_is_not_known) {
-  const Lost sum = lost();
-  EXPECT_GT(sum.smoothed, 0.7 * sum.plainly);
+TEST(cost_posterior, twin_of_plain_minima_it_wins) {
+  EXPECT_GT(lost().plainly, 60);
 }
 
-// Share of the trials whose interval holds the true ratio.
+// Paths that carry half of the light, and most of its square: the one that guides to the portal
+// always finds them, the other in one pilot of five. Where it does not it looks half as noisy, and
+// no batch shows otherwise. Mean cost of what is chosen, over the best.
+double cost_of_the_choice(uint64_t samples) {
+  Rng rng(4);
+  constexpr double kGuided = 100, kPlain = 50, kPath = 2500;
+  double sum = 0;
+  constexpr int kTrials = 400;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<Evidence> all{measured(rng, kPlain, 0.3),
+                              measured(rng, kGuided, 0.3, {true, true})};
+    if (rng() % 5 == 0) all[0].costs[rng() % kBatches] += kBatches * kPath * 5;
+    sum += judged(all, samples).best == 1 ? 1 : (kPlain + kPath) / kGuided;
+  }
+  return sum / kTrials;
+}
+
+TEST(cost_posterior, what_no_sample_has_met_counts_where_samples_are_few) {
+  EXPECT_LT(cost_of_the_choice(512), 2);
+}
+
+TEST(cost_posterior, twin_where_all_counts_as_seen_it_is_chosen_blindly) {
+  EXPECT_GT(cost_of_the_choice(kMany), 10);
+}
+
+// Share of the trials whose interval holds the true ratio, in a world as scenes are: portals are
+// worth e times the work on average.
 double held(bool smooth) {
   int held = 0;
   constexpr int kTrials = 400;
+  constexpr double kNoise = 1.6;
   Rng rng(2);
   for (int trial = 0; trial < kTrials; ++trial) {
-    const double portals = normal(rng), own = 0.2 * normal(rng);
+    const double portals = normal(rng) - 1, own = 0.2 * normal(rng);
     std::vector<Evidence> all{measured(rng, 1, 0.5), measured(rng, 1.2, 0.5),
-                              measured(rng, std::exp(portals), 1.2, {true}),
-                              measured(rng, std::exp(portals + own), 1.2, {true})};
+                              measured(rng, std::exp(portals), kNoise, {true}),
+                              measured(rng, std::exp(portals + own), kNoise, {true})};
     const std::array truth{1.0, 1.2, std::exp(portals), std::exp(portals + own)};
     if (smooth)
       for (Evidence& e : all) e = smoothed(e);
-    const Forecast f = judged(all);
+    const Forecast f = judged(all, smooth ? kMany : 16);
     const double ratio = truth[f.estimates[1].cost < f.estimates[0].cost] /
                          truth[f.estimates[3].cost < f.estimates[2].cost ? 3 : 2];
     held += f.gain_low <= ratio && ratio <= f.gain_high;
@@ -121,8 +145,8 @@ TEST(cost_posterior, twin_intervals_do_not_where_noise_is_not_known) {
 
 TEST(cost_posterior, of_what_is_known_well_is_the_measurement) {
   Rng rng(3);
-  const Forecast f =
-      judged({measured(rng, 1, 0), measured(rng, 0.5, 0, {true, true}), measured(rng, 3, 0)});
+  const Forecast f = judged({measured(rng, 1, 0), measured(rng, 0.5, 0, {true, true}),
+                             measured(rng, 3, 0, {false, false, true})});
   EXPECT_EQ(f.best, 1u);
   EXPECT_NEAR(std::log(f.portals_gain), std::log(2), 0.15);
   EXPECT_NEAR(f.portals_gain, f.estimates[0].cost / f.estimates[1].cost, 1e-9);

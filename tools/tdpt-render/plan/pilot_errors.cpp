@@ -179,7 +179,7 @@ Forecast Pilot::forecast() const {
     e.cost = e.relmse * e.work;
     traits.push_back(traits_of(vista_, c.integrator.mixture));
   }
-  return posterior_costs(std::move(estimates), traits, costs);
+  return posterior_costs(std::move(estimates), traits, costs, kGroup * groups());
 }
 
 double Pilot::work_of_group() const {

@@ -212,15 +212,14 @@ std::string choice_sentence(const RenderResult& result, bool lit) {
 std::string verdict_sentence(const RenderResult& result) {
   const Forecast& forecast = result.plan.forecast;
   if (!(forecast.portals_gain > 0)) return "";
-  const std::string times =
-      fmt::format("({} times as fast, {} to {})", number_words(forecast.portals_gain, 2),
-                  number_words(forecast.gain_low, 2), number_words(forecast.gain_high, 2));
   // Where the interval holds 1 the pilot cannot be sure.
   const bool sure = forecast.gain_low > 1 || forecast.gain_high < 1;
   if (!forecast.estimates[forecast.best].with_portals)
-    return fmt::format("portals {} not pay in this view {}: rendering without them",
-                       sure ? "do" : "probably do", times);
-  return fmt::format("portals {}pay in this view {}", sure ? "" : "probably ", times);
+    return fmt::format("portals {}do not pay in this view: rendering without them",
+                       sure ? "" : "probably ");
+  return fmt::format("portals {}pay in this view ({} times as fast, {} to {})",
+                     sure ? "" : "probably ", number_words(forecast.portals_gain, 2),
+                     number_words(forecast.gain_low, 2), number_words(forecast.gain_high, 2));
 }
 
 std::string length_sentence(const Job& job, const RenderResult& result) {
