@@ -41,12 +41,8 @@ enum Integrator : uint64_t {
   tdpt_org,
   tdpt,
   tdpt_guided,
-  bdpt_through_windows,
-  nee_through_windows,
-  bdpt_guided_to_windows,
   nee_guided_to_windows,
-  bdpt_with_few_light_walks,
-  bdpt_favouring_next_events
+  bdpt_with_few_light_walks
 };
 }  // namespace stream
 constexpr uint64_t kStreams = 256;

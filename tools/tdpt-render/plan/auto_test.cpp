@@ -77,13 +77,14 @@ TEST(auto_choice, twin_another_seed_gives_another_picture_and_other_estimates) {
   EXPECT_NE(one.plan.forecast.estimates[0].relmse, two.plan.forecast.estimates[0].relmse);
 }
 
-// From 8 samples per pixel on.
+// From 8 samples per pixel on where much is at stake, and from 64 on where guided walks cost half
+// as much again: until then the portals are taken at their word.
 TEST(auto_choice, is_a_portal_integrator_for_a_small_hole_and_none_for_a_wide_window) {
   for (const bool hole : {true, false}) {
     const Room room = hole ? two_rooms(96, 72) : window(64, 48);
     double logarithms = 0;
     for (uint64_t seed = 1; seed <= 6; ++seed) {
-      const RenderResult r = room.render(of(8, seed));
+      const RenderResult r = room.render(of(hole ? 8 : 64, seed));
       EXPECT_EQ(room.candidates[r.plan.forecast.best].with_portals(), hole)
           << r.plan.label << " for " << (hole ? "the hole" : "the window");
       const Forecast& f = r.plan.forecast;
@@ -229,9 +230,9 @@ TEST(candidates, share_no_samples_and_no_names) {
     streams.insert(c.integrator.stream);
     labels.insert(c.label);
   }
-  EXPECT_EQ(streams.size(), 5u);
-  EXPECT_EQ(labels.size(), 5u);
-  EXPECT_EQ(room.candidates.size(), 5u);
+  EXPECT_EQ(streams.size(), 4u);
+  EXPECT_EQ(labels.size(), 4u);
+  EXPECT_EQ(room.candidates.size(), 4u);
   const Vista without(room.scene, room.scene.camera(""), 16, 12, {});
   for (const Candidate& c : auto_candidates(without)) EXPECT_FALSE(c.with_portals()) << c.label;
 }
@@ -245,8 +246,7 @@ TEST(candidates, that_miss_light_of_the_scene_are_none) {
   const Vista vista(scene, scene.camera(""), 16, 12, {});
   std::vector<std::string> labels;
   for (const Candidate& c : auto_candidates(vista)) labels.push_back(c.label);
-  EXPECT_EQ(labels, (std::vector<std::string>{"bdpt with few light walks",
-                                              "bdpt favouring next events", "bdpt"}));
+  EXPECT_EQ(labels, (std::vector<std::string>{"bdpt with few light walks", "bdpt"}));
 }
 
 // Estimated errors against pictures: each pixel's variance over many of them.

@@ -41,9 +41,9 @@ struct Forecast {
   double portals_gain = 0, gain_low = 0, gain_high = 0;
 };
 
-/// Traits that candidates share: portal segments, walks guided to portals, no light walks, next
-/// events through portals, a light walk for every sample.
-using Traits = std::array<bool, 5>;
+/// Traits that candidates share: portal segments, walks guided to portals, no light walks, a light
+/// walk for every sample.
+using Traits = std::array<bool, 4>;
 
 /// `costs`: as measured, by candidate and batch; the same batches for every candidate. `samples`:
 /// behind each of them. Candidates without a finite cost above 0 keep theirs and are never the

@@ -15,13 +15,9 @@ namespace {
 constexpr uint64_t kChunk = 64;  // groups that one thread sums in order
 constexpr double kEqual = 1.05;  // greatest moment over least
 
-// A run stands for the candidates whose walks and next events are drawn in the same way.
-enum class Draws { plain, looking_out, directed };
-
-Draws draws_of(const Vista& vista, const Candidate& c) {
-  const Mixture& m = c.integrator.mixture;
-  if (m.guiding != Guiding{}) return Draws::directed;
-  return !vista.openings.windows.empty() && m.looks_out() ? Draws::looking_out : Draws::plain;
+// A run stands for the candidates whose walks are guided, or for those whose are not.
+bool directed(const Candidate& c) {
+  return c.integrator.mixture.guiding != Guiding{};
 }
 
 int techniques(const Candidate& c) {
@@ -258,10 +254,10 @@ Pilot::Pilot(const Vista& vista, const std::vector<Candidate>& candidates, const
       on_device_(on_device),
       home_(candidates.size()) {
   // For each way of drawing, the first candidate with the most techniques.
-  for (const Draws draws : {Draws::plain, Draws::looking_out, Draws::directed}) {
+  for (const bool guided : {false, true}) {
     size_t most = candidates.size();
     for (size_t i = 0; i < candidates.size(); ++i) {
-      if (draws_of(vista, candidates[i]) != draws) continue;
+      if (directed(candidates[i]) != guided) continue;
       home_[i] = runs_.size();
       if (most == candidates.size() || techniques(candidates[i]) > techniques(candidates[most]))
         most = i;

@@ -1,7 +1,7 @@
 // Integrator `auto`: decides before rendering, from few samples, which of several integrators
 // renders this picture with the least error x work.
 //
-// Method: second moments of many estimators from the samples of one to three of them (as Grittmann
+// Method: second moments of many estimators from the samples of one or two of them (as Grittmann
 // et al. 2022, "Efficiency-aware multiple importance sampling for bidirectional rendering
 // algorithms", choose numbers of samples). The densities of every path found tell how often each
 // candidate would find it and what it would contribute then. All candidates are thus judged by the
@@ -12,9 +12,9 @@
 //           sample weight v_s in the MIS weights
 // M_i       = integral f^2 sum_s v_s^2/n_s p_s / (sum_s v_s p_s)^2: second moment of the
 //             contributions of single paths to a sample of candidate i (balance heuristic)
-// R         runs: the candidates that are rendered. A candidate's `home` is the run whose walks and
-//           next events towards a sky are drawn like its own. Paths of several runs are weighted by
-//           the balance heuristic among them
+// R         runs: the candidates that are rendered. A candidate's `home` is the run whose walks are
+//           guided if its own are. Paths of both runs are weighted by the balance heuristic among
+//           them
 // X, X'     luminance of two independent samples of one pixel, of a candidate, from its home's
 //           paths: of the strategies that it has too, with its own weights, without splats
 // V_i       variance of one sample of a pixel:

@@ -32,9 +32,8 @@ struct Terms {
   std::vector<double> moments, correlation, product;
 };
 
-Traits traits_of(const Vista& vista, const Mixture& m) {
+Traits traits_of(const Mixture& m) {
   return {m.has(Technique::portal), m.guiding != Guiding{}, !m.techniques.walks_from_light(),
-          !vista.openings.windows.empty() && m.looks_out(),
           m.techniques.walks_from_light() && m.light_walks == 1};
 }
 
@@ -177,7 +176,7 @@ Forecast Pilot::forecast() const {
       of_batch.push_back(error * e.work);
     }
     e.cost = e.relmse * e.work;
-    traits.push_back(traits_of(vista_, c.integrator.mixture));
+    traits.push_back(traits_of(c.integrator.mixture));
   }
   return posterior_costs(std::move(estimates), traits, costs, kGroup * groups());
 }

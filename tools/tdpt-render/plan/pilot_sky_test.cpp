@@ -22,8 +22,11 @@ TEST(pilot_under_a_sky, directed_light_walks_do_not_stand_for_those_that_are_not
     std::vector<Portal> portals = two_crossing_portals();
     if (in_the_end_too) portals.push_back(rectangle({4.1, 0.1, -0.9}, {0, 0, 1.8}, {0, 1.8, 0}));
     const Vista vista(scene, scene.camera(""), 32, 24, portals);
-    const std::vector<Candidate> candidates =
-        expecting_connections(vista, auto_candidates(vista), kMaxDepth);
+    std::vector<Candidate> given = auto_candidates(vista);
+    given.push_back({bdpt, "bdpt guided to windows"});
+    given.back().integrator.mixture.light_walks = kFewLightWalks;
+    given.back().integrator.mixture.guiding.chance = {0, 0.4};
+    const std::vector<Candidate> candidates = expecting_connections(vista, given, kMaxDepth);
     std::vector<double> ratios;
     for (uint64_t seed = 1; seed <= 9; ++seed) {
       Pilot pilot(vista, candidates, {.seed = seed});
