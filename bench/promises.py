@@ -107,7 +107,7 @@ def read_regret(lines):
     scenes = defaultdict(Regret)
     for kind, name, *field in (line.rstrip("\n").split("\t") for line in lines):
         scene = scenes[name]
-        if kind == "truth":
+        if kind == "truth" and float(field[2]) > 0:  # all pictures are black where nothing scatters
             scene.truth[field[0]] = tuple(map(float, field[1:4]))
         elif kind == "told":
             scene.told[int(field[0]), int(field[1])][field[2]] = float(field[3]) * float(field[4])

@@ -115,7 +115,7 @@ void print_truths(const char* name, const Vista& vista, const std::vector<Candid
   std::vector<Candidate> all = candidates;
   for (const Integrator& i : kIntegrators) {
     const bool there = std::any_of(all.begin(), all.end(),
-                                   [&](const Candidate& c) { return c.label == label_of(i); });
+                                   [&](const Candidate& c) { return c.label == i.name; });
     const bool portal_one = i.mixture.has(Technique::portal);
     if (!there && light_missed(i, vista.world->scene).empty() &&
         !(portal_one && vista.openings.portals.empty()))
