@@ -303,10 +303,12 @@ class TargetError(unittest.TestCase):
         self.assertGreater(self.kept(told=2).false_alarms, 50)
 
 
-# Costs: bdpt 1000, nee 2000, tdpt-guided 250 [ns]; 8 samples of 1000 pixels at 200 ns are 1.6 ms.
+# Costs: bdpt 1000, nee 2000, tdpt-guided 250 [ns]; pt, whose pictures are all black, has none. 8 samples of 1000 pixels
+# at 200 ns are 1.6 ms.
 REGRET = """truth\troom\tbdpt\t10\t0.1\t100
 truth\troom\tnee\t40\t0.1\t50
 truth\troom\ttdpt-guided 0.5 0.4 1\t1.25\t0.1\t200
+truth\troom\tpt\t1\t0\t20
 told\troom\t8\t1\tbdpt\t9\t100
 told\troom\t8\t1\tnee\t40\t50
 told\troom\t8\t1\ttdpt-guided 0.5 0.4 1\t1.5\t200

@@ -40,7 +40,8 @@ inline constexpr std::array kIntegrators{
         "tdpt",
         stream::tdpt,
         {TechniqueSet(Technique::camera, Technique::direct, Technique::light, Technique::portal)}},
-    /// The techniques of tdpt-org, with both walks guided towards the portals [guide.h].
+    /// The techniques of tdpt-org, with both walks guided towards the portals [guide.h]; half of the
+    /// light walks, since most lamps of a building do not see the openings of the camera's room.
     Integrator{"tdpt-guided",
                stream::tdpt_guided,
                {kThreeWays, 6, 2, 0.25, {{0.5, 0.4}}, kThroughWindows, kFewLightWalks}}};
