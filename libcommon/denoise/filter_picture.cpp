@@ -10,12 +10,12 @@
 #include "libcommon/base/words.h"
 #include "libcommon/denoise/buffers.h"
 #include "libcommon/denoise/oidn.h"
-#include "libcommon/denoise/outliers.h"
+#include "libcommon/denoise/planes.h"
 
 namespace tdpt::denoise {
 namespace {
 
-// What filtering needs at most besides the channels, for pictures of one block.
+// What filtering needs at most besides the channels.
 constexpr size_t kBytesOfPixel = 400, kBytesOfFramesPixel = 200;
 
 Shot without_outliers(Size size, Shot shot) {
