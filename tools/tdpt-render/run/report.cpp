@@ -325,7 +325,7 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
     common.note(length);
 }
 
-std::string told_of(const Vista& vista, const RenderResult& result) {
+std::string outcome_words(const Vista& vista, const RenderResult& result) {
   std::string noise;
   if (is_black(result))
     noise = ", all black: " + why_black(vista);

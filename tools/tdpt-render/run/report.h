@@ -32,7 +32,7 @@ void tell_choice(const Session& session, const RenderResult& result, const cli::
 void tell_after(const Session& session, const std::vector<Portal>& portals,
                 const RenderResult& result, const RenderArguments& a, const cli::Common& common);
 /// "16 samples per pixel in 3 s, relMSE 0.012, 0.011 to 0.014".
-std::string told_of(const Vista& vista, const RenderResult& result);
+std::string outcome_words(const Vista& vista, const RenderResult& result);
 
 /// What `auto` chose, and why. `lit`: whether paths beyond the camera's rays can bring light.
 std::string choice_sentence(const RenderResult& result, bool lit = true);
