@@ -87,14 +87,15 @@ std::string difference(const Fingerprint& found, const Fingerprint& expected) {
       if (key == name) return value;
     return std::string();
   };
-  const auto told = [](const std::string& value) {
+  const auto value_words = [](const std::string& value) {
     return value.empty() ? std::string("none") : shown(value, 80);
   };
   for (const Fingerprint* names : {&expected, &found})
     for (const auto& [name, unused] : *names) {
       const std::string is = value_of(found, name), should = value_of(expected, name);
       if (is != should)
-        return fmt::format("another {} ({}, expected {})", shown(name, 40), told(is), told(should));
+        return fmt::format("another {} ({}, expected {})", shown(name, 40), value_words(is),
+                           value_words(should));
     }
   return "";
 }

@@ -66,9 +66,9 @@ Plane Buffers::channel(const std::string& channel) const {
 }
 
 View Buffers::view() const {
-  const auto told = file_.attributes.find("camera");
+  const auto camera = file_.attributes.find("camera");
   const auto viewpoint =
-      told != file_.attributes.end() ? parse_viewpoint(told->second) : std::nullopt;
+      camera != file_.attributes.end() ? parse_viewpoint(camera->second) : std::nullopt;
   if (!viewpoint)
     throw InputError(name_, "attribute camera",
                      "is missing or malformed: frames are aligned by camera and depth");
@@ -122,7 +122,7 @@ Features Buffers::features(bool& any) const {
   return features;
 }
 
-// Of the samples: picture = share A + (1 - share) B, by least squares of relative errors.
+// The share of the samples: picture = share A + (1 - share) B, by least squares of relative errors.
 double Buffers::share_of(const Colour& picture, const Colour& a, const Colour& b) const {
   double products = 0, squares = 0, brightest = 0;
   const auto each = [&](const auto& visit) {
@@ -172,7 +172,7 @@ namespace {
 
 // Depths that differ by less than this share are of the same surface.
 constexpr double kSameDepth = 0.03;
-// Of the weights of four pixels, how much those that show a place must have.
+// The least share of the weights of four pixels that those which show a place must have.
 constexpr double kLeastWeight = 0.2;
 // How many times as bright as another one of them may be, unless its share is that of rounding.
 constexpr float kAlike = 4, kNoShare = 1e-6f;
@@ -248,7 +248,7 @@ Brightness brightness_of(const Shot& shot, Size size) {
 
 // Whether the taps may be as bright as each other, roughly: a mixture of a lamp and of what is
 // beside it is neither, and would be a halo of the lamp.
-bool alike(const Taps& taps, const Brightness& brightness) {
+bool has_one_brightness(const Taps& taps, const Brightness& brightness) {
   float dim = std::numeric_limits<float>::max(), bright = 0;
   for (size_t k = 0; k < 4; ++k) {
     if (taps.share[k] < kNoShare) continue;
@@ -267,7 +267,7 @@ Neighbour reproject(const Shot& there, const View& from, const Shot& here, const
   tbb::parallel_for(0, to.film.height(), [&](int y) {
     for (int x = 0; x < to.film.width(); ++x) {
       const Taps taps = pixels_that_show(from, to, x, y);
-      if (!taps.any || !alike(taps, brightness)) continue;
+      if (!taps.any || !has_one_brightness(taps, brightness)) continue;
       const auto seen = [&](const Plane& plane) {
         float value = 0;
         for (size_t k = 0; k < 4; ++k) value += taps.share[k] * plane[taps.pixel[k]];

@@ -89,7 +89,7 @@ class Filter {
     return k == 0 ? all : in_.neighbours[k - 1].present;
   }
 
-  // Of each frame, from all of them.
+  // The crude estimates of each frame, from all of them.
   std::vector<Crude> make_pilots() const {
     std::vector<Crude> all(1 + in_.neighbours.size());
     std::vector<Source> a, b;

@@ -105,8 +105,8 @@ float Judge::squared_error(const Halves& f, size_t c, size_t i) const {
 
 namespace {
 
-// Of each pixel, relative to the estimate itself: its squared error, and the variance of the
-// estimate, both by the halves; and that of the noise, in the mean.
+// The squared error of each pixel, relative to the estimate itself, and the variance of the
+// estimate, both by the halves; and the mean variance of the noise.
 struct Squares {
   Plane error, variance;
   double noise = 0;

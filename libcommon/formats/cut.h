@@ -81,7 +81,7 @@ struct CutFile : PatchFile {
   bool bottleneck = false;       ///< false: the network has none; then there is one cut
   std::string reason;            ///< a plain sentence why not, if !bottleneck
 
-  /// Of camera `k`, for messages; empty where there is only one.
+  /// The name of camera `k`, for messages; empty where there is only one.
   std::string name_if_several(size_t k) const;
   static Side side(uint64_t sides, size_t c) { return sides >> c & 1 ? Side::sink : Side::source; }
   Side side_of(size_t patch, size_t c) const { return side(sides[patch], c); }

@@ -21,7 +21,8 @@ struct PatchWalks {
 /// of `network` is that of the first camera.
 struct DimacsFile : PatchFile {
   FlowNetwork network;
-  /// Of the other cameras: the last nodes, from which no arc leads. To a solver they are dead ends.
+  /// The sinks of the other cameras: the last nodes, from which no arc leads. To a solver they are
+  /// dead ends.
   std::vector<uint32_t> more_sinks;
   double scale = 1;               ///< capacity of one etendue sample
   bool has_patches = false;       ///< false: a plain DIMACS file, of which only `hash` is known

@@ -187,9 +187,9 @@ bool is_damaged(const std::string& bytes) {
 constexpr const char* kVersion = "tdpt_format";
 constexpr vdb::Index64 kLinesForNothing = 1 << 16;
 
-class Reader {
+class GridReader {
  public:
-  explicit Reader(std::string name) : name_(std::move(name)) {}
+  explicit GridReader(std::string name) : name_(std::move(name)) {}
 
   LightGrid read(const std::string& bytes) {
     LightGrid light;
@@ -483,7 +483,7 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
   const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
   if (is_damaged(bytes)) throw InputError(name, "", "is damaged or cut short");
   try {
-    return Reader(name).read(bytes);
+    return GridReader(name).read(bytes);
   } catch (const InputError&) {
     throw;
   } catch (const std::ios_base::failure&) {

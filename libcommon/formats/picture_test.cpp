@@ -597,7 +597,7 @@ TEST(Picture, PngWithAlpha) {
   Picture p{2, 1, {Rgb(0.25f), Rgb(0.0f)}, {0.5f, 0}};
   const std::string png = png_bytes(p);
   EXPECT_EQ(png[25], 6);  // RGB and alpha
-  const std::string straight = png_of_rgba8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
+  const std::string straight = png_of_rgb8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
   EXPECT_EQ(png, straight);
 }
 

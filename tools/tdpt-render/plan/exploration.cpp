@@ -25,7 +25,7 @@ constexpr double kNoLight = 1e-4;  // share of the picture's without its brighte
 constexpr double kByPower = 0.1;
 constexpr double kBrightest = 0.1;  // largest share of the total that one path counts for
 
-// Of the ways of portals.
+// What decides the ways of portals.
 constexpr double kLeastEnergy = 0.001;  // share of the picture's light
 constexpr double kEarnest = 0.2;        // share of the light through the portal
 constexpr double kWideWay = 0.066;      // conductance
@@ -119,8 +119,8 @@ class Observer {
 };
 
 // Renders one sample for each pixel of the film.
-Observer look(const Vista& vista, const std::vector<Opening>& openings, int max_depth,
-              uint64_t seed, uint64_t round) {
+Observer rendered_small(const Vista& vista, const std::vector<Opening>& openings, int max_depth,
+                        uint64_t seed, uint64_t round) {
   const int width = vista.view.film.width(), height = vista.view.film.height();
   // With so few samples each makes its own light walk and draws a segment.
   Mixture mixture = tdpt_guided.mixture;
@@ -219,7 +219,7 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
       openings.push_back({PortalSet({front}, frame), PortalSet({both.back()}, frame)});
     }
     small.openings.portals = PortalSet(both, frame);
-    const Observer seen = look(small, openings, max_depth, seed, round);
+    const Observer seen = rendered_small(small, openings, max_depth, seed, round);
     arrived.insert(arrived.end(), seen.arrived.begin(), seen.arrived.end());
     by_depth.insert(by_depth.end(), seen.by_depth.begin(), seen.by_depth.end());
     out.samples += small.view.film.pixels();

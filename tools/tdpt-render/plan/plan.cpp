@@ -20,7 +20,7 @@ uint64_t spp_foreseen(const Limits& limits) {
   return limits.spp > 0 ? std::min(limits.spp, kSppOfTarget) : kSppOfTarget;
 }
 
-// Of the whole picture.
+// The samples of the whole picture.
 double samples_foreseen(const Limits& limits, const FilmPlane& film) {
   const uint64_t spp = spp_foreseen(limits);
   if (spp == 0) return kSamplesPerSecond * limits.seconds;

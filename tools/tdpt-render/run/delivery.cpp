@@ -35,17 +35,6 @@ std::string nonzero_png(const Picture& picture) {
   return png_bytes(marks);
 }
 
-// Filters the picture as its facts ask; what the filter did, in a sentence.
-std::string filter(denoise::Unfiltered& picture, nlohmann::ordered_json& stats) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto filtered = denoise::filter(picture);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  if (!filtered) return "not filtered: there is one sample per pixel";
-  if (const auto& left = filtered->left)
-    stats["filtered"] = {{"relmse", left->relmse}, {"interval", {left->low, left->high}}};
-  return fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count());
-}
-
 // Where a picture is kept after a failed write.
 std::string kept_sentence(const std::string& output, const std::string& bytes) {
   const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, bytes);
@@ -120,13 +109,14 @@ std::string Delivery::deliver(const RenderResult& result, const Channels& channe
                      save(result.plan, *result.progress, channels);
   const Film& film = result.progress->film;
   const bool is_shard = !a_.shard.empty();
-  std::string filtered;
-  denoise::Unfiltered all{{result.picture, {}, {}, {}, {}}};
-  if (!is_shard) {
-    all = denoise::unfiltered(film, facts_, channels);
-    if (a_.filters()) filtered = filter(all, stats);
-  }
-  const ExrFile& file = all.file;
+  ExrFile file{result.picture, {}, {}, {}, {}};
+  std::optional<denoise::Filtered> filtered;
+  const auto start = std::chrono::steady_clock::now();
+  if (!is_shard) file = denoise::filtered_picture(film, facts_, channels, filtered);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (filtered && filtered->left)
+    stats["filtered"] = {{"relmse", filtered->left->relmse},
+                         {"interval", {filtered->left->low, filtered->left->high}}};
   const std::optional<double> exposure = exposure_of(file.picture, a_.preview, a_.exposure);
   if (exposure) stats["exposure"] = *exposure;
   warn_of_range(file, a_.storage(), common_);
@@ -147,7 +137,8 @@ std::string Delivery::deliver(const RenderResult& result, const Channels& channe
                                                         display_name(checkpoint()))
                                           : kept_sentence(common_.output, bytes())));
   }
-  return filtered;
+  if (filtered) return fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count());
+  return a_.filters() && !is_shard ? "not filtered: there is one sample per pixel" : "";
 }
 
 }  // namespace tdpt

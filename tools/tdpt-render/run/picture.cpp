@@ -107,8 +107,8 @@ RenderResult rendered(Session& session, const Plan& plan, const std::shared_ptr<
   }
 }
 
-void tell_begun(const Begun& begun, const RenderArguments& a, const std::string& code,
-                const cli::Common& common) {
+void note_resumed(const Begun& begun, const RenderArguments& a, const std::string& code,
+                  const cli::Common& common) {
   if (begun.processor != code)
     common.warn(other_code_sentence(display_name(a.resume), begun.processor, code));
   const uint64_t done = begun.progress->film.samples();
@@ -140,8 +140,8 @@ void finish(const RenderArguments& a, const cli::Common& common, const Loaded& i
   const Channels channels =
       result.progress->first == 0 ? channels_of(a, session.vista, session.job.seed) : Channels();
   const std::string filtered = files.deliver(result, channels, stats);
-  tell_choice(session, result, common);
-  if (mark.empty()) tell_after(session, in.portals, result, a, common);
+  report_choice(session, result, common);
+  if (mark.empty()) report_after(session, in.portals, result, a, common);
   if (!filtered.empty()) common.note(filtered);
   stats.erase("frames");
   common.summary(stats.dump());
@@ -181,9 +181,9 @@ Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scen
   if (begun) {
     if (!(begun->progress->film.options() == film_options(job, candidates)))
       throw InputError(display_name(a.resume), "film", "keeps other sums than this picture");
-    tell_begun(*begun, a, code, common);
+    note_resumed(*begun, a, code, common);
   }
-  tell_before(job, vista, asked, drawn, explored.ways, common);
+  report_before(job, vista, asked, drawn, explored.ways, common);
 
   const std::shared_ptr<SampleRenderer> renderer =
       upload ? upload->renderer(vista) : std::make_shared<CpuRenderer>(vista);

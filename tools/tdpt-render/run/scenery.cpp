@@ -40,20 +40,6 @@ bool stands_as(const Camera& a, const Camera& b) {
   return a.position == b.position && a.forward == b.forward && a.up == b.up;
 }
 
-// Throws UsageError if the film of such a picture takes too much memory [file.h]. With `auto` it
-// may get layers for all techniques of its candidates.
-void expect_memory_of_film(const RenderArguments& a, const PictureSize& size) {
-  const TechniqueSet techniques = a.integrator != "auto"
-                                      ? integrator_named(a.integrator).mixture.techniques
-                                      : (a.portals.empty() ? kTwoWays : kThreeWays);
-  const bool halves = keeps_halves(a);
-  const Film::Options sums = film_options(a.layers ? techniques : TechniqueSet(), a.alpha, halves);
-  expect_memory(fmt::format("{} x {} pixels (--width, --height{}{})", size.width, size.height,
-                            a.layers ? ", --layers" : "", halves ? ", --denoise or --aov" : ""),
-                sums.bytes_of_pixel() * static_cast<uint64_t>(size.width) *
-                    static_cast<uint64_t>(size.height));
-}
-
 }  // namespace
 
 Loaded& Scenery::load(const RenderArguments& a, const cli::Common& common) {
@@ -205,6 +191,18 @@ PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width
     throw InputError(display_name(scene.path),
                      own.place_of(own.width > 0 ? "tdpt_width" : "tdpt_height"), e.what());
   }
+}
+
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size) {
+  const TechniqueSet techniques = a.integrator != "auto"
+                                      ? integrator_named(a.integrator).mixture.techniques
+                                      : (a.portals.empty() ? kTwoWays : kThreeWays);
+  const bool halves = keeps_halves(a);
+  const Film::Options sums = film_options(a.layers ? techniques : TechniqueSet(), a.alpha, halves);
+  expect_memory(fmt::format("{} x {} pixels (--width, --height{}{})", size.width, size.height,
+                            a.layers ? ", --layers" : "", halves ? ", --denoise or --aov" : ""),
+                sums.bytes_of_pixel() * static_cast<uint64_t>(size.width) *
+                    static_cast<uint64_t>(size.height));
 }
 
 }  // namespace tdpt

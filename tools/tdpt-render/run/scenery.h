@@ -29,6 +29,10 @@ PictureSize picture_size(const Camera& camera, int64_t width, int64_t height);
 /// InputError if that is too large.
 PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height);
 
+/// Throws UsageError if the film of such a picture takes too much memory [file.h]. With `auto` it
+/// may get layers for all techniques of its candidates.
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size);
+
 struct Loaded {
   Scene scene;
   TakenSky sky;
@@ -52,7 +56,7 @@ class Scenery {
   /// what has changed. Warnings and notes of the scene are printed the first time.
   Loaded& load(const RenderArguments& a, const cli::Common& common);
 
-  /// Of what was loaded last, with its portals as they were given.
+  /// The vista of what was loaded last, with its portals as they were given.
   Vista& vista(const cli::Common& common);
 
  private:
