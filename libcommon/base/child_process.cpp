@@ -135,11 +135,11 @@ void limit_what_is_held(uint64_t bytes) {
   std::FILE* const file = std::fopen("/proc/self/statm", "r");
   if (!file) return;
   unsigned long pages = 0;
-  const bool told = std::fscanf(file, "%*u %*u %*u %*u %*u %lu", &pages) == 1;
+  const bool known = std::fscanf(file, "%*u %*u %*u %*u %*u %lu", &pages) == 1;
   std::fclose(file);
   const rlim_t held = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
   const rlimit most{held + for_libraries + bytes, RLIM_INFINITY};
-  if (told) ::setrlimit(RLIMIT_DATA, &most);
+  if (known) ::setrlimit(RLIMIT_DATA, &most);
 }
 
 // Never returns. _exit() flushes nothing, so the parent's buffered output is not written twice.

@@ -1,8 +1,20 @@
-// What a filter needs of a picture file: its halves and features, as planes of checked numbers.
+// What a filter needs of a picture file: its halves and features, as planes of checked numbers; and
+// another frame of a moving picture, moved to where this one shows the same.
+//
+// Method of that: reverse reprojection. The place x that a pixel sees, by camera and depth, is
+// looked up in the other picture, between four pixels; those show it whose depth agrees. Where one
+// of them is far brighter, as at the edge of a lamp, their mixture is taken for nothing that is
+// seen from here.
+//
+//   x = eye + w z / (w . forward)     w through the pixel's centre, z its depth
+//
+// What has moved, or is lit otherwise, shows a surface at the same depth that looks different; the
+// weights of the regression tell.
 #pragma once
-#include "libcommon/denoise/reproject.h"
+#include "libcommon/denoise/denoise.h"
 #include "libcommon/film/film.h"
 #include "libcommon/formats/picture.h"
+#include "libcommon/scene/film_plane.h"
 
 namespace tdpt::denoise {
 
@@ -11,6 +23,13 @@ inline constexpr const char* kNoisyLayer = "noisy";
 inline constexpr std::array kFeatureChannels{"albedo.R", "albedo.G", "albedo.B", "normal.X",
                                              "normal.Y", "normal.Z", "depth.Z"};
 static_assert(kFeatureChannels.size() == kFeatures);
+
+/// Where a picture was seen from.
+struct View {
+  FilmPlane film;  ///< metres
+  Plane depth;     ///< along the camera's axis [m]; kNothing or more where nothing is seen
+};
+inline constexpr float kNothing = 1e9f;
 
 /// All members throw InputError, with the file's name, if something is missing or no number.
 class Buffers {
@@ -28,7 +47,6 @@ class Buffers {
   Shot shot(bool& any) const;
   /// Empty if it is missing.
   Plane channel(const std::string& channel) const;
-  /// Where the picture was seen from.
   View view() const;
 
  private:
@@ -43,5 +61,9 @@ class Buffers {
   const ExrFile& file_;
   const std::string& name_;
 };
+
+/// `there`, from its view, as seen from that of `here`. Where it does not show what is there, the
+/// neighbour has the numbers of `here`.
+Neighbour reproject(const Shot& there, const View& from, const Shot& here, const View& to);
 
 }  // namespace tdpt::denoise

@@ -7,7 +7,7 @@
 // Coarse resolutions tell the brightness of walls, whose noise of low frequency no window of a few
 // pixels averages out, fine ones the details (as in Delbracio et al. 2014). The noise of a half
 // falls with its samples, the filter's error does not: in the end the noisy pixel prevails, and the
-// bias goes to 0. What the filter takes from both halves is given back [outliers.h], so that the
+// bias goes to 0. What the filter takes from both halves is given back [planes.h], so that the
 // mean stays, but for the light of single paths.
 //
 // A, B   halves, means of n_A and n_B samples per pixel; share s_A = n_A / (n_A + n_B)
@@ -42,7 +42,7 @@ struct Shot {
   double share_a = 0.5;  ///< of the samples, inside (0,1)
   Features features;     ///< the first three: albedo, in [0,1]
 };
-/// Another frame of a moving picture, seen from the camera of this one [reproject.h].
+/// Another frame of a moving picture, seen from the camera of this one [buffers.h].
 struct Neighbour {
   Shot shot;      ///< without outliers
   Plane present;  ///< 0 where the frame does not show what is there, else 1
@@ -70,9 +70,7 @@ struct Result {
   Plane error;  ///< about the relative error around each pixel; empty where `left` is not known
 };
 
-/// A function of the input, whatever the number of threads. Large pictures are filtered in blocks,
-/// which do not show in the result: `block` is their largest side [pixels].
-inline constexpr int kBlock = 1024;
-Result denoise(Input input, int block = kBlock);
+/// A function of the input, whatever the number of threads.
+Result denoise(Input input);
 
 }  // namespace tdpt::denoise

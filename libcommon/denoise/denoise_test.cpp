@@ -251,13 +251,10 @@ TEST(Denoise, AHighlightStays) {
   EXPECT_NEAR(result.picture[1][pixel] / picture.truth[1][pixel], 1, 0.3);
 }
 
-TEST(Denoise, BlocksAndThreadsDoNotShow) {
+TEST(Denoise, ThreadsDoNotShow) {
   const TestPicture picture;
   const Input input = picture.halves(0.5);
-  const Result all = denoise(input), parts = denoise(input, 31);
-  const Colour& whole = all.picture;
-  EXPECT_EQ(parts.picture, whole);
-  EXPECT_EQ(parts.error, all.error);
+  const Colour whole = denoise(input).picture;
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(denoise(input).picture, whole);
 }
@@ -295,16 +292,6 @@ TEST(Denoise, AnotherFrameHelpsAsFarAsItShowsTheSame) {
   for (Plane& plane : bright.truth)
     for (float& v : plane) v *= 3;
   EXPECT_GT(gain(picture, with_neighbour(picture, bright.halves(0.5, 7).shot)), 0.7 * alone);
-}
-
-TEST(Denoise, BlocksDoNotShowWithFrames) {
-  const TestPicture picture;
-  Input input = with_neighbour(picture, picture.halves(0.5, 7).shot);
-  Plane& present = input.neighbours[0].present;
-  for (size_t i = 0; i < present.size(); ++i) present[i] = (i / 7 + i / 96 / 5) % 3 == 0 ? 0 : 1;
-  const Result parts = denoise(input, 31), whole = denoise(input);
-  EXPECT_EQ(parts.picture, whole.picture);
-  EXPECT_EQ(parts.error, whole.error);
 }
 
 TEST(Denoise, UnitsOfLightDoNotMatter) {

@@ -10,12 +10,12 @@
 #include "libcommon/base/words.h"
 #include "libcommon/denoise/buffers.h"
 #include "libcommon/denoise/oidn.h"
-#include "libcommon/denoise/outliers.h"
+#include "libcommon/denoise/planes.h"
 
 namespace tdpt::denoise {
 namespace {
 
-// What filtering needs at most besides the channels, for pictures of one block.
+// What filtering needs at most besides the channels.
 constexpr size_t kBytesOfPixel = 400, kBytesOfFramesPixel = 200;
 
 Shot without_outliers(Size size, Shot shot) {
@@ -25,7 +25,7 @@ Shot without_outliers(Size size, Shot shot) {
   return shot;
 }
 
-// Of a frame before or after; `shot`: of this one, without outliers.
+// A frame before or after, as a neighbour; `shot` is this one, without outliers.
 Neighbour neighbour_of(const NamedPicture& frame, const Shot& shot, const View& view) {
   const Buffers buffers(frame.file, frame.name);
   bool any = false;
@@ -33,7 +33,7 @@ Neighbour neighbour_of(const NamedPicture& frame, const Shot& shot, const View& 
   return reproject(there, buffers.view(), shot, view);
 }
 
-// Of the pixels, in any of them.
+// The share of the pixels that any of them shows.
 double share_present(const std::vector<Neighbour>& neighbours) {
   size_t pixels = 0;
   const size_t all = neighbours[0].present.size();
@@ -53,7 +53,8 @@ std::vector<Rgb> triples(const Buffers& buffers, size_t first) {
   return all;
 }
 
-// Of all samples and of the halves; nothing where it is not installed or does not run.
+// What the guest makes of all samples and of the halves; nothing where it is not installed or does
+// not run.
 std::optional<Guest> guest_of(const Buffers& buffers, const Shot& shot, std::string& name) try {
   OpenImageDenoise oidn;
   const std::vector<Rgb> albedo = triples(buffers, 0), normal = triples(buffers, 3);
@@ -195,26 +196,21 @@ Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind,
   return filtered;
 }
 
-Unfiltered unfiltered(const Film& film, const FilmFacts& facts, Channels channels) {
+ExrFile filtered_picture(const Film& film, const FilmFacts& facts, Channels channels,
+                         std::optional<Filtered>& filtered) {
   const auto asks = [&](const char* word) {
     return std::find(facts.derived.begin(), facts.derived.end(), word) != facts.derived.end();
   };
-  Unfiltered picture{finished_picture(film, facts, std::move(channels)), {}, asks("halves")};
+  ExrFile picture = finished_picture(film, facts, std::move(channels));
   const auto word = std::find_if(kDenoised.begin(), kDenoised.end(), asks);
   const bool by_halves = word != &kDenoised.back();
   if (word == kDenoised.end() || (by_halves && !film.has_both_halves())) return picture;
-  picture.kind = static_cast<Kind>(word - kDenoised.begin());
   for (const uint64_t half : {0, 1})
-    if (by_halves) picture.file.layers[kHalves[half]] = film.half(half);
+    if (by_halves) picture.layers[kHalves[half]] = film.half(half);
+  filtered = filter_picture(picture, "picture", static_cast<Kind>(word - kDenoised.begin()));
+  if (!asks("halves"))
+    for (const char* half : kHalves) picture.layers.erase(half);
   return picture;
-}
-
-std::optional<Filtered> filter(Unfiltered& picture) {
-  if (!picture.kind) return {};
-  Filtered filtered = filter_picture(picture.file, "picture", *picture.kind);
-  if (!picture.keeps_halves)
-    for (const char* half : kHalves) picture.file.layers.erase(half);
-  return filtered;
 }
 
 }  // namespace tdpt::denoise

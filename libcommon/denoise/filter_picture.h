@@ -56,14 +56,9 @@ ExrFile parse_with_channels(std::string_view bytes, const std::string& name);
 Filtered filter_picture(ExrFile& file, const std::string& name, Kind kind = Kind::automatic,
                         std::span<const NamedPicture> frames = {});
 
-/// A film's finished picture, until it is filtered as its facts ask.
-struct Unfiltered {
-  ExrFile file;                ///< with the halves if the filter needs them
-  std::optional<Kind> kind{};  ///< none: not asked for, or a half has no samples
-  bool keeps_halves = false;   ///< they are asked for beside the filtered picture
-};
-Unfiltered unfiltered(const Film& film, const FilmFacts& facts, Channels channels = {});
-/// Filters it, as filter_picture() does; nothing if that has no `kind`.
-std::optional<Filtered> filter(Unfiltered& picture);
+/// A film's finished picture, filtered as its facts ask. Sets what the filter did; nothing if none
+/// is asked for, or a half that it needs has no samples.
+ExrFile filtered_picture(const Film& film, const FilmFacts& facts, Channels channels,
+                         std::optional<Filtered>& filtered);
 
 }  // namespace tdpt::denoise

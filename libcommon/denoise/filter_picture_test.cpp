@@ -187,9 +187,8 @@ TEST(FilterPicture, OfAFilmIsFilteredAsItsFactsAsk) {
   FilmFacts facts;
   const auto filtered = [&](const Film& of, std::vector<std::string> derived) {
     facts.derived = std::move(derived);
-    Unfiltered picture = unfiltered(of, facts);
-    filter(picture);
-    return picture.file;
+    std::optional<Filtered> how;
+    return filtered_picture(of, facts, {}, how);
   };
   ExrFile expected = filtered(film, {"halves"});
   EXPECT_EQ(expected.layers.size(), 2u);

@@ -36,11 +36,15 @@ Film::Film(int width, int height, double power, Options options)
   clear();
 }
 
+bool Film::keeps(size_t plane) const {
+  if (plane == 0) return true;
+  if (plane == kOddPlane) return options_.halves;
+  return plane <= options_.layers.size() && !options_.layers[plane - 1].empty();
+}
+
 void Film::clear() {
-  picture_ = std::make_unique<FixedSum[]>(3 * pixels());
-  for (size_t i = 0; i < options_.layers.size(); ++i)
-    if (!options_.layers[i].empty()) layers_[i] = std::make_unique<FixedSum[]>(3 * pixels());
-  if (options_.halves) odd_ = std::make_unique<FixedSum[]>(3 * pixels());
+  for (size_t p = 0; p < planes_.size(); ++p)
+    if (keeps(p)) planes_[p] = std::make_unique<FixedSum[]>(3 * pixels());
   if (options_.alpha) met_ = std::make_unique<std::atomic<uint64_t>[]>(pixels());
   ranges_.clear();
 }
@@ -71,7 +75,7 @@ std::vector<Vec3d> Film::sums(const Plane& plane) const {
 
 std::vector<Vec3d> Film::sums(size_t step) const {
   std::vector<Vec3d> some;
-  for (size_t i = 0; i < pixels(); i += step) some.push_back(sum(picture_, i));
+  for (size_t i = 0; i < pixels(); i += step) some.push_back(sum(planes_[0], i));
   return some;
 }
 
@@ -100,15 +104,10 @@ void Film::complete(const SampleRange& range) {
 
 void Film::add_sums(const std::function<Units(size_t plane, size_t i)>& sum,
                     const std::function<uint64_t(size_t pixel)>& met) {
-  const auto add = [&](Plane& to, size_t plane) {
-    if (!to) return;
-    for (size_t i = 0; i < 3 * pixels(); ++i)
-      if (const Units units = sum(plane, i); units != 0 && !to[i].add(units))
+  for (size_t p = 0; p < planes_.size(); ++p)
+    for (size_t i = 0; planes_[p] && i < 3 * pixels(); ++i)
+      if (const Units units = sum(p, i); units != 0 && !planes_[p][i].add(units))
         throw std::overflow_error("a sum has wrapped round");
-  };
-  add(picture_, 0);
-  for (size_t i = 0; i < kMostLayers; ++i) add(layers_[i], 1 + i);
-  add(odd_, kOddPlane);
   for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += met(i);
 }
 
@@ -123,15 +122,8 @@ void Film::merge(const Film& other) {
     ranges_ = std::move(ranges);
     throw;
   }
-  const auto merge_plane = [](Plane& to, const Plane& from, size_t n) {
-    if (!to) return;
-    for (size_t i = 0; i < n; ++i)
-      if (!to[i].add(from[i].units())) throw std::overflow_error("a sum has wrapped round");
-  };
-  merge_plane(picture_, other.picture_, 3 * pixels());
-  for (size_t i = 0; i < kMostLayers; ++i) merge_plane(layers_[i], other.layers_[i], 3 * pixels());
-  merge_plane(odd_, other.odd_, 3 * pixels());
-  for (size_t i = 0; met_ && i < pixels(); ++i) met_[i] += other.met_[i];
+  add_sums([&](size_t plane, size_t i) { return other.planes_[plane][i].units(); },
+           [&](size_t pixel) { return other.met_[pixel].load(); });
 }
 
 Picture Film::mean(const Plane& plane) const {
@@ -140,13 +132,13 @@ Picture Film::mean(const Plane& plane) const {
 }
 
 Picture Film::picture() const {
-  Picture picture = mean(picture_);
+  Picture picture = mean(planes_[0]);
   picture.alpha = alpha();
   return picture;
 }
 
 Picture Film::layer(size_t layer) const {
-  return mean(layers_[layer]);
+  return mean(planes_[1 + layer]);
 }
 
 std::vector<Film::Numbers> Film::numbers() {
@@ -155,9 +147,9 @@ std::vector<Film::Numbers> Film::numbers() {
   const auto keep = [&](const std::string& name, auto* first, size_t each) {
     if (first) all.push_back({name, reinterpret_cast<unsigned char*>(first), each, sizeof *first});
   };
-  keep("", picture_.get(), 3);
-  for (size_t i = 0; i < options_.layers.size(); ++i) keep(options_.layers[i], layers_[i].get(), 3);
-  keep("odd", odd_.get(), 3);
+  for (size_t p = 0; p < planes_.size(); ++p)
+    if (planes_[p])
+      keep(p == 0 ? "" : p == kOddPlane ? "odd" : options_.layers[p - 1], planes_[p].get(), 3);
   keep("met", met_.get(), 1);
   return all;
 }
@@ -186,15 +178,15 @@ uint64_t Film::samples_of_half(uint64_t half) const {
 
 Vec3d Film::sum_of_half(uint64_t half, size_t pixel) const {
   const auto channel = [&](size_t c) {
-    const Units odd = odd_[3 * pixel + c].units();
-    return from_units(half == 1 ? odd : picture_[3 * pixel + c].units() - odd, unit_);
+    const Units odd = planes_[kOddPlane][3 * pixel + c].units();
+    return from_units(half == 1 ? odd : planes_[0][3 * pixel + c].units() - odd, unit_);
   };
   return {channel(0), channel(1), channel(2)};
 }
 
 Picture Film::half(uint64_t half) const {
   std::vector<Vec3d> sums(pixels());
-  for (size_t i = 0; odd_ && i < pixels(); ++i) sums[i] = sum_of_half(half, i);
+  for (size_t i = 0; planes_[kOddPlane] && i < pixels(); ++i) sums[i] = sum_of_half(half, i);
   return scaled_picture(width_, height_, sums,
                         1 / static_cast<double>(std::max<uint64_t>(samples_of_half(half), 1)));
 }
@@ -205,7 +197,7 @@ std::vector<double> Film::variance() const {
   std::vector<double> alone(pixels()), variance(pixels());
   const auto a = static_cast<double>(samples_of_half(0)),
              b = static_cast<double>(samples_of_half(1));
-  if (!odd_ || a == 0 || b == 0) return variance;
+  if (!planes_[kOddPlane] || a == 0 || b == 0) return variance;
   for (size_t i = 0; i < pixels(); ++i) {
     const double difference =
         luminance_of(sum_of_half(0, i)) / a - luminance_of(sum_of_half(1, i)) / b;

@@ -61,12 +61,14 @@ class Film {
   // `sample`: its number. False if it cannot be represented: then it is left out, or the sum has
   // wrapped round.
   bool add(int x, int y, const Vec3d& radiance, uint64_t coin, uint64_t sample) {
-    return add(picture_, x, y, radiance, coin) &&
-           (!odd_ || sample % 2 == 0 || add(odd_, x, y, radiance, coin));
+    Plane& odd = planes_[kOddPlane];
+    return add(planes_[0], x, y, radiance, coin) &&
+           (!odd || sample % 2 == 0 || add(odd, x, y, radiance, coin));
   }
   /// Adds the part of it that belongs to one layer; ignored if the layer is not kept.
   bool add_to_layer(size_t layer, int x, int y, const Vec3d& radiance, uint64_t coin) {
-    return !layers_[layer] || add(layers_[layer], x, y, radiance, coin);
+    Plane& plane = planes_[1 + layer];
+    return !plane || add(plane, x, y, radiance, coin);
   }
 
   bool has_alpha() const { return options_.alpha; }
@@ -93,11 +95,11 @@ class Film {
   void clear();
 
   /// Sum over the samples of each pixel, row by row.
-  std::vector<Vec3d> sums() const { return sums(picture_); }
+  std::vector<Vec3d> sums() const { return sums(planes_[0]); }
   /// For every `step`-th pixel.
   std::vector<Vec3d> sums(size_t step) const;
-  std::vector<Vec3d> layer_sums(size_t layer) const { return sums(layers_[layer]); }
-  bool has_layer(size_t layer) const { return layers_[layer] != nullptr; }
+  std::vector<Vec3d> layer_sums(size_t layer) const { return sums(planes_[1 + layer]); }
+  bool has_layer(size_t layer) const { return planes_[1 + layer] != nullptr; }
   /// Mean over the samples; black without samples.
   Picture picture() const;
   Picture layer(size_t layer) const;
@@ -133,6 +135,7 @@ class Film {
   size_t index(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
+  bool keeps(size_t plane) const;
   bool add(Plane& plane, int x, int y, const Vec3d& radiance, uint64_t coin);
   Vec3d sum(const Plane& plane, size_t pixel) const;
   Picture mean(const Plane& plane) const;
@@ -142,9 +145,7 @@ class Film {
   int width_, height_;
   double unit_, per_unit_;
   Options options_;
-  Plane picture_;
-  std::array<Plane, kMostLayers> layers_;
-  Plane odd_;                                     // of the samples with odd numbers
+  std::array<Plane, 1 + kOddPlane> planes_;       // the picture, its layers, odd samples
   std::unique_ptr<std::atomic<uint64_t>[]> met_;  // number of samples per pixel; null: not kept
   std::vector<SampleRange> ranges_;
 };

@@ -112,9 +112,9 @@ Json json_of(const Film& film, const FilmFacts& facts, const StateWords& words,
 }
 
 // Reads the facts; every value is checked.
-class Reader {
+class FactsReader {
  public:
-  Reader(const Json& from, const std::string& file) : from_(from), file_(file) {}
+  FactsReader(const Json& from, const std::string& file) : from_(from), file_(file) {}
 
   [[noreturn]] void fail(const std::string& key, const std::string& what) const {
     throw InputError(file_, "film." + shown(key), what);
@@ -165,7 +165,7 @@ class Reader {
   const std::string& file_;
 };
 
-std::vector<SampleRange> ranges_of(const Reader& in) {
+std::vector<SampleRange> ranges_of(const FactsReader& in) {
   std::vector<SampleRange> ranges;
   const Json& list = in.at("ranges", Json::value_t::array);
   if (list.size() > kMostRanges) in.fail("ranges", "are too many");
@@ -178,7 +178,7 @@ std::vector<SampleRange> ranges_of(const Reader& in) {
   return ranges;
 }
 
-FilmFacts facts_of(const Reader& in) {
+FilmFacts facts_of(const FactsReader& in) {
   FilmFacts facts;
   facts.spp = static_cast<uint64_t>(in.whole("spp", 0, kMostSamples));
   facts.processor = in.text("processor");
@@ -194,7 +194,7 @@ FilmFacts facts_of(const Reader& in) {
   return facts;
 }
 
-Film::Options options_of(const Reader& in) {
+Film::Options options_of(const FactsReader& in) {
   Film::Options options;
   options.alpha = in.flag("alpha");
   options.halves = in.flag("halves");
@@ -226,7 +226,7 @@ void check_sums(const Film::Options& options, size_t state_channels, const ExrFi
 
 // The film of a file whose attribute is `json`. `exr`: its float channels, `bytes`: the file.
 FilmFile film_of(const Json& json, ExrFile& exr, std::string_view bytes, const std::string& name) {
-  const Reader in(json, name);
+  const FactsReader in(json, name);
   check_version(name, "film.format", in.at("format", Json::value_t::number_integer).dump(),
                 format_version::film);
   const int width = exr.picture.width, height = exr.picture.height;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "libcommon/base/fingerprint.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/film/film.h"
 
 namespace tdpt {

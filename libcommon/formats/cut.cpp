@@ -37,7 +37,7 @@ class CutReader {
     if (key == "c") return comment();
     if (key == "s") return value();
     if (key == "n" || key == "k") return node(key == "k");
-    if (key == "f") return read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
+    if (key == "f") return patches_.faces();
     if (key == "a") return arc();
     if (key == "e") return end();
     in_.fail(TextLines::found(key) +
@@ -72,51 +72,27 @@ class CutReader {
   }
 
   void comment() {
-    const std::string whole(in_.rest());
-    const std::string_view word = in_.word();
-    if (word == "made" || word == "from") {
-      out_.provenance.lines.push_back(whole);
-    } else if (word == "scene") {
-      out_.scene_hash = std::string(in_.word());
-      if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
-    } else if (word == "camera") {
-      add_camera(in_, out_.cameras);
-    } else if (word == "grid") {
-      if (has_grid_) in_.fail("a second grid, expected one");
-      has_grid_ = true;
-      out_.grid = read_grid(in_);
-    } else if (word == "light") {
-      read_light(in_, index_, out_.number_of_cameras(), out_.light);
-    } else if (word == "bottleneck") {
-      const std::string_view answer = in_.word();
-      if (answer != "yes" && answer != "no")
-        in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
-      has_bottleneck_ = true;
-      out_.bottleneck = answer == "yes";
-      out_.reason = std::string(in_.rest());
-    }
+    if (patches_.comment() != "bottleneck") return;
+    const std::string_view answer = in_.word();
+    if (answer != "yes" && answer != "no")
+      in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
+    has_bottleneck_ = true;
+    out_.bottleneck = answer == "yes";
+    out_.reason = std::string(in_.rest());
   }
 
   void node(bool sky) {
-    Patch p;
-    p.node = static_cast<uint32_t>(in_.integer("node", 1, UINT32_MAX));
-    const uint64_t sides = read_sides();
+    const uint32_t node = patches_.node("node");
+    out_.sides.push_back(read_sides());
     if (!in_.more())
       in_.fail("a node without geometry, expected the cut of a network made by ffgraph");
-    if (sky)
-      read_sky(in_, p), bins_.add(in_, p);
-    else
-      read_patch(in_, p);
-    if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
-      in_.fail(fmt::format("node {} again, expected each node once", p.node));
-    out_.patches.push_back(std::move(p));
-    out_.sides.push_back(sides);
+    patches_.geometry(node, sky);
   }
 
   void arc() {
     CutArc a{};
-    a.from = patch_of(in_, index_, "tail of an arc");
-    a.to = patch_of(in_, index_, "head of an arc");
+    a.from = patches_.patch_above("tail of an arc");
+    a.to = patches_.patch_above("head of an arc");
     if (out_.crossed(a) == 0)
       in_.fail("an arc that crosses no cut, expected one from a light's side to a camera's");
     a.capacity = in_.real("capacity");
@@ -139,12 +115,7 @@ class CutReader {
     if (!has_end_) in_.fail_file("is cut short: no 'e' line, expected it at the end");
     if (out_.cuts.empty()) in_.fail_file("no 's' line, expected the value of the cut");
     if (!has_bottleneck_) in_.fail_file("no 'c bottleneck' line, expected yes or no");
-    if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
-    if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
-    for (const Patch& p : out_.patches)
-      if (p.faces.empty() && !p.is_sky())
-        in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
-    fill_light(out_.light, out_.patches.size(), out_.number_of_cameras());
+    patches_.finish();
     if (!out_.bottleneck) return;
     for (size_t c = 0; c < out_.cuts.size(); ++c)
       if (std::none_of(out_.arcs.begin(), out_.arcs.end(),
@@ -155,9 +126,8 @@ class CutReader {
 
   TextLines in_;
   CutFile out_;
-  NodeIndex index_;
-  SkyBinsSeen bins_;
-  bool has_grid_ = false, has_bottleneck_ = false, has_end_ = false;
+  PatchReader patches_{in_, out_};
+  bool has_bottleneck_ = false, has_end_ = false;
 };
 
 }  // namespace
@@ -176,31 +146,24 @@ CutFile read_cut(const std::string& path) {
 }
 
 std::string cut_text(const CutFile& file) {
-  std::string out = fmt::format("c tdpt cut {}\n", format_version::cut);
+  std::string out;
   const auto to = std::back_inserter(out);
-  for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
-  fmt::format_to(to, "c scene {}\n", file.scene_hash);
-  for (const std::string& camera : file.cameras) fmt::format_to(to, "c camera {}\n", camera);
-  write_grid(out, "c grid", file.grid);
+  write_head(out, fmt::format("cut {}", format_version::cut), file);
+  write_grid(out, file.grid);
   fmt::format_to(to, "c bottleneck {}\n", file.bottleneck ? "yes" : "no " + file.reason);
   for (const Bottleneck& cut : file.cuts) {
     fmt::format_to(to, "s {} {}", cut.flow, cut.conductance);
     out += file.cameras.size() > 1 ? fmt::format(" {}\n", cut.camera + 1) : "\n";
   }
   for (size_t i = 0; i < file.patches.size(); ++i) {
-    const bool sky = file.patches[i].is_sky();
-    fmt::format_to(to, "{} {} ", sky ? 'k' : 'n', file.patches[i].node);
+    const Patch& p = file.patches[i];
+    fmt::format_to(to, "{} {} ", p.is_sky() ? 'k' : 'n', p.node);
     for (size_t c = 0; c < file.cuts.size(); ++c)
       out += file.side_of(i, c) == Side::sink ? '1' : '0';
     out += ' ';
-    if (sky) {
-      write_sky(out, file.patches[i]);
-      continue;
-    }
-    write_patch(out, file.patches[i]);
-    write_faces(out, "f", file.patches[i]);
+    write_patch(out, p, "f");
   }
-  write_light(out, file.patches, file.light);
+  write_light(out, file);
   for (const CutArc& a : file.arcs)
     fmt::format_to(to, "a {} {} {}\n", file.patches[a.from].node, file.patches[a.to].node,
                    a.capacity);

@@ -1,6 +1,7 @@
 // Cut files (.cut): the minimum cuts of a flow network with the geometry of its patches. Written by
 // mincut; read by lightgrid and by ffgraph --refine. Self-contained together with the scene.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -42,6 +43,19 @@ struct PatchLight {
       importance{};  ///< v^k: share of what reaches it that camera k sees in the end
 };
 
+/// What networks and cuts have in common: the patches of a scene, and where they come from.
+struct PatchFile {
+  std::string scene_hash;
+  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
+  PatchGrid grid;
+  std::vector<Patch> patches;
+  std::vector<PatchLight> light;  ///< per patch; empty: unknown
+  Provenance provenance;
+  std::string hash;  ///< content hash of the file read
+
+  size_t number_of_cameras() const { return std::max<size_t>(1, cameras.size()); }
+};
+
 enum class Side : uint8_t { source = 0, sink = 1 };
 
 struct CutArc {
@@ -59,23 +73,15 @@ struct Bottleneck {
 inline constexpr uint32_t kMostCuts = 64;     ///< of one file
 inline constexpr uint32_t kMostCameras = 64;  ///< of one file
 
-struct CutFile {
-  std::string scene_hash;
-  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
-  PatchGrid grid;
-  std::vector<Patch> patches;
-  std::vector<PatchLight> light;  ///< per patch; empty: unknown
+struct CutFile : PatchFile {
   /// Per patch: bit c is set on the camera's side of cut c.
   std::vector<uint64_t> sides;
   std::vector<Bottleneck> cuts;  ///< of each camera from the light to it, 1 to kMostCuts
   std::vector<CutArc> arcs;      ///< patch-to-patch arcs that cross some cut
   bool bottleneck = false;       ///< false: the network has none; then there is one cut
   std::string reason;            ///< a plain sentence why not, if !bottleneck
-  Provenance provenance;
-  std::string hash;  ///< content hash of the file read
 
-  size_t number_of_cameras() const { return std::max<size_t>(1, cameras.size()); }
-  /// Of camera `k`, for messages; empty where there is only one.
+  /// The name of camera `k`, for messages; empty where there is only one.
   std::string name_if_several(size_t k) const;
   static Side side(uint64_t sides, size_t c) { return sides >> c & 1 ? Side::sink : Side::source; }
   Side side_of(size_t patch, size_t c) const { return side(sides[patch], c); }

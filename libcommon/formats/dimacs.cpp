@@ -43,18 +43,12 @@ class DimacsReader {
   FlowNetwork& net() { return out_.network; }
 
   void comment() {
-    const std::string whole(in_.rest());
-    const std::string_view word = in_.word();
-    if (word == "tdpt") return version();
-    if (!out_.has_patches) return;
-    if (word == "made" || word == "from") {
-      out_.provenance.lines.push_back(whole);
-    } else if (word == "scene") {
-      out_.scene_hash = std::string(in_.word());
-      if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
-    } else if (word == "camera") {
-      add_camera(in_, out_.cameras);
-    } else if (word == "sink") {
+    if (!out_.has_patches) {
+      if (in_.word() == "tdpt") version();
+      return;
+    }
+    const std::string_view word = patches_.comment();
+    if (word == "sink") {
       out_.more_sinks.push_back(
           static_cast<uint32_t>(in_.integer("sink of a camera", 1, INT32_MAX)) - 1);
       in_.end();
@@ -62,31 +56,18 @@ class DimacsReader {
       out_.scale = in_.real("scale");
       if (!(out_.scale > 0)) in_.fail("a scale of 0 or less, expected one above 0");
       in_.end();
-    } else if (word == "grid") {
-      out_.grid = read_grid(in_);
-      has_grid_ = true;
     } else if (word == "patch" || word == "sky") {
-      Patch p;
-      p.node = static_cast<uint32_t>(in_.integer("node of a patch", 1, UINT32_MAX));
-      if (word == "sky")
-        read_sky(in_, p), bins_.add(in_, p);
-      else
-        read_patch(in_, p);
-      if (!index_.emplace(p.node, static_cast<uint32_t>(out_.patches.size())).second)
-        in_.fail(fmt::format("patch {} again, expected each patch once", p.node));
-      out_.patches.push_back(std::move(p));
+      patches_.geometry(patches_.node("node of a patch"), word == "sky");
     } else if (word == "walks") {
-      const uint32_t i = patch_of(in_, index_, "node of walks");
+      const uint32_t i = patches_.patch_above("node of walks");
       out_.walks.resize(std::max<size_t>(out_.walks.size(), i + 1));
       out_.walks[i] = read_walks();
-    } else if (word == "light") {
-      read_light(in_, index_, cameras(), out_.light);
     } else if (word == "faces") {
-      read_faces(in_, out_.patches[patch_of(in_, index_, "node of a face")]);
+      patches_.faces();
     }
   }
 
-  size_t cameras() const { return std::max<size_t>(1, out_.cameras.size()); }
+  size_t cameras() const { return out_.number_of_cameras(); }
 
   PatchWalks read_walks() {
     const auto number = [&] {
@@ -167,9 +148,7 @@ class DimacsReader {
     check_sinks();
     if (!out_.walks.empty()) out_.walks.resize(out_.patches.size());
     for (PatchWalks& walks : out_.walks) walks.camera.resize(cameras(), 0);
-    fill_light(out_.light, out_.patches.size(), cameras());
-    if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
-    if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
+    patches_.finish();
     // Capacities to be cut again must not exceed the samples.
     double samples = 0;
     for (const Patch& p : out_.patches) samples += p.samples;
@@ -177,13 +156,10 @@ class DimacsReader {
       in_.fail_file(
           fmt::format("samples times the scale add up to {:.3g}, expected less than {:.3g}",
                       samples * out_.scale, static_cast<double>(kLargestCapacitySum)));
-    for (const Patch& p : out_.patches) {
+    for (const Patch& p : out_.patches)
       if (p.node > net().nodes - out_.more_sinks.size() || p.node - 1 == *source_ ||
           p.node - 1 == *sink_)
         in_.fail_file(fmt::format("patch {} is no inner node of the network", p.node));
-      if (p.faces.empty() && !p.is_sky())
-        in_.fail_file(fmt::format("patch {} has no faces, expected at least one", p.node));
-    }
     const size_t terminals = 2 + out_.more_sinks.size();
     if (out_.patches.size() + terminals != net().nodes)
       in_.fail_file(fmt::format("{} patches, expected one for each of the {} inner nodes",
@@ -210,12 +186,10 @@ class DimacsReader {
 
   TextLines in_;
   DimacsFile out_;
-  NodeIndex index_;
-  SkyBinsSeen bins_;
+  PatchReader patches_{in_, out_};
   std::optional<uint32_t> source_, sink_;
   const int64_t most_nodes_;
   int64_t announced_arcs_ = 0, capacity_sum_ = 0;
-  bool has_grid_ = false;
 };
 
 }  // namespace
@@ -245,22 +219,13 @@ std::string dimacs_text(const DimacsFile& file) {
   std::string out;
   const auto to = std::back_inserter(out);
   if (file.has_patches) {
-    fmt::format_to(to, "c tdpt max {}\n", format_version::max);
-    for (const std::string& line : file.provenance.lines) fmt::format_to(to, "c {}\n", line);
-    fmt::format_to(to, "c scene {}\n", file.scene_hash);
-    for (const std::string& camera : file.cameras) fmt::format_to(to, "c camera {}\n", camera);
+    write_head(out, fmt::format("max {}", format_version::max), file);
     for (const uint32_t sink : file.more_sinks) fmt::format_to(to, "c sink {}\n", sink + 1);
     fmt::format_to(to, "c scale {}\n", file.scale);
-    write_grid(out, "c grid", file.grid);
+    write_grid(out, file.grid);
     for (const Patch& p : file.patches) {
-      if (p.is_sky()) {
-        fmt::format_to(to, "c sky {} ", p.node);
-        write_sky(out, p);
-        continue;
-      }
-      fmt::format_to(to, "c patch {} ", p.node);
-      write_patch(out, p);
-      write_faces(out, "c faces", p);
+      fmt::format_to(to, "c {} {} ", p.is_sky() ? "sky" : "patch", p.node);
+      write_patch(out, p, "c faces");
     }
     for (size_t i = 0; i < file.walks.size(); ++i) {
       const PatchWalks& w = file.walks[i];
@@ -268,7 +233,7 @@ std::string dimacs_text(const DimacsFile& file) {
       for (const double hits : w.camera) fmt::format_to(to, " {}", hits);
       out += '\n';
     }
-    write_light(out, file.patches, file.light);
+    write_light(out, file);
   }
   const FlowNetwork& net = file.network;
   fmt::format_to(to, "p max {} {}\nn {} s\nn {} t\n", net.nodes, net.arcs.size(), net.source + 1,

@@ -19,22 +19,14 @@ struct PatchWalks {
 
 /// Node k of `network` is node k + 1 of the file; Patch::node is the number in the file. The sink
 /// of `network` is that of the first camera.
-struct DimacsFile {
+struct DimacsFile : PatchFile {
   FlowNetwork network;
-  /// Of the other cameras: the last nodes, from which no arc leads. To a solver they are dead ends.
+  /// The sinks of the other cameras: the last nodes, from which no arc leads. To a solver they are
+  /// dead ends.
   std::vector<uint32_t> more_sinks;
-  double scale = 1;          ///< capacity of one etendue sample
-  bool has_patches = false;  ///< false: a plain DIMACS file; then all below except `hash` is empty
-  std::string scene_hash;
-  std::vector<std::string> cameras;  ///< viewpoint.h; empty: one, unknown
-  PatchGrid grid;
-  std::vector<Patch> patches;
+  double scale = 1;               ///< capacity of one etendue sample
+  bool has_patches = false;       ///< false: a plain DIMACS file, of which only `hash` is known
   std::vector<PatchWalks> walks;  ///< per patch; empty: unknown
-  std::vector<PatchLight> light;  ///< per patch; empty: unknown
-  Provenance provenance;
-  std::string hash;  ///< content hash of the file read
-
-  size_t number_of_cameras() const { return 1 + more_sinks.size(); }
 };
 
 /// The network of one camera, 0 the first: without the sinks of the others [DimacsFile], and with

@@ -73,6 +73,10 @@ Vec3f upright(const Vec3f& v) {
   return {v.x, -v.z, v.y};
 }
 
+vdb::Vec3d of_file(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
 // Dense x-fastest array -> sparse grid without background voxels.
 template <class Grid, class Value>
 typename Grid::Ptr sparse(const LightGrid& light, const char* name,
@@ -103,10 +107,7 @@ struct Positions {
   const std::vector<LightLine>& lines;
   double unit;
   size_t size() const { return lines.size(); }
-  void getPos(size_t n, vdb::Vec3R& p) const {
-    const Vec3d v = lines[n].light * unit;
-    p = {v.x, v.y, v.z};
-  }
+  void getPos(size_t n, vdb::Vec3R& p) const { p = of_file(lines[n].light * unit); }
 };
 
 template <class Value>
@@ -186,9 +187,9 @@ bool is_damaged(const std::string& bytes) {
 constexpr const char* kVersion = "tdpt_format";
 constexpr vdb::Index64 kLinesForNothing = 1 << 16;
 
-class Reader {
+class GridReader {
  public:
-  explicit Reader(std::string name) : name_(std::move(name)) {}
+  explicit GridReader(std::string name) : name_(std::move(name)) {}
 
   LightGrid read(const std::string& bytes) {
     LightGrid light;
@@ -247,7 +248,7 @@ class Reader {
   }
 
   template <class T>
-  T value(const vdb::MetaMap& meta, const char* key) const {
+  T value(const vdb::MetaMap& meta, const std::string& key) const {
     const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
     if (!typed) fail(key, "is missing, expected a light grid as lightgrid writes it");
     if constexpr (std::is_same_v<T, bool>) {  // OpenVDB stores any byte of the file in a bool
@@ -259,12 +260,16 @@ class Reader {
     }
   }
 
+  Vec3d place(const vdb::MetaMap& meta, const std::string& key) const {
+    const vdb::Vec3d v = value<vdb::Vec3d>(meta, key);
+    return {v.x(), v.y(), v.z()};
+  }
+
   void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
     if (meta[kVersion])  // without it, version 1
       check_version(name_, kVersion, std::to_string(value<int32_t>(meta, kVersion)),
                     format_version::light_grid);
-    const vdb::Vec3d origin = value<vdb::Vec3d>(meta, "tdpt_origin");
-    light.origin = {origin.x(), origin.y(), origin.z()};
+    light.origin = place(meta, "tdpt_origin");
     light.voxel = value<double>(meta, "tdpt_voxel");
     const vdb::Vec3i dim = value<vdb::Vec3i>(meta, "tdpt_dim");
     size_t total = 1;
@@ -313,7 +318,7 @@ class Reader {
 
   void read_cameras(const vdb::MetaMap& meta, LightGrid& light) const {
     for (std::string key; meta[key = key_of_camera(light.cameras.size())];) {
-      light.cameras.push_back(value<std::string>(meta, key.c_str()));
+      light.cameras.push_back(value<std::string>(meta, key));
       if (!parse_viewpoint(light.cameras.back()))
         fail(key, std::string("is no camera, ") + kViewpointExpected);
       if (light.cameras.size() > kMostCameras)
@@ -324,8 +329,7 @@ class Reader {
   // A file without walls is valid; they are unknown.
   void read_walls(const vdb::MetaMap& meta, LightGrid& light) const {
     for (std::string key; meta[key = key_of_wall(light.walls.size())];) {
-      const vdb::Vec3d n = value<vdb::Vec3d>(meta, key.c_str());
-      const Vec3d wall{n.x(), n.y(), n.z()};
+      const Vec3d wall = place(meta, key);
       if (!(std::abs(length(wall) - 1) < 1e-6))
         fail(key, fmt::format("is {} long, expected a unit vector", length(wall)));
       if (light.walls.size() == kMostWalls)
@@ -337,9 +341,7 @@ class Reader {
   // Nor need it tell of panes.
   void read_panes(const vdb::MetaMap& meta, LightGrid& light) const {
     for (std::string key; meta[key = key_of_pane(light.panes.size(), "front")];) {
-      const vdb::Vec3d f = value<vdb::Vec3d>(meta, key.c_str());
-      const vdb::Vec3d b = value<vdb::Vec3d>(meta, key_of_pane(light.panes.size(), "back").c_str());
-      const GridPane pane{{f.x(), f.y(), f.z()}, {b.x(), b.y(), b.z()}};
+      const GridPane pane{place(meta, key), place(meta, key_of_pane(light.panes.size(), "back"))};
       if (!is_pane(pane)) fail(key, "has no thickness, expected two places apart from each other");
       if (light.panes.size() == kMostPanes)
         fail(key, fmt::format("is one pane more than {}, expected no more", kMostPanes));
@@ -349,7 +351,7 @@ class Reader {
 
   // From 1 in the file.
   uint32_t camera_at(const vdb::MetaMap& meta, const std::string& key, size_t cameras) const {
-    const int32_t k = value<int32_t>(meta, key.c_str());
+    const int32_t k = value<int32_t>(meta, key);
     if (k < 1 || k > static_cast<int32_t>(cameras))
       fail(key, fmt::format("is {}, expected a camera of 1 to {}", k, cameras));
     return static_cast<uint32_t>(k) - 1;
@@ -363,7 +365,7 @@ class Reader {
       fail("tdpt_cuts", fmt::format("{} cuts, expected 0 to {}", n, kMostCuts));
     const auto share = [&](int32_t c, const char* what) {
       const std::string key = fmt::format("tdpt_{}_{}", what, c);
-      const double v = value<double>(meta, key.c_str());
+      const double v = value<double>(meta, key);
       if (!(v >= 0 && v <= 1)) fail(key, fmt::format("is {}, expected a share of 0 to 1", v));
       return v;
     };
@@ -481,7 +483,7 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
   const tbb::global_control serial(tbb::global_control::max_allowed_parallelism, 1);
   if (is_damaged(bytes)) throw InputError(name, "", "is damaged or cut short");
   try {
-    return Reader(name).read(bytes);
+    return GridReader(name).read(bytes);
   } catch (const InputError&) {
     throw;
   } catch (const std::ios_base::failure&) {
@@ -499,42 +501,35 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
 std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   initialise();
   vdb::MetaMap meta;
-  meta.insertMeta(kVersion, vdb::Int32Metadata(format_version::light_grid));
-  if (z_up) meta.insertMeta("tdpt_z_up", vdb::BoolMetadata(true));
-  meta.insertMeta("tdpt_origin",
-                  vdb::Vec3DMetadata({light.origin.x, light.origin.y, light.origin.z}));
-  meta.insertMeta("tdpt_voxel", vdb::DoubleMetadata(light.voxel));
-  meta.insertMeta("tdpt_dim", vdb::Vec3IMetadata({light.dim[0], light.dim[1], light.dim[2]}));
-  meta.insertMeta("tdpt_scene_hash", vdb::StringMetadata(light.scene_hash));
-  for (size_t k = 0; k < light.cameras.size(); ++k)
-    meta.insertMeta(key_of_camera(k), vdb::StringMetadata(light.cameras[k]));
-  meta.insertMeta("tdpt_bottleneck", vdb::BoolMetadata(light.bottleneck));
-  meta.insertMeta("tdpt_reason", vdb::StringMetadata(light.reason));
-  meta.insertMeta("tdpt_flux_share", vdb::DoubleMetadata(light.flux_share));
-  if (!light.cuts.empty()) {
-    meta.insertMeta("tdpt_cuts", vdb::Int32Metadata(static_cast<int32_t>(light.cuts.size())));
-    for (size_t c = 0; c < light.cuts.size(); ++c) {
-      meta.insertMeta(fmt::format("tdpt_conductance_{}", c),
-                      vdb::DoubleMetadata(light.cuts[c].conductance));
-      meta.insertMeta(fmt::format("tdpt_kept_{}", c), vdb::DoubleMetadata(light.cuts[c].kept));
-      if (light.cameras.size() > 1)
-        meta.insertMeta(key_of_cut_camera(c),
-                        vdb::Int32Metadata(static_cast<int32_t>(light.cuts[c].camera) + 1));
-    }
+  const auto put = [&]<class T>(const std::string& key, const T& value) {
+    meta.insertMeta(key, vdb::TypedMetadata<T>(value));
+  };
+  put(kVersion, int32_t{format_version::light_grid});
+  if (z_up) put("tdpt_z_up", true);
+  put("tdpt_origin", of_file(light.origin));
+  put("tdpt_voxel", light.voxel);
+  put("tdpt_dim", vdb::Vec3i(light.dim[0], light.dim[1], light.dim[2]));
+  put("tdpt_scene_hash", light.scene_hash);
+  for (size_t k = 0; k < light.cameras.size(); ++k) put(key_of_camera(k), light.cameras[k]);
+  put("tdpt_bottleneck", light.bottleneck);
+  put("tdpt_reason", light.reason);
+  put("tdpt_flux_share", light.flux_share);
+  if (!light.cuts.empty()) put("tdpt_cuts", static_cast<int32_t>(light.cuts.size()));
+  for (size_t c = 0; c < light.cuts.size(); ++c) {
+    put(fmt::format("tdpt_conductance_{}", c), light.cuts[c].conductance);
+    put(fmt::format("tdpt_kept_{}", c), light.cuts[c].kept);
+    if (light.cameras.size() > 1)
+      put(key_of_cut_camera(c), static_cast<int32_t>(light.cuts[c].camera) + 1);
   }
-  for (size_t w = 0; w < light.walls.size(); ++w) {
-    const Vec3d& n = light.walls[w];
-    meta.insertMeta(key_of_wall(w), vdb::Vec3DMetadata({n.x, n.y, n.z}));
-  }
+  for (size_t w = 0; w < light.walls.size(); ++w) put(key_of_wall(w), of_file(light.walls[w]));
   for (size_t p = 0; p < light.panes.size(); ++p) {
-    const auto& [f, b] = light.panes[p];
-    meta.insertMeta(key_of_pane(p, "front"), vdb::Vec3DMetadata({f.x, f.y, f.z}));
-    meta.insertMeta(key_of_pane(p, "back"), vdb::Vec3DMetadata({b.x, b.y, b.z}));
+    put(key_of_pane(p, "front"), of_file(light.panes[p].front));
+    put(key_of_pane(p, "back"), of_file(light.panes[p].back));
   }
   if (!light.provenance.empty()) {
     std::string text;
     for (const std::string& line : light.provenance.lines) text += line + "\n";
-    meta.insertMeta("tdpt_provenance", vdb::StringMetadata(text));
+    put("tdpt_provenance", text);
   }
   vdb::GridPtrVec grids;
   const auto count = sparse<vdb::FloatGrid>(light, "count", light.count);

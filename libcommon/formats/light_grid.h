@@ -110,7 +110,7 @@ void walk_grid(const LightGrid& grid, const Vec3d& a, const Vec3d& b, Visit&& vi
   } while (shader::next_voxel(walk));
 }
 
-/// Of a line; light that crosses a cut several times counts each time.
+/// The largest share of a line; light that crosses a cut several times counts each time.
 constexpr double kMostShare = 1e6;
 
 constexpr size_t kMostWalls = 16;

@@ -14,9 +14,9 @@
 namespace tdpt {
 namespace {
 
-// Calls each(field). Adding a field to Grid breaks compilation here, so none is forgotten.
-template <class Grid, class Each>
-void each_field(Grid& grid, const Each& each) {
+// Calls each(field). Adding a field to LightGrid breaks compilation here, so none is forgotten.
+template <class Each>
+void each_field(LightGrid& grid, const Each& each) {
   auto& [origin, voxel, dim, count, air, direction, lines, probes, bottleneck, reason, flux_share,
          cuts, walls, panes, scene_hash, cameras, provenance, hash] = grid;
   each(origin), each(voxel), each(dim), each(count), each(air), each(direction), each(lines);
@@ -25,81 +25,41 @@ void each_field(Grid& grid, const Each& each) {
   each(provenance.lines), each(hash);
 }
 
-class Out {
+struct BrokenPipe {};
+
+// Moves values through the pipe: writes them at one end, and sets them at the other. The other
+// process may have gone wrong, so lengths beyond what a grid may have are refused.
+class Pipe {
  public:
-  explicit Out(std::FILE* file) : file_(file) {}
+  Pipe(std::FILE* file, bool writes) : file_(file), writes_(writes) {}
 
   template <class T>
-  void put(const T& value) const {
+  void move(T& value) const {
     static_assert(std::is_trivially_copyable_v<T>);
-    put_bytes(&value, sizeof value);
+    move_bytes(&value, sizeof value);
   }
   template <class T>
-  void put(const std::vector<T>& values) const {
-    static_assert(std::is_trivially_copyable_v<T>);
-    put(values.size());
-    put_bytes(values.data(), values.size() * sizeof(T));
-  }
-  void put(const std::string& text) const {
-    put(text.size());
-    put_bytes(text.data(), text.size());
-  }
-  template <class T>
-  requires requires(T list) { list.size(); }
-  void put(const std::vector<T>& lists) const {
-    put(lists.size());
-    for (const T& list : lists) put(list);
+  requires requires(T list) { list.resize(1); }
+  void move(T& list) const {
+    size_t n = list.size();
+    move(n);
+    if (n > kMostVoxels) throw BrokenPipe();
+    list.resize(n);
+    if constexpr (std::is_trivially_copyable_v<typename T::value_type>)
+      move_bytes(list.data(), n * sizeof(typename T::value_type));
+    else
+      for (auto& element : list) move(element);
   }
 
  private:
-  // The reading end detects what could not be written.
-  void put_bytes(const void* data, size_t size) const { std::fwrite(data, 1, size, file_); }
-
-  std::FILE* file_;
-};
-
-struct TooShort {};
-
-// The reading end. The other process may have gone wrong, so lengths beyond what a grid may have
-// are refused.
-class In {
- public:
-  explicit In(std::FILE* file) : file_(file) {}
-
-  template <class T>
-  void get(T& value) const {
-    static_assert(std::is_trivially_copyable_v<T>);
-    get_bytes(&value, sizeof value);
-  }
-  template <class T>
-  void get(std::vector<T>& values) const {
-    static_assert(std::is_trivially_copyable_v<T>);
-    values.resize(length());
-    get_bytes(values.data(), values.size() * sizeof(T));
-  }
-  void get(std::string& text) const {
-    text.resize(length());
-    get_bytes(text.data(), text.size());
-  }
-  template <class T>
-  requires requires(T list) { list.size(); }
-  void get(std::vector<T>& lists) const {
-    lists.resize(length());
-    for (T& list : lists) get(list);
-  }
-
- private:
-  size_t length() const {
-    size_t n = 0;
-    get(n);
-    if (n > kMostVoxels) throw TooShort();
-    return n;
-  }
-  void get_bytes(void* data, size_t size) const {
-    if (std::fread(data, 1, size, file_) != size) throw TooShort();
+  void move_bytes(void* data, size_t size) const {
+    const size_t moved =
+        writes_ ? std::fwrite(data, 1, size, file_) : std::fread(data, 1, size, file_);
+    if (moved != size) throw BrokenPipe();
   }
 
   std::FILE* file_;
+  bool writes_;
 };
 
 // Whether each voxel has all three values.
@@ -120,7 +80,7 @@ LightGrid read_light_grid(const std::string& bytes, const std::string& name) {
   std::string refused;
   const bool whole = in_another_process(
       [&](std::FILE* file) {
-        const Out out(file);
+        const Pipe out(file, true);
         LightGrid read;
         std::string message;
         try {
@@ -128,15 +88,15 @@ LightGrid read_light_grid(const std::string& bytes, const std::string& name) {
         } catch (const InputError& e) {
           message = e.what();
         }
-        out.put(message);
-        each_field(read, [&](const auto& field) { out.put(field); });
+        out.move(message);
+        each_field(read, [&](auto& field) { out.move(field); });
       },
       [&](std::FILE* file) {
         try {
-          const In in(file);
-          in.get(refused);
-          each_field(grid, [&](auto& field) { in.get(field); });
-        } catch (const TooShort&) {
+          const Pipe in(file, false);
+          in.move(refused);
+          each_field(grid, [&](auto& field) { in.move(field); });
+        } catch (const BrokenPipe&) {
           return false;
         }
         return is_whole(grid);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -76,27 +78,10 @@ void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
 
 // ---- Reading ----
 
-// Common values of the tables of one grid; tables must not contradict each other.
+// What the headers of the tables of one grid say; they must not contradict each other.
 struct Header {
-  struct Box {
-    Vec3d origin{};
-    double voxel = 1;
-    std::array<int, 3> dim{};
-    bool operator==(const Box&) const = default;
-  };
-  struct Answer {
-    bool bottleneck = true;
-    std::string reason;
-    bool operator==(const Answer&) const = default;
-  };
-  std::optional<Box> box;
-  std::optional<std::string> scene;
-  std::vector<std::string> cameras;
-  std::optional<Answer> answer;
-  std::vector<CutFigures> cuts;
-  std::vector<Vec3d> walls;
-  std::vector<GridPane> panes;
-  Provenance provenance;
+  LightGrid grid;
+  bool has_box = false, has_scene = false, has_answer = false;
 };
 
 std::string_view columns_of(std::string_view text) {
@@ -172,13 +157,14 @@ class TableReader {
         in_.expect_version(format_version::light_table);
         versioned = true;
       } else if (key == "cut") {
-        read_cut(cuts++, std::max<size_t>(1, cameras), all.cuts);
+        keep(all.grid.cuts, cuts, kMostCuts, read_cut(cuts, std::max<size_t>(1, cameras)), "cut");
+        ++cuts;
       } else if (key == "wall") {
-        read_wall(walls++, all.walls);
+        keep(all.grid.walls, walls++, kMostWalls, read_wall(), "wall");
       } else if (key == "pane") {
-        read_pane(panes++, all.panes);
+        keep(all.grid.panes, panes++, kMostPanes, read_pane(), "pane");
       } else if (key == "camera") {
-        read_camera(cameras++, all.cameras);
+        keep(all.grid.cameras, cameras++, kMostCameras, patch_lines::read_camera(in_), "camera");
       } else if (key == "rows") {
         rows_ = in_.integer("number of rows", 0, INT64_MAX);
         in_.end();
@@ -192,87 +178,81 @@ class TableReader {
     if (!versioned)
       fail(fmt::format("no '# tdpt {} {}' line before the first row", kFormat,
                        format_version::light_table));
-    all.provenance.inherit(provenance);
+    all.grid.provenance.inherit(provenance);
   }
 
   void read_fact(std::string_view key, Header& all) {
+    LightGrid& grid = all.grid;
     if (key == "scene") {
-      same(all.scene, std::string(in_.rest()), "scene");
+      same(all.has_scene, grid.scene_hash, std::string(in_.rest()), "scene");
     } else if (key == "grid") {
-      same(all.box, read_box(), "grid");
+      same(all.has_box, std::tie(grid.origin, grid.voxel, grid.dim), read_box(), "grid");
     } else if (key == "bottleneck") {
       const std::string_view answer = in_.word();
       if (answer != "yes" && answer != "no")
         in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
       if (answer == "yes") in_.end();
-      same(all.answer, {answer == "yes", std::string(in_.rest())}, "bottleneck");
+      same(all.has_answer, std::tie(grid.bottleneck, grid.reason),
+           std::tuple(answer == "yes", std::string(in_.rest())), "bottleneck");
     }
   }
 
-  template <class T>
-  void same(std::optional<T>& known, const T& value, const char* what) const {
-    if (known && !(*known == value))
-      in_.fail(fmt::format("another {} than above or in another table, expected the same", what));
-    known = value;
+  template <class There, class Value>
+  void same(bool& known, There&& there, const Value& value, const char* what) const {
+    if (known && !(there == value)) contradicts(what);
+    known = true;
+    there = value;
+  }
+  [[noreturn]] void contradicts(const char* what) const {
+    in_.fail(fmt::format("another {} than above or in another table, expected the same", what));
   }
 
-  Header::Box read_box() {
-    Header::Box box;
-    box.origin = patch_lines::read_vec3(in_, "origin of the grid");
-    box.voxel = in_.real("side of a voxel");
+  // Origin, side of a voxel, voxels along each side.
+  std::tuple<Vec3d, double, std::array<int, 3>> read_box() {
+    const Vec3d origin = patch_lines::read_vec3(in_, "origin of the grid");
+    const double voxel = in_.real("side of a voxel");
     for (int c = 0; c < 3; ++c)
-      if (!(box.voxel > 0 &&
-            std::abs(box.origin[c]) + kMostVoxelsPerSide * box.voxel < 1e6 * kFarthest))
+      if (!(voxel > 0 && std::abs(origin[c]) + kMostVoxelsPerSide * voxel < 1e6 * kFarthest))
         in_.fail("voxels of no size that single precision holds, expected a side above 0");
+    std::array<int, 3> dim;
     size_t total = 1;
-    for (int& side : box.dim) {
+    for (int& side : dim) {
       side = static_cast<int>(in_.integer("voxels along a side", 0, kMostVoxelsPerSide));
       total *= static_cast<size_t>(side);
     }
     if (total > kMostVoxels)
       in_.fail(fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
     in_.end();
-    return box;
+    return {origin, voxel, dim};
   }
 
-  // Number `n` of the cameras.
-  void read_camera(size_t n, std::vector<std::string>& cameras) {
-    const std::string camera = patch_lines::read_camera(in_);
-    if (n == cameras.size()) cameras.push_back(camera);
-    if (n == kMostCameras) in_.fail(fmt::format("one camera more than {}", kMostCameras));
-    std::optional<std::string> known = cameras[n];
-    same(known, camera, "camera");
+  // Number `n` of a list that all tables share, of at most `most`.
+  template <class T>
+  void keep(std::vector<T>& list, size_t n, size_t most, const T& value, const char* what) const {
+    if (n == most) in_.fail(fmt::format("one {} more than {}", what, most));
+    if (n == list.size()) list.push_back(value);
+    if (!(list[n] == value)) contradicts(what);
   }
 
-  // Number `n` of the walls.
-  void read_wall(size_t n, std::vector<Vec3d>& walls) {
-    Vec3d wall;
-    for (int c = 0; c < 3; ++c) wall[c] = in_.real("wall");
+  Vec3d read_wall() {
+    const Vec3d wall = patch_lines::read_vec3(in_, "wall");
     in_.end();
     if (!(std::abs(length(wall) - 1) < 1e-6))
       in_.fail(fmt::format("a wall that is {} long, expected a unit vector", length(wall)));
-    if (n == kMostWalls) in_.fail(fmt::format("one wall more than {}", kMostWalls));
-    if (n == walls.size()) walls.push_back(wall);
-    std::optional<Vec3d> known = walls[n];
-    same(known, wall, "wall");
+    return wall;
   }
 
-  // Number `n` of the panes.
-  void read_pane(size_t n, std::vector<GridPane>& panes) {
+  GridPane read_pane() {
     GridPane pane;
-    for (Vec3d* const face : {&pane.front, &pane.back})
-      for (int c = 0; c < 3; ++c) (*face)[c] = in_.real("pane");
+    for (Vec3d* const face : {&pane.front, &pane.back}) *face = patch_lines::read_vec3(in_, "pane");
     in_.end();
     if (!is_pane(pane))
       in_.fail("a pane without thickness, expected two places apart from each other");
-    if (n == kMostPanes) in_.fail(fmt::format("one pane more than {}", kMostPanes));
-    if (n == panes.size()) panes.push_back(pane);
-    std::optional<GridPane> known = panes[n];
-    same(known, pane, "pane");
+    return pane;
   }
 
   // Line `n` of the table of cuts.
-  void read_cut(size_t n, size_t cameras, std::vector<CutFigures>& cuts) {
+  CutFigures read_cut(size_t n, size_t cameras) {
     in_.integer("cut", static_cast<int64_t>(n),
                 static_cast<int64_t>(std::min<size_t>(n, kMostCuts - 1)));
     CutFigures figures;
@@ -285,9 +265,7 @@ class TableReader {
       figures.camera = static_cast<uint32_t>(
           in_.integer("camera of the cut", 1, static_cast<int64_t>(cameras)) - 1);
     in_.end();
-    if (n == cuts.size()) cuts.push_back(figures);
-    std::optional<CutFigures> known = cuts[n];
-    same(known, figures, "cut");
+    return figures;
   }
 
   // -- Rows --
@@ -404,19 +382,6 @@ void count_lines(LightGrid& grid) {
     if (grid.count[i] > 0) grid.direction[i] = grid.direction[i] / grid.count[i];
 }
 
-LightGrid grid_of(const Header& all) {
-  LightGrid grid;
-  if (all.box) grid.origin = all.box->origin, grid.voxel = all.box->voxel, grid.dim = all.box->dim;
-  if (all.answer) grid.bottleneck = all.answer->bottleneck, grid.reason = all.answer->reason;
-  grid.scene_hash = all.scene.value_or("");
-  grid.cameras = all.cameras;
-  grid.cuts = all.cuts;
-  grid.walls = all.walls;
-  grid.panes = all.panes;
-  grid.provenance = all.provenance;
-  return grid;
-}
-
 // Both ends within the box or one voxel around it, as in a .vdb.
 LineLimits limits_of(const LightGrid& grid) {
   const Vec3d size = Vec3d(grid.dim[0], grid.dim[1], grid.dim[2]) * grid.voxel;
@@ -458,26 +423,26 @@ LightGrid parse_light_tables(const std::vector<TableText>& texts) {
             fmt::format("is a second table of {}, beside {}", kNames[next.table], other.name));
     tables.push_back(std::move(next));
   }
-  LightGrid grid = grid_of(all);
+  LightGrid& grid = all.grid;
   const auto read_rows = [&](Table table, const LineLimits& limits = {}) {
     for (TableReader& each : tables)
       if (each.table == table) return each.read_rows(grid, limits), true;
     return false;
   };
-  const LineLimits limits = all.box ? limits_of(grid) : LineLimits();
+  const LineLimits limits = all.has_box ? limits_of(grid) : LineLimits();
   read_rows(kLines, limits);
   read_rows(kProbes, limits);
   for (const TableReader& each : tables)
-    if (!all.box && (each.table == kAir || each.table == kCount))
+    if (!all.has_box && (each.table == kAir || each.table == kCount))
       each.fail("no '# grid' line in any table, expected the box of the voxels");
-  if (!all.box) place_around_lines(grid);
+  if (!all.has_box) place_around_lines(grid);
   const size_t voxels = voxels_for(grid, texts);
   grid.count.assign(voxels, 0);
   grid.direction.assign(voxels, {});
   grid.air.assign(voxels, 0);
   if (!read_rows(kAir)) grid.air.assign(voxels, 1);
   if (!read_rows(kCount)) count_lines(grid);
-  return grid;
+  return std::move(grid);
 }
 
 LightGrid read_light(const std::vector<std::string>& paths,
@@ -507,11 +472,11 @@ LightGrid read_light_lines(const std::string& path, const LineLimits& limits) {
   TableReader table(text, all);
   if (table.table != kLines)
     table.fail(fmt::format("is a table of {}, expected one of lines", kNames[table.table]));
-  LightGrid grid = grid_of(all);
+  LightGrid& grid = all.grid;
   table.read_rows(grid, limits);
   if (grid.lines.empty()) table.fail("holds no line, expected one at least");
   grid.hash = content_hash(text.text);
-  return grid;
+  return std::move(grid);
 }
 
 }  // namespace tdpt

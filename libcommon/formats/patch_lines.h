@@ -1,11 +1,11 @@
-// Lines shared by the formats of networks (.max) and cuts (.cut): the grid, the patches and their
-// faces.
+// Lines shared by the formats of networks (.max) and cuts (.cut): the patches of a scene.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -34,101 +34,6 @@ inline std::string read_camera(TextLines& in) {
   return std::string(text);
 }
 
-/// The same, appended to those of the lines above.
-inline void add_camera(TextLines& in, std::vector<std::string>& cameras) {
-  cameras.push_back(read_camera(in));
-  if (cameras.size() > kMostCameras)
-    in.fail(fmt::format("one camera more than {}, expected no more", kMostCameras));
-}
-
-/// `grid X Y Z CELL`, after its keyword.
-inline PatchGrid read_grid(TextLines& in) {
-  PatchGrid grid;
-  grid.origin = read_vec3(in, "origin of the grid");
-  grid.base_cell = in.real("side of a cell");
-  if (!(grid.base_cell > 0)) in.fail("a cell without size, expected a side above 0");
-  in.end();
-  return grid;
-}
-
-inline void write_grid(std::string& out, const char* head, const PatchGrid& g) {
-  fmt::format_to(std::back_inserter(out), "{} {} {} {} {}\n", head, g.origin.x, g.origin.y,
-                 g.origin.z, g.base_cell);
-}
-
-/// LEVEL I J K SAMPLES CX CY CZ NX NY NZ, after the node.
-inline void read_patch(TextLines& in, Patch& p) {
-  p.level = static_cast<int>(in.integer("level of the patch", 0, kDeepestLevel));
-  for (int32_t& c : p.cell)
-    c = static_cast<int32_t>(in.integer("cell of the patch", INT32_MIN, INT32_MAX));
-  p.samples = in.real("samples of the patch");
-  if (p.samples < 0) in.fail("a negative number of samples, expected 0 or more");
-  p.centre = read_vec3(in, "centre of the patch");
-  p.normal = read_vec3(in, "normal of the patch");
-  if (!(std::abs(length(p.normal) - 1) < 1e-3))
-    in.fail("a normal of another length, expected length 1");
-  p.normal = normalize(p.normal);
-  in.end();
-}
-
-inline void write_patch(std::string& out, const Patch& p) {
-  fmt::format_to(std::back_inserter(out), "{} {} {} {} {} {} {} {} {:.6f} {:.6f} {:.6f}\n", p.level,
-                 p.cell[0], p.cell[1], p.cell[2], p.samples, p.centre.x, p.centre.y, p.centre.z,
-                 p.normal.x, p.normal.y, p.normal.z);
-}
-
-/// BIN SAMPLES, after the node.
-inline void read_sky(TextLines& in, Patch& p) {
-  p.sky = static_cast<int32_t>(in.integer("bin of the sky", 0, kSkyBins - 1));
-  p.samples = in.real("samples of the bin");
-  if (p.samples < 0) in.fail("a negative number of samples, expected 0 or more");
-  in.end();
-}
-
-inline void write_sky(std::string& out, const Patch& p) {
-  fmt::format_to(std::back_inserter(out), "{} {}\n", p.sky, p.samples);
-}
-
-/// Checks that each bin of the sky occurs at most once.
-class SkyBinsSeen {
- public:
-  void add(const TextLines& in, const Patch& p) {
-    const auto bin = static_cast<size_t>(p.sky);
-    if (seen_[bin]) in.fail(fmt::format("bin {} of the sky again, expected each once", bin));
-    seen_[bin] = true;
-  }
-
- private:
-  std::array<bool, kSkyBins> seen_{};
-};
-
-/// FACE ..., after the node.
-inline void read_faces(TextLines& in, Patch& p) {
-  if (p.is_sky()) in.fail(fmt::format("faces of node {}, expected none of the sky", p.node));
-  if (!in.more()) in.fail("nothing as face, expected at least one");
-  while (in.more()) p.faces.push_back(static_cast<uint32_t>(in.integer("face", 0, UINT32_MAX)));
-}
-
-inline void write_faces(std::string& out, const char* head, const Patch& p) {
-  for (size_t i = 0; i < p.faces.size(); i += kFacesPerLine) {
-    fmt::format_to(std::back_inserter(out), "{} {}", head, p.node);
-    for (size_t k = i; k < std::min(i + kFacesPerLine, p.faces.size()); ++k)
-      fmt::format_to(std::back_inserter(out), " {}", p.faces[k]);
-    out += '\n';
-  }
-}
-
-/// Index of patches by node.
-using NodeIndex = std::unordered_map<uint32_t, uint32_t>;
-
-inline uint32_t patch_of(TextLines& in, const NodeIndex& index, const char* what) {
-  const auto node = static_cast<uint32_t>(in.integer(what, 1, UINT32_MAX));
-  const auto found = index.find(node);
-  if (found == index.end())
-    in.fail(fmt::format("node {} as {}, expected a patch named above", node, what));
-  return found->second;
-}
-
 /// A number of 0 or more.
 inline double read_amount(TextLines& in, const char* what, const char* negative) {
   const double n = in.real(what);
@@ -136,32 +41,164 @@ inline double read_amount(TextLines& in, const char* what, const char* negative)
   return n;
 }
 
-/// NODE BRIGHTNESS IMPORTANCE ..., after its keyword; `light` grows as needed.
-inline void read_light(TextLines& in, const NodeIndex& index, size_t cameras,
-                       std::vector<PatchLight>& light) {
-  const uint32_t i = patch_of(in, index, "node of light");
-  light.resize(std::max<size_t>(light.size(), i + 1));
-  const auto number = [&] { return read_amount(in, "light of a patch", "negative light"); };
-  light[i].brightness = number();
-  light[i].importance.clear();
-  for (size_t k = 0; k < cameras; ++k) light[i].importance.push_back(number());
-  in.end();
+/// Reads what both formats have. Nodes come before what names them.
+class PatchReader {
+ public:
+  PatchReader(TextLines& in, PatchFile& out) : in_(in), out_(out) {}
+
+  /// A comment, after its 'c', if it is of these; returns its first word.
+  std::string_view comment() {
+    const std::string whole(in_.rest());
+    const std::string_view word = in_.word();
+    if (word == "made" || word == "from") {
+      out_.provenance.lines.push_back(whole);
+    } else if (word == "scene") {
+      out_.scene_hash = std::string(in_.word());
+      if (out_.scene_hash.empty()) in_.fail("nothing as hash of the scene, expected one");
+    } else if (word == "camera") {
+      out_.cameras.push_back(read_camera(in_));
+      if (out_.cameras.size() > kMostCameras)
+        in_.fail(fmt::format("one camera more than {}, expected no more", kMostCameras));
+    } else if (word == "grid") {
+      grid();
+    } else if (word == "light") {
+      light();
+    }
+    return word;
+  }
+
+  /// NODE, which is new.
+  uint32_t node(const char* what) {
+    const auto node = static_cast<uint32_t>(in_.integer(what, 1, UINT32_MAX));
+    if (!index_.emplace(node, static_cast<uint32_t>(out_.patches.size())).second)
+      in_.fail(fmt::format("node {} again, expected each node once", node));
+    return node;
+  }
+  /// LEVEL I J K SAMPLES CX CY CZ NX NY NZ of a patch, BIN SAMPLES of the sky.
+  void geometry(uint32_t node, bool sky) {
+    Patch p;
+    p.node = node;
+    if (sky)
+      bin(p);
+    else
+      patch(p);
+    in_.end();
+    out_.patches.push_back(std::move(p));
+  }
+  /// NODE, whose patch is above: its index.
+  uint32_t patch_above(const char* what) {
+    const auto node = static_cast<uint32_t>(in_.integer(what, 1, UINT32_MAX));
+    const auto found = index_.find(node);
+    if (found == index_.end())
+      in_.fail(fmt::format("node {} as {}, expected a patch named above", node, what));
+    return found->second;
+  }
+  /// NODE FACE ...
+  void faces() {
+    Patch& p = out_.patches[patch_above("node of a face")];
+    if (p.is_sky()) in_.fail(fmt::format("faces of node {}, expected none of the sky", p.node));
+    if (!in_.more()) in_.fail("nothing as face, expected at least one");
+    while (in_.more()) p.faces.push_back(static_cast<uint32_t>(in_.integer("face", 0, UINT32_MAX)));
+  }
+
+  /// After the last line.
+  void finish() {
+    if (out_.scene_hash.empty()) in_.fail_file("no 'c scene' line, expected the hash of the scene");
+    if (!has_grid_) in_.fail_file("no 'c grid' line, expected the grid of the patches");
+    for (const Patch& p : out_.patches)
+      if (p.faces.empty() && !p.is_sky())
+        in_.fail_file(fmt::format("node {} has no faces, expected at least one", p.node));
+    if (out_.light.empty()) return;
+    // What is known of some patches is 0 of the others.
+    out_.light.resize(out_.patches.size());
+    for (PatchLight& l : out_.light) l.importance.resize(out_.number_of_cameras(), 0);
+  }
+
+ private:
+  // X Y Z CELL
+  void grid() {
+    if (has_grid_) in_.fail("a second grid, expected one");
+    has_grid_ = true;
+    out_.grid.origin = read_vec3(in_, "origin of the grid");
+    out_.grid.base_cell = in_.real("side of a cell");
+    if (!(out_.grid.base_cell > 0)) in_.fail("a cell without size, expected a side above 0");
+    in_.end();
+  }
+  // NODE BRIGHTNESS IMPORTANCE ...
+  void light() {
+    const uint32_t i = patch_above("node of light");
+    out_.light.resize(std::max<size_t>(out_.light.size(), i + 1));
+    const auto number = [&] { return read_amount(in_, "light of a patch", "negative light"); };
+    PatchLight& l = out_.light[i];
+    l.brightness = number();
+    l.importance.clear();
+    for (size_t k = 0; k < out_.number_of_cameras(); ++k) l.importance.push_back(number());
+    in_.end();
+  }
+  void patch(Patch& p) {
+    p.level = static_cast<int>(in_.integer("level of the patch", 0, kDeepestLevel));
+    for (int32_t& c : p.cell)
+      c = static_cast<int32_t>(in_.integer("cell of the patch", INT32_MIN, INT32_MAX));
+    p.samples = read_amount(in_, "samples of the patch", "a negative number of samples");
+    p.centre = read_vec3(in_, "centre of the patch");
+    p.normal = read_vec3(in_, "normal of the patch");
+    if (!(std::abs(length(p.normal) - 1) < 1e-3))
+      in_.fail("a normal of another length, expected length 1");
+    p.normal = normalize(p.normal);
+  }
+  void bin(Patch& p) {
+    p.sky = static_cast<int32_t>(in_.integer("bin of the sky", 0, kSkyBins - 1));
+    p.samples = read_amount(in_, "samples of the bin", "a negative number of samples");
+    if (std::exchange(bins_[static_cast<size_t>(p.sky)], true))
+      in_.fail(fmt::format("bin {} of the sky again, expected each once", p.sky));
+  }
+
+  TextLines& in_;
+  PatchFile& out_;
+  std::unordered_map<uint32_t, uint32_t> index_;  // of patches, by node
+  std::array<bool, kSkyBins> bins_{};             // that were there
+  bool has_grid_ = false;
+};
+
+/// The first lines of a file. `format`: "max 1".
+inline void write_head(std::string& out, const std::string& format, const PatchFile& file) {
+  out += fmt::format("c tdpt {}\n", format);
+  for (const std::string& line : file.provenance.lines) out += fmt::format("c {}\n", line);
+  out += fmt::format("c scene {}\n", file.scene_hash);
+  for (const std::string& camera : file.cameras) out += fmt::format("c camera {}\n", camera);
 }
 
-/// What is known of some patches is 0 of the others.
-inline void fill_light(std::vector<PatchLight>& light, size_t patches, size_t cameras) {
-  if (light.empty()) return;
-  light.resize(patches);
-  for (PatchLight& of_patch : light) of_patch.importance.resize(cameras, 0);
+inline void write_grid(std::string& out, const PatchGrid& g) {
+  fmt::format_to(std::back_inserter(out), "c grid {} {} {} {}\n", g.origin.x, g.origin.y,
+                 g.origin.z, g.base_cell);
 }
 
-inline void write_light(std::string& out, const std::vector<Patch>& patches,
-                        const std::vector<PatchLight>& light) {
+/// The line of a patch or a bin of the sky, after its node, and the lines of its faces, which begin
+/// with `faces`.
+inline void write_patch(std::string& out, const Patch& p, const char* faces) {
+  const auto to = std::back_inserter(out);
+  if (p.is_sky()) {
+    fmt::format_to(to, "{} {}\n", p.sky, p.samples);
+    return;
+  }
+  fmt::format_to(to, "{} {} {} {} {} {} {} {} {:.6f} {:.6f} {:.6f}\n", p.level, p.cell[0],
+                 p.cell[1], p.cell[2], p.samples, p.centre.x, p.centre.y, p.centre.z, p.normal.x,
+                 p.normal.y, p.normal.z);
+  for (size_t i = 0; i < p.faces.size(); i += kFacesPerLine) {
+    fmt::format_to(to, "{} {}", faces, p.node);
+    for (size_t k = i; k < std::min(i + kFacesPerLine, p.faces.size()); ++k)
+      fmt::format_to(to, " {}", p.faces[k]);
+    out += '\n';
+  }
+}
+
+inline void write_light(std::string& out, const PatchFile& file) {
   const auto lit = [](double n) { return n > 0; };
-  for (size_t i = 0; i < light.size(); ++i) {
-    const PatchLight& l = light[i];
+  for (size_t i = 0; i < file.light.size(); ++i) {
+    const PatchLight& l = file.light[i];
     if (!lit(l.brightness) && std::none_of(l.importance.begin(), l.importance.end(), lit)) continue;
-    fmt::format_to(std::back_inserter(out), "c light {} {:.4g}", patches[i].node, l.brightness);
+    fmt::format_to(std::back_inserter(out), "c light {} {:.4g}", file.patches[i].node,
+                   l.brightness);
     for (const double v : l.importance) fmt::format_to(std::back_inserter(out), " {:.4g}", v);
     out += '\n';
   }

@@ -221,9 +221,9 @@ void check_headers(std::string_view bytes, const std::string& name) {
     throw InputError(name, "version", fmt::format("{}, expected {}", byte(4), version));
   if (bytes.size() >= 8 && ((byte(5) & ~flags) != 0 || byte(6) != 0 || byte(7) != 0))
     throw InputError(name, "version", "has flags of features that this program does not know");
-  if (const std::string fault = fault_of_exr_attributes(bytes); !fault.empty())
-    throw InputError(name, "", "is damaged: " + fault);
-  for (const char c : exr_compressions(bytes)) {
+  const exr::Headers headers = exr::headers_of(bytes);
+  if (!headers.fault.empty()) throw InputError(name, "", "is damaged: " + headers.fault);
+  for (const char c : headers.compressions) {
     const int compression = static_cast<unsigned char>(c),
               more = compression - Imf::DWAB_COMPRESSION;
     if (more > 0)

@@ -74,7 +74,7 @@ struct Storage {
   enum Compression { zip, dwaa, dwab } compression = zip;
 
   bool rounds() const { return pixels == half || compression != zip; }
-  /// Of a colour, if it rounds. DWA may add 3 % to it.
+  /// The largest number of a colour, if it rounds. DWA may add 3 % to it.
   float largest() const { return compression == zip ? 65504.0f : 60000.0f; }
 };
 

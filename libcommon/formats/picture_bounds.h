@@ -17,17 +17,20 @@ namespace tdpt {
 /// String attribute with the version of our format; absent in pictures of other programs.
 inline constexpr const char* kVersionAttribute = "tdptFormat";
 
-/// Describes the first attribute, of all headers, whose declared size does not match its type or
-/// contents; "" if there is none.
-std::string fault_of_exr_attributes(std::string_view bytes);
-/// Value of the attribute `compression` of each header [Imf::Compression, and what comes after].
-std::string exr_compressions(std::string_view bytes);
-/// Offset where the headers of such a file end and the tables of offsets begin.
-size_t end_of_exr_headers(std::string_view bytes);
-
 }  // namespace tdpt
 
 namespace tdpt::exr {
+
+/// The attributes of all headers of a file.
+struct Headers {
+  /// Describes the first attribute whose declared size does not match its type or contents, or says
+  /// that the file ends; "" if all are sound.
+  std::string fault{};
+  size_t end = 0;              ///< where the headers end and the tables of offsets begin
+  std::string compressions{};  ///< one byte of each header [Imf::Compression, and what comes after]
+  std::map<std::string, std::string> strings{};
+};
+Headers headers_of(std::string_view bytes);
 
 inline constexpr int largest_side = 65536;
 

@@ -532,7 +532,7 @@ TEST(Picture, ChunksHaveBytes) {
   std::string bytes = exr_bytes(file);
   const auto offset = [&](size_t chunk) {  // of the three chunks of 16 rows after the header
     uint64_t at = 0;
-    std::memcpy(&at, bytes.data() + end_of_exr_headers(bytes) + 8 * chunk, sizeof at);
+    std::memcpy(&at, bytes.data() + exr::headers_of(bytes).end + 8 * chunk, sizeof at);
     return at;
   };
   EXPECT_EQ(complaint(bytes), "");
@@ -540,7 +540,7 @@ TEST(Picture, ChunksHaveBytes) {
   std::memset(bytes.data() + offset(1) + 4, 0, 4);
   EXPECT_EQ(complaint(bytes), "a.exr: is damaged: chunk 1 of 3 is empty");
   bytes = good;
-  std::memset(bytes.data() + end_of_exr_headers(bytes) + 16, 0, 8);
+  std::memset(bytes.data() + exr::headers_of(bytes).end + 16, 0, 8);
   EXPECT_EQ(complaint(bytes), "a.exr: is damaged: chunk 2 of 3 is missing");
 }
 
@@ -597,7 +597,7 @@ TEST(Picture, PngWithAlpha) {
   Picture p{2, 1, {Rgb(0.25f), Rgb(0.0f)}, {0.5f, 0}};
   const std::string png = png_bytes(p);
   EXPECT_EQ(png[25], 6);  // RGB and alpha
-  const std::string straight = png_of_rgba8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
+  const std::string straight = png_of_rgb8(2, 1, {188, 188, 188, 128, 0, 0, 0, 0});
   EXPECT_EQ(png, straight);
 }
 

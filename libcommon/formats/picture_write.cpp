@@ -206,8 +206,7 @@ std::string png_bytes(const Picture& picture) {
     if (!covers)
       pixels.push_back(static_cast<uint8_t>(std::lround(255 * std::clamp(alpha, 0.0f, 1.0f))));
   }
-  return covers ? png_of_rgb8(picture.width, picture.height, pixels)
-                : png_of_rgba8(picture.width, picture.height, pixels);
+  return png_of_rgb8(picture.width, picture.height, pixels);
 }
 
 }  // namespace tdpt

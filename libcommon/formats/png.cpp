@@ -1,5 +1,6 @@
 #include "libcommon/formats/png.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 #include <stdexcept>
@@ -26,13 +27,11 @@ static unsigned char* png_deflate(unsigned char* data, int size, int* out_size, 
 
 namespace tdpt {
 
-namespace {
-
-std::string png_of(int width, int height, const std::vector<uint8_t>& values, int channels,
-                   PngKind kind) {
-  if (width < 1 || height < 1 ||
-      values.size() !=
-          static_cast<size_t>(channels) * static_cast<size_t>(width) * static_cast<size_t>(height))
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& values, PngKind kind) {
+  const size_t pixels =
+      static_cast<size_t>(std::max(width, 0)) * static_cast<size_t>(std::max(height, 0));
+  const int channels = values.size() == 4 * pixels ? 4 : 3;
+  if (pixels == 0 || values.size() != static_cast<size_t>(channels) * pixels)
     throw std::invalid_argument(
         "a PNG needs a value for each channel of a pixel, and at least one pixel");
   // -1: the best PNG filter for each row; 0: none.
@@ -45,16 +44,6 @@ std::string png_of(int width, int height, const std::vector<uint8_t>& values, in
                               width * channels))
     throw std::bad_alloc();
   return bytes;
-}
-
-}  // namespace
-
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb, PngKind kind) {
-  return png_of(width, height, rgb, 3, kind);
-}
-
-std::string png_of_rgba8(int width, int height, const std::vector<uint8_t>& rgba) {
-  return png_of(width, height, rgba, 4, PngKind::photograph);
 }
 
 }  // namespace tdpt

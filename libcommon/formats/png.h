@@ -6,12 +6,11 @@
 
 namespace tdpt {
 
-/// The file as bytes; `rgb`: 3 * width * height values, sRGB, row by row from the top left. The
-/// same pixels give the same bytes. The kind selects the compression: drawings have few colours.
+/// The kind selects the compression: drawings have few colours.
 enum class PngKind { photograph, drawing };
-std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& rgb,
+/// The file as bytes. `values`: 3 for each pixel, sRGB, or 4 with alpha, colours not premultiplied
+/// by it; row by row from the top left. The same pixels give the same bytes.
+std::string png_of_rgb8(int width, int height, const std::vector<uint8_t>& values,
                         PngKind kind = PngKind::photograph);
-/// A photograph; `rgba`: 4 * width * height values, colours not premultiplied by alpha.
-std::string png_of_rgba8(int width, int height, const std::vector<uint8_t>& rgba);
 
 }  // namespace tdpt

@@ -32,9 +32,9 @@ constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 
 // times.
 constexpr size_t kMostTriangles = 1'000'000, kMostVertices = 3 * kMostTriangles;
 
-class Reader {
+class PortalReader {
  public:
-  explicit Reader(const Document& document) : d_(document) {}
+  explicit PortalReader(const Document& document) : d_(document) {}
 
   PortalFile read() {
     PortalFile file;
@@ -185,15 +185,15 @@ double area_of(const Portal& portal) {
 PortalFile read_portals(const std::string& path) {
   Document document;
   open_document(path, document);
-  return Reader(document).read();
+  return PortalReader(document).read();
 }
 
 namespace {
 
 // Writes portals as glTF: a node, a mesh and two accessors each, in one buffer.
-class Writer {
+class PortalWriter {
  public:
-  explicit Writer(const PortalFile& file) {
+  explicit PortalWriter(const PortalFile& file) {
     root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
     Json& extras = root_["asset"]["extras"];
     extras[kPortalVersionKey] = format_version::portal;
@@ -307,7 +307,7 @@ class Writer {
 }  // namespace
 
 std::string portal_bytes(const PortalFile& file) {
-  return Writer(file).glb();
+  return PortalWriter(file).glb();
 }
 
 namespace {

@@ -33,8 +33,8 @@ struct PortalFile {
   Provenance provenance;
   std::string hash;                  ///< content hash of the file read
   std::vector<std::string> files{};  ///< paths of buffers read beside it
-  /// Of the file read; lamps are punctual lights, luminaires and emissive materials. Portals need
-  /// neither.
+  /// What the file read has; lamps are punctual lights, luminaires and emissive materials. Portals
+  /// need neither.
   size_t cameras = 0, lamps = 0;
   std::vector<std::string> made_for{};  ///< cameras [viewpoint.h]; empty: unknown
 };

@@ -27,9 +27,9 @@ Rgb colour_of(const Rgbe& p) {
   return {f * static_cast<float>(p[0]), f * static_cast<float>(p[1]), f * static_cast<float>(p[2])};
 }
 
-class Reader {
+class HdrReader {
  public:
-  Reader(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  HdrReader(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Picture picture(int most_width, int most_height) {
     header();
@@ -208,7 +208,7 @@ bool is_radiance_hdr(std::string_view bytes) {
 
 Picture parse_radiance_hdr(std::string_view bytes, const std::string& name, int most_width,
                            int most_height) {
-  return Reader(bytes, name).picture(most_width, most_height);
+  return HdrReader(bytes, name).picture(most_width, most_height);
 }
 
 }  // namespace tdpt

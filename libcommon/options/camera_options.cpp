@@ -8,16 +8,20 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/words.h"
+#include "libcommon/math/reach.h"
 
 namespace tdpt {
+
 namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr double kUsualFov = 45;      // [deg]
-constexpr double kFarthest = 1e6;     // canonical, as for the scene's cameras
-constexpr double kLeastAngle = 1e-4;  // between up and the view direction [rad]
-constexpr double kMargin = 1.05;      // of --frame, on the scene's size
-const Vec3d kBefore{0.5, 0.4, 1};     // from the middle to the camera of --frame: +Z is in front
+constexpr double kLongerSide = 0.036;  // of the film [m]
+constexpr double kUsualFov = 45;       // [deg]
+constexpr double kFarthest = 1e6;      // canonical, as for the scene's cameras
+constexpr double kLeastAngle = 1e-4;   // between up and the view direction [rad]
+constexpr double kMargin = 1.05;       // of --frame, on the scene's size
+const Vec3d kBefore{0.5, 0.4, 1};      // from the middle to the camera of --frame: +Z is in front
 
 Vec3d three_numbers(const char* option, const std::string& text) {
   Vec3d v;
@@ -109,24 +113,16 @@ void declare_camera_options(cli::Options& options, CameraArguments& a) {
 
 namespace {
 
-struct Box {
-  Vec3d low{INFINITY}, high{-INFINITY};
-  Vec3d middle() const { return (low + high) * 0.5; }
-};
-
 template <class Visit>
 void for_each_corner(const Scene& scene, const Visit& visit) {
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) visit(Vec3d(scene.positions[v]));
 }
 
-Box box_of(const Scene& scene) {
-  Box box;
-  for_each_corner(scene, [&](const Vec3d& p) {
-    box.low = min(box.low, p);
-    box.high = max(box.high, p);
-  });
-  return box;
+Vec3d middle_of(const Scene& scene) {
+  Extent box;
+  for_each_corner(scene, [&](const Vec3d& p) { box.add(p); });
+  return (box.low + box.high) * 0.5;
 }
 
 // Prints the position as options, for users who want to adjust it.
@@ -146,7 +142,7 @@ std::string frame_sentence(const Scene& scene, const Camera& camera) {
                   [&](const Triangle& t) { return scene.materials[t.material].double_sided; });
   return fmt::format(
       "--frame is about --look-from {} --look-at {} --fov {:.3g} --cull{}", place(camera.position),
-      place(box_of(scene).middle()), camera.yfov / kRadians,
+      place(middle_of(scene)), camera.yfov / kRadians,
       may_hide ? ", outside: walls and roofs with two sides hide the rooms, --look-from in one "
                  "shows it"
                : "");
@@ -155,7 +151,7 @@ std::string frame_sentence(const Scene& scene, const Camera& camera) {
 }  // namespace
 
 Camera framing_camera(const Scene& scene, double yfov) {
-  const Vec3d middle = box_of(scene).middle();
+  const Vec3d middle = middle_of(scene);
   Camera camera;
   camera.name = "--frame";
   camera.yfov = yfov;
@@ -190,11 +186,6 @@ Camera one_camera(const Scene& scene, const CameraArguments& a, const std::strin
     common.note(fmt::format("camera \"{}\", one of {}; --camera NAME takes another", camera.name,
                             scene.cameras.size()));
   return camera;
-}
-
-void warn_of_others(const Scene& scene, const Camera& taken, const cli::Common& common) {
-  if (const std::string faults = scene.faults_of_cameras_but(taken.name); !faults.empty())
-    common.warn(faults);
 }
 
 bool has_camera(const Scene& scene, const std::string& name) {
@@ -234,14 +225,9 @@ std::vector<std::string> names_of_cameras(const Scene& scene,
 }
 
 Camera chosen_camera(const Scene& scene, const CameraArguments& a, const cli::Common& common) {
-  check(a);
-  const std::vector<std::string> names = names_of_cameras(scene, a.names);
-  if (names.size() > 1)
-    throw UsageError(
-        fmt::format("--camera: {} are given, expected one; tdpt renders several", names.size()));
-  const Camera camera = one_camera(scene, a, names.empty() ? "" : names[0], common);
-  warn_of_others(scene, camera, common);
-  return camera;
+  if (const size_t n = names_of_cameras(scene, a.names).size(); n > 1)
+    throw UsageError(fmt::format("--camera: {} are given, expected one; tdpt renders several", n));
+  return chosen_cameras(scene, a, common)[0];
 }
 
 std::vector<Camera> chosen_cameras(const Scene& scene, const CameraArguments& a,
@@ -251,8 +237,50 @@ std::vector<Camera> chosen_cameras(const Scene& scene, const CameraArguments& a,
   if (names.empty()) names.emplace_back();
   std::vector<Camera> cameras;
   for (const std::string& name : names) cameras.push_back(one_camera(scene, a, name, common));
-  warn_of_others(scene, cameras[0], common);
+  if (const std::string faults = scene.faults_of_cameras_but(cameras[0].name); !faults.empty())
+    common.warn(faults);
   return cameras;
+}
+
+void declare_lens_options(cli::Options& options, LensArguments& a) {
+  options.part(cli::Part::camera);
+  options.option("--f-stop", a.f_stop, "N",
+                 "Depth of field: f-number of the lens, as 2.8, on a film 36 mm along its longer "
+                 "side; default a pinhole",
+                 0.01, 1e6);
+  options.option(
+      "--focus", a.focus, "METRES",
+      "Distance in front of the camera that --f-stop shows sharply; default that of what "
+      "the middle of the picture shows",
+      1e-6, 1e9);
+  options.option("--shutter", a.shutter, "DEG",
+                 "Motion blur of a moving camera: 360 is open from frame to frame, 180 for half of "
+                 "the time, about the frame's; default an instant",
+                 0, 360);
+}
+
+void check_lens(const LensArguments& a, const ShotArguments& shot, const Pose& pose,
+                const std::string& device) {
+  if (a.focus && !a.f_stop) throw UsageError("--focus: goes with --f-stop; a pinhole needs none");
+  if (a.shutter > 0 && !shot.is_given() && !pose.seconds)
+    throw UsageError("--shutter: needs --frames or --at, the time at which it is open");
+  if (device.starts_with("gpu") && (a.f_stop || a.shutter > 0))
+    throw UsageError(fmt::format("{}: --device gpu cannot blur; render with --device cpu",
+                                 a.f_stop ? "--f-stop" : "--shutter"));
+}
+
+double aperture_radius(const FilmPlane& film, double f_stop) {
+  const double focal_length = 0.5 * kLongerSide / std::max(film.half_width(), film.half_height());
+  return 0.5 * focal_length / f_stop;
+}
+
+std::string focus_words(double metres) {
+  return std::isinf(metres) ? "infinity" : number_words(metres, 3) + " m";
+}
+
+std::string shutter_words(const LensArguments& a, const ShotArguments& shot) {
+  if (a.shutter == 0) return "an instant";
+  return fmt::format("{} degrees at {} frames per second", a.shutter, shot.fps);
 }
 
 }  // namespace tdpt

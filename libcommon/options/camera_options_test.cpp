@@ -253,4 +253,23 @@ TEST(CameraOptions, OfSeveralNoneIsChosenForOne) {
   EXPECT_EQ(chosen_cameras(scene, a, {}).size(), 1u);
 }
 
+// On a film 36 mm wide a lens of 50 mm sees 39.6 degrees across: at f/2 its aperture is 25 mm wide.
+TEST(Aperture, IsThatOfALensOf50Millimetres) {
+  Camera camera;
+  const double angle = 2 * std::atan(18.0 / 50);
+  EXPECT_NEAR(angle * 180 / std::numbers::pi, 39.6, 0.01);
+  camera.yfov = angle;
+  EXPECT_NEAR(aperture_radius(FilmPlane(camera, 200, 300), 2), 0.0125, 1e-9);  // upright
+  camera.yfov = 2 * std::atan(std::tan(angle / 2) * 200 / 300);
+  EXPECT_NEAR(aperture_radius(FilmPlane(camera, 300, 200), 2), 0.0125, 1e-9);
+  EXPECT_NEAR(aperture_radius(FilmPlane(camera, 300, 200), 4), 0.00625, 1e-9);
+}
+
+TEST(Words, TellLensAndShutter) {
+  EXPECT_EQ(focus_words(2.3456), "2.35 m");
+  EXPECT_EQ(focus_words(HUGE_VAL), "infinity");
+  EXPECT_EQ(shutter_words({}, {}), "an instant");
+  EXPECT_EQ(shutter_words({{}, {}, 180}, {"1-4", 24}), "180 degrees at 24 frames per second");
+}
+
 }  // namespace tdpt::camera_options_test

@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "libcommon/options/camera_options.h"
-#include "libcommon/options/lens_options.h"
 #include "libcommon/options/picture_options.h"
-#include "libcommon/options/pose_options.h"
 #include "libcommon/options/shot_options.h"
 #include "libcommon/options/sky_options.h"
 

@@ -9,8 +9,10 @@
 #include "libcommon/base/error.h"
 
 namespace tdpt {
+
 namespace {
 
+constexpr double kLongest = 1e6;                     // seconds
 constexpr double kSlowest = 0.001, kFastest = 1000;  // frames per second
 
 }  // namespace
@@ -106,6 +108,17 @@ std::string name_of_shot(const std::string& pattern) {
     p.before.pop_back();
   if (p.before.empty() || p.before.back() == '/') p.before += "frames";
   return p.before + p.after;
+}
+
+void declare_pose_options(cli::Options& options, Pose& pose, cli::Effect effect) {
+  options.part(cli::Part::animation);
+  options.option("--at", pose.seconds, "SECONDS",
+                 "Take the scene at this time of its animations; default their beginning",
+                 -kLongest, kLongest, effect);
+  options.option("--animation", pose.animations, "NAME",
+                 "Apply this animation alone; may be repeated; default all, the first of two that "
+                 "move the same thing",
+                 effect);
 }
 
 }  // namespace tdpt

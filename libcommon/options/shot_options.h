@@ -1,5 +1,6 @@
-// A shot: frames at equal steps of time, each a picture with a number in its files' names. The
-// options that select frames, the same in every program that has them.
+// The command-line options that select a moment of the scene's animations, or a shot, the same in
+// every program that reads a scene. A shot is frames at equal steps of time, each a picture with a
+// number in its files' names.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -10,6 +11,10 @@
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
+
+/// --at, --animation.
+void declare_pose_options(cli::Options& options, Pose& pose,
+                          cli::Effect effect = cli::Effect::picture);
 
 inline constexpr int64_t kLastFrame = 1000000;
 

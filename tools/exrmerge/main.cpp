@@ -86,10 +86,10 @@ int run(const Arguments& a, const cli::Common& common) {
     common.warn(mixed_code_sentence(film.facts.processor));
   if (const auto gaps = film.gaps(); !a.film && !gaps.empty())
     common.warn(fmt::format("{} of {} are missing", words_of(gaps), film.facts.spp));
-  denoise::Unfiltered all = a.film ? denoise::Unfiltered{{film.film.picture(), {}, {}, {}, {}}}
-                                   : denoise::unfiltered(film.film, film.facts, film.channels);
-  const std::optional<denoise::Filtered> filtered = denoise::filter(all);
-  const ExrFile& file = all.file;
+  std::optional<denoise::Filtered> filtered;
+  const ExrFile file =
+      a.film ? ExrFile{film.film.picture(), {}, {}, {}, {}}
+             : denoise::filtered_picture(film.film, film.facts, film.channels, filtered);
   const Picture& picture = file.picture;
   const std::string& png = is_png ? common.output : a.preview;
   const std::optional<double> exposure = exposure_of(picture, png, a.exposure);

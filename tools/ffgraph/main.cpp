@@ -12,7 +12,6 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/camera_options.h"
-#include "libcommon/options/pose_options.h"
 #include "libcommon/options/shot_options.h"
 #include "libcommon/options/sky_options.h"
 #include "libcommon/scene/lights.h"

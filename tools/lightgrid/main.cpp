@@ -12,7 +12,7 @@
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/gpu/device_options.h"
-#include "libcommon/options/pose_options.h"
+#include "libcommon/options/shot_options.h"
 #include "libcommon/options/sky_options.h"
 #include "libcommon/scene/uses.h"
 #include "tools/lightgrid/gpu_lines.h"

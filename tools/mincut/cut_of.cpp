@@ -138,7 +138,7 @@ void keep_most_promising(std::vector<CutOf>& cuts, const std::vector<SeriesCut>&
 }  // namespace
 
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
-  const size_t cameras = problem.number_of_cameras();
+  const size_t cameras = 1 + problem.more_sinks.size();
   std::vector<SeriesCut> series(cameras);
   std::atomic<size_t> flows = 0;
   const auto verify = [&](const FlowNetwork& network, const MaxFlow& flow) {

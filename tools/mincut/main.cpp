@@ -13,7 +13,7 @@
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/math/cut_facts.h"
-#include "libcommon/options/pose_options.h"
+#include "libcommon/options/shot_options.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/preview.h"
 

@@ -13,7 +13,7 @@
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
-#include "libcommon/options/pose_options.h"
+#include "libcommon/options/shot_options.h"
 #include "tools/portalfit/limits.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/plan_preview.h"

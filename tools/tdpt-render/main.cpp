@@ -5,7 +5,7 @@
 #include "libcommon/gpu/device_options.h"
 #include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
-#include "tools/tdpt-render/run/shot.h"
+#include "tools/tdpt-render/run/picture.h"
 
 namespace tdpt {
 namespace {

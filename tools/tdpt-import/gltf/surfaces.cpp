@@ -88,8 +88,7 @@ std::string png_of(const Reduced& image, bool coded, bool with_alpha) {
     for (size_t c = 0; c < 3; ++c) bytes.push_back(coded ? coded_of(p[c]) : byte_of(p[c]));
     if (with_alpha) bytes.push_back(byte_of(p[3]));
   }
-  return with_alpha ? png_of_rgba8(image.width, image.height, bytes)
-                    : png_of_rgb8(image.width, image.height, bytes);
+  return png_of_rgb8(image.width, image.height, bytes);
 }
 
 bool is_png(const std::string& bytes) {

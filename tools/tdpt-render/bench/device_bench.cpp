@@ -14,8 +14,8 @@
 #include "tools/tdpt-render/device/gpu_machine.h"
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/plan/candidates.h"
-#include "tools/tdpt-render/run/picture_size.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 namespace {

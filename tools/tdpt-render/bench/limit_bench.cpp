@@ -16,8 +16,8 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/trace/ray_record.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/run/picture_size.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 namespace {

@@ -26,7 +26,7 @@
 #include "libcommon/options/sky_options.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/work_model.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 namespace {
@@ -114,8 +114,8 @@ void print_truths(const char* name, const Vista& vista, const std::vector<Candid
                   const Settings& s) {
   std::vector<Candidate> all = candidates;
   for (const Integrator& i : kIntegrators) {
-    const bool there = std::any_of(all.begin(), all.end(),
-                                   [&](const Candidate& c) { return c.label == i.name; });
+    const bool there =
+        std::any_of(all.begin(), all.end(), [&](const Candidate& c) { return c.label == i.name; });
     const bool portal_one = i.mixture.has(Technique::portal);
     if (!there && light_missed(i, vista.world->scene).empty() &&
         !(portal_one && vista.openings.portals.empty()))

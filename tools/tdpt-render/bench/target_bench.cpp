@@ -14,7 +14,7 @@
 
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 namespace {

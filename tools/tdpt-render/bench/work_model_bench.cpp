@@ -13,7 +13,7 @@
 #include "libcommon/gpu/device_options.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/plan/work_model.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 namespace {

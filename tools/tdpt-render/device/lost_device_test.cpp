@@ -4,7 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/scalar_build.h"
 
@@ -58,19 +58,17 @@ class lost_device : public ::testing::Test {
     job.frames = true;  // one sample at a time
     Session session(*renderer, job);
     const std::vector<Candidate> candidates{{tdpt_org, tdpt_org.name}};
-    const auto rescue = [&](const Plan& plan, Progress& progress) {
-      if (kept) *kept = bytes_of(progress, plan);
-    };
-    if (film.empty()) {
-      const Plan plan = make_plan(session, candidates, {});
-      return render(session, plan,
-                    std::make_shared<Progress>(new_progress(session, candidates, plan)), {},
-                    rescue);
+    const auto begun = [&] { return parse_film(film, "kept"); };
+    const Plan plan =
+        film.empty() ? make_plan(session, candidates, {}) : plan_of(begun().facts, "kept");
+    const auto progress = std::make_shared<Progress>(
+        film.empty() ? new_progress(session, candidates, plan) : progress_of(begun(), "kept"));
+    try {
+      return render(session, plan, progress);
+    } catch (const Error&) {
+      if (kept) *kept = bytes_of(*progress, plan);
+      throw;
     }
-    FilmFile file = parse_film(film, "kept");
-    const Plan plan = plan_of(file.facts, "kept");
-    return render(session, plan, std::make_shared<Progress>(progress_of(std::move(file), "kept")),
-                  {}, rescue);
   }
   static std::string bytes_of(Progress& progress, const Plan& plan) {
     progress.seconds = progress.cpu_seconds = progress.began = 0;

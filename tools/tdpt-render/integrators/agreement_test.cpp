@@ -5,9 +5,9 @@
 #include <map>
 
 #include "libcommon/testing/failures_elsewhere.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/faults.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::agreement_test {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt::alpha_test {
 

@@ -4,9 +4,9 @@
 
 #include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/camera_sight.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 

@@ -1,8 +1,8 @@
 // The picture split by technique.
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"
 

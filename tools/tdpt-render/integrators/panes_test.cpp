@@ -4,8 +4,8 @@
 
 #include "libcommon/testing/statistics/power.h"
 #include "libcommon/testing/statistics/z_test.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/variant.h"

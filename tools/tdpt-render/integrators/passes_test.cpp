@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::passes_test {

@@ -7,8 +7,8 @@
 #include "libcommon/testing/files/compress.h"
 #include "libcommon/testing/files/reencode.h"
 #include "libcommon/testing/files/temp_folder.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/agreement.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::reencoding_test {

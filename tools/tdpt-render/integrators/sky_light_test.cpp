@@ -5,9 +5,9 @@
 #include <functional>
 
 #include "libcommon/testing/statistics/power.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sheets.h"
 #include "tools/tdpt-render/testing/sky.h"

@@ -26,7 +26,7 @@ struct Evidence {
   double unseen;              // variance for paths that no sample has met
 };
 
-// Of normal variables, the covariance row by row.
+// Normal variables; the covariance row by row.
 struct Logs {
   std::vector<double> mean, covariance;
 };

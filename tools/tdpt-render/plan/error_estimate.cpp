@@ -8,8 +8,8 @@ namespace tdpt {
 namespace {
 
 constexpr double kDark = 0.01;  // as exrdiff's relMSE
-// Of the pilot, over all pixels. With fewer than kFewest samples small pictures give no estimate;
-// after kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
+// Samples of the pilot, over all pixels. With fewer than kFewest samples small pictures give no
+// estimate; after kDarkness samples, and kDarkEach per pixel, without light the pilot stops.
 constexpr uint64_t kFewest = uint64_t{1} << 14, kDarkness = uint64_t{1} << 20, kDarkEach = 64;
 // A fourth of the picture's samples is enough in any case; an eighth, and at most kMostIfKnown
 // samples per pixel, if the estimate is good.

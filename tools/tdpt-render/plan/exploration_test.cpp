@@ -9,6 +9,7 @@
 
 #include "tools/tdpt-render/run/report.h"
 #include "tools/tdpt-render/testing/known_paths.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/sky.h"
 
 namespace tdpt::exploration_test {

@@ -56,7 +56,7 @@ class Watched {
   double light_ = 0;         // M
 };
 
-// Of the mean. The samples since the last block belong to it.
+// The variance of the mean. The samples since the last block belong to it.
 Vec3d Watched::variance(size_t i) const {
   const PictureParts& parts = blocks_.blocks();
   const double size = static_cast<double>(blocks_.size()), all = samples();

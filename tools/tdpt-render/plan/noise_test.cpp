@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::noise_test {

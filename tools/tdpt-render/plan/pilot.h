@@ -82,8 +82,8 @@ class Pilot {
   /// candidate cannot make, by candidate; then for each candidate M_i of splats [batch, block].
   using Sums = std::vector<std::vector<double>>;
   enum SumRow : size_t { kLuminance, kSquares, kMissed, kSplats };
-  /// Of camera walks, of light walks, of segments until they are connected with the camera's side,
-  /// then by technique.
+  /// The rays of camera walks, of light walks, of segments until they are connected with the
+  /// camera's side, then by technique.
   using Rays = std::array<RayCounts, 3 + kTechniques>;
 
   Sums no_sums() const;

@@ -15,7 +15,7 @@ constexpr double kKnown = 0.2;      // relative error below which a mean is well
 constexpr double kMostProduct = 2;  // bound of X X' / I^2: more is chance
 // Cost of evaluating paths for all candidates: the sample's own work times this, more if some walks
 // are guided.
-constexpr double kLooking = 1.35, kLookingDirected = 1.8;
+constexpr double kEvaluating = 1.35, kEvaluatingGuided = 1.8;
 constexpr double kLeastLeft = 0.05;   // of M_i: lower bound of V_i
 constexpr double kMostMissed = 1e-3;  // share of the light
 
@@ -184,7 +184,7 @@ Forecast Pilot::forecast() const {
 double Pilot::work_of_group() const {
   double work = 0;
   for (const size_t r : runs_) work += work_of(r, false);
-  return work * kGroup * (runs_.size() > 1 ? kLookingDirected : kLooking);
+  return work * kGroup * (runs_.size() > 1 ? kEvaluatingGuided : kEvaluating);
 }
 
 bool can_spare(double samples, const Pilot& pilot) {

@@ -1,10 +1,9 @@
 // Portals are turned according to a small picture's light, in rooms where light is known to pass
 // them one way, both ways, or not at all.
-#include "tools/tdpt-render/plan/portal_ways.h"
+#include "tools/tdpt-render/plan/exploration.h"
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::portal_ways_test {

@@ -1,12 +1,12 @@
 // No path is sampled for a picture that no path can light.
-#include "tools/tdpt-render/plan/session.h"
+#include "tools/tdpt-render/plan/plan.h"
 
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/sky.h"
 #include "tools/tdpt-render/plan/candidates.h"
-#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/testing/renderer.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::session_test {

@@ -6,11 +6,13 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
 #include "libcommon/cli/cli.h"
+#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/formats/tone.h"
 #include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/checkpoint.h"
@@ -31,16 +33,6 @@ std::string nonzero_png(const Picture& picture) {
   for (const Rgb& p : picture.pixels)
     marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
   return png_bytes(marks);
-}
-
-// Filters the picture as its facts ask, and tells what the filter did.
-void filter(denoise::Unfiltered& picture, Delivery::Finish& told) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto filtered = denoise::filter(picture);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  told.filtered = filtered ? fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count())
-                           : "not filtered: there is one sample per pixel";
-  if (filtered) told.left = filtered->left;
 }
 
 // Where a picture is kept after a failed write.
@@ -67,15 +59,10 @@ Channels channels_of(const RenderArguments& a, const Vista& vista, uint64_t seed
   return features(vista, names, seed);
 }
 
-std::string Delivery::film_of(const Plan& plan, Progress& progress,
-                              const Channels& channels) const {
-  return film_bytes(progress, plan, facts_, channels);
-}
-
 bool Delivery::save(const Plan& plan, Progress& progress, const Channels& channels) const {
   std::string why;
   try {
-    write_output(checkpoint(), film_of(plan, progress, channels));
+    write_output(checkpoint(), film_bytes(progress, plan, facts_, channels));
     return true;
   } catch (const OutputError& e) {
     why = e.what();
@@ -113,8 +100,8 @@ void Delivery::show(const Picture& picture) const {
   }
 }
 
-Delivery::Finish Delivery::deliver(const RenderResult& result, const Channels& channels,
-                                   const std::function<std::string(const Finish&)>& stats) {
+std::string Delivery::deliver(const RenderResult& result, const Channels& channels,
+                              nlohmann::ordered_json& stats) {
   if (result.target) facts_.attributes.merge(target_attributes(*result.target));
   if (result.progress->interrupted && facts_.attributes.contains(kFrameAttribute))
     facts_.attributes[kFrameAttribute] = kIncomplete;
@@ -122,24 +109,26 @@ Delivery::Finish Delivery::deliver(const RenderResult& result, const Channels& c
                      save(result.plan, *result.progress, channels);
   const Film& film = result.progress->film;
   const bool is_shard = !a_.shard.empty();
-  Finish finish;
-  denoise::Unfiltered all{{result.picture, {}, {}, {}, {}}};
-  if (!is_shard) {
-    all = denoise::unfiltered(film, facts_, channels);
-    if (a_.filters()) filter(all, finish);
-  }
-  const ExrFile& file = all.file;
-  finish.exposure = exposure_of(file.picture, a_.preview, a_.exposure);
+  ExrFile file{result.picture, {}, {}, {}, {}};
+  std::optional<denoise::Filtered> filtered;
+  const auto start = std::chrono::steady_clock::now();
+  if (!is_shard) file = denoise::filtered_picture(film, facts_, channels, filtered);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (filtered && filtered->left)
+    stats["filtered"] = {{"relmse", filtered->left->relmse},
+                         {"interval", {filtered->left->low, filtered->left->high}}};
+  const std::optional<double> exposure = exposure_of(file.picture, a_.preview, a_.exposure);
+  if (exposure) stats["exposure"] = *exposure;
   warn_of_range(file, a_.storage(), common_);
   const auto bytes = [&] {
-    return is_shard ? film_of(result.plan, *result.progress, channels)
+    return is_shard ? film_bytes(*result.progress, result.plan, facts_, channels)
                     : exr_bytes(file, a_.storage());
   };
   try {
     cli::deliver({{common_.output, bytes},
-                  {a_.preview, [&] { return preview_bytes(file.picture, *finish.exposure); }},
+                  {a_.preview, [&] { return preview_bytes(file.picture, *exposure); }},
                   {a_.nonzero, [&] { return nonzero_png(result.picture); }},
-                  {a_.stats, [&] { return stats(finish) + '\n'; }}},
+                  {a_.stats, [&] { return stats.dump() + '\n'; }}},
                  common_);
   } catch (const OutputError& e) {
     throw Error(e.code, fmt::format("{}; {}", e.what(),
@@ -148,7 +137,8 @@ Delivery::Finish Delivery::deliver(const RenderResult& result, const Channels& c
                                                         display_name(checkpoint()))
                                           : kept_sentence(common_.output, bytes())));
   }
-  return finish;
+  if (filtered) return fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count());
+  return a_.filters() && !is_shard ? "not filtered: there is one sample per pixel" : "";
 }
 
 }  // namespace tdpt

@@ -2,11 +2,10 @@
 // asked for at the end.
 #pragma once
 #include <array>
-#include <functional>
-#include <optional>
 #include <string>
 
-#include "libcommon/denoise/filter_picture.h"
+#include <nlohmann/json_fwd.hpp>
+
 #include "libcommon/options/render_options.h"
 #include "tools/tdpt-render/run/render.h"
 
@@ -29,20 +28,15 @@ class Delivery {
   /// the time.
   void renew(const Plan& plan, Progress& progress);
 
-  /// What became of the picture after its last sample.
-  struct Finish {
-    std::string filtered{};            ///< what the filter did, in a sentence; empty without one
-    std::optional<double> exposure{};  ///< of the preview [stops]; nothing without one
-    std::optional<denoise::ErrorLeft> left{};  ///< of a filtered picture, if it is known
-  };
-  /// Writes everything at the end. `channels`: those that samples do not change. `stats`: JSON of
-  /// --stats. Throws Error for what cannot be written, and says where the picture is kept.
-  Finish deliver(const RenderResult& result, const Channels& channels,
-                 const std::function<std::string(const Finish&)>& stats);
+  /// Writes everything at the end. `channels`: those that samples do not change. `stats`: of
+  /// --stats; what became of the picture after its last sample is added. Returns what the filter
+  /// did, in a sentence; empty without one. Throws Error for what cannot be written, and says where
+  /// the picture is kept.
+  std::string deliver(const RenderResult& result, const Channels& channels,
+                      nlohmann::ordered_json& stats);
 
  private:
   void show(const Picture& picture) const;
-  std::string film_of(const Plan& plan, Progress& progress, const Channels& channels) const;
 
   const RenderArguments& a_;
   const cli::Common& common_;

@@ -5,7 +5,7 @@
 
 #include "libcommon/film/film.h"
 #include "libcommon/options/render_options.h"
-#include "tools/tdpt-render/plan/session.h"
+#include "tools/tdpt-render/plan/plan.h"
 
 namespace tdpt {
 

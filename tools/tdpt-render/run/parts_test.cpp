@@ -3,7 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "libcommon/film/film.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/rooms.h"
 
 namespace tdpt::parts_test {

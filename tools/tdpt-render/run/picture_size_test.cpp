@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/run/picture_size.h"
+#include "tools/tdpt-render/run/scenery.h"
 
 #include <gtest/gtest.h>
 

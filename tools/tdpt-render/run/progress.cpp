@@ -1,5 +1,5 @@
-// Each record is described once, by the names and ranges of its numbers; a Writer makes JSON of the
-// description, a Reader checks and fills in what a file has.
+// Each record is described once, by the names and ranges of its numbers; a RecordWriter makes JSON
+// of the description, a RecordReader checks and fills in what a file has.
 #include "tools/tdpt-render/run/progress.h"
 
 #include <array>
@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kAny = std::numeric_limits<double>::infinity();
 
-class Writer {
+class RecordWriter {
  public:
   // JSON has no infinity: null stands for it.
   void number(const char* key, double value, double, double) { json_[key] = value; }
@@ -31,7 +31,7 @@ class Writer {
   void text(const char* key, const std::string& value) { json_[key] = value; }
   template <class T>
   void record(const char* key, const T& value) {
-    Writer of;
+    RecordWriter of;
     describe(of, value);
     json_[key] = of.json_;
   }
@@ -44,7 +44,7 @@ class Writer {
   void list(const char* key, const std::vector<T>& values, size_t) {
     json_[key] = Json::array();
     for (const T& value : values) {
-      Writer of;
+      RecordWriter of;
       describe(of, value);
       json_[key].push_back(of.json_);
     }
@@ -55,12 +55,12 @@ class Writer {
   Json json_ = Json::object();
 };
 
-class Reader {
+class RecordReader {
  public:
-  Reader(Json from, std::string file, std::string place)
+  RecordReader(Json from, std::string file, std::string place)
       : from_(std::move(from)), file_(std::move(file)), place_(std::move(place)) {}
-  static Reader of_text(const std::string& text, const std::string& file,
-                        const std::string& place) {
+  static RecordReader of_text(const std::string& text, const std::string& file,
+                              const std::string& place) {
     Json json = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
     if (!json.is_object()) throw InputError(file, place, "is no JSON object");
     return {std::move(json), file, place};
@@ -92,7 +92,7 @@ class Reader {
   template <class T>
   void record(const char* key, T& value) {
     if (!at(key).is_object()) fail(key, "is no object");
-    Reader of(at(key), file_, place_ + "." + key);
+    RecordReader of(at(key), file_, place_ + "." + key);
     describe(of, value);
   }
   template <class T>
@@ -104,7 +104,7 @@ class Reader {
     if (!at(key).is_array() || at(key).size() > most) fail(key, "is no list");
     for (const Json& entry : at(key)) {
       if (!entry.is_object()) fail(key, "has an entry that is no object");
-      Reader of(entry, file_, place_ + "." + key);
+      RecordReader of(entry, file_, place_ + "." + key);
       describe(of, values.emplace_back());
     }
   }
@@ -120,7 +120,7 @@ class Reader {
   const std::string file_, place_;
 };
 
-// ---- The records; of a Writer they are const, of a Reader not ----
+// ---- The records; of a RecordWriter they are const, of a RecordReader not ----
 
 template <class T, class Record>
 concept Of = std::same_as<std::remove_const_t<T>, Record>;
@@ -305,7 +305,7 @@ StateWords words_of(const PictureBlocks& blocks) {
 }
 
 PictureBlocks blocks_of(const StateWords& words, uint64_t size, const Film& film,
-                        const Reader& in) {
+                        const RecordReader& in) {
   const size_t step = watched_step(film);
   const size_t all = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   const size_t pixels = (all + step - 1) / step;
@@ -330,7 +330,7 @@ PictureBlocks blocks_of(const StateWords& words, uint64_t size, const Film& film
 
 std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,
                        const Channels& channels) {
-  Writer decided, state;
+  RecordWriter decided, state;
   decided.text("integrator", plan.integrator.name);
   decided.count("stream", plan.integrator.stream, kStreams);
   describe(decided, plan);
@@ -345,7 +345,7 @@ std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,
 }
 
 Plan plan_of(const FilmFacts& facts, const std::string& name) {
-  Reader in = Reader::of_text(facts.plan, name, "film.plan");
+  RecordReader in = RecordReader::of_text(facts.plan, name, "film.plan");
   std::string integrator;
   in.text("integrator", integrator);
   const Integrator* const row = find_integrator(integrator);
@@ -359,7 +359,7 @@ Plan plan_of(const FilmFacts& facts, const std::string& name) {
   const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
   if (sum != 0 && std::abs(sum - 1) > 1e-9) in.fail("lights", "add up to no 1");
   if (facts.state.empty()) return plan;
-  Reader state = Reader::of_text(facts.state, name, "film.state");
+  RecordReader state = RecordReader::of_text(facts.state, name, "film.state");
   describe_measured(state, plan);
   const Forecast& forecast = plan.forecast;
   const size_t n = forecast.estimates.size();
@@ -373,7 +373,7 @@ Progress progress_of(FilmFile file, const std::string& name) {
   if (file.facts.state.empty()) {
     progress.goal = progress.limits.spp = file.facts.spp;
   } else {
-    Reader in = Reader::of_text(file.facts.state, name, "film.state");
+    RecordReader in = RecordReader::of_text(file.facts.state, name, "film.state");
     describe(in, progress);
     if (progress.goal == 0 && progress.limits.seconds == 0)
       in.fail("goal", "is 0, and no time ends the rendering");

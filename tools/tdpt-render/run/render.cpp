@@ -155,14 +155,12 @@ namespace {
 class Rendering {
  public:
   Rendering(Session& session, const Plan& plan, Progress& progress,
-            const std::function<void(const Plan&, Progress&)>& between,
-            const std::function<void(const Plan&, Progress&)>& rescue)
+            const std::function<void()>& between)
       : session_(session),
         plan_(plan),
         progress_(progress),
         film_(progress.film),
         between_(between),
-        rescue_(rescue),
         framed_(progress.frames.empty() ? film_.samples() : progress.frames.back().spp) {
     begin_blocks();
   }
@@ -172,9 +170,8 @@ class Rendering {
 
  private:
   void begin_blocks();
-  void look();
+  void end_block();
   uint64_t next_pass() const;
-  void render_pass(uint64_t samples, ProgressBar& bar);
   void record_frame();
   void render_goal();
   void stop_clock();
@@ -184,7 +181,7 @@ class Rendering {
   const Plan& plan_;
   Progress& progress_;
   Film& film_;
-  const std::function<void(const Plan&, Progress&)>&between_, &rescue_;
+  const std::function<void()>& between_;
   uint64_t framed_;          // samples when the last frame was recorded
   std::string noise_words_;  // as of the last block
 };
@@ -197,11 +194,11 @@ void Rendering::begin_blocks() {
   if (done == 0 && session_.renderer.on_device() && fourth > 1)
     blocks = PictureBlocks(std::bit_floor(fourth), {}, {});
   if (done > blocks.next()) blocks = PictureBlocks(done, {}, {});
-  look();
+  end_block();
 }
 
 // Where a block ends.
-void Rendering::look() {
+void Rendering::end_block() {
   if (film_.samples() != progress_.blocks.next()) return;
   progress_.blocks.add(film_.sums(watched_step(film_)));
   const std::optional<Noise> noise = noise_of(film_, progress_.blocks);
@@ -253,17 +250,6 @@ void Rendering::stop_clock() {
   progress_.cpu_seconds = session_.cpu();
 }
 
-void Rendering::render_pass(uint64_t samples, ProgressBar& bar) {
-  try {
-    session_.renderer.render(plan_.integrator, session_.rules, 0, {progress_.next(), samples},
-                             film_, progress_.tally, bar);
-  } catch (const Error&) {
-    stop_clock();
-    if (rescue_ && film_.samples() > 0 && !plan_.cut_short) rescue_(plan_, progress_);
-    throw;
-  }
-}
-
 void Rendering::render_goal() {
   const uint64_t goal = progress_.goal;
   if (next_pass() > 0) session_.make_ready(plan_.integrator, film_);
@@ -278,11 +264,12 @@ void Rendering::render_goal() {
     progress_.interrupted = stop_requested() && film_.samples() > 0;
     if (progress_.interrupted) break;
     bar.tell(error_so_far());
-    render_pass(n, bar);
-    look();
+    session_.renderer.render(plan_.integrator, session_.rules, 0, {progress_.next(), n}, film_,
+                             progress_.tally, bar);
+    end_block();
     if (session_.job.frames && film_.samples() == next_frame(framed_)) record_frame();
     stop_clock();
-    if (between_ && !plan_.cut_short) session_.aside([&] { between_(plan_, progress_); });
+    if (between_ && !plan_.cut_short) session_.aside(between_);
   }
 }
 
@@ -345,8 +332,7 @@ Progress new_progress(const Session& session, const std::vector<Candidate>& cand
 }
 
 RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
-                    const std::function<void(const Plan&, Progress&)>& between,
-                    const std::function<void(const Plan&, Progress&)>& rescue) {
+                    const std::function<void()>& between) {
   RenderResult result;
   result.plan = plan;
   result.progress = std::move(progress);
@@ -354,30 +340,8 @@ RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress
     result.progress->began = session.seconds();
   else
     session.add_time(result.progress->seconds, result.progress->cpu_seconds);
-  Rendering(session, plan, *result.progress, between, rescue).run(result);
+  Rendering(session, plan, *result.progress, between).run(result);
   return result;
-}
-
-RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
-                    const Job& job) {
-  Session session(renderer, job);
-  Explored explored;
-  explored.lights = session.vista.openings.selection.shares();
-  const Plan plan = make_plan(session, candidates, explored);
-  return render(session, plan, std::make_shared<Progress>(new_progress(session, candidates, plan)));
-}
-
-RenderResult render(SampleRenderer& renderer, const Integrator& integrator, const Job& job) {
-  return render(renderer, std::vector<Candidate>{{integrator, integrator.name}}, job);
-}
-
-RenderResult render(const Vista& vista, const std::vector<Candidate>& candidates, const Job& job) {
-  CpuRenderer cpu(vista);
-  return render(cpu, candidates, job);
-}
-
-RenderResult render(const Vista& vista, const Integrator& integrator, const Job& job) {
-  return render(vista, std::vector<Candidate>{{integrator, integrator.name}}, job);
 }
 
 }  // namespace tdpt

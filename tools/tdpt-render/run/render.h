@@ -69,18 +69,9 @@ Progress new_progress(const Session& session, const std::vector<Candidate>& cand
 /// Renders on until the goal is reached, or a limit or a signal ends it: passes over the whole
 /// picture, so that all pixels have equally many samples whenever it stops. The picture is a
 /// function of (scene, job, plan, samples) alone. `between`: called between passes, not counted as
-/// rendering; `rescue`: if the renderer fails with an Error, to save what has been rendered.
+/// rendering. If the renderer fails with an Error, `progress` holds all whole passes.
 RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress> progress,
-                    const std::function<void(const Plan&, Progress&)>& between = {},
-                    const std::function<void(const Plan&, Progress&)>& rescue = {});
-
-/// Plans and renders, without exploring: portals work as drawn.
-RenderResult render(SampleRenderer& renderer, const std::vector<Candidate>& candidates,
-                    const Job& job);
-RenderResult render(SampleRenderer& renderer, const Integrator& integrator, const Job& job);
-/// On the CPU.
-RenderResult render(const Vista& vista, const std::vector<Candidate>& candidates, const Job& job);
-RenderResult render(const Vista& vista, const Integrator& integrator, const Job& job);
+                    const std::function<void()>& between = {});
 
 /// The next number of samples above `spp` that is recorded: each up to 256, then each a sixteenth
 /// more than the one before.

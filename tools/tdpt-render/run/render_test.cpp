@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 #include <thread>
 

@@ -260,9 +260,9 @@ std::string idleness_sentence(const std::vector<Portal>& portals, const RenderRe
          (names.size() == 1 ? "it was" : "they were") + " of no use";
 }
 
-void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
-                 const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
-                 const cli::Common& common) {
+void report_before(const Job& job, const Vista& vista, const Integrator& asked,
+                   const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
+                   const cli::Common& common) {
   const Mixture& named = job.named.mixture;
   if (portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
     common.warn("no portal is given, so no path is sampled through one");
@@ -287,7 +287,7 @@ void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
                 (vista.world->scene.sky ? "shows the sky alone" : "is black"));
 }
 
-void tell_choice(const Session& session, const RenderResult& result, const cli::Common& common) {
+void report_choice(const Session& session, const RenderResult& result, const cli::Common& common) {
   if (const std::string verdict = verdict_sentence(result); !verdict.empty()) common.note(verdict);
   if (session.job.automatic) common.note(choice_sentence(result, !session.is_shorter()));
   for (const Tally::SamplePixel& place : result.tally.not_finite_at)
@@ -297,8 +297,8 @@ void tell_choice(const Session& session, const RenderResult& result, const cli::
         place.x, place.y, place.sample));
 }
 
-void tell_after(const Session& session, const std::vector<Portal>& portals,
-                const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
+void report_after(const Session& session, const std::vector<Portal>& portals,
+                  const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
   const Progress& progress = *result.progress;
   // Else the cause was told before, or the sky is left out, or longer paths are.
   const bool black = is_black(result);
@@ -325,7 +325,7 @@ void tell_after(const Session& session, const std::vector<Portal>& portals,
     common.note(length);
 }
 
-std::string told_of(const Vista& vista, const RenderResult& result) {
+std::string outcome_words(const Vista& vista, const RenderResult& result) {
   std::string noise;
   if (is_black(result))
     noise = ", all black: " + why_black(vista);

@@ -23,16 +23,16 @@ nlohmann::ordered_json stats_of(const Job& job, const Integrator& asked,
 cli::Decisions decisions_of(const nlohmann::ordered_json& stats);
 
 /// Before rendering: what is missing in the scene, and what becomes of each portal.
-void tell_before(const Job& job, const Vista& vista, const Integrator& asked,
-                 const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
-                 const cli::Common& common);
+void report_before(const Job& job, const Vista& vista, const Integrator& asked,
+                   const std::vector<Portal>& portals, const std::vector<PortalWay>& ways,
+                   const cli::Common& common);
 /// After it: who rendered and why, and what was not finite;
-void tell_choice(const Session& session, const RenderResult& result, const cli::Common& common);
+void report_choice(const Session& session, const RenderResult& result, const cli::Common& common);
 /// and of a picture that is no frame of a shot what portals brought, and how noisy it is.
-void tell_after(const Session& session, const std::vector<Portal>& portals,
-                const RenderResult& result, const RenderArguments& a, const cli::Common& common);
+void report_after(const Session& session, const std::vector<Portal>& portals,
+                  const RenderResult& result, const RenderArguments& a, const cli::Common& common);
 /// "16 samples per pixel in 3 s, relMSE 0.012, 0.011 to 0.014".
-std::string told_of(const Vista& vista, const RenderResult& result);
+std::string outcome_words(const Vista& vista, const RenderResult& result);
 
 /// What `auto` chose, and why. `lit`: whether paths beyond the camera's rays can bring light.
 std::string choice_sentence(const RenderResult& result, bool lit = true);

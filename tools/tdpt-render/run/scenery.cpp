@@ -6,11 +6,15 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "tools/tdpt-render/integrators/passes.h"
 #include "tools/tdpt-render/path/sample/covered_lamps.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/camera_sight.h"
 
 namespace tdpt {
+
 namespace {
 
 constexpr int kPoses = 9;  // of a camera while its shutter is open
@@ -90,10 +94,10 @@ void Scenery::take_poses(const RenderArguments& a, const cli::Common& common) {
   }
   if (!moves) in_.poses.clear();
   const bool placed = !a.camera.look_from.empty() || a.camera.frame;
-  if (!moves && (placed || !a.shot.is_given()) && !std::exchange(told_stand_, true))
+  if (!moves && (placed || !a.shot.is_given()) && reported_.insert("stands").second)
     common.note(fmt::format("--shutter: the camera {}; nothing is blurred by it",
                             placed ? "is placed by options, and stands" : "stands at that time"));
-  if (others_move && !std::exchange(told_motion_, true))
+  if (others_move && reported_.insert("moves").second)
     common.warn(
         "--shutter: something other than the camera moves, and shows sharply, as it stands in the "
         "middle of the exposure");
@@ -108,7 +112,7 @@ Lens Scenery::lens(const cli::Common& common) {
   lens.focus =
       in_.lens.focus ? *in_.lens.focus * frame.scale : distance_in_the_middle(*vista_->world, film);
   in_.focus = lens.focus / frame.scale;
-  if (!in_.lens.focus && !std::exchange(told_focus_, true))
+  if (!in_.lens.focus && reported_.insert("focus").second)
     common.note(fmt::format("in focus: {}, as the middle of the picture shows {} (--focus)",
                             focus_words(in_.focus),
                             std::isinf(in_.focus) ? "no surface" : "a surface there"));
@@ -149,20 +153,56 @@ Vista& Scenery::vista(const cli::Common& common) {
   if (!world) {
     OpenWorld open = open_world(in_.scene, in_.camera.culls);
     world = std::move(open.world);
-    if (open.uncovered > 0 && !std::exchange(told_, true))
+    if (open.uncovered > 0 && reported_.insert("covered").second)
       common.warn(uncovered_sentence(open.uncovered, in_.scene.frame));
   }
   vista_.emplace(std::move(world), in_.camera, in_.size.width, in_.size.height, in_.portals,
                  before);
-  tell_of_backs(common);
+  warn_of_backs(common);
   vista_->view.blur = CameraBlur(lens(common), in_.poses);
   return *vista_;
 }
 
-void Scenery::tell_of_backs(const cli::Common& common) {
+void Scenery::warn_of_backs(const cli::Common& common) {
   const std::string sentence = backs_sentence(*vista_);
   if (!sentence.empty() && !shows_backs_) common.warn(sentence);
   shows_backs_ = !sentence.empty();
+}
+
+PictureSize picture_size(const Camera& camera, int64_t width, int64_t height) {
+  constexpr int64_t kMostOnASide = 65536, kMost = int64_t{1} << 27;
+  const double aspect = camera.aspect > 0 ? camera.aspect : 16.0 / 9;
+  const auto at_least_1 = [](double v) { return std::llround(std::clamp(v, 1.0, 1e6)); };
+  if (width == 0 && height == 0) width = 640;
+  if (width == 0) width = at_least_1(static_cast<double>(height) * aspect);
+  if (height == 0) height = at_least_1(static_cast<double>(width) / aspect);
+  if (width > kMostOnASide || height > kMostOnASide || width * height > kMost)
+    throw UsageError(fmt::format("a picture of {} x {} pixels is too large, at most {} pixels",
+                                 width, height, kMost));
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height) {
+  const SceneDefaults& own = scene.defaults;
+  if (width > 0 || height > 0) return picture_size(camera, width, height);
+  try {
+    return picture_size(camera, own.width, own.height);
+  } catch (const UsageError& e) {
+    throw InputError(display_name(scene.path),
+                     own.place_of(own.width > 0 ? "tdpt_width" : "tdpt_height"), e.what());
+  }
+}
+
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size) {
+  const TechniqueSet techniques = a.integrator != "auto"
+                                      ? integrator_named(a.integrator).mixture.techniques
+                                      : (a.portals.empty() ? kTwoWays : kThreeWays);
+  const bool halves = keeps_halves(a);
+  const Film::Options sums = film_options(a.layers ? techniques : TechniqueSet(), a.alpha, halves);
+  expect_memory(fmt::format("{} x {} pixels (--width, --height{}{})", size.width, size.height,
+                            a.layers ? ", --layers" : "", halves ? ", --denoise or --aov" : ""),
+                sums.bytes_of_pixel() * static_cast<uint64_t>(size.width) *
+                    static_cast<uint64_t>(size.height));
 }
 
 }  // namespace tdpt

@@ -1,8 +1,11 @@
-// What the command line names, read: scene, sky, camera, portals, and the vista that they make.
-// The frames of a shot share its world as far as nothing but the camera moves between them.
+// What the command line names, read: scene, sky, camera, size of the picture, portals, and the
+// vista that they make. The frames of a shot share its world as far as nothing but the camera moves
+// between them.
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,9 +14,24 @@
 #include "libcommon/scene/scene.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/run/options.h"
-#include "tools/tdpt-render/run/picture_size.h"
 
 namespace tdpt {
+
+struct PictureSize {
+  int width = 0, height = 0;  ///< pixels
+};
+
+/// Fills in what `width` and `height` leave open as 0: square pixels, the camera's aspect (16 : 9
+/// if it has none), 640 wide. Throws UsageError if too large.
+PictureSize picture_size(const Camera& camera, int64_t width, int64_t height);
+
+/// If neither is given, takes what the scene says, and fills in the rest as above. Throws
+/// InputError if that is too large.
+PictureSize picture_size(const Scene& scene, const Camera& camera, int64_t width, int64_t height);
+
+/// Throws UsageError if the film of such a picture takes too much memory [file.h]. With `auto` it
+/// may get layers for all techniques of its candidates.
+void expect_memory_of_film(const RenderArguments& a, const PictureSize& size);
 
 struct Loaded {
   Scene scene;
@@ -38,7 +56,7 @@ class Scenery {
   /// what has changed. Warnings and notes of the scene are printed the first time.
   Loaded& load(const RenderArguments& a, const cli::Common& common);
 
-  /// Of what was loaded last, with its portals as they were given.
+  /// The vista of what was loaded last, with its portals as they were given.
   Vista& vista(const cli::Common& common);
 
  private:
@@ -48,17 +66,14 @@ class Scenery {
   void take_poses(const RenderArguments& a, const cli::Common& common);
   Lens lens(const cli::Common& common);
   void read_portals(const RenderArguments& a, const cli::Common& common);
-  void tell_of_backs(const cli::Common& common);
+  void warn_of_backs(const cli::Common& common);
 
   std::unique_ptr<SceneFile> file_;
   Loaded in_;
   size_t files_but_portals_ = 0;  // of in_.files, the first
   std::optional<Vista> vista_;
-  bool told_ = false;         ///< of covered lamps
-  bool told_focus_ = false;   ///< what is in focus
-  bool told_stand_ = false;   ///< that the camera of a shutter does
-  bool told_motion_ = false;  ///< of motion that no shutter blurs
-  bool shows_backs_ = false;  ///< the last camera did, and a warning said so
+  std::set<std::string> reported_;  ///< what is reported of the first picture alone
+  bool shows_backs_ = false;        ///< the last camera did, and a warning said so
 };
 
 }  // namespace tdpt

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/tdpt-render/plan/error_estimate.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt::target_test {
 

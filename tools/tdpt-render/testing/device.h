@@ -6,7 +6,7 @@
 
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/scalar_build.h"
 
 namespace tdpt {

@@ -1,7 +1,7 @@
 // For tests: the renderer under test. Tests compiled with TDPT_BY_SCALAR use the device's renderer
 // instead of the CPU's.
 #pragma once
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/variant.h"
 #ifdef TDPT_BY_SCALAR
 #include "tools/tdpt-render/testing/device.h"

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "tools/tdpt-render/run/render.h"
+#include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
 

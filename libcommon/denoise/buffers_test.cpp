@@ -1,4 +1,4 @@
-#include "libcommon/denoise/reproject.h"
+#include "libcommon/denoise/buffers.h"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 #include "libcommon/testing/scenes/noisy_picture.h"
 
 namespace tdpt::denoise {
-namespace reproject_test {
+namespace buffers_test {
 namespace {
 
 constexpr Size kSize = TestPicture::kSize;
@@ -125,5 +125,5 @@ TEST(Reproject, APlaceAtTheOtherCameraIsNotSeen) {
 }
 
 }  // namespace
-}  // namespace reproject_test
+}  // namespace buffers_test
 }  // namespace tdpt::denoise
