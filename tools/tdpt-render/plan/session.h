@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/integrators/sample_renderer.h"
+#include "tools/tdpt-render/integrators/passes.h"
 
 namespace tdpt {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/tdpt-render/path/sample/covered_lamps.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/camera_sight.h"
 
