@@ -34,7 +34,7 @@ expect 1 tools/lightgrid/lightgrid.cpp '"tools/lightgrid/testing/scalar_lines.h"
 expect 0 tools/lightgrid/line_tracer_test.cpp '"tools/lightgrid/testing/scalar_lines.h"'
 expect 0 tools/tdpt-render/path/bsdf/coat.h '"tools/tdpt-render/path/bsdf/ggx.h"'
 expect 0 tools/tdpt-render/path/light/window_sky.h '"tools/tdpt-render/path/bsdf/point.h"'
-expect 1 tools/tdpt-render/path/bsdf/point.h '"tools/tdpt-render/path/light/vertex.h"'
+expect 1 tools/tdpt-render/path/bsdf/point.h '"tools/tdpt-render/path/light/next_event.h"'
 expect 1 tools/tdpt-render/portals/portals.h '"tools/tdpt-render/path/bsdf/point.h"'
 expect 1 tools/tdpt-render/plan/plan.h '"tools/tdpt-render/device/room.h"'
 expect 1 tools/tdpt-render/run/job.h '"tools/tdpt-render/testing/oracle.h"'

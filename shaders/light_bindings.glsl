@@ -3,7 +3,7 @@
 #include "shaders/shared/light_layout.h"
 #include "shaders/shared/rng.h"
 #include "shaders/shared/texels.h"
-#include "shaders/shared/triangle.h"
+#include "shaders/shared/bvh.h"
 #include "shaders/shared/warp.h"
 
 // Whether some surface is not opaque, and whether a texture says where. Scenes without such

@@ -1,8 +1,8 @@
 // Bindings of the renderer's kernels, under the names that shaders/shared/path/ expects; tables
 // that a kernel does not read are not bound. The constants say which optional features the scene
 // has; they are set when a kernel is created for the scene
-// (tools/tdpt-render/device/gpu_machine.cpp).
-#include "shaders/shared/path/kernel_heads.h"
+// (tools/tdpt-render/device/gpu_renderer.cpp).
+#include "shaders/shared/path/tables.h"
 
 layout(local_size_x = 64) in;
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "libcommon/gpu/device_impl.h"
-#include "libcommon/gpu/tables.h"
+#include "libcommon/gpu/kernel.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "shaders/gpu_test.h"
 #include "shaders/gpu_test_inexact.h"

@@ -1,10 +1,143 @@
-// Compute kernels, and how they are dispatched.
+// Device memory: buffers, and 3D images for atomics.
 #pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <set>
+#include <span>
+#include <type_traits>
 
-#include "libcommon/gpu/memory.h"
+#include "libcommon/gpu/device.h"
 
 namespace tdpt::gpu {
+
+/// A buffer or an image. Copies share the same memory.
+class Memory {
+ public:
+  struct Impl;
+  const Impl& impl() const { return *impl_; }
+
+ protected:
+  friend class Part;
+  friend class Texels;
+  friend class Uniforms;
+  std::shared_ptr<Impl> impl_;
+};
+
+/// A storage buffer (std430). Undefined until written.
+class Buffer : public Memory {
+ public:
+  /// Throws if `bytes` exceeds the limits.
+  Buffer(const Device& device, uint64_t bytes);
+  /// A buffer that kernels access as Texels and in Parts: the limit of texels applies, not that of
+  /// storage buffers.
+  static Buffer of_parts(const Device& device, uint64_t bytes);
+  /// Initialised with `values`.
+  template <class T>
+  Buffer(const Device& device, const std::vector<T>& values)
+      : Buffer(device, values.size() * sizeof(T)) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    write(std::as_bytes(std::span(values)));
+  }
+
+  /// Writes bytes from offset `at` on.
+  void write(std::span<const std::byte> from, uint64_t at = 0);
+  void read(std::span<std::byte> to, uint64_t at = 0) const;
+
+  /// Reads `count` values from byte `at` on.
+  template <class T>
+  std::vector<T> download(size_t count, uint64_t at = 0) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> values(count);
+    read(std::as_writable_bytes(std::span(values)), at);
+    return values;
+  }
+
+ private:
+  Buffer() = default;
+  void allocate(const Device& device, uint64_t bytes);
+};
+
+/// A part of a buffer as a storage buffer of its own, at least one byte. `offset`: a multiple of
+/// kPartAlignment.
+class Part : public Memory {
+ public:
+  static constexpr uint64_t kPartAlignment = 256;  // no device requires more
+  /// Throws if it exceeds the device's limit for storage buffers.
+  Part(const Buffer& buffer, uint64_t offset, uint64_t bytes);
+};
+
+/// A read-only view of a buffer: `uniform usamplerBuffer`, texels of four words. Some devices read
+/// it faster than a storage buffer.
+class Texels : public Memory {
+ public:
+  /// Throws if there are more texels than the device allows.
+  explicit Texels(const Buffer& buffer);
+};
+
+/// A small buffer that all invocations read uniformly: `layout(std140) uniform`.
+class Uniforms : public Memory {
+ public:
+  /// Throws if it exceeds the device's limit.
+  explicit Uniforms(const Buffer& buffer);
+};
+
+enum class Texel { r32ui, r32i };
+
+/// A 3D storage image with atomics, initially zero.
+class Image3D : public Memory {
+ public:
+  /// `size`: texels along x, y, z. Throws if it exceeds the limits.
+  Image3D(const Device& device, const std::array<uint32_t, 3>& size, Texel texel = Texel::r32ui);
+
+  /// Texels, x fastest, then y; r32i as raw 32 bits.
+  std::vector<uint32_t> download() const;
+};
+
+// Tables of records concatenated in one buffer, which kernels read as texels
+// [shaders/shared/records.h]; a table that kernels write is also bound as a storage buffer.
+
+class Tables {
+ public:
+  /// Adds a table with `values`, which must stay valid until upload().
+  template <class T>
+  void add(std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add(std::as_bytes(values), values.size_bytes());
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(std::span<const T>(values));
+  }
+  /// Adds an uninitialised table of this size.
+  void add_room(uint64_t bytes) { add({}, bytes); }
+
+  /// Total size.
+  uint64_t bytes() const { return end_; }
+  /// First texel of each table.
+  std::vector<uint32_t> first_texels() const;
+
+  /// Allocates and fills the buffer. Throws if it exceeds the limits.
+  void upload(const Device& device);
+  Texels texels() const { return Texels(*buffer_); }
+  /// Table i, at least one texel.
+  Part part(size_t i) const { return {*buffer_, tables_[i].begin, tables_[i].bytes}; }
+  /// Writes to the beginning of table i.
+  void write(size_t i, std::span<const std::byte> from) { buffer_->write(from, tables_[i].begin); }
+
+ private:
+  struct Table {
+    std::span<const std::byte> values;
+    uint64_t begin, bytes;
+  };
+  void add(std::span<const std::byte> values, uint64_t bytes);
+
+  std::vector<Table> tables_;
+  uint64_t end_ = 0;
+  std::optional<Buffer> buffer_;  // none yet
+};
+
+// Compute kernels, and how they are dispatched.
 
 /// A compute shader with the entry point main, and the memory bound to it. Copies share one kernel.
 class Kernel {

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "libcommon/math/rng.h"
-#include "libcommon/trace/scalar_tracer.h"
+#include "libcommon/testing/scalar_tracer.h"
 #include "libcommon/trace/tracer.h"
 
 namespace {

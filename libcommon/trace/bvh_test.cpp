@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "libcommon/testing/scenes/meshes.h"
-#include "libcommon/trace/scalar_tracer.h"
+#include "libcommon/testing/scalar_tracer.h"
 
 namespace tdpt::bvh_test {
 

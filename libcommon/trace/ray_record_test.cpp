@@ -1,4 +1,4 @@
-#include "libcommon/trace/ray_record.h"
+#include "libcommon/testing/ray_record.h"
 
 #include <thread>
 

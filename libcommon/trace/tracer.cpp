@@ -12,7 +12,7 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
 #include "libcommon/trace/embree.h"
-#include "shaders/shared/triangle.h"
+#include "shaders/shared/bvh.h"
 
 namespace tdpt {
 

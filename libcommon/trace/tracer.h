@@ -3,7 +3,7 @@
 // Method: ray casting with a bounding volume hierarchy (Embree, which stays behind this header), in
 // floats; hit points are recomputed from barycentrics in double precision. They stay where they
 // are, except next to an edge of their triangle: there the ray is looked at again, since rounding
-// may have let it pass the neighbour, and the hit moves off the edge [shaders/shared/triangle.h].
+// may have let it pass the neighbour, and the hit moves off the edge [shaders/shared/bvh.h].
 //
 // Self-intersection: rays start exactly on surfaces, so their origins are offset by a few units in
 // the last place of the coordinates, of the triangle's corners too where a scene reaches far beyond

@@ -1,11 +1,11 @@
-// shaders/shared/traversal.h and triangle.h compiled as C++, on hierarchies from bvh.h.
+// shaders/shared/traversal.h and bvh.h compiled as C++, on hierarchies from bvh.h.
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/scenes/meshes.h"
-#include "libcommon/trace/scalar_tracer.h"
+#include "libcommon/testing/scalar_tracer.h"
 #include "libcommon/trace/tracer.h"
 
 // Twins of ScalarTracer.
@@ -15,7 +15,7 @@ namespace tdpt::shader::traversal_test {
 struct StrictTracer : ScalarTracer {
   using ScalarTracer::ScalarTracer;
 
-  // Found before that of triangle.h by the code included below.
+  // Found before that of bvh.h by the code included below.
   static bool line_meets(const AxisRay& ray, Vec3f p0, Vec3f p1, Vec3f p2, float& depth, float& b1,
                          float& b2, uint32_t& back) {
     const Vec3f slope = axis_last(ray.slope, ray.axis);

@@ -1,7 +1,7 @@
 // Traces rays and segments through the bounding volume hierarchy of bvh.h, without recursion.
 //
 // Include it where the arrays are: at global scope in GLSL, after the buffers, and INSIDE the body
-// of a C++ struct whose members they are (libcommon/trace/scalar_tracer.h). Hence there is no
+// of a C++ struct whose members they are (libcommon/testing/scalar_tracer.h). Hence there is no
 // include guard and no namespace; the C++ struct lies in tdpt::shader. The scope must provide:
 //   load_bvh_node(i), load_bvh_triangle(i)
 //   bool surface_stops(uint triangle, float b1, float b2, uint coin, vec3 w)
@@ -11,7 +11,7 @@
 //
 // Why no box is missed. Rays begin within 3 extents of the centre (ray_of) or miss the scene, so
 // differences to corners are below 4 on a side axis and little above 2 on the main one, in extents.
-// With e = 2^-24: the point of a corner (triangle.h) has an error below e (4 + 2 + 2 + 6) = 14 e,
+// With e = 2^-24: the point of a corner (bvh.h) has an error below e (4 + 2 + 2 + 6) = 14 e,
 // the point where the ray meets a slab, with a reciprocal good to 4 e, e 4 (1 + 4 + 1) = 24 e. The
 // builder enlarges boxes by 2^-18 = 64 e extents on all sides. 0 * infinity never occurs: slopes
 // are at least 1e-18.
@@ -21,7 +21,6 @@
 // skipped can hold the nearest hit.
 
 #include "shaders/shared/bvh.h"
-#include "shaders/shared/triangle.h"
 
 #include "shaders/shared/language.h"
 

@@ -16,7 +16,6 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
-#include "libcommon/gpu/tables.h"
 #include "libcommon/scene/surface_tables.h"
 #include "libcommon/trace/bvh.h"
 #include "shaders/light_march.h"

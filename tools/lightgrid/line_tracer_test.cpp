@@ -10,7 +10,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/gpu/kernel.h"
 #include "libcommon/trace/bvh.h"
-#include "libcommon/trace/scalar_tracer.h"
+#include "libcommon/testing/scalar_tracer.h"
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/rng.h"
 #include "shaders/special_segments_test.h"

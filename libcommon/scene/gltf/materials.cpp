@@ -9,7 +9,7 @@
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/texture.h"
-#include "shaders/shared/path/fresnel.h"
+#include "shaders/shared/path/microfacet.h"
 
 namespace tdpt::gltf {
 namespace {

@@ -1,6 +1,6 @@
 // The BSDF at one point of a surface, after textures: glTF metallic-roughness with specular, ior,
 // transmission and sheen, under an optional clear coat. The coat's own lobe, which may have another
-// normal, is added in coated.h.
+// normal, is added in scatter.h.
 //
 // Directions are unit, point away from the surface and are given in the shading frame: z along the
 // shading normal of the front side. `from` is where a walk came from, `to` where it goes.
@@ -15,7 +15,7 @@
 // rough metal and rough glass darken). Its reflectance goes from f0 to f90: if opaque, by Schlick's
 // (1 - cos)^5; with `through`, by the exact curve of unpolarised light for eta, so that f0 =
 // ((eta-1)/(eta+1))^2, f90 = 1 is exact; 1 under total reflection. A conductor's curve dips below
-// Schlick's [fresnel.h]; E ignores this, which only makes walks live longer.
+// Schlick's [microfacet.h]; E ignores this, which only makes walks live longer.
 // Diffuse under it: diffuse/pi (1 - E(from)) (1 - E(to)) / (1 - E_avg), E the interface's
 // directional albedo: white under any interface reflects all that the interface does not.
 // Opaque and thin surfaces look the same from both sides. With both `diffuse` and `through`, whose
@@ -23,16 +23,16 @@
 // exact one in a solid, so that E stays known. Seen from inside such a solid, `glass`, the share of
 // `through` in both, is interface, and the rest is bare paint on it. A thin sheet transmits by the
 // reflected lobe, mirrored to the other side.
-// The sheen lies above all but a coat [sheen.h]. It leaves to the other lobes the lesser of 1 -
+// The sheen lies above all but a coat [layers.h]. It leaves to the other lobes the lesser of 1 -
 // max(colour) E_s along the two directions, as in KHR_materials_sheen. A coat leaves the lesser of
-// c = 1 - E_c [coat.h]; to the diffuse lobe it leaves (1 - E) c at both ends over their common
+// c = 1 - E_c [layers.h]; to the diffuse lobe it leaves (1 - E) c at both ends over their common
 // average, so that white under any coat is white. Inside a solid there is neither.
 //
 // Letters: h half vector or microfacet normal, mu cosine to z, E directional albedo of the
 // interface, n index of refraction.
 //
-// Include after interface_albedo.h, sheen.h and coat.h, in the same scope, which also has
-// scene_has_transmission, scene_has_sheen and scene_has_coats; after warp.h, ggx.h and fresnel.h.
+// Include after layers.h, in the same scope, which also has scene_has_transmission,
+// scene_has_sheen, scene_has_coats, scene_has_textures and scene_has_panes.
 
 #include "shaders/shared/language.h"
 
@@ -185,10 +185,7 @@ SHARED REAL under_sheen_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 w) MEMBER_
   return 1.0f - largest(b.sheen) * sheen_albedo(abs(w.z), REAL(b.sheen_alpha));
 }
 SHARED Covers covers_along(IN(Bsdf) b, IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
-  Covers covers;
-  covers.from = 1.0f;
-  covers.to = 1.0f;
-  covers.sheen = 1.0f;
+  Covers covers = {1.0f, 1.0f, 1.0f};
   if (!has_coat(b) && !has_sheen(b)) return covers;
   covers.from = under_coat_along(b, view, view.from);
   covers.to = under_coat_along(b, view, to);
@@ -253,9 +250,7 @@ struct LobeProbabilities {
   REAL sheen;
 };
 SHARED LobeProbabilities lobe_probabilities_of(IN(Bsdf) b, IN(OrientedBsdf) view) MEMBER_CONST {
-  LobeProbabilities shares;
-  shares.diffuse = diffuse_or_interface(b, view);
-  shares.sheen = 0.0f;
+  LobeProbabilities shares = {diffuse_or_interface(b, view), 0.0f};
   if (!view.sheen) return shares;
   REAL e = sheen_albedo(view.from.z, REAL(b.sheen_alpha));
   REAL s = sum_of(b.sheen) * max(e, 0.05f);
@@ -275,9 +270,7 @@ struct Split {
   REAL transmit;
 };
 SHARED Split split_of(IN(Bsdf) b, IN(OrientedBsdf) view, Reflectance at) MEMBER_CONST {
-  Split split;
-  split.reflect = 1.0f;
-  split.transmit = 0.0f;
+  Split split = {1.0f, 0.0f};
   if (!view.passes) return split;
   REAL r = sum_of(at.back);
   REAL t = sum_of(at.rest * VEC3(b.through));
@@ -298,13 +291,7 @@ struct Facet {
   bool connects;
 };
 SHARED Facet facet_between(IN(OrientedBsdf) view, VEC3 to) MEMBER_CONST {
-  Facet facet;
-  facet.h = VEC3(0.0f, 0.0f, 1.0f);
-  facet.cosine = 0.0f;
-  facet.q = 0.0f;
-  facet.dh_dto = 0.0f;
-  facet.f_jacobian = 0.0f;
-  facet.connects = false;
+  Facet facet = {VEC3(0.0f, 0.0f, 1.0f), 0.0f, 0.0f, 0.0f, 0.0f, false};
   bool reflects = to.z > 0.0f;
   if (!(view.from.z > kRoughGrazing) || !(abs(to.z) > kRoughGrazing)) return facet;
   if (!reflects && !view.passes) return facet;
@@ -344,9 +331,7 @@ struct Lobes {
 /// transmission on the other. 0 if a direction lies in the surface.
 SHARED Lobes bsdf_lobes(IN(Bsdf) b, IN(OrientedBsdf) view, LobeProbabilities shares, VEC3 to,
                         bool dirac) MEMBER_CONST {
-  Lobes lobes;
-  lobes.f = VEC3(0.0f);
-  lobes.pdf_w = 0.0f;
+  Lobes lobes = {VEC3(0.0f), 0.0f};
   if (!(view.from.z > kInSurface) || !(abs(to.z) > kInSurface)) return lobes;
   VEC3 w = turned(view, to);
   bool reflects = w.z > 0.0f;
@@ -468,6 +453,56 @@ SHARED OF_REAL(Odds)
   odds.dirac = dirac ? 1.0f - broad : REAL(0.0f);
   odds.broad = odds.dirac == 0.0f && b.alpha < kNarrowAlpha ? broad : REAL(1.0f);
   return odds;
+}
+
+/// Only diffuse, of colour `color`.
+SHARED Bsdf diffuse_bsdf(vec3 color) MEMBER_CONST {
+  vec3 none = vec3(0.0f);
+  Coat coat = {vec3(0.0f, 0.0f, 1.0f), 0.0f, vec3(1.0f), 0.0f};
+  // diffuse, thin, f0, f90, through, eta, sheen, sheen_alpha, dip, alpha, coat
+  Bsdf b = {color, 0u, none, 0.0f, none, 1.0f, none, 0.0f, none, 1.0f, coat};
+  return b;
+}
+
+/// The BSDF of a material after textures: glTF 2.0 appendix B with KHR_materials_specular, _ior and
+/// _transmission. Dielectric and metal share one microfacet lobe, since Schlick's F is linear in f0
+/// and f90.
+SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
+  float dielectric = 1.0f - m.metallic;
+  float r = (m.ior - 1.0f) * reciprocal(m.ior + 1.0f);
+  vec3 f0 = m.specular_color * (r * r);
+  f0 = vec3(min(f0.x, 1.0f), min(f0.y, 1.0f), min(f0.z, 1.0f)) * m.specular;
+  Bsdf b = diffuse_bsdf(m.base_color * (dielectric * (1.0f - m.transmission)));
+  b.f0 = m.base_color * m.metallic + f0 * dielectric;
+  b.dip = m.dip * m.metallic;
+  b.f90 = m.metallic + (m.ior != 1.0f ? m.specular * dielectric : 0.0f);
+  if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
+    b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
+  bool pane = scene_has_panes && m.pane_share > 0.0f;
+  if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // rays pass through panes
+  b.alpha = m.roughness * m.roughness;
+  b.eta = m.ior;
+  b.thin = (m.flags & MATERIAL_SOLID) == 0u ? 1u : 0u;
+  if (scene_has_sheen && is_positive(m.sheen_color)) {
+    float roughness = max(m.sheen_roughness, kLeastSheenRoughness);
+    b.sheen = m.sheen_color;
+    b.sheen_alpha = roughness * roughness;
+  }
+  b.coat.strength = m.coat;
+  b.coat.alpha = m.coat_roughness * m.coat_roughness;
+  return b;
+}
+
+/// Sets the material of a point that has more than a diffuse lobe; its shading normal is known.
+/// coat_normal: unit, on the front; used only if bent_coat.
+SHARED void put_material(IN(SurfaceMaterial) m, bool bent_coat, VEC3 coat_normal,
+                         INOUT(Point) p) MEMBER_CONST {
+  p.bsdf = bsdf_of(m);
+  p.connectible = bsdf_connectible(p.bsdf);
+  if (!has_coat(p.bsdf)) return;
+  p.connectible = p.connectible || !coat_smooth(p.bsdf.coat);
+  if (bent_coat) p.bsdf.coat.normal = vec3(normalized(to_local(onb_about(p.shading), coat_normal)));
+  if (is_positive(p.bsdf.diffuse)) p.bsdf.coat.under = vec3(average_under_coat(p.bsdf));
 }
 
 #include "shaders/shared/language_end.h"

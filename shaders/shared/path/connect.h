@@ -1,5 +1,5 @@
 // Connects ends of sub-paths: chooses pairs of ends, evaluates the BSDFs at both, tests visibility,
-// and adds each path's weighted contribution to the film. Each is a step of its own [machine.h]
+// and adds each path's weighted contribution to the film. Each is a step of its own [wavefront.h]
 // that runs only for the remaining pairs. Sections 3.1 to 3.3,
 // tools/tdpt-render/path/sample/path_sampler.cpp and segment_sampler.cpp.
 //
@@ -40,23 +40,22 @@ SHARED uint place_of_end(uint group, uint c) MEMBER_CONST {
 }
 
 SHARED Connection empty_connection(uint kind) MEMBER_CONST {
-  Connection j;
-  j.kind = kind;
-  j.light = kNoVertex;
-  j.camera = kNoVertex;
-  j.times = 1.0f;
-  j.w = vec3(0.0f, 0.0f, 1.0f);
-  j.d2 = 1.0f;
-  j.position = vec3(0.0f, 0.0f, 0.0f);
-  j.source = SOURCE_NONE;
-  j.normal = vec3(0.0f, 0.0f, 0.0f);
-  j.triangle = kNoTriangle;
-  j.radiance = vec3(0.0f, 0.0f, 0.0f);
-  j.nee_A = 0.0f;
-  j.light_A = 0.0f;
-  j.pixel = 0u;
-  j.pad0 = 0u;
-  j.pad1 = 0u;
+  Connection j = {kind,
+                  kNoVertex,
+                  kNoVertex,
+                  1.0f,
+                  vec3(0.0f, 0.0f, 1.0f),
+                  1.0f,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  SOURCE_NONE,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  kNoTriangle,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  0.0f,
+                  0.0f,
+                  0u,
+                  0u,
+                  0u};
   return j;
 }
 
@@ -123,8 +122,8 @@ SHARED void put_connection(uint place, uint kind, uint light, vec3 from, bool fa
   flags[place] = 1u;
 }
 
-/// Chooses a few of many, one by one [tools/tdpt-render/path/sample/resampling.h]: half of the
-/// probability is spread equally.
+/// Chooses a few of many, one by one [tools/tdpt-render/path/sample/light_vertex_cache.h]: half of
+/// the probability is spread equally.
 struct Resampling {
   float per_total;
   float alike;
@@ -132,11 +131,9 @@ struct Resampling {
   float before;
 };
 SHARED Resampling resampling_of(float total, uint not_zero, uint count, float u) MEMBER_CONST {
-  Resampling resampling;
-  resampling.per_total = reciprocal(max(total, 1e-37f));
-  resampling.alike = 0.5f * reciprocal(float(max(not_zero, 1u)));
-  resampling.count = not_zero > count ? float(count) : 0.0f;
-  resampling.before = u;
+  Resampling resampling = {reciprocal(max(total, 1e-37f)),
+                           0.5f * reciprocal(float(max(not_zero, 1u))),
+                           not_zero > count ? float(count) : 0.0f, u};
   return resampling;
 }
 /// Whether the next one is chosen, and its probability.
@@ -242,10 +239,7 @@ SHARED void scatter_end(uint i, bool of_light) MEMBER {
 // Connecting.
 
 SHARED OF_FLOAT(Half) no_half() MEMBER_CONST {
-  OF_FLOAT(Half) h;
-  h.slot = kNoVertex;
-  h.first_A = 0.0f;
-  h.second_A = 0.0f;
+  OF_FLOAT(Half) h = {kNoVertex, 0.0f, 0.0f};
   return h;
 }
 
@@ -339,9 +333,7 @@ SHARED vec3 value_of(Connection j, Joint joint) MEMBER_CONST {
   } else {
     seen = joint.camera.throughput * joint.at_z.f;
   }
-  Edge e;
-  e.w = j.w;
-  e.d2 = j.d2;
+  Edge e = {j.w, j.d2};
   return absorbed(sent * seen * (geometry(joint.y, joint.z, e) * reciprocal(j.times)), joint.y,
                   joint.z, e);
 }
@@ -376,9 +368,7 @@ SHARED void connect(uint i) MEMBER {
     joint.light.guide_total_emitted = guide_totals_at_light(joint.y).emitted;
   AtJoint of_y =
       at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, crossing);
-  AtJoint of_z;
-  of_z.onward_A = camera_pdf_w(-j.w) * per_y;
-  of_z.behind_A = 0.0f;
+  AtJoint of_z = {camera_pdf_w(-j.w) * per_y, 0.0f};
   if (!to_camera)
     of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_y, crossing);
   uint s = next_event ? 1u : number_of(joint.of_light) + 1u;
@@ -445,6 +435,32 @@ SHARED void meet_light(uint slot) MEMBER {
         share_of(weight_of_split(0u, k), strategies_of_connected(no_half(), camera, 0u, k, 0.0f));
   }
   add_found(TECHNIQUE_CAMERA, name.pixel, k, name.number, at.throughput * Le, weight);
+}
+
+// Lists the ends of light walks for connections, cache by cache, with the data that estimates need
+// [connection_estimates.h].
+
+/// Of a light vertex that can be connected.
+SHARED void list_end(uint slot) MEMBER {
+  PathDensity d = load_path_density(slot);
+  if ((d.flags & VERTEX_THERE) == 0u || (d.flags & VERTEX_CONNECTIBLE) == 0u) return;
+  PathVertex v = load_path_vertex(slot);
+  ConnectionEnd end = connection_end(kept_point(slot, v), v.back, v.throughput, slot, number_of(d));
+  connection_ends[scattered_ends() + load_end_first(v.walk) + v.ordinal] = end;
+}
+/// Of y_0 of a light walk.
+SHARED void list_start(uint walk) MEMBER {
+  PathVertex v = load_path_vertex(walk);
+  PathDensity d = load_path_density(walk);
+  if ((d.flags & VERTEX_THERE) == 0u) return;
+  Point y0 = kept_point(walk, v);
+  ConnectionEnd end = connection_end(y0, v.back, v.throughput, walk, 0u);
+  // About what leaves it; the exact direction is evaluated once it is chosen.
+  vec3 straight = at_infinity(y0) ? y0.position : y0.normal;
+  end.carried = v.throughput * emitted(y0, straight);
+  end.facing = v.facing;
+  if (at_infinity(y0)) end.alpha2 = -1.0f;
+  connection_ends[walk] = end;
 }
 
 #include "shaders/shared/language_end.h"

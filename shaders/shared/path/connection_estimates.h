@@ -1,5 +1,5 @@
 // Estimates the contribution of two ends of walks, without visibility, to choose which pairs get a
-// ray. The same as tools/tdpt-render/path/sample/connection_estimates.cpp.
+// ray. The same as tools/tdpt-render/path/sample/connect.cpp.
 //
 // Between diffuse ends only rounding differs from the exact value; for glossy ends masking and the
 // Fresnel curve are approximate. Half of the probability is spread equally, so that nothing is lost

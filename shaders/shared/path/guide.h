@@ -18,7 +18,7 @@
 // and the walk ends where p = 0: nothing is scattered there.
 //
 // Where a walk scatters, a guided step takes the place of its end, not of a step by the BSDF. By
-// roulette a plain walk ends with probability 1 - albedo [roulette.h]; of these ends a share G is
+// roulette a plain walk ends with probability 1 - albedo [walk.h]; of these ends a share G is
 // guided instead:
 //   survival s = albedo + G (1 - albedo),    q = G (1 - albedo) / s = G / (1-G) * (1-s) / s.
 // A step by the BSDF then still has probability albedo and leaves the throughput as it is. If
@@ -81,11 +81,7 @@ SHARED VEC3 guide_facing(IN(Point) p, VEC3 away) MEMBER_CONST {
 
 /// Guide totals of a surface that is seen along unit `away` from it, or was left along it.
 SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST {
-  GuideTotals guide_totals;
-  guide_totals.facing = guide_facing(p, away);
-  guide_totals.from_light = 0.0f;
-  guide_totals.from_camera = 0.0f;
-  guide_totals.emitted = 0.0f;
+  GuideTotals guide_totals = {guide_facing(p, away), 0.0f, 0.0f, 0.0f};
   if (!scene_has_portals || !guide_active) return guide_totals;
   if (p.connectible)
     portal_guide_totals(p.position, guide_totals.facing, guide_totals.from_light,
@@ -97,11 +93,7 @@ SHARED GuideTotals guide_totals_at_surface(IN(Point) p, VEC3 away) MEMBER_CONST 
 
 /// The same at y_0, a point on a light.
 SHARED GuideTotals guide_totals_at_light(IN(Point) y0) MEMBER_CONST {
-  GuideTotals guide_totals;
-  guide_totals.facing = source_facing(y0.source, y0.normal);
-  guide_totals.from_light = 0.0f;
-  guide_totals.from_camera = 0.0f;
-  guide_totals.emitted = 0.0f;
+  GuideTotals guide_totals = {source_facing(y0.source, y0.normal), 0.0f, 0.0f, 0.0f};
   if (!scene_has_portals || !guide_active) return guide_totals;
   guide_totals.emitted = guide_total_at(y0, guide_totals.facing, FROM_LIGHT);
   return guide_totals;
@@ -137,9 +129,7 @@ SHARED REAL guide_chance(uint from, IN(Point) v, Arrival back) MEMBER_CONST {
 
 /// b and 1 - m of a walk that came from `back`.
 SHARED OF_REAL(Odds) guide_odds(IN(Point) at, Arrival back) MEMBER_CONST {
-  OF_REAL(Odds) odds;
-  odds.dirac = 0.0f;
-  odds.broad = 1.0f;
+  OF_REAL(Odds) odds = {0.0f, 1.0f};
   if (at.simple || begins(back)) return odds;
   return odds_at(at, back);
 }

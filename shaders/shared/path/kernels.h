@@ -6,7 +6,7 @@
 // `guiding`, `light_settings`, `work` and tally_bucket(): a GLSL file after its buffers, or the
 // body of a C++ struct. Each included text begins with language.h.
 
-#include "shaders/shared/path/kernel_heads.h"
+#include "shaders/shared/path/tables.h"
 
 #include "shaders/shared/path/surface.h"
 
@@ -22,10 +22,6 @@
 
 #include "shaders/shared/path/film.h"
 
-#include "shaders/shared/path/camera.h"
-
-#include "shaders/shared/path/samples.h"
-
 #include "shaders/shared/path/rays.h"
 
 #include "shaders/shared/path/weight.h"
@@ -35,5 +31,3 @@
 #include "shaders/shared/path/connect.h"
 
 #include "shaders/shared/path/segments.h"
-
-#include "shaders/shared/path/ends.h"

@@ -60,17 +60,8 @@ SHARED float cos_per_pdf_w(uint source, vec3 w) MEMBER_CONST {
 }
 
 SHARED LightPlace no_light_place() MEMBER_CONST {
-  LightPlace place;
-  place.source = SOURCE_NONE;
-  place.triangle = kNoTriangle;
-  place.b1 = 0.0f;
-  place.b2 = 0.0f;
-  place.position = vec3(0.0f, 0.0f, 0.0f);
-  place.normal = vec3(0.0f, 0.0f, 0.0f);
-  place.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
-  place.in_sky.plain_w = 0.0f;
-  place.in_sky.start_w = 0.0f;
-  place.pdf = 0.0f;
+  vec3 none = vec3(0.0f);
+  LightPlace place = {SOURCE_NONE, kNoTriangle, 0.0f, 0.0f, none, none, {none, 0.0f, 0.0f}, 0.0f};
   return place;
 }
 

@@ -1,4 +1,4 @@
-// Tables of the lights, which tools/tdpt-render/device/light_tables.h fills, and points on lights.
+// Tables of the lights, which tools/tdpt-render/device/tables.h fills, and points on lights.
 // Canonical frame; radiance is divided by the power of two that the upload chose.
 #ifndef TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_LIGHTS_LAYOUT_H

@@ -1,7 +1,7 @@
 // Test only: the words of lights_test.h, one run per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/shared/path/lights_test_layout.h"
+#include "shaders/shared/path/words_test.h"
 #include "shaders/shared/tables.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Settings { LightSettings light_settings; };

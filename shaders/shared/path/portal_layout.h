@@ -86,9 +86,7 @@ struct Drawn {
   int second;
 };
 SHARED Drawn drawn_through(int polygon, int second) {
-  Drawn drawn;
-  drawn.polygon = polygon;
-  drawn.second = second;
+  Drawn drawn = {polygon, second};
   return drawn;
 }
 SHARED Drawn drawn_through(int polygon) {
@@ -107,10 +105,7 @@ struct CrossingDensity {
   float from_camera;
 };
 SHARED CrossingDensity no_crossing() {
-  CrossingDensity c;
-  c.density = 0.0f;
-  c.from_light = 0.0f;
-  c.from_camera = 0.0f;
+  CrossingDensity c = {0.0f, 0.0f, 0.0f};
   return c;
 }
 

@@ -6,21 +6,19 @@
 #include "shaders/shared/language.h"
 
 SHARED Point empty_point() MEMBER_CONST {
-  Point p;
-  p.position = vec3(0.0f, 0.0f, 0.0f);
-  p.normal = vec3(0.0f, 0.0f, 0.0f);
-  p.shading = vec3(0.0f, 0.0f, 0.0f);
-  p.triangle = kNoTriangle;
-  p.material = 0u;
-  p.source = SOURCE_NONE;
-  p.simple = true;
-  p.connectible = true;
-  p.color = vec3(0.0f, 0.0f, 0.0f);
-  p.emission = vec3(0.0f, 0.0f, 0.0f);
-  p.in_sky.radiance = vec3(0.0f, 0.0f, 0.0f);
-  p.in_sky.plain_w = 0.0f;
-  p.in_sky.start_w = 0.0f;
-  p.bsdf = diffuse_bsdf(p.color);
+  vec3 none = vec3(0.0f);
+  Point p = {none,
+             none,
+             none,
+             kNoTriangle,
+             0u,
+             SOURCE_NONE,
+             true,
+             true,
+             none,
+             none,
+             {none, 0.0f, 0.0f},
+             diffuse_bsdf(none)};
   return p;
 }
 

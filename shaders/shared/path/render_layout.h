@@ -1,15 +1,39 @@
-// Memory of the renderer's kernels besides the scene: parameters, vertices of walks, and data about
-// them. Canonical frame.
+// Purposes of random numbers, numbers of connections, and the memory of the renderer's kernels
+// besides the scene: parameters, vertices of walks, and data about them. Canonical frame.
 #ifndef TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 #define TDPT_SHADERS_SHARED_PATH_RENDER_LAYOUT_H
 
-#include "shaders/shared/path/connections.h"
 #include "shaders/shared/path/point.h"
 #include "shaders/shared/records.h"
 
 #include "shaders/shared/language.h"
 
 SHARED_BEGIN
+
+// Purposes of a sample's random numbers: each has its own stream [streams.h of libcommon/math].
+
+const uint PURPOSE_FILM = 0u;  ///< the position within the pixel
+const uint PURPOSE_CAMERA_WALK = 1u;
+const uint PURPOSE_LIGHT_WALK = 2u;
+const uint PURPOSE_NEXT_EVENT = 3u;
+const uint PURPOSE_SEGMENT = 4u;  ///< a segment's place on a portal
+const uint PURPOSE_CHOICES = 5u;  ///< of vertices to connect
+
+// Maximum numbers of connections per sample.
+
+/// Light vertices considered for one camera vertex; few of them are connected.
+const uint kCandidates = 8u;
+const float kPerCandidate = 1.25e-1f;
+/// For z_{t-1}. Fewer for later vertices, since earlier ones have already shown most of the light.
+/// Measured without a depth limit: 1 for all costs 10 to 15 % of the efficiency, 2 for all costs 5
+/// to 15 % with guided walks.
+SHARED uint connections_of(uint t) {
+  return t > 3u ? 1u : 2u;
+}
+/// Connections of a segment's x_l with light vertices, besides light that begins there.
+const uint kLightSides = 2u;
+/// Connections of a sample's camera vertices with segments.
+const uint kPairs = 3u;
 
 // Techniques, in the order of tdpt::Technique, and their bits.
 const uint TECHNIQUE_CAMERA = 0u;

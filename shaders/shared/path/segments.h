@@ -44,17 +44,7 @@ SHARED void begin_segment(uint segment) MEMBER {
 }
 
 SHARED SegmentSide empty_side(vec3 value, uint slot) MEMBER_CONST {
-  SegmentSide side;
-  side.value = value;
-  side.slot = slot;
-  side.light_A0 = 0.0f;
-  side.light_A1 = 0.0f;
-  side.first_A = 0.0f;
-  side.second_A = 0.0f;
-  side.pair_before = 0.0f;
-  side.nee_A = 0.0f;
-  side.pad0 = 0.0f;
-  side.pad1 = 0.0f;
+  SegmentSide side = {value, slot, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
   return side;
 }
 
@@ -334,9 +324,7 @@ SHARED void connect_segment(uint i) MEMBER {
   CrossingDensity after = no_crossing();
   if (!to_camera) after = crossing_of(FROM_LIGHT, joint.y, joint.z, drawn_otherwise());
   AtJoint of_c = at_joint(FROM_LIGHT, joint.light, joint.of_light, joint.at_y, j.w, per_z, after);
-  AtJoint of_z;
-  of_z.onward_A = camera_pdf_w(-j.w) * per_c;
-  of_z.behind_A = 0.0f;
+  AtJoint of_z = {camera_pdf_w(-j.w) * per_c, 0.0f};
   if (!to_camera)
     of_z = at_joint(FROM_CAMERA, joint.camera, joint.of_camera, joint.at_z, -j.w, per_c, after);
   uint t = to_camera ? 1u : number_of(joint.of_camera) + 1u;

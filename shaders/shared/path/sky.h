@@ -50,11 +50,8 @@ struct SkyRow {
 };
 SHARED SkyRow sky_row(uint row) MEMBER_CONST {
   uint at = light_settings.first_row + 4u * row;
-  SkyRow r;
-  r.north = uintBitsToFloat(load_light_word(at));
-  r.south = uintBitsToFloat(load_light_word(at + 1u));
-  r.height = uintBitsToFloat(load_light_word(at + 2u));
-  r.per_height = uintBitsToFloat(load_light_word(at + 3u));
+  SkyRow r = {uintBitsToFloat(load_light_word(at)), uintBitsToFloat(load_light_word(at + 1u)),
+              uintBitsToFloat(load_light_word(at + 2u)), uintBitsToFloat(load_light_word(at + 3u))};
   return r;
 }
 /// 1 / solid angle of a cell of the row [1/sr].
@@ -118,11 +115,7 @@ SHARED SkyCorners sky_corners(uint column, uint row) MEMBER_CONST {
   uint right = column + 1u == width ? 0u : column + 1u;
   uint upper = (row == 0u ? 0u : row - 1u) * width;
   uint lower = min(row, light_settings.sky_height - 1u) * width;
-  SkyCorners c;
-  c.upper_left = upper + column;
-  c.upper_right = upper + right;
-  c.lower_left = lower + column;
-  c.lower_right = lower + right;
+  SkyCorners c = {upper + column, upper + right, lower + column, lower + right};
   return c;
 }
 
@@ -146,9 +139,7 @@ struct CellShares {
 };
 SHARED CellShares shares_of_row(uint entry, uint row) MEMBER_CONST {
   uint at = light_settings.first_cell + 8u * entry + 2u * row;
-  CellShares shares;
-  shares.first = load_light_word(at);
-  shares.second = load_light_word(at + 1u);
+  CellShares shares = {load_light_word(at), load_light_word(at + 1u)};
   return shares;
 }
 SHARED uint low_half(uint word) MEMBER_CONST {
@@ -237,12 +228,7 @@ SHARED vec3 uniform_direction(float u, float v) MEMBER_CONST {
 /// place_in_sky(), or without a position if there is no map that depends on it.
 SHARED SkyPlace any_place(vec3 towards) MEMBER_CONST {
   if (scene_has_sky_map || scene_prefers) return place_in_sky(towards);
-  SkyPlace place;
-  place.towards = towards;
-  place.column = 0u;
-  place.row = 0u;
-  place.across = 0.0f;
-  place.down = 0.0f;
+  SkyPlace place = {towards, 0u, 0u, 0.0f, 0.0f};
   return place;
 }
 

@@ -12,28 +12,69 @@
 //        scene_has_coverage, coverage_has_textures
 // a GLSL file after its buffers, or the body of a C++ struct.
 
-#include "shaders/shared/path/surface_heads.h"
+#include "shaders/shared/path/tables.h"
 
-#include "shaders/shared/path/interface_albedo.h"
-
-#include "shaders/shared/path/sheen.h"
-
-#include "shaders/shared/path/coat.h"
+#include "shaders/shared/path/layers.h"
 
 #include "shaders/shared/path/bsdf.h"
 
-#include "shaders/shared/path/coated.h"
-
-#include "shaders/shared/path/material.h"
-
 #include "shaders/shared/path/mapped.h"
-
-#include "shaders/shared/path/maps.h"
 
 #include "shaders/shared/path/place.h"
 
 #include "shaders/shared/path/scatter.h"
 
-#include "shaders/shared/path/scattering.h"
-
 #include "shaders/shared/coverage.h"
+
+#include "shaders/shared/language.h"
+
+/// Scattering at the end of a walk that arrived at `p` from unit `back`, for the direction w
+/// (unit). `dirac`: by a Dirac lobe; then f is meaningless. survival_behind is that of an unguided
+/// walk: the albedo.
+SHARED Scattering scattering_at(Point p, uint from, vec3 back, vec3 w, bool dirac) MEMBER_CONST {
+  Scattering s;
+  s.pad0 = 0.0f;
+  s.pad1 = 0.0f;
+  s.dirac = 0.0f;
+  s.broad = 1.0f;
+  s.dirac_behind = 0.0f;
+  s.broad_behind = 1.0f;
+  if (!is_layered(p)) {
+    s.f = !dirac && same_side(p, back, w) ? p.color * INVERSE_PI : vec3(0.0f);
+    s.onward_w = simple_pdf_w(p, back, w, dirac);
+    s.behind_w = simple_pdf_w(p, w, back, dirac);
+    s.survival_behind = simple_albedo(p);
+    return s;
+  }
+  // Both directions in a loop: the surface code is inlined only once per kernel.
+  for (uint i = 0u; i < 2u; ++i) {
+    ScatterContext here = scatter_context_at(p, i == 0u ? back : w);
+    Seen to = seen_from(p, i == 0u ? w : back);
+    Layers layers = layers_between(p, here, to, dirac);
+    OF_FLOAT(Odds) odds = coated_odds(p, here);
+    float pdf_w = dirac ? layers.pdf_w * dirac_measure(p, layers, to) : layers.pdf_w;
+    if (i == 0u) {
+      s.onward_w = pdf_w;
+      s.dirac = odds.dirac;
+      s.broad = odds.broad;
+      bool back_is_light = from == FROM_LIGHT;
+      Seen l = here.seen;
+      Seen c = to;
+      if (!back_is_light) {
+        l = to;
+        c = here.seen;
+      }
+      s.f = dirac ? vec3(0.0f) : of_radiance(p, layers, l, c);
+    } else {
+      s.behind_w = pdf_w;
+      s.dirac_behind = odds.dirac;
+      s.broad_behind = odds.broad;
+      s.survival_behind = largest(coated_albedo(p, here));
+    }
+  }
+  if (scene_has_panes) s.survival_behind = s.survival_behind * reciprocal(opacity_of(p, w));
+  s.survival_behind = held_albedo(s.survival_behind);
+  return s;
+}
+
+#include "shaders/shared/language_end.h"

@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "shaders/shared/path/surface_heads.h"
-#include "shaders/shared/path/surface_words.h"
+#include "shaders/shared/path/tables.h"
+#include "shaders/shared/path/words_test.h"
 #include "shaders/shared/tables.h"
 
 layout(local_size_x = 64) in;

@@ -1,5 +1,5 @@
 // Test only: results of all functions on surfaces at random points, as words, to compare a device
-// with C++. Include after surface.h, in its scope, and after surface_words.h.
+// with C++. Include after surface.h, in its scope, and after words_test.h.
 
 #include "shaders/shared/language.h"
 

@@ -1,15 +1,26 @@
 // Bindings of the renderer's kernels: the tables of a scene and of a submission, and words for
 // counts. GLSL makes its buffers from these lists [shaders/path_bindings.glsl], C++ the memory
-// bound to them.
+// bound to them. Includes every header that the texts of this folder need before them.
 #ifndef TDPT_SHADERS_SHARED_PATH_TABLES_H
 #define TDPT_SHADERS_SHARED_PATH_TABLES_H
 
 #include "shaders/shared/bvh.h"
+#include "shaders/shared/elementary.h"
+#include "shaders/shared/path/connection_estimates.h"
+#include "shaders/shared/path/film_units.h"
 #include "shaders/shared/path/lights_layout.h"
+#include "shaders/shared/path/microfacet.h"
+#include "shaders/shared/path/point.h"
 #include "shaders/shared/path/portal_layout.h"
 #include "shaders/shared/path/render_layout.h"
 #include "shaders/shared/path/surface_layout.h"
+#include "shaders/shared/records.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/scaled.h"
+#include "shaders/shared/sequence.h"
 #include "shaders/shared/tables.h"
+#include "shaders/shared/texels.h"
+#include "shaders/shared/warp.h"
 
 #include "shaders/shared/language.h"
 

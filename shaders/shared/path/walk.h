@@ -2,7 +2,7 @@
 // lights. Each vertex has its throughput, its density in this walk, and its density in a walk from
 // the other end. Section 3.1.2; tools/tdpt-render/path/sample/walk.cpp.
 //
-// Include after samples.h, rays.h and guide.h, where path_vertices[], path_bsdfs[],
+// Include after film.h, rays.h and guide.h, where path_vertices[], path_bsdfs[],
 // path_densities[], walk_rays[], walk_counts[], walk_last[] and `work` are, and load_x() of the
 // first four.
 
@@ -30,10 +30,7 @@ SHARED void keep_point(uint slot, Point p, INOUT(PathVertex) v) MEMBER {
   v.plain_w = p.in_sky.plain_w;
   v.made_of = (p.simple ? POINT_SIMPLE : 0u) | (p.connectible ? POINT_CONNECTIBLE : 0u);
   if (!scene_has_layers || p.simple) return;
-  PathBsdf b;
-  b.shading = p.shading;
-  b.pad = 0.0f;
-  b.bsdf = p.bsdf;
+  PathBsdf b = {p.shading, 0.0f, p.bsdf};
   path_bsdfs[slot] = b;
 }
 /// The stored point of a vertex. start_w of a point in the sky is not stored.
@@ -68,10 +65,7 @@ SHARED vec3 emitted(Point p, vec3 w) MEMBER_CONST {
 }
 
 SHARED LightContext light_context_of(PathVertex v) MEMBER_CONST {
-  LightContext o;
-  o.facing = v.facing;
-  o.seen = v.seen;
-  o.sent = v.sent;
+  LightContext o = {v.facing, v.seen, v.sent};
   return o;
 }
 SHARED void keep_guide_totals(INOUT(PathVertex) v, GuideTotals guide_totals) MEMBER_CONST {
@@ -111,22 +105,16 @@ SHARED float emitted_pdf_A(uint source, vec3 normal, float guide_total_emitted, 
                            float per_area, CrossingDensity crossing) MEMBER_CONST {
   float plain_A = emission_pdf_w(source, normal, w) * per_area;
   if (!scene_has_portals || !guide_active) return plain_A;
-  OF_FLOAT(Odds) all;
-  all.dirac = 0.0f;
-  all.broad = 1.0f;
+  OF_FLOAT(Odds) all = {0.0f, 1.0f};
   return guided_pdf_A(FROM_LIGHT, guide_total_emitted, render.guide_light, all, plain_A, per_area,
                       crossing);
 }
 SHARED OF_FLOAT(Odds) odds_onward(Scattering s) MEMBER_CONST {
-  OF_FLOAT(Odds) odds;
-  odds.dirac = s.dirac;
-  odds.broad = s.broad;
+  OF_FLOAT(Odds) odds = {s.dirac, s.broad};
   return odds;
 }
 SHARED OF_FLOAT(Odds) odds_behind(Scattering s) MEMBER_CONST {
-  OF_FLOAT(Odds) odds;
-  odds.dirac = s.dirac_behind;
-  odds.broad = s.broad_behind;
+  OF_FLOAT(Odds) odds = {s.dirac_behind, s.broad_behind};
   return odds;
 }
 SHARED CrossingDensity crossing_before(PathVertex v) MEMBER_CONST {
@@ -160,55 +148,45 @@ SHARED CrossingDensity crossing_of(uint from, Point at, Point to, Drawn drawn) M
 }
 
 SHARED PathVertex empty_vertex(uint walk) MEMBER_CONST {
-  PathVertex v;
-  v.position = vec3(0.0f, 0.0f, 0.0f);
-  v.triangle = kNoTriangle;
-  v.back = vec3(0.0f, 0.0f, 0.0f);
-  v.source = SOURCE_NONE;
-  v.throughput = vec3(1.0f, 1.0f, 1.0f);
-  v.per_prev = 0.0f;
-  v.facing = vec3(0.0f, 0.0f, 0.0f);
-  v.walk = walk;
-  v.guide_total_light = 0.0f;
-  v.guide_total_camera = 0.0f;
-  v.guide_total_emitted = 0.0f;
-  v.seen = 0.0f;
-  v.sent = 0.0f;
-  v.from_light = 0.0f;
-  v.from_camera = 0.0f;
-  v.ordinal = 0u;
-  v.normal = vec3(0.0f, 0.0f, 0.0f);
-  v.material = 0u;
-  v.color = vec3(0.0f, 0.0f, 0.0f);
-  v.made_of = POINT_SIMPLE | POINT_CONNECTIBLE;
-  v.emission = vec3(0.0f, 0.0f, 0.0f);
-  v.plain_w = 0.0f;
+  PathVertex v = {vec3(0.0f, 0.0f, 0.0f),
+                  kNoTriangle,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  SOURCE_NONE,
+                  vec3(1.0f, 1.0f, 1.0f),
+                  0.0f,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  walk,
+                  0.0f,
+                  0.0f,
+                  0.0f,
+                  0.0f,
+                  0.0f,
+                  0.0f,
+                  0.0f,
+                  0u,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  0u,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  POINT_SIMPLE | POINT_CONNECTIBLE,
+                  vec3(0.0f, 0.0f, 0.0f),
+                  0.0f};
   return v;
 }
 SHARED PathDensity empty_density() MEMBER_CONST {
-  PathDensity d;
-  d.own_A = 1.0f;
-  d.other_A = 0.0f;
-  d.pair_A = 0.0f;
-  d.nee_A = 0.0f;
-  d.own_survival = 1.0f;
-  d.other_survival = 1.0f;
-  d.prev = kNoVertex;
-  d.flags = 0u;
+  PathDensity d = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 1.0f, kNoVertex, 0u};
   return d;
 }
 SHARED WalkRay no_ray(uint walk) MEMBER_CONST {
-  WalkRay ray;
-  ray.origin = vec3(0.0f, 0.0f, 0.0f);
-  ray.here = kNoVertex;
-  ray.w = vec3(0.0f, 0.0f, 1.0f);
-  ray.flags = 0u;
-  ray.throughput = vec3(1.0f, 1.0f, 1.0f);
-  ray.polygon = -1;
-  ray.triangle = kNoTriangle;
-  ray.b1 = 0.0f;
-  ray.b2 = 0.0f;
-  ray.walk = walk;
+  WalkRay ray = {vec3(0.0f, 0.0f, 0.0f),
+                 kNoVertex,
+                 vec3(0.0f, 0.0f, 1.0f),
+                 0u,
+                 vec3(1.0f, 1.0f, 1.0f),
+                 -1,
+                 kNoTriangle,
+                 0.0f,
+                 0.0f,
+                 walk};
   return ray;
 }
 
@@ -241,8 +219,7 @@ SHARED void begin_camera_walk(uint walk) MEMBER {
     float x = float(name.pixel % render.width) + uniform_of(numbers);
     float y = float(name.pixel / render.width) + uniform_of(numbers);
     ray.w = camera_direction(x, y);
-    ray.origin =
-        step_off(render.camera_position, vec3(0.0f, 0.0f, 0.0f), kNoTriangle, ray.w);
+    ray.origin = step_off(render.camera_position, vec3(0.0f, 0.0f, 0.0f), kNoTriangle, ray.w);
     ray.flags = RAY_THERE | RAY_BY_FILM;
   }
   walk_rays[walk] = ray;

@@ -62,11 +62,10 @@ SHARED bool sees_window(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at,
 SHARED CellRect rect_of(IN(SkyWindow) window, IN(WindowFrame) frame, VEC3 at) MEMBER_CONST {
   REAL height = window.z - at.z;
   REAL margin = ROUNDING * REAL(frame.cells);
-  CellRect r;
-  r.a0 = in_cells(frame, window.x0 - at.x, height) + margin;
-  r.a1 = in_cells(frame, window.x1 - at.x, height) - margin;
-  r.b0 = in_cells(frame, window.y0 - at.y, height) + margin;
-  r.b1 = in_cells(frame, window.y1 - at.y, height) - margin;
+  CellRect r = {in_cells(frame, window.x0 - at.x, height) + margin,
+                in_cells(frame, window.x1 - at.x, height) - margin,
+                in_cells(frame, window.y0 - at.y, height) + margin,
+                in_cells(frame, window.y1 - at.y, height) - margin};
   return r;
 }
 
@@ -183,11 +182,7 @@ SHARED VEC3 towards_window(VEC3 position, VEC3 facing, REAL seen, REAL pick, REA
                            REAL v) MEMBER_CONST {
   REAL left = pick * seen;
   uint chosen = 0u;
-  CellRect of_chosen;
-  of_chosen.a0 = 0.0f;
-  of_chosen.a1 = 1.0f;
-  of_chosen.b0 = 0.0f;
-  of_chosen.b1 = 1.0f;
+  CellRect of_chosen = {0.0f, 1.0f, 0.0f, 1.0f};
   CellRect r;
   for (uint rest = windows_in_view(position); rest != 0u && left >= 0.0f; rest &= rest - 1u) {
     uint i = uint(findLSB(rest));

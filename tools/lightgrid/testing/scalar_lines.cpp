@@ -5,7 +5,7 @@
 #include "shaders/shared/rng.h"
 #include "shaders/shared/tables.h"
 #include "shaders/shared/texels.h"
-#include "shaders/shared/triangle.h"
+#include "shaders/shared/bvh.h"
 #include "tools/lightgrid/line_kernel.h"
 
 namespace tdpt {

@@ -6,7 +6,6 @@
 #include "shaders/shared/grid_walk.h"
 #include "shaders/shared/light_layout.h"
 #include "shaders/shared/tables.h"
-#include "shaders/shared/triangle.h"
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer BvhNodes { BvhNode bvh_nodes[]; };

@@ -11,7 +11,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "tools/tdpt-render/bench/device_traffic.h"
-#include "tools/tdpt-render/device/gpu_machine.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/plan/candidates.h"
 #include "tools/tdpt-render/run/scenery.h"

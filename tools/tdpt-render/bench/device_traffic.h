@@ -1,6 +1,6 @@
 // What the renderer's kernels read and write, from the sizes of their records.
 #pragma once
-#include "tools/tdpt-render/device/gpu_machine.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
 
 namespace tdpt {
 

@@ -14,7 +14,7 @@
 
 #include "libcommon/base/process.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/trace/ray_record.h"
+#include "libcommon/testing/ray_record.h"
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/run/scenery.h"
 #include "tools/tdpt-render/testing/rendering.h"

@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/device/capacity.h"
+#include "tools/tdpt-render/device/gpu_renderer.h"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ std::string refusal(const gpu::Limits& limits, const DeviceNeeds& needs) {
 }
 
 TEST(capacity, is_there_on_the_least_device_for_the_longest_paths) {
-  const Capacity room = capacity_on("a device", laptop(), {{}, 1 << 27, true, 35});
+  const Capacity room = capacity_on("a device", laptop(), {0, 1 << 27, true, 35});
   EXPECT_GE(room.samples, kMostOfCache);
   EXPECT_GE(room.vertices, 2u * kMostOfCache * 1025);
   EXPECT_LE(room.vertices * sizeof(shader::PathVertex), laptop().buffer);
@@ -53,26 +53,25 @@ TEST(capacity, follows_each_limit) {
   limits.memory = uint64_t{4} << 30;
   const uint32_t plain = capacity_on("a device", limits, {}).vertices;
   EXPECT_LT(plain, 64u * 65535);
-  EXPECT_LT(capacity_on("a device", limits, {{}, 0, true, 0}).vertices, plain);
+  EXPECT_LT(capacity_on("a device", limits, {0, 0, true, 0}).vertices, plain);
   // Scene and film are placed before samples.
-  EXPECT_LT(capacity_on("a device", limits, {{{"the triangles", uint64_t{11} << 28}}, 0, false, 0})
-                .vertices,
-            plain);
+  EXPECT_LT(capacity_on("a device", limits, {uint64_t{11} << 28, 0, false, 0}).vertices, plain);
 }
 
 TEST(capacity, that_is_too_little_is_refused_with_both_numbers) {
   gpu::Limits limits = laptop();
-  EXPECT_EQ(refusal(limits, {{}, 0, false, 35}), "nothing");
-  EXPECT_EQ(refusal(limits, {{}, 0, false, 36}),
+  EXPECT_EQ(refusal(limits, {0, 0, false, 35}), "nothing");
+  EXPECT_EQ(refusal(limits, {0, 0, false, 36}),
             "a device: a kernel binds 36 buffers, the device allows 35");
   limits.texels = 1 << 28;
-  EXPECT_EQ(refusal(limits, {{{"the sky", 1}, {"the triangles", 1 << 28}}, 0, false, 1}),
-            "a device: the scene takes 268435457 bytes, 268435456 of them the triangles, the "
-            "device reads no more than 268435456 from a buffer");
-  EXPECT_EQ(refusal(limits, {{}, 1 << 28, false, 1}),
+  EXPECT_EQ(
+      refusal(limits, {(1 << 28) + 1, 0, false, 1}),
+      "a device: the scene takes 268435457 bytes, the device reads no more than 268435456 from "
+      "a buffer");
+  EXPECT_EQ(refusal(limits, {0, 1 << 28, false, 1}),
             "a device: the film takes 268435456 bytes, the device's largest buffer has 134217728");
   limits.texels = uint64_t{1} << 31;
-  const DeviceNeeds many{std::vector<SceneShare>(12, {"the textures", 1 << 27}), 0, false, 1};
+  const DeviceNeeds many{uint64_t{12} << 27, 0, false, 1};
   EXPECT_EQ(refusal(limits, many),
             "a device: scene, film and samples take 1845427200 bytes of memory at least, of the "
             "device's they may take 1610612736");
@@ -92,19 +91,6 @@ TEST(capacity, of_a_film_that_words_cannot_count_is_refused) {
     EXPECT_EQ(e.what(),
               "the film takes " + std::to_string(words) + " words, kernels count 4294967295");
   }
-}
-
-TEST(capacity, knows_all_tables_of_a_scene_by_name) {
-  const Scene scene = read_gltf(two_rooms_path());
-  const Vista vista(scene, scene.camera(""), 16, 12, {portal_in_the_hole()});
-  const std::vector<SceneShare> shares = shares_of(RenderTables(vista));
-  const auto bytes = [&](const std::string& name) -> uint64_t {
-    for (const SceneShare& b : shares)
-      if (b.name == name) return b.bytes;
-    return 0;
-  };
-  EXPECT_EQ(bytes("the triangles"), scene.triangles.size() * sizeof(shader::BvhTriangle));
-  EXPECT_GT(bytes("the portals"), 0u);
 }
 
 TEST(capacity, is_asked_for_before_portals_are_turned_and_tables_follow) {

@@ -10,7 +10,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/path/bsdf/scatter.h"
-#include "tools/tdpt-render/path/sample/roulette.h"
+#include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/testing/bsdfs.h"
 #include "tools/tdpt-render/testing/float_points.h"
 

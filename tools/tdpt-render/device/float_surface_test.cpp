@@ -6,7 +6,7 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
 #include "shaders/surface_test.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/surface_scene.h"
 #include "tools/tdpt-render/testing/surface_words.h"
 

@@ -1,13 +1,52 @@
-// Renders samples on a Vulkan device.
+// Renders samples on a Vulkan device: what fits into its memory, and the steps as compute kernels.
 #pragma once
 #include <memory>
 
-#include "libcommon/gpu/device.h"
-#include "tools/tdpt-render/device/capacity.h"
+#include "libcommon/gpu/kernel.h"
+#include "tools/tdpt-render/device/tables.h"
 #include "tools/tdpt-render/device/wavefront.h"
-#include "tools/tdpt-render/integrators/sample_renderer.h"
+#include "tools/tdpt-render/integrators/passes.h"
 
 namespace tdpt {
+
+/// What a rendering needs of a device beside the samples.
+struct DeviceNeeds {
+  uint64_t scene = 0, film = 0;  ///< bytes; the scene is in one buffer
+  bool layered = false;          ///< vertices store their layers [SurfaceFeatures::layers]
+  size_t buffers = 0;            ///< storage buffers that a kernel binds
+};
+
+/// The slots and samples that suit the device `name`: together with scene and film at most three
+/// quarters of its memory; by themselves at most an eighth, since laptops share it with everything
+/// else, or whatever the fewest samples take. Throws Error (no_device), with the number needed and
+/// the one allowed, if that is too much.
+Capacity capacity_on(const std::string& name, const gpu::Limits& limits, const DeviceNeeds& needs);
+
+/// How often one step ran, and the time it took.
+struct StepWork {
+  double seconds = 0;  ///< of the device; if it is a CPU, over all its cores
+  uint64_t runs = 0, invocations = 0;
+};
+struct DeviceWork {
+  std::array<StepWork, static_cast<size_t>(Step::kSteps)> steps;
+  StepWork gather;    ///< flags, ranks and lists: gather(), pick() and place_ends()
+  double making = 0;  ///< seconds of compiling kernels
+};
+
+/// What a driver's compiler reports about each step's kernel, specialised for a scene with every
+/// feature, or for the least: diffuse surfaces behind portals. `device` must be opened for it.
+std::array<std::vector<gpu::Statistic>, static_cast<size_t>(Step::kSteps)> step_statistics(
+    const gpu::Device& device, bool least);
+
+/// The capacity that suits the device beside the scene and the film. Throws Error (no_device), with
+/// both numbers, if they are too large for it.
+Capacity capacity_on(const gpu::Device& device, const RenderTables& tables, uint32_t film_words);
+
+/// `film_words`: of the film and its counters. Adds to `work`, if given. Throws Error (no_device)
+/// if other programs have taken the memory.
+std::unique_ptr<Machine> make_gpu_machine(const gpu::Device& device, const RenderTables& tables,
+                                          const Capacity& room, uint32_t film_words,
+                                          DeviceWork* work = nullptr);
 
 /// The upload of a vista to a device, in two stages: the constructor checks that it fits before
 /// any work begins, renderer() uploads its final openings.

@@ -6,8 +6,8 @@
 #include "tools/tdpt-render/integrators/integrator.h"
 #include "tools/tdpt-render/path/bsdf/surfaces.h"
 #include "tools/tdpt-render/path/sample/guide.h"
-#include "tools/tdpt-render/path/sample/roulette.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/walk.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/faults.h"
 #include "tools/tdpt-render/testing/scalar_portals.h"
 

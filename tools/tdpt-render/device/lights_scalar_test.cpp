@@ -6,7 +6,7 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/testing/statistics/chi_square.h"
 #include "shaders/lights_test.h"
-#include "shaders/shared/path/lights_test_layout.h"
+#include "shaders/shared/path/words_test.h"
 #include "tools/tdpt-render/testing/lights.h"
 
 namespace tdpt {

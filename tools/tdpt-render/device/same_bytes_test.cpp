@@ -4,7 +4,6 @@
 
 #include <chrono>
 
-#include "tools/tdpt-render/device/gpu_machine.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/plan/candidates.h"
 #include "tools/tdpt-render/testing/device.h"

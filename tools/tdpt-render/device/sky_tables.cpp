@@ -1,11 +1,10 @@
-#include "tools/tdpt-render/device/sky_tables.h"
+#include "tools/tdpt-render/device/tables.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
 
-#include "tools/tdpt-render/device/whole_shares.h"
 
 namespace tdpt {
 namespace {

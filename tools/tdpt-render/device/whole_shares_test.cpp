@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/device/whole_shares.h"
+#include "tools/tdpt-render/device/tables.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Extreme openings and lamps, each compared with a closed form [testing/extremes.h].
-#include "tools/tdpt-render/path/sample/covered_lamps.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/extremes.h"
 #include "tools/tdpt-render/testing/faults.h"
 

@@ -7,7 +7,7 @@
 
 #include "libcommon/math/sequence.h"
 #include "libcommon/math/streams.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 namespace {

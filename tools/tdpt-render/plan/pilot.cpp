@@ -7,7 +7,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "tools/tdpt-render/integrators/spread_pixels.h"
+#include "tools/tdpt-render/integrators/passes.h"
 
 namespace tdpt {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/integrators/sample_renderer.h"
+#include "tools/tdpt-render/integrators/passes.h"
 #include "tools/tdpt-render/plan/error_estimate.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/pilot.h"

@@ -9,7 +9,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "tools/tdpt-render/integrators/passes.h"
-#include "tools/tdpt-render/path/sample/covered_lamps.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/portals/given_portals.h"
 #include "tools/tdpt-render/run/camera_sight.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/oracle.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/variant.h"

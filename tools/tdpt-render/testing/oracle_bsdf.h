@@ -2,7 +2,7 @@
 // reference for the code of shaders/shared/path, with which it shares only the albedo tables. For
 // tests. Directions are unit, in the shading frame [shaders/shared/path/bsdf.h].
 #pragma once
-#include "tools/tdpt-render/path/bsdf/bsdf.h"
+#include "tools/tdpt-render/path/bsdf/point.h"
 
 namespace tdpt::oracle {
 

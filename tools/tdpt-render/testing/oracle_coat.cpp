@@ -1,6 +1,6 @@
 #include "tools/tdpt-render/testing/oracle_coat.h"
 
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/testing/oracle_bsdf.h"
 
 namespace tdpt::oracle {

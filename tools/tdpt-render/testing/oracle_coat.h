@@ -1,4 +1,4 @@
-// The slow, obvious reference for shaders/shared/path/coated.h: base and coat as two separate
+// The slow, obvious reference for shaders/shared/path/scatter.h: base and coat as two separate
 // surfaces, each with its own normal in world space. For tests.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/point.h"

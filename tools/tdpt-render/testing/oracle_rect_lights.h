@@ -1,4 +1,4 @@
-// The slow, obvious reference for rect_lights.h: the light of a rectangle at a point, from its four
+// The slow, obvious reference for next_event.h: the light of a rectangle at a point, from its four
 // corners alone. For tests.
 #pragma once
 #include "tools/tdpt-render/path/sample/path.h"

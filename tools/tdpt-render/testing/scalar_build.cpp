@@ -3,7 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/math/sequence.h"
-#include "shaders/shared/path/kernel_heads.h"
+#include "shaders/shared/path/tables.h"
 
 namespace tdpt {
 namespace shader {

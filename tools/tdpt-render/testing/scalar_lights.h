@@ -1,7 +1,7 @@
 // The scalar build of the kernels' code on lights.
 #pragma once
 #include "shaders/shared/tables.h"
-#include "tools/tdpt-render/device/light_tables.h"
+#include "tools/tdpt-render/device/tables.h"
 
 namespace tdpt::shader {
 

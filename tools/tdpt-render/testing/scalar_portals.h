@@ -1,9 +1,9 @@
 // For tests: the scalar build of the kernels' code on portals, and portals to test it with.
 #pragma once
 #include "libcommon/math/rng.h"
-#include "shaders/shared/path/portals_test_layout.h"
+#include "shaders/shared/path/words_test.h"
 #include "shaders/shared/tables.h"
-#include "tools/tdpt-render/device/portal_tables.h"
+#include "tools/tdpt-render/device/tables.h"
 
 namespace tdpt::shader {
 

@@ -1,9 +1,9 @@
 // Test only: the code of shaders/shared/path/surface.h as C++, over tables on the host.
 #pragma once
 #include "libcommon/scene/surface_tables.h"
-#include "shaders/shared/path/surface_heads.h"
+#include "shaders/shared/path/tables.h"
 #include "shaders/shared/tables.h"
-#include "tools/tdpt-render/path/bsdf/surface_curves.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt::shader {
 

@@ -2,7 +2,7 @@
 //
 // With basic radiance, energy E(from) = int f(from, to) n_to^2 |cos_to| dw_to + Dirac lobes is the
 // share of a beam from `from` that is kept: a lossless surface conserves etendue n^2 |cos| dw.
-#include "tools/tdpt-render/path/bsdf/bsdf.h"
+#include "tools/tdpt-render/path/bsdf/point.h"
 
 #include <complex>
 

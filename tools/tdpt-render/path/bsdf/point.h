@@ -2,13 +2,18 @@
 //
 // Densities are per canonical area (pdf_A) unless their name says otherwise.
 #pragma once
+#include <array>
 #include <numbers>
 
 #include "libcommon/scene/lights.h"
 #include "libcommon/trace/tracer.h"
-#include "tools/tdpt-render/path/bsdf/bsdf.h"
+#include "shaders/shared/path/point.h"
 
 namespace tdpt {
+
+using shader::Bsdf;
+using Odds = shader::Odds<double>;
+using Turn = shader::Turn<double>;
 
 enum class From { light, camera };
 
@@ -113,5 +118,30 @@ inline Rgb emitted(const Point& p, const Vec3d& w) {
 inline double emission_pdf_A(const Point& light, const Edge& e, const Point& to) {
   return to_area(light.source->pdf_w(light.normal, e.w), e, to);
 }
+
+// A path x_0 ... x_k runs from a light (x_0) to the camera (x_k); k edges = depth k. Sub-paths are
+// stored in walking order: y_0 y_1 ... from the light, z_0 z_1 ... from the camera.
+
+/// Normalisation W of the guiding distribution at a point [portals.h]; 0 if no portal can be aimed
+/// at from there (Guide).
+struct GuideTotals {
+  Vec3d facing{};  ///< normal on the side of the surface that the path's edges are on; 0: both
+                   ///< sides
+  double from_light = 0, from_camera = 0;  ///< for walks from that end that scatter here
+  double emitted = 0;                      ///< for a walk that begins here
+  double of(From from) const { return from == From::light ? from_light : from_camera; }
+};
+
+/// What next events know about a point [next_event.h].
+struct LightContext {
+  Vec3d facing{};   ///< normal on the side of the surface that light arrives at; 0: both sides
+  double seen = 0;  ///< sum S_F over the windows through which it sees the sky [window_sky.h]
+  double sent = 0;  ///< by the rectangular lights [next_event.h]; negative: not yet evaluated
+};
+
+struct Vertex : Point {
+  GuideTotals guide_totals;
+  LightContext light_context;  ///< set for vertices at which next events may be made
+};
 
 }  // namespace tdpt

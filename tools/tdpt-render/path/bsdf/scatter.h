@@ -48,7 +48,7 @@ inline double scatter_pdf_A(const Point& at, const Incidence& in, const Edge& e,
 }
 
 double layered_albedo(const Point& p, const Incidence& in);
-/// Survival probability of a walk [roulette.h]: the largest component of the albedo, clamped to
+/// Survival probability of a walk [walk.h]: the largest component of the albedo, clamped to
 /// [0.05, 1]; 1 off surfaces. For a pane, the albedo for the rays that it stops.
 inline double albedo_at(const Point& p, const Incidence& in) {
   return p.simple ? surfaces().simple_albedo(p) : layered_albedo(p, in);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/testing/scenes/materials.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt::specular_glossiness_test {
 

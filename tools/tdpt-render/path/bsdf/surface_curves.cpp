@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/path/bsdf/surface_curves.h"
+#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "libcommon/scene/texture.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {
 namespace {

@@ -1,13 +1,26 @@
 // Evaluates surfaces: the code of shaders/shared/path in doubles, over the renderer's points. Slow
 // to compile: other files use scatter.h.
 #pragma once
+#include <span>
+
 #include "libcommon/scene/scene.h"
-#include "shaders/shared/path/fresnel.h"
-#include "shaders/shared/path/ggx.h"
+#include "shaders/shared/path/microfacet.h"
 #include "shaders/shared/path/surface_layout.h"
+#include "shaders/shared/vector.h"
 #include "shaders/shared/warp.h"
 #include "tools/tdpt-render/path/bsdf/point.h"
-#include "tools/tdpt-render/path/bsdf/surface_curves.h"
+
+namespace tdpt {
+
+// Tables that the surface code reads [shaders/shared/path/surface_layout.h]. They are the same for
+// every scene and computed on first use.
+
+/// surface_curves[]; takes about 20 ms.
+std::span<const double> surface_curves();
+/// sheen_curves[]; takes about 100 ms.
+std::span<const double> sheen_curves();
+
+}  // namespace tdpt
 
 namespace tdpt::shader {
 
@@ -33,17 +46,10 @@ struct Surfaces {
     return pane ? pane.opacity(dot(p.normal, back)) : 1;
   }
 
-#include "shaders/shared/path/interface_albedo.h"
+#include "shaders/shared/path/layers.h"
   // A separate block of includes: each begins with language.h.
-#include "shaders/shared/path/sheen.h"
-
-#include "shaders/shared/path/coat.h"
 
 #include "shaders/shared/path/bsdf.h"
-
-#include "shaders/shared/path/coated.h"
-
-#include "shaders/shared/path/material.h"
 
 #include "shaders/shared/path/scatter.h"
 

@@ -1,6 +1,6 @@
 // Next events at rectangular lights have the claimed density, wherever they are made; the oracle
 // confirms paths that end on rectangular lights.
-#include "tools/tdpt-render/path/light/rect_lights.h"
+#include "tools/tdpt-render/path/light/next_event.h"
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/plan/candidates.h"

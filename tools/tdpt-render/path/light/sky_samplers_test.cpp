@@ -6,7 +6,7 @@
 
 #include "libcommon/testing/statistics/chi_square.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/path/sample/walk.h"
 #include "tools/tdpt-render/testing/rooms.h"
 #include "tools/tdpt-render/testing/sky.h"

@@ -1,6 +1,6 @@
 // From where windows are seen: two rooms in a row with a hole between them, with the last one or
 // both open at their ends, compared with lines traced from each point.
-#include "tools/tdpt-render/path/light/window_views.h"
+#include "tools/tdpt-render/path/light/window_sky.h"
 
 #include <gtest/gtest.h>
 

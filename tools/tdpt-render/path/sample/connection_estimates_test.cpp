@@ -1,5 +1,5 @@
 // Estimates of connections in columns, compared with connect() itself.
-#include "tools/tdpt-render/path/sample/connection_estimates.h"
+#include "tools/tdpt-render/path/sample/connect.h"
 
 #include <gtest/gtest.h>
 

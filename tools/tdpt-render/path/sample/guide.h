@@ -1,7 +1,7 @@
 // Path guiding by the portals in doubles [shaders/shared/path/guide.h]: directs a mixture's walks.
 #pragma once
 #include "tools/tdpt-render/path/bsdf/scatter.h"
-#include "tools/tdpt-render/path/light/vertex.h"
+#include "tools/tdpt-render/path/bsdf/point.h"
 #include "tools/tdpt-render/path/sample/mixture.h"
 #include "tools/tdpt-render/path/sample/world.h"
 

@@ -1,3 +1,81 @@
+// Chooses the terms of a sum that are worth a ray: resampling without bias.
+//
+// Method: systematic sampling with given probabilities. Each term has an estimate e_i and is chosen
+// with probability c_i = min(1, k e_i), k such that the c_i sum to the number wanted. The sum over
+// the chosen terms of term / c_i is unbiased for any positive estimates.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "shaders/shared/path/render_layout.h"
+#include "tools/tdpt-render/path/sample/connect.h"
+#include "tools/tdpt-render/path/sample/walk.h"
+
+namespace tdpt {
+
+class Resampling {
+ public:
+  /// At most so many terms will be added.
+  void clear(size_t most) {
+    if (terms_.size() < most + 1) terms_.resize(most + 1);
+    added_ = not_zero_ = 0;
+  }
+  /// Adds the estimate of the next term; 0: it is never chosen. Branch-free: many are 0, and which
+  /// cannot be predicted.
+  void add(double estimate) {
+    terms_[not_zero_] = {added_++, estimate};
+    not_zero_ += estimate != 0;
+  }
+
+  struct Taken {
+    size_t term;    ///< in the order of adding
+    double chance;  ///< probability that it was chosen
+  };
+  /// Chooses `count` terms, or all that are not 0 if there are no more. u in [0,1).
+  std::span<const Taken> choose(uint32_t count, double u);
+
+ private:
+  struct Term {
+    size_t number;  // in the order of adding
+    double estimate;
+  };
+  std::span<const Term> terms() const { return {terms_.data(), not_zero_}; }
+  double factor(uint32_t count) const;
+
+  std::vector<Term> terms_;  // the first not_zero_ are in use
+  size_t added_ = 0, not_zero_ = 0;
+  std::vector<Taken> taken_;
+};
+
+// A portal segment that a sample has drawn, with the light that arrives at its end x_l: the third
+// kind of sub-path. Section 3.1.1, eq. 2.
+
+/// A prefix of a light walk, connected with x_l.
+struct Side {
+  const Walk* walk;
+  int prefix;  ///< number of its vertices; 0: light begins at x_l
+  Rgb value;   ///< throughput and scattering at both ends, over the probability of being chosen
+  double chance;
+  PortalSet::CrossingDensity crossing{};  ///< of the connecting edge
+};
+
+struct PortalSegment {
+  Vertex x_l, x_c;
+  Vec3d w;  ///< unit, from x_l to x_c
+  PortalSet::CrossingDensity crossing{};
+  double opacity = 1;  ///< coverage of both ends' surfaces (Hit::opacity)
+  /// Throughput of both ends together, the G of edge C2 of [eq. 2] over its density: G / p_AA = 1 /
+  /// D, and over the share of samples that draw a segment.
+  Rgb through;
+  std::vector<Side> light;  ///< the prefixes connected with x_l
+  /// The sample that drew it.
+  int x = 0, y = 0;
+  uint64_t sample = 0;
+  uint32_t portal = 0;
+  bool lit = false;  ///< has contributed light
+};
+
 // The light vertex cache: light walks and portal segments of several samples. The camera vertices
 // of those samples are connected with both, and the segments with the light walks.
 //
@@ -15,15 +93,6 @@
 // Not every sample makes a light walk [Mixture::light_walks]. A cache always has the same number of
 // walks; if the share is smaller, it spans more samples. The first samples of a cache make the
 // walks: since light walks do not depend on the pixel, the choice does not matter.
-#pragma once
-#include <span>
-#include <vector>
-
-#include "shaders/shared/path/connections.h"
-#include "tools/tdpt-render/path/sample/connection_estimates.h"
-#include "tools/tdpt-render/path/sample/portal_segment.h"
-
-namespace tdpt {
 
 struct LightVertex : End {
   const Walk* walk;

@@ -77,7 +77,7 @@ class Path {
   /// there.
   bool dirac(int i) const { return place(i).dirac; }
   /// Survival probability at x_i, 0 < i < k, of a walk from the light or from the camera
-  /// [roulette.h].
+  /// [walk.h].
   double survives(From from, int i) const { return place(i).survival[static_cast<size_t>(from)]; }
 
   /// MIS weight of `used` among the strategies of `mixture`, balance heuristic [eq. 6] for beta =

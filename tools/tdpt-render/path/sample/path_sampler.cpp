@@ -1,7 +1,7 @@
 #include "tools/tdpt-render/path/sample/path_sampler.h"
 
 #include "libcommon/math/streams.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 

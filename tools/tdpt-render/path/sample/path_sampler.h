@@ -8,16 +8,15 @@
 //
 // Not all pairs are connected. Light walks and segments of several samples are cached
 // [light_vertex_cache.h]; the possible connections of a camera vertex, x_l or x_c are estimated
-// without visibility, and only a few of them get their ray [resampling.h]. These are chosen by
+// without visibility, and only a few of them get their ray [light_vertex_cache.h]. These are chosen by
 // importance, so the MIS weights ignore the choice; contributions are divided by its probability.
 #pragma once
 #include <functional>
 
 #include "libcommon/film/film.h"
-#include "shaders/shared/path/purposes.h"
+#include "shaders/shared/path/render_layout.h"
 #include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 #include "tools/tdpt-render/path/sample/path.h"
-#include "tools/tdpt-render/path/sample/resampling.h"
 
 namespace tdpt {
 

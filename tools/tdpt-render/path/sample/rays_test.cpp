@@ -1,5 +1,5 @@
 // A sample traces at most the rays of the paper's Table 1, for paths of up to k edges, except that
-// a vertex is connected with only a few others [resampling.h]:
+// a vertex is connected with only a few others [light_vertex_cache.h]:
 //
 //   light walk     (k-1) c_I + (k-1) c_V          edges; y_1..y_{k-1} are splatted (the paper's
 //                                                  prose says up to y_{k-2}, which is k-2 of them)

@@ -1,5 +1,5 @@
 // Systematic sampling of a few terms of a sum: how many are chosen, and that the sum is unbiased.
-#include "tools/tdpt-render/path/sample/resampling.h"
+#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
 
 #include <cmath>
 #include <limits>

@@ -1,5 +1,5 @@
 // Survival of walks equals the albedo of the surface, which is estimated here by sampled weights.
-#include "tools/tdpt-render/path/sample/roulette.h"
+#include "tools/tdpt-render/path/sample/walk.h"
 
 #include <gtest/gtest.h>
 

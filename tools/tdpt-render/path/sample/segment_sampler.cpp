@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "tools/tdpt-render/path/sample/path_sampler.h"
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 

@@ -10,7 +10,7 @@
 
 #include <utility>
 
-#include "tools/tdpt-render/path/sample/surface.h"
+#include "tools/tdpt-render/path/sample/world.h"
 
 namespace tdpt {
 namespace {

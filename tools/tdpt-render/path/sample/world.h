@@ -1,10 +1,12 @@
 // What a picture is made of: a world, the view of it, and the openings that light comes in by.
 #pragma once
 #include <memory>
+#include <string>
 
 #include "libcommon/math/sequence.h"
 #include "libcommon/scene/film_plane.h"
 #include "libcommon/trace/tracer.h"
+#include "tools/tdpt-render/path/bsdf/scatter.h"
 #include "tools/tdpt-render/path/light/next_event.h"
 
 namespace tdpt {
@@ -76,5 +78,40 @@ struct Vista {
   View view;
   Openings openings;
 };
+
+// Turns a hit, or a place on a light, into a point of a path with its material.
+
+/// Sets `p` to the place where a ray has hit.
+void place_on_surface(const World& world, const Hit& hit, Point& p);
+
+/// Sets `p` to the sky, where a ray along unit `w` leaves the scene, which must have a sky.
+void place_in_sky(const LightSelection& selection, const Vec3d& w, Point& p);
+
+/// Sets `p` to a place on a light. An emitter that is not opaque shines in proportion to its
+/// coverage, since no ray decides here whether it is hit.
+void place_on_light(const World& world, const Lights::Point& light, Point& p);
+
+// Lamps that coincide with another surface: a light panel modelled in the plane of its ceiling, or
+// a mesh that is there twice.
+//
+// Which of two coincident surfaces a ray hits is decided by rounding. Camera walks would hit such a
+// lamp only sometimes, next events would always reach it, and integrators would differ in
+// brightness. So the lamp is moved in front of the other surface by a hair; one that emits on both
+// sides becomes two single-sided ones, in front of the other surface and behind it.
+
+/// Emitting triangles that are covered: a ray to some point on an emitting side hits another
+/// triangle there; if that emits too, the later of both counts. Tested with 8 to 256 rays each,
+/// which depend on the seed: an overlap that few of them hit may be missed.
+std::vector<uint32_t> covered_lamps(const Scene& scene, const Tracer& tracer, uint32_t seed);
+
+struct OpenWorld {
+  std::shared_ptr<const World> world;
+  size_t uncovered = 0;  ///< triangles of the file that were moved
+};
+/// The world of the scene, with covered lamps moved along their normals until none is found.
+OpenWorld open_world(Scene& scene, bool culls);
+
+/// Reports how many triangles were moved, and how far.
+std::string uncovered_sentence(size_t triangles, const Frame& frame);
 
 }  // namespace tdpt

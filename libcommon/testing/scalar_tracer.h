@@ -1,8 +1,9 @@
 // shaders/shared/traversal.h as C++, one ray at a time: the scalar build of a kernel's ray queries.
 #pragma once
 #include "libcommon/trace/bvh.h"
+#include "shaders/shared/bvh.h"
+#include "shaders/shared/records.h"
 #include "shaders/shared/tables.h"
-#include "shaders/shared/triangle.h"
 
 namespace tdpt::shader {
 

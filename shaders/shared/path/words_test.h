@@ -1,8 +1,12 @@
-// Test only: what lights_test.h reads and writes.
-#ifndef TDPT_SHADERS_SHARED_PATH_LIGHTS_TEST_LAYOUT_H
-#define TDPT_SHADERS_SHARED_PATH_LIGHTS_TEST_LAYOUT_H
+// Test only: what lights_test.h, portals_test.h and surface_test.h read and write.
+#ifndef TDPT_SHADERS_SHARED_PATH_WORDS_TEST_H
+#define TDPT_SHADERS_SHARED_PATH_WORDS_TEST_H
 
 #include "shaders/shared/path/lights_layout.h"
+#include "shaders/shared/path/portal_layout.h"
+#include "shaders/shared/rng.h"
+#include "shaders/shared/vector.h"
+#include "shaders/shared/warp.h"
 
 #include "shaders/shared/language.h"
 
@@ -34,6 +38,26 @@ const uint HAS_LAMPS = 4u;
 const uint HAS_RECT_LIGHTS = 8u;
 const uint HAS_WINDOWS = 16u;
 const uint PREFERS = 32u;
+
+/// Of guide.h.
+struct TrialParameters {
+  float guide_light;
+  float guide_camera;
+};
+
+const uint kTrialWords = 38u;
+
+struct PortalTrial {
+  uint words[38];
+  uint told;
+};
+
+const uint kWordsOfPlace = 64u;
+
+struct PlaceWords {
+  uint words[64];
+  uint count;
+};
 
 SHARED_END
 
