@@ -9,7 +9,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/formats/format_version.h"
-#include "libcommon/math/series_cut.h"
+#include "libcommon/flow/series_cut.h"
 
 namespace tdpt {
 namespace {

@@ -2,8 +2,8 @@
 // arcs that a minimum cut (series_cut.h) crosses.
 #pragma once
 #include "libcommon/formats/dimacs.h"
-#include "libcommon/math/max_flow.h"
-#include "libcommon/math/series_cut.h"
+#include "libcommon/flow/max_flow.h"
+#include "libcommon/flow/series_cut.h"
 
 namespace tdpt {
 

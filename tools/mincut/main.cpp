@@ -12,7 +12,7 @@
 #include "libcommon/draw/canvas.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/viewpoint.h"
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 #include "libcommon/options/pose_options.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/preview.h"

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 
 namespace tdpt {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/max_flow.h"
+#include "libcommon/flow/max_flow.h"
 
 namespace tdpt {
 

@@ -8,7 +8,7 @@
 //   sum_j c_ij (u_i - u_j) + h_i (u_i - a_i) = 0
 // a_i = log(v_i / b_i), a little on every patch [PatchNetwork]; so rooms are distinguished by which
 // end reaches them better, even if both reach all of them.
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 
 #include <algorithm>
 
