@@ -7,7 +7,6 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
-#include "tools/portalfit/limits.h"
 
 namespace tdpt {
 
@@ -24,6 +23,6 @@ struct PaperPortal {
 };
 /// One portal, whose front is turned the way the light goes. Nothing if the centres of the voxels
 /// make no polygon.
-std::optional<PaperPortal> portal_by_paper(const FitInput& in);
+std::optional<PaperPortal> portal_by_paper(const LightGrid& grid);
 
 }  // namespace tdpt

@@ -5,14 +5,16 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
-#include "tools/portalfit/limits.h"
 
 namespace tdpt {
 
 struct PortalFitOptions {
-  size_t max_portals = 8;  ///< of each camera
-  bool by_paper = false;   ///< use the paper's rule instead [paper.h]
-  FitLimits limits{};
+  size_t max_portals = 8;   ///< of each camera
+  bool by_paper = false;    ///< use the paper's rule instead [paper.h]
+  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
+  /// Least share of its outline that is an edge: of most openings it is 0.4 to 1, of planes across
+  /// a room 0 to 0.2.
+  double least_edge = 0.3;
 };
 
 /// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that
