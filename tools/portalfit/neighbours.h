@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/portalfit/aperture.h"
+#include "tools/portalfit/outline.h"
 
 namespace tdpt {
 

@@ -20,11 +20,11 @@
 
 #include "libcommon/base/words.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"
+#include "tools/portalfit/opening.h"
+#include "tools/portalfit/outline.h"
 #include "tools/portalfit/paper.h"
 #include "tools/portalfit/plane.h"
-#include "tools/portalfit/tube.h"
 
 namespace tdpt {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/vec.h"
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/lines.h"
 
 namespace tdpt {
 

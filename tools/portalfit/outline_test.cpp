@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"
+#include "tools/portalfit/outline.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/testing/bundle.h"
+#include "tools/portalfit/testing/all_lines.h"
 #include "tools/portalfit/testing/windows.h"
 
-namespace tdpt::aperture_test {
+namespace tdpt::outline_test {
 
 // A square of 1 m across x, with walls around it: of a corridor from -2 to 2 m, or of a hole in a
 // wall that is 0.2 m thick.
@@ -145,4 +145,4 @@ TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
   EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
 }
 
-}  // namespace tdpt::aperture_test
+}  // namespace tdpt::outline_test

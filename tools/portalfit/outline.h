@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/lines.h"
+#include "tools/portalfit/opening.h"
 #include "tools/portalfit/plane.h"
-#include "tools/portalfit/tube.h"
 
 namespace tdpt {
 

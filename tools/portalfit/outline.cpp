@@ -1,4 +1,4 @@
-#include "tools/portalfit/aperture.h"
+#include "tools/portalfit/outline.h"
 
 #include <algorithm>
 #include <array>

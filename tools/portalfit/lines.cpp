@@ -5,7 +5,7 @@
 // search over slide and tilt of the plane for the least
 //   log sqrt(det C) - 3 log(n / N)
 // with C the covariance of the crossings without outliers, and n of N lines that cross the plane.
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/lines.h"
 
 #include <algorithm>
 #include <array>

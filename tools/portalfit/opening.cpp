@@ -17,7 +17,7 @@
 //
 // In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
 // outlines on the two faces, which no longer coincide.
-#include "tools/portalfit/tube.h"
+#include "tools/portalfit/opening.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tools/portalfit/tube.h"
+#include "tools/portalfit/opening.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 #include "libcommon/math/rng.h"
 #include "tools/portalfit/testing/tube_lines.h"
 
-namespace tdpt::tube_test {
+namespace tdpt::opening_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -143,4 +143,4 @@ TEST(Tube, LinesThatEndInsideCount) {
   EXPECT_FALSE(inside_at(tube, against, 0));
 }
 
-}  // namespace tdpt::tube_test
+}  // namespace tdpt::opening_test
