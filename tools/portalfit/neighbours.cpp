@@ -20,12 +20,6 @@ namespace {
 // for each gap between them costs a technique each, and narrow gaps are fitted badly. So panes are
 // joined across bars, but windows are not joined across the wall between them.
 
-std::vector<Vec3d> corners_of(const Aperture& a) {
-  std::vector<Vec3d> corners;
-  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
-  return corners;
-}
-
 // Least-squares plane of the points, with heights measured along the normal of `first`.
 Plane nearest_plane(const Plane& first, const std::vector<Vec3d>& places) {
   const Onb<double> frame(first.n);
@@ -68,10 +62,11 @@ Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
   return convex_hull(corners);
 }
 
+using Group = std::vector<Aperture>;
+
 // Merit of joining two groups of parts: the share left open; 0 if they stay apart.
-double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
-                     const LightGrid& grid) {
-  std::vector<Aperture> both = a;
+double worth_joining(const Group& a, const Group& b, bool too_many, const LightGrid& grid) {
+  Group both = a;
   both.insert(both.end(), b.begin(), b.end());
   const Joint joint = joint_of(grid, both);
   if (!joint.flat || joint.open < kMost) return 0;
@@ -84,8 +79,6 @@ double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
   return joint.open >= kMostly && bar <= kBeside * side ? joint.open : 0;
 }
-
-using Group = std::vector<Aperture>;
 
 // Joins the best pair; returns false if there is none.
 bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
@@ -107,24 +100,30 @@ bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& wor
   return true;
 }
 
-std::vector<std::vector<double>> unknown(size_t groups) {
-  return std::vector<std::vector<double>>(groups, std::vector<double>(groups, -1));
+std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines) {
+  std::vector<Vec2d> places;
+  for (const LightLine& line : lines)
+    if (const auto at = clear_crossing(plane, line)) places.push_back(*at);
+  return places;
+}
+
+// The lines of all `parts` but number `but`.
+std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts, size_t but = SIZE_MAX) {
+  std::vector<uint32_t> all;
+  for (size_t i = 0; i < parts.size(); ++i)
+    if (i != but) all.insert(all.end(), parts[i].lines.which.begin(), parts[i].lines.which.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
 std::vector<Aperture> laid_again(const LightGrid& grid, const Bundle& all, const Group& parts) {
   const Joint joint = joint_of(grid, parts);
-  std::vector<uint32_t> own;
-  for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
-  std::sort(own.begin(), own.end());
-  own.erase(std::unique(own.begin(), own.end()), own.end());
-  const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
+  const std::vector<LightLine> lines = Bundle{all.of, lines_of(parts)}.lines();
   Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
   if (const auto square = tube_in_wall(lines, a.tube, grid.walls)) a.tube = *square;
-  std::vector<Vec2d> places;
-  for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
-  a.polygon = outline_of(std::move(places));
+  a.polygon = outline_of(places_in(a.tube.middle, lines));
   if (a.polygon.empty()) return parts;
   a.lines = lines_across(all, a);
   return {a};
@@ -176,7 +175,7 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
   const bool too_many = parts.size() > most;
   std::vector<Group> groups;
   for (Aperture& a : parts) groups.push_back({std::move(a)});
-  auto worth = unknown(groups.size());
+  std::vector worth(groups.size(), std::vector<double>(groups.size(), -1));  // -1: unknown
   while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, grid)) {
   }
   std::vector<Aperture> joined;
@@ -237,13 +236,6 @@ std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const P
   return lines;
 }
 
-std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines) {
-  std::vector<Vec2d> places;
-  for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(plane, line)) places.push_back(*at);
-  return places;
-}
-
 // Fits the opening again, to all lines that pass here and not through the others.
 std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
                                      const std::vector<uint32_t>& taken, Aperture a) {
@@ -255,8 +247,7 @@ std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
     if (const auto square = tube_in_wall(own, a.tube, grid.walls)) a.tube = *square;
     const auto places = places_in(a.tube.middle, own);
     if (places.size() < kFewestLines) return {};
-    const bool last = round + 1 == kRounds;
-    a.polygon = last ? whole_outline(places) : outline_of(places);
+    a.polygon = outline_of(places, round + 1 == kRounds ? Strays::none : Strays::some);
     if (a.polygon.empty()) return {};
   }
   return a;
@@ -264,10 +255,10 @@ std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
 
 // Whether `a` is a better opening than `b`: less area, or more lines. A fit to only part of the
 // light may be turned by what it lacks.
-bool better(const Aperture& a, const Aperture& b, double worth_of_line) {
+bool better(const Aperture& a, const Aperture& b) {
   const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
   return std::log(area(a.polygon) / area(b.polygon)) <
-         worth_of_line * std::log(lines(a) / lines(b));
+         kWorthOfKnown * std::log(lines(a) / lines(b));
 }
 
 }  // namespace
@@ -319,15 +310,6 @@ void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<
   }
 }
 
-Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others) {
-  return all.where([&](const LightLine& line) {
-    return std::none_of(others.begin(), others.end(), [&](const Aperture& b) {
-      const auto at = clear_crossing(b.tube.middle, line);
-      return at && contains(b.polygon, *at);
-    });
-  });
-}
-
 void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
   std::vector<size_t> smallest_first;
   for (size_t k = 0; k < found.size(); ++k)
@@ -339,17 +321,12 @@ void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<
     return found[a].lines.size() < found[b].lines.size();
   });
   for (const size_t k : smallest_first) {
-    std::vector<uint32_t> taken;
-    for (size_t b = 0; b < found.size(); ++b)
-      if (b != k)
-        taken.insert(taken.end(), found[b].lines.which.begin(), found[b].lines.which.end());
-    std::sort(taken.begin(), taken.end());
-    auto again = fitted_again(grid, all, taken, found[k]);
+    auto again = fitted_again(grid, all, lines_of(found, k), found[k]);
     if (!again) continue;
     keep_before(*again, k, found);
     again->lines = lines_across(all, *again);
     if (again->lines.size() >= kMost * static_cast<double>(found[k].lines.size()) &&
-        better(*again, found[k], kWorthOfKnown))
+        better(*again, found[k]))
       found[k] = std::move(*again);
   }
 }

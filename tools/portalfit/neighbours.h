@@ -48,9 +48,6 @@ std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
 /// lines are those of `all`.
 void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
-/// Lines of `all` that pass none of `others`.
-Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others);
-
 /// For openings that share an edge: lines near it belong to neither yet, and each outline includes
 /// some of the other's. Each is clipped at the other's plane; then, the smallest first, each is
 /// fitted again to the lines near it that pass no other, if that is better: less area, or more

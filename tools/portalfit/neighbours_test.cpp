@@ -194,8 +194,8 @@ TEST(Parting, AThinCornerIsKept) {
     return std::count_if(places.begin(), places.end(),
                          [&](Vec2d p) { return p.x < 0.5 && !contains(outline, p); });
   };
-  EXPECT_EQ(left_out(whole_outline(places)), 0);
-  EXPECT_LT(area(whole_outline(places)), 1.1 * 0.06);
+  EXPECT_EQ(left_out(outline_of(places, Strays::none)), 0);
+  EXPECT_LT(area(outline_of(places, Strays::none)), 1.1 * 0.06);
   EXPECT_GT(left_out(outline_of(places)), 0);  // twin: with outliers removed
 }
 

@@ -75,6 +75,12 @@ Polygon completed(const Polygon& hull, size_t points) {
 
 }  // namespace
 
+std::vector<Vec3d> corners_of(const Aperture& a) {
+  std::vector<Vec3d> corners;
+  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
+  return corners;
+}
+
 Bundle lines_across(const Bundle& lines, const Aperture& a) {
   const Slab slab(a.tube);
   return lines.where([&](const LightLine& line) {
@@ -83,16 +89,10 @@ Bundle lines_across(const Bundle& lines, const Aperture& a) {
   });
 }
 
-Polygon outline_of(std::vector<Vec2d> points) {
+Polygon outline_of(std::vector<Vec2d> points, Strays strays) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  hull = trimmed(std::move(hull), points);
-  return simplified(completed(hull, points.size()), kSlight);
-}
-
-Polygon whole_outline(const std::vector<Vec2d>& points) {
-  const Polygon hull = convex_hull(points);
-  if (hull.size() < 3 || !(area(hull) > 0)) return {};
+  if (strays == Strays::some) hull = trimmed(std::move(hull), points);
   return simplified(completed(hull, points.size()), kSlight);
 }
 

@@ -17,16 +17,18 @@ struct Aperture {
   Bundle lines;     ///< those that cross it along the normal
 };
 
+/// Of its outline, in space [metres].
+std::vector<Vec3d> corners_of(const Aperture& a);
+
 /// Those of `lines` that cross the aperture along its normal.
 Bundle lines_across(const Bundle& lines, const Aperture& a);
 
-/// The convex outline of an opening with these crossings, without outliers; empty if there is none.
-Polygon outline_of(std::vector<Vec2d> points);
-
-/// The same for crossings known to belong to the opening: none is an outlier. Where a gap
-/// narrows to nothing few lines pass, and light that misses its portal costs a render more than a
-/// portal that is slightly too large.
-Polygon whole_outline(const std::vector<Vec2d>& points);
+/// Whether strays may be among the crossings of an outline, or all are known to belong to the
+/// opening. Where a gap narrows to nothing few lines pass, and light that misses its portal costs a
+/// render more than a portal that is slightly too large.
+enum class Strays { some, none };
+/// The convex outline of an opening with these crossings; empty if there is none.
+Polygon outline_of(std::vector<Vec2d> points, Strays strays = Strays::some);
 
 /// The aperture among `lines` close to `tube`, with its tube and outline. `again`: `tube` is the
 /// result of an earlier fit.

@@ -133,16 +133,4 @@ TEST(Directions, PartNoWindow) {
   EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
 }
 
-TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
-  const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  const auto own = lines_beside(all_of(grid), {rectangle(grid, kOne)}).which;
-  const auto other = rectangle(grid, kOther).lines.which;
-  std::vector<uint32_t> of_other;
-  std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
-                        std::back_inserter(of_other));
-  EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // without the first window's grazing lines
-  EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
-  EXPECT_EQ(lines_beside(all_of(grid), {}).size(), 6000u);
-}
-
 }  // namespace tdpt::outline_test

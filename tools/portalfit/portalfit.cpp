@@ -60,12 +60,6 @@ std::pair<double, double> pca_angles(const LightGrid& grid, double full, const V
                               : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
-std::vector<Vec3d> corners_of(const Aperture& a) {
-  std::vector<Vec3d> corners;
-  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
-  return corners;
-}
-
 // How far towards the camera the opening's plane is moved to lie before the solid glass that holds
 // it, in the air [metres]; 0 where none does.
 double way_out_of_glass(const LightGrid& grid, const Aperture& a) {
