@@ -7,7 +7,7 @@
 
 #include "libcommon/math/rng.h"
 #include "tools/portalfit/neighbours.h"
-#include "tools/portalfit/testing/all_lines.h"
+#include "tools/portalfit/testing/bundle.h"
 
 namespace tdpt::neighbours_test {
 

@@ -8,7 +8,7 @@
 #include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/outline.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/testing/all_lines.h"
+#include "tools/portalfit/testing/bundle.h"
 #include "tools/portalfit/testing/windows.h"
 
 namespace tdpt::outline_test {

@@ -1,4 +1,4 @@
-#include "tools/portalfit/paper.h"
+#include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -23,7 +23,6 @@
 #include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/opening.h"
 #include "tools/portalfit/outline.h"
-#include "tools/portalfit/paper.h"
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {

@@ -11,7 +11,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/portalfit/plane.h"
 #include "tools/portalfit/portalfit.h"
-#include "tools/portalfit/testing/all_lines.h"
+#include "tools/portalfit/testing/bundle.h"
 #include "tools/portalfit/testing/tube_lines.h"
 
 namespace tdpt::preview_test {

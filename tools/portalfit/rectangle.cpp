@@ -1,6 +1,6 @@
 // Minimum-area rectangle: it has a side along an edge of the points' convex hull (Freeman and
 // Shapira 1975), so each edge is tried; outlines have a dozen corners.
-#include "tools/portalfit/rectangle.h"
+#include "tools/portalfit/renderers.h"
 
 #include <algorithm>
 #include <limits>

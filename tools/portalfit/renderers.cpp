@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "tdpt_version.h"
-#include "tools/portalfit/rectangle.h"
 
 namespace tdpt {
 namespace {

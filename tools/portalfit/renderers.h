@@ -1,9 +1,11 @@
-// Portals for other renderers, whose portals are rectangles: a text in each one's format.
+// Portals for other renderers, whose portals are rectangles: a text in each one's format, and the
+// smallest rectangle around a portal.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "libcommon/formats/portal.h"
+#include "libcommon/math/vec.h"
 
 namespace tdpt {
 
@@ -16,5 +18,24 @@ bool lets_in_sky(const Portal& portal);
 /// mitsuba  a scene for Mitsuba 3 to include: emitters `portal`. Axes of the scene
 /// usd      a layer of OpenUSD, .usda: prims `PortalLight`. Axes of the scene
 std::string portals_for(const std::string& renderer, const PortalFile& file);
+
+/// In space [m]. x, y and normal are unit vectors with cross(x, y) = normal, the way the light
+/// goes; width is along x, height along y. y is the more vertical side (+Y); in a horizontal
+/// rectangle, such as a skylight, x is the longer side.
+struct Rectangle {
+  Vec3d centre, x, y, normal;
+  double width = 0, height = 0;
+
+  /// Counter-clockwise seen from where the light goes.
+  std::vector<Vec3d> corners() const;
+};
+
+/// The rectangle of least area in the portal's plane; its triangles must be planar and have an
+/// area.
+Rectangle rectangle_of(const Portal& portal);
+
+/// Merges overlapping portals: those that face the same way and whose rectangles overlap along
+/// their normal become the rectangle around both, with both names and the figures of the first.
+std::vector<Portal> without_overlaps(std::vector<Portal> portals);
 
 }  // namespace tdpt

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "tdpt_version.h"
-#include "tools/portalfit/rectangle.h"
 
 namespace tdpt::renderers_test {
 
