@@ -118,7 +118,7 @@ std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts, size_t but = 
 }
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
-std::vector<Aperture> laid_again(const LightGrid& grid, const Bundle& all, const Group& parts) {
+std::vector<Aperture> refitted(const LightGrid& grid, const Bundle& all, const Group& parts) {
   const Joint joint = joint_of(grid, parts);
   const std::vector<LightLine> lines = Bundle{all.of, lines_of(parts)}.lines();
   Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
@@ -180,7 +180,7 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? laid_again(grid, all, group) : group;
+    const auto some = group.size() > 1 ? refitted(grid, all, group) : group;
     joined.insert(joined.end(), some.begin(), some.end());
   }
   return joined;

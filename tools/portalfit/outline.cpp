@@ -250,7 +250,7 @@ std::optional<double> edge_share(const LightGrid& grid, const Aperture& a) {
 namespace {
 
 // All lines, and the two halves by where they begin, which may be the light of two windows.
-std::vector<Bundle> apart(const Bundle& lines) {
+std::vector<Bundle> with_halves(const Bundle& lines) {
   Vec3d low(INFINITY), high(-INFINITY), sum{};
   for (const uint32_t l : lines.which) {
     const Vec3d& begin = lines.line(l).light;
@@ -291,7 +291,7 @@ std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& 
   for (const Vec3d& axis : {longer, -longer, shorter, -shorter}) {
     const Bundle along = whole.lines.where(
         [&](const LightLine& line) { return dot(line.camera - line.light, axis) > 0; });
-    for (const Bundle& bundle : apart(along)) {
+    for (const Bundle& bundle : with_halves(along)) {
       if (bundle.size() < kFewestLines) continue;
       const Tube tube = find_waist(grid, bundle).value_or(at_waist(grid, bundle, axis));
       if (!(density_near(grid, bundle, tube) > promised)) continue;
