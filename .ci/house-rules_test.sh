@@ -42,6 +42,8 @@ expect 0 tools/tdpt-render/run/job_test.cpp '"tools/tdpt-render/testing/oracle.h
 expect 0 tools/tdpt-render/main.cpp '"tools/tdpt-render/run/job.h"'
 expect 0 libcommon/scene/scene.h '"libcommon/math/vec.h"'
 expect 1 libcommon/math/vec.h '"libcommon/scene/scene.h"'
+expect 0 libcommon/formats/dimacs.h '"libcommon/flow/max_flow.h"'
+expect 1 libcommon/flow/series_cut.h '"libcommon/formats/dimacs.h"'
 expect 0 libcommon/math/vec.h '"shaders/shared/vector.h"'
 expect 1 shaders/shared/types.h '"libcommon/math/vec.h"'
 expect 1 shaders/light_march.comp '"libcommon/math/vec.h"'

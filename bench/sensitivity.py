@@ -10,15 +10,7 @@ GROUPS = (
     ("mincut", "rooms", ("least-area", "largest-conductance", "least-carried")),
     ("mincut", "lamps in their own opening", ("straight", "seen")),
     ("mincut", "the sweep", ("hold", "least-drop", "loose", "most-drops")),
-    ("portalfit", "openings", ("threshold", "fewest", "least-edge", "resolved", "widening")),
-    ("portalfit", "lines of an opening", ("dense-cell", "points-per-cell", "grazing")),
-    ("portalfit", "worth of lines", ("missing", "missing-of-few", "missing-of-known", "many", "outside",
-                                     "hardly-any")),
-    ("portalfit", "searches", ("turn", "rough-lines", "fine-lines", "first-step", "fine-step", "rough-last",
-                               "fine-last")),
-    ("portalfit", "tubes", ("alike", "plane-holds", "blind-end", "parallel", "square")),
-    ("portalfit", "outlines", ("slight", "within", "most-trimmed", "sparse", "beside")),
-    ("portalfit", "several openings", ("denser", "mostly")),
+    ("portalfit", "openings", ("threshold", "least-edge")),
 )
 # Settings with a description of their own in --help, in place of a line of names.
 WITH_WORDS = re.compile(r"^  (threshold|largest-conductance)=.*?default ([\d.e-]+)", re.M | re.S)

@@ -6,7 +6,7 @@
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/formats/cut.h"
-#include "libcommon/math/max_flow.h"
+#include "libcommon/flow/max_flow.h"
 
 namespace tdpt {
 

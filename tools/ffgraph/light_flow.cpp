@@ -5,7 +5,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 #include "tools/ffgraph/camera_light.h"
 
 namespace tdpt {

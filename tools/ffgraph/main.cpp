@@ -277,16 +277,6 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
   return file;
 }
 
-DimacsFile compute(const Arguments& a, const cli::Common& common, const Loaded& in, Phases& phases,
-                   Json& summary) {
-  DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
-                                     : graph_of_patches(a, common, in, phases, summary);
-  network.provenance = common.provenance(in.files);
-  for (const Camera& camera : in.cameras)
-    network.cameras.push_back(viewpoint_text(in.scene.frame, camera));
-  return network;
-}
-
 void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
              const DimacsFile& network, Phases& phases) {
   const auto text = [&] { return dimacs_text(network); };
@@ -298,22 +288,21 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
                phases);
 }
 
-void report(const cli::Common& common, const DimacsFile& network, Json summary,
-            const Phases& phases) {
-  summary["patches"] = network.patches.size();
-  summary["arcs"] = network.network.arcs.size();
-  cli::report(common, summary, phases);
-}
-
 int run(const Arguments& a, const cli::Common& common) {
   check(a);
   Phases phases;
   const Loaded in = load(a, common);
   phases.done("load");
   Json summary;
-  const DimacsFile network = compute(a, common, in, phases, summary);
+  DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
+                                     : graph_of_patches(a, common, in, phases, summary);
+  network.provenance = common.provenance(in.files);
+  for (const Camera& camera : in.cameras)
+    network.cameras.push_back(viewpoint_text(in.scene.frame, camera));
   deliver(a, common, in, network, phases);
-  report(common, network, summary, phases);
+  summary["patches"] = network.patches.size();
+  summary["arcs"] = network.network.arcs.size();
+  cli::report(common, summary, phases);
   return 0;
 }
 

@@ -1,8 +1,113 @@
 #include "tools/ffgraph/patch_map.h"
 
+#include <bit>
 #include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
+#include <OpenMesh/Core/System/omstream.hh>
 
 namespace tdpt {
+
+// ---- Connected components of triangles across shared edges ----
+//
+// Method: half-edge connectivity (OpenMesh) over vertices welded by position, and union-find over
+// the edges whose two triangles face roughly the same way.
+
+namespace {
+
+// Connectivity only: the mesh needs no positions.
+using Mesh = OpenMesh::TriConnectivity;
+
+// Silences OpenMesh, which prints each face that it refuses; the invalid handle says the same.
+class SilentOpenMesh {
+ public:
+  SilentOpenMesh() { omerr().disable(); }
+  ~SilentOpenMesh() { omerr().enable(); }
+};
+
+std::array<uint32_t, 3> place(const Vec3f& p) {
+  // +0 and -0 are the same position.
+  const auto bits = [](float v) { return v == 0 ? 0 : std::bit_cast<uint32_t>(v); };
+  return {bits(p.x), bits(p.y), bits(p.z)};
+}
+
+struct HashOfPlace {
+  size_t operator()(const std::array<uint32_t, 3>& p) const {
+    return mix64(mix64(uint64_t{p[0]} << 32 | p[1]) + p[2]);
+  }
+};
+
+// 2n rounded, combined into one number.
+uint32_t normal_bin(const Vec3d& n) {
+  const auto round = [](double v) { return static_cast<uint32_t>(std::lround(2 * v) + 2); };
+  return round(n.x) | round(n.y) << 8 | round(n.z) << 16;
+}
+
+class UnionFind {
+ public:
+  explicit UnionFind(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  uint32_t find(uint32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  void join(uint32_t a, uint32_t b) { parent_[find(a)] = find(b); }
+
+ private:
+  std::vector<uint32_t> parent_;
+};
+
+}  // namespace
+
+std::vector<uint32_t> surface_components(const Scene& scene) {
+  const SilentOpenMesh silence;
+  const auto count = static_cast<uint32_t>(scene.triangles.size());
+  Mesh mesh;
+  std::vector<uint32_t> triangle_of_face;
+  {
+    // Positions are numbered densely from 0 in order of first appearance.
+    std::unordered_map<std::array<uint32_t, 3>, int, HashOfPlace> number;
+    number.reserve(scene.positions.size());
+    std::vector<int> vertex;
+    for (const Vec3f& p : scene.positions)
+      vertex.push_back(number.try_emplace(place(p), static_cast<int>(number.size())).first->second);
+    mesh.reserve(number.size(), count + count / 2, count);
+    for (size_t v = 0; v < number.size(); ++v) mesh.new_vertex();
+    triangle_of_face.reserve(count);
+    for (uint32_t t = 0; t < count; ++t) {
+      std::array<Mesh::VertexHandle, 3> v;
+      for (size_t k = 0; k < 3; ++k)
+        v[k] = Mesh::VertexHandle(vertex[scene.triangles[t].vertex[k]]);
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+      if (mesh.add_face(v[0], v[1], v[2]).is_valid()) triangle_of_face.push_back(t);
+    }
+  }
+
+  std::vector<uint32_t> bin(count);
+  tbb::parallel_for(uint32_t{0}, count,
+                    [&](uint32_t t) { bin[t] = normal_bin(shape_of(scene, t).normal); });
+  UnionFind pieces(count);
+  for (const auto& edge : mesh.edges()) {
+    const auto h = mesh.halfedge_handle(edge, 0);
+    const auto g = mesh.halfedge_handle(edge, 1);
+    if (mesh.is_boundary(h) || mesh.is_boundary(g)) continue;
+    const uint32_t a = triangle_of_face[static_cast<size_t>(mesh.face_handle(h).idx())];
+    const uint32_t b = triangle_of_face[static_cast<size_t>(mesh.face_handle(g).idx())];
+    if (bin[a] == bin[b]) pieces.join(a, b);
+  }
+
+  std::vector<uint32_t> number(count, UINT32_MAX), component(count);
+  uint32_t next = 0;
+  for (uint32_t t = 0; t < count; ++t) {
+    uint32_t& n = number[pieces.find(t)];
+    if (n == UINT32_MAX) n = next++;
+    component[t] = n;
+  }
+  return component;
+}
+
+// ---- Patches ----
 
 namespace {
 
@@ -19,21 +124,6 @@ std::array<int32_t, 3> cell_at(const Vec3d& q, int level) {
 
 }  // namespace
 
-uint32_t& PatchTable::operator[](const PatchKey& key) {
-  if (2 * (size_ + 1) > slots_.size()) {
-    std::vector<Slot> old(std::max<size_t>(64, 2 * slots_.size()), {{}, kNoPatch});
-    old.swap(slots_);
-    for (const Slot& s : old)
-      if (s.value != kNoPatch) slots_[slot_of(s.key)] = s;
-  }
-  Slot& slot = slots_[slot_of(key)];
-  if (slot.value == kNoPatch) {
-    slot.key = key;
-    ++size_;
-  }
-  return slot.value;
-}
-
 std::array<int32_t, 3> PatchMap::cell(const Vec3d& canonical, int level) const {
   return cell_at(in_grid(canonical), level);
 }
@@ -49,14 +139,14 @@ PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32
 
 PatchMap::Extent PatchMap::extent() const {
   Extent extent;
-  entry_.each([&](const PatchKey& key, uint32_t) {
-    if (key.piece == kSkyPiece) return;
+  for (const auto& [key, value] : entry_) {
+    if (key.piece == kSkyPiece) continue;
     for (size_t k = 0; k < 3; ++k) {
       const int32_t base = key.cell[k] >> (2 * key.level);
       extent.low[k] = std::min(extent.low[k], base);
       extent.high[k] = std::max(extent.high[k], base);
     }
-  });
+  }
   return extent;
 }
 
@@ -91,9 +181,9 @@ uint32_t PatchMap::find_or_add(uint32_t face, const Vec3d& canonical) {
 }
 
 uint32_t PatchMap::add(const PatchKey& key) {
-  uint32_t& entry = entry_[key];
-  if (entry != kNoPatch) return entry;
-  const uint32_t id = entry = size();
+  const auto [entry, is_new] = entry_.try_emplace(key, size());
+  if (!is_new) return entry->second;
+  const uint32_t id = size();
   keys_.push_back(key);
   PatchKey up = key;
   while (up.level > 0) {
@@ -106,25 +196,20 @@ uint32_t PatchMap::add(const PatchKey& key) {
 }
 
 uint32_t PatchMap::add_sky(uint32_t bin) {
-  uint32_t& entry = entry_[sky_key(bin)];
-  if (entry != kNoPatch) return entry;
-  keys_.push_back(sky_key(bin));
+  const auto [entry, is_new] = entry_.try_emplace(sky_key(bin), size());
+  if (is_new) keys_.push_back(sky_key(bin));
   sky_ = true;
-  return entry = size() - 1;
+  return entry->second;
 }
 
 void PatchMap::keep(const std::vector<uint8_t>& kept) {
-  PatchTable entry;
+  std::erase_if(entry_, [](const auto& entry) { return entry.second != kSplit; });
   std::vector<PatchKey> keys;
-  entry_.each([&](const PatchKey& key, uint32_t value) {
-    if (value == kSplit) entry[key] = kSplit;
-  });
   for (uint32_t i = 0; i < size(); ++i) {
     if (!kept[i]) continue;
-    entry[keys_[i]] = static_cast<uint32_t>(keys.size());
+    entry_[keys_[i]] = static_cast<uint32_t>(keys.size());
     keys.push_back(keys_[i]);
   }
-  entry_ = std::move(entry);
   keys_ = std::move(keys);
 }
 
@@ -133,9 +218,8 @@ PatchMap PatchMap::split(const std::vector<uint8_t>& chosen) const {
   finer.entry_.clear();
   finer.keys_.clear();
   finer.piece_touched_.clear();
-  entry_.each([&](const PatchKey& key, uint32_t value) {
+  for (const auto& [key, value] : entry_)
     if (value == kSplit || chosen[value]) finer.entry_[key] = kSplit;
-  });
   return finer;
 }
 

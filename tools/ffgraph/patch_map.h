@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -33,45 +34,14 @@ struct PatchKey {
   PatchKey parent() const { return {{cell[0] >> 2, cell[1] >> 2, cell[2] >> 2}, level - 1, piece}; }
 };
 
-/// Hash table with open addressing in one block; keys are never removed.
-class PatchTable {
- public:
-  struct Slot {
-    PatchKey key;
-    uint32_t value;
-  };
-
-  /// kNoPatch if absent.
-  uint32_t find(const PatchKey& key) const {
-    return slots_.empty() ? kNoPatch : slots_[slot_of(key)].value;
-  }
-  /// The value of `key`; if it is kNoPatch, the caller must set another.
-  uint32_t& operator[](const PatchKey& key);
-  void clear() { slots_.clear(), size_ = 0; }
-
-  /// Calls visit(key, value) for all entries, in no particular order.
-  template <class Visit>
-  void each(const Visit& visit) const {
-    for (const Slot& s : slots_)
-      if (s.value != kNoPatch) visit(s.key, s.value);
-  }
-
- private:
-  /// Slot of `key`, or the free one where it would be inserted.
-  size_t slot_of(const PatchKey& k) const {
+struct HashOfPatchKey {
+  size_t operator()(const PatchKey& k) const {
     const auto word = [](int32_t low, uint32_t high) {
       return static_cast<uint32_t>(low) | uint64_t{high} << 32;
     };
-    uint64_t h = mix64(word(k.cell[0], static_cast<uint32_t>(k.cell[1])));
-    h = mix64(h + word(k.cell[2], k.piece) + (static_cast<uint64_t>(k.level) << 28));
-    size_t at = h & (slots_.size() - 1);
-    while (slots_[at].value != kNoPatch && !(slots_[at].key == k))
-      at = (at + 1) & (slots_.size() - 1);
-    return at;
+    const uint64_t h = mix64(word(k.cell[0], static_cast<uint32_t>(k.cell[1])));
+    return mix64(h + word(k.cell[2], k.piece) + (static_cast<uint64_t>(k.level) << 28));
   }
-
-  std::vector<Slot> slots_;  // a power of two, at most half of them taken
-  size_t size_ = 0;          // slots in use
 };
 
 /// Component of each triangle: triangles connected by edges (half-edge structure over vertices at
@@ -122,16 +92,14 @@ class PatchMap {
   uint32_t add(const PatchKey& key);
 
   /// The patch of a bin of the sky (sky_bins.h); kNoPatch before it is added.
-  uint32_t find_sky(uint32_t bin) const { return entry_.find(sky_key(bin)); }
+  uint32_t find_sky(uint32_t bin) const { return value_at(sky_key(bin)); }
   uint32_t add_sky(uint32_t bin);
   bool has_sky() const { return sky_; }
   bool is_sky(uint32_t patch) const { return keys_[patch].piece == kSkyPiece; }
   uint32_t bin_of(uint32_t patch) const { return static_cast<uint32_t>(keys_[patch].cell[0]); }
 
   /// Patch under `key`, kSplit if its cell was split, kNoPatch if there is none.
-  uint32_t lookup(const PatchKey& key) const {
-    return always_split(key) ? kSplit : entry_.find(key);
-  }
+  uint32_t lookup(const PatchKey& key) const { return always_split(key) ? kSplit : value_at(key); }
   /// Whether the parent cell was split because a patch straddled an opening.
   bool below_split(const PatchKey& key) const {
     return key.level > 0 && !always_split(key.parent());
@@ -158,6 +126,10 @@ class PatchMap {
   PatchMap split(const std::vector<uint8_t>& chosen) const;
 
  private:
+  uint32_t value_at(const PatchKey& key) const {
+    const auto entry = entry_.find(key);
+    return entry == entry_.end() ? kNoPatch : entry->second;
+  }
   static PatchKey sky_key(uint32_t bin) {
     return {{static_cast<int32_t>(bin), 0, 0}, 0, kSkyPiece};
   }
@@ -175,7 +147,7 @@ class PatchMap {
   int fine_level_ = 0;
   Vec3d fine_low_{}, fine_high_{};  // in base cells from the origin of the grid
   std::shared_ptr<const std::vector<uint32_t>> component_;
-  PatchTable entry_;
+  std::unordered_map<PatchKey, uint32_t, HashOfPatchKey> entry_;  // a patch, or kSplit
   std::vector<PatchKey> keys_;
   std::vector<uint8_t> piece_touched_;
   bool sky_ = false;  // whether the sky has patches

@@ -31,24 +31,6 @@ PatchMap::SurfacePoint random_place(const Scene& s, uint64_t k) {
   return {2 * t, shape.p0 + shape.e1 * (0.5 * u) + shape.e2 * 0.3};
 }
 
-TEST(patch_table, finds_what_was_put_in_and_nothing_else) {
-  PatchTable table;
-  const auto key = [](uint32_t k) {
-    return PatchKey{{static_cast<int32_t>(k % 40) - 20, static_cast<int32_t>(k / 40), -3},
-                    static_cast<int32_t>(k % 3),
-                    k % 7};
-  };
-  EXPECT_EQ(table.find(key(0)), kNoPatch);
-  for (uint32_t k = 0; k < 5000; ++k) table[key(k)] = k;
-  for (uint32_t k = 0; k < 5000; ++k) EXPECT_EQ(table.find(key(k)), k);
-  for (uint32_t k = 5000; k < 6000; ++k) EXPECT_EQ(table.find(key(k)), kNoPatch);
-  table[key(7)] = 70;
-  size_t count = 0, sum = 0;
-  table.each([&](const PatchKey&, uint32_t value) { ++count, sum += value; });
-  EXPECT_EQ(count, 5000u);
-  EXPECT_EQ(sum, 5000u * 4999 / 2 + 63);
-}
-
 TEST(patch_map, many_places_at_once_make_the_patches_of_one_after_the_other) {
   const Scene s = sheet(30);
   PatchMap one(s, {{-1.03, -1.07, -0.1}, 0.04}, surface_components(s)), many = one;

@@ -7,7 +7,7 @@
 
 #include "libcommon/draw/scene_sheet.h"
 #include "libcommon/formats/debug_glb.h"
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 
 namespace tdpt {
 std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {

@@ -6,7 +6,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
-#include "libcommon/math/series_cut.h"
+#include "libcommon/flow/series_cut.h"
 #include "tools/ffgraph/patch_map.h"
 #include "tools/ffgraph/walks.h"
 

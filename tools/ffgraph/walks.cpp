@@ -6,6 +6,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/flow/potential_sweep.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "libcommon/scene/film_plane.h"
@@ -25,21 +26,9 @@ SkyLines::Ball ball_about(const Extent& box) {
 }  // namespace
 
 std::vector<double> sky_grades(const std::vector<double>& light) {
-  std::vector<std::pair<double, double>> shining;  // radiance, solid angle
-  double total = 0, below = 0, median = 0;
-  for (uint32_t k = 0; k < light.size(); ++k) {
-    const double sr = sky_bin_solid_angle(k);
-    if (light[k] > 0) shining.emplace_back(light[k] / sr, sr), total += sr;
-  }
-  std::sort(shining.begin(), shining.end());
-  for (const auto& [radiance, sr] : shining) {
-    median = radiance;
-    if ((below += sr) >= 0.5 * total) break;
-  }
-  std::vector<double> grade(light.size(), 0);
-  for (uint32_t k = 0; k < light.size(); ++k)
-    if (light[k] > 0) grade[k] = std::min(1.0, light[k] / sky_bin_solid_angle(k) / (0.5 * median));
-  return grade;
+  std::vector<double> sr;  // solid angles
+  for (uint32_t k = 0; k < light.size(); ++k) sr.push_back(sky_bin_solid_angle(k));
+  return terminal_grades(light, sr, sr);
 }
 
 SkyLines::SkyLines(const Scene& scene, const Extent& aim, const Extent& wider) {

@@ -1,4 +1,4 @@
-#include "tools/lightgrid/building.h"
+#include "tools/lightgrid/lightgrid.h"
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ bool triangle_touches_box(const Vec3d& a, const Vec3d& b, const Vec3d& c, const 
 
 namespace {
 
-struct Box {
+struct VoxelRange {
   std::array<int, 3> low, high;  // range of voxel indices, high excluded
 };
 
@@ -40,7 +40,7 @@ bool is_air(const LightGrid& grid, int i, int j, int k) {
 
 // Whether a small box contains no air any more, so that it can be skipped; large boxes are not
 // scanned.
-bool all_taken(const LightGrid& grid, const Box& box) {
+bool all_taken(const LightGrid& grid, const VoxelRange& box) {
   int voxels = 1;
   for (size_t c = 0; c < 3; ++c) voxels *= box.high[c] - box.low[c];
   if (voxels > 8) return false;
@@ -53,7 +53,7 @@ bool all_taken(const LightGrid& grid, const Box& box) {
 
 // Halves the box down to single voxels: a large slanted triangle then costs its surface, not its
 // box.
-void take(LightGrid& grid, const Vec3d (&p)[3], const Box& box) {
+void mark_taken(LightGrid& grid, const Vec3d (&p)[3], const VoxelRange& box) {
   if (all_taken(grid, box)) return;
   Vec3d middle, half;
   int widest = 0;
@@ -73,10 +73,10 @@ void take(LightGrid& grid, const Vec3d (&p)[3], const Box& box) {
     return;
   }
   const int split = (box.low[w] + box.high[w]) / 2;
-  Box first = box, second = box;
+  VoxelRange first = box, second = box;
   first.high[w] = second.low[w] = split;
-  take(grid, p, first);
-  take(grid, p, second);
+  mark_taken(grid, p, first);
+  mark_taken(grid, p, second);
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ void mark_air(const Scene& scene, LightGrid& grid) {
           for (int v = 0; v < 3; ++v)
             p[v] = (scene.frame.to_metres(Vec3d(scene.vertex(t, v))) - grid.origin) / grid.voxel;
           const Vec3d low = min(p[0], min(p[1], p[2])), high = max(p[0], max(p[1], p[2]));
-          Box box;
+          VoxelRange box;
           bool empty = false;
           for (int c = 0; c < 3; ++c) {
             const auto s = static_cast<size_t>(c);
@@ -99,7 +99,7 @@ void mark_air(const Scene& scene, LightGrid& grid) {
             box.high[s] = std::min(grid.dim[s], static_cast<int>(std::floor(high[c] + 1e-6)) + 1);
             empty = empty || box.low[s] >= box.high[s];
           }
-          if (!empty) take(grid, p, box);
+          if (!empty) mark_taken(grid, p, box);
         }
       });
 }

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/lightgrid/building.h"
 #include "tools/lightgrid/lightgrid.h"
 
 namespace tdpt::building_test {

@@ -10,7 +10,6 @@
 #include "tools/lightgrid/gpu_lines.h"
 
 #include <algorithm>
-#include <functional>
 
 #include <fmt/format.h>
 
@@ -55,9 +54,9 @@ constexpr Variants kSegments{shader::light_segments_spv, shader::light_segments_
 class GpuLines : public LineTracer {
  public:
   GpuLines(const gpu::Device& device, const Scene& scene, const LineTables& tables,
-           const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds, GpuLineTimes* times)
-      : GpuLines(device, build_bvh(scene), make_coverages(scene), scene, tables, grid, seed, bounds,
-                 times) {}
+           const LightGrid& grid, uint64_t seed, const GpuLineBounds& bounds)
+      : GpuLines(device, build_bvh(scene), make_coverages(scene), scene, tables, grid, seed,
+                 bounds) {}
 
   void clear() override {
     std::fill(count_.begin(), count_.end(), 0u);
@@ -87,9 +86,11 @@ class GpuLines : public LineTracer {
  protected:
   void trace_segments(const shader::LightParameters& p, TracedLines& out) override {
     for_pieces(p, out, [&](const shader::LightParameters& piece) {
-      std::vector<Step> steps{trace_with(segments_, piece), vote(piece)};
-      if (slabs() == 1) steps.push_back(march(piece));
-      const double seconds = run(steps);
+      const double seconds = device_.run([&](gpu::Commands& c) {
+        trace_with(segments_, piece, c);
+        vote(piece, c);
+        if (slabs() == 1) march(piece, c);
+      });
       if (slabs() > 1) march_slabs(piece);
       return seconds;
     });
@@ -99,7 +100,10 @@ class GpuLines : public LineTracer {
                    TracedLines& out) override {
     for_pieces(p, out, [&](const shader::LightParameters& piece) {
       tries_.write(std::as_bytes(tries.subspan(piece.first - p.first, piece.count)));
-      return run({trace_with(through_, piece), vote(piece)});
+      return device_.run([&](gpu::Commands& c) {
+        trace_with(through_, piece, c);
+        vote(piece, c);
+      });
     });
   }
 
@@ -110,11 +114,10 @@ class GpuLines : public LineTracer {
 
   GpuLines(const gpu::Device& device, const Bvh& bvh, const CoverageTables& coverage,
            const Scene& scene, const LineTables& tables, const LightGrid& grid, uint64_t seed,
-           const GpuLineBounds& bounds, GpuLineTimes* times)
+           const GpuLineBounds& bounds)
       : LineTracer(scene, tables, grid, seed),
         device_(device),
         bounds_(bounds),
-        times_(times),
         lines_in_submission_(std::min(kFirstLines, bounds.lines)),
         depth_(slab_depth(device.info().name, device.limits(), grid, bounds.voxels)),
         tries_(device, bounds.lines * sizeof(shader::LineTry)),
@@ -169,40 +172,15 @@ class GpuLines : public LineTracer {
     return (static_cast<uint32_t>(common_.dim.z) + depth_ - 1) / depth_;
   }
 
-  // A kernel of a submission, and where its time is added.
-  struct Step {
-    double GpuLineTimes::*time;
-    std::function<void(gpu::Commands&)> record;
-  };
-  static Step trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p) {
-    return {&GpuLineTimes::trace, [&kernel, &p](gpu::Commands& c) {
-              c.dispatch(kernel, gpu::push(p), (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
-            }};
+  static void trace_with(const gpu::Kernel& kernel, const shader::LightParameters& p,
+                         gpu::Commands& c) {
+    c.dispatch(kernel, gpu::push(p), (p.count + LIGHT_GROUP - 1) / LIGHT_GROUP);
   }
-  Step vote(const shader::LightParameters& p) const {
-    return {&GpuLineTimes::votes, [this, &p](gpu::Commands& c) {
-              c.dispatch_indirect(votes_, gpu::push(p), lists_, offsetof(Lists, to_vote));
-            }};
+  void vote(const shader::LightParameters& p, gpu::Commands& c) const {
+    c.dispatch_indirect(votes_, gpu::push(p), lists_, offsetof(Lists, to_vote));
   }
-  Step march(const shader::LightParameters& p) const {
-    return {&GpuLineTimes::march, [this, &p](gpu::Commands& c) {
-              c.dispatch_indirect(march_, gpu::push(p), lists_, offsetof(Lists, to_march));
-            }};
-  }
-
-  // Runs the steps one by one; returns the seconds of their submissions.
-  double run(const std::vector<Step>& steps) {
-    if (!times_)
-      return device_.run([&](gpu::Commands& c) {
-        for (const Step& step : steps) step.record(c);
-      });
-    double all = 0;
-    for (const Step& step : steps) {
-      const double seconds = device_.run(step.record);
-      times_->*step.time += seconds;
-      all += seconds;
-    }
-    return all;
+  void march(const shader::LightParameters& p, gpu::Commands& c) const {
+    c.dispatch_indirect(march_, gpu::push(p), lists_, offsetof(Lists, to_march));
   }
 
   // Calls trace(parameters) in portions that keep a submission short, and fetches the results;
@@ -232,8 +210,10 @@ class GpuLines : public LineTracer {
       const Slab slab = slab_of(s, depth_, p.dim.z);
       p.slab_low = slab.low;
       p.slab_high = slab.high;
-      device_.run([&](gpu::Commands& c) { clear_images(c, 0); });
-      run({march(p)});
+      device_.run([&](gpu::Commands& c) {
+        clear_images(c, 0);
+        march(p, c);
+      });
       const size_t first = layer * static_cast<size_t>(p.slab_low);
       const std::vector<uint32_t> count = images_[0].download();
       for (size_t i = 0; i < count.size() && first + i < count_.size(); ++i)
@@ -257,7 +237,6 @@ class GpuLines : public LineTracer {
 
   gpu::Device device_;
   const GpuLineBounds bounds_;
-  GpuLineTimes* const times_;  // may be null
   uint32_t lines_in_submission_;
   const uint32_t depth_;
   gpu::Buffer tries_, lines_, fates_, lists_;
@@ -290,9 +269,8 @@ uint32_t slab_depth(const std::string& device, const gpu::Limits& limits, const 
 
 std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
                                            const LineTables& tables, const LightGrid& grid,
-                                           uint64_t seed, const GpuLineBounds& bounds,
-                                           GpuLineTimes* times) {
-  return std::make_unique<GpuLines>(device, scene, tables, grid, seed, bounds, times);
+                                           uint64_t seed, const GpuLineBounds& bounds) {
+  return std::make_unique<GpuLines>(device, scene, tables, grid, seed, bounds);
 }
 
 }  // namespace tdpt

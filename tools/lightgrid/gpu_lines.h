@@ -15,11 +15,6 @@ struct GpuLineBounds {
   uint64_t voxels = ~uint64_t{0};  ///< in memory at a time: a larger grid is processed in slabs
 };
 
-/// Total time of each kernel's submissions [s].
-struct GpuLineTimes {
-  double trace = 0, votes = 0, march = 0;
-};
-
 /// Number of z layers per slab, chosen so that four images of one slab fit the limits of the device
 /// called `device`. Throws Error (no_device) if none does.
 uint32_t slab_depth(const std::string& device, const gpu::Limits& limits, const LightGrid& grid,
@@ -34,12 +29,10 @@ inline Slab slab_of(uint32_t number, uint32_t depth, int32_t layers) {
   return {low, std::min(low + static_cast<int32_t>(depth), layers)};
 }
 
-/// Keeps a reference to the tables. If `times` is given, adds to it, submitting the kernels one by
-/// one, which is slower. Throws Error (no_device) if the scene or the grid is too large for the
-/// device. The scene's glass must be open.
+/// Keeps a reference to the tables. Throws Error (no_device) if the scene or the grid is too large
+/// for the device. The scene's glass must be open.
 std::unique_ptr<LineTracer> make_gpu_lines(const gpu::Device& device, const Scene& scene,
                                            const LineTables& tables, const LightGrid& grid,
-                                           uint64_t seed, const GpuLineBounds& bounds = {},
-                                           GpuLineTimes* times = nullptr);
+                                           uint64_t seed, const GpuLineBounds& bounds = {});
 
 }  // namespace tdpt

@@ -17,9 +17,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "tools/lightgrid/building.h"
 #include "tools/lightgrid/line_tables.h"
-#include "tools/lightgrid/line_walk.h"
 
 namespace tdpt {
 namespace {
@@ -52,69 +50,6 @@ double change_between(const std::vector<uint32_t>& before, const std::vector<uin
   for (size_t i = 0; i < now.size(); ++i)
     if (hot(i)) difference += std::abs(before[i] / sum_before - now[i] / sum_now);
   return 0.5 * difference;
-}
-
-struct CoarseReport : LightGridReport::OfCut {
-  bool stopped = false;
-};
-
-// Samples segments between pivot patches of cut `c` until the counts settle; returns the first
-// kMostKept of those that connect the two sides. Sets `count` to this cut's counts; adds its lines
-// to `direction`, in air or not.
-std::vector<LightLine> coarse_pass(const Scene& scene, LineTracer& tracer, size_t c,
-                                   const LightGrid& grid, const LightGridOptions& options,
-                                   const LightGridWatch& watch, std::vector<uint32_t>& count,
-                                   std::vector<Vec3d>& direction, CoarseReport& report) {
-  std::vector<LightLine> kept;
-  TracedLines line;
-  uint64_t summed = 0;
-  tracer.clear();
-  for (uint64_t batch = kFirstBatch; report.drawn < options.samples; batch = report.drawn) {
-    const std::vector<uint32_t> before = count;
-    const uint64_t end = report.drawn + std::min(batch, options.samples - report.drawn);
-    while (report.drawn < end && !report.stopped) {
-      const uint64_t n = std::min(end - report.drawn, kBlock);
-      if (summed + n > LIGHT_MOST_SUMMED) tracer.take_directions(direction), summed = 0;
-      tracer.between_pivots(c, static_cast<uint32_t>(report.drawn), static_cast<uint32_t>(n), line);
-      summed += n;
-      for (size_t i = 0; i < n; ++i) {
-        report.visible += line.fate[i] != LineFate::none;
-        if (line.fate[i] != LineFate::joins) continue;
-        ++report.kept;
-        if (kept.size() < kMostKept)
-          kept.push_back(in_metres(scene, grid, tracer.tables(), c, line.ends[i]));
-      }
-      report.drawn += n;
-      if (watch.progress) watch.progress(n);
-      report.stopped = watch.stop && watch.stop();
-    }
-    ++report.batches;
-    read_counts(grid, tracer, count);
-    report.change = change_between(before, count);
-    report.settled = report.kept >= kFewestKept && report.change < options.tolerance;
-    if (report.settled || report.stopped) break;
-  }
-  tracer.take_directions(direction);
-  return kept;
-}
-
-// The same for the user's lines: those of cut `c`, counted unchanged.
-std::vector<LightLine> own_pass(size_t c, const LightGrid& grid, const std::vector<LightLine>& own,
-                                std::vector<uint32_t>& count, std::vector<Vec3d>& direction,
-                                CoarseReport& report) {
-  std::vector<LightLine> kept;
-  for (LightLine line : own) {
-    if (line.cut != c || !clip_to(grid, line)) continue;
-    kept.push_back(line);
-    walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
-      count[voxel] += grid.air[voxel];
-      direction[voxel] += normalize(line.camera - line.light);
-    });
-  }
-  report.drawn = report.visible = report.kept = kept.size();
-  report.settled = true;
-  report.change = 0;
-  return kept;
 }
 
 }  // namespace
@@ -196,44 +131,122 @@ void share_out(double light, std::span<LightLine> lines) {
   for (LightLine& line : lines) line.share *= light / drawn;
 }
 
-// Both passes for cut `c`; adds their results to grid, direction and report.
-void add_cut(const Scene& scene, LineTracer& tracer, size_t c, const LightGridOptions& options,
-             const LightGridWatch& watch, const CutFile& cut, LightGrid& grid,
-             std::vector<Vec3d>& direction, LightGridReport& report) {
-  std::vector<uint32_t> count(grid.count.size(), 0);
-  CoarseReport coarse;
-  const std::vector<LightLine> kept =
-      options.own.empty()
-          ? coarse_pass(scene, tracer, c, grid, options, watch, count, direction, coarse)
-          : own_pass(c, grid, options.own, count, direction, coarse);
-  report.phases.done("coarse");
-  report.drawn += coarse.drawn;
-  report.visible += coarse.visible;
-  report.kept += coarse.kept;
-  if (coarse.visible > 0)
-    grid.cuts[c].kept = static_cast<double>(coarse.kept) / static_cast<double>(coarse.visible);
-  report.stopped = coarse.stopped;
-  report.settled = report.settled && coarse.settled;
-  report.change = std::max(report.change, coarse.change);
-  LightGridReport::OfCut& of_cut = report.cuts[c] = coarse;
-  if (kept.empty()) return;
-  for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
-  const LineWalk walk =
-      walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
-  const size_t before = grid.lines.size();
-  for (LightLine line : options.own.empty() ? walk.lines : kept)
-    if (clip_to(grid, line)) grid.lines.push_back(line);
-  const std::span lines = std::span(grid.lines).subspan(before);
-  share_out(carried_by(cut, c), lines);
-  for (Probe probe : walk.probes)
-    if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
-  of_cut.lines = lines.size();
-  report.tried += of_cut.tried = walk.tried;
-  report.joined += of_cut.joined = walk.joined;
-  report.phases.done("fine");
-}
+// Counts the light of the cuts of a scene in a grid.
+struct LightCounter {
+  const Scene& scene;
+  const CutFile& cut;
+  const LightGridOptions& options;
+  const LightGridWatch& watch;
+  LineTracer& tracer;
+  LightGrid& grid;
+  LightGridReport& report;
+  std::vector<Vec3d> direction;   // sums over all cuts
+  std::vector<uint32_t> count{};  // of the current cut
+
+  // Both passes for cut `c`.
+  void add_cut(size_t c) {
+    count.assign(grid.count.size(), 0);
+    PassStatistics& of_cut = report.cuts[c];
+    const bool own = !options.own.empty();
+    const std::vector<LightLine> kept = own ? own_pass(c, of_cut) : coarse_pass(c, of_cut);
+    report.phases.done("coarse");
+    if (of_cut.visible > 0)
+      grid.cuts[c].kept = static_cast<double>(of_cut.kept) / static_cast<double>(of_cut.visible);
+    if (kept.empty()) return;
+    for (size_t i = 0; i < count.size(); ++i) grid.count[i] += static_cast<float>(count[i]);
+    const LineWalk walk =
+        walk_among_lines(scene, tracer, c, grid, count, kept, options.lines, options.seed);
+    const size_t before = grid.lines.size();
+    for (LightLine line : own ? kept : walk.lines)
+      if (clip_to(grid, line)) grid.lines.push_back(line);
+    const std::span lines = std::span(grid.lines).subspan(before);
+    share_out(carried_by(cut, c), lines);
+    for (Probe probe : walk.probes)
+      if (clip_to(grid, probe.line)) grid.probes.push_back(probe);
+    of_cut.lines = lines.size();
+    of_cut.tried = walk.tried;
+    of_cut.joined = walk.joined;
+    report.phases.done("fine");
+  }
+
+  void set_directions() {
+    for (size_t i = 0; i < grid.count.size(); ++i) {
+      if (grid.count[i] == 0) continue;
+      grid.direction[i] = Vec3f(direction[i] / static_cast<double>(grid.count[i]));
+      report.fullest = std::max(report.fullest, grid.count[i]);
+    }
+  }
+
+  // Samples segments between pivot patches of cut `c` until the counts settle; returns the first
+  // kMostKept of those that connect the two sides. Sets count to this cut's counts; adds its lines
+  // to direction, in air or not.
+  std::vector<LightLine> coarse_pass(size_t c, PassStatistics& pass) {
+    std::vector<LightLine> kept;
+    TracedLines line;
+    uint64_t summed = 0;
+    tracer.clear();
+    for (uint64_t batch = kFirstBatch; pass.drawn < options.samples; batch = pass.drawn) {
+      const std::vector<uint32_t> before = count;
+      const uint64_t end = pass.drawn + std::min(batch, options.samples - pass.drawn);
+      while (pass.drawn < end && !report.stopped) {
+        const uint64_t n = std::min(end - pass.drawn, kBlock);
+        if (summed + n > LIGHT_MOST_SUMMED) tracer.take_directions(direction), summed = 0;
+        tracer.between_pivots(c, static_cast<uint32_t>(pass.drawn), static_cast<uint32_t>(n), line);
+        summed += n;
+        for (size_t i = 0; i < n; ++i) {
+          pass.visible += line.fate[i] != LineFate::none;
+          if (line.fate[i] != LineFate::joins) continue;
+          ++pass.kept;
+          if (kept.size() < kMostKept)
+            kept.push_back(in_metres(scene, grid, tracer.tables(), c, line.ends[i]));
+        }
+        pass.drawn += n;
+        if (watch.progress) watch.progress(n);
+        report.stopped = watch.stop && watch.stop();
+      }
+      ++pass.batches;
+      read_counts(grid, tracer, count);
+      pass.change = change_between(before, count);
+      pass.settled = pass.kept >= kFewestKept && pass.change < options.tolerance;
+      if (pass.settled || report.stopped) break;
+    }
+    tracer.take_directions(direction);
+    return kept;
+  }
+
+  // The same for the user's lines: those of cut `c`, counted unchanged.
+  std::vector<LightLine> own_pass(size_t c, PassStatistics& pass) {
+    std::vector<LightLine> kept;
+    for (LightLine line : options.own) {
+      if (line.cut != c || !clip_to(grid, line)) continue;
+      kept.push_back(line);
+      walk_grid(grid, line.light, line.camera, [&](size_t voxel, double) {
+        count[voxel] += grid.air[voxel];
+        direction[voxel] += normalize(line.camera - line.light);
+      });
+    }
+    pass.drawn = pass.visible = pass.kept = kept.size();
+    pass.settled = true;
+    pass.change = 0;
+    return kept;
+  }
+};
 
 }  // namespace
+
+PassStatistics LightGridReport::all() const {
+  PassStatistics sum;
+  sum.settled = !cuts.empty();
+  sum.change = cuts.empty() ? 1 : 0;
+  for (const PassStatistics& of_cut : cuts) {
+    sum.drawn += of_cut.drawn, sum.visible += of_cut.visible, sum.kept += of_cut.kept;
+    sum.tried += of_cut.tried, sum.joined += of_cut.joined, sum.lines += of_cut.lines;
+    if (of_cut.drawn == 0) continue;
+    sum.settled = sum.settled && of_cut.settled;
+    sum.change = std::max(sum.change, of_cut.change);
+  }
+  return sum;
+}
 
 LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::string& cut_name,
                           const LightGridOptions& options, LightGridReport& report,
@@ -253,31 +266,26 @@ LightGrid make_light_grid(const Scene& scene, const CutFile& cut, const std::str
   report.phases.done("patches");
   const std::unique_ptr<LineTracer> tracer = make_tracer(scene, tables, grid, options.seed);
   report.phases.done("bvh");
-  report.settled = true;
-  report.change = 0;
   report.cuts.resize(cut.cuts.size());
-  std::vector<Vec3d> direction(grid.count.size());
   for (const Bottleneck& b : cut.cuts)
     grid.cuts.push_back({std::clamp(b.conductance, 0.0, 1.0), 0, b.camera});
+  LightCounter counter{scene,   cut,  options, watch,
+                       *tracer, grid, report,  std::vector<Vec3d>(grid.count.size())};
   for (size_t c = 0; c < cut.cuts.size() && !report.stopped; ++c)
-    if (tables.cuts[c].count > 0 || !options.own.empty())
-      add_cut(scene, *tracer, c, options, watch, cut, grid, direction, report);
-  if (report.drawn == 0)
+    if (tables.cuts[c].count > 0 || !options.own.empty()) counter.add_cut(c);
+  const PassStatistics all = report.all();
+  if (all.drawn == 0)
     return no_light_grid(scene, options.own.empty() ? "no pair of the cut has any surface"
                                                     : "no line given lies in the grid");
   grid.flux_share =
-      report.visible ? static_cast<double>(report.kept) / static_cast<double>(report.visible) : 0;
+      all.visible ? static_cast<double>(all.kept) / static_cast<double>(all.visible) : 0;
   if (grid.lines.empty()) {
     LightGrid none =
         no_light_grid(scene, "no segment between the pivot patches joins the two sides");
     none.flux_share = 0;
     return none;
   }
-  for (size_t i = 0; i < grid.count.size(); ++i) {
-    if (grid.count[i] == 0) continue;
-    grid.direction[i] = Vec3f(direction[i] / static_cast<double>(grid.count[i]));
-    report.fullest = std::max(report.fullest, grid.count[i]);
-  }
+  counter.set_directions();
   return grid;
 }
 

@@ -1,7 +1,7 @@
 // Segments between pivot patches per second that each back end samples, tests and counts, in one
 // interleaved run:
 //   lightgrid_bench [gpu[:WHICH]] [RESOLUTION] SCENE CUT [SCENE CUT ...]
-// prints a table in Markdown, and on stderr the device and its time per kernel.
+// prints a table in Markdown, and on stderr the device and what becomes of the segments.
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -87,18 +87,12 @@ void measure(const std::string& scene_path, const std::string& cut_path, int res
                scene.triangles.size(), grid.dim[0], grid.dim[1], grid.dim[2], t.name,
                median(t.per_second) / 1e6, median(t.per_cpu_second) / 1e6,
                median(t.per_second) / median(all[0].per_second));
-  // Time per kernel of the device.
-  GpuLineTimes times;
   TracedLines out;
-  make_gpu_lines(device, scene, tables, grid, 1, {}, &times)->between_pivots(0, 0, all[2].n, out);
-  const double whole = times.trace + times.votes + times.march;
+  all[2].tracer->between_pivots(0, 0, all[2].n, out);
   uint32_t free = 0, joins = 0;
   for (const LineFate fate : out.fate)
     free += fate != LineFate::none, joins += fate == LineFate::joins;
-  fmt::print(stderr,
-             "{}: drawing and visibility {:.0f} %, votes {:.0f} %, march {:.0f} %; {:.0f} % of the "
-             "segments are free, {:.0f} % join\n",
-             name, 100 * times.trace / whole, 100 * times.votes / whole, 100 * times.march / whole,
+  fmt::print(stderr, "{}: {:.0f} % of the segments are free, {:.0f} % join\n", name,
              100.0 * free / all[2].n, 100.0 * joins / all[2].n);
 }
 

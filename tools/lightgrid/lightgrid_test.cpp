@@ -7,7 +7,6 @@
 #include <tbb/global_control.h>
 
 #include "libcommon/base/error.h"
-#include "tools/lightgrid/building.h"
 #include "tools/lightgrid/testing/perfect_cut.h"
 
 namespace tdpt::lightgrid_test {
@@ -95,7 +94,7 @@ TEST(LightGrid, LightPassesTheHole) {
     if (!grid.air[i]) {
       EXPECT_EQ(grid.count[i], 0);
     }
-  EXPECT_GT(report.joined, 0.2 * static_cast<double>(report.tried));
+  EXPECT_GT(report.all().joined, 0.2 * static_cast<double>(report.all().tried));
 }
 
 TEST(LightGrid, AWideGroundDoesNotCoarsenTheVoxels) {
@@ -171,14 +170,14 @@ TEST(LightGrid, SettlesOrSaysThatItDidNot) {
   LightGridReport report;
   options.samples = 1000;
   make_light_grid(scene, cut, "a.cut", options, report);
-  EXPECT_FALSE(report.settled);
-  EXPECT_EQ(report.drawn, 1000u);
+  EXPECT_FALSE(report.all().settled);
+  EXPECT_EQ(report.all().drawn, 1000u);
   options.samples = 1 << 22;
   options.tolerance = 0.2;
   LightGridReport loose;
   make_light_grid(scene, cut, "a.cut", options, loose);
-  EXPECT_TRUE(loose.settled);
-  EXPECT_LT(loose.drawn, options.samples);
+  EXPECT_TRUE(loose.all().settled);
+  EXPECT_LT(loose.all().drawn, options.samples);
 }
 
 // Reports every line as blocked; records its calls.
@@ -220,7 +219,7 @@ TEST(LightGrid, TakesDirectionsBeforeTheyOverflow) {
                       uint64_t seed) -> std::unique_ptr<LineTracer> {
                     return std::make_unique<BlockedTracer>(s, tables, grid, seed, most);
                   });
-  EXPECT_EQ(report.drawn, options.samples);
+  EXPECT_EQ(report.all().drawn, options.samples);
   EXPECT_LE(most, uint64_t{LIGHT_MOST_SUMMED});
   EXPECT_GT(most, uint64_t{LIGHT_MOST_SUMMED} / 2);
   EXPECT_LT(LIGHT_MOST_SUMMED * LIGHT_DIRECTION_UNITS, 0x1p31f);
@@ -235,10 +234,10 @@ TEST(LightGrid, StopsWithWhatItHas) {
   const LightGrid grid =
       make_light_grid(scene, door_cut(scene), "a.cut", options, report, {{}, [] { return true; }});
   EXPECT_TRUE(report.stopped);
-  EXPECT_LT(report.drawn, options.samples);
+  EXPECT_LT(report.all().drawn, options.samples);
   ASSERT_EQ(report.cuts.size(), 1u);
-  EXPECT_EQ(report.cuts[0].drawn, report.drawn);
-  EXPECT_EQ(report.cuts[0].kept, report.kept);
+  EXPECT_EQ(report.cuts[0].drawn, report.all().drawn);
+  EXPECT_EQ(report.cuts[0].kept, report.all().kept);
   EXPECT_EQ(report.cuts[0].batches, 1u);
   EXPECT_FALSE(report.cuts[0].settled);
   EXPECT_EQ(report.cuts[0].lines, grid.lines.size());
@@ -295,7 +294,7 @@ TEST(LightGrid, KeepsOnesOwnLinesAndCountsThem) {
   ASSERT_EQ(grid.lines.size(), 40u);
   for (size_t l = 0; l < 40; ++l) EXPECT_EQ(grid.lines[l].light, options.own[l + 1].light);
   EXPECT_EQ(report.fullest, 40);  // where they end
-  EXPECT_TRUE(report.settled);
+  EXPECT_TRUE(report.all().settled);
   EXPECT_EQ(grid.cuts[0].kept, 1);
   EXPECT_EQ(grid.flux_share, 1);
   for (size_t v = 0; v < grid.count.size(); ++v) {

@@ -39,7 +39,7 @@
 // their whole length as in a small opening. So in the first steps, which are not reversible, x is
 // the point of the line nearest to another line: all meet in the opening. The last wide try of each
 // chain is kept as a probe: probes measure the support of portals.
-#include "tools/lightgrid/line_walk.h"
+#include "tools/lightgrid/lightgrid.h"
 
 #include <algorithm>
 #include <cmath>

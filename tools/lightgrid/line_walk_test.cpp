@@ -1,4 +1,4 @@
-#include "tools/lightgrid/line_walk.h"
+#include "tools/lightgrid/lightgrid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -142,24 +142,26 @@ LightGrid compute(const Arguments& a, const cli::Common& common, const Loaded& i
   return grid;
 }
 
-void tell(const cli::Common& common, const LightGrid& grid, const LightGridReport& report,
-          const Arguments& a) {
+void note_counts(const cli::Common& common, const LightGrid& grid, const LightGridReport& report,
+                 const Arguments& a) {
+  const PassStatistics all = report.all();
   if (!grid.bottleneck) return common.note("no bottleneck: " + grid.reason);
   if (!a.lines_from.empty())
     return common.note(
-        fmt::format("{} of {} join the two sides", report.joined, counted(report.tried, "line")));
+        fmt::format("{} of {} join the two sides", all.joined, counted(all.tried, "line")));
   common.note(fmt::format(
-      "counted {} of light from the lit side to the camera's{}", counted(report.kept, "line"),
-      report.settled ? ""
-                     : "; that is too few for settled counts: --quality high draws "
-                       "more"));
+      "counted {} of light from the lit side to the camera's{}", counted(all.kept, "line"),
+      all.settled ? ""
+                  : "; that is too few for settled counts: --quality high draws "
+                    "more"));
 }
 
 nlohmann::json summary(const LightGrid& grid, const LightGridReport& report,
                        const std::string& device) {
-  return {{"bottleneck", grid.bottleneck}, {"reason", grid.reason},     {"drawn", report.drawn},
-          {"visible", report.visible},     {"kept", report.kept},       {"settled", report.settled},
-          {"change", report.change},       {"tried", report.tried},     {"joined", report.joined},
+  const PassStatistics all = report.all();
+  return {{"bottleneck", grid.bottleneck}, {"reason", grid.reason},     {"drawn", all.drawn},
+          {"visible", all.visible},        {"kept", all.kept},          {"settled", all.settled},
+          {"change", all.change},          {"tried", all.tried},        {"joined", all.joined},
           {"lines", grid.lines.size()},    {"voxels", grid.dim},        {"air", report.air},
           {"voxel", grid.voxel},           {"fullest", report.fullest}, {"device", device}};
 }
@@ -187,7 +189,7 @@ Decision of_box(const Scene& scene, const LightGrid& grid, const LightGridOption
                       cli::price_of(report.phases, {"air"}))};
 }
 
-Decision of_batches(const std::string& cut, const LightGridReport::OfCut& c,
+Decision of_batches(const std::string& cut, const PassStatistics& c,
                     const LightGridOptions& options) {
   if (c.drawn == 0) return {cut, "nothing drawn", "no pair of it has any surface", "no segment"};
   const std::string change = fmt::format("the counts changed by {:.1f} %, {:.0f} % is settled",
@@ -199,13 +201,13 @@ Decision of_batches(const std::string& cut, const LightGridReport::OfCut& c,
           counted(c.drawn, "segment")};
 }
 
-Decision of_leaks(const std::string& cut, const LightGridReport::OfCut& c) {
+Decision of_leaks(const std::string& cut, const PassStatistics& c) {
   return {cut + ", leaks", fmt::format("{} of {} visible segments kept", c.kept, c.visible),
           "short rays around the ends of the others see the wrong side of the cut",
           fmt::format("{} hidden ones dropped", c.drawn - c.visible)};
 }
 
-Decision of_lines(const std::string& cut, const LightGridReport::OfCut& c,
+Decision of_lines(const std::string& cut, const PassStatistics& c,
                   const LightGridOptions& options) {
   if (c.kept == 0)
     return {cut + ", lines", "none", "no segment joins the two sides", "no fine pass"};
@@ -220,7 +222,7 @@ Decision of_lines(const std::string& cut, const LightGridReport::OfCut& c,
 Decisions decisions_of(const Scene& scene, const LightGrid& grid, const LightGridOptions& options,
                        const LightGridReport& report, const std::string& device) {
   Decisions all = uses_of(scene, {"transmission", "alpha", "a sky"});
-  if (report.drawn == 0) {
+  if (report.all().drawn == 0) {
     all.push_back({"light grid", "empty", grid.reason, "nothing is traced"});
     return all;
   }
@@ -255,7 +257,7 @@ int run(const Arguments& a, const cli::Common& common) {
   report.phases.done("load");
   const LightGridOptions how = options_of(a, common, in);
   const LightGrid grid = compute(a, common, in, how, tracer.make, report);
-  tell(common, grid, report, a);
+  note_counts(common, grid, report, a);
   common.explain_by([&] { return decisions_of(in.scene, grid, how, report, tracer.name); });
   cli::deliver({{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
                 {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},

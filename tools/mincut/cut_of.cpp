@@ -8,8 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/flow/series_cut.h"
 #include "libcommon/formats/format_version.h"
-#include "libcommon/math/series_cut.h"
 
 namespace tdpt {
 namespace {
@@ -139,7 +139,9 @@ void keep_most_promising(std::vector<CutOf>& cuts, const std::vector<SeriesCut>&
 
 FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits) {
   const size_t cameras = 1 + problem.more_sinks.size();
-  std::vector<SeriesCut> series(cameras);
+  FoundCuts found;
+  std::vector<SeriesCut>& series = found.cameras;
+  series.resize(cameras);
   std::atomic<size_t> flows = 0;
   const auto verify = [&](const FlowNetwork& network, const MaxFlow& flow) {
     ++flows;
@@ -150,7 +152,6 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     series[k] = cameras > 1 && !problem.walks.empty() ? camera_cut(network, most, limits, verify)
                                                       : series_cut(network, most, limits, verify);
   });
-  FoundCuts found;
   CutFile& cut = found.file;
   cut.scene_hash = problem.scene_hash;
   cut.cameras = problem.cameras;
@@ -171,10 +172,7 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
     cut.cuts.push_back({static_cast<double>(flow) / problem.scale, facts.conductance, camera});
   }
   cut.arcs = pivot_pairs(problem, cut);
-  for (SeriesCut& s : series) {
-    cut.bottleneck |= s.bottleneck;
-    found.cameras.push_back({s.reason, std::move(s.refused), s.drops, s.passed, s.closets});
-  }
+  for (const SeriesCut& s : series) cut.bottleneck |= s.bottleneck;
   if (!cut.bottleneck) cut.reason = series[0].reason;
   found.flows = flows;
   return found;

@@ -1,22 +1,16 @@
 // Finds the bottlenecks of a network of patches: the pivot pairs of the paper's section 4.1 are the
 // arcs that a minimum cut (series_cut.h) crosses.
 #pragma once
+#include "libcommon/flow/max_flow.h"
+#include "libcommon/flow/series_cut.h"
 #include "libcommon/formats/dimacs.h"
-#include "libcommon/math/max_flow.h"
-#include "libcommon/math/series_cut.h"
 
 namespace tdpt {
 
 struct FoundCuts {
   CutFile file;                 ///< without provenance
   std::vector<CutFacts> facts;  ///< by cut
-  /// What was found for one camera.
-  struct OfCamera {
-    std::string reason;  ///< why there is no bottleneck; empty: there is one
-    std::vector<SeriesCut::Refused> refused;
-    size_t drops = 0, passed = 0, closets = 0;  ///< as in SeriesCut
-  };
-  std::vector<OfCamera> cameras;
+  std::vector<SeriesCut> cameras;
   size_t left_out = 0;  ///< cuts beyond kMostCuts
   size_t flows = 0;     ///< maximum flows, each verified
 };

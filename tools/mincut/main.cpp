@@ -10,9 +10,9 @@
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/draw/canvas.h"
+#include "libcommon/flow/cut_facts.h"
 #include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/viewpoint.h"
-#include "libcommon/math/cut_facts.h"
 #include "libcommon/options/shot_options.h"
 #include "tools/mincut/cut_of.h"
 #include "tools/mincut/preview.h"
@@ -37,28 +37,6 @@ struct Arguments {
   CutLimits limits;
 };
 
-// A member of CutLimits: its name as a setting, and its range.
-struct CutLimit {
-  const char* name;
-  double CutLimits::*value;
-  double lowest, highest;
-};
-constexpr CutLimit kCutLimits[]{
-    {"least-area", &CutLimits::least_area, 0, 1},
-    {"least-carried", &CutLimits::least_carried, 0, 1},
-    {"straight", &CutLimits::straight, 0, 1},
-    {"seen", &CutLimits::seen, 0, 1},
-    {"hold", &CutLimits::hold, 0, 1},
-    {"least-drop", &CutLimits::least_drop, 0, 1},
-    {"loose", &CutLimits::loose, 0, 1e9},
-    {"most-drops", &CutLimits::most_drops, 0, 1e9},
-};
-
-void declare_limits(cli::Options& options, CutLimits& limits) {
-  for (const CutLimit& limit : kCutLimits)
-    options.limit(limit.name, limits.*limit.value, limit.lowest, limit.highest);
-}
-
 void declare_options(cli::Options& options, Arguments& a) {
   options.argument("network", a.network,
                    "Network (.max, a DIMACS maximum-flow problem); default standard input", false);
@@ -77,7 +55,14 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::told);
-  declare_limits(options, a.limits);
+  options.limit("least-area", a.limits.least_area, 0, 1);
+  options.limit("least-carried", a.limits.least_carried, 0, 1);
+  options.limit("straight", a.limits.straight, 0, 1);
+  options.limit("seen", a.limits.seen, 0, 1);
+  options.limit("hold", a.limits.hold, 0, 1);
+  options.limit("least-drop", a.limits.least_drop, 0, 1);
+  options.limit("loose", a.limits.loose, 0, 1e9);
+  options.limit("most-drops", a.limits.most_drops, 0, 1e9);
 }
 
 constexpr double kFarthest = 1e6;  // sizes of the scene: no program stands a camera beyond
@@ -167,7 +152,7 @@ std::string bottlenecks_sentence(const std::vector<CutFacts>& cuts) {
 }
 
 // Of the light's way to one camera. `cuts`: those that serve it.
-std::string sentence_of(const FoundCuts::OfCamera& found, const std::vector<CutFacts>& cuts) {
+std::string sentence_of(const SeriesCut& found, const std::vector<CutFacts>& cuts) {
   if (found.reason.empty() && cuts.empty()) return "the cuts of other cameras fill the file";
   return found.reason.empty() ? bottlenecks_sentence(cuts) : "no bottleneck: " + found.reason;
 }
@@ -217,7 +202,7 @@ std::string figures(const CutFacts& f, const CutLimits& limits) {
                      percent_words(f.smaller_side()), percent_words(limits.least_area));
 }
 
-Decision of_search(const FoundCuts::OfCamera& found, const std::string& price) {
+Decision of_search(const SeriesCut& found, const std::string& price) {
   return {"search", fmt::format("ended after {} of the potential", counted(found.drops, "drop")),
           found.passed > 0
               ? fmt::format("{} more {} wider", found.passed, found.passed == 1 ? "is" : "are")
@@ -226,14 +211,14 @@ Decision of_search(const FoundCuts::OfCamera& found, const std::string& price) {
 }
 
 // Refused cuts that are bottlenecks all the same.
-size_t one_too_many(const FoundCuts::OfCamera& found, const CutLimits& limits) {
+size_t one_too_many(const SeriesCut& found, const CutLimits& limits) {
   size_t n = 0;
   for (const SeriesCut::Refused& r : found.refused) n += why_refused(r.facts, limits).empty();
   return n;
 }
 
 // Of one camera: what was refused and where the search ended. `name`: empty for the only one.
-void add_camera(const FoundCuts::OfCamera& found, const std::string& name, size_t most,
+void add_camera(const SeriesCut& found, const std::string& name, size_t most,
                 const CutLimits& limits, const std::string& price, Decisions& all) {
   const std::string before = name.empty() ? "" : name + ": ";
   for (const SeriesCut::Refused& r : found.refused)

@@ -14,7 +14,6 @@
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
-#include "tools/portalfit/limits.h"
 #include "tools/portalfit/merit.h"
 #include "tools/portalfit/plan_preview.h"
 #include "tools/portalfit/portalfit.h"
@@ -37,62 +36,16 @@ struct Arguments {
   std::vector<std::string> grid{"-"};
   std::string method = "tube", renderer, preview, scene, debug_glb, debug_lines = "edges";
   int64_t max_portals = 8;
-  FitLimits limits;
+  PortalFitOptions fit;
   bool require_portal = false;
   Pose pose;
 };
-
-// A member of FitLimits: its name as a setting, and its range.
-struct FitLimit {
-  const char* name;
-  double FitLimits::*value;
-  double lowest, highest;
-};
-constexpr FitLimit kFitLimits[]{
-    {"fewest", &FitLimits::fewest, 8, 1e6},
-    {"least-edge", &FitLimits::least_edge, 0, 1},
-    {"resolved", &FitLimits::resolved, 0, 1000},
-    {"widening", &FitLimits::widening, 0.5, 100},
-    {"dense-cell", &FitLimits::dense_cell, 0, 1},
-    {"points-per-cell", &FitLimits::points_per_cell, 1, 1000},
-    {"grazing", &FitLimits::grazing, 0, 1},
-    {"missing", &FitLimits::missing, 0, 100},
-    {"missing-of-few", &FitLimits::missing_of_few, 0, 100},
-    {"missing-of-known", &FitLimits::missing_of_known, 0, 100},
-    {"many", &FitLimits::many, 0, 1e9},
-    {"outside", &FitLimits::outside, 0, 1},
-    {"hardly-any", &FitLimits::hardly_any, 0, 1},
-    {"turn", &FitLimits::turn, 1e-4, 1},
-    {"rough-lines", &FitLimits::rough_lines, 100, 1e6},
-    {"fine-lines", &FitLimits::fine_lines, 100, 1e6},
-    {"first-step", &FitLimits::first_step, 1e-4, 1},
-    {"fine-step", &FitLimits::fine_step, 1e-4, 1},
-    {"rough-last", &FitLimits::rough_last, 1e-4, 1},
-    {"fine-last", &FitLimits::fine_last, 1e-4, 1},
-    {"alike", &FitLimits::alike, 0.5, 100},
-    {"plane-holds", &FitLimits::plane_holds, 0, 1},
-    {"blind-end", &FitLimits::blind_end, 0, 1},
-    {"parallel", &FitLimits::parallel, 0, 1},
-    {"square", &FitLimits::square, 0, 10},
-    {"slight", &FitLimits::slight, 0, 1},
-    {"within", &FitLimits::within, 0, 1},
-    {"most-trimmed", &FitLimits::most_trimmed, 0, 1},
-    {"sparse", &FitLimits::sparse, 1, 1000},
-    {"beside", &FitLimits::beside, 0, 10},
-    {"denser", &FitLimits::denser, 0.5, 100},
-    {"mostly", &FitLimits::mostly, 0, 1},
-};
-
-void declare_limits(cli::Options& options, FitLimits& limits) {
-  for (const FitLimit& limit : kFitLimits)
-    options.limit(limit.name, limits.*limit.value, limit.lowest, limit.highest);
-}
 
 void declare_options(cli::Options& options, Arguments& a) {
   options.arguments("grid", a.grid,
                     "The light grid (.vdb), or tables of it (.csv) with that of its lines among "
                     "them; default standard input");
-  options.option("--threshold,--set threshold", a.limits.threshold, "T",
+  options.option("--threshold,--set threshold", a.fit.threshold, "T",
                  "Smallest share of a camera's light that makes a portal; default 0.02", 0.0001, 1);
   options.option("--max-portals,--set max-portals", a.max_portals, "N",
                  "Most portals for each camera; default 8", 1, 1000);
@@ -114,14 +67,13 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "Write portals, their normals and some lines of light as glTF");
   declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::told);
-  declare_limits(options, a.limits);
+  options.limit("least-edge", a.fit.least_edge, 0, 1);
 }
 
 constexpr const char* kNoOpening = "no planar opening fits the light";
 
 PortalFitOptions options_of(const Arguments& a) {
-  PortalFitOptions how;
-  how.limits = a.limits;
+  PortalFitOptions how = a.fit;
   how.max_portals = static_cast<size_t>(a.max_portals);
   how.by_paper = a.method == "paper";
   return how;
@@ -129,7 +81,7 @@ PortalFitOptions options_of(const Arguments& a) {
 
 FitResult fit(const Arguments& a, const LightGrid& grid) {
   FitResult result = fit_portals(grid, options_of(a));
-  appraise({grid, a.limits}, result.portals);
+  appraise(grid, result.portals);
   return result;
 }
 
@@ -147,7 +99,7 @@ std::string plan_of(const Arguments& a, const cli::Common& common, const LightGr
 }
 
 // Notes, and what the summary says of the portals.
-nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResult& found) {
+nlohmann::json portals_json(const cli::Common& common, const FitResult& found) {
   nlohmann::json written = nlohmann::json::array();
   for (const Portal& portal : found.portals) {
     nlohmann::json entry = portal.figures;
@@ -157,7 +109,7 @@ nlohmann::json tell(const Arguments& a, const cli::Common& common, const FitResu
     written.push_back(entry);
   }
   if (!found.portals.empty()) common.note(portals_sentence(found.portals));
-  if (!written.empty() && !found.refused.empty() && found.explained < a.limits.plane_holds)
+  if (!written.empty() && !found.refused.empty() && found.explained < kPlaneHolds)
     common.note("no further opening: the rest of the light does not pass one narrow place");
   std::vector<std::string> refused;
   for (const FitResult::Refusal& r : found.refused) refused.push_back(r.why);
@@ -190,8 +142,8 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
 }
 
 // Which of the portals another renderer is given: those of the sky.
-void tell_of_sky(const cli::Common& common, const LightGrid& grid,
-                 const std::vector<Portal>& portals) {
+void note_inner_portals(const cli::Common& common, const LightGrid& grid,
+                        const std::vector<Portal>& portals) {
   const auto outer =
       static_cast<size_t>(std::count_if(portals.begin(), portals.end(), lets_in_sky));
   if (outer == portals.size()) return;
@@ -221,9 +173,9 @@ int run(const Arguments& a, const cli::Common& common) {
   file.scene_hash = grid.scene_hash;
   file.made_for = grid.cameras;
   file.provenance = common.provenance(files);
-  nlohmann::json summary = tell(a, common, found);
+  nlohmann::json summary = portals_json(common, found);
   if (found.portals.empty()) summary["reason"] = why_none(a, common, grid);
-  if (!a.renderer.empty()) tell_of_sky(common, grid, file.portals);
+  if (!a.renderer.empty()) note_inner_portals(common, grid, file.portals);
   common.explain_by([&] { return decisions_of(grid, options_of(a), found, phases); });
   deliver(a, common, grid, found, file, phases);
   cli::report(common, summary, phases);

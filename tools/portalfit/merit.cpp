@@ -74,8 +74,7 @@ std::optional<double> way_to(const PortalShape& shape, const LightLine& line) {
 }  // namespace
 
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<LineCrossing>& crossings,
-                                   const FitLimits& limits) {
+                                   const std::vector<LineCrossing>& crossings) {
   if (crossings.empty()) return {};
   const auto in_the_middle = [&](const LineCrossing& c) { return contains(shape, c.at * 2); };
   const auto squared_sine = [&](const LineCrossing& c) {
@@ -89,7 +88,7 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
     const auto inside = static_cast<double>(std::count_if(
         crossings.begin(), crossings.end(),
         [&](const LineCrossing& c) { return in_the_middle(c) && squared_sine(c) <= sine2; }));
-    if (inside < 2 * limits.fewest) break;
+    if (inside < 2.0 * kFewestLines) break;
     densest = std::max(densest, inside / (std::numbers::pi * sine2 * 0.25 * shape.area));
   }
   return std::min(1.0, n / (densest * std::numbers::pi * shape.area));
@@ -143,8 +142,7 @@ void appraise_sky(const LightGrid& grid, const Appraised& a, const std::vector<A
 
 }  // namespace
 
-void appraise(const FitInput& in, std::vector<Portal>& portals) {
-  const LightGrid& grid = in.grid;
+void appraise(const LightGrid& grid, std::vector<Portal>& portals) {
   size_t cuts = 1;
   for (const LightLine& l : grid.lines) cuts = std::max<size_t>(cuts, l.cut + 1);
   std::vector<size_t> lines(cuts, 0);
@@ -155,7 +153,7 @@ void appraise(const FitInput& in, std::vector<Portal>& portals) {
     std::vector<LineCrossing> crossings = crossings_of(grid.lines, shape);
     const size_t cut = cut_of(grid.lines, lines, crossings);
     std::erase_if(crossings, [&](const LineCrossing& c) { return grid.lines[c.line].cut != cut; });
-    const auto tightness = tightness_of(grid.lines, shape, crossings, in.limits);
+    const auto tightness = tightness_of(grid.lines, shape, crossings);
     portal.figures["cut"] = static_cast<double>(cut);
     if (tightness) portal.figures["tightness"] = *tightness;
     appraised.push_back({&portal, std::move(shape), cut, std::move(crossings), tightness});

@@ -5,7 +5,6 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
-#include "tools/portalfit/limits.h"
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {
@@ -19,8 +18,7 @@ struct LineCrossing {
 /// Share of a portal's lines that pass from one side to the other; nothing if none crosses.
 /// `crossings`: of one cut, by index into `lines`.
 std::optional<double> tightness_of(const std::vector<LightLine>& lines, const PortalShape& shape,
-                                   const std::vector<LineCrossing>& crossings,
-                                   const FitLimits& limits);
+                                   const std::vector<LineCrossing>& crossings);
 
 /// Adds figures of portal(5) to each portal: `cut` (the one that has the largest share of its lines
 /// cross the portal), `tightness` (share of the lines through the portal that pass from one side to
@@ -28,6 +26,6 @@ std::optional<double> tightness_of(const std::vector<LightLine>& lines, const Po
 /// knows its cuts (of the cut, as far as its lines cross its portals), and `sky` (share of the
 /// portal's lines that come from outside the grid and pass no other portal before it; left out if
 /// the grid names no scene or does not tell air from walls, as tables).
-void appraise(const FitInput& in, std::vector<Portal>& portals);
+void appraise(const LightGrid& grid, std::vector<Portal>& portals);
 
 }  // namespace tdpt

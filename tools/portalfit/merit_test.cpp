@@ -56,7 +56,7 @@ double tightness_of(const std::vector<LightLine>& lines, const Portal& portal) {
   LightGrid grid;
   grid.lines = lines;
   std::vector<Portal> portals{portal};
-  appraise({grid, {}}, portals);
+  appraise(grid, portals);
   EXPECT_FALSE(portals[0].figures.contains("conductance"));  // its cut is unknown
   return portals[0].figures.at("tightness");
 }
@@ -83,7 +83,7 @@ TEST(Tightness, DoesNotCountLinesTheOtherWay) {
   LightGrid grid;
   grid.lines = lines;
   std::vector<Portal> portals{square(1)};
-  appraise({grid, {}}, portals);
+  appraise(grid, portals);
   EXPECT_FALSE(portals[0].figures.contains("tightness"));
 }
 
@@ -93,7 +93,7 @@ TEST(Appraise, EachPortalBelongsToItsOwnCut) {
   for (const LightLine& l : lines_through(1, 0.1, 4000, 1, 5)) grid.lines.push_back(l);
   grid.cuts = {{0.001, 0.5}, {0.2, 1}};
   std::vector<Portal> portals{square(0.2), square(1, 5)};
-  appraise({grid, {}}, portals);
+  appraise(grid, portals);
   EXPECT_EQ(portals[0].figures.at("cut"), 0);
   EXPECT_EQ(portals[1].figures.at("cut"), 1);
   EXPECT_NEAR(portals[0].figures.at("conductance"), 0.0005, 1e-5);
@@ -106,8 +106,8 @@ TEST(Appraise, PortalsOfOneCutCarryItsLightTogether) {
   for (LightLine l : lines_through(0.2, 0.1, 4000, 1, 5)) l.cut = 0, grid.lines.push_back(l);
   grid.cuts = {{0.001, 1}};
   std::vector<Portal> both{square(0.2), square(0.2, 5)}, one{square(0.2)};
-  appraise({grid, {}}, both);
-  appraise({grid, {}}, one);
+  appraise(grid, both);
+  appraise(grid, one);
   EXPECT_NEAR(both[0].figures.at("conductance"), 0.001, 1e-9);
   EXPECT_EQ(both[1].figures.at("conductance"), both[0].figures.at("conductance"));
   EXPECT_NEAR(one[0].figures.at("conductance"), 0.0005, 1e-5);
@@ -119,21 +119,21 @@ TEST(Appraise, JambsOnEitherSideOfTheCutMakeNoDifference) {
   grid.lines = lines_through(0.2, 0.3, 4000, 0);
   grid.cuts = {{0.0005, 1}};
   std::vector<Portal> clear{square(0.2)}, jambs{square(0.2)};
-  appraise({grid, {}}, clear);
+  appraise(grid, clear);
   // As many lines again, which end on a jamb before the middle; the cut carries twice as much.
   for (LightLine l : lines_through(0.2, 0.3, 4000, 0)) {
     l.camera = l.light + (l.camera - l.light) * 0.45;
     grid.lines.push_back(l);
   }
   grid.cuts = {{0.001, 1}};
-  appraise({grid, {}}, jambs);
+  appraise(grid, jambs);
   const auto width = [](const Portal& p) {
     return p.figures.at("conductance") / p.figures.at("tightness");
   };
   EXPECT_NEAR(width(jambs[0]), width(clear[0]), 1e-9);
   // Twin: a cut that carries twice as much through the middle is wider.
   grid.lines.resize(4000);
-  appraise({grid, {}}, jambs);
+  appraise(grid, jambs);
   EXPECT_GT(width(jambs[0]), 1.9 * width(clear[0]));
 }
 
@@ -157,7 +157,7 @@ TEST(Appraise, TheSkyMeetsTheWindowFirst) {
   for (Vec3d& v : door.vertices) v.z = 0.5;
   const auto sky_of = [&](const std::string& scene, std::vector<Portal> portals) {
     grid.scene_hash = scene;
-    appraise({grid, {}}, portals);
+    appraise(grid, portals);
     std::vector<double> sky;
     for (const Portal& p : portals)
       sky.push_back(p.figures.contains("sky") ? p.figures.at("sky") : -1);
@@ -175,7 +175,7 @@ TEST(Appraise, TheSkyMeetsTheWindowFirst) {
 
 TEST(Appraise, AGridWithoutLinesTellsNothing) {
   std::vector<Portal> portals{square(1)};
-  appraise({LightGrid{}, {}}, portals);
+  appraise(LightGrid{}, portals);
   EXPECT_FALSE(portals[0].figures.contains("tightness"));
   EXPECT_FALSE(portals[0].figures.contains("conductance"));
 }

@@ -20,12 +20,6 @@ namespace {
 // for each gap between them costs a technique each, and narrow gaps are fitted badly. So panes are
 // joined across bars, but windows are not joined across the wall between them.
 
-std::vector<Vec3d> corners_of(const Aperture& a) {
-  std::vector<Vec3d> corners;
-  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
-  return corners;
-}
-
 // Least-squares plane of the points, with heights measured along the normal of `first`.
 Plane nearest_plane(const Plane& first, const std::vector<Vec3d>& places) {
   const Onb<double> frame(first.n);
@@ -68,34 +62,33 @@ Polygon outline_in(const Plane& plane, const std::vector<Aperture>& parts) {
   return convex_hull(corners);
 }
 
+using Group = std::vector<Aperture>;
+
 // Merit of joining two groups of parts: the share left open; 0 if they stay apart.
-double worth_joining(const std::vector<Aperture>& a, const std::vector<Aperture>& b, bool too_many,
-                     const FitInput& in) {
-  std::vector<Aperture> both = a;
+double worth_joining(const Group& a, const Group& b, bool too_many, const LightGrid& grid) {
+  Group both = a;
   both.insert(both.end(), b.begin(), b.end());
-  const Joint joint = joint_of(in, both);
+  const Joint joint = joint_of(grid, both);
   if (!joint.flat || joint.open < kMost) return 0;
   if (too_many) return joint.open;
   const Polygon one = outline_in(joint.plane, a), other = outline_in(joint.plane, b);
   const double bar = distance_between(one, other);
-  if (bar <= in.limits.resolved * in.grid.voxel) return joint.open;
+  if (bar <= kResolved * grid.voxel) return joint.open;
   // The corners of a rectangle spread like a larger rectangle.
   const double side =
       std::min(extents_of(one).shorter, extents_of(other).shorter) / std::numbers::sqrt3;
-  return joint.open >= in.limits.mostly && bar <= in.limits.beside * side ? joint.open : 0;
+  return joint.open >= kMostly && bar <= kBeside * side ? joint.open : 0;
 }
-
-using Group = std::vector<Aperture>;
 
 // Joins the best pair; returns false if there is none.
 bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& worth, bool too_many,
-               const FitInput& in) {
+               const LightGrid& grid) {
   size_t best_a = 0, best_b = 0;
   double best = 0;
   for (size_t a = 0; a < groups.size(); ++a)
     for (size_t b = a + 1; b < groups.size(); ++b) {
       double& w = worth[a][b];
-      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, in);
+      if (w < 0) w = worth_joining(groups[a], groups[b], too_many, grid);
       if (w > best) best = w, best_a = a, best_b = b;
     }
   if (!(best > 0)) return false;
@@ -107,24 +100,30 @@ bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& wor
   return true;
 }
 
-std::vector<std::vector<double>> unknown(size_t groups) {
-  return std::vector<std::vector<double>>(groups, std::vector<double>(groups, -1));
+std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines) {
+  std::vector<Vec2d> places;
+  for (const LightLine& line : lines)
+    if (const auto at = clear_crossing(plane, line)) places.push_back(*at);
+  return places;
+}
+
+// The lines of all `parts` but number `but`.
+std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts, size_t but = SIZE_MAX) {
+  std::vector<uint32_t> all;
+  for (size_t i = 0; i < parts.size(); ++i)
+    if (i != but) all.insert(all.end(), parts[i].lines.which.begin(), parts[i].lines.which.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
-std::vector<Aperture> laid_again(const FitInput& in, const Bundle& all, const Group& parts) {
-  const Joint joint = joint_of(in, parts);
-  std::vector<uint32_t> own;
-  for (const Aperture& a : parts) own.insert(own.end(), a.lines.which.begin(), a.lines.which.end());
-  std::sort(own.begin(), own.end());
-  own.erase(std::unique(own.begin(), own.end()), own.end());
-  const std::vector<LightLine> lines = Bundle{all.of, own}.lines();
-  Aperture a{holding_plane(lines, {joint.plane, 0}, in.limits), {}, {}};
-  if (const auto square = tube_in_wall(lines, a.tube, in.grid.walls, in.limits)) a.tube = *square;
-  std::vector<Vec2d> places;
-  for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(a.tube.middle, line, in.limits)) places.push_back(*at);
-  a.polygon = outline_of(std::move(places), in.limits);
+std::vector<Aperture> refitted(const LightGrid& grid, const Bundle& all, const Group& parts) {
+  const Joint joint = joint_of(grid, parts);
+  const std::vector<LightLine> lines = Bundle{all.of, lines_of(parts)}.lines();
+  Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
+  if (const auto square = tube_in_wall(lines, a.tube, grid.walls)) a.tube = *square;
+  a.polygon = outline_of(places_in(a.tube.middle, lines));
   if (a.polygon.empty()) return parts;
   a.lines = lines_across(all, a);
   return {a};
@@ -132,7 +131,7 @@ std::vector<Aperture> laid_again(const FitInput& in, const Bundle& all, const Gr
 
 }  // namespace
 
-Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts) {
+Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts) {
   Plane first{{}, {}};
   std::vector<Vec3d> corners;
   double whole = 0;
@@ -159,11 +158,11 @@ Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts) {
   for (const Aperture& a : parts) {
     const double cosine = dot(a.tube.middle.n, joint.plane.n);
     open += area(a.polygon) * cosine;
-    faces = faces && cosine > in.limits.parallel;
+    faces = faces && cosine > kNearlyParallel;
   }
   joint.open = open / area(joint.outline);
   const double side = extents_of(joint.outline).shorter;
-  joint.flat = faces && high <= std::max(in.grid.voxel, in.limits.beside * side);
+  joint.flat = faces && high <= std::max(grid.voxel, kBeside * side);
   return joint;
 }
 
@@ -171,17 +170,17 @@ double distance_between(const Polygon& a, const Polygon& b) {
   return std::min(from_corners(a, b), from_corners(b, a));
 }
 
-std::vector<Aperture> joined_in_planes(const FitInput& in, const Bundle& all,
+std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most) {
   const bool too_many = parts.size() > most;
   std::vector<Group> groups;
   for (Aperture& a : parts) groups.push_back({std::move(a)});
-  auto worth = unknown(groups.size());
-  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, in)) {
+  std::vector worth(groups.size(), std::vector<double>(groups.size(), -1));  // -1: unknown
+  while (groups.size() > (too_many ? most : 1) && join_best(groups, worth, too_many, grid)) {
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? laid_again(in, all, group) : group;
+    const auto some = group.size() > 1 ? refitted(grid, all, group) : group;
     joined.insert(joined.end(), some.begin(), some.end());
   }
   return joined;
@@ -213,12 +212,11 @@ std::optional<Vec2d> middle_of_border(const Polygon& polygon, const HalfPlane& h
 
 // Clips `a`, which is or replaces number `own` of `all`, at the edges that it shares with the
 // others. Returns false if it shares none.
-bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all,
-                 const FitLimits& limits) {
+bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all) {
   bool shares = false;
   for (size_t b = 0; b < all.size(); ++b) {
     if (b == own) continue;
-    const auto edge = shared_edge(a, all[b], limits);
+    const auto edge = shared_edge(a, all[b]);
     if (!edge) continue;
     a.polygon = clipped(a.polygon, edge->axis, edge->limit);
     shares = true;
@@ -228,37 +226,28 @@ bool keep_before(Aperture& a, size_t own, const std::vector<Aperture>& all,
 
 // Lines through `plane` near `polygon`, except those in `taken`, which is sorted.
 std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const Polygon& polygon,
-                                  const std::vector<uint32_t>& taken, const FitLimits& limits) {
-  const Polygon reach = enlarged(polygon, limits.widening);
+                                  const std::vector<uint32_t>& taken) {
+  const Polygon reach = enlarged(polygon, kWidening);
   std::vector<LightLine> lines;
   for (const uint32_t l : all.which)
-    if (const auto at = clear_crossing(plane, all.line(l), limits);
+    if (const auto at = clear_crossing(plane, all.line(l));
         at && contains(reach, *at) && !std::binary_search(taken.begin(), taken.end(), l))
       lines.push_back(all.line(l));
   return lines;
 }
 
-std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines,
-                             const FitLimits& limits) {
-  std::vector<Vec2d> places;
-  for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(plane, line, limits)) places.push_back(*at);
-  return places;
-}
-
 // Fits the opening again, to all lines that pass here and not through the others.
-std::optional<Aperture> fitted_again(const FitInput& in, const Bundle& all,
+std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
                                      const std::vector<uint32_t>& taken, Aperture a) {
   constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
-    const auto own = lines_near(all, a.tube.middle, a.polygon, taken, in.limits);
-    if (in.limits.few(own.size())) return {};
-    a.tube = holding_plane(own, a.tube, in.limits);
-    if (const auto square = tube_in_wall(own, a.tube, in.grid.walls, in.limits)) a.tube = *square;
-    const auto places = places_in(a.tube.middle, own, in.limits);
-    if (in.limits.few(places.size())) return {};
-    const bool last = round + 1 == kRounds;
-    a.polygon = last ? whole_outline(places, in.limits) : outline_of(places, in.limits);
+    const auto own = lines_near(all, a.tube.middle, a.polygon, taken);
+    if (own.size() < kFewestLines) return {};
+    a.tube = holding_plane(own, a.tube);
+    if (const auto square = tube_in_wall(own, a.tube, grid.walls)) a.tube = *square;
+    const auto places = places_in(a.tube.middle, own);
+    if (places.size() < kFewestLines) return {};
+    a.polygon = outline_of(places, round + 1 == kRounds ? Strays::none : Strays::some);
     if (a.polygon.empty()) return {};
   }
   return a;
@@ -266,35 +255,34 @@ std::optional<Aperture> fitted_again(const FitInput& in, const Bundle& all,
 
 // Whether `a` is a better opening than `b`: less area, or more lines. A fit to only part of the
 // light may be turned by what it lacks.
-bool better(const Aperture& a, const Aperture& b, double worth_of_line) {
+bool better(const Aperture& a, const Aperture& b) {
   const auto lines = [](const Aperture& x) { return static_cast<double>(x.lines.size()); };
   return std::log(area(a.polygon) / area(b.polygon)) <
-         worth_of_line * std::log(lines(a) / lines(b));
+         kWorthOfKnown * std::log(lines(a) / lines(b));
 }
 
 }  // namespace
 
-std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b,
-                                     const FitLimits& limits) {
+std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b) {
   const Plane &own = a.tube.middle, &other = b.tube.middle;
   const Onb<double> frame(own.n);
   const Vec2d axis{dot(other.n, frame.x), dot(other.n, frame.y)};
   const double slant = std::hypot(axis.x, axis.y);
-  if (slant * slant < 1 - limits.parallel * limits.parallel) return {};
+  if (slant * slant < 1 - kNearlyParallel * kNearlyParallel) return {};
   HalfPlane half{axis * (1 / slant), dot(other.o - own.o, other.n) / slant};
   const double whole = area(a.polygon);
   double kept = area(clipped(a.polygon, half.axis, half.limit));
   if (kept < 0.5 * whole) half = {half.axis * -1, -half.limit}, kept = whole - kept;
-  const auto middle = middle_of_border(enlarged(a.polygon, limits.widening), half);
+  const auto middle = middle_of_border(enlarged(a.polygon, kWidening), half);
   if (!middle) return {};
   const Vec2d there = in_plane(other, to_space(own, *middle));
-  if (!contains(enlarged(b.polygon, limits.widening), there)) return {};
+  if (!contains(enlarged(b.polygon, kWidening), there)) return {};
   return half;
 }
 
-void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
   if (found.size() < 2) return;
-  for (const double growth : {in.limits.widening, std::sqrt(in.limits.widening), 1.0}) {
+  for (const double growth : {kWidening, std::sqrt(kWidening), 1.0}) {
     for (Aperture& a : found) {
       std::vector<uint32_t> others;
       for (const Aperture& b : found) {
@@ -313,8 +301,8 @@ void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Ape
       };
       const auto shared = static_cast<double>(a.lines.size() - without(a.lines).size());
       const auto size = static_cast<double>(a.lines.size());
-      if (shared < in.limits.slight * size || shared > 0.5 * size) continue;
-      auto again = outlined(in, without(all), a.tube, true);
+      if (shared < kSlight * size || shared > 0.5 * size) continue;
+      auto again = outlined(grid, without(all), a.tube, true);
       if (!again) continue;
       again->lines = lines_across(all, *again);
       if (again->lines.size() >= kMost * size) a = std::move(*again);
@@ -322,20 +310,10 @@ void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Ape
   }
 }
 
-Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others,
-                    const FitLimits& limits) {
-  return all.where([&](const LightLine& line) {
-    return std::none_of(others.begin(), others.end(), [&](const Aperture& b) {
-      const auto at = clear_crossing(b.tube.middle, line, limits);
-      return at && contains(b.polygon, *at);
-    });
-  });
-}
-
-void part_at_shared_edges(const FitInput& in, const Bundle& all, std::vector<Aperture>& found) {
+void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found) {
   std::vector<size_t> smallest_first;
   for (size_t k = 0; k < found.size(); ++k)
-    if (keep_before(found[k], k, found, in.limits)) {
+    if (keep_before(found[k], k, found)) {
       found[k].lines = lines_across(all, found[k]);
       smallest_first.push_back(k);
     }
@@ -343,17 +321,12 @@ void part_at_shared_edges(const FitInput& in, const Bundle& all, std::vector<Ape
     return found[a].lines.size() < found[b].lines.size();
   });
   for (const size_t k : smallest_first) {
-    std::vector<uint32_t> taken;
-    for (size_t b = 0; b < found.size(); ++b)
-      if (b != k)
-        taken.insert(taken.end(), found[b].lines.which.begin(), found[b].lines.which.end());
-    std::sort(taken.begin(), taken.end());
-    auto again = fitted_again(in, all, taken, found[k]);
+    auto again = fitted_again(grid, all, lines_of(found, k), found[k]);
     if (!again) continue;
-    keep_before(*again, k, found, in.limits);
+    keep_before(*again, k, found);
     again->lines = lines_across(all, *again);
     if (again->lines.size() >= kMost * static_cast<double>(found[k].lines.size()) &&
-        better(*again, found[k], in.limits.missing_of_known))
+        better(*again, found[k]))
       found[k] = std::move(*again);
   }
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/portalfit/aperture.h"
+#include "tools/portalfit/outline.h"
 
 namespace tdpt {
 
@@ -15,7 +15,7 @@ struct Joint {
   double open = 0;    ///< share of the outline that the shapes leave open
   bool flat = false;  ///< whether they lie in that plane
 };
-Joint joint_of(const FitInput& in, const std::vector<Aperture>& parts);
+Joint joint_of(const LightGrid& grid, const std::vector<Aperture>& parts);
 
 /// The least distance between two convex outlines in one plane; 0 if they touch.
 double distance_between(const Polygon& a, const Polygon& b);
@@ -24,7 +24,7 @@ double distance_between(const Polygon& a, const Polygon& b);
 /// most of the joint outline is open; not across the pier between two windows. While there are more
 /// than `most` parts, it also joins those whose joint outline is open enough. Each joined opening
 /// is fitted again to its lines, which are those of `all`.
-std::vector<Aperture> joined_in_planes(const FitInput& in, const Bundle& all,
+std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
                                        std::vector<Aperture> parts, size_t most);
 
 // Divides the lines of openings that stand beside each other.
@@ -39,23 +39,19 @@ struct HalfPlane {
 /// an edge, such as the slit beside a door and the gap above its leaf, each lie on one side of the
 /// other's plane. Nothing if the planes are within 30 degrees of parallel, meet farther from either
 /// outline than a fifth of its size, or would cut off more than a quarter of `a`.
-std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b, const FitLimits& limits);
+std::optional<HalfPlane> shared_edge(const Aperture& a, const Aperture& b);
 
 /// For openings side by side, such as the slit beside a door and the gap above it: light through
 /// the second crosses the plane of the first beyond its edge and extends its outline there. So each
 /// is outlined again by the lines that do not cross the others, at first with the others enlarged.
 /// Skips an opening most of whose lines cross others, too: such openings follow each other. All
 /// lines are those of `all`.
-void part_from_each_other(const FitInput& in, const Bundle& all, std::vector<Aperture>& found);
-
-/// Lines of `all` that pass none of `others`.
-Bundle lines_beside(const Bundle& all, const std::vector<Aperture>& others,
-                    const FitLimits& limits);
+void part_from_each_other(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 /// For openings that share an edge: lines near it belong to neither yet, and each outline includes
 /// some of the other's. Each is clipped at the other's plane; then, the smallest first, each is
 /// fitted again to the lines near it that pass no other, if that is better: less area, or more
 /// lines. All lines are those of `all`.
-void part_at_shared_edges(const FitInput& in, const Bundle& all, std::vector<Aperture>& found);
+void part_at_shared_edges(const LightGrid& grid, const Bundle& all, std::vector<Aperture>& found);
 
 }  // namespace tdpt

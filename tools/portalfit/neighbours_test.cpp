@@ -34,17 +34,16 @@ LightGrid empty_grid() {
 }
 
 TEST(Joining, PanesInOnePlaneLeaveTheirShareOpen) {
-  const Joint joint = joint_of({empty_grid(), {}}, {pane(0), pane(1.25)});
+  const Joint joint = joint_of(empty_grid(), {pane(0), pane(1.25)});
   EXPECT_TRUE(joint.flat);
   EXPECT_NEAR(area(joint.outline), 2.25, 1e-9);
   EXPECT_NEAR(joint.open, 2 / 2.25, 1e-9);
 }
 
 TEST(Joining, PanesOfABayAreNotFlat) {
-  EXPECT_FALSE(joint_of({empty_grid(), {}}, {pane(0, 0, -0.6), pane(1, 0, 0.6)}).flat);
-  EXPECT_FALSE(
-      joint_of({empty_grid(), {}}, {pane(0), pane(1.25, 0.6)}).flat);  // one behind the other
-  EXPECT_FALSE(joint_of({empty_grid(), {}}, {pane(0), pane(1, 0.5, 1)}).flat);
+  EXPECT_FALSE(joint_of(empty_grid(), {pane(0, 0, -0.6), pane(1, 0, 0.6)}).flat);
+  EXPECT_FALSE(joint_of(empty_grid(), {pane(0), pane(1.25, 0.6)}).flat);  // one behind the other
+  EXPECT_FALSE(joint_of(empty_grid(), {pane(0), pane(1, 0.5, 1)}).flat);
 }
 
 // Panes 1 m x 1 m side by side, `gap` between them, in a wall across z; lines through both. Returns
@@ -61,7 +60,7 @@ size_t left_of_two(double gap) {
   }
   const Bundle all = testing::all_of(g);
   for (Aperture& a : panes) a.lines = lines_across(all, a);
-  return joined_in_planes({empty_grid(), {}}, all, panes, 8).size();
+  return joined_in_planes(empty_grid(), all, panes, 8).size();
 }
 
 // Although 0.83 of the outline around both is open.
@@ -140,24 +139,24 @@ double through_neither(const std::vector<Aperture>& found, const Bundle& all) {
 }
 
 TEST(Parting, ASharedEdgeBoundsBoth) {
-  const auto of_slit = shared_edge(slit(0.3), gap(), {});
+  const auto of_slit = shared_edge(slit(0.3), gap());
   ASSERT_TRUE(of_slit);
   const Aperture a = slit(0.3);
   for (const Vec2d& p : clipped(a.polygon, of_slit->axis, of_slit->limit))
     EXPECT_LT(to_space(a.tube.middle, p).y, kHigh + 1e-9);
-  ASSERT_TRUE(shared_edge(gap(), slit(0.3), {}));
+  ASSERT_TRUE(shared_edge(gap(), slit(0.3)));
 }
 
 TEST(Parting, OpeningsApartShareNothing) {
   Aperture far = gap();
   far.tube.middle.o.x += 1;
-  EXPECT_FALSE(shared_edge(slit(0), far, {}));  // beside it
+  EXPECT_FALSE(shared_edge(slit(0), far));  // beside it
   far.tube.middle.o = gap().tube.middle.o + Vec3d{0, 1, 0};
-  EXPECT_FALSE(shared_edge(slit(0), far, {}));  // above it
+  EXPECT_FALSE(shared_edge(slit(0), far));  // above it
   Aperture same_wall = slit(0);
   same_wall.tube.middle.o.x += 0.3;
-  EXPECT_FALSE(shared_edge(slit(0), same_wall, {}));
-  EXPECT_FALSE(shared_edge(slit(0), slit(0), {}));
+  EXPECT_FALSE(shared_edge(slit(0), same_wall));
+  EXPECT_FALSE(shared_edge(slit(0), slit(0)));
 }
 
 // The slit has taken the gap's light near their edge: the gap gets it back.
@@ -173,7 +172,7 @@ TEST(Parting, EachGetsItsLines) {
   EXPECT_LT(area(found[1].polygon), 0.75 * area(gap().polygon));
   EXPECT_GT(through_neither(found, all), 0.02);
 
-  part_at_shared_edges({LightGrid{}, {}}, all, found);
+  part_at_shared_edges(LightGrid{}, all, found);
   EXPECT_NEAR(highest(found[0]), kHigh, 0.02);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 0.02 * area(slit(0).polygon));
   EXPECT_NEAR(area(found[1].polygon), area(gap().polygon), 0.04 * area(gap().polygon));
@@ -195,9 +194,9 @@ TEST(Parting, AThinCornerIsKept) {
     return std::count_if(places.begin(), places.end(),
                          [&](Vec2d p) { return p.x < 0.5 && !contains(outline, p); });
   };
-  EXPECT_EQ(left_out(whole_outline(places, {})), 0);
-  EXPECT_LT(area(whole_outline(places, {})), 1.1 * 0.06);
-  EXPECT_GT(left_out(outline_of(places, {})), 0);  // twin: with outliers removed
+  EXPECT_EQ(left_out(outline_of(places, Strays::none)), 0);
+  EXPECT_LT(area(outline_of(places, Strays::none)), 1.1 * 0.06);
+  EXPECT_GT(left_out(outline_of(places)), 0);  // twin: with outliers removed
 }
 
 // The slit's own lines are too few for another fit: it stays unchanged.
@@ -209,8 +208,8 @@ TEST(Parting, AnOpeningWithoutLinesOfItsOwnStays) {
   });
   std::vector<Aperture> found{slit(0), gap()};
   for (Aperture& a : found) a.lines = lines_across(all, a);
-  ASSERT_TRUE(FitLimits{}.few(found[0].lines.size()));
-  part_at_shared_edges({LightGrid{}, {}}, all, found);
+  ASSERT_TRUE(found[0].lines.size() < kFewestLines);
+  part_at_shared_edges(LightGrid{}, all, found);
   EXPECT_NEAR(area(found[0].polygon), area(slit(0).polygon), 1e-9);
 }
 

@@ -1,4 +1,4 @@
-#include "tools/portalfit/paper.h"
+#include "tools/portalfit/portalfit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,8 +52,7 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
   return axes;
 }
 
-std::optional<PaperPortal> portal_by_paper(const FitInput& in) {
-  const LightGrid& grid = in.grid;
+std::optional<PaperPortal> portal_by_paper(const LightGrid& grid) {
   const VoxelAxes axes = axes_of_full_voxels(grid, kMost);
   if (axes.centres.empty()) return {};
   Vec3d light{};
@@ -75,7 +74,7 @@ std::optional<PaperPortal> portal_by_paper(const FitInput& in) {
   for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
   portal.triangles = triangulate(hull);
   for (uint32_t l = 0; l < grid.lines.size(); ++l)
-    if (const auto at = clear_crossing(plane, grid.lines[l], in.limits); at && contains(hull, *at))
+    if (const auto at = clear_crossing(plane, grid.lines[l]); at && contains(hull, *at))
       found.lines.push_back(l);
   portal.figures["area"] = area(hull);
   portal.figures["flux_share"] = static_cast<double>(found.lines.size()) /

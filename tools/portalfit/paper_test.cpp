@@ -1,4 +1,4 @@
-#include "tools/portalfit/paper.h"
+#include "tools/portalfit/portalfit.h"
 
 #include <cmath>
 
@@ -21,7 +21,7 @@ LightGrid grid_with_box(int nx, int ny, int nz) {
 }
 
 TEST(PortalByPaper, IsTheHullAcrossALongBeam) {
-  const auto portal = portal_by_paper({grid_with_box(10, 3, 4), {}});
+  const auto portal = portal_by_paper(grid_with_box(10, 3, 4));
   ASSERT_TRUE(portal);
   EXPECT_NEAR(portal->portal.figures.at("area"), 0.2 * 0.3, 1e-9);
   EXPECT_NEAR(portal->portal.figures.at("flux_share"), 1, 1e-12);
@@ -31,7 +31,7 @@ TEST(PortalByPaper, IsTheHullAcrossALongBeam) {
   // Turned round if the light is.
   LightGrid turned = grid_with_box(10, 3, 4);
   std::swap(turned.lines[0].light, turned.lines[0].camera);
-  const auto back = portal_by_paper({turned, {}});
+  const auto back = portal_by_paper(turned);
   ASSERT_TRUE(back);
   const auto normal_x = [](const Portal& p) {
     const auto& t = p.triangles[0];
@@ -48,30 +48,30 @@ TEST(PortalByPaper, IsMadeOfTheVoxelsThatThePlaneIntersects) {
   for (int k = 3; k <= 8; ++k)
     for (int j = 2; j <= 6; ++j) g.count[g.index(9, j, k)] = 10;
   g.count[g.index(5, 4, 5)] = 12;
-  const auto portal = portal_by_paper({g, {}});
+  const auto portal = portal_by_paper(g);
   ASSERT_TRUE(portal);
   EXPECT_NEAR(portal->portal.figures.at("area"), 0.2 * 0.3, 1e-9);
   for (const Vec3d& v : portal->portal.vertices) EXPECT_NEAR(v.x, 0.55, 1e-9);
   // Twin: with the fullest voxel where it is broad, so is the portal.
   g.count[g.index(9, 4, 5)] = 13;
-  EXPECT_NEAR(portal_by_paper({g, {}})->portal.figures.at("area"), 0.4 * 0.5, 1e-9);
+  EXPECT_NEAR(portal_by_paper(g)->portal.figures.at("area"), 0.4 * 0.5, 1e-9);
 }
 
 // Its known weakness: where the full voxels lie flat in the opening, the portal is perpendicular to
 // it.
 TEST(PortalByPaper, StandsAcrossFlatOnes) {
-  const auto portal = portal_by_paper({grid_with_box(2, 10, 4), {}});
+  const auto portal = portal_by_paper(grid_with_box(2, 10, 4));
   ASSERT_TRUE(portal);
   EXPECT_NEAR(portal->portal.figures.at("direction_angle"), 90, 1e-6);
 }
 
 TEST(PortalByPaper, NeedsAPolygon) {
-  EXPECT_FALSE(portal_by_paper({grid_with_box(10, 1, 1), {}}));
-  EXPECT_FALSE(portal_by_paper({LightGrid{}, {}}));
+  EXPECT_FALSE(portal_by_paper(grid_with_box(10, 1, 1)));
+  EXPECT_FALSE(portal_by_paper(LightGrid{}));
   // A plane of voxels seen edge-on is a line, apart from rounding.
   LightGrid row = grid_with_box(9, 4, 1);
   row.origin = {0.1, 0.7, 0.3};
-  EXPECT_FALSE(portal_by_paper({row, {}}));
+  EXPECT_FALSE(portal_by_paper(row));
 }
 
 }  // namespace tdpt::paper_test

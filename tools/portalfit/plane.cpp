@@ -140,10 +140,9 @@ std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line) {
   return inside_at({plane, 0}, line, 0);
 }
 
-std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line,
-                                    const FitLimits& limits) {
+std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line) {
   const Vec3d d = line.camera - line.light;
-  if (dot(d, plane.n) < limits.grazing * length(d)) return {};
+  if (dot(d, plane.n) < kGrazing * length(d)) return {};
   return crossing(plane, line);
 }
 

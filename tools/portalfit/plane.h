@@ -11,9 +11,45 @@
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/math/vec.h"
-#include "tools/portalfit/limits.h"
 
 namespace tdpt {
+
+// The numbers that decide in several chapters; each is a ratio unless a unit is given.
+
+/// Most of a thing is more than half of it.
+inline constexpr double kMost = 0.5;
+/// Share that stands for the whole: open of a joint outline, then panes are joined across mullions;
+/// light of two cameras that passes both portals, then they are one; support, and with less one of
+/// two windows may be the opening.
+inline constexpr double kMostly = 0.8;
+/// Of an area or of lines, what does not matter: what one corner fewer adds, or strays; and lines
+/// that two openings share.
+inline constexpr double kSlight = 0.01;
+/// Ratio of areas up to which they are alike: of a prism's faces and middle, of an outline and one
+/// that takes all of its lines.
+inline constexpr double kAlikeArea = 1.08;
+/// Ratio of areas from which one is clearly the wider: of a tube's faces over its middle, of what
+/// is near an outline over the outline.
+inline constexpr double kWidening = 1.5;
+/// Voxels: narrower bars do not show, nor do edges of what is less than twice as wide.
+inline constexpr double kResolved = 2;
+/// Of its shorter side or its size, how far what belongs to an opening may be from it: lines that
+/// end before it or behind it, mullions within it, panes that are not quite in one plane; a room
+/// that it opens into goes on farther than that.
+inline constexpr double kBeside = 0.2;
+/// Cosine between planes that may be one, such as a tube's and a wall's; others bound each other.
+inline constexpr double kNearlyParallel = 0.966;
+/// Cosine with the normal: a crossing with less is not clear, and counts as this where slants are
+/// averaged.
+inline constexpr double kGrazing = 0.05;
+/// Worth of a line that passes for certain against area, in logarithms.
+inline constexpr double kWorthOfKnown = 3;
+/// Share of a tube's lines with which a plane takes its place.
+inline constexpr double kPlaneHolds = 0.97;
+/// Lines of a first, rough search.
+inline constexpr size_t kRoughLines = 2000;
+/// Lines, or probes, that tell anything.
+inline constexpr size_t kFewestLines = 30;
 
 struct Vec2d {
   double x = 0, y = 0;
@@ -133,8 +169,7 @@ class Slab {
 /// Where `line` crosses the plane along n.
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line);
 /// The same, but nothing at grazing angles, where the crossing is ill-defined.
-std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line,
-                                    const FitLimits& limits);
+std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line);
 /// The point of `line` inside the slab nearest to the height `offset` above the middle: see
 /// Passage::at.
 std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset);

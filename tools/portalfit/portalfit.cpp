@@ -20,11 +20,10 @@
 
 #include "libcommon/base/words.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"
-#include "tools/portalfit/paper.h"
+#include "tools/portalfit/opening.h"
+#include "tools/portalfit/outline.h"
 #include "tools/portalfit/plane.h"
-#include "tools/portalfit/tube.h"
 
 namespace tdpt {
 namespace {
@@ -34,11 +33,11 @@ constexpr double kBeforeGlass = 0.1;  // of its thickness: how far before it a p
 
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
-Bundle lines_not_at(const Bundle& lines, const Aperture& a, const FitLimits& limits) {
-  const Polygon wider = enlarged(a.polygon, limits.alike);
+Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
+  const Polygon wider = enlarged(a.polygon, kAlikeArea);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
-  deeper.half += limits.beside * e.shorter;
+  deeper.half += kBeside * e.shorter;
   const Slab slab(deeper);
   return lines.where([&](const LightLine& line) {
     const auto passage = slab.passage(line);
@@ -60,25 +59,19 @@ std::pair<double, double> pca_angles(const LightGrid& grid, double full, const V
                               : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
-std::vector<Vec3d> corners_of(const Aperture& a) {
-  std::vector<Vec3d> corners;
-  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
-  return corners;
-}
-
 // How far towards the camera the opening's plane is moved to lie before the solid glass that holds
 // it, in the air [metres]; 0 where none does.
-double way_out_of_glass(const FitInput& in, const Aperture& a) {
+double way_out_of_glass(const LightGrid& grid, const Aperture& a) {
   const Vec3d n = a.tube.middle.n;
-  const double most = in.limits.beside * extents_of(a.polygon).shorter;
+  const double most = kBeside * extents_of(a.polygon).shorter;
   double way = 0;
   // Two sheets may stand one behind the other.
   for (size_t again = 0; again < 2; ++again)
-    for (const GridPane& pane : in.grid.panes) {
+    for (const GridPane& pane : grid.panes) {
       const double thick = length(pane.back - pane.front);
       const Vec3d across = (pane.back - pane.front) / thick;
       const double cosine = dot(across, n);
-      if (std::abs(cosine) < in.limits.parallel) continue;
+      if (std::abs(cosine) < kNearlyParallel) continue;
       double low = INFINITY, high = -INFINITY;
       for (const Vec3d& corner : corners_of(a)) {
         const double depth = dot(corner + n * way - pane.front, across);
@@ -133,12 +126,7 @@ std::string at_least(double share) {
 class Fit {
  public:
   Fit(const LightGrid& grid, const PortalFitOptions& options)
-      : grid_(grid),
-        options_(options),
-        limits_(options.limits),
-        in_{grid_, limits_},
-        shares_(shares_of(grid)),
-        names_(names_of_cameras(grid)) {}
+      : grid_(grid), options_(options), shares_(shares_of(grid)), names_(names_of_cameras(grid)) {}
 
   FitResult run() {
     std::vector<Bundle> of_cut;
@@ -198,7 +186,7 @@ class Fit {
     for (size_t k = 0; k < names_.size(); ++k)
       if (opening.light[k] > 0) portal.cameras[names_[k]] = std::min(1.0, opening.light[k]);
     portal.vertices = corners_of(a);
-    const Vec3d out = a.tube.middle.n * way_out_of_glass(in_, a);
+    const Vec3d out = a.tube.middle.n * way_out_of_glass(grid_, a);
     for (Vec3d& corner : portal.vertices) corner += out;
     portal.triangles = triangulate(a.polygon);
     Vec3d sum{};
@@ -207,12 +195,12 @@ class Fit {
     auto& f = portal.figures;
     f["area"] = area(a.polygon);
     f["flux_share"] = std::min(1.0, opening.most_light());
-    if (const auto support = support_of(in_, a)) f["support"] = *support;
+    if (const auto support = support_of(grid_, a)) f["support"] = *support;
     f["direction_x"] = mean.x;
     f["direction_y"] = mean.y;
     f["direction_z"] = mean.z;
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
-    if (const auto edge = edge_share(in_, a)) f["edge"] = *edge;
+    if (const auto edge = edge_share(grid_, a)) f["edge"] = *edge;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
     const auto [main, minor] = pca_angles(grid_, kMost, a.tube.middle.n);
     f["pca_main_angle"] = main;
@@ -238,26 +226,26 @@ class Fit {
   std::vector<Aperture> parts_of(const Bundle& all) {
     Bundle rest = all;
     std::vector<Aperture> parts;
-    for (size_t before = 0; rest.size() != before && !limits_.few(rest.size()) &&
-                            light_of(rest) >= limits_.threshold;) {
+    for (size_t before = 0; rest.size() != before && rest.size() >= kFewestLines &&
+                            light_of(rest) >= options_.threshold;) {
       before = rest.size();
-      auto found = find_aperture(in_, rest);
+      auto found = find_aperture(grid_, rest);
       if (!found || found->lines.empty()) {
         rest = without_crowd(rest);
         continue;
       }
       ++result_.candidates;
-      if (support_of(in_, *found).value_or(1) < limits_.mostly)
-        if (auto part = part_of_directions(in_, rest, *found)) found = std::move(part);
-      if (is_opening(*found) && !limits_.few(found->lines.size())) parts.push_back(*found);
-      rest = lines_not_at(rest, *found, limits_);
+      if (support_of(grid_, *found).value_or(1) < kMostly)
+        if (auto part = part_of_directions(grid_, rest, *found)) found = std::move(part);
+      if (is_opening(*found) && found->lines.size() >= kFewestLines) parts.push_back(*found);
+      rest = lines_not_at(rest, *found);
     }
     return parts;
   }
 
   // Whether a candidate lies between the two sides and bounds the light; otherwise refuses it.
   bool is_opening(const Aperture& a) {
-    const auto support = support_of(in_, a);
+    const auto support = support_of(grid_, a);
     if (support && *support < kMost) {
       refuse(fmt::format(
                  "a candidate lies within one side: only {:.0f} % of the lines through it join the "
@@ -266,13 +254,13 @@ class Fit {
              at_least(kMost), {a});
       return false;
     }
-    const double edge = edge_share(in_, a).value_or(1);
-    if (edge < limits_.least_edge)
+    const double edge = edge_share(grid_, a).value_or(1);
+    if (edge < options_.least_edge)
       refuse(fmt::format("a candidate of {} m2 lies across a room: only {:.0f} % of its outline is "
                          "an edge",
                          number_words(area(a.polygon), 2), 100 * edge),
-             at_least(limits_.least_edge), {a});
-    return edge >= limits_.least_edge;
+             at_least(options_.least_edge), {a});
+    return edge >= options_.least_edge;
   }
 
   // Keeps the openings that carry enough light, the most first.
@@ -281,14 +269,14 @@ class Fit {
     std::vector<Aperture> enough, weak;
     double too_little = 0;
     for (Aperture& a : found)
-      if (const double share = light_of(a.lines); share < limits_.threshold)
+      if (const double share = light_of(a.lines); share < options_.threshold)
         too_little += share, weak.push_back(std::move(a));
       else
         enough.push_back(std::move(a));
     if (!weak.empty())
       refuse(fmt::format("by the network only {:.1f} % of the light crosses {}", 100 * too_little,
                          counted(weak.size(), "candidate")),
-             at_least(limits_.threshold), weak);
+             at_least(options_.threshold), weak);
     return enough;
   }
 
@@ -301,25 +289,25 @@ class Fit {
   // The openings of one cut with the lines `all`, those with most light first.
   std::vector<Aperture> fit_cut(const Bundle& all) {
     const double light = light_of(all);
-    if (light < limits_.threshold) {
+    if (light < options_.threshold) {
       refuse(fmt::format("by the network {} of the light crosses a cut: it is not fitted",
                          percent_words(light)),
-             at_least(limits_.threshold));
+             at_least(options_.threshold));
       return {};
     }
     std::vector<Aperture> found =
-        joined_in_planes(in_, all, parts_of(all), std::numeric_limits<size_t>::max());
+        joined_in_planes(grid_, all, parts_of(all), std::numeric_limits<size_t>::max());
     found = enough_light(std::move(found));
     if (found.size() > options_.max_portals)
-      found = enough_light(joined_in_planes(in_, all, std::move(found), options_.max_portals));
-    part_from_each_other(in_, all, found);
-    part_at_shared_edges(in_, all, found);
+      found = enough_light(joined_in_planes(grid_, all, std::move(found), options_.max_portals));
+    part_from_each_other(grid_, all, found);
+    part_at_shared_edges(grid_, all, found);
     return found;
   }
 
   // Share of the light of `a` that passes `b`, too.
   double passing(const Aperture& a, const Aperture& b) const {
-    const Polygon wider = enlarged(b.polygon, limits_.alike);
+    const Polygon wider = enlarged(b.polygon, kAlikeArea);
     const Bundle both = a.lines.where([&](const LightLine& line) {
       const auto at = crossing(b.tube.middle, line);
       return at && contains(wider, *at);
@@ -334,7 +322,7 @@ class Fit {
 
   // Whether each could stand for the other.
   bool interchangeable(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= limits_.mostly;
+    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= kMostly;
   }
 
   // Of the openings of all cuts of a camera those with most light, each once: the smallest that
@@ -379,8 +367,6 @@ class Fit {
 
   const LightGrid& grid_;
   const PortalFitOptions& options_;
-  const FitLimits& limits_;
-  const FitInput in_;
   const std::vector<double> shares_;      // per line
   const std::vector<std::string> names_;  // of several cameras
   FitResult result_;
@@ -393,7 +379,7 @@ FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
   if (!grid.bottleneck || grid.lines.empty()) return result;
   if (!options.by_paper) return Fit(grid, options).run();
   result.candidates = 1;
-  if (auto found = portal_by_paper({grid, options.limits})) {
+  if (auto found = portal_by_paper(grid)) {
     result.portals.push_back(std::move(found->portal));
     result.explained =
         static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());

@@ -1,18 +1,21 @@
 // Planar portals fitted to the lines of a light grid (section 4.3).
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
-#include "tools/portalfit/limits.h"
 
 namespace tdpt {
 
 struct PortalFitOptions {
-  size_t max_portals = 8;  ///< of each camera
-  bool by_paper = false;   ///< use the paper's rule instead [paper.h]
-  FitLimits limits{};
+  size_t max_portals = 8;   ///< of each camera
+  bool by_paper = false;    ///< use the paper's rule instead [portal_by_paper]
+  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
+  /// Least share of its outline that is an edge: of most openings it is 0.4 to 1, of planes across
+  /// a room 0 to 0.2.
+  double least_edge = 0.3;
 };
 
 /// Figures of merit of each portal: `area` [m2], `flux_share` (share of the camera's light that
@@ -39,5 +42,25 @@ struct FitResult {
 };
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options);
+
+// The paper's rule (section 4.3), for comparison: the normal is the main principal axis (PCA) of
+// the full voxels; those that the plane through the fullest of them intersects are projected onto
+// it, and the outline is their hull. Ours are the threshold of a full voxel, half the largest
+// count, since the paper gives none, and the side that the front faces.
+
+/// Principal axes of the centres of the voxels with at least `share` of the fullest one's count.
+struct VoxelAxes {
+  std::vector<Vec3d> centres;     ///< metres
+  Vec3d mean{}, main{}, minor{};  ///< unit axes; zero when there are no voxels
+};
+VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share);
+
+struct PaperPortal {
+  Portal portal;
+  std::vector<uint32_t> lines;  ///< that cross it along its normal, as indices into grid.lines
+};
+/// One portal, whose front is turned the way the light goes. Nothing if the centres of the voxels
+/// make no polygon.
+std::optional<PaperPortal> portal_by_paper(const LightGrid& grid);
 
 }  // namespace tdpt

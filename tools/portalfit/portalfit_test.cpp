@@ -274,7 +274,7 @@ TEST(PortalFit, FindsTwoWindows) {
   one.max_portals = 1;
   EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), one).portals.size(), 1u);
   PortalFitOptions strong;
-  strong.limits.threshold = 0.5;
+  strong.threshold = 0.5;
   EXPECT_EQ(fit_portals(grid_of(lines_through({a, b}, 10000, light, 1)), strong).portals.size(),
             1u);
 }
@@ -315,7 +315,7 @@ TEST(PortalFit, WhatCarriesLittleHidesNoOther) {
       holes.push_back(o);
     }
   PortalFitOptions options;
-  options.limits.threshold = 0.05;
+  options.threshold = 0.05;
   const FitResult fit = fit_portals(grid_of(lines_through(holes, 8000, light, 1)), options);
   ASSERT_EQ(fit.portals.size(), 2u);
   EXPECT_GT(score(fit.portals[0], holes[0], light).coverage +
@@ -380,7 +380,7 @@ TEST(PortalFit, WindowsWithFewPerCentEachAreFound) {
   }
   // Twin: with a higher threshold none is found.
   PortalFitOptions more;
-  more.limits.threshold = 0.1;
+  more.threshold = 0.1;
   EXPECT_TRUE(fit_portals(in_a_wall(grid_of(lines), windows), more).portals.empty());
 }
 

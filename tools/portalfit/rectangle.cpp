@@ -1,6 +1,6 @@
 // Minimum-area rectangle: it has a side along an edge of the points' convex hull (Freeman and
 // Shapira 1975), so each edge is tried; outlines have a dozen corners.
-#include "tools/portalfit/rectangle.h"
+#include "tools/portalfit/renderers.h"
 
 #include <algorithm>
 #include <limits>
@@ -14,15 +14,15 @@ constexpr double kSameWay = 0.9;   // cosine between normals
 constexpr double kOverlap = 1e-6;  // of the smaller area
 
 // A rectangle in a plane: from `low` to `high` along the unit vectors u and v, v left of u.
-struct Box {
+struct FlatBox {
   Vec2d u, v, low, high;
 
   double area() const { return (high.x - low.x) * (high.y - low.y); }
 };
 
-Box box_along(const Polygon& hull, Vec2d u) {
+FlatBox box_along(const Polygon& hull, Vec2d u) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  Box box{u, {-u.y, u.x}, {kFar, kFar}, {-kFar, -kFar}};
+  FlatBox box{u, {-u.y, u.x}, {kFar, kFar}, {-kFar, -kFar}};
   for (const Vec2d& p : hull) {
     const Vec2d at{dot(p, box.u), dot(p, box.v)};
     box.low = {std::min(box.low.x, at.x), std::min(box.low.y, at.y)};
@@ -31,14 +31,14 @@ Box box_along(const Polygon& hull, Vec2d u) {
   return box;
 }
 
-Box least_box(const Polygon& hull) {
-  Box best;
+FlatBox least_box(const Polygon& hull) {
+  FlatBox best;
   double least = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < hull.size(); ++i) {
     const Vec2d edge = hull[(i + 1) % hull.size()] - hull[i];
     const double length = std::sqrt(dot(edge, edge));
     if (!(length > 0)) continue;
-    const Box box = box_along(hull, edge * (1 / length));
+    const FlatBox box = box_along(hull, edge * (1 / length));
     // Edges of the same rectangle differ only by rounding: the first is kept.
     if (box.area() < least * (1 - 1e-12)) least = box.area(), best = box;
   }
@@ -113,7 +113,7 @@ Rectangle rectangle_of(const Portal& portal) {
   std::vector<Vec2d> places;
   for (const auto& t : portal.triangles)
     for (const uint32_t v : t) places.push_back(in_plane(plane, portal.vertices[v]));
-  const Box box = least_box(convex_hull(places));
+  const FlatBox box = least_box(convex_hull(places));
   const Vec2d middle = (box.low + box.high) * 0.5;
   Rectangle r;
   r.normal = plane.n;

@@ -1,4 +1,4 @@
-#include "tools/portalfit/rectangle.h"
+#include "tools/portalfit/renderers.h"
 
 #include <cmath>
 #include <numbers>

@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include "tdpt_version.h"
-#include "tools/portalfit/rectangle.h"
 
 namespace tdpt {
 namespace {
@@ -35,17 +34,8 @@ namespace {
 // latter are of no use: they stand in the texts as comments.
 struct SkyPortals {
   std::vector<Portal> outer, inner;
+  std::vector<std::string> remarks;
 };
-
-SkyPortals sky_portals(const PortalFile& file) {
-  SkyPortals sorted;
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    Portal portal = file.portals[n];
-    portal.name = fmt::format("portal.{}", n);
-    (lets_in_sky(portal) ? sorted.outer : sorted.inner).push_back(std::move(portal));
-  }
-  return sorted;
-}
 
 // "portal_0" of portal.0.
 std::string identifier(const Portal& portal) {
@@ -79,6 +69,23 @@ std::vector<std::string> remarks_on(const PortalFile& file) {
   if (!file.scene_hash.empty()) remarks.push_back(plain("scene " + file.scene_hash));
   for (const std::string& line : file.provenance.lines) remarks.push_back(plain(line));
   return remarks;
+}
+
+SkyPortals sky_portals(const PortalFile& file) {
+  SkyPortals sorted{{}, {}, remarks_on(file)};
+  for (size_t n = 0; n < file.portals.size(); ++n) {
+    Portal portal = file.portals[n];
+    portal.name = fmt::format("portal.{}", n);
+    (lets_in_sky(portal) ? sorted.outer : sorted.inner).push_back(std::move(portal));
+  }
+  return sorted;
+}
+
+// The remarks as lines of comments that begin with #.
+std::string hashed(const std::vector<std::string>& remarks) {
+  std::string text;
+  for (const std::string& remark : remarks) text += "# " + remark + "\n";
+  return text;
 }
 
 // Shortest decimals that read back as the same number, separated by `between`; no negative zero.
@@ -158,19 +165,12 @@ std::string row_of(const Portal& portal) {
   return text + ")),\n";
 }
 
-}  // namespace
-
-std::string portals_for_cycles(const PortalFile& file) {
-  std::string text;
-  for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
-  text += kUse;
-  const SkyPortals portals = sky_portals(file);
+std::string text_for_cycles(const SkyPortals& portals) {
+  std::string text = hashed(portals.remarks) + kUse;
   for (const Portal& portal : portals.outer) text += row_of(portal);
   for (const Portal& portal : portals.inner) text += commented(portal, row_of(portal), "# ");
   return text + kProgram;
 }
-
-namespace {
 
 // ---- pbrt ----
 
@@ -203,20 +203,13 @@ std::string light(const Portal& portal) {
       numbers(places));
 }
 
-}  // namespace
-
-std::string portals_for_pbrt(const PortalFile& file) {
-  std::string text;
-  for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
-  text += kUseInPbrt;
-  SkyPortals portals = sky_portals(file);
-  for (const Portal& portal : without_overlaps(std::move(portals.outer)))
+std::string text_for_pbrt(const SkyPortals& portals) {
+  std::string text = hashed(portals.remarks) + kUseInPbrt;
+  for (const Portal& portal : without_overlaps(portals.outer))
     text += fmt::format("\n# {}\n{}", portal.name, light(portal));
   for (const Portal& portal : portals.inner) text += "\n" + commented(portal, light(portal), "# ");
   return text;
 }
-
-namespace {
 
 // ---- Mitsuba ----
 
@@ -249,11 +242,9 @@ std::string emitter(const Portal& portal) {
       identifier(portal), numbers(matrix));
 }
 
-}  // namespace
-
-std::string portals_for_mitsuba(const PortalFile& file) {
+std::string text_for_mitsuba(const SkyPortals& portals) {
   std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
-  for (const std::string& remark : remarks_on(file))
+  for (const std::string& remark : portals.remarks)
     text += fmt::format("<!-- {} -->\n", in_comment(remark));
   text +=
       "<!-- Mitsuba 3 with the emitter \"portal\", which its sources have since September 2026 "
@@ -261,14 +252,11 @@ std::string portals_for_mitsuba(const PortalFile& file) {
       "     version 3.9.1 lacks:\n"
       "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
       "<scene version=\"3.0.0\">\n";
-  const SkyPortals portals = sky_portals(file);
   for (const Portal& portal : portals.outer) text += emitter(portal);
   for (const Portal& portal : portals.inner)
     text += "    <!--\n" + commented(portal, emitter(portal), "") + "    -->\n";
   return text + "</scene>\n";
 }
-
-namespace {
 
 // ---- OpenUSD ----
 
@@ -301,20 +289,17 @@ std::string prim(const Portal& portal) {
       transposed(shining_along_minus_z(r)));
 }
 
-}  // namespace
-
-std::string portals_for_usd(const PortalFile& file) {
+std::string text_for_usd(const SkyPortals& portals) {
   std::string text =
       "#usda 1.0\n"
       "(\n"
       "    defaultPrim = \"Portals\"\n"
       "    metersPerUnit = 1\n"
       "    upAxis = \"Y\"\n"
-      ")\n";
-  for (const std::string& remark : remarks_on(file)) text += "# " + remark + "\n";
+      ")\n" +
+      hashed(portals.remarks);
   text += "\ndef Xform \"Portals\"\n{\n";
   std::vector<std::string> paths;
-  const SkyPortals portals = sky_portals(file);
   for (const Portal& portal : portals.outer) {
     text += prim(portal);
     paths.push_back(fmt::format("</Portals/{}>", identifier(portal)));
@@ -333,6 +318,17 @@ std::string portals_for_usd(const PortalFile& file) {
   return text;
 }
 
+struct Renderer {
+  const char* name;
+  std::string (*text)(const SkyPortals&);
+};
+constexpr Renderer kRenderers[] = {{"cycles", text_for_cycles},
+                                   {"pbrt", text_for_pbrt},
+                                   {"mitsuba", text_for_mitsuba},
+                                   {"usd", text_for_usd}};
+
+}  // namespace
+
 std::vector<std::string> renderer_names() {
   std::vector<std::string> names;
   for (const Renderer& r : kRenderers) names.push_back(r.name);
@@ -341,7 +337,7 @@ std::vector<std::string> renderer_names() {
 
 std::string portals_for(const std::string& renderer, const PortalFile& file) {
   for (const Renderer& r : kRenderers)
-    if (renderer == r.name) return r.text(file);
+    if (renderer == r.name) return r.text(sky_portals(file));
   return {};
 }
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
-#include "libcommon/formats/portal.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {
@@ -28,7 +28,7 @@ std::string merits(const Portal& portal, const PortalFitOptions& options) {
   return fmt::format(
       "by the network {} of the light crosses it, at least {}{}; {}; {:.0f} degrees "
       "between its normal and the mean direction of the light",
-      percent(f.at("flux_share")), percent(options.limits.threshold), support,
+      percent(f.at("flux_share")), percent(options.threshold), support,
       worth_sentence(f, f.at("area")), f.at("direction_angle"));
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <numeric>
 
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/lines.h"
 
 namespace tdpt::testing {
 

@@ -11,8 +11,7 @@
 
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/math/vec.h"
-#include "tools/portalfit/bundle.h"
-#include "tools/portalfit/limits.h"
+#include "tools/portalfit/lines.h"
 
 namespace tdpt {
 
@@ -23,17 +22,16 @@ double facing_rectangles(double a, double b, double c);
 /// The tube of least etendue near `start` that holds `lines`. Each of the 16 sides of its outline
 /// leaves 0.06 % of the crossings outside; lines that miss the tube altogether are penalised.
 /// `near`: `start` is the result of an earlier search with nearly the same lines.
-Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near,
-                const FitLimits& limits);
+Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near);
 
 /// The tube moved and turned into one of the walls that face nearly as it does; nothing if they
 /// hold `lines` in clearly more etendue. Lines that come from one side leave the tilt nearly open,
 /// and openings lie in walls.
 std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
-                                 std::span<const Vec3d> walls, const FitLimits& limits);
+                                 std::span<const Vec3d> walls);
 
 /// The plane of least area near that of `start`, for lines that are known to pass there: missing
 /// lines are penalised more.
-Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start, const FitLimits& limits);
+Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start);
 
 }  // namespace tdpt

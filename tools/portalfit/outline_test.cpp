@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/portalfit/aperture.h"
 #include "tools/portalfit/neighbours.h"
+#include "tools/portalfit/outline.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/testing/bundle.h"
 #include "tools/portalfit/testing/windows.h"
 
-namespace tdpt::aperture_test {
+namespace tdpt::outline_test {
 
 // A square of 1 m across x, with walls around it: of a corridor from -2 to 2 m, or of a hole in a
 // wall that is 0.2 m thick.
@@ -35,23 +35,23 @@ TEST(Edge, TellsAHoleFromACorridor) {
   LightGrid hole, corridor, end;
   const Aperture through = across_x(-0.1, 0.1, hole), along = across_x(-2, 2, corridor),
                  out_of = across_x(-2, 0.1, end);
-  EXPECT_EQ(edge_share({hole, {}}, through).value_or(0), 1);
-  EXPECT_EQ(edge_share({corridor, {}}, along).value_or(1), 0);
-  EXPECT_EQ(edge_share({end, {}}, out_of).value_or(0), 1);  // on one side
+  EXPECT_EQ(edge_share(hole, through).value_or(0), 1);
+  EXPECT_EQ(edge_share(corridor, along).value_or(1), 0);
+  EXPECT_EQ(edge_share(end, out_of).value_or(0), 1);  // on one side
   // A door in the corridor's wall is not enough.
   for (size_t v = 0; v < corridor.air.size(); ++v) {
     const Vec3d at = centre_of(corridor, v);
     if (at.x > 0.2 && at.y > 0.5 && std::abs(at.z) < 0.4) corridor.air[v] = 1;
   }
-  EXPECT_NEAR(edge_share({corridor, {}}, along).value_or(1), 0.2, 0.05);
+  EXPECT_NEAR(edge_share(corridor, along).value_or(1), 0.2, 0.05);
   // Nor is a place in the open.
   const Aperture apart{{{{1, 0, 0}, {1, 0, 0}}}, through.polygon, {}};
-  EXPECT_EQ(edge_share({hole, {}}, apart).value_or(1), 0);
+  EXPECT_EQ(edge_share(hole, apart).value_or(1), 0);
   corridor.voxel = 0.3;  // too coarse to tell
-  EXPECT_FALSE(edge_share({corridor, {}}, along));
+  EXPECT_FALSE(edge_share(corridor, along));
   corridor.voxel = 0.1;
   corridor.air.assign(corridor.air.size(), 1);
-  EXPECT_FALSE(edge_share({corridor, {}}, along));
+  EXPECT_FALSE(edge_share(corridor, along));
 }
 
 // The wall around a window of 2.8 m reaches 0.5 m beyond it, less than a fifth of its size.
@@ -68,9 +68,9 @@ TEST(Edge, OfAWindowAlmostAsWideAsItsRooms) {
     }
   };
   build(true);
-  EXPECT_EQ(edge_share({grid, {}}, window).value_or(0), 1);
+  EXPECT_EQ(edge_share(grid, window).value_or(0), 1);
   build(false);  // twin: rooms that end where the window does
-  EXPECT_EQ(edge_share({grid, {}}, window).value_or(1), 0);
+  EXPECT_EQ(edge_share(grid, window).value_or(1), 0);
 }
 
 // Beyond the grid, as under a sky, all is open.
@@ -78,7 +78,7 @@ TEST(Edge, OfAWindowGoesOnOutsideTheGrid) {
   LightGrid grid;
   const Aperture window = across_x(-2, 2, grid);
   grid.origin.x = 0;
-  EXPECT_EQ(edge_share({grid, {}}, window).value_or(0), 1);
+  EXPECT_EQ(edge_share(grid, window).value_or(0), 1);
 }
 
 // Windows in several walls: openings told apart by the directions of their light.
@@ -122,7 +122,7 @@ int window_of(const Aperture& a, const std::vector<Window>& windows) {
 TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
   const RoomWithWindows room{{kOne, kOther}};
   const LightGrid grid = room.light(6000, 0);
-  const auto part = part_of_directions({grid, {}}, all_of(grid), rectangle(grid, diagonal()));
+  const auto part = part_of_directions(grid, all_of(grid), rectangle(grid, diagonal()));
   ASSERT_TRUE(part);
   EXPECT_GE(window_of(*part, room.windows), 0);
 }
@@ -130,19 +130,7 @@ TEST(Directions, PartThePlaneBeforeTwoWindowsAtACorner) {
 // Twin: a window is no such plane.
 TEST(Directions, PartNoWindow) {
   const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  EXPECT_FALSE(part_of_directions({grid, {}}, all_of(grid), rectangle(grid, kOne)));
+  EXPECT_FALSE(part_of_directions(grid, all_of(grid), rectangle(grid, kOne)));
 }
 
-TEST(Directions, LinesBesideAnOpeningAreThoseOfTheOthers) {
-  const LightGrid grid = RoomWithWindows{{kOne, kOther}}.light(6000, 0);
-  const auto own = lines_beside(all_of(grid), {rectangle(grid, kOne)}, {}).which;
-  const auto other = rectangle(grid, kOther).lines.which;
-  std::vector<uint32_t> of_other;
-  std::set_intersection(own.begin(), own.end(), other.begin(), other.end(),
-                        std::back_inserter(of_other));
-  EXPECT_GT(of_other.size(), own.size() * 95 / 100);  // without the first window's grazing lines
-  EXPECT_NEAR(static_cast<double>(own.size()), 3000, 300);
-  EXPECT_EQ(lines_beside(all_of(grid), {}, {}).size(), 6000u);
-}
-
-}  // namespace tdpt::aperture_test
+}  // namespace tdpt::outline_test

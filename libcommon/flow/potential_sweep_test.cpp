@@ -1,4 +1,4 @@
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 
 #include <cmath>
 #include <utility>

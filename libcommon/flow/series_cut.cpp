@@ -10,7 +10,7 @@
 //
 // Each drop is cut and judged on its own. Those accepted are cut again with the rooms between them
 // as plateaus, and made nested.
-#include "libcommon/math/series_cut.h"
+#include "libcommon/flow/series_cut.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 
 namespace tdpt {
 

@@ -39,12 +39,12 @@ Vec3d mean_direction_near(const Bundle& bundle, const Vec3d& place, double radiu
 
 /// The lines that cross the tube's middle plane within the connected dense region around its `o`.
 /// `h`: cell size of the first histogram [metres].
-Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits& limits);
+Bundle members(const Bundle& bundle, const Tube& tube, double h);
 
 /// The plane near `start` that the lines cross within the least area: the waist of the bundle; in a
 /// thick wall, its middle. Outliers are left out, and planes that fewer lines cross are penalised.
 /// The area is that of the moments (square root of their determinant): fast and without local
 /// minima, but biased if light comes from one side.
-Plane waist(const Bundle& bundle, const Plane& start, const FitLimits& limits);
+Plane waist(const Bundle& bundle, const Plane& start);
 
 }  // namespace tdpt

@@ -8,7 +8,7 @@
 //   sum_j c_ij (u_i - u_j) + h_i (u_i - a_i) = 0
 // a_i = log(v_i / b_i), a little on every patch [PatchNetwork]; so rooms are distinguished by which
 // end reaches them better, even if both reach all of them.
-#include "libcommon/math/potential_sweep.h"
+#include "libcommon/flow/potential_sweep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -152,19 +152,6 @@ std::vector<double> potential_of(const PatchNetwork& p, const Links& l, const Cu
   return u;
 }
 
-// Median of hits / sample, weighted by hits; 0 without hits.
-double median_density(const std::vector<double>& hits, const std::vector<double>& samples) {
-  std::vector<std::pair<double, double>> densities;  // with hits
-  double total = 0, below = 0;
-  for (size_t i = 0; i < hits.size(); ++i)
-    if (samples[i] > 0 && hits[i] > 0)
-      densities.emplace_back(hits[i] / samples[i], hits[i]), total += hits[i];
-  std::sort(densities.begin(), densities.end());
-  for (const auto& [density, n] : densities)
-    if ((below += n) >= 0.5 * total) return density;
-  return 0;
-}
-
 }  // namespace
 
 Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
@@ -192,13 +179,23 @@ Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
   return s;
 }
 
-std::vector<double> terminal_grades(const std::vector<double>& hits,
-                                    const std::vector<double>& samples) {
-  std::vector<double> grade(hits.size(), 0);
-  const double median = median_density(hits, samples);
-  for (size_t i = 0; i < hits.size(); ++i)
-    if (samples[i] > 0 && hits[i] > 0)
-      grade[i] = std::min(1.0, hits[i] / samples[i] / (0.5 * median));
+std::vector<double> terminal_grades(const std::vector<double>& light,
+                                    const std::vector<double>& size,
+                                    const std::vector<double>& weight) {
+  std::vector<double> grade(light.size(), 0);
+  std::vector<std::pair<double, double>> densities;  // with their weights
+  double total = 0, below = 0, median = 0;
+  for (size_t i = 0; i < light.size(); ++i)
+    if (size[i] > 0 && light[i] > 0)
+      grade[i] = light[i] / size[i], densities.emplace_back(grade[i], weight[i]),
+      total += weight[i];
+  std::sort(densities.begin(), densities.end());
+  for (const auto& [density, w] : densities) {
+    median = density;
+    if ((below += w) >= 0.5 * total) break;
+  }
+  for (double& g : grade)
+    if (g > 0) g = std::min(1.0, g / (0.5 * median));
   return grade;
 }
 

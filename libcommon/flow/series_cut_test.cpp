@@ -1,4 +1,4 @@
-#include "libcommon/math/series_cut.h"
+#include "libcommon/flow/series_cut.h"
 
 #include <gtest/gtest.h>
 

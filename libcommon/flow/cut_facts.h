@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/math/max_flow.h"
+#include "libcommon/flow/max_flow.h"
 
 namespace tdpt {
 
@@ -85,8 +85,7 @@ CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& sourc
 /// Of a camera that a flow of 0 reaches.
 inline constexpr const char* kNoLightFound =
     "no light was found to reach the camera's room: is its door shut? A very small opening may "
-    "have "
-    "been missed";
+    "have been missed";
 
 /// A plain sentence why the cut is no bottleneck; empty if it is one.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);

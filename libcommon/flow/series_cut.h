@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 
 namespace tdpt {
 

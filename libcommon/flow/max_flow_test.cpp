@@ -1,4 +1,4 @@
-#include "libcommon/math/max_flow.h"
+#include "libcommon/flow/max_flow.h"
 
 #include <gtest/gtest.h>
 

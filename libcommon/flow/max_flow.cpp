@@ -1,4 +1,4 @@
-#include "libcommon/math/max_flow.h"
+#include "libcommon/flow/max_flow.h"
 
 #include <algorithm>
 #include <numeric>
@@ -14,11 +14,6 @@ using Edge = boost::detail::csr_edge_descriptor<uint32_t, uint32_t>;
 using Graph =
     boost::compressed_sparse_row_graph<boost::directedS, boost::no_property, boost::no_property,
                                        boost::no_property, uint32_t, uint32_t>;
-
-// Of each edge: its capacity, and what is left of it.
-struct EdgeState {
-  std::vector<int64_t> capacity, residual;
-};
 
 std::vector<uint8_t> residual_reach(const Graph& g, const std::vector<int64_t>& residual,
                                     uint32_t source) {
@@ -90,9 +85,9 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   const Graph& g = layout_->graph;
   const std::vector<FlowArc>& arcs = network.arcs;
   const auto& [graph, reverse, edge] = *layout_;
-  EdgeState state{std::vector<int64_t>(reverse.size(), 0), std::vector<int64_t>(reverse.size())};
+  std::vector<int64_t> capacity(reverse.size(), 0), residual(reverse.size());  // of each edge
   for (size_t i = 0; i < arcs.size(); ++i)
-    if (edge[i] != UINT32_MAX) state.capacity[edge[i]] = arcs[i].capacity;
+    if (edge[i] != UINT32_MAX) capacity[edge[i]] = arcs[i].capacity;
   const auto index = boost::get(boost::vertex_index, g);
   const auto per_node = [&](auto& values) {
     return boost::make_iterator_property_map(values.begin(), index);
@@ -105,15 +100,15 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   std::vector<uint32_t> distance(network.nodes);
   MaxFlow result;
   result.value = boost::boykov_kolmogorov_max_flow(
-      g, per_edge(state.capacity), per_edge(state.residual), per_edge(reverse), per_node(parent),
+      g, per_edge(capacity), per_edge(residual), per_edge(reverse), per_node(parent),
       per_node(tree), per_node(distance), index, network.source, network.sink);
   // Of two arcs that are one edge at most one carries flow. Boost leaves the reverse of an edge at
   // the source or the sink as it was, so that each arc asks its own.
   result.flow.assign(arcs.size(), 0);
   for (size_t i = 0; i < arcs.size(); ++i)
     if (edge[i] != UINT32_MAX)
-      result.flow[i] = std::max<int64_t>(arcs[i].capacity - state.residual[edge[i]], 0);
-  result.source_side = residual_reach(g, state.residual, network.source);
+      result.flow[i] = std::max<int64_t>(arcs[i].capacity - residual[edge[i]], 0);
+  result.source_side = residual_reach(g, residual, network.source);
   return result;
 }
 

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 
 namespace tdpt {
 
@@ -38,9 +38,16 @@ struct Sweep {
 
 Sweep sweep_of(const PatchNetwork& problem, const CutLimits& limits);
 
-/// Unary terms of the patches, as in image segmentation: min(1, E_i / (0.5 E_med)) with E_i =
-/// hits_i / samples_i and E_med its median weighted by hits; 0 for patches without samples.
-std::vector<double> terminal_grades(const std::vector<double>& hits,
-                                    const std::vector<double>& samples);
+/// Unary terms of patches or of bins of the sky, as in image segmentation: min(1, E_i / (0.5
+/// E_med)) with E_i = light_i / size_i and E_med its median, weighted; 0 for what has no light or
+/// no size.
+std::vector<double> terminal_grades(const std::vector<double>& light,
+                                    const std::vector<double>& size,
+                                    const std::vector<double>& weight);
+/// Those of patches by their hits, weighted by hits.
+inline std::vector<double> terminal_grades(const std::vector<double>& hits,
+                                           const std::vector<double>& samples) {
+  return terminal_grades(hits, samples, hits);
+}
 
 }  // namespace tdpt

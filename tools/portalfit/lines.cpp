@@ -5,7 +5,7 @@
 // search over slide and tilt of the plane for the least
 //   log sqrt(det C) - 3 log(n / N)
 // with C the covariance of the crossings without outliers, and n of N lines that cross the plane.
-#include "tools/portalfit/bundle.h"
+#include "tools/portalfit/lines.h"
 
 #include <algorithm>
 #include <array>
@@ -18,6 +18,9 @@
 
 namespace tdpt {
 namespace {
+
+constexpr double kDenseCell = 0.1;    // of the mean density: least of a cell in the bundle
+constexpr double kPointsPerCell = 8;  // of the finer histograms
 
 Plane tilted(const Plane& plane, double a, double b, double along) {
   const Onb<double> frame(plane.n);
@@ -128,7 +131,7 @@ std::vector<uint8_t> dense_region(const Histogram& histogram, double h, double d
 
 }  // namespace
 
-Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits& limits) {
+Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   std::vector<uint32_t> found;
   std::vector<Vec2d> points;
   // Lines that end before the middle pile up on the jambs: they do not count where others do.
@@ -144,12 +147,12 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits
     }
   Bundle kept{bundle.of};
   if (found.empty()) return kept;
-  if (static_cast<double>(counting) < limits.fewest) counts.assign(points.size(), true);
+  if (counting < kFewestLines) counts.assign(points.size(), true);
   // Later histograms take all points again, since the first may have joined two windows, in
   // coordinates where the region is round: slits are then resolved equally along and across.
   Whitening coordinates;
   std::vector<size_t> cell(points.size());
-  for (int look = 0;; ++look) {
+  for (int round = 0;; ++round) {
     Histogram histogram;
     for (size_t i = 0; i < points.size(); ++i) {
       const Vec2d q = coordinates(points[i]);
@@ -158,7 +161,7 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits
                                static_cast<int64_t>(std::clamp(std::floor(q.y / h), -1e15, 1e15))});
       histogram.count[cell[i]] += counts[i];
     }
-    const std::vector<uint8_t> region = dense_region(histogram, h, limits.dense_cell);
+    const std::vector<uint8_t> region = dense_region(histogram, h, kDenseCell);
     kept.which.clear();
     std::vector<Vec2d> kept_points;
     size_t n = 0;
@@ -168,26 +171,25 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h, const FitLimits
         kept_points.push_back(points[i]);
         n += counts[i];
       }
-    if (look == 2) return kept;
+    if (round == 2) return kept;
     const Extents e = extents_of(kept_points);
     if (!(e.shorter > 0)) return kept;
     coordinates = e.whitening();
-    h = std::clamp(std::sqrt(limits.points_per_cell / static_cast<double>(std::max<size_t>(n, 1))),
-                   0.01, 0.2);
+    h = std::clamp(std::sqrt(kPointsPerCell / static_cast<double>(std::max<size_t>(n, 1))), 0.01,
+                   0.2);
   }
 }
 
 namespace {
 
 // Pattern search over slide and tilt: derivatives of trimmed quantities are too rough.
-struct Search {
-  const FitLimits& limits;
+struct WaistSearch {
   std::vector<LightLine> lines;
   std::vector<double> lengths{};  // of the lines
   Moments moments{};
   std::vector<Vec2d> points{};
 
-  Search(std::vector<LightLine> some, const FitLimits& of) : limits(of), lines(std::move(some)) {
+  explicit WaistSearch(std::vector<LightLine> some) : lines(std::move(some)) {
     for (const LightLine& line : lines) lengths.push_back(length(line.camera - line.light));
   }
 
@@ -197,7 +199,7 @@ struct Search {
     const Slab slab({plane, 0});
     for (size_t i = 0; i < lines.size(); ++i)
       if (const auto passage = slab.passage(lines[i]);
-          passage && passage->along >= limits.grazing * lengths[i])
+          passage && passage->along >= kGrazing * lengths[i])
         points.push_back(passage->at(0));
     if (static_cast<double>(points.size()) < 0.5 * size || points.size() < 8) return INFINITY;
     moments = trimmed_moments(points);
@@ -206,7 +208,7 @@ struct Search {
     const double spread = 0.5 * std::log(det);
     // Crossings per area, with a higher price for lost lines: far from the waist a plane must not
     // gain by approaching the lines' ends.
-    return spread - limits.missing_of_known * std::log(moments.n / size);
+    return spread - kWorthOfKnown * std::log(moments.n / size);
   }
 
   Plane run(Plane best, double slide, double tilt) {
@@ -241,10 +243,9 @@ struct Search {
 
 }  // namespace
 
-Plane waist(const Bundle& bundle, const Plane& start, const FitLimits& limits) {
-  const auto most = static_cast<size_t>(limits.rough_lines);
-  const Bundle some{bundle.of, thinned(bundle.which, most)};
-  return Search(some.lines(), limits).run(start, 1, 0.3);
+Plane waist(const Bundle& bundle, const Plane& start) {
+  const Bundle some{bundle.of, thinned(bundle.which, kRoughLines)};
+  return WaistSearch(some.lines()).run(start, 1, 0.3);
 }
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-#include "tools/portalfit/aperture.h"
+#include "tools/portalfit/outline.h"
 
 #include <algorithm>
 #include <array>
@@ -22,21 +22,25 @@ namespace {
 // n random points lacks on average (Renyi, Sulanke 1963).
 
 constexpr int kDirections = 64, kSteps = 40;  // of trimming
+constexpr double kMostTrimmed = 0.02;         // share of the lines that may be strays
+constexpr double kSparse = 10;  // share of the area over that of the lines, where strays are
+constexpr double kOutlineDepth = 0.85;  // of a tube's depth: where the outline is taken
+constexpr double kDenser = 1.3;         // lines per area of a part over those of the whole
 
 // Cuts off parts of the hull that hold far fewer points than their area: light that comes around
 // the edge of the aperture. Removes the same from `points`, never more than the share
-// `most_trimmed`.
-Polygon trimmed(Polygon hull, std::vector<Vec2d>& points, const FitLimits& limits) {
+// kMostTrimmed.
+Polygon trimmed(Polygon hull, std::vector<Vec2d>& points) {
   const double all = static_cast<double>(points.size());
   for (;;) {
     const double whole = area(hull), n = static_cast<double>(points.size());
-    const auto most = static_cast<size_t>(std::max(0.0, limits.most_trimmed * all - (all - n)));
+    const auto most = static_cast<size_t>(std::max(0.0, kMostTrimmed * all - (all - n)));
     struct Cut {
       double gain;
       Polygon kept;
     };
     std::array<Cut, kDirections> cuts;
-    cuts.fill({limits.slight, {}});
+    cuts.fill({kSlight, {}});
     tbb::parallel_for(0, kDirections, [&](int k) {
       Cut& cut_here = cuts[static_cast<size_t>(k)];
       const double angle = 2 * std::numbers::pi * k / kDirections;
@@ -50,8 +54,7 @@ Polygon trimmed(Polygon hull, std::vector<Vec2d>& points, const FitLimits& limit
         const size_t cut = most * static_cast<size_t>(step) / kSteps;
         if (cut == 0 || cut >= reach.size()) continue;
         Polygon kept = clipped(hull, axis, reach[cut]);
-        const double value =
-            (whole - area(kept)) / whole - limits.sparse * static_cast<double>(cut) / n;
+        const double value = (whole - area(kept)) / whole - kSparse * static_cast<double>(cut) / n;
         if (value > cut_here.gain && kept.size() >= 3) cut_here = {value, std::move(kept)};
       }
     });
@@ -72,6 +75,12 @@ Polygon completed(const Polygon& hull, size_t points) {
 
 }  // namespace
 
+std::vector<Vec3d> corners_of(const Aperture& a) {
+  std::vector<Vec3d> corners;
+  for (const Vec2d& p : a.polygon) corners.push_back(to_space(a.tube.middle, p));
+  return corners;
+}
+
 Bundle lines_across(const Bundle& lines, const Aperture& a) {
   const Slab slab(a.tube);
   return lines.where([&](const LightLine& line) {
@@ -80,41 +89,35 @@ Bundle lines_across(const Bundle& lines, const Aperture& a) {
   });
 }
 
-Polygon outline_of(std::vector<Vec2d> points, const FitLimits& limits) {
+Polygon outline_of(std::vector<Vec2d> points, Strays strays) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  hull = trimmed(std::move(hull), points, limits);
-  return simplified(completed(hull, points.size()), limits.slight);
+  if (strays == Strays::some) hull = trimmed(std::move(hull), points);
+  return simplified(completed(hull, points.size()), kSlight);
 }
 
-Polygon whole_outline(const std::vector<Vec2d>& points, const FitLimits& limits) {
-  const Polygon hull = convex_hull(points);
-  if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  return simplified(completed(hull, points.size()), limits.slight);
-}
-
-std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const Tube& tube,
+std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, const Tube& tube,
                                  bool again) {
   Aperture a{tube, {}, {}};
   Bundle bundle;
   for (int round = 0; round < 3; ++round) {
-    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1, in.limits);
-    bundle = members(lines, a.tube, in.grid.voxel, in.limits);
-    if (in.limits.few(bundle.size())) return {};
+    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
+    bundle = members(lines, a.tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
   }
-  if (const auto square = tube_in_wall(bundle.lines(), a.tube, in.grid.walls, in.limits)) {
+  if (const auto square = tube_in_wall(bundle.lines(), a.tube, grid.walls)) {
     a.tube = *square;
-    bundle = members(lines, a.tube, in.grid.voxel, in.limits);
-    if (in.limits.few(bundle.size())) return {};
+    bundle = members(lines, a.tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
   }
 
   std::vector<Vec2d> points;
   const Slab slab(a.tube);
   for (const uint32_t l : bundle.which)
     if (const auto passage = slab.passage(bundle.line(l)))
-      for (const double face : {-in.limits.within * a.tube.half, in.limits.within * a.tube.half})
+      for (const double face : {-kOutlineDepth * a.tube.half, kOutlineDepth * a.tube.half})
         points.push_back(passage->at(face));
-  a.polygon = outline_of(std::move(points), in.limits);
+  a.polygon = outline_of(std::move(points));
   if (a.polygon.empty()) return {};
   a.lines = lines_across(lines, a);
   return a;
@@ -123,20 +126,19 @@ std::optional<Aperture> outlined(const FitInput& in, const Bundle& lines, const 
 namespace {
 
 // The waist around the fullest voxel of `lines`, a voxel deep: where an aperture may be.
-std::optional<Tube> find_waist(const FitInput& in, const Bundle& lines) {
+std::optional<Tube> find_waist(const LightGrid& grid, const Bundle& lines) {
   Tube tube;
   Plane& plane = tube.middle;
-  plane.o = fullest_place(in.grid, lines);
-  plane.n = mean_direction_near(lines, plane.o, 1.5 * in.grid.voxel);
+  plane.o = fullest_place(grid, lines);
+  plane.n = mean_direction_near(lines, plane.o, 1.5 * grid.voxel);
   if (plane.n == Vec3d{}) return {};
-  tube.half = 0.5 * in.grid.voxel;
+  tube.half = 0.5 * grid.voxel;
   for (int round = 0; round < 6; ++round) {
     const Plane before = plane;
-    const Bundle bundle = members(lines, tube, in.grid.voxel, in.limits);
-    if (in.limits.few(bundle.size())) return {};
-    plane = waist(bundle, plane, in.limits);
-    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * in.grid.voxel)
-      break;
+    const Bundle bundle = members(lines, tube, grid.voxel);
+    if (bundle.size() < kFewestLines) return {};
+    plane = waist(bundle, plane);
+    if (dot(before.n, plane.n) > 1 - 1e-6 && length(before.o - plane.o) < 1e-3 * grid.voxel) break;
   }
   return tube;
 }
@@ -144,9 +146,9 @@ std::optional<Tube> find_waist(const FitInput& in, const Bundle& lines) {
 // Number of the `lines` near `tube` over the area of their crossings with its middle plane,
 // outliers left out [1/m2]: a cheap guess at the density of the aperture there; 0 if there is
 // none.
-double density_near(const FitInput& in, const Bundle& lines, const Tube& tube) {
-  const Bundle bundle = members(lines, tube, in.grid.voxel, in.limits);
-  if (in.limits.few(bundle.size())) return 0;
+double density_near(const LightGrid& grid, const Bundle& lines, const Tube& tube) {
+  const Bundle bundle = members(lines, tube, grid.voxel);
+  if (bundle.size() < kFewestLines) return 0;
   std::vector<Vec2d> places;
   for (const uint32_t l : bundle.which)
     if (const auto at = crossing(tube.middle, bundle.line(l))) places.push_back(*at);
@@ -158,9 +160,9 @@ double density_near(const FitInput& in, const Bundle& lines, const Tube& tube) {
 
 }  // namespace
 
-std::optional<Aperture> find_aperture(const FitInput& in, const Bundle& lines) {
-  const auto tube = find_waist(in, lines);
-  return tube ? outlined(in, lines, *tube) : std::nullopt;
+std::optional<Aperture> find_aperture(const LightGrid& grid, const Bundle& lines) {
+  const auto tube = find_waist(grid, lines);
+  return tube ? outlined(grid, lines, *tube) : std::nullopt;
 }
 
 namespace {
@@ -188,17 +190,17 @@ double density(const Aperture& a) {
 
 }  // namespace
 
-std::optional<double> support_of(const FitInput& in, const Aperture& a) {
+std::optional<double> support_of(const LightGrid& grid, const Aperture& a) {
   double tried = 0, joined = 0;
-  for (const Probe& probe : in.grid.probes) {
+  for (const Probe& probe : grid.probes) {
     const LightLine back{probe.line.camera, probe.line.light, probe.line.cut};
-    auto at = clear_crossing(a.tube.middle, probe.line, in.limits);
-    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back, in.limits);
+    auto at = clear_crossing(a.tube.middle, probe.line);
+    if (!at && !probe.joins) at = clear_crossing(a.tube.middle, back);
     if (!at || !contains(a.polygon, *at)) continue;
     ++tried;
     joined += probe.joins;
   }
-  if (tried < in.limits.fewest) return {};
+  if (tried < kFewestLines) return {};
   return std::min(1.0, joined / tried / through_share(a));
 }
 
@@ -217,15 +219,13 @@ bool sees_past(const LightGrid& grid, const Aperture& a, Vec2d middle, Vec2d edg
 
 }  // namespace
 
-std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
-  const LightGrid& grid = in.grid;
+std::optional<double> edge_share(const LightGrid& grid, const Aperture& a) {
   const double size = std::sqrt(area(a.polygon));
   const bool no_walls = std::find(grid.air.begin(), grid.air.end(), 0) == grid.air.end();
-  if (no_walls || size < 2 * in.limits.resolved * grid.voxel) return {};
+  if (no_walls || size < 2 * kResolved * grid.voxel) return {};
   // How far past the outline is looked: a wall may stand apart from it, or reach little beyond it.
-  const double apart = std::max(in.limits.resolved * grid.voxel, in.limits.beside * size),
-               close = std::min(apart, 2 * in.limits.resolved * grid.voxel),
-               far = a.tube.half + 0.5 * size;
+  const double apart = std::max(kResolved * grid.voxel, kBeside * size),
+               close = std::min(apart, 2 * kResolved * grid.voxel), far = a.tube.half + 0.5 * size;
   const Vec2d middle = extents_of(a.polygon).mean;
   double before = 0, behind = 0, all = 0;
   for (size_t i = 0; i < a.polygon.size(); ++i) {
@@ -250,7 +250,7 @@ std::optional<double> edge_share(const FitInput& in, const Aperture& a) {
 namespace {
 
 // All lines, and the two halves by where they begin, which may be the light of two windows.
-std::vector<Bundle> apart(const Bundle& lines) {
+std::vector<Bundle> with_halves(const Bundle& lines) {
   Vec3d low(INFINITY), high(-INFINITY), sum{};
   for (const uint32_t l : lines.which) {
     const Vec3d& begin = lines.line(l).light;
@@ -266,37 +266,37 @@ std::vector<Bundle> apart(const Bundle& lines) {
 }
 
 // A tube at the waist of a bundle, sought from where its light begins.
-Tube at_waist(const FitInput& in, const Bundle& bundle, const Vec3d& along) {
+Tube at_waist(const LightGrid& grid, const Bundle& bundle, const Vec3d& along) {
   Vec3d sum{};
   for (const uint32_t l : bundle.which) sum += bundle.line(l).light;
-  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * in.grid.voxel);
+  const Vec3d start = sum / static_cast<double>(bundle.size()) + along * (4 * grid.voxel);
   Tube tube;
-  tube.middle = waist(bundle, {start, along}, in.limits);
-  tube.half = 0.5 * in.grid.voxel;
+  tube.middle = waist(bundle, {start, along});
+  tube.half = 0.5 * grid.voxel;
   return tube;
 }
 
 }  // namespace
 
-std::optional<Aperture> part_of_directions(const FitInput& in, const Bundle& lines,
+std::optional<Aperture> part_of_directions(const LightGrid& grid, const Bundle& lines,
                                            const Aperture& whole) {
   const Onb<double> frame(whole.tube.middle.n);
   const Extents e = extents_of(whole.polygon);
   const Vec3d longer = frame.x * e.axis.x + frame.y * e.axis.y;
   const Vec3d shorter = cross(whole.tube.middle.n, longer);
   // The cheap guess of a density may be too low by as much as the opening must be denser.
-  const double promised = density_near(in, whole.lines, whole.tube) / in.limits.denser;
-  double most = in.limits.denser * density(whole);
+  const double promised = density_near(grid, whole.lines, whole.tube) / kDenser;
+  double most = kDenser * density(whole);
   std::optional<Aperture> densest;
   for (const Vec3d& axis : {longer, -longer, shorter, -shorter}) {
     const Bundle along = whole.lines.where(
         [&](const LightLine& line) { return dot(line.camera - line.light, axis) > 0; });
-    for (const Bundle& bundle : apart(along)) {
-      if (in.limits.few(bundle.size())) continue;
-      const Tube tube = find_waist(in, bundle).value_or(at_waist(in, bundle, axis));
-      if (!(density_near(in, bundle, tube) > promised)) continue;
-      auto part = outlined(in, bundle, tube);
-      if (part) part = outlined(in, lines, part->tube, true);
+    for (const Bundle& bundle : with_halves(along)) {
+      if (bundle.size() < kFewestLines) continue;
+      const Tube tube = find_waist(grid, bundle).value_or(at_waist(grid, bundle, axis));
+      if (!(density_near(grid, bundle, tube) > promised)) continue;
+      auto part = outlined(grid, bundle, tube);
+      if (part) part = outlined(grid, lines, part->tube, true);
       if (!part || density(*part) < most) continue;
       most = density(*part);
       densest = std::move(part);

@@ -17,7 +17,7 @@
 //
 // In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
 // outlines on the two faces, which no longer coincide.
-#include "tools/portalfit/tube.h"
+#include "tools/portalfit/opening.h"
 
 #include <algorithm>
 #include <array>
@@ -39,8 +39,20 @@ constexpr int kSides = 16;          // of an outline
 constexpr double kInner = 0.97;     // of the nearest tangent: crossings within it are skipped
 constexpr double kRounding = 1e-9;  // relative tolerance of products of lengths
 
+// Share of the lines that is next to none: beyond each side of a plane's outline, and too few that
+// pass both faces of a tube.
+constexpr double kHardlyAny = 0.002;
+constexpr size_t kMany = 500;        // lines that tell their mean direction
+constexpr size_t kFineLines = 8192;  // of the searches that are not rough
+constexpr double kTurn = 0.25;       // tangent between the starts of a search
+// Of a search, in shorter sides: its first step, which is also the largest tilt of a step, that of
+// a search that goes on, and the last steps.
+constexpr double kFirstStep = 0.3, kFineStep = 0.1, kRoughLast = 0.05, kFineLast = 0.004;
+constexpr double kBlindEnd = 0.1;     // of a tube's depth: lines end on the end of a room behind it
+constexpr double kMostInWall = 0.15;  // of the etendue, by which it may be the larger in a wall
+
 // Evaluation of a tube.
-struct Look {
+struct Measured {
   double cost = INFINITY;        // the objective; infinite if invalid
   size_t held = 0, through = 0;  // number of lines; of those that pass both faces
   double slant = 0;              // mean(log cos)
@@ -49,13 +61,13 @@ struct Look {
   std::array<double, 2> box{};  // sides of the rectangle of area A in the outline's proportions [m]
 };
 
-struct Found {
+struct Fitted {
   Tube tube;
-  Look look;
+  Measured measured;
 };
 
-double form_factor(const Found& f) {
-  return facing_rectangles(f.look.box[0], f.look.box[1], 2 * f.tube.half);
+double form_factor(const Fitted& f) {
+  return facing_rectangles(f.measured.box[0], f.measured.box[1], 2 * f.tube.half);
 }
 
 enum class Shape { tube, plane };
@@ -67,23 +79,13 @@ struct Goal {
   double outside;  // share of the crossings beyond each side
   double slant;    // s
 };
-
-Goal of_tubes(const FitLimits& limits) {
-  return {Shape::tube, limits.missing, limits.outside, 0};
-}
-Goal of_narrowest(const FitLimits& limits) {
-  return {Shape::plane, limits.missing, limits.outside, 0};
-}
-// Planes: where there is no prism, as beside a door ajar, though not of few lines, whose mean(log
-// cos) is noise; and for lines that are known except for leaks.
-Goal instead_of_tube(size_t lines, const FitLimits& limits) {
-  if (static_cast<double>(lines) < limits.many)
-    return {Shape::plane, limits.missing_of_few, limits.outside, 0};
-  return {Shape::plane, limits.missing, limits.hardly_any, 1};
-}
-Goal of_known(const FitLimits& limits) {
-  return {Shape::plane, limits.missing_of_known, limits.hardly_any, 1};
-}
+constexpr Goal kTubes{Shape::tube, 2, 0.0006, 0};
+constexpr Goal kNarrowestPlane{Shape::plane, 2, 0.0006, 0};
+// Planes where there is no prism, as beside a door ajar; the mean(log cos) of few lines is noise.
+constexpr Goal kPlaneOfMany{Shape::plane, 2, kHardlyAny, 1};
+constexpr Goal kPlaneOfFew{Shape::plane, 0.3, 0.0006, 0};
+// Planes for lines that are known except for leaks.
+constexpr Goal kPlaneOfKnown{Shape::plane, kWorthOfKnown, kHardlyAny, 1};
 
 // Coordinates of a tube: position along n, depth of both faces or of either, and two tilts.
 enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
@@ -125,32 +127,32 @@ Tube moved(Tube tube, const Extents& e, Move move, double by, double most_tilt) 
 
 class Search {
  public:
-  Search(std::span<const LightLine> lines, const Goal& goal, const FitLimits& limits)
-      : lines_(lines), goal_(goal), limits_(limits) {
+  Search(std::span<const LightLine> lines, const Goal& goal) : lines_(lines), goal_(goal) {
     if (goal.slant > 0)
       for (const LightLine& line : lines) length_.push_back(length(line.camera - line.light));
   }
 
   // `faces`: heights of the outlines, in half depths of the tube.
-  Look look(const Tube& tube, std::array<double, 2> faces = {-1, 1}) {
-    Look look;
-    take_places(tube, faces, look);
-    const auto held = static_cast<double>(look.held), all = static_cast<double>(lines_.size());
+  Measured measure(const Tube& tube, std::array<double, 2> faces = {-1, 1}) {
+    Measured measured;
+    take_places(tube, faces, measured);
+    const auto held = static_cast<double>(measured.held), all = static_cast<double>(lines_.size());
     if (held < 0.5 * all ||
-        static_cast<double>(look.through) < std::max(8.0, limits_.hardly_any * held))
-      return look;
-    look.extents = extents_of(places_);
-    if (!(look.extents.shorter > 0) || !measure_outline(look)) return look;
-    look.cost = std::log(look.size * facing_rectangles(look.box[0], look.box[1], 2 * tube.half)) -
-                goal_.penalty * std::log(held / all) + goal_.slant * look.slant;
-    return look;
+        static_cast<double>(measured.through) < std::max(8.0, kHardlyAny * held))
+      return measured;
+    measured.extents = extents_of(places_);
+    if (!(measured.extents.shorter > 0) || !measure_outline(measured)) return measured;
+    measured.cost = std::log(measured.size *
+                             facing_rectangles(measured.box[0], measured.box[1], 2 * tube.half)) -
+                    goal_.penalty * std::log(held / all) + goal_.slant * measured.slant;
+    return measured;
   }
 
   // Steps shrink from `first` to `last`, in shorter sides of the start's extents.
-  Found run(const Tube& start, double first, double last, bool turns = true) {
-    Found best{start, look(start)};
-    if (!std::isfinite(best.look.cost)) return best;
-    const double unit = best.look.extents.shorter;
+  Fitted run(const Tube& start, double first, double last, bool turns = true) {
+    Fitted best{start, measure(start)};
+    if (!std::isfinite(best.measured.cost)) return best;
+    const double unit = best.measured.extents.shorter;
     std::array<double, moves> step;
     step.fill(first);
     if (goal_.shape == Shape::plane) step[both] = step[front] = step[rear] = 0;
@@ -160,38 +162,38 @@ class Search {
         double& s = step[static_cast<size_t>(m)];
         if (s > 0.5 * last) s *= improved(best, static_cast<Move>(m), s * unit) ? 1.5 : 0.5;
       }
-    best.tube.middle.o = to_space(best.tube.middle, best.look.extents.mean);
+    best.tube.middle.o = to_space(best.tube.middle, best.measured.extents.mean);
     return best;
   }
 
-  double density(const Found& f) const {
-    if (!std::isfinite(f.look.cost)) return 0;
-    return static_cast<double>(f.look.through) / static_cast<double>(lines_.size()) /
-           (f.look.size * form_factor(f));
+  double density(const Fitted& f) const {
+    if (!std::isfinite(f.measured.cost)) return 0;
+    return static_cast<double>(f.measured.through) / static_cast<double>(lines_.size()) /
+           (f.measured.size * form_factor(f));
   }
 
   // Area of the outline on the faces over that in the middle.
-  double waistedness(const Found& f) { return f.look.size / look(f.tube, {0, 0}).size; }
+  double waistedness(const Fitted& f) { return f.measured.size / measure(f.tube, {0, 0}).size; }
 
  private:
   // Points of the held lines that are nearest to the two faces.
-  void take_places(const Tube& tube, std::array<double, 2> faces, Look& look) {
+  void take_places(const Tube& tube, std::array<double, 2> faces, Measured& measured) {
     const Slab slab(tube);
     places_.clear();
     for (size_t i = 0; i < lines_.size(); ++i)
       if (const auto passage = slab.passage(lines_[i])) {
-        look.through += passage->through(tube.half);
+        measured.through += passage->through(tube.half);
         if (goal_.slant > 0)
-          look.slant += std::log(std::max(limits_.grazing, passage->along / length_[i]));
+          measured.slant += std::log(std::max(kGrazing, passage->along / length_[i]));
         for (const double face : faces) places_.push_back(passage->at(face * tube.half));
       }
-    look.held = places_.size() / 2;
-    look.slant /= static_cast<double>(std::max<size_t>(look.held, 1));
+    measured.held = places_.size() / 2;
+    measured.slant /= static_cast<double>(std::max<size_t>(measured.held, 1));
   }
 
   // A and the box; false if there is no outline. Leaves the crossings whitened.
-  bool measure_outline(Look& look) {
-    const Whitening whitening = look.extents.whitening();
+  bool measure_outline(Measured& measured) {
+    const Whitening whitening = measured.extents.whitening();
     for (Vec2d& p : places_) p = whitening(p);
     outer_.clear();
     for (const Vec2d& p : places_)
@@ -212,12 +214,12 @@ class Search {
       outline = clipped(outline, axis, limit);
     }
     inner_ = kInner * std::max(nearest, 0.0);
-    look.size = area(outline) * look.extents.longer * look.extents.shorter;
-    const double a = (most[0] + least[0]) * look.extents.longer,
-                 b = (most[1] + least[1]) * look.extents.shorter;
-    if (!(look.size > 0 && a > 0 && b > 0)) return false;
-    const double grow = std::sqrt(look.size / (a * b));
-    look.box = {a * grow, b * grow};
+    measured.size = area(outline) * measured.extents.longer * measured.extents.shorter;
+    const double a = (most[0] + least[0]) * measured.extents.longer,
+                 b = (most[1] + least[1]) * measured.extents.shorter;
+    if (!(measured.size > 0 && a > 0 && b > 0)) return false;
+    const double grow = std::sqrt(measured.size / (a * b));
+    measured.box = {a * grow, b * grow};
     return true;
   }
 
@@ -240,14 +242,14 @@ class Search {
     return farthest_.front();
   }
 
-  bool improved(Found& best, Move move, double by) {
-    const Extents e = best.look.extents;
+  bool improved(Fitted& best, Move move, double by) {
+    const Extents e = best.measured.extents;
     Tube from = best.tube;
     from.middle.o = to_space(best.tube.middle, e.mean);  // centre of rotation
     for (const double way : {by, -by}) {
-      const Tube next = moved(from, e, move, way, limits_.first_step);
-      const Look there = look(next);
-      if (!(there.cost < best.look.cost)) continue;
+      const Tube next = moved(from, e, move, way, kFirstStep);
+      const Measured there = measure(next);
+      if (!(there.cost < best.measured.cost)) continue;
       best = {next, there};
       return true;
     }
@@ -256,24 +258,22 @@ class Search {
 
   std::span<const LightLine> lines_;
   Goal goal_;
-  const FitLimits& limits_;
   std::vector<double> length_;  // of the lines, if needed [m]
-  std::vector<Vec2d> places_;   // crossings of the last look, both faces
+  std::vector<Vec2d> places_;   // crossings of the last measurement, both faces
   std::vector<Vec2d> outer_;    // those not within inner_, which may matter to the outline
-  double inner_ = 0;            // radius within all tangents of the previous, similar look
+  double inner_ = 0;            // radius within all tangents of the previous, similar measurement
   std::vector<double> farthest_;
 };
 
-Found least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal,
-                  const FitLimits& limits) {
+Fitted least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal) {
   start.half = 0;
-  return Search(lines, goal, limits).run(start, limits.first_step, limits.fine_last);
+  return Search(lines, goal).run(start, kFirstStep, kFineLast);
 }
 
 // Whether the tube is a room and not an opening: its lines begin or end where it does.
-bool is_blind(std::span<const LightLine> lines, const Tube& tube, double blind_end) {
+bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
   const Slab slab(tube);
-  const double close = blind_end * 2 * tube.half;
+  const double close = kBlindEnd * 2 * tube.half;
   size_t through = 0, begin = 0, end = 0;
   for (const LightLine& line : lines)
     if (const auto p = slab.passage(line); p && p->through(tube.half)) {
@@ -285,35 +285,33 @@ bool is_blind(std::span<const LightLine> lines, const Tube& tube, double blind_e
 }
 
 // Result of a search with few lines.
-struct Rough {
+struct RoughFit {
   Tube tube;
   double cost, density, waistedness;
 };
-using RoughTubes = std::array<Rough, 5>;
+using RoughTubes = std::array<RoughFit, 5>;
 
 // From several starts, since the objective has several valleys.
-RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start,
-                       const FitLimits& limits) {
-  const double turn = limits.turn;
-  const std::array<Vec2d, 5> turns{{{0, 0}, {turn, 0}, {-turn, 0}, {0, turn}, {0, -turn}}};
+RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start) {
+  const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
   const Onb<double> frame(start.middle.n);
   RoughTubes rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
-    Search search(some, of_tubes(limits), limits);
+    Search search(some, kTubes);
     Tube from = start;
     from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
-    const Found found = search.run(from, limits.first_step, limits.rough_last);
-    rough[k] = {found.tube, found.look.cost, search.density(found), search.waistedness(found)};
+    const Fitted found = search.run(from, kFirstStep, kRoughLast);
+    rough[k] = {found.tube, found.measured.cost, search.density(found), search.waistedness(found)};
   });
   return rough;
 }
 
 // The best of those at least as dense as `enough`; `otherwise` if there is none.
-Tube best_of(const RoughTubes& rough, double enough, double widest, const Tube& otherwise) {
+Tube best_of(const RoughTubes& rough, double enough, const Tube& otherwise) {
   Tube best = otherwise;
   double least = INFINITY;
-  for (const Rough& r : rough)
-    if (r.density >= enough && r.cost < least && r.waistedness < widest)
+  for (const RoughFit& r : rough)
+    if (r.density >= enough && r.cost < least && r.waistedness < kWidening)
       least = r.cost, best = r.tube;
   return best;
 }
@@ -330,70 +328,62 @@ double facing_rectangles(double a, double b, double c) {
           y * p * std::atan(y / p) - x * std::atan(x) - y * std::atan(y));
 }
 
-Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near,
-                const FitLimits& limits) {
-  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
-  const Goal flat = instead_of_tube(lines.size(), limits);
-  if (near && start.half == 0) return least_plane(fine, start, flat, limits).tube;
-  const std::vector<LightLine> some = thinned(lines, static_cast<size_t>(limits.rough_lines));
-  Search search(fine, of_tubes(limits), limits);
-  Found narrowest, found;
+Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool near) {
+  const std::vector<LightLine> fine = thinned(lines, kFineLines);
+  const Goal flat = lines.size() < kMany ? kPlaneOfFew : kPlaneOfMany;
+  if (near && start.half == 0) return least_plane(fine, start, flat).tube;
+  const std::vector<LightLine> some = thinned(lines, kRoughLines);
+  Search search(fine, kTubes);
+  Fitted narrowest, found;
   RoughTubes rough;
   tbb::parallel_invoke(
       [&] {
-        narrowest = Search(some, of_narrowest(limits), limits)
-                        .run({start.middle, 0}, limits.first_step, limits.rough_last);
+        narrowest = Search(some, kNarrowestPlane).run({start.middle, 0}, kFirstStep, kRoughLast);
       },
       [&] {
         if (near)
-          found = search.run(start, limits.fine_step, limits.fine_last);
+          found = search.run(start, kFineStep, kFineLast);
         else
-          rough = rough_tubes(some, start, limits);
+          rough = rough_tubes(some, start);
       });
   // If the whole tube passes light, its density of lines per etendue is that of its narrowest
   // plane.
-  const double enough = kMost * Search(some, of_tubes(limits), limits).density(narrowest);
+  const double enough = kMost * Search(some, kTubes).density(narrowest);
   const auto narrow = [&] {
-    return Search(fine, of_narrowest(limits), limits)
-        .run(narrowest.tube, limits.fine_step, limits.fine_last)
-        .tube;
+    return Search(fine, kNarrowestPlane).run(narrowest.tube, kFineStep, kFineLast).tube;
   };
-  if (!near)
-    found = search.run(best_of(rough, enough, limits.widening, start), limits.fine_step,
-                       limits.fine_last);
-  if (search.density(found) < enough || is_blind(fine, found.tube, limits.blind_end))
-    return narrow();
+  if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
+  if (search.density(found) < enough || is_blind(fine, found.tube)) return narrow();
   const double waistedness = search.waistedness(found);
-  if (!(waistedness < limits.widening)) return narrow();
-  if (waistedness < limits.alike || form_factor(found) <= kMost) return found.tube;
+  if (!(waistedness < kWidening)) return narrow();
+  if (waistedness < kAlikeArea || form_factor(found) <= kMost) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
-  const Found plane = least_plane(fine, found.tube, flat, limits);
-  const bool holds_too_few = static_cast<double>(plane.look.held) <
-                             limits.plane_holds * static_cast<double>(found.look.held);
+  const Fitted plane = least_plane(fine, found.tube, flat);
+  const bool holds_too_few = static_cast<double>(plane.measured.held) <
+                             kPlaneHolds * static_cast<double>(found.measured.held);
   return holds_too_few ? found.tube : plane.tube;
 }
 
 std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
-                                 std::span<const Vec3d> walls, const FitLimits& limits) {
-  const std::vector<LightLine> fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
-  Search search(fine, tube.half > 0 ? of_tubes(limits) : of_narrowest(limits), limits);
-  double most = search.look(tube).cost + limits.square;
+                                 std::span<const Vec3d> walls) {
+  const std::vector<LightLine> fine = thinned(lines, kFineLines);
+  Search search(fine, tube.half > 0 ? kTubes : kNarrowestPlane);
+  double most = search.measure(tube).cost + kMostInWall;
   std::optional<Tube> best;
   for (const Vec3d& wall : walls) {
     const double cosine = dot(wall, tube.middle.n);
-    if (std::abs(cosine) < limits.parallel) continue;
+    if (std::abs(cosine) < kNearlyParallel) continue;
     Tube start = tube;
     start.middle.n = cosine < 0 ? -wall : wall;
-    const Found found = search.run(start, limits.fine_step, limits.fine_last, false);
-    if (found.look.cost < most) most = found.look.cost, best = found.tube;
+    const Fitted found = search.run(start, kFineStep, kFineLast, false);
+    if (found.measured.cost < most) most = found.measured.cost, best = found.tube;
   }
   return best;
 }
 
-Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start,
-                   const FitLimits& limits) {
-  const auto fine = thinned(lines, static_cast<size_t>(limits.fine_lines));
-  return least_plane(fine, start, of_known(limits), limits).tube;
+Tube holding_plane(const std::vector<LightLine>& lines, const Tube& start) {
+  const auto fine = thinned(lines, kFineLines);
+  return least_plane(fine, start, kPlaneOfKnown).tube;
 }
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-#include "tools/portalfit/tube.h"
+#include "tools/portalfit/opening.h"
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 #include "libcommon/math/rng.h"
 #include "tools/portalfit/testing/tube_lines.h"
 
-namespace tdpt::tube_test {
+namespace tdpt::opening_test {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -48,7 +48,7 @@ TEST(Tube, IsFoundFromATiltedPlane) {
     const auto lines = testing::lines_of_tube(width, 0.3, 0.1, 4000);
     const Tube start{{{0.03, 0, 0}, normalize(Vec3d{1, 0.1, -0.2})}, 0.02};
     EXPECT_GT(degrees_from_x(start), 10);  // twin: the measure detects the tilt
-    const Tube tube = least_tube(lines, start, false, {});
+    const Tube tube = least_tube(lines, start, false);
     EXPECT_LT(degrees_from_x(tube), 2) << width << " " << degrees_from_x(tube) << " " << tube.half;
     EXPECT_NEAR(tube.half, 0.1, 0.025) << width << " " << degrees_from_x(tube) << " " << tube.half;
     EXPECT_NEAR(tube.middle.o.x, 0, 0.025)
@@ -77,11 +77,11 @@ std::vector<LightLine> into_a_long_room(double end, size_t n) {
 // A room is a tube, too, and has less etendue than its opening, but its lines end where it does.
 TEST(Tube, ARoomAsWideAsItsOpeningIsNoOpening) {
   const Tube start{{{0.1, 0, 0}, {1, 0, 0}}, 0.05};
-  const Tube mouth = least_tube(into_a_long_room(9, 4000), start, false, {});
+  const Tube mouth = least_tube(into_a_long_room(9, 4000), start, false);
   EXPECT_NEAR(mouth.middle.o.x, 0, 0.1);
   EXPECT_LT(mouth.half, 0.1);
   // Twin: a passage of that length, with a hall behind it, is an opening.
-  const Tube passage = least_tube(into_a_long_room(19, 4000), start, false, {});
+  const Tube passage = least_tube(into_a_long_room(19, 4000), start, false);
   EXPECT_NEAR(passage.middle.o.x, 4.5, 1);
   EXPECT_GT(passage.half, 3.5);
 }
@@ -107,30 +107,29 @@ double degrees_from_z(const Tube& tube) {
 TEST(Tube, LightThatLeansDoesNotTiltThePlaneOfKnownLines) {
   const auto lines = leaning_lines(400);
   const Tube start{{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0};
-  EXPECT_LT(degrees_from_z(holding_plane(lines, start, {})), 2.5);
+  EXPECT_LT(degrees_from_z(holding_plane(lines, start)), 2.5);
   // Twin: by area alone it leans with the light.
-  EXPECT_GT(degrees_from_z(least_tube(lines, start, true, {})), 4);
+  EXPECT_GT(degrees_from_z(least_tube(lines, start, true)), 4);
 }
 
 // Light that leans tilts the plane; the wall that it lies in does not lean.
 TEST(Tube, LiesInAWallThatFacesNearlyAsItDoes) {
   const std::vector<Vec3d> walls{{1, 0, 0}, {0, 0, -1}};
   const auto lines = leaning_lines(400);
-  const Tube tilted =
-      least_tube(lines, {{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0}, true, {});
+  const Tube tilted = least_tube(lines, {{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0}, true);
   EXPECT_GT(degrees_from_z(tilted), 3);
-  const auto in_wall = tube_in_wall(lines, tilted, walls, {});
+  const auto in_wall = tube_in_wall(lines, tilted, walls);
   ASSERT_TRUE(in_wall);
   EXPECT_LT(degrees_from_z(*in_wall), 1e-6);
   EXPECT_NEAR(in_wall->middle.o.z, 0, 0.005);
-  EXPECT_FALSE(tube_in_wall(lines, tilted, {}, {}));
+  EXPECT_FALSE(tube_in_wall(lines, tilted, {}));
 }
 
 // Twin: an opening that is really turned against the wall, as beside a door ajar, stays.
 TEST(Tube, StaysOutOfAWallThatItsLinesDoNotFit) {
   const auto lines = testing::lines_of_tube(1, 1, 0.1, 6000);
   const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
-  EXPECT_FALSE(tube_in_wall(lines, tube, std::vector<Vec3d>{normalize(Vec3d{1, 0.25, 0})}, {}));
+  EXPECT_FALSE(tube_in_wall(lines, tube, std::vector<Vec3d>{normalize(Vec3d{1, 0.25, 0})}));
 }
 
 TEST(Tube, LinesThatEndInsideCount) {
@@ -144,4 +143,4 @@ TEST(Tube, LinesThatEndInsideCount) {
   EXPECT_FALSE(inside_at(tube, against, 0));
 }
 
-}  // namespace tdpt::tube_test
+}  // namespace tdpt::opening_test

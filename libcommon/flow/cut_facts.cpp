@@ -1,4 +1,4 @@
-#include "libcommon/math/cut_facts.h"
+#include "libcommon/flow/cut_facts.h"
 
 #include <algorithm>
 
@@ -7,14 +7,6 @@
 #include "libcommon/base/words.h"
 
 namespace tdpt {
-namespace {
-
-std::string percent(double share) {
-  return percent_words(share);
-}
-
-}  // namespace
-
 CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side) {
   CutFacts f;
   const FlowNetwork& net = p.network;
@@ -58,7 +50,7 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
     return fmt::format(
         "the lamp stands in its own opening: {} of the light that crosses the cut comes straight "
         "from it, and sampling the lamp finds the opening as a portal would",
-        percent(*f.straight));
+        percent_words(*f.straight));
   if (small) {
     const size_t s = f.side(0) < f.side(1) ? 0 : 1;
     return fmt::format(
@@ -68,7 +60,8 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         100 * limits.least_area);
   }
   if (f.carried && *f.carried < limits.least_carried)
-    return fmt::format("by the network only {} of the light crosses the cut", percent(*f.carried));
+    return fmt::format("by the network only {} of the light crosses the cut",
+                       percent_words(*f.carried));
   if (f.conductance > limits.largest_conductance)
     return fmt::format(
         "{} of the smaller side's light crosses the cut, more than {}: the opening is wide",
@@ -80,8 +73,9 @@ std::string words_for(const CutFacts& f) {
   return fmt::format(
       "{} of the surface lies on the light's side{}; {} of the smaller side's light crosses the "
       "cut",
-      percent(f.area[0]),
-      f.carried ? fmt::format(", by the network {} of the light crosses", percent(*f.carried)) : "",
+      percent_words(f.area[0]),
+      f.carried ? fmt::format(", by the network {} of the light crosses", percent_words(*f.carried))
+                : "",
       number_words(f.conductance, 2));
 }
 
