@@ -23,8 +23,13 @@ Mesh read_wo3(std::string_view bytes, const std::string& name);
 
 /// v becomes 1 - v.
 void flip_v(Mesh& mesh);
-/// Smooth normals: at each position the mean of its triangles' normals, weighted by their angles.
-void smooth(Mesh& mesh);
+inline Mesh flipped(Mesh mesh) {
+  flip_v(mesh);
+  return mesh;
+}
+/// Smooth normals: at each position, or at each vertex unless `across_seams`, the mean of its
+/// triangles' normals, weighted by their angles.
+void smooth(Mesh& mesh, bool across_seams = true);
 
 /// The square [-1, 1]^2 at z = 0, front +z, uv (0, 1) at its corner (-1, -1): an image stands
 /// upright.

@@ -62,7 +62,7 @@ void flip_v(Mesh& mesh) {
   for (auto& uv : mesh.uv) uv[1] = 1 - uv[1];
 }
 
-void smooth(Mesh& mesh) {
+void smooth(Mesh& mesh, bool across_seams) {
   struct Hash {
     size_t operator()(const std::array<float, 3>& p) const {
       size_t h = 0;
@@ -71,8 +71,12 @@ void smooth(Mesh& mesh) {
     }
   };
   std::unordered_map<std::array<float, 3>, Vec3d, Hash> sums;  // vertices at one place share one
+  std::vector<Vec3d> own(across_seams ? 0 : mesh.positions.size());
   std::vector<Vec3d*> sum_of;
-  for (const Vec3f& p : mesh.positions) sum_of.push_back(&sums[{p.x, p.y, p.z}]);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f& p = mesh.positions[i];
+    sum_of.push_back(across_seams ? &sums[{p.x, p.y, p.z}] : &own[i]);
+  }
   for (const auto& corners : mesh.triangles)
     for (size_t k = 0; k < 3; ++k) {
       const Vec3d p = at(mesh, corners[k]);
