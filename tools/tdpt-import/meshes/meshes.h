@@ -59,6 +59,18 @@ T value_at(const char* bytes, std::endian order = std::endian::little) {
   return value;
 }
 
+/// The words of a line of text, between white space.
+std::vector<std::string_view> words_of(std::string_view line);
+/// The number that is all of `word`, perhaps after a plus; infinite or 0 if it is out of range.
+std::optional<double> number_in(std::string_view word);
+
+inline Vec3d in_double(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+inline Vec3f in_single(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
 /// Throws InputError unless there are triangles, all of them with existing corners, and all
 /// positions are finite. Scales normals to length 1; vertices without a usable one take the mean of
 /// their triangles. Coordinates of textures that are not finite become 0.

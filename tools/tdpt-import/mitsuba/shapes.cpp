@@ -17,10 +17,6 @@ constexpr const char* kBlackBack =
     "surfaces that are not \"twosided\" are black on their back in Mitsuba and have two sides in "
     "glTF";
 
-Vec3d in_double(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
 Vec3d across(const Mesh& mesh, const std::array<uint32_t, 3>& t) {
   const Vec3d a = in_double(mesh.positions[t[0]]);
   return cross(in_double(mesh.positions[t[1]]) - a, in_double(mesh.positions[t[2]]) - a);
