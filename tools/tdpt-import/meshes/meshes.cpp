@@ -33,11 +33,8 @@ void mend_normals(Mesh& mesh) {
   if (usable == 0) mesh.normals.clear();
   if (usable == mesh.normals.size()) return;
   std::vector<Vec3d> sums(mesh.positions.size());  // weighted by area
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3d at = in_double(mesh.positions[a]);
-    const Vec3d n = cross(in_double(mesh.positions[b]) - at, in_double(mesh.positions[c]) - at);
-    for (const uint32_t corner : {a, b, c}) sums[corner] = sums[corner] + n;
-  }
+  for (const auto& corners : mesh.triangles)
+    for (const uint32_t corner : corners) sums[corner] = sums[corner] + front_of(mesh, corners);
   for (size_t i = 0; i < sums.size(); ++i) {
     if (is_unit(mesh.normals[i])) continue;
     mesh.normals[i] = unit_or_zero(sums[i]);

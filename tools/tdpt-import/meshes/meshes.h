@@ -71,6 +71,13 @@ inline Vec3f in_single(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
+/// Twice the area of a triangle, along its front.
+inline Vec3d front_of(const Mesh& mesh, const std::array<uint32_t, 3>& corners) {
+  const Vec3d a = in_double(mesh.positions[corners[0]]);
+  return cross(in_double(mesh.positions[corners[1]]) - a,
+               in_double(mesh.positions[corners[2]]) - a);
+}
+
 /// Throws InputError unless there are triangles, all of them with existing corners, and all
 /// positions are finite. Scales normals to length 1; vertices without a usable one take the mean of
 /// their triangles. Coordinates of textures that are not finite become 0.

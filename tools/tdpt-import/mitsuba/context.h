@@ -13,7 +13,7 @@ constexpr const char* kMedia = "media (fog, absorption, scattering) are left out
 
 /// What a colour is of: Mitsuba 3 lets a spectrum of equal energy reflect white light as white and
 /// shine yellowish.
-enum class Of { surface, light };
+enum class Role { surface, light };
 
 /// The material of a bsdf.
 struct Surface {
@@ -25,7 +25,7 @@ struct Surface {
 struct Context {
   Described& scene;
   std::map<std::string, size_t> images{}, meshes{};
-  std::map<std::tuple<const Object*, Of, bool>, Colour> textures{};
+  std::map<std::tuple<const Object*, Role, bool>, Colour> textures{};
   std::map<std::pair<const Object*, const Object*>, Surface> surfaces{};  ///< of bsdf and medium
   std::map<std::string, size_t> default_materials{};
   std::set<size_t> meshes_with_normals{};  ///< in their files
@@ -39,25 +39,25 @@ struct Context {
 // Numbers and colours as linear Rec.709, with or without a texture.
 
 bool is_colour(const Value& value);
-/// Of a float, rgb, srgb, spectrum or blackbody.
-Rgb colour_of(const Value& value, bool old, Of of);
+/// The colour of a float, rgb, srgb, spectrum or blackbody.
+Rgb colour_of(const Value& value, bool old, Role role);
 float mean(const Rgb& c);
 bool is_grey(const Rgb& c);
 
 /// The value of that name of an object; `otherwise` without one.
 Colour colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
-              Of of = Of::surface);
+              Role role = Role::surface);
 Number number(Context& in, const Object& object, const std::string& name, double otherwise);
 /// The same where a texture cannot stand: it is named as lost and `otherwise` taken.
 Rgb plain_colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
-                 Of of = Of::surface);
+                 Role role = Role::surface);
 double plain_number(Context& in, const Object& object, const std::string& name, double otherwise);
 /// A texture object itself. `raw`: 8-bit files without a gamma of their own are numbers.
-Colour texture(Context& in, const Object& object, Of of, bool raw = false);
+Colour texture(Context& in, const Object& object, Role role, bool raw = false);
 /// Index of the image in the file that an object's "filename" names.
 size_t image(Context& in, const Object& object);
 
-/// Of a bsdf around a medium, or around nullptr.
+/// The surface of a bsdf around a medium, or around nullptr.
 Surface surface(Context& in, const Object& bsdf, const Object* interior);
 
 /// Adds a shape of the scene, with all that it holds.

@@ -148,8 +148,8 @@ constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
 void add_lamp(Context& in, const Object& e) {
   Lamp lamp;
   lamp.name = e.id.empty() ? e.type : e.id;
-  lamp.intensity =
-      plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1), Of::light);
+  lamp.intensity = plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1),
+                                Role::light);
   const auto map = [&] { return e.map("to_world"); };
   if (e.type == "point") {
     lamp.at = map().t;
@@ -179,7 +179,7 @@ void add_lamp(Context& in, const Object& e) {
 void add_sky(Context& in, const Object& e) {
   Sky sky;
   if (e.type == "constant") {
-    sky.colour = plain_colour(in, e, "radiance", Rgb(1), Of::light);
+    sky.colour = plain_colour(in, e, "radiance", Rgb(1), Role::light);
     e.ignore("to_world");  // the same all around
   } else {
     sky.image = image(in, e);

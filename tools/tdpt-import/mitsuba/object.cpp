@@ -1,13 +1,13 @@
 #include "tools/tdpt-import/mitsuba/object.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 
 namespace tdpt::foreign::mitsuba {
 
@@ -16,14 +16,8 @@ std::optional<double> number_of(const std::string& text) {
   const size_t first = text.find_first_not_of(white);
   if (first == text.npos) return {};
   const size_t last = text.find_last_not_of(white) + 1;
-  const char* begin = text.data() + first + (text[first] == '+' ? 1 : 0);
-  double number = 0;
-  const auto [end, error] = std::from_chars(begin, text.data() + last, number);
-  if (end != text.data() + last) return {};
-  // Numbers too small for a double are 0.
-  if (error == std::errc::result_out_of_range) number = std::strtod(begin, nullptr);
-  if (!std::isfinite(number) || error == std::errc::invalid_argument) return {};
-  return number;
+  const auto number = number_in(std::string_view(text).substr(first, last - first));
+  return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 std::vector<std::string> split(const std::string& text, const std::string& separators) {

@@ -17,16 +17,11 @@ constexpr const char* kBlackBack =
     "surfaces that are not \"twosided\" are black on their back in Mitsuba and have two sides in "
     "glTF";
 
-Vec3d across(const Mesh& mesh, const std::array<uint32_t, 3>& t) {
-  const Vec3d a = in_double(mesh.positions[t[0]]);
-  return cross(in_double(mesh.positions[t[1]]) - a, in_double(mesh.positions[t[2]]) - a);
-}
-
 // The front is where a file's normals point to, whichever way its triangles run.
 void front_by_normals(Mesh& mesh) {
   for (auto& t : mesh.triangles) {
     const Vec3d n = in_double(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]);
-    if (dot(across(mesh, t), n) < 0) std::swap(t[1], t[2]);
+    if (dot(front_of(mesh, t), n) < 0) std::swap(t[1], t[2]);
   }
 }
 
@@ -172,7 +167,7 @@ void dress(Context& in, const Object& shape, Shape& out) {
     if (e->type != "area") {
       e->lose(fmt::format("emitters of type \"{}\" are not read and left out", shown(e->type, 40)));
     } else {
-      out.emission = Emission{colour(in, *e, "radiance", Rgb(1), Of::light), false};
+      out.emission = Emission{colour(in, *e, "radiance", Rgb(1), Role::light), false};
       e->ignore("sampling_weight");  // how it is sampled
     }
   // In Mitsuba +Y of a normal map is normal x dp/du, in glTF up in the image.

@@ -186,7 +186,7 @@ Read mask(Context& in, const Object& bsdf) {
   }
   out.material.opacity = opacity;
   if (const Value* v = bsdf.find("opacity"); v && is_colour(*v))
-    if (!is_grey(colour_of(*v, bsdf.old, Of::surface)))
+    if (!is_grey(colour_of(*v, bsdf.old, Role::surface)))
       bsdf.lose("the colour of an opacity becomes grey");
   return out;
 }
@@ -197,7 +197,7 @@ Read bump(Context& in, const Object& bsdf) {
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", bsdf.described()));
   bsdf.ignore("flip_invalid_normals use_shadowing_function");  // of normals seen from behind
   // 0.x reads bitmaps of these as numbers.
-  const Colour c = texture(in, *maps[0], Of::surface, bsdf.old);
+  const Colour c = texture(in, *maps[0], Role::surface, bsdf.old);
   if (!c.texture) return out;
   if (bsdf.type == "normalmap") {
     const Image& image = in.scene.images[c.texture->image];

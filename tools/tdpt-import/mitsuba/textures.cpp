@@ -78,14 +78,14 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-Rgb sampled(Samples samples, const Value& value, bool old, Of of) {
+Rgb sampled(Samples samples, const Value& value, bool old, Role role) {
   if (samples.empty()) value.fail("a spectrum without values");
   for (size_t i = 0; i < samples.size(); ++i) {
     const double nm = samples[i][0];
     if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
     if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
   }
-  if (!old && of == Of::surface) return lit(samples);
+  if (!old && role == Role::surface) return lit(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
   samples.push_back({samples.back()[0], 0});
   return rgb_of_spectrum(samples) * of_equal_energy();
@@ -105,12 +105,12 @@ Samples file(const Value& value) {
   return out;
 }
 
-Rgb spectrum(const Value& value, bool old, Of of) {
-  if (value.attributes.contains("filename")) return sampled(file(value), value, old, of);
+Rgb spectrum(const Value& value, bool old, Role role) {
+  if (value.attributes.contains("filename")) return sampled(file(value), value, old, role);
   const auto words = split(value.text());
   if (words.size() == 1 && words[0].find(':') == std::string::npos) {
     const Rgb grey(single(finite(words[0], value)));
-    return !old && of == Of::light ? grey * of_equal_energy() : grey;
+    return !old && role == Role::light ? grey * of_equal_energy() : grey;
   }
   if (words.empty()) value.fail("a spectrum without values");
   if (words[0].find(':') == std::string::npos) {
@@ -127,7 +127,7 @@ Rgb spectrum(const Value& value, bool old, Of of) {
     samples.push_back(
         {finite(word.substr(0, colon), value), finite(word.substr(colon + 1), value)});
   }
-  return sampled(std::move(samples), value, old, of);
+  return sampled(std::move(samples), value, old, role);
 }
 
 // Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it. Values and objects fail alike.
@@ -149,13 +149,13 @@ bool is_colour(const Value& value) {
   return is_one_of(value.tag, "float integer rgb srgb spectrum blackbody");
 }
 
-Rgb colour_of(const Value& value, bool old, Of of) {
+Rgb colour_of(const Value& value, bool old, Role role) {
   if (value.tag == "rgb") return three(value);
   if (value.tag == "srgb") {
     const Rgb c = three(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
-  if (value.tag == "spectrum") return spectrum(value, old, of);
+  if (value.tag == "spectrum") return spectrum(value, old, role);
   if (value.tag == "blackbody") {
     std::string kelvin = value.text("temperature");
     kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
@@ -180,9 +180,9 @@ Colour plain(const Rgb& c) {
   return {c, {}, {}};
 }
 
-Colour value_of(Context& in, const Value& value, bool old, Of of) {
-  if (is_colour(value)) return plain(colour_of(value, old, of));
-  if (value.object && value.object->tag == "texture") return texture(in, *value.object, of);
+Colour value_of(Context& in, const Value& value, bool old, Role role) {
+  if (is_colour(value)) return plain(colour_of(value, old, role));
+  if (value.object && value.object->tag == "texture") return texture(in, *value.object, role);
   value.fail(fmt::format("\"{}\" is a {}, expected a colour or texture", shown(value.name, 40),
                          shown(value.tag, 40)));
 }
@@ -244,7 +244,7 @@ Colour checkerboard(Context& in, const Object& texture) {
 }
 
 // A spectrum of two lists.
-Colour irregular(const Object& texture, Of of) {
+Colour irregular(const Object& texture, Role role) {
   const auto nm = split(texture.needed_text("wavelengths")),
              v = split(texture.needed_text("values"));
   if (nm.size() != v.size() || nm.empty())
@@ -253,16 +253,16 @@ Colour irregular(const Object& texture, Of of) {
   Samples samples;
   for (size_t i = 0; i < nm.size(); ++i)
     samples.push_back({finite(nm[i], values), finite(v[i], values)});
-  return plain(sampled(std::move(samples), values, texture.old, of));
+  return plain(sampled(std::move(samples), values, texture.old, role));
 }
 
-Colour read_texture(Context& in, const Object& texture, Of of, bool raw) {
+Colour read_texture(Context& in, const Object& texture, Role role, bool raw) {
   const std::string& type = texture.type;
   // That of the texture within, if there is one, or of the value of that name.
   const auto inner = [&](const std::string& name) {
     const auto nested = texture.nested("texture");
-    return nested.empty() ? colour(in, texture, name, Rgb(1), of)
-                          : mitsuba::texture(in, *nested[0], of, raw);
+    return nested.empty() ? colour(in, texture, name, Rgb(1), role)
+                          : mitsuba::texture(in, *nested[0], role, raw);
   };
   const auto ignore_ends = [&] {  // outside of what is visible
     texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");
@@ -270,7 +270,7 @@ Colour read_texture(Context& in, const Object& texture, Of of, bool raw) {
   if (type == "bitmap" || type == "ldrtexture") return bitmap(in, texture, raw);
   if (type == "checkerboard") return checkerboard(in, texture);
   if (type == "scale") {
-    const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), of);
+    const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
     Colour c = inner("value");
     c.factor = c.factor * scale;
     return c;
@@ -282,9 +282,9 @@ Colour read_texture(Context& in, const Object& texture, Of of, bool raw) {
   }
   if (type == "srgb") {
     texture.ignore("unbounded");  // a check
-    return colour(in, texture, "color", Rgb(0), of);
+    return colour(in, texture, "color", Rgb(0), role);
   }
-  if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, of);
+  if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, role);
   if (type == "blackbody") {
     if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
     ignore_ends();
@@ -299,9 +299,9 @@ Colour read_texture(Context& in, const Object& texture, Of of, bool raw) {
 }  // namespace
 
 Colour colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
-              Of of) {
+              Role role) {
   const Value* v = object.find(name);
-  return v ? value_of(in, *v, object.old, of) : plain(otherwise);
+  return v ? value_of(in, *v, object.old, role) : plain(otherwise);
 }
 
 Number number(Context& in, const Object& object, const std::string& name, double otherwise) {
@@ -312,8 +312,8 @@ Number number(Context& in, const Object& object, const std::string& name, double
 }
 
 Rgb plain_colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
-                 Of of) {
-  const Colour c = colour(in, object, name, otherwise, of);
+                 Role role) {
+  const Colour c = colour(in, object, name, otherwise, role);
   if (!c.texture) return c.factor;
   object.find(name)->lose(
       fmt::format("the texture of \"{}\" of the {} is left out", name, object.described()));
@@ -324,10 +324,10 @@ double plain_number(Context& in, const Object& object, const std::string& name, 
   return mean(plain_colour(in, object, name, Rgb(single(otherwise))));
 }
 
-Colour texture(Context& in, const Object& object, Of of, bool raw) {
-  const auto key = std::tuple{&object, of, raw};
+Colour texture(Context& in, const Object& object, Role role, bool raw) {
+  const auto key = std::tuple{&object, role, raw};
   if (const auto it = in.textures.find(key); it != in.textures.end()) return it->second;
-  return in.textures[key] = read_texture(in, object, of, raw);
+  return in.textures[key] = read_texture(in, object, role, raw);
 }
 
 size_t image(Context& in, const Object& object) {

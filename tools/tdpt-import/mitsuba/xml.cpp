@@ -286,7 +286,7 @@ class Parser {
     for (const Object& object : out_.objects) height(object, 0);
   }
 
-  // Of the tree below an object; a cycle is a tree that is too high.
+  // The height of the tree below an object; a cycle is a tree that is too high.
   int height(const Object& object, int above) {
     if (above > kDeepest) object.fail("objects refer to each other too deeply, or in a circle");
     if (const auto it = heights_.find(&object); it != heights_.end()) return it->second;

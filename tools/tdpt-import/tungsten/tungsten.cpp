@@ -46,7 +46,7 @@ Mesh box() {
   return mesh;
 }
 
-// Of diameter 1, from z = 0 to 1; caps are turned by half as the shape is [placed()].
+// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is [placed()].
 Mesh tube(bool is_capped) {
   Mesh mesh = cylinder();
   for (const float z : {1.0f, 0.0f}) {
@@ -115,7 +115,7 @@ double area_of(const Mesh& mesh, const Affine& to_world) {
   return sum;
 }
 
-// Of a lamp, which has one colour.
+// The light of a lamp, which has one colour.
 Rgb without_texture(const Node& node, const Colour& light) {
   if (light.texture) node.lose("the texture of a lamp's light is left out");
   return light.factor;
@@ -187,7 +187,7 @@ void read_camera(Context& in, const Node& node) {
   in.scene.cameras.push_back(c);
 }
 
-size_t made(Context& in, Mesh (*make)()) {
+size_t made_mesh(Context& in, Mesh (*make)()) {
   const auto [it, is_new] = in.made_meshes.try_emplace(make, in.scene.meshes.size());
   if (is_new) in.scene.meshes.push_back(make());
   return it->second;
@@ -300,7 +300,7 @@ void read_primitive(Context& in, const Node& node) {
     node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
     return node.ignore_all();
   }
-  shape.mesh = solid ? made(in, solid->mesh) : mesh_of(in, node);
+  shape.mesh = solid ? made_mesh(in, solid->mesh) : mesh_of(in, node);
   shape.to_world = solid ? solid->to_world : map;
   if (in.scene.meshes[shape.mesh].triangles.empty()) return node.ignore_all();
   // Tungsten takes the front of triangles and quads after they are placed.
