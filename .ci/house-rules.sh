@@ -57,7 +57,6 @@ BEGIN {
   home["^OpenMesh/"] = "^tools/ffgraph/"
   home["^CGAL/"] = "^tools/portalfit/"
   home["^pugixml"] = "^tools/tdpt-import/mitsuba/"
-  home["^tiny_obj_loader"] = "^tools/tdpt-import/meshes/obj[.]cpp$"
 }
 {
   split($1, from, "/")

@@ -54,7 +54,6 @@ function(tdpt_library_name link out)
     nlohmann_json::nlohmann_json "nlohmann_json ${nlohmann_json_VERSION}"
     pugixml::pugixml "pugixml ${pugixml_VERSION}"
     stb "stb_image_write ${stb_VERSION}"
-    tinyobjloader::tinyobjloader "tinyobjloader ${tinyobjloader_VERSION}"
     dl "-")
   list(FIND names "${link}" at)
   if(at LESS 0)

@@ -1,6 +1,7 @@
 #include "tools/tdpt-import/meshes/meshes.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,11 +14,6 @@
 namespace tdpt::foreign {
 namespace {
 
-Vec3d position(const Mesh& mesh, uint32_t vertex) {
-  const Vec3f& p = mesh.positions[vertex];
-  return {p.x, p.y, p.z};
-}
-
 bool is_unit(const Vec3f& n) {
   return n.x != 0 || n.y != 0 || n.z != 0;
 }
@@ -25,24 +21,20 @@ bool is_unit(const Vec3f& n) {
 // In double precision, since squares of small or large floats leave the range of float.
 Vec3f unit_or_zero(const Vec3d& n) {
   const double l = length(n);
-  if (!(l > 0) || !std::isfinite(l)) return {};
-  return {static_cast<float>(n.x / l), static_cast<float>(n.y / l), static_cast<float>(n.z / l)};
+  return l > 0 && std::isfinite(l) ? in_single(n / l) : Vec3f{};
 }
 
 void mend_normals(Mesh& mesh) {
   size_t usable = 0;
   for (Vec3f& n : mesh.normals) {
-    n = unit_or_zero({n.x, n.y, n.z});
+    n = unit_or_zero(in_double(n));
     usable += is_unit(n);
   }
   if (usable == 0) mesh.normals.clear();
   if (usable == mesh.normals.size()) return;
   std::vector<Vec3d> sums(mesh.positions.size());  // weighted by area
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3d at = position(mesh, a);
-    const Vec3d n = cross(position(mesh, b) - at, position(mesh, c) - at);
-    for (const uint32_t corner : {a, b, c}) sums[corner] = sums[corner] + n;
-  }
+  for (const auto& corners : mesh.triangles)
+    for (const uint32_t corner : corners) sums[corner] = sums[corner] + front_of(mesh, corners);
   for (size_t i = 0; i < sums.size(); ++i) {
     if (is_unit(mesh.normals[i])) continue;
     mesh.normals[i] = unit_or_zero(sums[i]);
@@ -51,6 +43,24 @@ void mend_normals(Mesh& mesh) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (size_t at = 0; (at = line.find_first_not_of(" \t\r", at)) != line.npos;) {
+    const size_t end = std::min(line.find_first_of(" \t\r", at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+std::optional<double> number_in(std::string_view word) {
+  double number = 0;
+  const char* begin = word.begin() + (word.starts_with('+') ? 1 : 0);
+  const auto [end, error] = std::from_chars(begin, word.end(), number);
+  if (error == std::errc::invalid_argument || end != word.end()) return {};
+  return error == std::errc() ? number : std::strtod(std::string(begin, end).c_str(), nullptr);
+}
 
 void check(Mesh& mesh, const std::string& name) {
   if (mesh.triangles.empty()) throw InputError(name, "", "has no faces");
@@ -78,7 +88,7 @@ namespace {
 // their number.
 
 constexpr uint16_t kMagic = 0x041C;
-enum Flags : uint32_t { normals = 1, uv = 2, colours = 8, face_normals = 0x10, in_double = 0x2000 };
+enum Flags : uint32_t { normals = 1, uv = 2, colours = 8, face_normals = 0x10, doubles = 0x2000 };
 
 class Inflater {
  public:
@@ -95,44 +105,39 @@ class Inflater {
   /// Bytes that are not unpacked yet.
   size_t packed_left() const { return packed_.size() + z_.avail_in; }
 
-  void read(void* to, size_t size) {
-    z_.next_out = static_cast<Bytef*>(to);
-    z_.avail_out = static_cast<uInt>(size);
-    while (z_.avail_out > 0) {
+  template <class T>
+  std::vector<T> values(uint64_t n) {
+    std::vector<T> all(n);
+    read(reinterpret_cast<char*>(all.data()), n * sizeof(T));
+    for (T& value : all) value = value_at<T>(reinterpret_cast<const char*>(&value));
+    return all;
+  }
+  template <class T>
+  T value() {
+    return values<T>(1)[0];
+  }
+
+ private:
+  void read(char* to, size_t size) {
+    constexpr size_t most = size_t{1} << 30;  // at once: zlib counts in 32 bits
+    while (size > 0) {
       if (z_.avail_in == 0) {
-        const size_t some = std::min(packed_.size(), size_t{1} << 30);
         z_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed_.data()));
-        z_.avail_in = static_cast<uInt>(some);
-        packed_.remove_prefix(some);
+        z_.avail_in = static_cast<uInt>(std::min(packed_.size(), most));
+        packed_.remove_prefix(z_.avail_in);
       }
+      const size_t wanted = std::min(size, most);
+      z_.next_out = reinterpret_cast<Bytef*>(to);
+      z_.avail_out = static_cast<uInt>(wanted);
       const int state = inflate(&z_, Z_NO_FLUSH);
-      if (z_.avail_out == 0) return;
+      to += wanted - z_.avail_out, size -= wanted - z_.avail_out;
+      if (size == 0) return;
       if (state == Z_STREAM_END) fail("its compressed data end early");
       if (state == Z_BUF_ERROR) fail("the file ends within its compressed data");
       if (state != Z_OK) fail("its compressed data are damaged");
     }
   }
-  template <class T>
-  T value() {
-    char bytes[sizeof(T)];
-    read(bytes, sizeof(T));
-    return value_at<T>(bytes);
-  }
 
-  /// Calls `use` with each of `n` records of `width` values.
-  template <class T, class Use>
-  void records(uint64_t n, size_t width, const Use& use) {
-    constexpr size_t at_once = 1024;
-    std::vector<char> bytes(at_once * width * sizeof(T));
-    for (uint64_t first = 0; first < n; first += at_once) {
-      const auto some = static_cast<size_t>(std::min<uint64_t>(n - first, at_once));
-      read(bytes.data(), some * width * sizeof(T));
-      for (size_t i = 0; i < some; ++i)
-        use([&, i](size_t k) { return value_at<T>(&bytes[(i * width + k) * sizeof(T)]); });
-    }
-  }
-
- private:
   z_stream z_{};
   std::string_view packed_;
   const std::string& name_;
@@ -141,17 +146,20 @@ class Inflater {
 
 template <class Real>
 void read_vertices(Inflater& in, uint32_t flags, uint64_t count, Mesh& mesh) {
-  const auto f = [](const auto& values, size_t k) { return static_cast<float>(values(k)); };
-  in.records<Real>(count, 3, [&](const auto& v) {
-    mesh.positions.push_back({f(v, 0), f(v, 1), f(v, 2)});
-  });
-  if (flags & normals)
-    in.records<Real>(count, 3, [&](const auto& v) {
-      if (!(flags & face_normals)) mesh.normals.push_back({f(v, 0), f(v, 1), f(v, 2)});
-    });
-  if (flags & uv)
-    in.records<Real>(count, 2, [&](const auto& v) { mesh.uv.push_back({f(v, 0), f(v, 1)}); });
-  if (flags & colours) in.records<Real>(count, 3, [](const auto&) {});
+  const auto vectors = [&] {
+    const auto v = in.values<Real>(3 * count);
+    std::vector<Vec3f> all;
+    for (size_t i = 0; i < v.size(); i += 3)
+      all.push_back(in_single({double{v[i]}, double{v[i + 1]}, double{v[i + 2]}}));
+    return all;
+  };
+  mesh.positions = vectors();
+  if (flags & normals) mesh.normals = vectors();
+  if (flags & face_normals) mesh.normals.clear();
+  const auto v = in.values<Real>(flags & uv ? 2 * count : 0);
+  for (size_t i = 0; i < v.size(); i += 2)
+    mesh.uv.push_back({static_cast<float>(v[i]), static_cast<float>(v[i + 1])});
+  if (flags & colours) vectors();
 }
 
 // Where shape `index` begins.
@@ -187,7 +195,7 @@ Mesh read_serialized(std::string_view bytes, const std::string& name, size_t ind
   if (version == 4)
     while (in.value<char>() != 0) continue;  // its name
   const auto vertices = in.value<uint64_t>(), triangles = in.value<uint64_t>();
-  const uint64_t real = flags & in_double ? 8 : 4;
+  const uint64_t real = flags & doubles ? 8 : 4;
   const uint64_t vertex =
       real * (3 + (flags & normals ? 3 : 0) + (flags & uv ? 2 : 0) + (flags & colours ? 3 : 0));
   // deflate shortens to a 1032nd at most.
@@ -196,15 +204,15 @@ Mesh read_serialized(std::string_view bytes, const std::string& name, size_t ind
     in.fail(fmt::format("{} vertices and {} triangles are more than its compressed data can hold",
                         vertices, triangles));
   expect_memory(name, place, fmt::format("{} vertices and {} triangles", vertices, triangles),
-                vertices * sizeof(float) * 8 + triangles * 12);
+                vertices * (8 * sizeof(float) + 3 * real) + triangles * 24);
   Mesh mesh;
-  if (flags & in_double)
+  if (flags & doubles)
     read_vertices<double>(in, flags, vertices, mesh);
   else
     read_vertices<float>(in, flags, vertices, mesh);
-  in.records<uint32_t>(triangles, 3, [&](const auto& v) {
-    mesh.triangles.push_back({v(0), v(1), v(2)});
-  });
+  const auto corners = in.values<uint32_t>(3 * triangles);
+  for (size_t i = 0; i < corners.size(); i += 3)
+    mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
   check(mesh, name);
   return mesh;
 }

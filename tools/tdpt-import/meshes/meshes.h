@@ -23,8 +23,13 @@ Mesh read_wo3(std::string_view bytes, const std::string& name);
 
 /// v becomes 1 - v.
 void flip_v(Mesh& mesh);
-/// Smooth normals: at each position the mean of its triangles' normals, weighted by their angles.
-void smooth(Mesh& mesh);
+inline Mesh flipped(Mesh mesh) {
+  flip_v(mesh);
+  return mesh;
+}
+/// Smooth normals: at each position, or at each vertex unless `across_seams`, the mean of its
+/// triangles' normals, weighted by their angles.
+void smooth(Mesh& mesh, bool across_seams = true);
 
 /// The square [-1, 1]^2 at z = 0, front +z, uv (0, 1) at its corner (-1, -1): an image stands
 /// upright.
@@ -52,6 +57,25 @@ T value_at(const char* bytes, std::endian order = std::endian::little) {
   T value;
   std::memcpy(&value, in_order, sizeof(T));
   return value;
+}
+
+/// The words of a line of text, between white space.
+std::vector<std::string_view> words_of(std::string_view line);
+/// The number that is all of `word`, perhaps after a plus; infinite or 0 if it is out of range.
+std::optional<double> number_in(std::string_view word);
+
+inline Vec3d in_double(const Vec3f& v) {
+  return {v.x, v.y, v.z};
+}
+inline Vec3f in_single(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// Twice the area of a triangle, along its front.
+inline Vec3d front_of(const Mesh& mesh, const std::array<uint32_t, 3>& corners) {
+  const Vec3d a = in_double(mesh.positions[corners[0]]);
+  return cross(in_double(mesh.positions[corners[1]]) - a,
+               in_double(mesh.positions[corners[2]]) - a);
 }
 
 /// Throws InputError unless there are triangles, all of them with existing corners, and all

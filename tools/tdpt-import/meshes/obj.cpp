@@ -1,15 +1,9 @@
-// Wavefront OBJ. tinyobjloader's callback interface cuts the lines into numbers; what its LoadObj
-// adds (tags, ear clipping) takes time and memory beyond any multiple of the file's size. Polygons
-// become fans, as in Mitsuba and Tungsten.
+// Wavefront OBJ. Polygons become fans, as in Mitsuba and Tungsten.
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <istream>
-#include <streambuf>
 #include <unordered_map>
 
 #include <fmt/format.h>
-#include <tiny_obj_loader.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
@@ -28,116 +22,75 @@ struct CornerHash {
   }
 };
 
-// The text with one kind of line end and without comments. A backslash at the end of a line joins
-// the next one to it; empty lines after them keep the numbers of all others.
-std::string whole_lines(std::string_view bytes) {
-  if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
-  std::string out;
-  out.reserve(bytes.size());
-  size_t joined = 0;
-  bool in_comment = false;
-  for (size_t at = 0; at < bytes.size(); ++at) {
-    const bool continues = bytes[at] == '\\' && !in_comment;
-    std::string_view rest = bytes.substr(at + continues);
-    const size_t blanks = continues ? std::min(rest.find_first_not_of(" \t"), rest.size()) : 0;
-    rest.remove_prefix(blanks);
-    const size_t end =
-        rest.starts_with("\r\n") ? 2 : rest.starts_with('\n') || rest.starts_with('\r');
-    if (continues && (end > 0 || rest.empty())) {
-      out += ' ', ++joined;
-      at += blanks + end;
-    } else if (end > 0) {
-      out.append(1 + joined, '\n');
-      joined = 0, in_comment = false;
-      at += end - 1;
-    } else {
-      in_comment |= bytes[at] == '#';
-      out += in_comment ? ' ' : bytes[at];
-    }
-  }
-  return out;
-}
-
-// A file in memory as a stream that knows the line it is at.
-struct Lines : std::streambuf {
-  explicit Lines(std::string_view bytes) {
-    char* begin = const_cast<char*>(bytes.data());  // streambuf's words; nothing writes
-    setg(begin, begin, begin + bytes.size());
-  }
-  /// Of the line that was read last.
-  size_t number() const {
-    const auto ends = std::count(eback(), gptr(), '\n');
-    return static_cast<size_t>(ends) + (gptr() == eback() || gptr()[-1] != '\n');
-  }
-  std::string_view text() const {
-    std::string_view before(eback(), static_cast<size_t>(gptr() - eback()));
-    while (before.ends_with('\n') || before.ends_with('\r')) before.remove_suffix(1);
-    return before.substr(before.find_last_of("\r\n") + 1);
-  }
-};
-
-class Reader {
+class ObjReader {
  public:
-  Reader(std::string_view bytes, const std::string& name)
-      : text_(whole_lines(bytes)), lines_(text_), name_(name) {}
+  ObjReader(std::string_view bytes, const std::string& name) : rest_(bytes), name_(name) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+  }
 
   Mesh mesh() {
-    tinyobj::callback_t calls;
-    calls.vertex_cb = [](void* self, float x, float y, float z, float) {
-      static_cast<Reader*>(self)->vertex({x, y, z});
-    };
-    calls.normal_cb = [](void* self, float x, float y, float z) {
-      static_cast<Reader*>(self)->expect_words(3, false);
-      static_cast<Reader*>(self)->normals_.push_back({x, y, z});
-    };
-    calls.texcoord_cb = [](void* self, float u, float v, float) {
-      static_cast<Reader*>(self)->expect_words(1, false);
-      static_cast<Reader*>(self)->uv_.push_back({u, v});
-    };
-    calls.index_cb = [](void* self, tinyobj::index_t* corners, int n) {
-      static_cast<Reader*>(self)->face(corners, static_cast<size_t>(n));
-    };
-    std::istream stream(&lines_);
-    tinyobj::LoadObjWithCallback(stream, calls, this);
+    while (next_line()) {
+      const auto words = words_of(line_);
+      if (words.empty()) continue;
+      if (words[0] == "v") {
+        const auto v = numbers(words, 3, true);
+        positions_.push_back({v[0], v[1], v[2]});
+        if (!is_finite(positions_.back())) fail("the position is too large");
+      } else if (words[0] == "vn") {
+        const auto v = numbers(words, 3, false);
+        normals_.push_back({v[0], v[1], v[2]});
+      } else if (words[0] == "vt") {
+        const auto v = numbers(words, 1, false);
+        uv_.push_back({v[0], v[1]});
+      } else if (words[0] == "f") {
+        face(words);
+      }
+    }
     return assembled();
   }
 
  private:
   [[noreturn]] void fail(const std::string& words) const {
-    throw InputError(name_, fmt::format("line {}", lines_.number()), words);
+    throw InputError(name_, fmt::format("line {}", number_), words);
   }
 
-  // tinyobjloader reads 0 from words that are no numbers, and where there are none.
-  void expect_words(int least, bool numbers) const {
-    std::string_view rest = lines_.text();
-    const auto word = [&rest] {
-      rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
-      const std::string_view taken = rest.substr(0, rest.find_first_of(" \t"));
-      rest.remove_prefix(taken.size());
-      return taken;
-    };
-    word();  // v, vn, vt
-    for (int i = 0; i < least; ++i) {
-      const std::string_view text = word();
-      if (text.empty()) fail(fmt::format("has {} of {} numbers", i, least));
-      double number = 0;
-      const char* begin = text.begin() + (text.starts_with('+') ? 1 : 0);
-      const auto [end, error] = std::from_chars(begin, text.end(), number);
-      if (numbers &&
-          (error == std::errc::invalid_argument || end != text.end() || !std::isfinite(number)))
-        fail(fmt::format("\"{}\" is not a finite number", shown(text, 40)));
+  // Takes a line without its comment, and those that a backslash at its end joins to it.
+  bool next_line() {
+    if (rest_.empty()) return false;
+    line_.clear();
+    number_ = next_number_;
+    for (bool continues = true; continues && !rest_.empty(); ++next_number_) {
+      std::string_view part = rest_.substr(0, rest_.find_first_of("\r\n"));
+      rest_.remove_prefix(part.size());
+      rest_.remove_prefix(std::min<size_t>(rest_.size(), rest_.starts_with("\r\n") ? 2 : 1));
+      const size_t comment = part.find('#');
+      part = part.substr(0, comment);
+      const size_t last = part.find_last_not_of(" \t");
+      continues = comment == part.npos && last != part.npos && part[last] == '\\';
+      line_ += part.substr(0, continues ? last : part.npos);
+      line_ += ' ';
     }
+    return true;
   }
 
-  void vertex(const Vec3f& p) {
-    expect_words(3, true);
-    if (!is_finite(p)) fail("the position is too large");
-    positions_.push_back(p);
+  // The first three numbers after the line's keyword, 0 for those beyond `least` that it lacks and,
+  // unless they are `needed`, for words that are none.
+  std::array<float, 3> numbers(const std::vector<std::string_view>& words, size_t least,
+                               bool needed) const {
+    std::array<float, 3> out{};
+    if (words.size() <= least) fail(fmt::format("has {} of {} numbers", words.size() - 1, least));
+    for (size_t i = 0; i < std::min<size_t>(3, words.size() - 1); ++i) {
+      const auto number = number_in(words[i + 1]);
+      if (needed && (!number || words[i + 1].find_first_of("0123456789") == words[i + 1].npos))
+        fail(fmt::format("\"{}\" is not a finite number", shown(words[i + 1], 40)));
+      out[i] = static_cast<float>(number.value_or(0));
+    }
+    return out;
   }
 
   // Zero-based, of a number from 1 upwards or, backwards from the last one so far, from -1
   // downwards.
-  int index(int given, size_t count, const char* what) const {
+  int index(int64_t given, size_t count, const char* what) const {
     const auto n = static_cast<int64_t>(count);
     const int64_t i = given > 0 ? given - 1 : n + given;
     if (given == 0 || i < 0 || i >= n)
@@ -145,28 +98,30 @@ class Reader {
     return static_cast<int>(i);
   }
 
-  void face(const tinyobj::index_t* given, size_t n) {
-    std::string_view words = lines_.text();
-    words.remove_prefix(std::min(words.find('f') + 1, words.size()));
-    if (const size_t at = words.find_first_not_of("0123456789/+- \t"); at != words.npos)
-      fail(fmt::format("\"{}\" is no index, expected whole numbers and /",
-                       shown(std::string(words.substr(at)), 40)));
-    for (size_t at = 0; (at = words.find_first_of("0123456789", at)) != words.npos;) {
-      const size_t digits = std::min(words.find_first_not_of("0123456789", at), words.size()) - at;
-      if (digits > 9) fail(fmt::format("an index of {} digits", digits));
-      at += digits;
+  // "7", "7/3", "7//2" or "7/3/2".
+  Corner corner(std::string_view word) {
+    int64_t given[3] = {};
+    const char* at = word.begin();
+    for (size_t k = 0; k < 3 && at != word.end(); ++k) {
+      if (k > 0 && *at++ != '/') break;
+      if (k > 0 && (at == word.end() || *at == '/')) continue;  // left out
+      const auto [end, error] = std::from_chars(at + (*at == '+'), word.end(), given[k]);
+      if (error != std::errc()) break;
+      at = end;
     }
-    polygon_.clear();
-    for (size_t i = 0; i < n; ++i) {
-      const auto& [v, vn, vt] = given[i];
-      polygon_.push_back({index(v, positions_.size(), "vertex"),
-                          vt == 0 ? -1 : index(vt, uv_.size(), "texture coordinate"),
-                          vn == 0 ? -1 : index(vn, normals_.size(), "normal")});
-      has_uv_ |= vt != 0;
-      has_normals_ |= vn != 0;
-    }
-    for (size_t i = 2; i < n; ++i)
-      corners_.insert(corners_.end(), {polygon_[0], polygon_[i - 1], polygon_[i]});
+    if (at != word.end())
+      fail(fmt::format("\"{}\" is no index, expected whole numbers and /", shown(word, 40)));
+    has_uv_ |= given[1] != 0, has_normals_ |= given[2] != 0;
+    return {index(given[0], positions_.size(), "vertex"),
+            given[1] == 0 ? -1 : index(given[1], uv_.size(), "texture coordinate"),
+            given[2] == 0 ? -1 : index(given[2], normals_.size(), "normal")};
+  }
+
+  void face(const std::vector<std::string_view>& words) {
+    std::vector<Corner> polygon;
+    for (size_t i = 1; i < words.size(); ++i) polygon.push_back(corner(words[i]));
+    for (size_t i = 2; i < polygon.size(); ++i)
+      corners_.insert(corners_.end(), {polygon[0], polygon[i - 1], polygon[i]});
   }
 
   // Faces without normals stay flat among those with normals: each gets one of its own.
@@ -175,15 +130,12 @@ class Reader {
       if (std::all_of(&corners_[i], &corners_[i] + 3, [](const Corner& c) { return c[2] >= 0; }))
         continue;
       const auto at = [&](size_t k) {
-        const Vec3f& p = positions_[static_cast<size_t>(corners_[i + k][0])];
-        return Vec3d{p.x, p.y, p.z};
+        return in_double(positions_[static_cast<size_t>(corners_[i + k][0])]);
       };
       const Vec3d n = cross(at(1) - at(0), at(2) - at(0));
-      const Vec3d unit = length(n) > 0 ? normalize(n) : Vec3d{0, 0, 1};
       for (size_t k = 0; k < 3; ++k)
         if (corners_[i + k][2] < 0) corners_[i + k][2] = static_cast<int>(normals_.size());
-      normals_.push_back(
-          {static_cast<float>(unit.x), static_cast<float>(unit.y), static_cast<float>(unit.z)});
+      normals_.push_back(in_single(length(n) > 0 ? normalize(n) : Vec3d{0, 0, 1}));
     }
   }
 
@@ -209,19 +161,20 @@ class Reader {
     return mesh;
   }
 
-  const std::string text_;
-  Lines lines_;
+  std::string_view rest_;
   const std::string& name_;
+  std::string line_;
+  size_t number_ = 0, next_number_ = 1;  ///< of the line, of the one after it
   std::vector<Vec3f> positions_, normals_;
   std::vector<std::array<float, 2>> uv_;
-  std::vector<Corner> polygon_, corners_;  ///< corners_: three per triangle
+  std::vector<Corner> corners_;  ///< three per triangle
   bool has_uv_ = false, has_normals_ = false;
 };
 
 }  // namespace
 
 Mesh read_obj(std::string_view bytes, const std::string& name) {
-  return Reader(bytes, name).mesh();
+  return ObjReader(bytes, name).mesh();
 }
 
 }  // namespace tdpt::foreign

@@ -14,22 +14,20 @@
 namespace tdpt::foreign {
 namespace {
 
-enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
-
-std::optional<Type> type_called(std::string_view word) {
-  static constexpr std::string_view names[] = {"char", "uchar", "short", "ushort",
-                                               "int",  "uint",  "float", "double"};
-  static constexpr std::string_view sized[] = {"int8",  "uint8",  "int16",   "uint16",
-                                               "int32", "uint32", "float32", "float64"};
-  for (size_t i = 0; i < 8; ++i)
-    if (word == names[i] || word == sized[i]) return static_cast<Type>(i);
-  return {};
+struct Type {
+  std::string_view name, sized_name;
+  size_t size;
+  double (*value)(const char* bytes, std::endian order);
+};
+template <class T>
+double decoded(const char* bytes, std::endian order) {
+  return static_cast<double>(value_at<T>(bytes, order));
 }
-
-size_t size_of(Type type) {
-  static constexpr size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<size_t>(type)];
-}
+constexpr Type kTypes[] = {
+    {"char", "int8", 1, decoded<int8_t>},    {"uchar", "uint8", 1, decoded<uint8_t>},
+    {"short", "int16", 2, decoded<int16_t>}, {"ushort", "uint16", 2, decoded<uint16_t>},
+    {"int", "int32", 4, decoded<int32_t>},   {"uint", "uint32", 4, decoded<uint32_t>},
+    {"float", "float32", 4, decoded<float>}, {"double", "float64", 8, decoded<double>}};
 
 // What a property of a vertex is: position, normal, uv.
 enum Slot { px, py, pz, nx, ny, nz, tu, tv, slots };
@@ -46,8 +44,8 @@ std::optional<Slot> slot_of(std::string_view name) {
 
 struct Property {
   std::string name;
-  Type type;
-  std::optional<Type> length;  ///< set: a list
+  const Type* type;
+  const Type* length = nullptr;  ///< set: a list
 };
 struct Element {
   std::string name;
@@ -55,9 +53,9 @@ struct Element {
   std::vector<Property> properties{};
 };
 
-class Reader {
+class PlyReader {
  public:
-  Reader(std::string_view bytes, const std::string& name) : rest_(bytes), name_(name) {}
+  PlyReader(std::string_view bytes, const std::string& name) : rest_(bytes), name_(name) {}
 
   Mesh mesh() {
     header();
@@ -94,13 +92,7 @@ class Reader {
     std::string_view text = rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
     ++line_;
-    std::vector<std::string_view> words;
-    for (size_t at = 0; (at = text.find_first_not_of(" \t\r", at)) != text.npos;) {
-      const size_t stop = std::min(text.find_first_of(" \t\r", at), text.size());
-      words.push_back(text.substr(at, stop - at));
-      at = stop;
-    }
-    return words;
+    return words_of(text);
   }
 
   void header() {
@@ -146,13 +138,14 @@ class Reader {
     if (elements_.empty()) fail(line_place(), "a property before the first element");
     const bool list = words[1] == "list";
     if (words.size() != (list ? 5 : 3)) fail(line_place(), "a property of too few or many words");
-    const auto type = [&](size_t i) {
-      if (const auto t = type_called(words[i])) return *t;
+    const auto type = [&](size_t i) -> const Type* {
+      for (const Type& t : kTypes)
+        if (words[i] == t.name || words[i] == t.sized_name) return &t;
       fail(line_place(), fmt::format("unknown type \"{}\"", shown(words[i], 40)));
     };
-    Property p{std::string(words.back()), type(list ? 3 : 1), {}};
+    Property p{std::string(words.back()), type(list ? 3 : 1)};
     if (list) p.length = type(2);
-    if (list && *p.length >= Type::f32) fail(line_place(), "a list's length is not an integer");
+    if (p.length >= &kTypes[6]) fail(line_place(), "a list's length is not an integer");
     elements_.back().properties.push_back(std::move(p));
   }
 
@@ -161,7 +154,8 @@ class Reader {
   // The least that the elements can take: so no memory is taken for a wrong count.
   void expect_bytes(const Element& e) {
     size_t least = 0;
-    for (const Property& p : e.properties) least += ascii_ ? 2 : size_of(p.length.value_or(p.type));
+    for (const Property& p : e.properties)
+      least += ascii_ ? 2 : (p.length ? p.length : p.type)->size;
     // The file may end without white space.
     const size_t most = least ? (rest_.size() + (ascii_ ? 1 : 0)) / least : 0;
     if (least && e.count > most)
@@ -171,51 +165,20 @@ class Reader {
     number_ = 0;
   }
 
-  double value(Type type) { return ascii_ ? word() : binary(type); }
-
-  double word() {
+  double value(const Type* type) {
     constexpr std::string_view white = " \t\r\n\v\f";
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(white), rest_.size()));
-    if (rest_.empty()) fail_here("the file ends before it is complete");
-    const std::string_view text = rest_.substr(0, rest_.find_first_of(white));
-    rest_.remove_prefix(text.size());
-    double number = 0;
-    const char* begin = text.begin() + (text.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(begin, text.end(), number);
-    if (error != std::errc() || end != text.end())
-      fail_here(fmt::format("\"{}\" is not a number", shown(text, 40)));
-    return number;
-  }
-
-  double binary(Type type) {
-    const size_t size = size_of(type);
-    if (rest_.size() < size) fail_here("the file ends before it is complete");
-    const char* bytes = rest_.data();
-    rest_.remove_prefix(size);
-    switch (type) {
-      case Type::i8:
-        return value_at<int8_t>(bytes, order_);
-      case Type::u8:
-        return value_at<uint8_t>(bytes, order_);
-      case Type::i16:
-        return value_at<int16_t>(bytes, order_);
-      case Type::u16:
-        return value_at<uint16_t>(bytes, order_);
-      case Type::i32:
-        return value_at<int32_t>(bytes, order_);
-      case Type::u32:
-        return value_at<uint32_t>(bytes, order_);
-      case Type::f32:
-        return static_cast<double>(value_at<float>(bytes, order_));
-      case Type::f64:
-        return value_at<double>(bytes, order_);
-    }
-    return 0;
+    if (ascii_) rest_.remove_prefix(std::min(rest_.find_first_not_of(white), rest_.size()));
+    if (rest_.size() < (ascii_ ? 1 : type->size)) fail_here("the file ends before it is complete");
+    const auto bytes = rest_.substr(0, ascii_ ? rest_.find_first_of(white) : type->size);
+    rest_.remove_prefix(bytes.size());
+    if (!ascii_) return type->value(bytes.data(), order_);
+    if (const auto number = number_in(bytes)) return *number;
+    fail_here(fmt::format("\"{}\" is not a number", shown(bytes, 40)));
   }
 
   uint64_t length(const Property& p) {
-    const double n = value(*p.length);
-    const size_t least = ascii_ ? 2 : size_of(p.type);
+    const double n = value(p.length);
+    const size_t least = ascii_ ? 2 : p.type->size;
     const size_t most = (rest_.size() + (ascii_ ? 1 : 0)) / least;
     if (!(n >= 0) || n != std::floor(n)) fail_here(fmt::format("a list of {} values", n));
     if (n > static_cast<double>(most))
@@ -309,7 +272,7 @@ class Reader {
 }  // namespace
 
 Mesh read_ply(std::string_view bytes, const std::string& name) {
-  return Reader(bytes, name).mesh();
+  return PlyReader(bytes, name).mesh();
 }
 
 }  // namespace tdpt::foreign

@@ -11,14 +11,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kCorners = 64;  // around the axis
 
-Vec3d at(const Mesh& mesh, uint32_t vertex) {
-  const Vec3f& p = mesh.positions[vertex];
-  return {p.x, p.y, p.z};
-}
-Vec3f single(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 // The parallelogram centre -+ right -+ up, whose front is where right x up points to.
 void add_face(Mesh& mesh, const Vec3f& centre, const Vec3f& right, const Vec3f& up) {
   const auto first = static_cast<uint32_t>(mesh.positions.size());
@@ -42,8 +34,8 @@ Mesh revolved(const std::vector<Ring>& rings) {
     for (uint32_t i = 0; i <= kCorners; ++i) {
       // The last column is the first again.
       const double phi = 2 * kPi * (i % kCorners) / kCorners, c = std::cos(phi), s = std::sin(phi);
-      mesh.positions.push_back(single({ring.r * c, ring.r * s, ring.z}));
-      mesh.normals.push_back(single({ring.normal_r * c, ring.normal_r * s, ring.normal_z}));
+      mesh.positions.push_back(in_single({ring.r * c, ring.r * s, ring.z}));
+      mesh.normals.push_back(in_single({ring.normal_r * c, ring.normal_r * s, ring.normal_z}));
       mesh.uv.push_back({static_cast<float>(i) / kCorners, static_cast<float>(ring.v)});
     }
   constexpr uint32_t row = kCorners + 1;
@@ -62,7 +54,7 @@ void flip_v(Mesh& mesh) {
   for (auto& uv : mesh.uv) uv[1] = 1 - uv[1];
 }
 
-void smooth(Mesh& mesh) {
+void smooth(Mesh& mesh, bool across_seams) {
   struct Hash {
     size_t operator()(const std::array<float, 3>& p) const {
       size_t h = 0;
@@ -71,12 +63,17 @@ void smooth(Mesh& mesh) {
     }
   };
   std::unordered_map<std::array<float, 3>, Vec3d, Hash> sums;  // vertices at one place share one
+  std::vector<Vec3d> own(across_seams ? 0 : mesh.positions.size());
   std::vector<Vec3d*> sum_of;
-  for (const Vec3f& p : mesh.positions) sum_of.push_back(&sums[{p.x, p.y, p.z}]);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f& p = mesh.positions[i];
+    sum_of.push_back(across_seams ? &sums[{p.x, p.y, p.z}] : &own[i]);
+  }
   for (const auto& corners : mesh.triangles)
     for (size_t k = 0; k < 3; ++k) {
-      const Vec3d p = at(mesh, corners[k]);
-      const Vec3d a = at(mesh, corners[(k + 1) % 3]) - p, b = at(mesh, corners[(k + 2) % 3]) - p;
+      const Vec3d p = in_double(mesh.positions[corners[k]]);
+      const Vec3d a = in_double(mesh.positions[corners[(k + 1) % 3]]) - p,
+                  b = in_double(mesh.positions[corners[(k + 2) % 3]]) - p;
       const Vec3d n = cross(a, b);
       const double l = length(n);
       if (!(l > 0)) continue;
@@ -86,7 +83,7 @@ void smooth(Mesh& mesh) {
   mesh.normals.clear();
   for (const Vec3d* sum : sum_of) {
     const double l = length(*sum);
-    mesh.normals.push_back(l > 0 ? single(*sum / l) : Vec3f{0, 0, 1});  // opposite ones cancel
+    mesh.normals.push_back(l > 0 ? in_single(*sum / l) : Vec3f{0, 0, 1});  // opposite ones cancel
   }
 }
 

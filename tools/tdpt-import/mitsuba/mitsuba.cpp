@@ -1,74 +1,48 @@
-#include "tools/tdpt-import/described.h"
-
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/object.h"
-#include "tools/tdpt-import/mitsuba/shapes.h"
-#include "tools/tdpt-import/mitsuba/surfaces.h"
-#include "tools/tdpt-import/mitsuba/textures.h"
+#include "tools/tdpt-import/mitsuba/context.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
 
+// Integrators that show all light.
+constexpr const char* kWhole =
+    "adaptive aov bdpt erpt irrcache mlt moment path ppm photonmapper prb pssmlt ptracer sppm "
+    "stokes vpl volpath prb_basic prb_projective prbvolpath volpath_simple volpathmis";
+// Parameters of how they sample.
+constexpr const char* kSampling =
+    "alpha aovs auto_cancel_gathering bidirectional bidirectional_mutation block_size "
+    "bsdf_samples caustic_lookup_radius caustic_lookup_size caustic_perturbation "
+    "caustic_photons chain_length clamping debug derivatives_only direct_samples "
+    "emitter_samples first_stage first_stage_size_reduction gather_locally global_lookup_radius "
+    "global_lookup_size global_photons glossy_samples gradients granularity guiding "
+    "initial_radius kelemen_style_weights lambda lens_perturbation light_image lookup_size "
+    "luminance_samples manifold_perturbation max_chains max_error max_passes max_sample_factor "
+    "multi_chain_perturbation mutation_size_high mutation_size_low num_chains overture p_large "
+    "p_value photon_count prob_factor quality quality_adjustment resolution rr_depth "
+    "sample_direct samples_per_pass shading_samples shadow_map_resolution show_weighted "
+    "strict_normals timeout two_stage use_spectral_mis verbose volume_lookup_size "
+    "volume_photons work_units";
+
 // What an integrator leaves out of the light.
-void read_integrator(const Object& integrator, Source& source) {
-  static const std::set<std::string> kWhole = {"adaptive",
-                                               "aov",
-                                               "bdpt",
-                                               "erpt",
-                                               "irrcache",
-                                               "mlt",
-                                               "moment",
-                                               "path",
-                                               "ppm",
-                                               "photonmapper",
-                                               "prb",
-                                               "pssmlt",
-                                               "ptracer",
-                                               "sppm",
-                                               "stokes",
-                                               "vpl",
-                                               "volpath",
-                                               "prb_basic",
-                                               "prb_projective",
-                                               "prbvolpath",
-                                               "volpath_simple",
-                                               "volpathmis"};
-  const std::string& type = integrator.type;
-  if (type == "direct")
+void read_integrator(const Object& integrator) {
+  Source& source = *integrator.source;
+  if (integrator.type == "direct")
     source.lose_longer_paths(integrator.place, 2);
-  else if (!kWhole.contains(type))
-    return source.lose(
-        integrator.place,
+  else if (!is_one_of(integrator.type, kWhole))
+    return integrator.lose(
         fmt::format("the {}, which shows other light than all that there is, is left out",
-                    described(integrator)));
+                    integrator.described()));
   source.lose_longer_paths(integrator.place, integrator.integer("max_depth", -1));
   if (integrator.flag("hide_emitters", false))
-    source.lose(integrator.place, "lamps that the camera does not see (hide_emitters) are seen");
-  for (const Object* inner : integrator.nested("integrator")) read_integrator(*inner, source);
-  integrator.ignore({"alpha", "aovs", "auto_cancel_gathering", "bidirectional",
-                     "bidirectional_mutation", "block_size", "bsdf_samples",
-                     "caustic_lookup_radius", "caustic_lookup_size", "caustic_perturbation",
-                     "caustic_photons", "chain_length", "clamping", "debug", "derivatives_only",
-                     "direct_samples", "emitter_samples", "first_stage"});  // how it samples
-  integrator.ignore({"first_stage_size_reduction", "gather_locally", "global_lookup_radius",
-                     "global_lookup_size", "global_photons", "glossy_samples", "gradients",
-                     "granularity", "guiding", "initial_radius", "kelemen_style_weights", "lambda",
-                     "lens_perturbation", "light_image", "lookup_size", "luminance_samples",
-                     "manifold_perturbation", "max_chains"});
-  integrator.ignore({"max_error", "max_passes", "max_sample_factor", "multi_chain_perturbation",
-                     "mutation_size_high", "mutation_size_low", "num_chains", "overture", "p_large",
-                     "p_value", "photon_count", "prob_factor", "quality", "quality_adjustment",
-                     "resolution", "rr_depth", "sample_direct", "samples_per_pass"});
-  integrator.ignore({"shading_samples", "shadow_map_resolution", "show_weighted", "strict_normals",
-                     "timeout", "two_stage", "use_spectral_mis", "verbose", "volume_lookup_size",
-                     "volume_photons", "work_units"});
+    integrator.lose("lamps that the camera does not see (hide_emitters) are seen");
+  for (const Object* inner : integrator.nested("integrator")) read_integrator(*inner);
+  integrator.ignore(kSampling);
 }
 
 // ---- Sensors as cameras ----
@@ -87,7 +61,7 @@ bool is_clipped(const Described& scene, const Camera& camera, double near, doubl
 }
 
 // Width and height of the picture.
-void read_film(const Object& sensor, Source& source, Camera& camera) {
+void read_film(const Object& sensor, Camera& camera) {
   camera.width = 768, camera.height = 576;
   const auto films = sensor.nested("film");
   if (films.empty()) return;
@@ -100,13 +74,13 @@ void read_film(const Object& sensor, Source& source, Camera& camera) {
   if (film.integer("crop_width", camera.width) != camera.width ||
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
-    source.lose(film.place, "the crop window is left out");
+    film.lose("the crop window is left out");
   for (const Object* filter : film.nested("rfilter"))
-    filter->ignore({"B", "C", "lobes", "radius", "stddev"});  // other than this renderer's
-  film.ignore({"attach_log", "banner", "burn", "channel_names", "compensate", "component_format",
-               "digits", "exposure", "file_format", "filename", "gamma", "high_quality_edges",
-               "key", "pixel_format", "sample_border", "tonemap_method",
-               "variable"});  // of the file that is written
+    filter->ignore("B C lobes radius stddev");  // other than this renderer's
+  film.ignore(
+      "attach_log banner burn channel_names compensate component_format "
+      "digits exposure file_format filename gamma high_quality_edges key "
+      "pixel_format sample_border tonemap_method variable");  // of the file that is written
 }
 
 double in_radians(double degrees) {
@@ -137,15 +111,15 @@ double yfov(const Object& sensor, double aspect) {
   sensor.find("fov_axis")->fail(fmt::format("a fov_axis \"{}\"", shown(axis, 40)));
 }
 
-void add_camera(const Object& sensor, Described& scene, Source& source) {
+void add_camera(Described& scene, const Object& sensor) {
   if (sensor.type != "perspective" && sensor.type != "thinlens")
-    return source.lose(sensor.place, fmt::format("sensors of type \"{}\" are not read and left out",
-                                                 shown(sensor.type, 40)));
+    return sensor.lose(
+        fmt::format("sensors of type \"{}\" are not read and left out", shown(sensor.type, 40)));
   Camera camera;
   camera.name = sensor.id.empty() ? sensor.type : sensor.id;
-  read_film(sensor, source, camera);
+  read_film(sensor, camera);
   camera.yfov = yfov(sensor, static_cast<double>(camera.width) / camera.height);
-  const Affine map = sensor.map("to_world", source), axes = axes_of(map, sensor.place);
+  const Affine map = sensor.map("to_world"), axes = axes_of(map, sensor.place);
   // Mitsuba looks along +z with +x to the left.
   camera.to_world = {-axes.x, axes.y, -axes.z, map.t};
   camera.shift_x = sensor.number("principal_point_offset_x", 0);
@@ -158,13 +132,11 @@ void add_camera(const Object& sensor, Described& scene, Source& source) {
                               camera.focus_distance));
   }
   if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
-    source.lose(sensor.place,
-                "what is nearer than near_clip or farther than far_clip is not cut away");
-  sensor.ignore({"focus_distance", "shutter_open", "shutter_close"});  // nothing moves
+    sensor.lose("what is nearer than near_clip or farther than far_clip is not cut away");
+  sensor.ignore("focus_distance shutter_open shutter_close");  // nothing moves
   for (const Object* sampler : sensor.nested("sampler"))
-    sampler->ignore({"dimension", "jitter", "sample_count", "scramble", "seed", "strength"});
-  for (const Object* medium : sensor.nested("medium"))
-    source.lose(medium->place, "media (fog, absorption, scattering) are left out");
+    sampler->ignore("dimension jitter sample_count scramble seed strength");
+  for (const Object* medium : sensor.nested("medium")) medium->lose(kMedia);
   scene.cameras.push_back(camera);
 }
 
@@ -173,113 +145,71 @@ void add_camera(const Object& sensor, Described& scene, Source& source) {
 // Mitsuba's maps have +z, not -z, in their centre.
 constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
 
-class Lights {
- public:
-  Lights(const Object& emitter, Described& scene, Source& source, Textures& textures)
-      : e_(emitter), scene_(scene), source_(source), textures_(textures) {}
-
-  void add() {
-    if (e_.type == "point")
-      point();
-    else if (e_.type == "spot")
-      spot();
-    else if (e_.type == "directional")
-      sun();
-    else if (e_.type == "constant")
-      constant();
-    else if (e_.type == "envmap")
-      envmap();
-    else if (e_.type == "portal")
-      portal();
-    else
-      return source_.lose(e_.place, fmt::format("emitters of type \"{}\" are not read and left out",
-                                                shown(e_.type, 40)));
-    e_.ignore({"sampling_weight", "mis_compensation", "cache"});  // how it is sampled and kept
-    for (const Object* medium : e_.nested("medium"))
-      source_.lose(medium->place, "media (fog, absorption, scattering) are left out");
-  }
-
- private:
-  Lamp lamp(Lamp::Kind kind, const char* strength) {
-    Lamp out;
-    out.kind = kind;
-    out.name = e_.id.empty() ? e_.type : e_.id;
-    out.intensity = textures_.plain_colour(e_, strength, Rgb(1), Of::light);
-    return out;
-  }
-
-  void point() {
-    Lamp out = lamp(Lamp::Kind::point, "intensity");
-    const Affine map = e_.map("to_world", source_);
-    out.at = e_.vector("position").value_or(map.t);
-    scene_.lamps.push_back(out);
-  }
-
-  void spot() {
-    Lamp out = lamp(Lamp::Kind::spot, "intensity");
-    const Affine map = e_.map("to_world", source_);
-    out.at = map.t;
-    out.towards = axes_of(map, e_.place).z;
-    const double outer = e_.number("cutoff_angle", 20),
-                 inner = e_.number("beam_width", outer * 0.75);
+void add_lamp(Context& in, const Object& e) {
+  Lamp lamp;
+  lamp.name = e.id.empty() ? e.type : e.id;
+  lamp.intensity = plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1),
+                                Role::light);
+  const auto map = [&] { return e.map("to_world"); };
+  if (e.type == "point") {
+    lamp.at = map().t;
+    lamp.at = e.vector("position").value_or(lamp.at);
+  } else if (e.type == "spot") {
+    lamp.kind = Lamp::Kind::spot;
+    lamp.at = map().t;
+    lamp.towards = axes_of(map(), e.place).z;
+    const double outer = e.number("cutoff_angle", 20), inner = e.number("beam_width", outer * 0.75);
     if (!(outer > 0 && outer <= 180 && inner >= 0 && inner <= outer))
-      e_.fail(fmt::format("a spot of beam_width {} and cutoff_angle {}", inner, outer));
-    out.outer = outer * std::numbers::pi / 180, out.inner = inner * std::numbers::pi / 180;
+      e.fail(fmt::format("a spot of beam_width {} and cutoff_angle {}", inner, outer));
+    lamp.outer = in_radians(outer), lamp.inner = in_radians(inner);
     if (inner < outer)
-      source_.lose(e_.place,
-                   "between beam_width and cutoff_angle spots fade as glTF has it, "
-                   "not linearly in the angle");
-    if (e_.find("texture")) source_.lose(e_.place, "the textures of spots are left out");
-    scene_.lamps.push_back(out);
+      e.lose(
+          "between beam_width and cutoff_angle spots fade as glTF has it, not linearly in the "
+          "angle");
+    if (e.find("texture")) e.lose("the textures of spots are left out");
+  } else {
+    lamp.kind = Lamp::Kind::sun;
+    const auto direction = e.vector("direction");
+    lamp.towards = direction ? *direction : axes_of(map(), e.place).z;
+    if (!(length(lamp.towards) > 0)) e.fail("a direction of length 0");
   }
+  in.scene.lamps.push_back(lamp);
+}
 
-  void sun() {
-    Lamp out = lamp(Lamp::Kind::sun, "irradiance");
-    const auto direction = e_.vector("direction");
-    out.towards = direction ? *direction : axes_of(e_.map("to_world", source_), e_.place).z;
-    if (!(length(out.towards) > 0)) e_.fail("a direction of length 0");
-    scene_.lamps.push_back(out);
+void add_sky(Context& in, const Object& e) {
+  Sky sky;
+  if (e.type == "constant") {
+    sky.colour = plain_colour(in, e, "radiance", Rgb(1), Role::light);
+    e.ignore("to_world");  // the same all around
+  } else {
+    sky.image = image(in, e);
+    sky.colour = Rgb(static_cast<float>(e.number("scale", 1)));
+    if (e.number("gamma", 0) != 0) e.lose("the gamma of an envmap is left out");
+    sky.to_map = kHalfTurn * inverse(axes_of(e.map("to_world"), e.place), e.place);
   }
+  if (in.scene.sky)
+    e.lose("of several skies the first is taken");
+  else
+    in.scene.sky = sky;
+}
 
-  void keep(const Sky& sky) {
-    if (scene_.sky) return source_.lose(e_.place, "of several skies the first is taken");
-    scene_.sky = sky;
-  }
-
-  void constant() {
-    Sky sky;
-    sky.colour = textures_.plain_colour(e_, "radiance", Rgb(1), Of::light);
-    e_.ignore({"to_world"});  // the same all around
-    keep(sky);
-  }
-
-  void envmap() {
-    Sky sky;
-    const std::string file = e_.needed_text("filename");
-    sky.image = textures_.image(file, e_.find("filename")->place);
-    sky.colour = Rgb(static_cast<float>(e_.number("scale", 1)));
-    if (e_.number("gamma", 0) != 0) source_.lose(e_.place, "the gamma of an envmap is left out");
-    sky.to_map = kHalfTurn * inverse(axes_of(e_.map("to_world", source_), e_.place), e_.place);
-    keep(sky);
-  }
-
-  // The square of a rectangle; +z leads into the room.
-  void portal() {
+void add_emitter(Context& in, const Object& e) {
+  if (is_one_of(e.type, "point spot directional")) {
+    add_lamp(in, e);
+  } else if (is_one_of(e.type, "constant envmap")) {
+    add_sky(in, e);
+  } else if (e.type == "portal") {  // the square of a rectangle; +z leads into the room
     Shape out;
-    out.mesh = scene_.meshes.size();
-    out.to_world = e_.map("to_world", source_);
-    scene_.meshes.push_back(square());
-    scene_.portals.push_back(out);
+    out.mesh = in.scene.meshes.size();
+    out.to_world = e.map("to_world");
+    in.scene.meshes.push_back(square());
+    in.scene.portals.push_back(out);
+  } else {
+    return e.lose(
+        fmt::format("emitters of type \"{}\" are not read and left out", shown(e.type, 40)));
   }
-
-  const Object& e_;
-  Described& scene_;
-  Source& source_;
-  Textures& textures_;
-};
-
-void add_light(const Object& emitter, Described& scene, Source& source, Textures& textures) {
-  Lights(emitter, scene, source, textures).add();
+  e.ignore("sampling_weight mis_compensation cache");  // how it is sampled and kept
+  for (const Object* medium : e.nested("medium")) medium->lose(kMedia);
 }
 
 }  // namespace
@@ -290,29 +220,27 @@ namespace tdpt::foreign {
 Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters) {
   using namespace mitsuba;
   const Document document = parse(source, parameters);
+  const Object& root = *document.scene;
   Described scene;
-  Textures textures(scene, source);
-  Surfaces surfaces(scene, source, textures);
-  Shapes shapes(scene, source, textures, surfaces);
-  for (const Object* shape : document.scene->nested("shape")) shapes.add(*shape);
-  for (const Object* emitter : document.scene->nested("emitter"))
-    if (emitter->type != "area" && !shapes.is_used(*emitter))  // those of shapes
-      add_light(*emitter, scene, source, textures);
-  for (const Object* sensor : document.scene->nested("sensor")) add_camera(*sensor, scene, source);
-  for (const Object* integrator : document.scene->nested("integrator"))
-    read_integrator(*integrator, source);
-  for (const Object* scattering : document.scene->nested("subsurface"))
-    source.lose(scattering->place, "subsurface scattering is left out");
+  Context in{scene};
+  for (const Object* shape : root.nested("shape")) add_shape(in, *shape);
+  for (const Object* emitter : root.nested("emitter"))
+    if (emitter->type != "area" && !in.portals.contains(emitter))  // those of shapes
+      add_emitter(in, *emitter);
+  for (const Object* sensor : root.nested("sensor")) add_camera(scene, *sensor);
+  for (const Object* integrator : root.nested("integrator")) read_integrator(*integrator);
+  for (const Object* scattering : root.nested("subsurface"))
+    scattering->lose("subsurface scattering is left out");
   for (const char* kind :
        {"bsdf", "film", "medium", "phase", "random", "rfilter", "sampler", "texture", "volume"})
-    document.scene->nested(kind);  // they wait for a reference to them, or are how to render
-  document.scene->ignore({"allow_thread_reordering", "compact_acceleration_structures",
-                          "embree_use_robust_intersections", "kd_clip", "kd_empty_space_bonus",
-                          "kd_exact_primitive_threshold", "kd_intersection_cost",
-                          "kd_max_bad_refines", "kd_max_depth", "kd_min_max_bins",
-                          "kd_parallel_build", "kd_retract", "kd_retract_bad_splits",
-                          "kd_stop_prims", "kd_traversal_cost"});  // how rays are traced
-  shapes.tell_backs();
+    root.nested(kind);  // they wait for a reference to them, or are how to render
+  root.ignore(
+      "allow_thread_reordering compact_acceleration_structures "
+      "embree_use_robust_intersections kd_clip kd_empty_space_bonus "
+      "kd_exact_primitive_threshold kd_intersection_cost kd_max_bad_refines "
+      "kd_max_depth kd_min_max_bins kd_parallel_build kd_retract "
+      "kd_retract_bad_splits kd_stop_prims kd_traversal_cost");  // how rays are traced
+  lose_backs(in);
   return scene;
 }
 

@@ -13,7 +13,6 @@ namespace tdpt::foreign::mitsuba {
 
 struct Object;
 
-/// An attribute of an element.
 struct Attribute {
   std::string text;
   Key key{};
@@ -22,8 +21,8 @@ using Attributes = std::map<std::string, Attribute>;
 
 /// A child element of an object: a parameter, a nested object or a reference to one.
 struct Value {
-  std::string
-      tag;  ///< "float", "rgb", "transform"; of an object and a reference to it: the object's
+  Source* source;
+  std::string tag;   ///< "float", "rgb"; of an object and a reference to it: the object's
   std::string name;  ///< in snake_case; may be empty for objects
   Place place;
   Attributes attributes{};
@@ -34,24 +33,35 @@ struct Value {
   Key key{};
   Key contents{};  ///< taken by the first question about its attributes: before, nobody misses them
 
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { Source::fail(place, message); }
+  void lose(const std::string& sentence) const { source->lose(place, sentence); }
+  /// Whether there is such an attribute that is not empty.
+  bool has(const std::string& attribute) const;
   /// An attribute, which must be there.
   const std::string& text(const std::string& attribute = "value") const;
   double number(const std::string& attribute = "value") const;
+  std::vector<double> numbers(const std::string& attribute = "value") const;
+  Vec3d three(const std::string& attribute = "value") const;
 };
 
 /// An element with a type: `<bsdf type="diffuse">`. What is asked for counts as read.
 struct Object {
+  Source* source;
   std::string tag, type, id;
   Place place;
   bool old = false;  ///< of a file for Mitsuba 0.x
   std::vector<Value> values{};
   Key key{};  ///< taken by the first question about its values
 
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message) const { Source::fail(place, message); }
+  void lose(const std::string& sentence) const { source->lose(place, sentence); }
+  /// "the bitmap", "the shape "hair"" in messages.
+  std::string described() const;
 
   /// The last value of that name.
   const Value* find(const std::string& name) const;
+  /// The same; it must have one of these tags, separated by spaces.
+  const Value* find(const std::string& name, const std::string& tags) const;
   double number(const std::string& name, double otherwise) const;
   int integer(const std::string& name, int otherwise) const;
   bool flag(const std::string& name, bool otherwise) const;
@@ -59,11 +69,12 @@ struct Object {
   std::string needed_text(const std::string& name) const;
   std::optional<Vec3d> vector(const std::string& name) const;
   /// A transform; the identity without one. An animated one is named as lost.
-  Affine map(const std::string& name, Source& source) const;
+  Affine map(const std::string& name) const;
   /// Nested objects of a kind, named or not.
   std::vector<const Object*> nested(const std::string& kind) const;
-  /// Takes values that do not change the picture, or whose loss is named otherwise.
-  void ignore(std::initializer_list<const char*> names) const;
+  /// Takes values that do not change the picture, or whose loss is named otherwise. `names` are
+  /// separated by spaces.
+  void ignore(const std::string& names) const;
   void ignore_all() const;
 };
 
@@ -71,16 +82,12 @@ struct Object {
 std::optional<double> number_of(const std::string& text);
 /// Parts of a text between any of `separators`, without empty ones.
 std::vector<std::string> split(const std::string& text, const std::string& separators = " ,\t\r\n");
+/// Whether `word` is one of `words`, which spaces separate.
+bool is_one_of(const std::string& word, const std::string& words);
 
-/// "the bitmap", "the shape "hair"" in messages.
-std::string described(const Object& object);
-
-// Transforms of Mitsuba scenes.
-
-/// One step of a transform: translate, rotate, scale, lookat, matrix. Empty: no such step.
-std::optional<Affine> step_of(const std::string& tag, const Attributes& attributes,
-                              const Place& place);
-
+/// The map of one step of a transform: translate, rotate, scale, lookat, matrix. Empty: no such
+/// step.
+std::optional<Affine> map_of_step(const Value& step);
 /// The inverse; `place` is named if there is none.
 Affine inverse(const Affine& map, const Place& place);
 /// The map without translation, its axes at length 1; fails if one has no length.

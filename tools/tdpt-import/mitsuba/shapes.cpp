@@ -1,14 +1,13 @@
 // uv of described.h are Mitsuba's own: its v = 0 is the top row of an image as well.
-#include "tools/tdpt-import/mitsuba/shapes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "libcommon/base/words.h"
+#include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/object.h"
+#include "tools/tdpt-import/mitsuba/context.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -18,44 +17,11 @@ constexpr const char* kBlackBack =
     "surfaces that are not \"twosided\" are black on their back in Mitsuba and have two sides in "
     "glTF";
 
-Vec3d in_double(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-
-Vec3d across(const Mesh& mesh, const std::array<uint32_t, 3>& t) {
-  const Vec3d a = in_double(mesh.positions[t[0]]);
-  return cross(in_double(mesh.positions[t[1]]) - a, in_double(mesh.positions[t[2]]) - a);
-}
-
-// Smooth as Mitsuba: over the triangles of a vertex, by their angles; vertices at one place that
-// the file keeps apart stay apart.
-void smooth_vertices(Mesh& mesh) {
-  std::vector<Vec3d> sums(mesh.positions.size(), Vec3d(0));
-  for (const auto& t : mesh.triangles) {
-    const Vec3d n = across(mesh, t);
-    const double l = length(n);
-    if (!(l > 0)) continue;
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d p = in_double(mesh.positions[t[k]]);
-      const Vec3d a = in_double(mesh.positions[t[(k + 1) % 3]]) - p;
-      const Vec3d b = in_double(mesh.positions[t[(k + 2) % 3]]) - p;
-      sums[t[k]] = sums[t[k]] + n * (std::atan2(length(cross(a, b)), dot(a, b)) / l);
-    }
-  }
-  mesh.normals.clear();
-  for (const Vec3d& sum : sums) {
-    const double l = length(sum);
-    const Vec3d n = l > 0 ? sum / l : Vec3d{0, 0, 1};
-    mesh.normals.push_back(
-        {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z)});
-  }
-}
-
 // The front is where a file's normals point to, whichever way its triangles run.
 void front_by_normals(Mesh& mesh) {
   for (auto& t : mesh.triangles) {
     const Vec3d n = in_double(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]);
-    if (dot(across(mesh, t), n) < 0) std::swap(t[1], t[2]);
+    if (dot(front_of(mesh, t), n) < 0) std::swap(t[1], t[2]);
   }
 }
 
@@ -75,42 +41,33 @@ Mesh with_swapped_uv(Mesh mesh) {
   return mesh;
 }
 
-Mesh with_flipped_v(Mesh mesh) {
-  flip_v(mesh);
-  return mesh;
+template <class Make>
+size_t mesh(Context& in, const std::string& key, const Make& make) {
+  const auto it = in.meshes.find(key);
+  if (it != in.meshes.end()) return it->second;
+  in.scene.meshes.push_back(make());
+  return in.meshes[key] = in.scene.meshes.size() - 1;
 }
 
-Affine scaling(double x, double y, double z) {
-  return {{x, 0, 0}, {0, y, 0}, {0, 0, z}, {}};
-}
-
-}  // namespace
-
-size_t Shapes::mesh(const std::string& key, const std::function<Mesh()>& make) {
-  const auto it = meshes_.find(key);
-  if (it != meshes_.end()) return it->second;
-  scene_.meshes.push_back(make());
-  return meshes_[key] = scene_.meshes.size() - 1;
-}
-
-Shape Shapes::from_file(const Object& shape) {
+Shape from_file(Context& in, const Object& shape) {
   const std::string file = shape.needed_text("filename");
   const Place& place = shape.find("filename")->place;
   const bool flat = shape.flag("face_normals", false);
   const bool flip = shape.flag("flip_tex_coords", shape.type == "obj");
   const int index = shape.integer("shape_index", shape.type == "obj" ? -1 : 0);
   if (shape.type == "obj" && index >= 0)
-    source_.lose(place, "of an OBJ file all shapes are taken, not the one that shape_index names");
+    shape.find("filename")
+        ->lose("of an OBJ file all shapes are taken, not the one that shape_index names");
   if (shape.type == "serialized" && index < 0) shape.fail("a negative shape_index");
-  shape.ignore({"collapse", "load_materials", "srgb"});  // of parts and colours that are not read
+  shape.ignore("collapse load_materials srgb");  // of parts and colours that are not read
   Shape out;
   // Meshes are the same if they are read alike.
   const std::string key = fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file);
   bool has_normals = false;
-  out.mesh = mesh(key, [&] {
-    const auto bytes = source_.read_mesh(file, place);
+  out.mesh = mesh(in, key, [&] {
+    const auto bytes = shape.source->read_mesh(file, place);
     if (!bytes) return Mesh{};
-    const std::string name = source_.shown_name(file);
+    const std::string name = shape.source->shown_name(file);
     Mesh m = shape.type == "obj"   ? read_obj(*bytes, name)
              : shape.type == "ply" ? read_ply(*bytes, name)
                                    : read_serialized(*bytes, name, static_cast<size_t>(index));
@@ -121,29 +78,29 @@ Shape Shapes::from_file(const Object& shape) {
     else if (has_normals)
       front_by_normals(m);
     else
-      smooth_vertices(m);
+      smooth(m, false);  // vertices at one place that the file keeps apart stay apart
     return m;
   });
-  if (has_normals) with_normals_.insert(out.mesh);
-  out.to_world = shape.map("to_world", source_);
+  if (has_normals) in.meshes_with_normals.insert(out.mesh);
+  out.to_world = shape.map("to_world");
   // Without normals the front is found after the mesh is placed.
-  out.turned = !with_normals_.contains(out.mesh) && out.to_world.mirrors();
+  out.turned = !in.meshes_with_normals.contains(out.mesh) && out.to_world.mirrors();
   return out;
 }
 
-std::optional<Shape> Shapes::round_or_flat(const Object& shape) {
+std::optional<Shape> round_or_flat(Context& in, const Object& shape) {
   Shape out;
-  const Affine to_world = shape.map("to_world", source_);
+  const Affine to_world = shape.map("to_world");
   out.to_world = to_world;
   const std::string& type = shape.type;
   if (type == "rectangle") {
-    out.mesh = mesh(type, [] { return with_flipped_v(square()); });
+    out.mesh = mesh(in, type, [] { return flipped(square()); });
   } else if (type == "cube") {
-    out.mesh = mesh(type, [] { return cube(); });
+    out.mesh = mesh(in, type, [] { return cube(); });
   } else if (type == "disk") {
-    out.mesh = mesh(type, [] { return with_swapped_uv(disc()); });
+    out.mesh = mesh(in, type, [] { return with_swapped_uv(disc()); });
   } else if (type == "sphere") {
-    out.mesh = mesh(type, [] { return sphere(); });
+    out.mesh = mesh(in, type, [] { return sphere(); });
     const Vec3d centre = shape.vector("center").value_or(Vec3d(0));
     double r = shape.number("radius", 1);
     if (!(r > 0)) shape.fail(fmt::format("a sphere of radius {}", r));
@@ -155,11 +112,9 @@ std::optional<Shape> Shapes::round_or_flat(const Object& shape) {
     } else {
       out.turned = to_world.mirrors();
     }
-    Affine inside = scaling(r, r, r);
-    inside.t = centre;
-    out.to_world = out.to_world * inside;
+    out.to_world = out.to_world * Affine{{r, 0, 0}, {0, r, 0}, {0, 0, r}, centre};
   } else if (type == "cylinder") {
-    out.mesh = mesh(type, [] { return with_flipped_v(cylinder()); });
+    out.mesh = mesh(in, type, [] { return flipped(cylinder()); });
     const Vec3d from = shape.vector("p0").value_or(Vec3d(0));
     const Vec3d to = shape.vector("p1").value_or(Vec3d{0, 0, 1});
     const double r = shape.number("radius", 1), l = length(to - from);
@@ -173,16 +128,22 @@ std::optional<Shape> Shapes::round_or_flat(const Object& shape) {
   return out;
 }
 
-std::optional<Shape> Shapes::geometry(const Object& shape) {
-  if (shape.type == "obj" || shape.type == "ply" || shape.type == "serialized")
-    return from_file(shape);
-  return round_or_flat(shape);
+// What Mitsuba gives to shapes without a bsdf: grey, black, or nothing to be seen.
+Surface default_surface(Context& in, const std::string& name) {
+  const auto [it, is_new] = in.default_materials.try_emplace(name, in.scene.materials.size());
+  if (is_new) {
+    Material m = diffuse({Rgb(name == "default" ? 0.5f : 0.0f), {}, {}});
+    m.invisible = name == "null";
+    m.name = name;
+    in.scene.materials.push_back(std::move(m));
+  }
+  return {it->second, false, name == "default"};
 }
 
 // Surface, medium and emission.
-void Shapes::dress(const Object& shape, Shape& out) {
+void dress(Context& in, const Object& shape, Shape& out) {
   const auto bsdfs = shape.nested("bsdf");
-  if (bsdfs.size() > 1) source_.lose(shape.place, "of several bsdfs of a shape the first is taken");
+  if (bsdfs.size() > 1) shape.lose("of several bsdfs of a shape the first is taken");
   const Object* interior = nullptr;
   bool has_medium = false;
   for (const Value& v : shape.values)
@@ -192,49 +153,102 @@ void Shapes::dress(const Object& shape, Shape& out) {
       if (v.name == "interior" && !bsdfs.empty())
         interior = v.object;
       else
-        source_.lose(v.place, "media (fog, absorption, scattering) are left out");
+        v.lose(kMedia);
     }
   const auto emitters = shape.nested("emitter");
-  using Default = Surfaces::Default;
-  const Default without = !emitters.empty()         ? Default::black
-                          : has_medium && shape.old ? Default::invisible
-                                                    : Default::grey;
-  const Surfaces::Made made =
-      bsdfs.empty() ? surfaces_.material(without) : surfaces_.material(*bsdfs[0], interior);
+  const char* otherwise = !emitters.empty()         ? "black"
+                          : has_medium && shape.old ? "null"
+                                                    : "default";
+  const Surface made =
+      bsdfs.empty() ? default_surface(in, otherwise) : surface(in, *bsdfs[0], interior);
   out.material = made.material;
   out.turned ^= made.turned;
   for (const Object* e : emitters)
     if (e->type != "area") {
-      source_.lose(e->place, fmt::format("emitters of type \"{}\" are not read and left out",
-                                         shown(e->type, 40)));
+      e->lose(fmt::format("emitters of type \"{}\" are not read and left out", shown(e->type, 40)));
     } else {
-      out.emission = Emission{textures_.colour(*e, "radiance", Rgb(1), Of::light), false};
-      e->ignore({"sampling_weight"});  // how it is sampled
+      out.emission = Emission{colour(in, *e, "radiance", Rgb(1), Role::light), false};
+      e->ignore("sampling_weight");  // how it is sampled
     }
   // In Mitsuba +Y of a normal map is normal x dp/du, in glTF up in the image.
-  if (scene_.materials[out.material].normal &&
-      mirrors_images(scene_.meshes[out.mesh]) != (out.turned != out.to_world.mirrors())) {
-    const auto [it, is_new] = green_down_.try_emplace(out.material, scene_.materials.size());
+  if (in.scene.materials[out.material].normal &&
+      mirrors_images(in.scene.meshes[out.mesh]) != (out.turned != out.to_world.mirrors())) {
+    const auto [it, is_new] = in.green_down.try_emplace(out.material, in.scene.materials.size());
     if (is_new) {
-      scene_.materials.push_back(scene_.materials[out.material]);
-      scene_.materials.back().normal->green_down = true;
+      in.scene.materials.push_back(in.scene.materials[out.material]);
+      in.scene.materials.back().normal->green_down = true;
     }
     out.material = it->second;
   }
-  const Number& opacity = scene_.materials[out.material].opacity;
+  const Number& opacity = in.scene.materials[out.material].opacity;
   const bool closed =
       (shape.type == "sphere" || shape.type == "cube") && opacity.factor >= 1 && !opacity.texture;
   if (made.one_sided && closed)
-    bodies_.emplace_back(shape.place, scene_.shapes.size());
+    in.bodies.emplace_back(&shape, in.scene.shapes.size());
   else if (made.one_sided)
-    source_.lose(shape.place, kBlackBack);
+    shape.lose(kBlackBack);
+}
+
+void place(Context& in, const Object& shape, const Affine& outer, bool in_group);
+
+void place_instance(Context& in, const Object& shape, const Affine& outer) {
+  const Affine map = outer * shape.map("to_world");
+  const auto groups = shape.nested("shape");
+  if (groups.empty()) shape.fail("the instance has no shapegroup");
+  for (const Object* group : groups) {
+    if (group->type != "shapegroup")
+      shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", group->described()));
+    for (const Object* inner : group->nested("shape")) place(in, *inner, map, true);
+  }
+}
+
+void place(Context& in, const Object& shape, const Affine& outer, bool in_group) {
+  if (++in.visited_shapes > kMostShapes)
+    shape.fail(fmt::format("more than {} shapes", kMostShapes));
+  if (shape.type == "shapegroup") return;  // only its instances are seen
+  if (shape.type == "instance") {
+    if (in_group) shape.fail("an instance in a shapegroup, which Mitsuba does not allow");
+    return place_instance(in, shape, outer);
+  }
+  if (shape.type == "merge") {
+    for (const Object* inner : shape.nested("shape")) place(in, *inner, outer, in_group);
+    return;
+  }
+  std::optional<Shape> out =
+      is_one_of(shape.type, "obj ply serialized") ? from_file(in, shape) : round_or_flat(in, shape);
+  if (!out) {
+    shape.lose(fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
+    return shape.ignore_all();
+  }
+  if (in.scene.meshes[out->mesh].triangles.empty()) return shape.ignore_all();
+  out->to_world = outer * out->to_world;
+  for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
+    if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");
+  if (shape.flag("flip_normals", false)) out->turned = !out->turned;
+  for (const Object* e : shape.nested("emitter"))
+    if (e->type == "portal") {  // an opening and no surface
+      shape.ignore_all();
+      in.portals.insert(e);
+      in.scene.portals.push_back(std::move(*out));
+      return;
+    }
+  dress(in, shape, *out);
+  out->name = shape.id;
+  shape.ignore("silhouette_sampling_weight");  // how it is sampled
+  in.scene.shapes.push_back(std::move(*out));
+}
+
+}  // namespace
+
+void add_shape(Context& in, const Object& shape) {
+  place(in, shape, {}, false);
 }
 
 // Cameras within a body see its inside, those without its outside.
-void Shapes::tell_backs() {
-  for (const auto& [place, index] : bodies_) {
-    const Shape& shape = scene_.shapes[index];
-    const Mesh& mesh = scene_.meshes[shape.mesh];
+void lose_backs(const Context& in) {
+  for (const auto& [object, index] : in.bodies) {
+    const Shape& shape = in.scene.shapes[index];
+    const Mesh& mesh = in.scene.meshes[shape.mesh];
     const double sign = shape.to_world.mirrors() ? -1 : 1;
     const auto within = [&](const Camera& camera) {
       return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
@@ -244,58 +258,12 @@ void Shapes::tell_backs() {
         return sign * dot(cross(p[1] - p[0], p[2] - p[0]), p[0]) > 0;
       });
     };
-    for (const Camera& camera : scene_.cameras)
+    for (const Camera& camera : in.scene.cameras)
       if (within(camera) != shape.turned) {
-        source_.lose(place, kBlackBack);
+        object->lose(kBlackBack);
         break;
       }
   }
-}
-
-void Shapes::place_instance(const Object& shape, const Affine& outer) {
-  const Affine map = outer * shape.map("to_world", source_);
-  const auto groups = shape.nested("shape");
-  if (groups.empty()) shape.fail("the instance has no shapegroup");
-  for (const Object* group : groups) {
-    if (group->type != "shapegroup")
-      shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", described(*group)));
-    for (const Object* inner : group->nested("shape")) place(*inner, map, true);
-  }
-}
-
-void Shapes::place(const Object& shape, const Affine& outer, bool in_group) {
-  if (++visited_ > kMostShapes) shape.fail(fmt::format("more than {} shapes", kMostShapes));
-  if (shape.type == "shapegroup") return;  // only its instances are seen
-  if (shape.type == "instance") {
-    if (in_group) shape.fail("an instance in a shapegroup, which Mitsuba does not allow");
-    return place_instance(shape, outer);
-  }
-  if (shape.type == "merge") {
-    for (const Object* inner : shape.nested("shape")) place(*inner, outer, in_group);
-    return;
-  }
-  std::optional<Shape> out = geometry(shape);
-  if (!out) {
-    source_.lose(shape.place,
-                 fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
-    return shape.ignore_all();
-  }
-  if (scene_.meshes[out->mesh].triangles.empty()) return shape.ignore_all();
-  out->to_world = outer * out->to_world;
-  for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
-    if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");
-  if (shape.flag("flip_normals", false)) out->turned = !out->turned;
-  for (const Object* e : shape.nested("emitter"))
-    if (e->type == "portal") {  // an opening and no surface
-      shape.ignore_all();
-      portals_.insert(e);
-      scene_.portals.push_back(std::move(*out));
-      return;
-    }
-  dress(shape, *out);
-  out->name = shape.id;
-  shape.ignore({"silhouette_sampling_weight"});  // how it is sampled
-  scene_.shapes.push_back(std::move(*out));
 }
 
 }  // namespace tdpt::foreign::mitsuba

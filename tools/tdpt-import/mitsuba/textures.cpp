@@ -1,11 +1,10 @@
-#include "tools/tdpt-import/mitsuba/textures.h"
-
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
+#include "tools/tdpt-import/mitsuba/context.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -18,7 +17,7 @@ float single(double v) {
   return static_cast<float>(v);
 }
 
-double number(const std::string& word, const Value& value) {
+double finite(const std::string& word, const Value& value) {
   if (const auto n = number_of(word); n && std::abs(*n) < 1e30) return *n;
   value.fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
 }
@@ -35,7 +34,7 @@ Rgb three(const Value& value) {
   }
   if (words.size() != 1 && words.size() != 3)
     value.fail(fmt::format("a colour of {} numbers, expected 3", words.size()));
-  const auto at = [&](size_t i) { return single(number(words[words.size() == 1 ? 0 : i], value)); };
+  const auto at = [&](size_t i) { return single(finite(words[words.size() == 1 ? 0 : i], value)); };
   return {at(0), at(1), at(2)};
 }
 
@@ -79,39 +78,39 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-Rgb sampled(Samples samples, const Value& value, bool old, Of of) {
+Rgb sampled(Samples samples, const Value& value, bool old, Role role) {
   if (samples.empty()) value.fail("a spectrum without values");
   for (size_t i = 0; i < samples.size(); ++i) {
     const double nm = samples[i][0];
     if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
     if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
   }
-  if (!old && of == Of::surface) return lit(samples);
+  if (!old && role == Role::surface) return lit(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
   samples.push_back({samples.back()[0], 0});
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
 // Pairs of a wavelength and a value, one a line.
-Samples file(const Value& value, Source& source) {
+Samples file(const Value& value) {
   Samples out;
-  for (std::string line : split(source.read(value.text("filename"), value.place), "\r\n")) {
+  for (std::string line : split(value.source->read(value.text("filename"), value.place), "\r\n")) {
     line = line.substr(0, line.find('#'));
     const auto words = split(line);
     if (words.empty()) continue;
     if (words.size() < 2)
       value.fail("its file has a line with one number, expected a wavelength and a value");
-    out.push_back({number(words[0], value), number(words[1], value)});
+    out.push_back({finite(words[0], value), finite(words[1], value)});
   }
   return out;
 }
 
-Rgb spectrum(const Value& value, bool old, Of of, Source& source) {
-  if (value.attributes.contains("filename")) return sampled(file(value, source), value, old, of);
+Rgb spectrum(const Value& value, bool old, Role role) {
+  if (value.attributes.contains("filename")) return sampled(file(value), value, old, role);
   const auto words = split(value.text());
   if (words.size() == 1 && words[0].find(':') == std::string::npos) {
-    const Rgb grey(single(number(words[0], value)));
-    return !old && of == Of::light ? grey * of_equal_energy() : grey;
+    const Rgb grey(single(finite(words[0], value)));
+    return !old && role == Role::light ? grey * of_equal_energy() : grey;
   }
   if (words.empty()) value.fail("a spectrum without values");
   if (words[0].find(':') == std::string::npos) {
@@ -126,16 +125,15 @@ Rgb spectrum(const Value& value, bool old, Of of, Source& source) {
     if (colon == word.npos)
       value.fail(fmt::format("\"{}\" is no pair wavelength:value", shown(word, 40)));
     samples.push_back(
-        {number(word.substr(0, colon), value), number(word.substr(colon + 1), value)});
+        {finite(word.substr(0, colon), value), finite(word.substr(colon + 1), value)});
   }
-  return sampled(std::move(samples), value, old, of);
+  return sampled(std::move(samples), value, old, role);
 }
 
-}  // namespace
-
-// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it.
-Rgb blackbody(double kelvin, const Value& value) {
-  if (!(kelvin > 0 && kelvin < 1e6)) value.fail(fmt::format("a temperature of {} K", kelvin));
+// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it. Values and objects fail alike.
+template <class Holder>
+Rgb blackbody(double kelvin, const Holder& holder) {
+  if (!(kelvin > 0 && kelvin < 1e6)) holder.fail(fmt::format("a temperature of {} K", kelvin));
   Samples samples;
   for (double nm = 360; nm <= 830; nm += 5) {
     const double m = nm * 1e-9, c = 299792458, h = 6.62607015e-34, k = 1.380649e-23;
@@ -145,28 +143,26 @@ Rgb blackbody(double kelvin, const Value& value) {
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
+}  // namespace
+
 bool is_colour(const Value& value) {
-  for (const char* tag : {"float", "integer", "rgb", "srgb", "spectrum", "blackbody"})
-    if (value.tag == tag) return true;
-  return false;
+  return is_one_of(value.tag, "float integer rgb srgb spectrum blackbody");
 }
 
-Rgb colour_of(const Value& value, bool old, Of of, Source& source) {
+Rgb colour_of(const Value& value, bool old, Role role) {
   if (value.tag == "rgb") return three(value);
   if (value.tag == "srgb") {
     const Rgb c = three(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
-  if (value.tag == "spectrum") return spectrum(value, old, of, source);
+  if (value.tag == "spectrum") return spectrum(value, old, role);
   if (value.tag == "blackbody") {
     std::string kelvin = value.text("temperature");
-    while (!kelvin.empty() &&
-           (kelvin.back() == ' ' || kelvin.back() == 'K' || kelvin.back() == 'k'))
-      kelvin.pop_back();
+    kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
     const double scale = value.attributes.contains("scale") ? value.number("scale") : 1;
-    return blackbody(number(kelvin, value), value) * single(scale);
+    return blackbody(finite(kelvin, value), value) * single(scale);
   }
-  return Rgb(single(number(value.text(), value)));
+  return Rgb(single(finite(value.text(), value)));
 }
 
 float mean(const Rgb& c) {
@@ -176,146 +172,48 @@ bool is_grey(const Rgb& c) {
   return c.x == c.y && c.y == c.z;
 }
 
-namespace {
-
 // ---- Textures ----
+
+namespace {
 
 Colour plain(const Rgb& c) {
   return {c, {}, {}};
 }
 
-}  // namespace
-
-size_t Textures::image(const std::string& file, const Place& place) {
-  const auto it = images_.find(file);
-  if (it != images_.end()) return it->second;
-  scene_.images.push_back({file, source_.read_picture(file, place)});
-  return images_[file] = scene_.images.size() - 1;
-}
-
-Colour Textures::value_of(const Value& value, bool old, Of of) {
-  if (is_colour(value)) return plain(colour_of(value, old, of, source_));
-  if (value.object && value.object->tag == "texture") return this->of(*value.object, of);
+Colour value_of(Context& in, const Value& value, bool old, Role role) {
+  if (is_colour(value)) return plain(colour_of(value, old, role));
+  if (value.object && value.object->tag == "texture") return texture(in, *value.object, role);
   value.fail(fmt::format("\"{}\" is a {}, expected a colour or texture", shown(value.name, 40),
                          shown(value.tag, 40)));
 }
 
-Colour Textures::colour(const Object& object, const std::string& name, const Rgb& otherwise,
-                        Of of) {
-  const Value* v = object.find(name);
-  return v ? value_of(*v, object.old, of) : plain(otherwise);
-}
-
-Number Textures::number(const Object& object, const std::string& name, double otherwise) {
-  const Value* v = object.find(name);
-  if (!v) return {single(otherwise), {}, {}};
-  const Colour c = value_of(*v, object.old, Of::surface);
-  Number out{mean(c.factor), c.texture, {}};
-  if (out.texture) out.texture->luminance = !object.old;
-  return out;
-}
-
-Rgb Textures::plain_colour(const Object& object, const std::string& name, const Rgb& otherwise,
-                           Of of) {
-  const Colour c = colour(object, name, otherwise, of);
-  if (!c.texture) return c.factor;
-  source_.lose(object.find(name)->place,
-               fmt::format("the texture of \"{}\" of the {} is left out", name, described(object)));
-  return otherwise;
-}
-
-double Textures::plain_number(const Object& object, const std::string& name, double otherwise) {
-  return mean(plain_colour(object, name, Rgb(single(otherwise))));
-}
-
-Colour Textures::of(const Object& texture, Of of, bool raw) {
-  const auto key = std::tuple{&texture, of, raw};
-  if (const auto it = made_.find(key); it != made_.end()) return it->second;
-  Colour c = read(texture, of, raw);
-  return made_[key] = c;
-}
-
-Colour Textures::read(const Object& texture, Of of, bool raw) {
-  const std::string& type = texture.type;
-  const auto inner = [&](const char* name, double otherwise) {
-    const Value* v = texture.find(name);
-    return v ? value_of(*v, texture.old, of) : plain(Rgb(single(otherwise)));
-  };
-  if (type == "bitmap" || type == "ldrtexture") return bitmap(texture, raw);
-  if (type == "checkerboard") return checkerboard(texture);
-  if (type == "scale") {
-    const Rgb scale = plain_colour(texture, "scale", Rgb(1), of);
-    const auto nested = texture.nested("texture");
-    Colour c =
-        nested.empty() ? colour(texture, "value", Rgb(1), of) : this->of(*nested[0], of, raw);
-    c.factor = c.factor * scale;
-    return c;
-  }
-  if (type == "uniform" || type == "rawconstant" || type == "d65") {
-    const auto nested = texture.nested("texture");
-    const Colour c = nested.empty() ? inner(texture.find("color") ? "color" : "value", 1)
-                                    : this->of(*nested[0], of, raw);
-    // Outside of what is visible.
-    texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
-    return {c.factor * single(texture.number("scale", 1)), c.texture, {}};
-  }
-  if (type == "srgb") {
-    texture.ignore({"unbounded"});  // a check
-    return inner("color", 0);
-  }
-  if (type == "irregular" && texture.find("wavelengths")) {
-    const auto nm = split(texture.needed_text("wavelengths")),
-               v = split(texture.needed_text("values"));
-    if (nm.size() != v.size() || nm.empty())
-      texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), v.size()));
-    std::string pairs;
-    for (size_t i = 0; i < nm.size(); ++i) pairs += nm[i] + ":" + v[i] + " ";
-    return plain(
-        colour_of({"spectrum", "", texture.place, {{"value", {pairs}}}}, texture.old, of, source_));
-  }
-  if (type == "blackbody") {
-    if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
-    // Outside of what is visible.
-    texture.ignore({"wavelength_min", "wavelength_max", "lambda_min", "lambda_max"});
-    const std::string kelvin = fmt::format("{}", texture.number("temperature", 0));
-    return plain(colour_of({"blackbody", "", texture.place, {{"temperature", {kelvin}}}},
-                           texture.old, of, source_));
-  }
-  source_.lose(texture.place, fmt::format("textures of type \"{}\" are not read: grey of 0.5 in "
-                                          "their place",
-                                          shown(type, 40)));
-  texture.ignore_all();
-  return plain(Rgb(0.5f));
-}
-
 // Mitsuba's v = 0 is the top row of an image, as glTF's.
-void Textures::place(const Object& texture, Texture& out) {
+std::array<double, 6> placement(const Object& texture) {
+  std::array<double, 6> map{1, 0, 0, 0, 1, 0};
   if (texture.old) {
     const double both = texture.number("uvscale", 1);
-    texture.ignore({"coordinates"});  // "uv" is the only one
-    out.map = {texture.number("uscale", both), 0,
-               texture.number("uoffset", 0),   0,
-               texture.number("vscale", both), texture.number("voffset", 0)};
+    texture.ignore("coordinates");  // "uv" is the only one
+    map = {texture.number("uscale", both), 0,
+           texture.number("uoffset", 0),   0,
+           texture.number("vscale", both), texture.number("voffset", 0)};
   }
-  if (texture.find("to_uv")) {
-    const Affine m = texture.map("to_uv", source_);
-    out.map = {m.x.x, m.y.x, m.t.x, m.x.y, m.y.y, m.t.y};
-  }
+  if (!texture.find("to_uv")) return map;
+  const Affine m = texture.map("to_uv");
+  return {m.x.x, m.y.x, m.t.x, m.x.y, m.y.y, m.t.y};
 }
 
-Texture::Wrap Textures::wrap(const Object& texture, const std::string& mode) {
+Texture::Wrap wrap(const Object& texture, const std::string& mode) {
   if (mode == "mirror") return Texture::Wrap::mirror;
-  if (mode == "clamp") return Texture::Wrap::clamp;
-  if (mode != "repeat")
-    source_.lose(texture.place, fmt::format("the wrap mode \"{}\" becomes clamp", shown(mode, 40)));
-  return mode == "repeat" ? Texture::Wrap::repeat : Texture::Wrap::clamp;
+  if (mode == "repeat") return Texture::Wrap::repeat;
+  if (mode != "clamp")
+    texture.lose(fmt::format("the wrap mode \"{}\" becomes clamp", shown(mode, 40)));
+  return Texture::Wrap::clamp;
 }
 
-Colour Textures::bitmap(const Object& texture, bool raw) {
+Colour bitmap(Context& in, const Object& texture, bool raw) {
   Texture t;
-  const std::string file = texture.needed_text("filename");
-  t.image = image(file, texture.find("filename")->place);
-  place(texture, t);
+  t.image = image(in, texture);
+  t.map = placement(texture);
   t.nearest = texture.text("filter_type", "bilinear") == "nearest";
   const std::string mode = texture.text("wrap_mode", "repeat");
   t.wrap_u = wrap(texture, texture.text("wrap_mode_u", mode));
@@ -324,27 +222,121 @@ Colour Textures::bitmap(const Object& texture, bool raw) {
   const double gamma = texture.number("gamma", texture.old && raw ? 1 : 0);
   t.srgb = gamma != 1 && !texture.flag("raw", false);
   if (gamma != 0 && gamma != 1 && gamma != -1)
-    source_.lose(texture.place, fmt::format("a gamma of {:g} becomes that of sRGB", gamma));
+    texture.lose(fmt::format("a gamma of {:g} becomes that of sRGB", gamma));
   const std::string channel = texture.text("channel", "");
-  if (channel == "a")
-    t.alpha = true;
-  else if (!channel.empty())
-    source_.lose(texture.place,
-                 fmt::format("of the picture's channel \"{}\" all three colours are taken",
+  t.alpha = channel == "a";
+  if (!t.alpha && !channel.empty())
+    texture.lose(fmt::format("of the picture's channel \"{}\" all three colours are taken",
                              shown(channel, 40)));
-  texture.ignore({"cache", "max_anisotropy", "accel", "format"});  // how it is kept and filtered
+  texture.ignore("cache max_anisotropy accel format");  // how it is kept and filtered
   return {Rgb(1), t, {}};
 }
 
-Colour Textures::checkerboard(const Object& texture) {
-  const Rgb a = plain_colour(texture, "color0", Rgb(0.4f));
-  const Rgb b = plain_colour(texture, "color1", Rgb(0.2f));
-  scene_.images.push_back({"checkerboard", {}, 2, 2, {a, b, b, a}});
+Colour checkerboard(Context& in, const Object& texture) {
+  const Rgb a = plain_colour(in, texture, "color0", Rgb(0.4f));
+  const Rgb b = plain_colour(in, texture, "color1", Rgb(0.2f));
+  in.scene.images.push_back({"checkerboard", {}, 2, 2, {a, b, b, a}});
   Texture t;
-  t.image = scene_.images.size() - 1;
+  t.image = in.scene.images.size() - 1;
   t.nearest = true;
-  place(texture, t);
+  t.map = placement(texture);
   return {Rgb(1), t, {}};
+}
+
+// A spectrum of two lists.
+Colour irregular(const Object& texture, Role role) {
+  const auto nm = split(texture.needed_text("wavelengths")),
+             v = split(texture.needed_text("values"));
+  if (nm.size() != v.size() || nm.empty())
+    texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), v.size()));
+  const Value& values = *texture.find("values");
+  Samples samples;
+  for (size_t i = 0; i < nm.size(); ++i)
+    samples.push_back({finite(nm[i], values), finite(v[i], values)});
+  return plain(sampled(std::move(samples), values, texture.old, role));
+}
+
+Colour read_texture(Context& in, const Object& texture, Role role, bool raw) {
+  const std::string& type = texture.type;
+  // That of the texture within, if there is one, or of the value of that name.
+  const auto inner = [&](const std::string& name) {
+    const auto nested = texture.nested("texture");
+    return nested.empty() ? colour(in, texture, name, Rgb(1), role)
+                          : mitsuba::texture(in, *nested[0], role, raw);
+  };
+  const auto ignore_ends = [&] {  // outside of what is visible
+    texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");
+  };
+  if (type == "bitmap" || type == "ldrtexture") return bitmap(in, texture, raw);
+  if (type == "checkerboard") return checkerboard(in, texture);
+  if (type == "scale") {
+    const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
+    Colour c = inner("value");
+    c.factor = c.factor * scale;
+    return c;
+  }
+  if (is_one_of(type, "uniform rawconstant d65")) {
+    const Colour c = inner(texture.find("color") ? "color" : "value");
+    ignore_ends();
+    return {c.factor * single(texture.number("scale", 1)), c.texture, {}};
+  }
+  if (type == "srgb") {
+    texture.ignore("unbounded");  // a check
+    return colour(in, texture, "color", Rgb(0), role);
+  }
+  if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, role);
+  if (type == "blackbody") {
+    if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
+    ignore_ends();
+    return plain(blackbody(texture.number("temperature", 0), texture));
+  }
+  texture.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
+                           shown(type, 40)));
+  texture.ignore_all();
+  return plain(Rgb(0.5f));
+}
+
+}  // namespace
+
+Colour colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
+              Role role) {
+  const Value* v = object.find(name);
+  return v ? value_of(in, *v, object.old, role) : plain(otherwise);
+}
+
+Number number(Context& in, const Object& object, const std::string& name, double otherwise) {
+  const Colour c = colour(in, object, name, Rgb(single(otherwise)));
+  Number out{object.find(name) ? mean(c.factor) : single(otherwise), c.texture, {}};
+  if (out.texture) out.texture->luminance = !object.old;
+  return out;
+}
+
+Rgb plain_colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
+                 Role role) {
+  const Colour c = colour(in, object, name, otherwise, role);
+  if (!c.texture) return c.factor;
+  object.find(name)->lose(
+      fmt::format("the texture of \"{}\" of the {} is left out", name, object.described()));
+  return otherwise;
+}
+
+double plain_number(Context& in, const Object& object, const std::string& name, double otherwise) {
+  return mean(plain_colour(in, object, name, Rgb(single(otherwise))));
+}
+
+Colour texture(Context& in, const Object& object, Role role, bool raw) {
+  const auto key = std::tuple{&object, role, raw};
+  if (const auto it = in.textures.find(key); it != in.textures.end()) return it->second;
+  return in.textures[key] = read_texture(in, object, role, raw);
+}
+
+size_t image(Context& in, const Object& object) {
+  const std::string file = object.needed_text("filename");
+  const auto it = in.images.find(file);
+  if (it != in.images.end()) return it->second;
+  const Place& place = object.find("filename")->place;
+  in.scene.images.push_back({file, object.source->read_picture(file, place)});
+  return in.images[file] = in.scene.images.size() - 1;
 }
 
 }  // namespace tdpt::foreign::mitsuba

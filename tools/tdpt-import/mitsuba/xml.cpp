@@ -17,10 +17,6 @@ constexpr int kDeepestInclude = 15, kDeepest = 64;
 // Included and substituted text [bytes], which could else grow without bound.
 constexpr size_t kMostText = size_t{1} << 28;
 
-bool is_any_of(const std::string& word, std::initializer_list<const char*> all) {
-  return std::any_of(all.begin(), all.end(), [&](const char* w) { return word == w; });
-}
-
 // toWorld, intIOR -> to_world, int_ior; as Mitsuba 3 does with older files.
 std::string snake_case(const std::string& name) {
   std::string out;
@@ -64,7 +60,7 @@ class Parser {
   }
 
   void parse() {
-    out_.objects.push_back({"scene", "scene", "", {source_.path(), ""}});
+    out_.objects.push_back({&source_, "scene", "scene", "", {source_.path(), ""}});
     out_.scene = &out_.objects.back();
     out_.objects.back().key = source_.enter({}, {source_.path(), ""}, "");
     read_file(source_.text(), source_.path(), 0, out_.objects.back());
@@ -165,10 +161,11 @@ class Parser {
     };
     if (is_object)
       return fmt::format("the {} \"{}\" in a {} is left out", node.name(), named("type"),
-                         described(of));
+                         of.described());
     if (std::string(node.name()) == "ref")
-      return fmt::format("the reference to \"{}\" in a {} is left out", named("id"), described(of));
-    return fmt::format("the parameter \"{}\" of the {} is not read", named("name"), described(of));
+      return fmt::format("the reference to \"{}\" in a {} is left out", named("id"),
+                         of.described());
+    return fmt::format("the parameter \"{}\" of the {} is not read", named("name"), of.described());
   }
 
   void read_children(const pugi::xml_node& node, const File& file, int includes, int depth,
@@ -181,19 +178,19 @@ class Parser {
                   Object& into) {
     const Place place = file.place(node.offset_debug());
     if (depth > kDeepest) Source::fail(place, "is nested too deeply");
-    Value v{node.name(), "", place};
-    const bool is_object = is_any_of(v.tag, {"shape", "bsdf", "texture", "emitter", "sensor",
-                                             "medium", "film", "integrator", "sampler", "rfilter",
-                                             "phase", "volume", "subsurface", "random", "scene"}) ||
+    Value v{&source_, node.name(), "", place};
+    const bool is_object = is_one_of(v.tag,
+                                     "shape bsdf texture emitter sensor medium film integrator "
+                                     "sampler rfilter phase volume subsurface random scene") ||
                            (v.tag == "spectrum" && node.attribute("type"));
     v.key = source_.enter(into.key, place, missing(node, is_object, into));
     v.contents = source_.enter(v.key, place, "");
     v.attributes = attributes_of(node, place, v.contents);
     v.name = v.attributes["name"].text;
     for (const auto& [name, attribute] : v.attributes)
-      if (is_any_of(name, {"name", "id", "type", "intent"}))  // RGB has no intent
+      if (is_one_of(name, "name id type intent"))  // RGB has no intent
         attribute.key.take();
-    if (is_any_of(v.tag, {"default", "include", "path", "alias", "null"})) v.key.take();
+    if (is_one_of(v.tag, "default include path alias null")) v.key.take();
     if (v.tag == "default") return define(v.text("name"), v.text());
     if (v.tag == "include") return include(place, v.text("filename"), includes, into);
     if (v.tag == "path") return source_.search(v.text(), place);
@@ -205,17 +202,14 @@ class Parser {
       v.map = map_of(node, file, v.key);
     } else if (v.tag == "animation") {
       v.is_animated = true;
-      for (const pugi::xml_node& key : node.children("transform")) {
-        v.map = map_of(key, file, v.key);
-        break;
-      }
+      v.map = map_of(node.child("transform"), file, v.key);
     } else if (is_object) {
       v.object = &read_object(node, file, includes, depth, v);
       v.tag = v.object->tag;
     } else if (v.tag == "null") {
       return;
-    } else if (is_any_of(v.tag, {"integer", "float", "boolean", "string", "point", "vector", "rgb",
-                                 "srgb", "spectrum", "blackbody"})) {
+    } else if (is_one_of(v.tag,
+                         "integer float boolean string point vector rgb srgb spectrum blackbody")) {
       if (v.name.empty()) v.fail(fmt::format("a {} without a name", v.tag));
     } else {
       v.fail(fmt::format("the element <{}> is unknown", shown(v.tag, 40)));
@@ -225,7 +219,8 @@ class Parser {
 
   Object& read_object(const pugi::xml_node& node, const File& file, int includes, int depth,
                       const Value& v) {
-    out_.objects.push_back({v.tag == "spectrum" ? "texture" : v.tag, "", "", v.place, file.old});
+    out_.objects.push_back(
+        {&source_, v.tag == "spectrum" ? "texture" : v.tag, "", "", v.place, file.old});
     Object& object = out_.objects.back();
     object.key = v.contents;
     if (v.attributes.contains("type"))
@@ -237,7 +232,12 @@ class Parser {
       for (char& c : object.type)
         c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     read_children(node, file, includes, depth + 1, object);
-    if (object.type.empty() && object.tag == "bsdf") wrap(object);
+    // Some writers of Mitsuba 3 scenes leave the type of a twosided bsdf out.
+    if (object.type.empty() && object.tag == "bsdf") {
+      if (object.values.empty()) object.fail("the bsdf has no type");
+      object.lose("a bsdf without a type is taken as twosided");
+      object.type = "twosided";
+    }
     if (const auto it = v.attributes.find("id"); it != v.attributes.end()) {
       object.id = it->second.text;
       name_object(object.id, &object, v.place);
@@ -245,19 +245,13 @@ class Parser {
     return object;
   }
 
-  // Some writers of Mitsuba 3 scenes leave the type of a twosided bsdf out.
-  void wrap(Object& bsdf) {
-    if (bsdf.values.empty()) bsdf.fail("the bsdf has no type");
-    source_.lose(bsdf.place, "a bsdf without a type is taken as twosided");
-    bsdf.type = "twosided";
-  }
-
   Affine map_of(const pugi::xml_node& node, const File& file, const Key& holder) {
     Affine map;
     for (const pugi::xml_node& step : node.children()) {
       if (step.type() != pugi::node_element) continue;
       const Place place = file.place(step.offset_debug());
-      const auto m = step_of(step.name(), attributes_of(step, place, holder), place);
+      const auto m =
+          map_of_step({&source_, step.name(), "", place, attributes_of(step, place, holder)});
       if (!m)
         Source::fail(place, fmt::format("<{}> is no step of a transform", shown(step.name(), 40)));
       map = *m * map;
@@ -292,7 +286,7 @@ class Parser {
     for (const Object& object : out_.objects) height(object, 0);
   }
 
-  // Of the tree below an object; a cycle is a tree that is too high.
+  // The height of the tree below an object; a cycle is a tree that is too high.
   int height(const Object& object, int above) {
     if (above > kDeepest) object.fail("objects refer to each other too deeply, or in a circle");
     if (const auto it = heights_.find(&object); it != heights_.end()) return it->second;

@@ -1,13 +1,13 @@
-#include "tools/tdpt-import/tungsten/json.h"
+#include "tools/tdpt-import/tungsten/context.h"
 
 #include <fmt/format.h>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "libcommon/base/words.h"
 
 namespace tdpt::foreign::tungsten {
-
 namespace {
 
 std::string inside(const std::string& where, const std::string& key) {
@@ -43,6 +43,11 @@ std::optional<Node> Node::find(const char* key) const {
   if (it == json_->end()) return {};
   keys_->of_member.at(&*it).take();
   return Node(*it, *source_, *keys_, inside(where_, key));
+}
+
+Node Node::needed(const char* key) const {
+  if (const auto n = find(key)) return *n;
+  fail(fmt::format("has no \"{}\"", key));
 }
 
 Node Node::item(size_t index) const {
@@ -89,8 +94,9 @@ bool Node::flag(const char* key, bool otherwise) const {
   return n->json().get<bool>();
 }
 
-void Node::ignore(std::initializer_list<const char*> keys) const {
-  for (const char* key : keys) find(key);
+void Node::ignore(const char* keys) const {
+  std::istringstream words(keys);
+  for (std::string key; words >> key;) find(key.c_str());
 }
 
 void Node::ignore_all() const {
@@ -105,16 +111,10 @@ void orthonormalise(const Node& node, Vec3d& a, Vec3d& b, Vec3d& c) {
   if (!(dot(a, a) > 0)) node.fail("has an axis of length 0");
   a = normalize(a);
   b = b - a * dot(a, b);
-  if (dot(b, b) < 1e-5)
-    b = Onb<double>(a).x;
-  else
-    b = normalize(b);
+  b = dot(b, b) < 1e-5 ? Onb<double>(a).x : normalize(b);
   c = c - a * dot(a, c);
   c = c - b * dot(b, c);
-  if (dot(c, c) < 1e-5)
-    c = cross(a, b);
-  else
-    c = normalize(c);
+  c = dot(c, c) < 1e-5 ? cross(a, b) : normalize(c);
 }
 
 // About y, then x, then z of the turned frame; degrees. Radians are rounded as in Tungsten: the
@@ -142,7 +142,10 @@ Affine matrix_of(const Node& node) {
 
 }  // namespace
 
-Affine transform_of(const Node& node) {
+Affine transform_of(const Node& holder) {
+  const auto found = holder.find("transform");
+  if (!found) return {};
+  const Node& node = *found;
   if (node.is_array()) return matrix_of(node);
   if (!node.is_object()) node.fail("is neither an object nor a matrix");
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
@@ -166,14 +169,8 @@ Affine transform_of(const Node& node) {
     orthonormalise(node, x, z, y);
   else
     orthonormalise(node, y, z, x);
-  if (dot(cross(x, y), z) < 0) {
-    if (!has_x)
-      x = -x;
-    else if (!has_y)
-      y = -y;
-    else
-      z = -z;
-  }
+  Vec3d& free = !has_x ? x : !has_y ? y : z;
+  if (dot(cross(x, y), z) < 0) free = -free;
   const Vec3d scale = node.vector("scale", Vec3d(1));
   const Affine turn = rotation_of(node.vector("rotation", Vec3d(0)));
   return {turn.vector(x * scale.x), turn.vector(y * scale.y), turn.vector(z * scale.z), position};

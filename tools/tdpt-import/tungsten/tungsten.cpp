@@ -1,5 +1,3 @@
-#include "tools/tdpt-import/described.h"
-
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -10,8 +8,7 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/tungsten/json.h"
-#include "tools/tdpt-import/tungsten/surfaces.h"
+#include "tools/tdpt-import/tungsten/context.h"
 
 namespace tdpt::foreign::tungsten {
 namespace {
@@ -28,19 +25,12 @@ struct Placed {
   double more_area = 0;  // counts for the power of its light, though nothing shines there
 };
 
-using std::numbers::pi;
-
-Mesh with_flipped_v(Mesh mesh) {
-  flip_v(mesh);
-  return mesh;
-}
-
 Mesh ball() {
-  return with_flipped_v(sphere());
+  return flipped(sphere());
 }
 
 Mesh disk() {
-  return with_flipped_v(disc());
+  return flipped(disc());
 }
 
 std::array<float, 2> in_image(float u, float v) {  // of -1..1
@@ -56,7 +46,7 @@ Mesh box() {
   return mesh;
 }
 
-// Of diameter 1, from z = 0 to 1; caps are turned by half as the shape is [placed()].
+// A cylinder of diameter 1 from z = 0 to 1. Its caps are turned by half as the shape is [placed()].
 Mesh tube(bool is_capped) {
   Mesh mesh = cylinder();
   for (const float z : {1.0f, 0.0f}) {
@@ -125,114 +115,44 @@ double area_of(const Mesh& mesh, const Affine& to_world) {
   return sum;
 }
 
-// Of a lamp, which has one colour.
+// The light of a lamp, which has one colour.
 Rgb without_texture(const Node& node, const Colour& light) {
   if (light.texture) node.lose("the texture of a lamp's light is left out");
   return light.factor;
 }
 
-class Reader {
- public:
-  explicit Reader(Source& source) : source_(source) {}
-
-  Described read() {
-    if (nested_too_deep(source_.text()))
-      throw InputError(source_.path(), "", "is nested too deeply, expected a Tungsten scene");
-    try {
-      std::vector<std::set<std::string>> keys;  // of the objects that are open
-      json_ = Json::parse(source_.text(), [&](int depth, Json::parse_event_t event, Json& value) {
-        if (event == Json::parse_event_t::object_start) {
-          keys.resize(static_cast<size_t>(depth));
-          keys.emplace_back();
-        }
-        if (event != Json::parse_event_t::key) return true;
-        const auto key = value.get<std::string>();
-        const bool is_first = keys.at(static_cast<size_t>(depth) - 1).insert(key).second;
-        if (!is_first)  // only that counts
-          source_.lose({source_.path(), ""},
-                       "\"" + shown(key, 40) + "\" stands twice in one object");
-        return is_first;
-      });
-    } catch (const Json::exception& e) {
-      std::string why = e.what();
-      if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);
-      throw InputError(source_.path(), "", "is no JSON: " + shown(why, 160));
-    }
-    keys_.enter(json_, source_, "", "");
-    const Node root(json_, source_, keys_, "");
-    if (!root.is_object()) root.fail("is no Tungsten scene: expected an object");
-    const auto primitives = root.find("primitives");
-    if (!primitives || !primitives->is_array())
-      root.fail("is no Tungsten scene: expected an array \"primitives\"");
-    root.ignore({"name", "media"});  // lost where they are used
-    if (const auto renderer = root.find("renderer"))
-      renderer->ignore({"adaptive_sampling", "checkpoint_interval", "enable_resume_render",
-                        "hdr_output_file", "name", "output_buffers", "output_directory",
-                        "output_file", "overwrite_output_files", "resume_render_file", "scene_bvh",
-                        "spp", "spp_step", "stratified_sampler", "timeout",
-                        "variance_output_file"});  // files and samples
-    if (const auto integrator = root.find("integrator")) read_integrator(*integrator);
-    surfaces_.emplace(scene_, root.find("bsdfs"));
-    if (const auto camera = root.find("camera")) read_camera(*camera);
-    for (size_t i = 0; i < primitives->json().size(); ++i) read_primitive(primitives->item(i));
-    return std::move(scene_);
-  }
-
- private:
-  static void read_integrator(const Node& node);
-  void read_camera(const Node& node);
-  void read_primitive(const Node& node);
-  void read_sky(const Node& node, const Affine& map);
-  void read_sun(const Node& node, const Affine& map);
-  void read_point(const Node& node, const Affine& map);
-  void read_cone(const Node& node, const Colour& radiance, const Affine& to_world, double angle);
-  size_t mesh_of(const Node& node);
-  size_t made(Mesh (*make)());
-
-  // Radiance from "emission", or from "power" by its factor 1 / (pi area) and the like.
-  std::optional<Colour> emitted(const Node& node, double per_power) {
-    if (const auto power = node.find("power")) {
-      Colour c = surfaces_->colour(*power);
-      c.factor = c.factor * static_cast<float>(per_power);
-      node.ignore({"emission"});  // the power counts
-      return c;
-    }
-    if (const auto emission = node.find("emission")) return surfaces_->colour(*emission);
-    return {};
-  }
-
-  Source& source_;
-  Json json_;
-  Keys keys_;
-  Described scene_;
-  std::optional<Surfaces> surfaces_;
-  std::map<std::string, size_t> meshes_;
-  std::map<Mesh (*)(), size_t> made_;
-};
+// Radiance from "emission", or from "power" by its factor 1 / (pi area) and the like.
+std::optional<Colour> emitted(Context& in, const Node& node, double per_power) {
+  const auto power = node.find("power"), emission = node.find("emission");  // the power counts
+  if (!power && !emission) return {};
+  Colour c = colour(in, power ? *power : *emission);
+  if (power) c.factor = c.factor * static_cast<float>(per_power);
+  return c;
+}
 
 // What an integrator leaves out of the light.
-void Reader::read_integrator(const Node& node) {
+void read_integrator(const Node& node) {
   node.source().lose_longer_paths(node.place(), node.number("max_bounces", 64));
   if (node.number("min_bounces", 0) > 0) node.lose("light of few bounces (min_bounces) is kept");
   if (!node.flag("enable_two_sided_shading", true))
     node.lose("surfaces that are black on their back (enable_two_sided_shading) have two sides");
   if (!node.flag("include_surfaces", true) || !node.flag("low_order_scattering", true))
     node.lose("light that the integrator leaves out is kept");
-  node.ignore({"adaptive_sampling", "alpha", "bidirectional", "current_spp",
-               "enable_consistency_checks", "enable_light_sampling", "enable_volume_light_sampling",
-               "fixed_volume_radius", "gather_photon_count", "gather_radius", "gaussian_mutation",
-               "grid_memory", "image_pyramid", "initial_sample_pool", "iterations_per_batch",
-               "large_step_probability", "name", "photon_count"});  // how it samples
-  node.ignore({"stratified_sampler", "strategy_perturbation_probability", "type",
-               "use_frustum_grid", "use_grid", "volume_gather_radius", "volume_photon_count",
-               "volume_photon_type"});
+  node.ignore(
+      "adaptive_sampling alpha bidirectional current_spp enable_consistency_checks "
+      "enable_light_sampling enable_volume_light_sampling fixed_volume_radius "
+      "gather_photon_count gather_radius gaussian_mutation grid_memory image_pyramid "
+      "initial_sample_pool iterations_per_batch large_step_probability name "
+      "photon_count stratified_sampler strategy_perturbation_probability type "
+      "use_frustum_grid use_grid volume_gather_radius volume_photon_count "
+      "volume_photon_type");
 }
 
-void Reader::read_camera(const Node& node) {
+void read_camera(Context& in, const Node& node) {
   const std::string type = node.text("type", "pinhole");
   Camera c;
   c.name = "camera";
-  node.ignore({"tonemap", "reconstruction_filter", "name"});  // how the picture is written
+  node.ignore("tonemap reconstruction_filter name");  // how the picture is written
   if (node.find("medium")) node.lose(kMedia);
   double width = 1000, height = 563;
   if (const auto size = node.find("resolution")) {
@@ -249,8 +169,7 @@ void Reader::read_camera(const Node& node) {
   const double fov = node.number("fov", 60);
   if (!(fov > 0 && fov < 180)) node.fail(fmt::format("has a field of view of {} degrees", fov));
   c.yfov = 2 * std::atan(std::tan(fov * pi / 360) * height / width);  // fov is horizontal
-  Affine map;
-  if (const auto transform = node.find("transform")) map = transform_of(*transform);
+  const Affine map = transform_of(node);
   for (const Vec3d& axis : {map.x, map.y, map.z})
     if (!(dot(axis, axis) > 0)) node.fail("has a transform with an axis of length 0");
   c.to_world = {-normalize(map.x), normalize(map.y), -normalize(map.z), map.t};
@@ -264,29 +183,27 @@ void Reader::read_camera(const Node& node) {
     }
   } else if (type != "pinhole") {
     node.lose(fmt::format("the camera of type \"{}\" becomes a pinhole camera", shown(type, 40)));
-    return scene_.cameras.push_back(c);
   }
-  scene_.cameras.push_back(c);
+  in.scene.cameras.push_back(c);
 }
 
-size_t Reader::made(Mesh (*make)()) {
-  const auto [it, is_new] = made_.try_emplace(make, scene_.meshes.size());
-  if (is_new) scene_.meshes.push_back(make());
+size_t made_mesh(Context& in, Mesh (*make)()) {
+  const auto [it, is_new] = in.made_meshes.try_emplace(make, in.scene.meshes.size());
+  if (is_new) in.scene.meshes.push_back(make());
   return it->second;
 }
 
-size_t Reader::mesh_of(const Node& node) {
-  const auto file = node.find("file");
-  if (!file) node.fail("has no \"file\"");
-  const std::string name = file->text();
+size_t mesh_of(Context& in, const Node& node) {
+  const Node file = node.needed("file");
+  const std::string name = file.text();
   const bool smoothed = node.flag("smooth", false), again = node.flag("recompute_normals", false);
   if (node.flag("backface_culling", false))
     node.lose("triangles that are not seen from behind (backface_culling) are seen");
   const auto key = fmt::format("{}\n{}{}", name, smoothed, again);
-  const auto it = meshes_.find(key);
-  if (it != meshes_.end()) return it->second;
-  const auto bytes = source_.read_mesh(name, file->place());
-  const std::string shown_as = source_.shown_name(name);
+  const auto it = in.meshes.find(key);
+  if (it != in.meshes.end()) return it->second;
+  const auto bytes = node.source().read_mesh(name, file.place());
+  const std::string shown_as = node.source().shown_name(name);
   Mesh mesh = !bytes                   ? Mesh{}
               : name.ends_with(".wo3") ? read_wo3(*bytes, shown_as)
                                        : read_obj(*bytes, shown_as);
@@ -294,54 +211,13 @@ size_t Reader::mesh_of(const Node& node) {
     mesh.normals.clear();
   else if (again || mesh.normals.empty())
     smooth(mesh);
-  scene_.meshes.push_back(std::move(mesh));
-  return meshes_[key] = scene_.meshes.size() - 1;
-}
-
-void Reader::read_primitive(const Node& node) {
-  if (!node.is_object()) node.fail("is no object");
-  const std::string type = node.text("type", "");
-  Affine map;
-  if (const auto transform = node.find("transform")) map = transform_of(*transform);
-  node.ignore({"name", "bump_strength"});  // Tungsten itself does not read bump_strength
-  for (const char* side : {"int_medium", "ext_medium"})
-    if (node.find(side)) node.lose(kMedia);
-
-  if (type == "infinite_sphere") return read_sky(node, map);
-  if (type == "infinite_sphere_cap") return read_sun(node, map);
-  if (type == "point") return read_point(node, map);
-
-  Shape shape;
-  shape.name = node.text("name", "");
-  const std::optional<Placed> solid = placed(node, type, map);
-  if (!solid && type != "mesh") {
-    node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
-    return node.ignore_all();
-  }
-  shape.mesh = solid ? made(solid->mesh) : mesh_of(node);
-  shape.to_world = solid ? solid->to_world : map;
-  if (scene_.meshes[shape.mesh].triangles.empty()) return node.ignore_all();
-  // Tungsten takes the front of triangles and quads after they are placed.
-  shape.turned = (type == "mesh" || type == "quad") && map.mirrors();
-  shape.material = surfaces_->material(node.find("bsdf"));
-  if (node.find("emission") || node.find("power")) {
-    const double area =
-        area_of(scene_.meshes[shape.mesh], shape.to_world) + (solid ? solid->more_area : 0);
-    const auto radiance = emitted(node, area > 0 ? 1 / (pi * area) : 0);
-    const double cone = type == "disk" ? node.number("cone_angle", 90) : 90;
-    if (cone > 90) node.lose("a cone_angle above 90 becomes 90");
-    if (cone < 90)
-      read_cone(node, *radiance, shape.to_world, cone * pi / 180);
-    else
-      shape.emission = Emission{*radiance, false};
-  }
-  if (type == "disk") node.ignore({"cone_angle"});  // of its light
-  scene_.shapes.push_back(std::move(shape));
+  in.scene.meshes.push_back(std::move(mesh));
+  return in.meshes[key] = in.scene.meshes.size() - 1;
 }
 
 // A disk that shines within a cone about its normal.
-void Reader::read_cone(const Node& node, const Colour& radiance, const Affine& to_world,
-                       double angle) {
+void read_cone(Context& in, const Node& node, const Colour& radiance, const Affine& to_world,
+               double angle) {
   if (!(angle >= 0)) node.fail("has a cone_angle below 0");
   if (angle == 0) return;  // shines nowhere
   node.lose("a disk that shines within a cone (cone_angle) becomes a spot of the same power");
@@ -356,14 +232,14 @@ void Reader::read_cone(const Node& node, const Colour& radiance, const Affine& t
   const double s = std::sin(angle), mean = s * s / (2 * (1 - std::cos(angle)));
   spot.intensity = without_texture(node, radiance) * static_cast<float>(pi * r * r * mean);
   if (!is_finite(spot.intensity)) node.fail("is too large or too bright");
-  scene_.lamps.push_back(spot);
+  in.scene.lamps.push_back(spot);
 }
 
-void Reader::read_sky(const Node& node, const Affine& map) {
-  const auto radiance = emitted(node, 1 / (4 * pi));
-  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
+void read_sky(Context& in, const Node& node, const Affine& map) {
+  const auto radiance = emitted(in, node, 1 / (4 * pi));
+  node.ignore("sample bsdf");  // how it is sampled; of no surface
   if (!radiance) return;
-  if (scene_.sky) return node.lose("of several skies the first is taken");
+  if (in.scene.sky) return node.lose("of several skies the first is taken");
   Sky sky;
   sky.colour = radiance->factor;
   if (radiance->texture) {
@@ -371,14 +247,14 @@ void Reader::read_sky(const Node& node, const Affine& map) {
     sky.srgb = radiance->texture->srgb;
   }
   sky.to_map = kToMap * rotation_in(map, node).transposed();
-  scene_.sky = sky;
+  in.scene.sky = sky;
 }
 
-void Reader::read_sun(const Node& node, const Affine& map) {
+void read_sun(Context& in, const Node& node, const Affine& map) {
   const double angle = node.number("cap_angle", 10) * pi / 180;
   if (!(angle > 0 && angle <= pi / 2)) node.fail("has a cap_angle that is not within 0 to 90");
-  const auto radiance = emitted(node, 1 / (2 * pi * (1 - std::cos(angle))));
-  node.ignore({"sample", "bsdf"});  // how it is sampled; of no surface
+  const auto radiance = emitted(in, node, 1 / (2 * pi * (1 - std::cos(angle))));
+  node.ignore("sample bsdf");  // how it is sampled; of no surface
   if (node.find("skydome"))
     node.lose("a sun takes its direction from its own transform, not from a skydome");
   if (!radiance) return;
@@ -391,18 +267,83 @@ void Reader::read_sun(const Node& node, const Affine& map) {
   sun.name = node.text("name", "sun");
   sun.towards = -map.y;
   sun.intensity = without_texture(node, *radiance) * static_cast<float>(pi * s * s);
-  scene_.lamps.push_back(sun);
+  in.scene.lamps.push_back(sun);
 }
 
-void Reader::read_point(const Node& node, const Affine& map) {
-  const auto intensity = emitted(node, 1 / (4 * pi));
-  node.ignore({"bsdf"});  // of no surface
+void read_point(Context& in, const Node& node, const Affine& map) {
+  const auto intensity = emitted(in, node, 1 / (4 * pi));
+  node.ignore("bsdf");  // of no surface
   if (!intensity) return;
   Lamp lamp;
   lamp.name = node.text("name", "point");
   lamp.at = map.t;
   lamp.intensity = intensity->factor;
-  scene_.lamps.push_back(lamp);
+  in.scene.lamps.push_back(lamp);
+}
+
+void read_primitive(Context& in, const Node& node) {
+  if (!node.is_object()) node.fail("is no object");
+  const std::string type = node.text("type", "");
+  const Affine map = transform_of(node);
+  node.ignore("name bump_strength");  // Tungsten itself does not read bump_strength
+  for (const char* side : {"int_medium", "ext_medium"})
+    if (node.find(side)) node.lose(kMedia);
+
+  if (type == "infinite_sphere") return read_sky(in, node, map);
+  if (type == "infinite_sphere_cap") return read_sun(in, node, map);
+  if (type == "point") return read_point(in, node, map);
+
+  Shape shape;
+  shape.name = node.text("name", "");
+  const std::optional<Placed> solid = placed(node, type, map);
+  if (!solid && type != "mesh") {
+    node.lose(fmt::format("primitives of type \"{}\" are not read and left out", shown(type, 40)));
+    return node.ignore_all();
+  }
+  shape.mesh = solid ? made_mesh(in, solid->mesh) : mesh_of(in, node);
+  shape.to_world = solid ? solid->to_world : map;
+  if (in.scene.meshes[shape.mesh].triangles.empty()) return node.ignore_all();
+  // Tungsten takes the front of triangles and quads after they are placed.
+  shape.turned = (type == "mesh" || type == "quad") && map.mirrors();
+  shape.material = material(in, node.find("bsdf"));
+  if (node.find("emission") || node.find("power")) {
+    const double area =
+        area_of(in.scene.meshes[shape.mesh], shape.to_world) + (solid ? solid->more_area : 0);
+    const auto radiance = emitted(in, node, area > 0 ? 1 / (pi * area) : 0);
+    const double cone = type == "disk" ? node.number("cone_angle", 90) : 90;
+    if (cone > 90) node.lose("a cone_angle above 90 becomes 90");
+    if (cone < 90)
+      read_cone(in, node, *radiance, shape.to_world, cone * pi / 180);
+    else
+      shape.emission = Emission{*radiance, false};
+  }
+  if (type == "disk") node.ignore("cone_angle");  // of its light
+  in.scene.shapes.push_back(std::move(shape));
+}
+
+// Parses the scene's JSON. Of two values of a key the first counts.
+Json parsed(Source& source) {
+  if (nested_too_deep(source.text()))
+    throw InputError(source.path(), "", "is nested too deeply, expected a Tungsten scene");
+  try {
+    std::vector<std::set<std::string>> keys;  // of the objects that are open
+    return Json::parse(source.text(), [&](int depth, Json::parse_event_t event, Json& value) {
+      if (event == Json::parse_event_t::object_start) {
+        keys.resize(static_cast<size_t>(depth));
+        keys.emplace_back();
+      }
+      if (event != Json::parse_event_t::key) return true;
+      const auto key = value.get<std::string>();
+      const bool is_first = keys.at(static_cast<size_t>(depth) - 1).insert(key).second;
+      if (!is_first)
+        source.lose({source.path(), ""}, "\"" + shown(key, 40) + "\" stands twice in one object");
+      return is_first;
+    });
+  } catch (const Json::exception& e) {
+    std::string why = e.what();
+    if (const size_t colon = why.find("at line"); colon != why.npos) why = why.substr(colon);
+    throw InputError(source.path(), "", "is no JSON: " + shown(why, 160));
+  }
 }
 
 }  // namespace
@@ -411,7 +352,28 @@ void Reader::read_point(const Node& node, const Affine& map) {
 namespace tdpt::foreign {
 
 Described read_tungsten(Source& source) {
-  return tungsten::Reader(source).read();
+  using namespace tungsten;
+  const Json json = parsed(source);
+  Keys keys;
+  keys.enter(json, source, "", "");
+  const Node root(json, source, keys, "");
+  if (!root.is_object()) root.fail("is no Tungsten scene: expected an object");
+  const auto primitives = root.find("primitives");
+  if (!primitives || !primitives->is_array())
+    root.fail("is no Tungsten scene: expected an array \"primitives\"");
+  root.ignore("name media");  // lost where they are used
+  if (const auto renderer = root.find("renderer"))
+    renderer->ignore(  // files and samples
+        "adaptive_sampling checkpoint_interval enable_resume_render hdr_output_file name "
+        "output_buffers output_directory output_file overwrite_output_files resume_render_file "
+        "scene_bvh spp spp_step stratified_sampler timeout variance_output_file");
+  if (const auto integrator = root.find("integrator")) read_integrator(*integrator);
+  Described scene;
+  Context in{scene};
+  if (const auto bsdfs = root.find("bsdfs")) name_surfaces(in, *bsdfs);
+  if (const auto camera = root.find("camera")) read_camera(in, *camera);
+  for (size_t i = 0; i < primitives->json().size(); ++i) read_primitive(in, primitives->item(i));
+  return scene;
 }
 
 }  // namespace tdpt::foreign

@@ -1,7 +1,7 @@
-// Checked access to JSON: every error is told with its place, every key that is read is taken.
-// Internal to this room.
+// What the parts of Tungsten's reader share: checked access to JSON, where every error names its
+// place and every key that is read is taken, and the scene that they fill in.
 #pragma once
-#include <initializer_list>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -35,6 +35,8 @@ class Node {
 
   /// The member of an object; empty if there is none.
   std::optional<Node> find(const char* key) const;
+  /// A member that must be there.
+  Node needed(const char* key) const;
   Node item(size_t index) const;
   bool is_string() const { return json_->is_string(); }
   bool is_object() const { return json_->is_object(); }
@@ -50,8 +52,9 @@ class Node {
   std::string text(const char* key, const std::string& otherwise) const;
   bool flag(const char* key, bool otherwise) const;
 
-  /// Takes keys that do not change the picture, or whose loss is named otherwise.
-  void ignore(std::initializer_list<const char*> keys) const;
+  /// Takes keys that do not change the picture, or whose loss is named otherwise. They are
+  /// separated by spaces.
+  void ignore(const char* keys) const;
   void ignore_all() const;
 
  private:
@@ -61,7 +64,21 @@ class Node {
   std::string where_;
 };
 
-/// The map that a "transform" describes.
+/// The map of a node's "transform"; the identity without one.
 Affine transform_of(const Node& node);
+
+struct Context {
+  Described& scene;
+  std::map<std::string, Node> named_surfaces{};
+  std::map<std::string, size_t> materials{}, images{}, meshes{};
+  std::map<Mesh (*)(), size_t> made_meshes{};
+};
+
+/// Enters the surfaces of a scene by their names.
+void name_surfaces(Context& in, const Node& bsdfs);
+/// Index of the material that a "bsdf" means: by name, or on the spot.
+size_t material(Context& in, const std::optional<Node>& bsdf);
+/// A constant, a file's name or a texture.
+Colour colour(Context& in, const Node& node);
 
 }  // namespace tdpt::foreign::tungsten
