@@ -110,8 +110,8 @@ class PortalReader {
           if (share.is_number()) portal.cameras[camera] = share.get<double>();
       }
     for (size_t p = 0; p < mesh.primitives.size(); ++p)
-      add_primitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", m, p),
-                    n.to_world(), portal);
+      add_primitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", m, p), n.to_world,
+                    portal);
     if (portal.triangles.empty()) d_.fail(place("nodes", n.node), "has no triangle with an area");
     file.portals.push_back(std::move(portal));
   }

@@ -58,22 +58,16 @@ void check_meshes(Checker& c, Json& root) {
     check_weights(c, m, at);
     c.each(m, at, "primitives", [&](Json& p, const std::string& here) {
       c.check(p, here, {integer("mode", false, 0, 6)});
-      if (p.value("mode", 4) >= 4) return check_primitive(c, root, p, here);
-      c.tolerate([&] { check_primitive(c, root, p, here); });
-      p = {{"attributes", Json::object()}, {"mode", p["mode"]}};  // points, lines: not rendered
+      check_primitive(c, root, p, here);
+      if (p.value("mode", 4) < 4)
+        p = {{"attributes", Json::object()}, {"mode", p["mode"]}};  // points, lines: not rendered
     });
   });
 }
 
-/// Removes accessors of meshes that are not rendered, since they may be wrong.
-void empty_unused_meshes(Checker& c, Json& root) {
-  for (size_t i = 0; i < c.size_of("meshes"); ++i)
-    if (!c.uses.has("meshes", i)) root["meshes"][i] = harmless("meshes");
-}
-
 void check_camera(Checker& c, Json& camera, const std::string& at) {
   c.check(camera, at,
-          {name_of("name"), text("type", true), object("perspective"), object("orthographic")});
+          {text("name"), text("type", true), object("perspective"), object("orthographic")});
   const auto type = camera["type"].get<std::string>();
   if (type == "orthographic") {
     // Ignored with a warning; tinygltf requires these fields.
@@ -93,23 +87,9 @@ void check_camera(Checker& c, Json& camera, const std::string& at) {
   p.erase("zfar");
 }
 
-/// Errors of cameras that nodes of the scene hold. The cameras keep their names.
-CameraFaults check_cameras(Checker& c, Json& root) {
-  CameraFaults faults;
-  int i = -1;
-  c.each(root, "", "cameras", [&](Json& camera, const std::string& at) {
-    ++i;
-    try {
-      check_camera(c, camera, at);
-    } catch (const InputError& e) {
-      if (!c.uses.has("cameras", static_cast<size_t>(i))) throw;
-      faults[i] = std::make_shared<const InputError>(e);
-      const Json name = camera.value("name", Json(""));
-      camera = harmless("cameras");
-      if (name.is_string()) camera["name"] = name;
-    }
-  });
-  return faults;
+void check_cameras(Checker& c, Json& root) {
+  c.each(root, "", "cameras",
+         [&](Json& camera, const std::string& at) { check_camera(c, camera, at); });
 }
 
 void check_version(Checker& c, Json& root) {
@@ -128,27 +108,23 @@ void check_frame(Checker& c, Json& root) {
            objects("nodes"), objects("scenes"), objects("cameras"), objects("materials"),
            objects("textures"), objects("images"), objects("samplers"), objects("skins"),
            objects("animations"), index("scene", "scenes")});
+  for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies", "EXT_lights_area"})
+    c.check_extension(root, "", name, {objects("lights")});
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     if (root.contains(list)) {
       if (!root[list].is_array()) c.fail(list, root[list], "an array");
       for (size_t i = 0; i < root[list].size(); ++i)
         if (!root[list][i].is_string()) c.fail(place(list, i), root[list][i], "a string");
     }
-  for (const char* section :
-       {"scenes", "nodes", "meshes", "skins", "cameras", "materials", "textures", "images",
-        "samplers", "accessors", "bufferViews", "buffers"})
-    c.uses.count(section, c.size_of(section));
 }
 
 void check_buffers(Checker& c, Json& root) {
-  mark_views(c.uses, root);
   c.each(root, "", "bufferViews", [&](Json& v, const std::string& at) {
     c.check(v, at,
             {index("buffer", "buffers", true), integer("byteOffset"),
              integer("byteLength", true, 1), integer("byteStride", false, 4, 252)});
     check_meshopt_view(c, v, at);
   });
-  mark_buffers(c.uses, root);
   c.each(root, "", "buffers", [&](Json& b, const std::string& at) {
     c.check(b, at, {integer("byteLength", true, 1), text("uri")});
     check_meshopt_buffer(c, b, at);
@@ -157,25 +133,29 @@ void check_buffers(Checker& c, Json& root) {
 
 }  // namespace
 
-Checked check_json(Json& root, const std::string& file,
-                   const std::vector<std::string>& animations) {
+std::vector<std::string> check_json(Json& root, const std::string& file,
+                                    const std::vector<std::string>& animations) {
   Checker c(root, file);
   check_frame(c, root);
-  count_lights(c, root);
   check_nodes(c, root);
   check_lights(c, root);
   check_skins(c, root);
-  check_nodes_outside(c, root);
   check_meshes(c, root);
-  empty_unused_meshes(c, root);
-  const CameraFaults cameras = check_cameras(c, root);
-  mark_parts_of_meshes(c.uses, root);
+  check_cameras(c, root);
   check_materials(c, root);
   check_textures(c, root);
   check_animations(c, root, animations);
   check_accessors(c, root);
   check_buffers(c, root);
-  return {c.warnings(), c.uses.of("buffers"), cameras};
+  return c.notes();
+}
+
+/// What the scene reads of a primitive or a morph target.
+bool is_read_attribute(const std::string& name) {
+  constexpr std::array kRead = {"POSITION",   "NORMAL",     "TANGENT",
+                                "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+  return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+         std::find(kRead.begin(), kRead.end(), name) != kRead.end();
 }
 
 namespace {

@@ -7,17 +7,12 @@
 namespace tdpt::gltf {
 namespace {
 
-using Textures = std::vector<size_t>;
-
-/// Adds the texture that it refers to to `seen`.
-void check_texture(Checker& c, Json& parent, const std::string& at, const char* name,
-                   Textures& seen) {
+void check_texture(Checker& c, Json& parent, const std::string& at, const char* name) {
   c.check(parent, at, {object(name)});
   if (!parent.contains(name)) return;
   Json& t = parent[name];
   const std::string here = at + "." + name;
   c.check(t, here, {index("index", "textures", true), integer("texCoord"), number("scale")});
-  seen.push_back(t["index"].get<size_t>());
   c.check_extension(
       t, here, "KHR_texture_transform",
       {numbers("offset", 2), number("rotation"), numbers("scale", 2), integer("texCoord")});
@@ -32,7 +27,7 @@ void check_one_of(Checker& c, Json& parent, const std::string& at, const char* n
   c.fail(at + "." + name, parent[name], expected);
 }
 
-void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Textures& seen) {
+void check_extensions_of_material(Checker& c, Json& e, const std::string& at) {
   for (const auto& [name, value] : e.items())
     if (!value.is_object()) c.fail(at + "." + name.substr(0, 60), value, "an object");
   const auto check = [&](const char* name, std::initializer_list<Field> fields,
@@ -40,7 +35,7 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Te
     if (!e.contains(name)) return;
     const std::string here = at + "." + name;
     c.check(e[name], here, fields);
-    for (const char* texture : textures) check_texture(c, e[name], here, texture, seen);
+    for (const char* texture : textures) check_texture(c, e[name], here, texture);
   };
   check("KHR_materials_emissive_strength", {number("emissiveStrength", false, 0)});
   check("KHR_materials_specular",
@@ -59,14 +54,11 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Te
   check("KHR_materials_sheen",
         {numbers("sheenColorFactor", 3, 0), number("sheenRoughnessFactor", false, 0, 1)},
         {"sheenColorTexture", "sheenRoughnessTexture"});
-  const auto check_left_out = [&](const char* name, const Field& field) {
-    if (!c.tolerate([&] { check(name, {field}); })) e.erase(name);
-  };
-  check_left_out("KHR_materials_iridescence", number("iridescenceFactor"));
-  check_left_out("KHR_materials_anisotropy", number("anisotropyStrength"));
-  check_left_out("KHR_materials_dispersion", number("dispersion"));
-  check_left_out("KHR_materials_diffuse_transmission", number("diffuseTransmissionFactor"));
-  check_left_out("KHR_materials_volume_scatter", numbers("multiscatterColor", 3));
+  check("KHR_materials_iridescence", {number("iridescenceFactor")});
+  check("KHR_materials_anisotropy", {number("anisotropyStrength")});
+  check("KHR_materials_dispersion", {number("dispersion")});
+  check("KHR_materials_diffuse_transmission", {number("diffuseTransmissionFactor")});
+  check("KHR_materials_volume_scatter", {numbers("multiscatterColor", 3)});
   check("KHR_materials_volume",
         {number("thicknessFactor", false, 0), number("attenuationDistance", false, 0),
          numbers("attenuationColor", 3, 0, 1)});
@@ -85,13 +77,10 @@ void check_extensions_of_material(Checker& c, Json& e, const std::string& at, Te
 }
 
 void check_alpha(Checker& c, Json& m, const std::string& at) {
-  c.check(m, at, {text("alphaMode")});
+  c.check(m, at, {text("alphaMode"), number("alphaCutoff", false, 0)});
   const auto mode = m.value("alphaMode", "OPAQUE");
   if (mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
     c.fail(at + ".alphaMode", m["alphaMode"], "OPAQUE, MASK or BLEND");
-  const auto check_cutoff = [&] { c.check(m, at, {number("alphaCutoff", false, 0)}); };
-  if (mode == "MASK") return check_cutoff();
-  if (!c.tolerate(check_cutoff)) m.erase("alphaCutoff");
 }
 
 // A complex index of refraction in the extras: both parts or neither.
@@ -106,38 +95,31 @@ void check_conductor(Checker& c, Json& m, const std::string& at) {
   c.check(extras, here, {numbers("tdpt_eta", 3, 1e-3, 1e3), numbers("tdpt_k", 3, 0, 1e3)});
 }
 
-Textures check_material(Checker& c, Json& m, const std::string& at) {
-  Textures seen;
+void check_material(Checker& c, Json& m, const std::string& at) {
   c.check(m, at,
-          {name_of("name"), numbers("emissiveFactor", 3, 0), boolean("doubleSided"),
+          {text("name"), numbers("emissiveFactor", 3, 0), boolean("doubleSided"),
            object("pbrMetallicRoughness"), object("extensions")});
   check_alpha(c, m, at);
   check_conductor(c, m, at);
-  check_texture(c, m, at, "emissiveTexture", seen);
-  check_texture(c, m, at, "normalTexture", seen);
+  check_texture(c, m, at, "emissiveTexture");
+  check_texture(c, m, at, "normalTexture");
   if (m.contains("pbrMetallicRoughness")) {
     Json& pbr = m["pbrMetallicRoughness"];
     const std::string here = at + ".pbrMetallicRoughness";
     c.check(pbr, here,
             {numbers("baseColorFactor", 4, 0), number("metallicFactor", false, 0, 1),
              number("roughnessFactor", false, 0, 1)});
-    check_texture(c, pbr, here, "baseColorTexture", seen);
-    check_texture(c, pbr, here, "metallicRoughnessTexture", seen);
+    check_texture(c, pbr, here, "baseColorTexture");
+    check_texture(c, pbr, here, "metallicRoughnessTexture");
   }
   if (m.contains("extensions"))
-    check_extensions_of_material(c, m["extensions"], at + ".extensions", seen);
-  return seen;
+    check_extensions_of_material(c, m["extensions"], at + ".extensions");
 }
 
 }  // namespace
 
 void check_materials(Checker& c, Json& root) {
-  size_t i = 0;
-  c.each(root, "", "materials", [&](Json& m, const std::string& at) {
-    const bool used = c.uses.has("materials", i++);
-    for (const size_t texture : check_material(c, m, at))
-      if (used) c.uses.mark("textures", texture);
-  });
+  c.each(root, "", "materials", [&](Json& m, const std::string& at) { check_material(c, m, at); });
 }
 
 void check_textures(Checker& c, Json& root) {
@@ -146,7 +128,6 @@ void check_textures(Checker& c, Json& root) {
     for (const char* name : kTextureFormats)
       c.check_extension(t, at, name, {index("source", "images")});
   });
-  mark_parts_of_textures(c.uses, root);
   c.each(root, "", "images", [&](Json& i, const std::string& at) {
     c.check(i, at, {text("uri"), index("bufferView", "bufferViews")});
   });

@@ -12,38 +12,12 @@
 
 namespace tdpt::gltf {
 
-// Tracks which elements of a file's sections the picture depends on. Internal to this room and to
-// the files that check.
-
-class Uses {
- public:
-  /// Starts tracking the elements of this section; all are unused at first.
-  void count(const std::string& section, size_t size) { used_[section].resize(size); }
-  /// False if it was marked already, or does not exist.
-  bool mark(const std::string& section, size_t index);
-  /// Every element of a section that is not tracked counts as used.
-  bool has(const std::string& section, size_t index) const;
-  const std::vector<bool>& of(const std::string& section) { return used_[section]; }
-
- private:
-  std::map<std::string, std::vector<bool>> used_;
-};
-
 /// Whether this attribute of a primitive or morph target is read at all.
 bool is_read_attribute(const std::string& name);
 
-/// The replacement for a wrong, unused element of a section.
-nlohmann::json harmless(const std::string& section);
-
-/// Marks what meshes refer to in other sections. Meshes must have been checked.
-void mark_parts_of_meshes(Uses& uses, const nlohmann::json& root);
-void mark_parts_of_textures(Uses& uses, const nlohmann::json& root);
-void mark_views(Uses& uses, const nlohmann::json& root);
-void mark_buffers(Uses& uses, const nlohmann::json& root);
-
 using Json = nlohmann::json;
 
-enum class Kind { integer, index, indices, number, numbers, text, name, boolean, object, objects };
+enum class Kind { integer, index, indices, number, numbers, text, boolean, object, objects };
 
 struct Field {
   const char* name;
@@ -76,10 +50,6 @@ constexpr Field numbers(const char* name, size_t count, double low = -kAny, doub
 constexpr Field text(const char* name, bool required = false) {
   return {name, Kind::text, required};
 }
-/// A string that pictures do not depend on.
-constexpr Field name_of(const char* name) {
-  return {name, Kind::name};
-}
 constexpr Field boolean(const char* name) {
   return {name, Kind::boolean};
 }
@@ -100,8 +70,6 @@ inline std::string brief(const Json& value) {
 class Checker {
  public:
   Checker(Json& root, const std::string& file) : root_(root), file_(file) {}
-
-  Uses uses;  ///< filled in during the checks, from the scene's nodes to its buffers
 
   void check(Json& value, const std::string& where, std::initializer_list<Field> fields) {
     if (!value.is_object()) fail(where, value, "an object");
@@ -133,54 +101,19 @@ class Checker {
     return it == root_.end() ? 0 : it->size();
   }
 
-  /// Calls `visit(element, place)` for each object of a section. An element that nothing in the
-  /// scene uses may be wrong: it is replaced by a harmless one, with a warning.
+  /// Calls `visit(element, place)` for each object of a list.
   template <class Visit>
   void each(Json& parent, const std::string& where, const char* name, const Visit& visit) {
-    each(parent, where, name, name, visit);
-  }
-  /// Of a list whose uses are tracked as `section`.
-  template <class Visit>
-  void each(Json& parent, const std::string& where, const char* name, const char* section,
-            const Visit& visit) {
     const auto it = parent.find(name);
     if (it == parent.end()) return;
     const std::string at = where.empty() ? name : where + "." + name;
-    for (size_t i = 0; i < it->size(); ++i) {
-      try {
-        visit((*it)[i], place(at.c_str(), i));
-      } catch (const InputError& e) {
-        if (uses.has(section, i)) throw;
-        (*it)[i] = harmless(section);
-        note_unused(e);
-      }
-    }
-  }
-
-  /// Runs a check of something that cannot change the picture. If it fails, adds a warning and
-  /// returns false: the caller then leaves the thing out.
-  template <class Check>
-  bool tolerate(const Check& run) {
-    try {
-      run();
-      return true;
-    } catch (const InputError& e) {
-      note_unused(e);
-      return false;
-    }
+    for (size_t i = 0; i < it->size(); ++i) visit((*it)[i], place(at.c_str(), i));
   }
 
   void note(const std::string& warning) { notes_.push_back(warning); }
 
-  /// Errors that cannot change the picture.
-  std::vector<std::string> warnings() const {
-    std::vector<std::string> out = notes_;
-    if (misnamed_ > 0)
-      out.push_back(fmt::format("{} {} not made of text, and left out", misnamed_,
-                                misnamed_ == 1 ? "name is" : "names are"));
-    if (unused_faults_ > 0) out.push_back(unused_sentence(file_, first_unused_, unused_faults_));
-    return out;
-  }
+  /// Sentences about what changes no picture.
+  const std::vector<std::string>& notes() const { return notes_; }
 
   [[noreturn]] void fail_missing(const std::string& where, const std::string& why) const {
     throw InputError(file_, where, "is missing, " + why);
@@ -194,10 +127,6 @@ class Checker {
   }
 
  private:
-  void note_unused(const InputError& fault) {
-    if (++unused_faults_ == 1) first_unused_ = fault.what();
-  }
-
   void check_field(Json& v, const std::string& at, const Field& f) {
     switch (f.kind) {
       case Kind::integer:
@@ -217,9 +146,6 @@ class Checker {
         return;
       case Kind::text:
         if (!v.is_string()) fail(at, v, "a string");
-        return;
-      case Kind::name:
-        if (!v.is_string()) v = "", ++misnamed_;
         return;
       case Kind::boolean:
         if (!v.is_boolean()) fail(at, v, "true or false");
@@ -266,8 +192,6 @@ class Checker {
   Json& root_;
   const std::string& file_;
   std::vector<std::string> notes_;
-  std::string first_unused_;
-  size_t unused_faults_ = 0, misnamed_ = 0;
 };
 
 /// Extensions that compress a primitive, a buffer or a bufferView.
@@ -278,17 +202,12 @@ void check_meshopt_view(Checker& checker, Json& view, const std::string& place);
 void check_materials(Checker& checker, Json& root);
 void check_textures(Checker& checker, Json& root);
 
-/// Lights: their number, each of them, and the extensions of nodes that hold one.
-void count_lights(Checker& checker, Json& root);
+/// Lights, and the extensions of nodes that hold one.
 void check_lights(Checker& checker, Json& root);
-void check_light_of_node(Checker& checker, Json& node, const std::string& place);
-void mark_light_of_node(Uses& uses, const Json& node);
-/// For a node with extensions.
-void leave_out_light(Json& node);
+void check_light_of_node(Checker& checker, const Json& root, Json& node, const std::string& place);
 
 /// Skins, and extensions of nodes.
 void check_skins(Checker& checker, Json& root);
-void check_node_extensions(Checker& checker, Json& node, const std::string& place);
 /// Weights of morph targets, of a node or a mesh.
 void check_weights(Checker& checker, Json& owner, const std::string& place);
 /// Keeps only the first channel that moves a given property of a node in the scene.
@@ -298,10 +217,7 @@ void check_attributes(Checker& checker, Json& attributes, const std::string& pla
 /// Morph targets of a primitive.
 void check_targets(Checker& checker, Json& primitive, const std::string& place);
 
-/// Finds and checks the nodes of the scene, and marks what they hold as used unless they are
-/// hidden.
+/// Scenes and nodes.
 void check_nodes(Checker& checker, Json& root);
-/// The other nodes, which matter if joints are among them. Call after check_skins().
-void check_nodes_outside(Checker& checker, Json& root);
 
 }  // namespace tdpt::gltf

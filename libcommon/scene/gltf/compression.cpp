@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <map>
-#include <set>
 #include <tuple>
 
 #include "libcommon/base/file.h"
-#include "libcommon/scene/gltf/nodes.h"
 
 namespace tdpt::gltf {
 namespace {
@@ -34,20 +32,14 @@ class Decoder {
   }
 
   void run() {
-    std::set<size_t> meshes;
-    std::vector<std::string> known;  // already reported when the nodes were placed
-    for (const PlacedNode& n : place_nodes(d_, known))
-      if (const int mesh = d_.model.nodes[n.node].mesh; n.visible && mesh >= 0)
-        meshes.insert(static_cast<size_t>(mesh));
-    for (const size_t mesh : meshes)
+    for (size_t mesh = 0; mesh < d_.model.meshes.size(); ++mesh)
       for (size_t k = 0; k < d_.model.meshes[mesh].primitives.size(); ++k) collect(mesh, k);
-    if (jobs_.empty()) return;
-    std::vector<DracoRequest> requests;
-    for (const Job& job : jobs_) requests.push_back(job.request);
-    std::string fault;
-    std::vector<DracoMesh> decoded = decode_draco(requests, fault);
-    if (!fault.empty()) d_.fail(jobs_[decoded.size()].where, fault);
-    for (size_t i = 0; i < decoded.size(); ++i) put_in_place(jobs_[i], decoded[i]);
+    for (const Job& job : jobs_) {
+      std::string fault;
+      DracoMesh decoded = decode_draco(job.request, fault);
+      if (!fault.empty()) d_.fail(job.where, fault);
+      put_in_place(job, decoded);
+    }
     if (more_ > 0)
       d_.warnings.push_back(counted(more_, "mesh",
                                     "of Draco holds more than its accessors say: all is read",

@@ -44,9 +44,9 @@ size_t declared_bytes(const DracoRequest& request);
 /// Whether it has more than those.
 bool exceeds(const DracoMesh& mesh, const DracoRequest& request);
 
-/// All meshes, or those before the first that cannot be decoded; then `fault` says why. Indices are
-/// not checked against the number of vertices.
-std::vector<DracoMesh> decode_draco(const std::vector<DracoRequest>& requests, std::string& fault);
+/// The mesh; if it cannot be decoded, `fault` says why, else it is empty. Indices are not checked
+/// against the number of vertices.
+DracoMesh decode_draco(const DracoRequest& request, std::string& fault);
 
 constexpr const char* kMeshopt[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 

@@ -51,23 +51,20 @@ void check_extensions(Document& d) {
   }
 }
 
-void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& used) {
+void load_buffers(Document& d, const Chunks& chunks) {
   std::string all;  // input of the hash, if it covers more than the file
   uint64_t beside = 0;
   const Json buffers = d.json.value("buffers", Json::array());
   for (size_t i = 0; i < buffers.size(); ++i) {
-    if (!used[i]) {
-      d.buffers.emplace_back();
-      continue;
-    }
     const std::string where = place("buffers", i);
     const auto length = buffers[i]["byteLength"].get<uint64_t>();
     std::string_view bytes;
-    if (is_meshopt_fallback(buffers[i])) {  // fallback for readers that cannot decode
-      d.buffers.emplace_back();
+    const bool in_chunk = i == 0 && chunks.has_bin, has_uri = buffers[i].contains("uri");
+    if (is_meshopt_fallback(buffers[i]) || (!has_uri && !in_chunk)) {
+      d.buffers.emplace_back();  // for readers that cannot decode
       continue;
     }
-    if (buffers[i].contains("uri")) {
+    if (has_uri) {
       std::string file;
       d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
       bytes = d.owned.back();
@@ -78,7 +75,6 @@ void load_buffers(Document& d, const Chunks& chunks, const std::vector<bool>& us
         d.files.push_back(file);
       }
     } else {
-      if (i != 0 || !chunks.has_bin) d.fail(where, "has neither a uri nor a binary chunk");
       bytes = chunks.bin;
     }
     if (bytes.size() < length)
@@ -166,24 +162,18 @@ std::string counted(size_t n, const std::string& noun, const std::string& one,
   return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
-std::string unused_sentence(const std::string& file, const std::string& first, size_t faults) {
-  return first.substr(file.size() + 1) + "; nothing in the scene uses it" +
-         (faults > 1 ? fmt::format(", and {} more of the kind", faults - 1) : "");
-}
-
 void open_document(const std::string& path, Document& d) {
   d.file = display_name(path);
   d.bytes = read_file(path);
   d.folder = folder_of(path);
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse_json(chunks.json, d.file);
-  const Checked checked = check_json(d.json, d.file, d.wanted_animations);
-  d.camera_faults = checked.cameras;
-  d.warnings.insert(d.warnings.end(), checked.warnings.begin(), checked.warnings.end());
+  for (std::string& note : check_json(d.json, d.file, d.wanted_animations))
+    d.warnings.push_back(std::move(note));
   check_extensions(d);
   for (const Json& e : d.json.value("extensionsUsed", Json::array()))
     d.extensions.insert(e.get<std::string>());
-  load_buffers(d, chunks, checked.buffers);
+  load_buffers(d, chunks);
   load_model(d);
   decode_draco_primitives(d);
 }
@@ -195,6 +185,7 @@ bool uses_extension(const Document& d, const std::string& name) {
 std::string_view buffer_bytes(const Document& d, const std::string& where, size_t index,
                               size_t offset, size_t size) {
   const std::string_view buffer = d.buffers[index];
+  if (!buffer.data()) d.fail(place("buffers", index), "has neither a uri nor a binary chunk");
   if (offset > buffer.size() || size > buffer.size() - offset)
     d.fail(where, fmt::format("{} from byte {} reach{} beyond buffers[{}] of {}",
                               tdpt::counted(size, "byte"), offset, size == 1 ? "es" : "", index,

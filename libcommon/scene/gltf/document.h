@@ -17,15 +17,12 @@
 
 namespace tdpt::gltf {
 
-/// Errors of cameras that nodes of the scene hold, by camera index; thrown when the camera is used.
-using CameraFaults = std::map<int, std::shared_ptr<const InputError>>;
-
 struct Document {
   std::string file;                       ///< name in messages
   std::string folder;                     ///< for external files; empty: none may be read
   nlohmann::json json;                    ///< checked by check_json()
   tinygltf::Model model;                  ///< without buffers and images
-  std::vector<std::string_view> buffers;  ///< of their declared byteLength; empty if not used
+  std::vector<std::string_view> buffers;  ///< of their declared byteLength; null: fallbacks
   std::string hash;                       ///< over the file and the external buffers
   std::string bytes;                      ///< the file; buffers point into it
   std::deque<std::string> owned;          ///< decoded and external buffers
@@ -36,7 +33,6 @@ struct Document {
   std::vector<std::string> warnings;               ///< sentences: errors that change no picture
   /// Names of the animations to apply, set before the file is opened; none: all.
   std::vector<std::string> wanted_animations;
-  CameraFaults camera_faults;
 
   [[noreturn]] void fail(const std::string& place, const std::string& message) const {
     throw InputError(file, place, message);
@@ -73,9 +69,6 @@ class DistinctNames {
   std::map<std::string, size_t> numbers_;
 };
 
-/// A warning about `faults` errors in things that nothing needs; `first` is one of them.
-std::string unused_sentence(const std::string& file, const std::string& first, size_t faults);
-
 /// Reads and checks `path` ("-": standard input) into `document`. Throws InputError.
 void open_document(const std::string& path, Document& document);
 
@@ -88,22 +81,15 @@ struct Chunks {
 Chunks split_chunks(std::string_view bytes, const std::string& file,
                     std::vector<std::string>& warnings);
 
-/// What check_json() found.
-struct Checked {
-  std::vector<std::string> warnings;
-  std::vector<bool> buffers;  ///< those that the scene needs
-  CameraFaults cameras;
-};
-
 /// Parses the JSON of a glTF file. Throws InputError if it is malformed or nested too deeply.
 nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// Checks types, ranges and references of every field that this room reads; integers written as 3.0
-/// become 3. Throws InputError with the place of the first wrong field that may change the picture.
-/// Wrong elements that nothing in the scene uses are replaced, and so are wrong cameras. Animations
-/// get distinct names; those that are not among `animations` (empty: all are wanted) move nothing.
-Checked check_json(nlohmann::json& json, const std::string& file,
-                   const std::vector<std::string>& animations);
+/// become 3. Throws InputError with the place of the first wrong field. Animations get distinct
+/// names; those that are not among `animations` (empty: all are wanted) move nothing. The result:
+/// sentences about what changes no picture.
+std::vector<std::string> check_json(nlohmann::json& json, const std::string& file,
+                                    const std::vector<std::string>& animations);
 
 /// The bytes behind a URI: a base64 data URI, or a file in the scene's folder or below. Throws
 /// InputError if it points elsewhere, NothingThere if it is missing or cannot be decoded.

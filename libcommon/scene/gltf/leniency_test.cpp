@@ -1,4 +1,4 @@
-// Errors that cannot change the picture: the scene equals that of the correct file, and a warning
+// Deviations that every viewer accepts: the scene equals that of the correct file, and a warning is
 // is given. Twins: the same error is fatal where it matters.
 #include <gtest/gtest.h>
 #include <functional>
@@ -137,15 +137,8 @@ TEST(Leniency, CamerasAndLampsWithoutDirection) {
                                                 "1 lamp is left out, as its transform is flat"}));
 }
 
-TEST(Leniency, NamesThatAreNoText) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              b.json["nodes"][0]["name"] = 7;
-              b.json["materials"][0]["name"] = nullptr;
-            }),
-            Sentences{"2 names are not made of text, and left out"});
-}
-
-TEST(Leniency, WhatNothingInTheSceneUses) {
+// The twin: a fault is a fault, whatever uses it.
+TEST(Leniency, FaultsInWhatNothingUsesAreErrors) {
   using Spoil = std::function<void(GlbBuilder&)>;
   const std::vector<std::pair<Spoil, std::string>> cases = {
       {[](GlbBuilder& b) {
@@ -202,9 +195,34 @@ TEST(Leniency, WhatNothingInTheSceneUses) {
          b.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "neon"}}};
        },
        "extensions.KHR_lights_punctual.lights[0].type: is \"neon\", expected point, spot or "
-       "directional"}};
-  for (const auto& [spoil, fault] : cases)
-    EXPECT_EQ(told(spoil), Sentences{fault + "; nothing in the scene uses it"}) << fault;
+       "directional"},
+      {[](GlbBuilder& b) {
+         b.json["nodes"].push_back({{"name", 7}});
+       },
+       "nodes[2].name: is 7, expected a string"},
+      {[](GlbBuilder& b) {
+         b.json["nodes"][1]["rotation"] = {0, 0, 0, 0};
+       },
+       "nodes[1].rotation: is zero, expected a unit quaternion"},
+      {[](GlbBuilder& b) {
+         b.json["materials"][0]["extensions"]["KHR_materials_iridescence"]["iridescenceFactor"] =
+             "x";
+       },
+       "materials[0].extensions.KHR_materials_iridescence.iridescenceFactor: is \"x\", expected a "
+       "number"},
+      {[](GlbBuilder& b) {
+         Json lines = {{"mode", 1}, {"attributes", {{"POSITION", 9}}}};
+         b.json["meshes"][0]["primitives"].push_back(lines);
+       },
+       "meshes[0].primitives[1].attributes.POSITION: is 9, expected an index into the 2 accessors"},
+      {[](GlbBuilder& b) { b.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 9; },
+       "meshes[0].primitives[0].attributes.NORMAL: is 9, expected an index into the 2 accessors"}};
+  for (const auto& [spoil, fault] : cases) {
+    GlbBuilder b = square();
+    spoil(b);
+    if (!b.json.contains("buffers")) b = with_buffer(b);
+    EXPECT_NE(refusal(b).find(".glb:" + fault), std::string::npos) << fault << refusal(b);
+  }
 }
 
 TEST(Leniency, CornersThatMakeNoTriangle) {
@@ -232,210 +250,10 @@ TEST(Leniency, PrimitivesWithoutPositions) {
             Sentences{"1 primitive has no positions, and is left out"});
 }
 
-TEST(Leniency, TheFirstOfManyIsNamed) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              for (int k = 0; k < 3; ++k) b.material({{"alphaMode", "GLASS"}});
-            }),
-            Sentences{"materials[1].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND; "
-                      "nothing in the scene uses it, and 2 more of the kind"});
-}
-
-TEST(Leniency, BuffersThatNothingUsesNeedNotBeThere) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              b = with_buffer(b);
-              b.json["buffers"].push_back({{"byteLength", 8}, {"uri", "keys of animations.bin"}});
-              b.json["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 8}});
-            }),
-            Sentences{});
-}
-
-TEST(Leniency, MeshesThatAreHiddenCountAsNotUsed) {
-  EXPECT_EQ(
-      told([](GlbBuilder& b) {
-        b.material({{"alphaMode", "GLASS"}});
-        b.mesh({{"attributes", {{"POSITION", 0}}}, {"material", 1}});
-        b.node({{"mesh", 1}, {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
-      }),
-      Sentences{"materials[1].alphaMode: is \"GLASS\", expected OPAQUE, MASK or BLEND; "
-                "nothing in the scene uses it"});
-}
-
-constexpr const char* kUnused = "; nothing in the scene uses it";
-
 Json& first_primitive(GlbBuilder& b) {
   return b.json["meshes"][0]["primitives"][0];
 }
 
-TEST(Leniency, AttributesThatAreNotRead) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              first_primitive(b)["attributes"]["_X"] = 9;
-              first_primitive(b)["attributes"]["TEXCOORD_7"] = "x";
-              first_primitive(b)["targets"] = {{{"_X", 9}}};
-            }),
-            Sentences{"meshes[0].primitives[0].attributes.TEXCOORD_7: is \"x\", expected an index "
-                      "into the 2 accessors" +
-                      std::string(kUnused) + ", and 2 more of the kind"});
-  GlbBuilder b = square();  // the twin
-  first_primitive(b)["attributes"]["NORMAL"] = 9;
-  EXPECT_NE(refusal(b).find("attributes.NORMAL: is 9, expected an index"), std::string::npos);
-}
-
-TEST(Leniency, LinesThatAreWrong) {
-  const Json lines = {{"mode", 1}, {"attributes", {{"POSITION", 9}}}, {"material", 9}};
-  EXPECT_EQ(told([&](GlbBuilder& b) { b.json["meshes"][0]["primitives"].push_back(lines); }),
-            (Sentences{"meshes[0].primitives[1].material: is 9, expected an index into the 1 "
-                       "materials" +
-                           std::string(kUnused),
-                       "1 set of points or lines is left out"}));
-}
-
-TEST(Leniency, AnimationsThatMoveNothing) {
-  EXPECT_EQ(told([](GlbBuilder& b) { b.json["animations"] = {Json::object()}; }),
-            Sentences{"1 animation without channels moves nothing"});
-  EXPECT_EQ(
-      told([](GlbBuilder& b) {
-        b.json["animations"] = {{{"channels", {Json::object(), {{"target", Json::object()}}}}}};
-      }),
-      Sentences{"2 animation channels without a target move nothing"});
-  GlbBuilder b = square();  // the twin
-  const Json target = {{"node", 0}, {"path", "scale"}};
-  b.json["animations"] = {{{"channels", {{{"target", target}, {"sampler", 0}}}}}};
-  EXPECT_NE(refusal(b).find("animations[0].samplers: is missing"), std::string::npos);
-}
-
-TEST(Leniency, ContentOfHiddenNodes) {
-  const Json hidden = {{"KHR_node_visibility", {{"visible", false}}},
-                       {"KHR_lights_punctual", {{"light", 9}}}};
-  EXPECT_EQ(told([&](GlbBuilder& b) {
-              b.node({{"mesh", 9}, {"extensions", hidden}});
-              b.json["nodes"].push_back({{"mesh", 9}});
-              b.node({{"children", {3}}, {"extensions", hidden}});
-            }),
-            Sentences{"nodes[4].extensions.KHR_lights_punctual.light: is 9, expected an index into "
-                      "the 0 lights" +
-                      std::string(kUnused) + ", and 2 more of the kind"});
-}
-
-/// The square with a node that cannot be placed; `what`: what it is and holds.
-GlbBuilder with_zero_rotation(Json what) {
-  GlbBuilder b = square();
-  what["rotation"] = {0, 0, 0, 0};
-  b.json["nodes"].push_back({{"mesh", 0}});
-  b.json["nodes"].push_back({{"camera", 0}});
-  b.node(what);
-  return b;
-}
-const std::string kZero = "nodes[4].rotation: is zero, expected a unit quaternion";
-
-TEST(Leniency, NodesWithoutAPlaceWhereNothingIsSeen) {
-  const Json hidden = {{"KHR_node_visibility", {{"visible", false}}}};
-  const auto says = [](const Json& what, const Sentences& warnings) {
-    EXPECT_EQ(told_of_square(with_zero_rotation(what).glb()), warnings) << what;
-  };
-  says(Json::object(), {kZero + kUnused});
-  says({{"extensions", hidden}, {"children", {2}}}, {kZero + kUnused});
-  GlbBuilder b = with_zero_rotation(Json::object());
-  b.node({{"matrix", {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}});
-  b.node({{"scale", {1e300, 1, 1}}, {"children", {b.json["nodes"].size() + 1}}});
-  b.json["nodes"].push_back({{"scale", {1e300, 1, 1}}});
-  EXPECT_EQ(told_of_square(b.glb()), Sentences{kZero + kUnused + ", and 2 more of the kind"});
-}
-
-TEST(Leniency, LinesAndBlackLampsMayBeAnywhere) {
-  GlbBuilder b = with_zero_rotation({{"mesh", 1}});
-  b.mesh({{"mode", 1}, {"attributes", {{"POSITION", 0}}}});
-  EXPECT_EQ(told_of_square(b.glb()),
-            (Sentences{kZero + kUnused, "1 set of points or lines is left out"}));
-  GlbBuilder c = with_zero_rotation({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
-  Json& lights = c.json["extensions"]["KHR_lights_punctual"]["lights"];
-  lights = Json::array({{{"type", "point"}, {"intensity", 0}}});
-  EXPECT_EQ(told_of_square(c.glb()), Sentences{kZero + kUnused});
-  lights[0]["intensity"] = 1;  // the twin
-  EXPECT_NE(refusal(c).find(kZero), std::string::npos);
-}
-
-// The twin.
-TEST(Leniency, NodesWithoutAPlaceAreErrorsWhereSomethingIsSeen) {
-  EXPECT_NE(refusal(with_zero_rotation({{"mesh", 0}})).find(kZero), std::string::npos);
-  EXPECT_NE(refusal(with_zero_rotation({{"children", {2}}})).find(kZero), std::string::npos);
-}
-
-/// Why the scene's camera called `name` cannot be used.
-std::string refusal_of_camera(const Scene& scene, const std::string& name) {
-  try {
-    scene.camera(name);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "";
-}
-
-TEST(Leniency, CamerasThatAreWrongAreErrorsOnceTheyAreTaken) {
-  const auto spoilt = [](const Json& camera) {
-    GlbBuilder b = square();
-    b.camera("other", {0.5, 0.5, 2}, {0.5, 0.5, 0}, 1, 1);
-    b.json["cameras"][0] = camera;
-    return read(b.glb());
-  };
-  const Scene wide =
-      spoilt({{"name", "wide"}, {"type", "perspective"}, {"perspective", {{"yfov", 4}}}});
-  EXPECT_EQ(wide.warnings, Sentences{});
-  const std::string fault = "cameras[0].perspective.yfov: is 4, expected an angle between 0 and pi";
-  EXPECT_NE(refusal_of_camera(wide, "").find(":" + fault), std::string::npos);
-  EXPECT_NE(refusal_of_camera(wide, "wide").find(":" + fault), std::string::npos);
-  EXPECT_EQ(refusal_of_camera(wide, "other"), "");
-  EXPECT_EQ(wide.faults_of_cameras_but("other"), fault + "; the camera \"wide\" cannot be taken");
-  const Scene fisheye = spoilt({{"type", "fisheye"}});
-  EXPECT_EQ(fisheye.cameras.size(), 2u);
-  EXPECT_NE(refusal_of_camera(fisheye, "").find("cameras[0].type: is \"fisheye\""),
-            std::string::npos);
-}
-
-TEST(Leniency, CamerasWithoutAPlaceAreErrorsOnceTheyAreTaken) {
-  const Scene s = read(with_zero_rotation({{"name", "tilted"}, {"children", {3}}}).glb());
-  EXPECT_EQ(s.warnings, Sentences{});  // reported when another camera is used
-  ASSERT_EQ(s.cameras.size(), 2u);
-  const std::string name = s.cameras[1].name;
-  EXPECT_EQ(refusal_of_camera(s, ""), "");
-  EXPECT_NE(refusal_of_camera(s, name).find(":" + kZero), std::string::npos);
-  EXPECT_EQ(s.faults_of_cameras_but(""), kZero + "; the camera \"" + name + "\" cannot be taken");
-}
-
-TEST(Leniency, LampsAndMaterialsInWhatTheyDoNotUse) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              b.json["extensions"]["KHR_lights_punctual"] = Json::object();
-              b.json["materials"][0]["alphaCutoff"] = -1;
-              b.json["materials"][0]["occlusionTexture"] = {{"index", 0}};
-              b.json["materials"][0]["extensions"]["KHR_materials_iridescence"] = {
-                  {"iridescenceFactor", "x"}};
-              b.json["textures"] = {{{"sampler", 9}}};
-            }),
-            Sentences{"materials[0].alphaCutoff: is -1, expected a number of at least 0" +
-                      std::string(kUnused) + ", and 2 more of the kind"});
-  GlbBuilder b = square();  // twins
-  b.json["materials"][0]["alphaMode"] = "MASK";
-  b.json["materials"][0]["alphaCutoff"] = -1;
-  EXPECT_NE(refusal(b).find("materials[0].alphaCutoff"), std::string::npos);
-  GlbBuilder c = square();
-  c.json["textures"] = {{{"sampler", 9}}};
-  c.json["materials"][0]["normalTexture"] = {{"index", 0}};
-  EXPECT_NE(refusal(c).find("textures[0].sampler"), std::string::npos);
-}
-
-TEST(Leniency, ConesOfLampsThatHaveNone) {
-  GlbBuilder b = square();
-  Json& lights = b.json["extensions"]["KHR_lights_punctual"]["lights"];
-  lights = Json::array({{{"type", "point"}, {"spot", {{"outerConeAngle", 9}}}}});
-  b.node({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
-  const std::string fault =
-      "extensions.KHR_lights_punctual.lights[0].spot: has an inner cone of 0 and an outer one of "
-      "9, expected 0 <= inner <= outer, 0 < outer <= pi/2";
-  EXPECT_EQ(told_of_square(b.glb()), Sentences{fault + kUnused});
-  lights[0]["type"] = "spot";  // the twin
-  EXPECT_NE(refusal(b).find(fault), std::string::npos);
-}
-
-// Joints may be outside the scene, and are needed wherever they are.
 TEST(Leniency, JointsOutsideOfTheSceneCount) {
   GlbBuilder b = square();
   Json& attributes = first_primitive(b)["attributes"];
@@ -443,7 +261,7 @@ TEST(Leniency, JointsOutsideOfTheSceneCount) {
   attributes["JOINTS_0"] = b.accessor(b.view(std::string(16, '\0')), 5121, "VEC4", 4);
   attributes["WEIGHTS_0"] = b.floats(one, 4);
   b.json["nodes"][0]["skin"] = 0;
-  b.json["nodes"].push_back({{"mesh", 9}, {"scale", {1, 2, 1}}});
+  b.json["nodes"].push_back({{"scale", {1, 2, 1}}});
   b.json["skins"] = {{{"joints", {2}}}};
   const Scene s = read(b.glb());
   EXPECT_NEAR(s.positions[2].y - s.positions[1].y, 2 * (s.positions[1].x - s.positions[0].x), 1e-6);
@@ -451,24 +269,13 @@ TEST(Leniency, JointsOutsideOfTheSceneCount) {
   EXPECT_NE(refusal(b).find("nodes[2].scale: is 1"), std::string::npos);
 }
 
-// The twin of those above.
-TEST(Leniency, TheSameFaultsAreErrorsOnceTheyAreUsed) {
-  GlbBuilder b = square();
-  b.material({{"alphaMode", "GLASS"}});
-  b.json["meshes"][0]["primitives"][0]["material"] = 1;
-  EXPECT_NE(refusal(b).find("materials[1].alphaMode"), std::string::npos);
-  GlbBuilder c = square();
-  c.json["accessors"].push_back({{"componentType", 5126}, {"count", 0}, {"type", "VEC3"}});
-  c.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2;
-  EXPECT_NE(refusal(c).find("accessors[2].count"), std::string::npos);
-  GlbBuilder d = square();
-  d.json["nodes"].push_back({{"mesh", 9}});
-  d.json["nodes"][0]["children"] = {2};
-  EXPECT_NE(refusal(d).find("nodes[2].mesh"), std::string::npos);
-  GlbBuilder e = with_buffer(square());
-  e.json["buffers"].push_back({{"byteLength", 48}, {"uri", "gone.bin"}});
-  e.json["bufferViews"][0]["buffer"] = 1;
-  EXPECT_NE(refusal(e).find("buffers[1].uri"), std::string::npos);
+TEST(Leniency, AttributesThatAreNotReadMayBeAnything) {
+  EXPECT_EQ(told([](GlbBuilder& b) {
+              first_primitive(b)["attributes"]["_X"] = 9;
+              first_primitive(b)["attributes"]["TEXCOORD_7"] = "x";
+              first_primitive(b)["targets"] = {{{"_X", 9}}};
+            }),
+            Sentences{});
 }
 
 TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {

@@ -82,9 +82,9 @@ void LightReader::add_punctual(const PlacedNode& n, const Json& extension) {
   if (max_component(intensity) <= 0) return;
   check_intensity(d_, fmt::format("extensions.{}.{}", kName, place("lights", index)), intensity);
   out.intensity = Rgb(intensity);
-  out.position = n.to_world().t;
+  out.position = n.to_world.t;
   if (type == "point") return scene_.lights.push_back(out);
-  out.direction = direction_of(-n.to_world().z);
+  out.direction = direction_of(-n.to_world.z);
   if (out.direction == Vec3d()) {
     ++flat_;
     return;
@@ -133,8 +133,8 @@ void LightReader::add_luminaire(const PlacedNode& n, const Json& extension) {
   const Vec3d intensity = colour * greatest;
   if (max_component(intensity) <= 0) return;
   out.intensity = Rgb(intensity);
-  out.position = n.to_world().t;
-  const std::optional<Affine> axes = axes_of_light(n.to_world());
+  out.position = n.to_world.t;
+  const std::optional<Affine> axes = axes_of_light(n.to_world);
   if (!axes) {
     ++flat_;
     return;
@@ -244,12 +244,12 @@ void AreaLightReader::add(const PlacedNode& n, std::vector<Vec3d>& world) {
     ++faint_;
     return;
   }
-  const std::optional<Affine> axes = axes_of_light(n.to_world());
+  const std::optional<Affine> axes = axes_of_light(n.to_world);
   if (!axes) {
     ++flat_;
     return;
   }
-  const double size = l.value("size", 1.0) * scale_of(n.to_world());
+  const double size = l.value("size", 1.0) * scale_of(n.to_world);
   const double aspect = l.value("rect", Json::object()).value("aspect", 1.0);
   const bool disk = is_disk(l);
   scene_.area_lights.push_back(

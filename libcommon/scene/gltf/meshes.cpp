@@ -195,7 +195,7 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
 Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
                                const std::optional<Affine>& to_world) {
   if (set.joints.empty()) {
-    const Affine& map = to_world ? *to_world : n.to_world();
+    const Affine& map = to_world ? *to_world : n.to_world;
     return {map, map.mirrors(), {}};
   }
   const Skin& skin = skin_of(n.node);

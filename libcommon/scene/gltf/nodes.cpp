@@ -69,17 +69,12 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
   return parent;
 }
 
-/// Multiplies the parent's map by the node's own.
-void move_by_its_own(const Document& d, PlacedNode& n) {
-  if (n.fault) return;
-  try {
-    n.map = n.map * local_map(d, n.node);
-    const Affine& a = n.map;
-    if (!is_finite(a.x) || !is_finite(a.y) || !is_finite(a.z) || !is_finite(a.t))
-      d.fail(place("nodes", n.node), "its transform and those above it exceed double precision");
-  } catch (const InputError& e) {
-    n.fault = std::make_shared<const InputError>(e);
-  }
+/// The parent's map times the node's own.
+Affine map_below(const Document& d, const Affine& parent, size_t node) {
+  const Affine a = parent * local_map(d, node);
+  if (!is_finite(a.x) || !is_finite(a.y) || !is_finite(a.z) || !is_finite(a.t))
+    d.fail(place("nodes", node), "its transform and those above it exceed double precision");
+  return a;
 }
 
 }  // namespace
@@ -121,12 +116,12 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
   while (!stack.empty()) {
     PlacedNode n = std::move(stack.back());
     stack.pop_back();
-    move_by_its_own(d, n);
+    n.to_world = map_below(d, n.to_world, n.node);
     n.visible = n.visible && !is_hidden(d.json["nodes"][n.node]);
     placed[n.node] = true;
     const auto& below = d.model.nodes[n.node].children;
     for (size_t i = below.size(); i-- > 0;)
-      stack.push_back({static_cast<size_t>(below[i]), n.map, n.visible, n.fault});
+      stack.push_back({static_cast<size_t>(below[i]), n.to_world, n.visible});
     out.push_back(std::move(n));
   }
   for (size_t i = 0; i < reached.size(); ++i)
@@ -200,7 +195,7 @@ std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
     if (!map)
       d.fail(place("accessors", static_cast<size_t>(a.accessor[1])),
              fmt::format("rotation {} is zero, expected a unit quaternion", i));
-    out.push_back(n.to_world() * *map);
+    out.push_back(n.to_world * *map);
   }
   return out;
 }

@@ -1,7 +1,6 @@
 // Flattens the node hierarchy: every node of the scene with its world transform, in double
 // precision. Internal to this room.
 #pragma once
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,21 +18,13 @@ bool is_hidden(const nlohmann::json& node);
 
 struct PlacedNode {
   size_t node;
-  Affine map;    ///< to_world(), if there is no fault
+  Affine to_world;
   bool visible;  ///< neither it nor an ancestor is hidden
-  /// Why there is no such map: an error of this node or an ancestor; null: none. Thrown only when
-  /// the map is needed.
-  std::shared_ptr<const InputError> fault{};
-  /// Throws the fault.
-  const Affine& to_world() const {
-    if (fault) throw InputError(*fault);
-    return map;
-  }
 };
 
 /// Nodes of the default scene (else of the first scene, else all roots and what is below), parents
-/// first, in file order. Throws InputError for cycles and nodes with two parents. Adds a sentence
-/// to `warnings` about roots that are also children.
+/// first, in file order. Throws InputError for cycles, nodes with two parents and invalid maps.
+/// Adds a sentence to `warnings` about roots that are also children.
 std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
 
 // EXT_mesh_gpu_instancing: a node's mesh, placed several times.

@@ -42,8 +42,8 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
   for (const PlacedNode& n : nodes) {
     const tinygltf::Node& node = d.model.nodes[n.node];
     const bool counts = n.visible && (node.mesh >= 0 || holds_light(d, n.node));
-    if (!counts || n.fault) continue;
-    add(n.node), add(n.map), add(node.weights.size());
+    if (!counts) continue;
+    add(n.node), add(n.to_world), add(node.weights.size());
     for (const double w : node.weights) add(w);
     if (node.skin >= 0) skins.insert(node.skin);
   }
@@ -82,13 +82,9 @@ std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, Distin
   const tinygltf::Camera& c = d.model.cameras[static_cast<size_t>(node.camera)];
   if (c.type != "perspective") return {};
   Camera out;
-  out.fault = n.fault;
-  if (const auto it = d.camera_faults.find(node.camera); it != d.camera_faults.end())
-    out.fault = it->second;
   // A flat camera takes a name, too: at another time it may not be flat.
   out.name = names.take(c.name, node.name, "camera");
-  if (out.fault) return out;
-  const Affine& a = n.to_world();
+  const Affine& a = n.to_world;
   out.position = a.t;
   out.forward = direction_of(-a.z);
   out.right = direction_of(cross(out.forward, direction_of(a.y)));
@@ -109,7 +105,6 @@ class SceneReader {
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
-    warn_of_faults(nodes);
     if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
     uses.emplace_back();  // default for surfaces without a material
@@ -139,20 +134,6 @@ class SceneReader {
   }
 
  private:
-  /// Warns about nodes without a valid transform; the error is thrown later if something visible
-  /// needs it.
-  void warn_of_faults(const std::vector<PlacedNode>& nodes) {
-    std::set<const InputError*> of_cameras, others;
-    for (const PlacedNode& n : nodes)
-      if (n.fault && has_perspective_camera(n)) of_cameras.insert(n.fault.get());
-    std::string first;
-    for (const PlacedNode& n : nodes) {
-      if (!n.fault || of_cameras.contains(n.fault.get())) continue;
-      if (others.insert(n.fault.get()).second && first.empty()) first = n.fault->what();
-    }
-    if (!first.empty()) scene_.warnings.push_back(unused_sentence(d_.file, first, others.size()));
-  }
-
   void add_camera(const PlacedNode& n) {
     if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
       scene_.cameras.push_back(*camera);
@@ -182,8 +163,7 @@ class SceneReader {
     // A box of 2^8 times the room's size costs it 8 of the 24 bits of floats.
     constexpr double kFarther = 256;
     Box cameras;
-    for (const Camera& c : scene_.cameras)
-      if (!c.fault) cameras.add(c.position);
+    for (const Camera& c : scene_.cameras) cameras.add(c.position);
     const Vec3d middle = cameras.low.x <= cameras.high.x ? cameras.middle() : middle_of(world);
     std::vector<double> distances;
     for (const Triangle& t : scene_.triangles) distances.push_back(distance_of(t, world, middle));

@@ -35,8 +35,7 @@ std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& p) {
 
 NodeMaps::NodeMaps(const Document& d, const std::vector<PlacedNode>& nodes)
     : d_(d), known_(d.model.nodes.size()), to_world_(known_.size()) {
-  for (const PlacedNode& n : nodes)
-    if (!n.fault) set(n.node, n.map);
+  for (const PlacedNode& n : nodes) set(n.node, n.to_world);
 }
 
 void NodeMaps::set(size_t node, const Affine& to_world) {
