@@ -12,9 +12,14 @@ endfunction()
 # tdpt_tool(name SOURCES ... LINK ...): <name>_lib holds everything but main.cpp, so that tests can link it.
 function(tdpt_tool name)
   cmake_parse_arguments(A "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
-  add_library(${name}_lib STATIC ${A_SOURCES})
-  target_include_directories(${name}_lib PUBLIC ${CMAKE_SOURCE_DIR})
-  target_link_libraries(${name}_lib PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
+  if(A_SOURCES)
+    add_library(${name}_lib STATIC ${A_SOURCES})
+    target_include_directories(${name}_lib PUBLIC ${CMAKE_SOURCE_DIR})
+    target_link_libraries(${name}_lib PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
+  else()  # main.cpp is all
+    add_library(${name}_lib INTERFACE)
+    target_link_libraries(${name}_lib INTERFACE ${A_LINK} ${A_PRIVATE_LINK})
+  endif()
   add_executable(${name} main.cpp ${CMAKE_BINARY_DIR}/generated/${name}/built_with.cpp)
   target_link_libraries(${name} PRIVATE ${name}_lib)
   cmake_language(EVAL CODE "cmake_language(DEFER CALL tdpt_tell_origin ${name})")
@@ -22,28 +27,13 @@ function(tdpt_tool name)
   tdpt_completions(${name})
 endfunction()
 
-# tdpt_completions(tool): completion scripts for bash, zsh and fish, written by the tool whenever it is built, and
-# installed where each shell looks. zsh looks in one folder below /usr, for packages, and in another below /usr/local:
-# the installation prefix decides.
+# tdpt_completions(tool): the completion script for bash, written by the tool whenever it is built, and installed where
+# bash looks.
 function(tdpt_completions tool)
-  set(folder ${CMAKE_BINARY_DIR}/completions)
-  set(bash ${folder}/bash/${tool})
-  set(zsh ${folder}/zsh/_${tool})
-  set(fish ${folder}/fish/${tool}.fish)
-  file(MAKE_DIRECTORY ${folder}/bash ${folder}/zsh ${folder}/fish)
-  add_custom_command(TARGET ${tool} POST_BUILD
-    COMMAND ${tool} --completion bash > ${bash}
-    COMMAND ${tool} --completion zsh > ${zsh}
-    COMMAND ${tool} --completion fish > ${fish}
-    BYPRODUCTS ${bash} ${zsh} ${fish} VERBATIM)
+  set(bash ${CMAKE_BINARY_DIR}/completions/bash/${tool})
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/completions/bash)
+  add_custom_command(TARGET ${tool} POST_BUILD COMMAND ${tool} --completion bash > ${bash} BYPRODUCTS ${bash} VERBATIM)
   install(FILES ${bash} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
-  install(FILES ${fish} DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
-  install(CODE "
-    set(folder site-functions)
-    if(CMAKE_INSTALL_PREFIX STREQUAL \"/usr\")
-      set(folder vendor-completions)
-    endif()
-    file(INSTALL \"${zsh}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/zsh/\${folder}\")")
 endfunction()
 
 # tdpt_sources(out ROOM ...): the sources in these folders that are neither tests nor benchmarks.

@@ -65,8 +65,9 @@ tdpt_found = $(patsubst %.portal.glb,%,$(firstword $(foreach file,$(filter %.por
 # tdpt-again where the target was made by another command than $1, or preview $2 is asked for and missing.
 tdpt_known = .tdpt/$(subst ../,up/,$@)
 tdpt_differ = $(if $1,$(subst x$1,,x$2)$(subst x$2,,x$1))
+# Also where a report is asked for and stage $3 has not told of itself.
 tdpt_again = $(if $(or $(call tdpt_differ,$(strip $(file <$(tdpt_known).command)),$1),\
-  $(if $(PREVIEWS),$(if $(wildcard $2),,missing))),tdpt-again)
+  $(if $(PREVIEWS),$(if $(wildcard $2),,missing)),$(if $(and $(TDPT_TELL),$3),$(if $(wildcard $(tdpt_known).told.json),,untold))),tdpt-again)
 
 tdpt_partial = $(basename $@).partial$(suffix $@)
 # The plan of the portals has words to read: a report takes it as SVG, unless it is asked for as PNG, too.
@@ -86,7 +87,9 @@ endef
 tdpt_to = -o $(tdpt_partial) -MF $(tdpt_known).d -MQ $@
 tdpt_quoted = '$(subst ','\'',$1)'
 tdpt_begin = @mkdir -p $(dir $(tdpt_known))
+# A stage that runs for a report alone makes the same bytes: they keep their time, and no picture is made anew for it.
 define tdpt_end
+$(if $(TDPT_TELL),@if cmp -s $(tdpt_partial) $@; then touch -r $@ $(tdpt_partial); fi)
 @mv -f $(tdpt_partial) $@
 @printf '%s\n' $(call tdpt_quoted,$1) >$(tdpt_known).command
 endef
@@ -98,26 +101,26 @@ export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 .PRECIOUS: %.max %.cut %.vdb %.portal.glb
 .SECONDEXPANSION:
 
-%.max: $$(tdpt_scene) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_max),$$@.png)
+%.max: $$(tdpt_scene) $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_max),$$@.png,stage)
 	$(tdpt_begin)
 	$(tdpt_max) $(tdpt_free) $(tdpt_preview) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_max))
 	$(tdpt_keep)
 
-%.cut: %.max $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png)
+%.cut: %.max $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) $$(call tdpt_again,$$(tdpt_cut),$$@.png,stage)
 	$(tdpt_begin)
 	$(tdpt_cut) $(tdpt_free) $(tdpt_preview) $(tdpt_shown) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_cut))
 	$(tdpt_keep)
 
-%.vdb: $$(tdpt_scene) %.cut $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_vdb),$$@.png)
+%.vdb: $$(tdpt_scene) %.cut $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_vdb),$$@.png,stage)
 	$(tdpt_begin)
 	$(tdpt_vdb) $(tdpt_free) $(tdpt_preview) $< $*.cut $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_vdb))
 	$(tdpt_keep)
 
 %.portal.glb: $$(if $$(tdpt_by_hand),,$$*.vdb $$(if $$(or $$(PREVIEWS),$$(TDPT_TELL)),$$(tdpt_scene)) \
-  $$(call tdpt_again,$$(tdpt_glb),$$@.png))
+  $$(call tdpt_again,$$(tdpt_glb),$$@.png,stage))
 	$(tdpt_begin)
 	$(tdpt_glb) $(tdpt_free) $(tdpt_preview) $(tdpt_shown) $< $(tdpt_to)$(tdpt_tell)
 	$(call tdpt_end,$(tdpt_glb))
@@ -131,8 +134,8 @@ export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 	$(if $(PREVIEWS),@mv -f $(basename $(tdpt_partial)).png $@.png,$(if $(filter --preview,$(TDPT_RENDER_FLAGS)),@mv -f $(basename $(tdpt_partial)).png $(basename $@).png))
 	$(call tdpt_end,$(tdpt_exr))
 
-# One page of what the stages and two renderings tell. The stages that run for it tell of themselves; of one that ran
-# before, without, the measurement asks again, aside, and leaves its result alone.
+# One page of what the stages and two renderings tell. The stages tell of themselves: one that ran before, without, runs
+# again for it.
 %.report.html: TDPT_TELL = 1
 %.report.html: $$(tdpt_scene) $$(tdpt_portals) $$(if $$(tdpt_found),$$(addprefix $$(tdpt_found),.max .cut .vdb)) \
   $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_html),$$@)

@@ -79,19 +79,19 @@ void Options::declare_general(const Program& program) {
            "What that rule is for; default what -o names; also -MQ NAME", Effect::told);
   }
   static std::vector<std::string> none;
-  impl_->set = impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
+  impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
 }
 
 void Options::declare_what_else_is_printed(const Program& program) {
   CLI::App& app = impl_->app;
-  const auto complete = [this](const std::string& shell) {
-    throw Instead{[=, this] { return completion_script(shell, common.tool, impl_->completed()); }};
+  const auto complete = [this](const std::string&) {
+    throw Instead{[this] { return completion_script(common.tool); }};
   };
   impl_->keep(app.add_option_function<std::string>(
                      "--completion", complete,
-                     "Print a script that completes these options in a shell and exit")
-                  ->type_name("bash|zsh|fish")
-                  ->check(one_of({"bash", "zsh", "fish"})),
+                     "Print a script that completes these options in bash and exit")
+                  ->type_name("bash")
+                  ->check(one_of({"bash"})),
               Effect::told);
   app.set_help_flag("-h,--help", "Print this help and exit");
   const std::string commit =

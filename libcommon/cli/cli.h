@@ -167,9 +167,8 @@ class Options {
 
   Common common;
 
-  // Shell completion [completion.h] is derived from what --help shows: lower-case words in a
-  // value's name, "cpu|gpu[:WHICH]", and for input files the suffixes that `help` names, "(.glb,
-  // .gltf)".
+  // bash completes what --help shows: lower-case words in a value's name, "cpu|gpu[:WHICH]", and
+  // for input files the suffixes that `help` names, "(.glb, .gltf)".
   //
   // `flags` "--set walks" declares a setting, given as `--set walks=5000`: for what few users need;
   // --help lists these last. A setting whose name scripts rely on is an option as well:

@@ -4,8 +4,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
-#include <sstream>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -14,7 +14,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
-#include "libcommon/cli/nearest.h"
 
 namespace tdpt::cli {
 
@@ -22,14 +21,6 @@ namespace {
 
 // CLI11 knows a setting as an option named "--set.walks", in a group of its own.
 constexpr const char* kSetting = "--set.";
-constexpr const char* kSettings = "Settings that few need, each given as --set NAME=VALUE";
-
-// Its name, "walks"; empty for an ordinary option.
-std::string setting_name(const CLI::Option* option) {
-  if (option->get_lnames().empty()) return "";
-  const std::string last = "--" + option->get_lnames().back();
-  return last.starts_with(kSetting) ? last.substr(std::string(kSetting).size()) : "";
-}
 
 // "--set walks" for people; "--set.walks" for CLI11.
 std::string for_people(const std::string& text) {
@@ -41,7 +32,42 @@ std::string name_of(const CLI::Option* option) {
                                       : for_people("--" + option->get_lnames().front());
 }
 
+// The number of letters to insert, delete, replace or swap with the next: the optimal string
+// alignment distance. row[j]: distance between the first i letters of a and the first j of b.
+size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<size_t> before_last, last, row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    before_last = std::exchange(last, row);
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+  }
+  return row[b.size()];
+}
+
+// " (did you mean --WORD?)" for the nearest of `words`, with one slip in three letters at most;
+// else nothing.
+std::string suggestion(const std::string& given, const std::vector<std::string>& words,
+                       const char* dashes = "") {
+  if (given.size() < 2 || given.size() > 64) return "";
+  size_t least = std::max<size_t>(1, given.size() / 3) + 1;
+  std::string found;
+  for (const std::string& word : words)
+    if (const size_t d = edit_distance(given, word); d < least) least = d, found = word;
+  return found.empty() ? "" : for_people(fmt::format(" (did you mean {}{}?)", dashes, found));
+}
+
 }  // namespace
+
+std::string setting_name(const CLI::Option* option) {
+  if (option->get_lnames().empty()) return "";
+  const std::string last = "--" + option->get_lnames().back();
+  return last.starts_with(kSetting) ? last.substr(std::string(kSetting).size()) : "";
+}
 
 std::string for_cli11(const std::string& text) {
   return replaced(text, "--set ", kSetting);
@@ -73,12 +99,9 @@ std::vector<std::string> Options::Impl::with_settings(const std::vector<std::str
     const size_t end = text.find('=');
     const std::string name = text.substr(0, end);
     const std::vector<std::string> known = settings();
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::string meant = nearest(name, known);
+    if (std::find(known.begin(), known.end(), name) == known.end())
       throw UsageError(fmt::format("--set {}: no such setting, expected one of {}{}", text,
-                                   fmt::join(known, ", "),
-                                   meant.empty() ? "" : " (did you mean " + meant + "?)"));
-    }
+                                   fmt::join(known, ", "), suggestion(name, known)));
     if (end == std::string::npos)
       throw UsageError(fmt::format("--set {0}: expected {0}=VALUE", text));
     words.insert(words.end(), {kSetting + name, text.substr(end + 1)});
@@ -153,29 +176,6 @@ std::vector<Given> Options::Impl::given() const {
   return all;
 }
 
-std::vector<Completed> Options::Impl::completed() const {
-  std::vector<Completed> table;
-  for (const CLI::Option* option : app.get_options()) {
-    Completed& c = table.emplace_back();
-    c.setting = setting_name(option);
-    for (const std::string& name : option->get_lnames()) c.names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) c.names.push_back("-" + name);
-    if (c.names.empty()) c.names.push_back(option->get_name());
-    c.help = option->get_description();
-    if (option->get_items_expected_max() > 0) c.value = option->get_type_name();
-    c.words = words_of(c.value);
-    if (option == set)
-      for (const std::string& name : settings()) c.words.push_back(name + "=");
-    c.repeated = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-    for (const Entry& e : entries)
-      if (e.option == option) {
-        c.file = e.is != Is::setting;
-        if (e.is == Is::input) c.suffixes = suffixes_in(c.help);
-      }
-  }
-  return table;
-}
-
 std::string Options::Impl::fault(const CLI::ParseError& error) const {
   const int code = error.get_exit_code();
   if (code == static_cast<int>(CLI::ExitCodes::ExtrasError) ||
@@ -187,15 +187,12 @@ std::string Options::Impl::fault(const CLI::ParseError& error) const {
 
 std::string Options::Impl::no_such_option(const std::string& given) const {
   const std::string option = given.substr(0, given.find('='));
-  std::vector<std::string> names, known = settings();
+  std::vector<std::string> names;
   for (const CLI::Option* each : app.get_options())
     for (const std::string& name : each->get_lnames()) names.push_back(name);
-  names.insert(names.end(), known.begin(), known.end());
   const size_t start = std::min(option.find_first_not_of('-'), option.size());
-  const std::string meant = option_meant(option.substr(start), names);
-  const char* dashes = app.get_option_no_throw("--" + meant) ? "--" : "--set ";
   return fmt::format("{}: no such option{}", for_people(option),
-                     meant.empty() ? "" : fmt::format(" (did you mean {}{}?)", dashes, meant));
+                     suggestion(option.substr(start), names, "--"));
 }
 
 CLI::Validator whole_number() {
@@ -233,102 +230,10 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
       [words](std::string& text) {
         for (const std::string& word : words)
           if (text == word) return std::string();
-        const std::string meant = nearest(text, words);
         return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
-                           meant.empty() ? "" : " (did you mean " + meant + "?)");
+                           suggestion(text, words));
       },
       "");
-}
-
-namespace {
-
-constexpr size_t kWidth = 80, kRight = 30;  ///< columns; start of the right column
-
-// Titles, indexed by Part.
-constexpr const char* kTitles[]{"What goes in and what comes out",
-                                "How long and how good",
-                                "What the picture holds",
-                                "Camera",
-                                "Animation",
-                                "Sky and lamps",
-                                "Long renders and many machines",
-                                "What is told of the work",
-                                "General"};
-
-// Breaks `text` into lines that end before kWidth; the first begins at column `at`, the others at
-// `indent`. A word longer than a line gets its own.
-std::string wrapped(const std::string& text, size_t at, size_t indent) {
-  std::string lines, word;
-  std::istringstream words(text);
-  bool first = true;
-  while (words >> word) {
-    if (!first && at + 1 + word.size() > kWidth) {
-      lines += "\n" + std::string(indent, ' ');
-      at = indent;
-      first = true;
-    }
-    lines += (first ? "" : " ") + word;
-    at += (first ? 0 : 1) + word.size();
-    first = false;
-  }
-  return lines + "\n";
-}
-
-class In80Columns : public CLI::Formatter {
- public:
-  std::string make_option(const CLI::Option* option, bool positional) const override {
-    const std::string setting = setting_name(option);
-    if (setting.empty())
-      return line("  " + make_option_name(option, positional) + make_option_opts(option),
-                  make_option_desc(option));
-    const std::string& flag = option->get_lnames().front();
-    return line("  " + setting + "=" + option->get_type_name(),
-                make_option_desc(option) + (flag == setting ? "; also --" + flag : ""));
-  }
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
-    std::string text = make_description(app) + make_usage(app, name) + make_positionals(app);
-    const auto add = [&](const std::string& title) {
-      const auto options = app->get_options([&](const CLI::Option* option) {
-        return option->nonpositional() && option->get_group() == title;
-      });
-      if (!options.empty()) text += make_group(title, false, options);
-    };
-    for (const char* title : kTitles) add(title);
-    add(kSettings);
-    return text + limits_of(app);
-  }
-  std::string make_description(const CLI::App* app) const override {
-    return wrapped(app->get_description(), 0, 0);
-  }
-
- private:
-  // Names and defaults.
-  static std::string limits_of(const CLI::App* app) {
-    std::string all;
-    for (const CLI::Option* option : app->get_options())
-      if (option->get_group() == kLimits)
-        all += setting_name(option) + "=" + option->get_type_name() + " ";
-    return all.empty()
-               ? ""
-               : "\n" + wrapped(kLimits + std::string(":"), 0, 0) + "  " + wrapped(all, 2, 2);
-  }
-  static std::string line(std::string left, const std::string& right) {
-    if (left.size() >= kRight)
-      left += "\n" + std::string(kRight, ' ');
-    else
-      left.resize(kRight, ' ');
-    return left + wrapped(right, kRight, kRight);
-  }
-};
-
-}  // namespace
-
-std::string title_of(Part part) {
-  return kTitles[static_cast<size_t>(part)];
-}
-
-std::shared_ptr<CLI::FormatterBase> help_in_80_columns() {
-  return std::make_shared<In80Columns>();
 }
 
 }  // namespace tdpt::cli

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 
 #include "libcommon/cli/cli.h"
-#include "libcommon/cli/completion.h"
 
 namespace tdpt::cli {
 
@@ -31,8 +30,7 @@ struct Options::Impl {
     std::function<Is()> use{};  ///< its role, if that depends on other options
   };
   CLI::App app;
-  Part part = Part::files;           ///< of the options declared now
-  const CLI::Option* set = nullptr;  ///< --set, for --help and shells: its values are settings
+  Part part = Part::files;  ///< of the options declared now
   std::vector<Entry> entries;
 
   /// An output, requested by a flag, whose path `path_of` derives from that of the result.
@@ -74,9 +72,6 @@ struct Options::Impl {
   std::vector<std::string> inputs() const;
   /// `path`: value of -o; empty: no output.
   std::vector<NamedFile> outputs(const std::string& path) const;
-
-  /// The table for shell completion, with --help and --version.
-  std::vector<Completed> completed() const;
 
  private:
   std::vector<std::string> settings() const;
@@ -124,5 +119,14 @@ inline constexpr const char* kLimits =
 
 /// Options on the left, descriptions on the right, wrapped between words.
 std::shared_ptr<CLI::FormatterBase> help_in_80_columns();
+
+/// A script for bash that completes the options of this program from its --help.
+std::string completion_script(const std::string& tool);
+
+/// "walks" of the setting "--set walks"; empty for an ordinary option.
+std::string setting_name(const CLI::Option* option);
+
+/// Title of the settings in --help.
+inline constexpr const char* kSettings = "Settings that few need, each given as --set NAME=VALUE";
 
 }  // namespace tdpt::cli

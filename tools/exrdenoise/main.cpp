@@ -2,9 +2,11 @@
 #include <chrono>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
@@ -12,7 +14,6 @@
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/options/picture_options.h"
-#include "tools/exrdenoise/report.h"
 
 namespace tdpt {
 namespace {
@@ -46,12 +47,12 @@ void declare_options(cli::Options& options, Arguments& a) {
 }
 
 // A picture that is read, and its part in the provenance.
-struct Frame {
+struct Input {
   denoise::NamedPicture picture;
   cli::Common::Input source;
 };
 
-Frame read(const std::string& path, const cli::Common& common) {
+Input read(const std::string& path, const cli::Common& common) {
   const std::string bytes = read_file(path), name = display_name(path);
   ExrFile file = denoise::parse_with_channels(bytes, name);
   if (file.pixels_without_data > 0)
@@ -61,19 +62,63 @@ Frame read(const std::string& path, const cli::Common& common) {
   return {{std::move(file), name}, {path, content_hash(bytes), from}};
 }
 
+// One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
+std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
+                         std::optional<double> exposure) {
+  Vec3d sum;
+  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
+  const Vec3d mean = sum / static_cast<double>(picture.pixels.size());
+  nlohmann::ordered_json j{{"width", picture.width},
+                           {"height", picture.height},
+                           {"mean", {mean.x, mean.y, mean.z}},
+                           {"denoiser", filtered.denoiser},
+                           {"outliers", filtered.outliers},
+                           {"left_out", filtered.left_out},
+                           {"seen_elsewhere", filtered.seen_elsewhere},
+                           {"features", filtered.has_features},
+                           {"seconds", seconds}};
+  if (const auto& left = filtered.left) {
+    j["relmse"] = left->relmse;
+    j["interval"] = {left->low, left->high};
+  }
+  if (exposure) j["exposure"] = *exposure;
+  return j.dump();
+}
+
+cli::Decisions decisions_of(const denoise::Filtered& filtered) {
+  const cli::Decision features{"features", filtered.has_features ? "used" : "none",
+                               filtered.has_features
+                                   ? "the picture has albedo, normal or depth"
+                                   : "the picture has no albedo, normal and depth",
+                               cli::price_of(cpu_seconds()) + " in all"};
+  if (filtered.denoiser.starts_with(denoise::kKinds.back()))
+    return {{"filter", filtered.denoiser, "--denoiser asks for it", ""}, features};
+  return {{"filter", filtered.denoiser,
+           filtered.denoiser == denoise::kKinds[1]
+               ? "Open Image Denoise is not asked for, or not installed, or other frames help"
+               : "Open Image Denoise is installed",
+           ""},
+          {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
+           "the picture is that mean of the two", ""},
+          {"outliers", counted(filtered.outliers, "pixel") + " darkened",
+           "they were more than twice as bright as all around them, in one half alone",
+           fmt::format("{} % of the light is left out", number_words(100 * filtered.left_out, 2))},
+          features};
+}
+
 int run(const Arguments& a, const cli::Common& common) {
   check_picture_arguments(a);
   const denoise::Kind kind = denoise::kind_of(a.denoiser);
   if (kind == denoise::Kind::oidn && !(a.previous.empty() && a.next.empty()))
     throw UsageError("--previous and --next do not go with --denoiser oidn");
-  Frame frame = read(a.picture, common);
+  Input frame = read(a.picture, common);
   ExrFile& file = frame.picture.file;
   const std::string& name = frame.picture.name;
   std::vector<denoise::NamedPicture> others;
   std::vector<cli::Common::Input> sources{frame.source};
   for (const std::string& path : {a.previous, a.next}) {
     if (path.empty()) continue;
-    Frame other = read(path, common);
+    Input other = read(path, common);
     others.push_back(std::move(other.picture));
     sources.push_back(std::move(other.source));
   }

@@ -7,7 +7,6 @@
 #include "libcommon/base/error.h"
 #include "libcommon/formats/tone.h"
 #include "tools/exrdiff/measure.h"
-#include "tools/exrdiff/report.h"
 
 namespace tdpt::exrdiff_test {
 

@@ -8,7 +8,6 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/options/picture_options.h"
 #include "tools/exrdiff/measure.h"
-#include "tools/exrdiff/report.h"
 
 namespace tdpt {
 namespace {
@@ -65,10 +64,6 @@ std::string difference_bytes(const Arguments& a, const cli::Common& common, cons
   return exr_bytes(file);
 }
 
-void report(const cli::Common& common, const Comparison& comparison) {
-  common.print(common.json ? report_json(comparison) + "\n" : report_text(comparison));
-}
-
 int run(const Arguments& a, const cli::Common& common) {
   if (a.exposure && a.beside.empty()) throw UsageError("--exposure goes with --side-by-side");
   const Input picture = load(a.picture, common), reference = load(a.reference, common);
@@ -81,7 +76,7 @@ int run(const Arguments& a, const cli::Common& common) {
   cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
                 {a.beside, [&] { return png_bytes(side_by_side(p, r, *exposure)); }}},
                common);
-  report(common, comparison);
+  common.print(common.json ? report_json(comparison) + "\n" : report_text(comparison));
   common.explain_by([&] {
     return with_exposure(decisions_of(comparison, r,
                                       static_cast<int64_t>(picture.file.pixels_without_data +

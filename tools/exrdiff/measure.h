@@ -4,6 +4,9 @@
 // them, m = mean |r| over all of them. The constants below are the usual 0.01 for a reference of
 // mean 1; scaling them by m makes every relative measure independent of the unit of light.
 #pragma once
+#include <string>
+
+#include "libcommon/cli/cli.h"
 #include "libcommon/formats/picture.h"
 
 namespace tdpt {
@@ -48,5 +51,17 @@ Picture false_colour(const Picture& picture, const Picture& reference);
 /// The same for the picture on the left and the reference on the right, both toned [tone.h] at one
 /// exposure [stops], with a white line between them.
 Picture side_by_side(const Picture& picture, const Picture& reference, double exposure);
+
+// What exrdiff prints.
+
+/// For people: one measure a line, the black picture's beside it.
+std::string report_text(const Comparison& c);
+/// One JSON object; the keys are listed in exrdiff(1). An infinite psnr is null.
+std::string report_json(const Comparison& c);
+
+/// For --explain. `without_data`: pixels of either file that count as black. `output`: path of the
+/// difference; empty: none.
+cli::Decisions decisions_of(const Comparison& comparison, const Picture& reference,
+                            int64_t without_data, const std::string& output);
 
 }  // namespace tdpt

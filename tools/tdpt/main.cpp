@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/process.h"
 #include "libcommon/cli/cli.h"
+#include "tools/tdpt/cache.h"
 #include "tools/tdpt/making.h"
 #include "tools/tdpt/views.h"
 
@@ -77,9 +79,9 @@ ProgressForm form_of(const cli::Common& common) {
 }
 
 int clean(const Arguments& a) {
-  const WorkFolder work(a.work.empty() ? WorkFolder::usual_path() : a.work);
-  work.check_has_no_others();
-  work.shrink_to(0);
+  const Cache cache(a.work.empty() ? Cache::usual_path() : a.work);
+  cache.check_has_no_others();
+  cache.shrink_to(0);
   return 0;
 }
 
@@ -94,10 +96,9 @@ int run(const Arguments& a, const cli::Common& common) {
   if (views.size() > 1 && !a.report.empty() && !a.dry_run)
     common.note(fmt::format("{} pictures with a report each, one after the other", views.size()));
   for (const View& view : views) {
-    Making making(view.arguments, view.common, form_of(common));
     if (a.dry_run)
-      making.print(printed);
-    else if (const int code = making.run(); code != 0)
+      common.print(commands_of(view.arguments, view.common, printed));
+    else if (const int code = make(view.arguments, view.common, form_of(common)); code != 0)
       return code;
   }
   return 0;

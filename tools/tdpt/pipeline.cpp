@@ -105,24 +105,24 @@ std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
   return hash_of(is_of);
 }
 
-Search search_of(const Arguments& a, const Request& r, const SceneState& state,
-                 const WorkFolder& work, const std::string& programs, const Part* part) {
+Search search_of(const Arguments& a, const Request& r, const SceneState& state, const Cache& cache,
+                 const std::string& programs, const Part* part) {
   const auto stages_in = [&](const std::string& folder) {
     return stages_of(r, sought(a, r, part), programs, folder);
   };
   const std::string entry = "portals-" + key_of_portals(stages_in(""), files_of(a, r, state));
-  Search search{entry, stages_in(work.path_of(entry)), part ? part->frames : FrameRange{}};
+  Search search{entry, stages_in(cache.path_of(entry)), part ? part->frames : FrameRange{}};
   if (part && part->moves)  // there are many
     for (Step& step : search.stages) step.unshaped.emplace_back("--quiet");
   return search;
 }
 
 std::vector<Search> searches_of(const Arguments& a, const Request& r, const SceneState& state,
-                                const WorkFolder& work, const std::string& programs) {
-  if (!r.is_shot) return {search_of(a, r, state, work, programs, nullptr)};
+                                const Cache& cache, const std::string& programs) {
+  if (!r.is_shot) return {search_of(a, r, state, cache, programs, nullptr)};
   std::vector<Search> searches;
   for (const Part& part : parts_of_shot(a))
-    searches.push_back(search_of(a, r, state, work, programs, &part));
+    searches.push_back(search_of(a, r, state, cache, programs, &part));
   return searches;
 }
 
@@ -165,9 +165,9 @@ namespace {
 
 // The last stage writes what is asked for.
 Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
-                             const WorkFolder& work, const std::string& programs) {
+                             const Cache& cache, const std::string& programs) {
   Pipeline p;
-  p.searches = {search_of(a, r, state, work, programs, nullptr)};
+  p.searches = {search_of(a, r, state, cache, programs, nullptr)};
   p.key = p.searches[0].entry;
   p.render = p.searches[0].stages.back();
   p.render.output = r.picture;
@@ -186,15 +186,15 @@ Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneSt
 }  // namespace
 
 Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& r,
-                     const SceneState& state, const WorkFolder& work, const std::string& programs) {
-  if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, work, programs);
+                     const SceneState& state, const Cache& cache, const std::string& programs) {
+  if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, cache, programs);
   Pipeline p;
   const std::string renderer = programs + "/tdpt-render";
   Words portals = a.portals;
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
   if (portals.empty() && uses_portals(a, state.has_sky))
-    p.searches = searches_of(a, r, state, work, programs);
+    p.searches = searches_of(a, r, state, cache, programs);
   const auto key_of = [&](const cli::Common& asked, const FrameRange& frames, const Words& tools,
                           cli::Effect up_to) {
     Fingerprint facts = facts_of(a, r, state, p.searches, given, frames);
@@ -204,18 +204,18 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   const FrameRange all = r.is_shot ? frame_range(a.shot) : FrameRange{};
   p.key = key_of(common, all, {renderer}, cli::Effect::stored);
   const std::string shared = "film-" + key_of(common, all, {renderer}, cli::Effect::picture);
-  p.shared_film = work.path_of(shared) + "/film.exr";
+  p.shared_film = cache.path_of(shared) + "/film.exr";
   // A number of samples is added to those that are there; another end of a rendering is its own.
   const bool counts = !r.is_shot && (a.spp > 0 || a.seconds > 0);
   p.entry = counts ? shared : "picture-" + p.key;
   if (p.searches.size() == 1) portals.push_back(p.searches[0].found());
   if (p.searches.size() > 1)
-    portals.push_back(p.portals_by_frame = work.path_of(p.entry) + "/frame.######.portal.glb");
+    portals.push_back(p.portals_by_frame = cache.path_of(p.entry) + "/frame.######.portal.glb");
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
   Words beside = joined({r.unshaped, r.beside});
   if (a.checkpoint.empty() && a.resume.empty() && !r.is_shot) {
-    p.film = work.path_of(p.entry) + "/film.exr";
+    p.film = cache.path_of(p.entry) + "/film.exr";
     beside.insert(beside.end(), {"--checkpoint", p.film, "--resume", p.film});
   }
   const Words options = joined({{renderer},
@@ -233,7 +233,7 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   p.render = {"rendering", options, given_to(r, portals), beside, r.picture};
   if (!filters_frames(a)) return p;
   const std::string filter = programs + "/exrdenoise";
-  p.noisy = work.path_of(p.entry) + "/noisy/frame.######";
+  p.noisy = cache.path_of(p.entry) + "/noisy/frame.######";
   p.render.output = p.noisy + ".exr";
   if (!r.stats.empty())
     p.render.unshaped.insert(p.render.unshaped.end(), {"--stats", p.noisy + ".json"});

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "libcommon/options/shot_options.h"
+#include "tools/tdpt/cache.h"
 #include "tools/tdpt/request.h"
 #include "tools/tdpt/scene_state.h"
-#include "tools/tdpt/work_folder.h"
 
 namespace tdpt {
 
@@ -53,7 +53,7 @@ struct Pipeline {
 
 /// `programs`: the folder with the programs.
 Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& request,
-                     const SceneState& state, const WorkFolder& work, const std::string& programs);
+                     const SceneState& state, const Cache& cache, const std::string& programs);
 
 /// The renderer's command for some frames of the shot.
 Words command_for(const Step& render, const FrameRange& frames);

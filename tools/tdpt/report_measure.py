@@ -3,14 +3,12 @@
 Renders the scene twice, each for as many CPU seconds: by bdpt without portals, and by `auto` (or what the command says)
 with them. A rendering begins with a quarter of its time, in which it decides what renders, and goes on from its own
 checkpoint in doublings, so that no sample is drawn twice; every step is held against a reference of another seed, which
-is rendered last and longer. What the stages told of themselves is read where it lies beside their results,
-and told again by a run aside where it does not. CPU seconds, because they are the same on a busy machine. Standard
-library alone.
+is rendered last and longer. What the stages told of themselves is read where it lies beside their results. CPU seconds,
+because they are the same on a busy machine. Standard library alone.
 """
 
 import argparse
 import ctypes
-import filecmp
 import json
 import os
 import re
@@ -101,60 +99,23 @@ def run(command, progress=None):
         return out.read().decode("utf-8", "replace"), err, usage.ru_maxrss * 1024
 
 
-def pose_of(words):
-    """The words among a command's that say at which time of which animations it takes the scene."""
-    pose = []
-    for k, word in enumerate(words):
-        name, equals, _ = word.partition("=")
-        if name in ("--at", "--animation"):
-            pose += [word] if equals else words[k:k + 2]
-    return pose
-
-
-def told(stem, known, scene, pose, folder, say):
-    """What each stage told of itself, from beside its result or by a run aside."""
+def told(stem, known, folder):
+    """What each stage told of itself when it made its result, from the files beside it."""
     stages = []
     for tool, end in STAGES:
-        result, beside = f"{stem}.{end}", f"{known}.{end}"
-        stage = {"tool": tool, "file": os.path.basename(result), "aside": False, "same": None, "json": None, "text": "",
-                 "picture": None, "missing": None, "bytes": None}
+        result, beside = f"{stem}.{end}", f"{known}.{end}.told"
+        stage = {"tool": tool, "file": os.path.basename(result), "json": None, "text": "", "picture": None, "missing": None}
         stages.append(stage)
-        if not os.path.exists(result):
-            stage["missing"] = "its result is not there"
-            continue
-        stage["bytes"] = os.path.getsize(result)
-        kind = next((end for end in ("svg", "png") if os.path.exists(f"{beside}.told.{end}")), "png")
         try:
-            fresh = os.path.getmtime(f"{beside}.told.json") >= os.path.getmtime(result)
-        except OSError:
-            fresh = False
-        try:
-            if fresh:
-                with open(f"{beside}.told.json", encoding="utf-8", errors="replace") as stream:
-                    stage["json"] = json.load(stream)
-                with open(f"{beside}.told.txt", encoding="utf-8", errors="replace") as stream:
-                    stage["text"] = stream.read()
-                picture = os.path.join(folder, f"{tool}.{kind}")
-                shutil.copyfile(f"{beside}.told.{kind}", picture)
-            else:
-                with open(f"{beside}.command", encoding="utf-8") as stream:
-                    command = stream.read().strip()
-                say(f"{tool} again, aside: it made {os.path.basename(result)} before a report was asked for")
-                inputs = {"max": [scene], "cut": [f"{stem}.max", "--scene", scene, *pose], "vdb": [scene, f"{stem}.cut"],
-                          "portal.glb": [f"{stem}.vdb", "--scene", scene, *pose]}[end]
-                picture = os.path.join(folder, f"{tool}.{'svg' if tool == 'portalfit' else 'png'}")
-                aside = os.path.join(folder, "aside", f"{os.path.basename(stem)}.{end}")
-                os.makedirs(os.path.dirname(aside), exist_ok=True)
-                out, stage["text"], _ = run(["sh", "-c", command + ' "$@"', "sh", *inputs, "--json", "--explain", "--preview",
-                                             picture, "-o", aside])
-                stage["json"] = json.loads(out)
-                stage["aside"], stage["same"] = True, filecmp.cmp(aside, result, shallow=False)
-            stage["picture"] = os.path.basename(picture)
-        except FileNotFoundError:
-            stage["missing"] = "no record of its command is kept, so it could not be asked again"
-        except (Failed, ValueError) as error:
-            stage["missing"] = "asked again, it failed: " + (str(error).strip().splitlines() or ["it said nothing"])[-1]
-    shutil.rmtree(os.path.join(folder, "aside"), ignore_errors=True)
+            with open(f"{beside}.json", encoding="utf-8", errors="replace") as stream:
+                stage["json"] = json.load(stream)
+            with open(f"{beside}.txt", encoding="utf-8", errors="replace") as stream:
+                stage["text"] = stream.read()
+            picture = f"{tool}.{'svg' if os.path.exists(f'{beside}.svg') else 'png'}"
+            shutil.copyfile(f"{beside}.{picture[-3:]}", os.path.join(folder, picture))
+            stage["picture"] = picture
+        except (OSError, ValueError) as error:
+            stage["missing"] = f"what it told of itself cannot be read ({error.__class__.__name__})"
     return stages
 
 
@@ -215,7 +176,7 @@ def options():
     parser.add_argument("--exrdiff", required=True)
     parser.add_argument("--info", required=True)
     parser.add_argument("--stem", default="", help="of the stages' results; empty where no stage found the portals")
-    parser.add_argument("--known", default="", help="where the stages told of themselves, likewise")
+    parser.add_argument("--known", default="", help="where the stages told of themselves; default beside their results")
     parser.add_argument("--threads", default="")
     parser.add_argument("--quiet", action="store_true")
     parser.add_argument("--progress", action="store_true", help="tell it in objects of JSON on standard error")
@@ -258,7 +219,7 @@ def measure(a):
             portals += ["--set", f"{name}={ours['--set ' + name][-1]}"]
     chosen = ours.get("--integrator", ["auto"])[-1]
 
-    stages = told(a.stem, a.known, a.scene, pose_of(stay), a.folder, say) if a.stem else []
+    stages = told(a.stem, a.known or a.stem, a.folder) if a.stem else []
 
     with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
     without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)

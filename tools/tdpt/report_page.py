@@ -10,6 +10,7 @@ import json
 import math
 import os
 import re
+import string
 import struct
 import sys
 
@@ -139,104 +140,110 @@ def details(summary, *children):
 
 # What was decided: lines "program: what: decision, because reason (price)"; the others are notes.
 
+DECISION = re.compile(r"(.+?): (.+?), because (.*?)(?:(?<!:) \(((?:[^()]|\([^()]*\))*)\))?$")
+
+
 def decisions(told):
-    rows, notes = [], []
-    for line in told.splitlines():
-        tool, colon, rest = line.partition(": ")
-        match = re.match(r"(.+?): (.+?), because (.*)$", rest)
-        if not colon:
-            continue
-        if not match:
-            notes.append(rest)
-            continue
-        what, decision, reason = match.groups()
-        price = ""
-        if reason.endswith(")"):
-            depth, at = 0, len(reason)
-            while at:
-                at -= 1
-                depth += {")": 1, "(": -1}.get(reason[at], 0)
-                if depth == 0:
-                    break
-            if at > 1 and reason[at - 1] == " " and ": " not in reason[at - 3:at]:
-                reason, price = reason[:at - 1], reason[at + 1:-1]
-        rows.append((what, decision, reason, price))
-    return rows, notes
+    """-> rows of what, decision, reason and price; the other lines."""
+    lines = [line.partition(": ")[2] for line in told.splitlines() if ": " in line]
+    rows = [match.groups(default="") for match in map(DECISION.match, lines) if match]
+    return rows, [line for line in lines if not DECISION.match(line)]
 
 
-# The plot.
+# Charts.
 
-def ticks(low, high):
-    return [(m * 10.0 ** e, m == 1) for e in range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
-            for m in range(1, 10) if low * 0.9999 <= m * 10.0 ** e <= high * 1.0001]
+class Axis:
+    """Of a chart: its ends, its ticks, and where a value lies between the ends."""
+
+    def __init__(self, low, high, words, logarithmic=True, shown=lambda value: figure(value, 1)):
+        self.low, self.high, self.words, self.logarithmic, self.shown = low, high if high > low else low + 1, words, logarithmic, shown
+
+    def share(self, value):
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def ticks(self, most):
+        """Round ones: powers of ten if there are enough, else also twice and five times these, else all."""
+        if not self.logarithmic:
+            size = 10.0 ** math.floor(math.log10((self.high - self.low) / most))
+            step = next(m * size for m in (1, 2, 5, 10, 20) if (self.high - self.low) / (m * size) <= most)
+            return [i * step for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
+        exponents = range(math.floor(math.log10(self.low)) - 1, math.ceil(math.log10(self.high)) + 1)
+        for factors, enough in (((1,), 3), ((1, 2, 5), 2), (range(1, 10), 0)):
+            found = [m * 10.0 ** e for e in exponents for m in factors if self.low * 0.9999 <= m * 10.0 ** e <= self.high * 1.0001]
+            if len(found) >= enough:
+                return found
 
 
-def plot(measured, width, height, class_, ident):
-    series = [("without", "bdpt, no portals"), ("with", f"{measured['integrator']}, portals")]
-    points = {key: [(s["cpu"], s["relmse"]) for s in measured[key]["steps"]
-                    if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0] for key, _ in series}
-    everything = points["with"] + points["without"]
-    if not everything:
-        return el("p", "No error could be measured: there is nothing to draw.", class_="none")
-    own, black = get(measured, "reference", "last", "noise", "relmse"), get(measured, "black", "relmse")
-    own = own if number(own) and own > 0 else None
-    black = black if number(black) and black > 0 else None
-    xs = [x for x, _ in everything]
-    ys = [y for _, y in everything] + [v for v in (own, black) if v]
-    # Decades cost room where nothing is: the axes end half a step beyond what is drawn.
-    x0, x1, y0, y1 = min(xs) / 1.25, max(xs) * 1.25, min(ys) / 1.6, max(ys) * 1.6
-    left, right, top, bottom = 58, 14, 16, 46
+def chart(lines, x, y, heights, said, ident, marks=False, shade=None, level=None, changes=()):
+    """A figure for wide windows and one for narrow ones. lines: {label: [[(x, y), ...], ...]}, of which the first is drawn as
+    "with" and the second as "without". shade, level: (value, words), an area from below and a line across. changes: (x, words)."""
+    keys = [el("span", el("span", class_="key" + (" with" if i == 0 else ""), aria_hidden="true"), label, Markup(" &nbsp; "))
+            for i, label in enumerate(lines)]
+    return [el("p", keys, class_="note") if len(lines) > 1 else None,
+            [drawn(lines, x, y, width, height, f"{said}.", f"{ident}-{kind}", kind, marks, shade, level, changes)
+             for width, height, kind in ((760, heights[0], "wide"), (380, heights[1], "narrow"))]]
 
-    def px(x):
-        return round(left + (width - left - right) * math.log(x / x0) / math.log(x1 / x0), 1)
 
-    def py(y):
-        return round(height - bottom - (height - top - bottom) * math.log(y / y0) / math.log(y1 / y0), 1)
+def drawn(lines, x, y, width, height, said, ident, kind_of_plot, marks, shade, level, changes):
+    left, right, top, bottom = 58, width - 14, 22, height - 46
+
+    def px(value):
+        return round(left + (right - left) * x.share(value), 1)
+
+    def py(value):
+        return round(bottom - (bottom - top) * y.share(value), 1)
     out = []
-    if own:
-        out.append(el("rect", x=left, y=py(own), width=width - left - right, height=round(height - bottom - py(own), 1), class_="own"))
-    for axis, low, high in (("x", x0, x1), ("y", y0, y1)):
-        all_ticks = ticks(low, high)
-        # As many labels as there is room for, the round ones first.
-        tens = [t for t, whole in all_ticks if whole]
-        labelled = tens
-        if len(tens) < 3:
-            labelled = [t for t, _ in all_ticks if str(f"{t:e}")[0] in "125"]
-        if len(labelled) < 2:
-            labelled = [t for t, _ in all_ticks]
-        for value, whole in all_ticks:
-            at = px(value) if axis == "x" else py(value)
-            ends = {"x1": at, "x2": at, "y1": top, "y2": height - bottom} if axis == "x" else {
-                "x1": left, "x2": width - right, "y1": at, "y2": at}
-            if whole or value in labelled:
-                out.append(el("line", class_="grid", **ends))
-            if value in labelled:
-                out.append(el("text", figure(value, 1), x=at if axis == "x" else left - 8,
-                              y=height - bottom + 18 if axis == "x" else at + 4, class_="tick",
-                              text_anchor="middle" if axis == "x" else "end"))
-    out.append(el("path", d=f"M{left} {top}V{height - bottom}H{width - right}", class_="axis"))
-    out.append(el("text", "CPU seconds", x=(left + width - right) / 2, y=height - 8, class_="label", text_anchor="middle"))
-    out.append(el("text", "relMSE", x=14, y=(top + height - bottom) / 2, class_="label", text_anchor="middle",
-                  transform=f"rotate(-90 14 {(top + height - bottom) / 2})"))
-    if black:
-        out.append(el("line", x1=left, x2=width - right, y1=py(black), y2=py(black), class_="black"))
-        out.append(el("text", "a black picture", x=left + 6, y=py(black) - 6, class_="remark"))
-    if own:
-        below = height - bottom - py(own) > 20
-        out.append(el("text", "the reference\u2019s own error", x=left + 6, y=py(own) + (15 if below else -6), class_="remark"))
-    for key, label in series:
-        line = sorted(points[key])
-        if not line:
-            continue
-        out.append(el("polyline", points=" ".join(f"{px(x)},{py(y)}" for x, y in line), class_="line " + key))
-        for x, y in line:
+    if shade:
+        out.append(el("rect", x=left, y=py(shade[0]), width=right - left, height=round(bottom - py(shade[0]), 1), class_="own"))
+    for tick in x.ticks(width / 60):
+        out.append(el("line", class_="grid", x1=px(tick), x2=px(tick), y1=top, y2=bottom))
+        out.append(el("text", x.shown(tick), x=px(tick), y=bottom + 18, class_="tick", text_anchor="middle"))
+    for tick in y.ticks(6):
+        out.append(el("line", class_="grid", x1=left, x2=right, y1=py(tick), y2=py(tick)))
+        out.append(el("text", y.shown(tick), x=left - 8, y=py(tick) + 4, class_="tick", text_anchor="end"))
+    out.append(el("path", d=f"M{left} {top}V{bottom}H{right}", class_="axis"))
+    out.append(el("text", x.words, x=(left + right) / 2, y=height - 8, class_="label", text_anchor="middle"))
+    middle = (top + bottom) / 2
+    out.append(el("text", y.words, x=14, y=middle, class_="label", text_anchor="middle", transform=f"rotate(-90 14 {middle})"))
+    if level:
+        out.append(el("line", x1=left, x2=right, y1=py(level[0]), y2=py(level[0]), class_="black"))
+        out.append(el("text", level[1], x=left + 6, y=py(level[0]) - 6, class_="remark"))
+    if shade:
+        out.append(el("text", shade[1], x=left + 6, y=py(shade[0]) + (15 if bottom - py(shade[0]) > 20 else -6), class_="remark"))
+    for (value, words), end in zip(changes, [value for value, _ in changes[1:]] + [x.high]):
+        if value > x.low:
+            out.append(el("line", x1=px(value), x2=px(value), y1=top, y2=bottom, class_="change"))
+        if px(end) - px(value) > 7 * len(words):  # else the sentence above tells it
+            out.append(el("text", words, x=px(value) + 5, y=top - 6, class_="remark"))
+    for runs, kind in zip(lines.values(), ("with", "without")):
+        for run in runs:
+            out.append(el("polyline", points=" ".join(f"{px(a)},{py(b)}" for a, b in run), class_="line " + kind))
             # A disc and a square, so that no colour is needed to tell them apart.
-            out.append(el("circle", cx=px(x), cy=py(y), r=4.5, class_="mark " + key) if key == "with" else
-                       el("rect", x=round(px(x) - 4, 1), y=round(py(y) - 4, 1), width=8, height=8, class_="mark " + key))
-    said = "; ".join(f"{label}: relMSE {figure(max(points[k])[1])} after {figure(max(points[k])[0])} CPU seconds"
-                     for k, label in series if points[k])
-    return el("svg", el("title", "Error against time, both axes logarithmic. " + said + ".", id=ident), *out,
-              viewBox=f"0 0 {width} {height}", role="img", aria_labelledby=ident, class_="plot " + class_)
+            for a, b in run if marks or len(run) == 1 else ():
+                out.append(el("circle", cx=px(a), cy=py(b), r=4.5, class_="mark " + kind) if kind == "with" else
+                           el("rect", x=round(px(a) - 4, 1), y=round(py(b) - 4, 1), width=8, height=8, class_="mark " + kind))
+    return el("svg", el("title", said, id=ident), *out, viewBox=f"0 0 {width} {height}", role="img", aria_labelledby=ident,
+              class_="plot " + kind_of_plot)
+
+
+def error_chart(m):
+    """The error of both renderings over their time."""
+    lines = {label: [sorted((s["cpu"], s["relmse"]) for s in m[key]["steps"] if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0)]
+             for key, label in (("with", f"{m['integrator']}, portals (discs)"), ("without", "bdpt, no portals (squares, dashed)"))}
+    points = [point for (run,) in lines.values() for point in run]
+    if not points:
+        return el("p", "No error could be measured: there is nothing to draw.", class_="none")
+    own, black = (value if number(value) and value > 0 else None
+                  for value in (get(m, "reference", "last", "noise", "relmse"), get(m, "black", "relmse")))
+    ys = [value for _, value in points] + [value for value in (own, black) if value]
+    # Decades cost room where nothing is: the axes end half a step beyond what is drawn.
+    x = Axis(min(points)[0] / 1.25, max(points)[0] * 1.25, "CPU seconds")
+    said = "; ".join(f"{label}: relMSE {figure(run[-1][1])} after {figure(run[-1][0])} CPU seconds" for label, (run,) in lines.items() if run)
+    return chart(lines, x, Axis(min(ys) / 1.6, max(ys) * 1.6, "relMSE"), (420, 340),
+                 "Error against time, both axes logarithmic. " + said, "plot", marks=True,
+                 shade=(own, "the reference\u2019s own error") if own else None, level=(black, "a black picture") if black else None)
 
 
 def bar(share, class_="bar"):
@@ -358,110 +365,6 @@ def limits(m, v):
     return out
 
 
-STYLE = """
-:root{color-scheme:light dark;--paper:#fbfaf7;--ink:#1e1d1a;--soft:#5d5a53;--rule:#dcd8ce;--panel:#f3f1ea;--with:#1b5e9e;--without:#a3540f;--link:#1b5e9e}
-@media (prefers-color-scheme:dark){:root{--paper:#17181a;--ink:#e9e6df;--soft:#a9a59b;--rule:#37383b;--panel:#202225;--with:#82b8f2;--without:#e8a765;--link:#8fc0f5}}
-*{box-sizing:border-box}
-html{-webkit-text-size-adjust:100%;text-size-adjust:100%}
-body{margin:0;background:var(--paper);color:var(--ink);font:1rem/1.55 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
-main,body>footer{max-width:74rem;margin:0 auto;padding:0 clamp(1rem,4vw,3rem)}
-main{padding-top:clamp(1.5rem,5vw,4rem)}
-p{max-width:42rem;margin:.6em 0}
-h1,h2,h3{line-height:1.2;font-weight:600;text-wrap:balance;overflow-wrap:anywhere}
-h1{font-size:clamp(1.8rem,1.2rem + 2.4vw,3rem);letter-spacing:-.02em;margin:.15em 0 .5em}
-h2{font-size:1.4rem;letter-spacing:-.01em;margin:0 0 .7em}
-h3{font-size:1rem;margin:0 0 .4em}
-a{color:var(--link);text-underline-offset:.2em}
-:focus-visible{outline:2px solid var(--link);outline-offset:3px}
-.eyebrow,figcaption,caption,.note,.none,nav,body>footer{color:var(--soft);font-size:.875rem}
-.said{color:var(--ink)}
-.eyebrow{margin:0;letter-spacing:.02em}
-.verdict{font-size:clamp(1.1rem,1rem + .5vw,1.35rem);line-height:1.45;max-width:36rem;margin:0 0 .8em}
-.hero{display:grid;gap:1.5rem 3rem;align-items:start}
-.hero>*{min-width:0}
-@media (min-width:56rem){.hero{grid-template-columns:minmax(0,1.1fr) minmax(0,1fr)}}
-figure{margin:0}
-img{display:block;max-width:100%;height:auto;border-radius:3px}
-.picture img{width:100%}
-figcaption{margin-top:.5rem;max-width:42rem}
-figcaption strong{color:var(--ink);font-weight:600}
-dl.facts{display:grid;grid-template-columns:repeat(auto-fit,minmax(9.5rem,1fr));gap:1.25rem 2rem;margin:2.5rem 0 0;padding:1.25rem 0;border-block:1px solid var(--rule)}
-dl.facts div{display:flex;flex-direction:column-reverse;justify-content:flex-end}
-dl.facts dt{color:var(--soft);font-size:.875rem;line-height:1.35;max-width:15rem}
-dl.facts dd{margin:0;font-size:1.6rem;line-height:1.25;font-variant-numeric:tabular-nums;letter-spacing:-.01em}
-nav{margin:1.25rem 0 0}
-nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.35rem 1.4rem;padding:0;margin:0}
-section{margin:clamp(2.75rem,6vw,4.5rem) 0 0}
-.stages{display:grid;gap:2.5rem;margin:1.5rem 0 2.5rem}
-.stages img{background:#fff;border:1px solid var(--rule)}
-@media (min-width:60rem){.stages{grid-template-columns:1fr 1fr;gap:3rem 2.5rem}.stages>*{min-width:0}.stages>.wide{grid-column:1/-1}}
-.pair{display:grid;gap:1.5rem;margin:1.5rem 0}
-.pair>*{min-width:0}
-@media (min-width:36rem){.pair{grid-template-columns:1fr 1fr}}
-@media (min-width:60rem){.pair.three{grid-template-columns:1fr 1fr 1fr}}
-.pair img{image-rendering:auto}
-.key{display:inline-block;width:.7em;height:.7em;margin-right:.4em;background:var(--without)}
-.key.with{background:var(--with);border-radius:50%}
-.scroll{overflow-x:auto;margin:1.25rem 0;max-width:100%}
-table{border-collapse:collapse;width:100%;font-size:.9375rem;font-variant-numeric:tabular-nums}
-caption{text-align:left;padding:0 0 .5rem;caption-side:top;line-height:1.4}
-th,td{text-align:left;vertical-align:top;padding:.45rem 1.25rem .45rem 0;border-bottom:1px solid var(--rule)}
-th:last-child,td:last-child{padding-right:0}
-thead th{font-weight:600;font-size:.8125rem;color:var(--soft);vertical-align:bottom;line-height:1.3}
-tbody th{font-weight:500}
-tfoot th,tfoot td{font-weight:600;border-bottom:0}
-.n{text-align:right;white-space:nowrap}
-thead .n{white-space:normal}
-td.n+td:not(.n),td.n+td:not(.n){padding-left:.5rem}
-code,pre{font:.875em/1.5 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace}
-code{overflow-wrap:anywhere}
-td code{overflow-wrap:normal}
-.hash{color:var(--soft);overflow-wrap:anywhere}
-pre{white-space:pre-wrap;overflow-wrap:anywhere;background:var(--panel);padding:.9rem 1rem;border-radius:3px;margin:.75rem 0}
-details{border-top:1px solid var(--rule);max-width:100%}
-details:last-of-type{border-bottom:1px solid var(--rule)}
-summary{cursor:pointer;padding:.7rem 0;font-weight:500}
-details[open]{padding-bottom:1rem}
-details>ul{margin:.25rem 0 1rem}
-ul{padding-left:1.2rem;max-width:42rem}
-li{margin:.35em 0}
-svg.plot{display:block;width:100%;height:auto;font:13px system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
-svg.wide{max-width:52rem}svg.narrow{display:none}
-@media (max-width:40rem){svg.wide{display:none}svg.narrow{display:block}}
-.plot text{fill:var(--ink)}.plot .tick,.plot .remark{fill:var(--soft)}
-.plot .remark{font-size:12px}
-.plot .grid{stroke:var(--rule);stroke-width:1}
-.plot .axis{fill:none;stroke:var(--soft);stroke-width:1}
-.plot .own{fill:var(--rule);opacity:.5}
-.plot .black{stroke:var(--soft);stroke-width:1.25;stroke-dasharray:2 4}
-.plot .line{fill:none;stroke-width:2}
-.plot .line.with{stroke:var(--with)}.plot .line.without{stroke:var(--without);stroke-dasharray:7 4}
-.plot .mark.with{fill:var(--with)}.plot .mark.without{fill:var(--without)}
-.bar{display:block;width:100%;min-width:6rem;height:.55rem;margin-top:.5rem}
-.bar .track{fill:var(--panel)}.bar .fill{fill:var(--soft)}
-.limits{font-size:.9375rem;color:var(--soft)}
-body>footer{margin-top:4rem;padding-bottom:3rem}
-@media (max-width:44rem){
- table.stack thead{position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%)}
- table.stack,table.stack tbody,table.stack tr,table.stack th,table.stack td,table.stack caption{display:block}
- table.stack tr{padding:.6rem 0;border-bottom:1px solid var(--rule)}
- table.stack th,table.stack td{border:0;padding:.1rem 0}
- table.stack .n{text-align:left;white-space:normal}
- table.stack td:empty{display:none}
- table.stack tbody th{font-weight:600}
- table.stack td[data-head]::before{content:attr(data-head) ": ";color:var(--soft)}
- th,td{padding-right:.9rem}
-}
-@media print{
- :root{--paper:#fff;--ink:#000;--soft:#444;--rule:#bbb;--panel:#f2f2f2;--with:#1b5e9e;--without:#a3540f;--link:#000}
- body{font-size:10pt}main{padding-top:0;max-width:none}nav{display:none}
- section{margin-top:2rem}h2,h3{break-after:avoid}figure,tr,.facts,svg{break-inside:avoid}
- .scroll{overflow:visible}table{font-size:8.5pt}th,td{padding-right:.6rem}
- .stages{grid-template-columns:1fr 1fr;gap:1.5rem}.pair{grid-template-columns:1fr 1fr}.pair.three{grid-template-columns:1fr 1fr 1fr}
- details::details-content{content-visibility:visible;display:block}
-}
-"""
-
 STAGE_TEXT = {
     "ffgraph": ("Who reaches what", "The scene by its camera and in plan: amber where walks from the light came, blue where the "
                 "camera\u2019s came, violet both",
@@ -476,9 +379,8 @@ STAGE_TEXT = {
 
 
 def document(title, body, foot, style=""):
-    return ("<!DOCTYPE html>\n" + el("html", el("head", el("meta", charset="utf-8"), el("meta", name="viewport", content="width=device-width, initial-scale=1"),
-            el("meta", name="color-scheme", content="light dark"), el("title", title), el("style", Markup(STYLE + style))),
-            el("body", body, el("footer", el("p", foot))), lang="en") + "\n")
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "report.html"), encoding="utf-8") as stream:
+        return string.Template(stream.read()).substitute(title=text(title), body=body, foot=text(foot), style=style)
 
 
 def scene_part(folder, m, v):
@@ -506,13 +408,8 @@ def stages_part(folder, m, v):
         _, notes = decisions(stage["text"])
         body = picture(folder, stage["picture"], f"{stage['tool']}: {alt}") if stage["picture"] else el(
             "p", f"Not drawn: {stage['missing'] or 'there is no picture'}.", class_="none")
-        again = None
-        if stage["aside"]:
-            again = "This account is of a second run, aside: the result was there before a report was asked for. " + (
-                "Both runs made the same bytes." if stage["same"] else "Its result differs from the one that was used.")
         out.append(el("figure", el("h3", el("code", stage["tool"]), " \u00b7 ", heading), body,
-                      el("figcaption", how, [el("br"), el("span", notes[0], class_="said")] if notes else None,
-                         [el("br"), again] if again else None), class_="picture wide" if stage["tool"] == "portalfit" else "picture"))
+                      el("figcaption", how, [el("br"), el("span", notes[0], class_="said")] if notes else None), class_="picture wide" if stage["tool"] == "portalfit" else "picture"))
     if not out:
         out = [el("p", "The stages did not run for this page: " + (
             "its portals were drawn by hand or come from elsewhere." if m["given"] else "pictures are made without portals."))]
@@ -596,9 +493,7 @@ def time_part(m, v):
     if v.gain and v.gain > 1.1:
         words += f"If that holds on, bdpt would need about {figure(v.gain * v.after['cpu'])} CPU seconds for what took {figure(v.after['cpu'])}."
     return section("error", "Error over time",
-                   el("figure", el("p", el("span", el("span", class_="key", aria_hidden="true"), "bdpt, no portals (squares, dashed)"), Markup(" &nbsp; "),
-                                   el("span", el("span", class_="key with", aria_hidden="true"), f"{m['integrator']}, portals (discs)"), class_="note"),
-                      plot(m, 760, 420, "wide", "plot-wide"), plot(m, 380, 340, "narrow", "plot-narrow"),
+                   el("figure", error_chart(m),
                       el("figcaption", words + " The shaded ground is what the reference\u2019s own error hides, as it estimates it." )),
                    details("The points of the plot", table("relMSE and PSNR against the same reference", ("CPU seconds", "Way", "Samples per pixel",
                            "relMSE", "PSNR"), steps, numeric=(0, 2, 3, 4))))

@@ -7,24 +7,11 @@ report_page.py. Standard library alone.
 
 import base64
 import json
-import math
 import os
 import re
 import sys
 
-from report_page import Markup, count, details, document, el, figure, get, name, number, percent, run, section, table, ticks
-
-STYLE = """
-.frames{list-style:none;display:flex;flex-wrap:wrap;gap:.75rem .5rem;padding:0;margin:1rem 0;max-width:none}
-.frames li{margin:0;font-size:.8125rem;color:var(--soft);font-variant-numeric:tabular-nums}
-.shot{display:block;border-radius:2px;background-repeat:no-repeat}
-.flip{animation-name:flip;animation-iteration-count:infinite}
-.flip:hover,.flip:focus{animation-play-state:paused}
-@media (prefers-reduced-motion:reduce){.flip{animation:none}}
-@media print{.flip{animation:none}.shot{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
-.plot .change{stroke:var(--soft);stroke-dasharray:2 4}
-"""
-
+from report_page import Axis, chart, count, details, document, el, figure, get, name, number, percent, run, section, table
 
 def known(value):
     """A figure that can be drawn, or nothing: files may hold anything."""
@@ -64,63 +51,19 @@ def span_words(first, last):
     return f"frame {first}" if first == last else f"frames {first}\u2013{last}"
 
 
-def chart(frames, values, title, unit, logarithmic, ident, changes):
-    """values: {label: {frame: value}}, drawn over the frames' numbers, wide and narrow; gaps where there are none."""
+def over_time(frames, values, title, unit, logarithmic, ident, changes):
+    """values: {label: {frame: value}}, drawn over the frames' numbers; gaps where there are none."""
     values = {label: {k: v for k, v in of.items() if number(v) and (v > 0 or not logarithmic)} for label, of in values.items()}
-    if not any(values.values()):
-        return el("p", "No frame has statistics that tell it.", class_="none")
-    keys = [el("span", el("span", class_="key" + (" with" if i % 2 == 0 else ""), aria_hidden="true"), label, Markup(" &nbsp; "))
-            for i, label in enumerate(values)]
-    said = "; ".join(f"{label}: {figure(min(of.values()))} to {figure(max(of.values()))}" for label, of in values.items() if of)
-    return el("figure", el("p", keys, class_="note") if len(values) > 1 else None,
-              [drawn(frames, values, unit, logarithmic, changes, width, height, f"{title}. {said}.", f"{ident}-{kind}", kind)
-               for width, height, kind in ((760, 300, "wide"), (380, 260, "narrow"))])
-
-
-def drawn(frames, values, unit, logarithmic, changes, width, height, said, ident, kind_of_plot):
     every = [v for of in values.values() for v in of.values()]
-    left, right, top, bottom = 58, 14, 22, 46
-    first, last = frames[0].number, frames[-1].number
+    if not every:
+        return el("p", "No frame has statistics that tell it.", class_="none")
+    said = "; ".join(f"{label}: {figure(min(of.values()))} to {figure(max(of.values()))}" for label, of in values.items() if of)
     low, high = (min(every) / 1.3, max(every) * 1.3) if logarithmic else (0.0, max(max(every) * 1.1, 1e-9))
-
-    def px(frame):
-        return round(left + (width - left - right) * ((frame - first) / (last - first) if last > first else 0.5), 1)
-
-    def py(value):
-        part = math.log(value / low) / math.log(high / low) if logarithmic else (value - low) / (high - low)
-        return round(height - bottom - (height - top - bottom) * part, 1)
-    out = []
-    if logarithmic:
-        marks = ticks(low, high)
-        labels = [t for t, whole in marks if whole] if sum(whole for _, whole in marks) > 2 else [t for t, _ in marks if f"{t:e}"[0] in "125"]
-    else:
-        step = 10.0 ** math.floor(math.log10(high))
-        step = next(s for s in (step / 5, step / 2, step) if high / s <= 6) if high / step <= 6 else 2 * step
-        labels = [i * step for i in range(int(high / step) + 1)]
-    for t in labels:
-        out.append(el("line", class_="grid", x1=left, x2=width - right, y1=py(t), y2=py(t)))
-        out.append(el("text", percent(t, 2) if unit == "%" else figure(t, 1), x=left - 8, y=py(t) + 4, class_="tick", text_anchor="end"))
-    apart = next(s for s in (1, 2, 5, 10, 20, 25, 50, 100, 200, 250, 500, 1000, 10 ** 4, 10 ** 5, 10 ** 6) if (last - first) / s <= width / 60)
-    for frame in sorted({first} | {f for f in range(first, last + 1) if f % apart == 0}):
-        if frame != first and px(frame) - px(first) < 24:
-            continue
-        out.append(el("text", frame, x=px(frame), y=height - bottom + 18, class_="tick", text_anchor="middle"))
-    out.append(el("path", d=f"M{left} {top}V{height - bottom}H{width - right}", class_="axis"))
-    out.append(el("text", "frame", x=(left + width - right) / 2, y=height - 8, class_="label", text_anchor="middle"))
-    ends = [frame for frame, _ in changes[1:]] + [last]
-    for (frame, words), end in zip(changes, ends):
-        at = (px(frame) + px(frame - 1)) / 2 if frame > first else px(frame)
-        if frame > first:
-            out.append(el("line", x1=at, x2=at, y1=top, y2=height - bottom, class_="change"))
-        if px(end) - at > 7 * len(words):  # else the sentence above tells it
-            out.append(el("text", words, x=at + 5, y=top - 6, class_="remark"))
-    for (label, of), kind in zip(values.items(), ("with", "without") * len(values)):
-        for run in runs_of(sorted(of)):
-            out.append(el("polyline", points=" ".join(f"{px(k)},{py(of[k])}" for k in run), class_="line " + kind))
-            if len(run) == 1:
-                out.append(el("circle", cx=px(run[0]), cy=py(of[run[0]]), r=3, class_="mark " + kind))
-    return el("svg", el("title", said, id=ident), *out, viewBox=f"0 0 {width} {height}", role="img", aria_labelledby=ident,
-              class_="plot " + kind_of_plot)
+    y = Axis(low, high, "", logarithmic, percent if unit == "%" else lambda value: figure(value, 1))
+    x = Axis(frames[0].number, frames[-1].number, "frame", False, lambda value: f"{value:g}")
+    lines = {label: [[(k, of[k]) for k in run] for run in runs_of(sorted(of))] for label, of in values.items()}
+    between = [(frame - 0.5 if frame > x.low else frame, words) for frame, words in changes]
+    return el("figure", chart(lines, x, y, (300, 260), f"{title}. {said}", ident, changes=between))
 
 
 def light_over_time(told):
@@ -211,14 +154,14 @@ def page(folder):
               section("frames", "Frames", strip),
               section("noise", "Noise over time", el("p", "relMSE of each frame, as its own samples tell it: a lone bright pixel that they have not met is not in it."
                       + (" Filtered: what error is left, as the filter estimates it." if len(noise) > 1 else "")),
-                      chart(frames, noise, "Noise over time", "", True, "plot-noise", changes)),
+                      over_time(frames, noise, "Noise over time", "", True, "plot-noise", changes)),
               section("portals", "Portals over time",
                       el("p", "Share of the light that paths begun in portals brought; none where the plan does without them." if light else
                          "Portals brought no light, or there were none."),
-                      chart(frames, light, "Portals over time", "%", False, "plot-portals", changes) if light else None),
+                      over_time(frames, light, "Portals over time", "%", False, "plot-portals", changes) if light else None),
               section("table", "All figures", details(f"{count(n, 'frame')}", table("Frame by frame. By segments: share of the light that paths begun in portals brought",
                       ("Frame", "Way", "Samples per pixel", "CPU seconds", "relMSE", "Portals", "By segments"), rows, numeric=(2, 3, 4, 5, 6)))))
-    return document(f"{title}: a shot", body, "Made by tdpt(1) --report. Figures that were not measured are a dash.", style + STYLE)
+    return document(f"{title}: a shot", body, "Made by tdpt(1) --report. Figures that were not measured are a dash.", style)
 
 
 if __name__ == "__main__":

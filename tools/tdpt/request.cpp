@@ -16,15 +16,10 @@ namespace {
 
 using Names = std::span<const std::string_view>;
 
-constexpr std::string_view kCamera[]{"--camera", "--look-from", "--look-at", "--up",
-                                     "--fov",    "--frame",     "--cull"};
-constexpr std::string_view kPose[]{"--at", "--animation"};
+// Of the sections of --help with cameras and animations, what is for the renderer alone.
+constexpr std::string_view kLens[]{"--f-stop", "--focus", "--shutter"};
 constexpr std::string_view kShot[]{"--frames", "--fps"};
-constexpr std::string_view kSky[]{"--environment", "--environment-rotation", "--environment-scale",
-                                  "--sun-angle", "--set light-units"};
-constexpr std::string_view kDevice[]{"--device"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
-constexpr std::string_view kAll[]{"--no-provenance"};
 constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
 // Of the filter of frames: its options, those that it makes needless, those that this program
 // obeys.
@@ -46,6 +41,11 @@ constexpr std::string_view kOwn[]{"--output",
 
 bool is_one_of(Names names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Whether it says where the camera is, for which portals are found.
+bool places_camera(const cli::Given& given) {
+  return given.part == cli::Part::camera && !is_one_of(kLens, given.name);
 }
 
 // A value that begins with a dash is joined by "=", lest it look like an option.
@@ -78,7 +78,7 @@ Words words_in(const char* variable) {
 Words words_of_all(const Arguments& a, const cli::Common& common) {
   Words words;
   for (cli::Given given : common.given) {
-    if (!is_one_of(kCamera, given.name)) continue;
+    if (!places_camera(given)) continue;
     if (given.name == "--camera") given.values = a.views;
     append(words, given);
   }
@@ -137,13 +137,13 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     if (is_one_of(kOwn, name) || (filters && is_one_of(kFiltered, name))) continue;
     append(filters && is_one_of(kFilter, name)    ? r.filter
            : is_one_of(kUnshaped, name)           ? r.unshaped
-           : is_one_of(kCamera, name)             ? r.camera
-           : is_one_of(kPose, name)               ? r.pose
+           : places_camera(given)                 ? r.camera
            : is_one_of(kShot, name)               ? r.shot
-           : is_one_of(kSky, name)                ? r.sky
-           : is_one_of(kDevice, name)             ? r.device
+           : given.part == cli::Part::animation   ? r.pose
+           : given.part == cli::Part::light       ? r.sky
+           : name == "--device"                   ? r.device
            : is_one_of(kSampling, name)           ? r.sampling
-           : is_one_of(kAll, name)                ? r.all
+           : name == "--no-provenance"            ? r.all
            : given.effect == cli::Effect::picture ? r.render
            : given.effect <= cli::Effect::stored  ? r.amount
                                                   : r.beside,

@@ -10,6 +10,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
+#include "libcommon/film/film_file.h"
 #include "libcommon/formats/picture.h"
 #include "libcommon/formats/tone.h"
 
@@ -79,15 +80,13 @@ class Strip {
 
 // The mark by which tdpt-render knows a frame of a shot, in a picture; empty for other files.
 std::string frame_mark_in(const std::string& path) {
-  std::error_code failed;
-  if (!std::filesystem::is_regular_file(path, failed)) return "";
-  // The attribute as it stands in the header of an OpenEXR file: its name, its type, and its size
-  // in four bytes, of which the first is enough.
-  constexpr std::string_view kAttribute("frame\0string", 13);
-  const std::string bytes = read_file(path);
-  const size_t at = bytes.find(kAttribute), text = at + kAttribute.size() + 4;
-  if (at == std::string::npos || text > bytes.size()) return "";
-  return bytes.substr(text, static_cast<unsigned char>(bytes[text - 4]));
+  try {
+    const ExrFile file = read_exr(path);
+    const auto mark = file.attributes.find(kFrameAttribute);
+    return mark == file.attributes.end() ? "" : mark->second;
+  } catch (const InputError&) {
+    return "";
+  }
 }
 
 // Statistics of a frame, without how it formed; null for other files.

@@ -1,4 +1,4 @@
-#include "tools/tdpt/work_folder.h"
+#include "tools/tdpt/cache.h"
 
 #include <algorithm>
 #include <chrono>
@@ -71,7 +71,7 @@ std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string
 
 }  // namespace
 
-std::string WorkFolder::usual_path() {
+std::string Cache::usual_path() {
   for (const auto& [variable, below] :
        {std::pair("XDG_CACHE_HOME", "/tdpt"), {"HOME", "/.cache/tdpt"}})
     if (const char* value = std::getenv(variable); value && *value == '/')
@@ -79,7 +79,7 @@ std::string WorkFolder::usual_path() {
   throw UsageError("neither XDG_CACHE_HOME nor HOME says where caches are: give --work FOLDER");
 }
 
-std::string WorkFolder::use(const std::string& name) const {
+std::string Cache::use(const std::string& name) const {
   std::error_code failed, ignored;
   fs::create_directories(path_, failed);
   if (!failed && !is_ours()) {
@@ -93,7 +93,7 @@ std::string WorkFolder::use(const std::string& name) const {
   return path;
 }
 
-void WorkFolder::check_has_no_others() const {
+void Cache::check_has_no_others() const {
   std::error_code failed;
   if (is_ours() || !fs::exists(path_, failed)) return;
   for (const auto& file : fs::directory_iterator(path_, failed))
@@ -104,7 +104,7 @@ void WorkFolder::check_has_no_others() const {
   if (failed) throw OutputError(path_, "cannot be listed: " + failed.message());
 }
 
-bool WorkFolder::is_ours() const {
+bool Cache::is_ours() const {
   const std::string path = path_ + "/CACHEDIR.TAG";
   std::string tag;
   try {
@@ -120,21 +120,21 @@ bool WorkFolder::is_ours() const {
   return true;
 }
 
-void WorkFolder::know(const std::string& hash, const std::string& key) const {
+void Cache::know(const std::string& hash, const std::string& key) const {
   if (knows(hash, key)) return;
   const std::string path = path_of("known-" + hash);
   std::error_code failed;
   write_output(path, (fs::exists(path, failed) ? read_file(path) : "") + key + "\n");
 }
 
-bool WorkFolder::knows(const std::string& hash, const std::string& key) const {
+bool Cache::knows(const std::string& hash, const std::string& key) const {
   std::error_code failed;
   const std::string path = path_of("known-" + hash);
   if (hash.empty() || !is_ours() || !fs::exists(path, failed)) return false;
   return key.empty() || ("\n" + read_file(path)).find("\n" + key + "\n") != std::string::npos;
 }
 
-void WorkFolder::shrink_to(uint64_t most) const {
+void Cache::shrink_to(uint64_t most) const {
   if (!is_ours()) return;
   std::error_code ignored;
   const std::vector<Used> entries = all_in(path_, is_entry);

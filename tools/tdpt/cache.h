@@ -20,9 +20,9 @@
 
 namespace tdpt {
 
-class WorkFolder {
+class Cache {
  public:
-  explicit WorkFolder(std::string path) : path_(std::move(path)) {}
+  explicit Cache(std::string path) : path_(std::move(path)) {}
 
   /// Default for --work: the user's cache folder by the XDG base directory specification. Throws
   /// UsageError if there is none.
