@@ -111,10 +111,7 @@ double illuminance_of_square(const Texels& t) {
     for (int x = 0; x < t.width; ++x) {
       const double u = 2 * (x + 0.5) / t.width - 1, v = 2 * (y + 0.5) / t.height - 1;
       const double r = std::abs(u) + std::abs(v);
-      if (r < 1)
-        sum += luminance(t.rgb[static_cast<size_t>(y) * static_cast<size_t>(t.width) +
-                               static_cast<size_t>(x)]) *
-               (1 - r * r);
+      if (r < 1) sum += luminance(t.rgb[t.index(x, y)]) * (1 - r * r);
     }
   return sum * 4 * kPi / (static_cast<double>(t.width) * t.height);
 }
