@@ -149,10 +149,6 @@ double unshadowed(double mu, double alpha) {
   return 2 / (1 + std::sqrt(1 + alpha * alpha * tan2));
 }
 
-}  // namespace
-
-namespace {
-
 // Visits visible microfacets of all cosine-distributed directions: each with the cosine c of the
 // direction to it and the direction's and its own cosine to the surface. Returns their number.
 template <class Visit>
