@@ -13,6 +13,10 @@ struct Texels {
   bool is_8bit = false;  ///< values were bytes: 0..1, encoded as in the file
   std::vector<Rgb> rgb{};
   std::vector<float> alpha{};  ///< empty: 1 everywhere
+
+  size_t index(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
+  }
 };
 
 /// Decodes PNG, JPEG, TGA, BMP, PNM, PSD, GIF, Radiance .hdr, PFM and OpenEXR. Throws InputError.

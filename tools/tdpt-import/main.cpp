@@ -23,7 +23,7 @@ constexpr cli::Program kProgram{
     cli::kCommit,
     cli::kQuiet};
 
-struct Arguments {
+struct ImportOptions {
   std::string scene;
   std::vector<std::string> parameters;
   bool strict = false, allow_missing = false;
@@ -31,7 +31,7 @@ struct Arguments {
   int64_t texture_size = 0;
 };
 
-void declare_options(cli::Options& options, Arguments& a) {
+void declare_options(cli::Options& options, ImportOptions& a) {
   options.argument("scene", a.scene,
                    "Scene of Tungsten (.json), Mitsuba 0.4 to 3 (.xml) or pbrt-v3 and -v4 (.pbrt)");
   options.flag("--strict", a.strict, "Write nothing if anything of the scene would be lost");
@@ -46,40 +46,44 @@ void declare_options(cli::Options& options, Arguments& a) {
                  16384);
 }
 
-enum class Format { tungsten, mitsuba, pbrt };
+using Parameters = std::map<std::string, std::string>;
 
-Format format_of(const std::string& path, const std::string& text) {
+struct Format {
+  const char *name, *suffix;
+  foreign::Described (*read)(foreign::Source&, const Parameters&);
+};
+constexpr Format kTungsten{"Tungsten", ".json",
+                           [](auto& source, auto&) { return foreign::read_tungsten(source); }};
+constexpr Format kMitsuba{"Mitsuba", ".xml", foreign::read_mitsuba};
+constexpr Format kPbrt{"pbrt", ".pbrt",
+                       [](auto& source, auto&) { return foreign::read_pbrt(source); }};
+
+const Format& format_of(const std::string& path, const std::string& text) {
   const std::string suffix = std::filesystem::path(path).extension().string();
   if (suffix == ".gltf" || text.starts_with("glTF"))
     throw InputError(display_name(path), "", "is a glTF scene already: give it to tdpt as it is");
-  if (suffix == ".json") return Format::tungsten;
-  if (suffix == ".xml") return Format::mitsuba;
-  if (suffix == ".pbrt") return Format::pbrt;
+  for (const Format* f : {&kTungsten, &kMitsuba, &kPbrt})
+    if (suffix == f->suffix) return *f;
   const size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != text.npos && text[first] == '<') return Format::mitsuba;
-  if (first != text.npos && text[first] == '{') return Format::tungsten;
+  if (first != text.npos && text[first] == '<') return kMitsuba;
+  if (first != text.npos && text[first] == '{') return kTungsten;
   if (text.find("WorldBegin") == text.npos)
     throw InputError(display_name(path), "",
                      "is no scene of Tungsten (.json), Mitsuba (.xml) or pbrt (.pbrt)");
-  return Format::pbrt;
+  return kPbrt;
 }
 
-std::map<std::string, std::string> parameters_of(const Arguments& a, Format format) {
-  std::map<std::string, std::string> out;
+Parameters parameters_of(const ImportOptions& a, const Format& format) {
+  Parameters out;
   for (const std::string& p : a.parameters) {
     const size_t equals = p.find('=');
     if (equals == p.npos || equals == 0)
       throw UsageError("--define: \"" + shown(p) + "\" is not of the form NAME=VALUE");
     out[p.substr(0, equals)] = p.substr(equals + 1);
   }
-  if (!out.empty() && format != Format::mitsuba)
+  if (!out.empty() && &format != &kMitsuba)
     throw UsageError("--define: only Mitsuba's scenes have parameters");
   return out;
-}
-
-foreign::Up up_of(const std::string& word) {
-  using foreign::Up;
-  return word == "x" ? Up::x : word == "y" ? Up::y : word == "z" ? Up::z : Up::by_camera;
 }
 
 std::string line_of(const foreign::Source::Loss& loss) {
@@ -89,9 +93,9 @@ std::string line_of(const foreign::Source::Loss& loss) {
                      loss.times > 1 ? fmt::format(" ({} times)", loss.times) : "");
 }
 
-void tell(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
-          const std::vector<foreign::Source::Loss>& losses, const std::string& environment,
-          const std::string& portals) {
+void report(const cli::Common& common, const foreign::Described& scene, const foreign::Written& w,
+            const std::vector<foreign::Source::Loss>& losses, const std::string& environment,
+            const std::string& portals) {
   for (const auto& loss : losses) common.warn(line_of(loss));
   std::string light = counted(w.emitters, "emitting triangle");
   if (!scene.lamps.empty()) light += ", " + counted(scene.lamps.size(), "lamp");
@@ -146,22 +150,11 @@ std::string json_of(const foreign::Described& scene, const foreign::Written& w,
   return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-foreign::Described described(foreign::Source& source, Format format, const Arguments& a) {
-  const auto parameters = parameters_of(a, format);
-  foreign::Described scene = format == Format::mitsuba ? foreign::read_mitsuba(source, parameters)
-                             : format == Format::pbrt  ? foreign::read_pbrt(source)
-                                                       : foreign::read_tungsten(source);
-  source.lose_unread();
-  return scene;
-}
-
-int run(const Arguments& a, const cli::Common& common) {
+int run(const ImportOptions& a, const cli::Common& common) {
   foreign::Source source(a.scene, a.allow_missing);
-  const Format format = format_of(a.scene, source.text());
-  const char* name = format == Format::mitsuba ? "Mitsuba"
-                     : format == Format::pbrt  ? "pbrt"
-                                               : "Tungsten";
-  const foreign::Described scene = described(source, format, a);
+  const Format& format = format_of(a.scene, source.text());
+  const foreign::Described scene = format.read(source, parameters_of(a, format));
+  source.lose_unread();
   if (scene.shapes.empty())
     throw InputError(display_name(a.scene), "", "has no shape that can be read");
 
@@ -174,12 +167,13 @@ int run(const Arguments& a, const cli::Common& common) {
   common.also_read(others);
 
   foreign::Writing how;
-  how.up = up_of(a.up);
+  using enum foreign::Up;
+  how.up = a.up == "x" ? x : a.up == "y" ? y : a.up == "z" ? z : by_camera;
   how.longest_texture = static_cast<int>(a.texture_size);
   const std::filesystem::path output = common.output;
   const std::string stem = output.stem().string();
   how.environment = stem + ".environment";
-  how.format = name;
+  how.format = format.name;
   how.provenance = common.provenance({inputs.front()});
   const foreign::Written w = written(scene, how, source);
 
@@ -203,8 +197,8 @@ int run(const Arguments& a, const cli::Common& common) {
       beside(how.environment + w.environment_suffix, w.environment, "the environment becomes");
   const std::string portals = beside(stem + ".portal.glb", w.portals, "the portals become");
   write_outputs(files);
-  tell(common, scene, w, source.losses(), environment, portals);
-  common.summary(json_of(scene, w, source.losses(), name));
+  report(common, scene, w, source.losses(), environment, portals);
+  common.summary(json_of(scene, w, source.losses(), format.name));
   return 0;
 }
 

@@ -58,18 +58,6 @@ constexpr Dielectric kDielectrics[] = {
 
 constexpr double kLeast = 1e-6;  // an index this near 1 has no interface
 
-Number root(const Number& alpha) {
-  Number r = alpha;
-  r.factor = std::sqrt(std::clamp(alpha.factor, 0.0f, 1.0f));
-  if (alpha.texture) {
-    r.factor = 1;
-    r.curve = [factor = alpha.factor, before = alpha.curve](float a) {
-      return std::sqrt(std::clamp(factor * (before ? before(a) : a), 0.0f, 1.0f));
-    };
-  }
-  return r;
-}
-
 float f0_of(float eta, float k) {
   return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k);
 }
@@ -92,6 +80,17 @@ Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f) {
           }};
 }
 
+Colour through(const Colour& c, const std::function<float(float)>& f) {
+  return through(c, [f](const Rgb& v) { return Rgb(f(v.x), f(v.y), f(v.z)); });
+}
+
+Number through(const Number& n, const std::function<float(float)>& f) {
+  if (!n.texture) return {f(n.factor), {}, {}};
+  return {1, n.texture, [f, factor = n.factor, before = n.curve](float texel) {
+            return f(factor * (before ? before(texel) : texel));
+          }};
+}
+
 double diffuse_fresnel(double eta) {
   constexpr int kCells = 1024;  // midpoints in sin^2, where the cosine weight is uniform
   double sum = 0;
@@ -107,11 +106,14 @@ Material diffuse(const Colour& reflectance) {
 
 namespace {
 
+Number root(const Number& alpha) {
+  return through(alpha, [](float a) { return std::sqrt(std::clamp(a, 0.0f, 1.0f)); });
+}
+
 // A Lambertian base under an interface, of whose light base(reflectance) comes out again.
 Material under_interface(const Colour& reflectance, double ior, const Number& alpha,
                          const std::function<float(float)>& base) {
-  Material m = diffuse(
-      through(reflectance, [base](const Rgb& r) { return Rgb(base(r.x), base(r.y), base(r.z)); }));
+  Material m = diffuse(through(reflectance, base));
   m.specular = 1;
   m.ior = static_cast<float>(ior);
   m.roughness = root(alpha);
@@ -146,10 +148,6 @@ double unshadowed(double mu, double alpha) {
   const double tan2 = (1 - mu * mu) / (mu * mu);
   return 2 / (1 + std::sqrt(1 + alpha * alpha * tan2));
 }
-
-}  // namespace
-
-namespace {
 
 // Visits visible microfacets of all cosine-distributed directions: each with the cosine c of the
 // direction to it and the direction's and its own cosine to the surface. Returns their number.
@@ -295,8 +293,7 @@ Material burley(const Colour& base, double ior, const Number& roughness, double 
     return static_cast<float>(
         std::min(2 * more / (p + std::sqrt(std::max(0.0, p * p - 4 * q * more))), 1e30));
   };
-  Material out = diffuse(
-      through(base, [=](const Rgb& c) { return Rgb(base_of(c.x), base_of(c.y), base_of(c.z)); }));
+  Material out = diffuse(through(base, base_of));
   out.metallic = static_cast<float>(m);
   out.specular = static_cast<float>(specular);
   out.ior = static_cast<float>(ior);

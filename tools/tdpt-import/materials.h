@@ -8,8 +8,10 @@
 
 namespace tdpt::foreign {
 
-/// A function of a colour, per texel if it has a texture.
+/// A function of a colour or number, per texel if it has a texture; of each component alone.
 Colour through(const Colour& c, const std::function<Rgb(const Rgb&)>& f);
+Colour through(const Colour& c, const std::function<float(float)>& f);
+Number through(const Number& n, const std::function<float(float)>& f);
 
 /// Lambertian of this reflectance.
 Material diffuse(const Colour& reflectance);

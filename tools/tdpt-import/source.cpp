@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 
@@ -32,33 +31,29 @@ Source::Source(const std::string& path, bool allow_missing)
   drop_byte_order_mark(text_);
 }
 
-std::string Source::found(const std::string& name, const Place& place, std::string& real) const {
+LocalFile Source::found(const std::string& name, const Place& place) const {
   const Namer namer{place.file, folder_};
   for (auto folder = searched_.rbegin(); folder != searched_.rend(); ++folder) {
     try {
-      const LocalFile file = local_file(
-          namer, (fs::path(*folder) / with_slashes(name)).lexically_normal().string(), place.where);
-      real = file.real;
-      return file.path;
+      return local_file(namer, (fs::path(*folder) / with_slashes(name)).lexically_normal().string(),
+                        place.where);
     } catch (const NothingThere&) {
     }
   }
-  const LocalFile file = local_file(namer, with_slashes(name), place.where);
-  real = file.real;
-  return file.path;
+  return local_file(namer, with_slashes(name), place.where);
 }
 
 std::string Source::read(const std::string& name, const Place& place) {
-  std::string real;
-  const std::string file = found(name, place, real);
+  const auto [path, real] = found(name, place);
   std::string bytes;
   try {
     bytes = read_file(real);
   } catch (const InputError&) {
     fail(place, "\"" + shown(name) + "\" cannot be read");
   }
-  if (std::none_of(files_.begin(), files_.end(), [&](const File& f) { return f.path == file; }))
-    files_.push_back({file, content_hash(bytes)});
+  if (std::none_of(files_.begin(), files_.end(),
+                   [&p = path](const File& f) { return f.path == p; }))
+    files_.push_back({path, content_hash(bytes)});
   drop_byte_order_mark(bytes);
   return bytes;
 }
@@ -87,8 +82,7 @@ std::optional<std::string> Source::read_mesh(const std::string& name, const Plac
 
 bool Source::has(const std::string& name, const Place& place) {
   try {
-    std::string real;
-    found(name, place, real);
+    found(name, place);
     return true;
   } catch (const NothingThere&) {
     return false;

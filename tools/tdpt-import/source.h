@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 
 namespace tdpt::foreign {
 
@@ -86,8 +87,7 @@ class Source {
 
  private:
   friend class Key;
-  std::string found(const std::string& name, const Place& place, std::string& real) const;
-
+  LocalFile found(const std::string& name, const Place& place) const;
   std::optional<std::string> read_if_there(const std::string& name, const Place& place,
                                            const char* otherwise);
 

@@ -20,9 +20,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import gltf_file  # noqa: E402
 import instances  # noqa: E402
 import lamps  # noqa: E402
+import losses  # noqa: E402
 import materials  # noqa: E402
-import said  # noqa: E402
-import settings  # noqa: E402
 import world  # noqa: E402
 
 KEYS = ("environment", "environment_rotation", "environment_scale", "width", "height", "camera")
@@ -62,7 +61,7 @@ def prepare_camera(shift_counts):
     if active.data.users > 1:
         active.data = active.data.copy()
     if shift_counts and (active.data.shift_x or active.data.shift_y):
-        said.say(said.LOOK, f"camera {active.name}: its shift is lost")
+        losses.say(losses.LOOK, f"camera {active.name}: its shift is lost")
     return active.data.name
 
 
@@ -72,9 +71,9 @@ def camera_of(document, name):
     if cameras.count(name) == 1:
         return {"camera": name}
     if not cameras:
-        said.say(said.LIGHT, "the scene has no perspective camera: give the programs --frame, or --look-from and --look-at")
+        losses.say(losses.LIGHT, "the scene has no perspective camera: give the programs --frame, or --look-from and --look-at")
     elif name:
-        said.say(said.LIGHT, f'the active camera {name} is not perspective, or not in the file: the programs take "{cameras[0]}"')
+        losses.say(losses.LIGHT, f'the active camera {name} is not perspective, or not in the file: the programs take "{cameras[0]}"')
     return {}
 
 
@@ -160,8 +159,8 @@ def main():
     instances.drop_excluded(bpy.context.view_layer.layer_collection)
     instances.make_real()
     things = instances.placed()
-    instances.tell_of_lost(things)
-    settings.tell_of_lost(scene, bpy.context.view_layer, not a.file)
+    instances.report_objects(things)
+    losses.report_scene(scene, bpy.context.view_layer, not a.file)
     lamps.prepare(things)
     things = instances.placed()
     materials.prepare(things)
@@ -170,7 +169,7 @@ def main():
     camera, own = prepare_camera(not a.file), last_copy(out)  # the extension cuts shifted pictures
     export(out)
     add_extras(out, camera, own)
-    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in said.lines()]), flush=True)
+    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in losses.lines()]), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Objects as the picture shows them: without what is not rendered, and instances that the exporter does not know."""
 import bpy
 
-from said import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say
 
 EXPORTED = ("MESH", "CURVE", "SURFACE", "FONT", "LIGHT", "CAMERA")
 UNSEEN = ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
@@ -90,7 +90,7 @@ def make_real():
                 child.hide_render = True
 
 
-def tell_of_lost(things):
+def report_objects(things):
     for thing in [t for t in things if not t.hide_render]:
         lost = lambda harm, text: say(harm, f"object {thing.name}: {text}")  # noqa: E731
         if thing.type not in EXPORTED and thing.type not in UNSEEN:

@@ -6,8 +6,8 @@ import math
 import bpy
 from mathutils import Matrix
 
+from losses import LIGHT, LOOK, NOTE, say
 from materials import emitting
-from said import LIGHT, LOOK, NOTE, say
 from trees import colour, constant, flatten, maker
 
 
@@ -160,7 +160,7 @@ def profile_for(thing):
     thing.hide_render = True
 
 
-def tell_of_lamp(thing):
+def report_lamp(thing):
     """What glTF or the programs have no words for."""
     lamp, lost = thing.data, lambda harm, text: say(harm, f"lamp {thing.name}: {text}")
     if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
@@ -190,7 +190,7 @@ def prepare(things):
         if is_portal(lamp):
             thing.hide_render = True  # so that an export is the same with and without them
             continue
-        tell_of_lamp(thing)
+        report_lamp(thing)
         if lamp.type == "AREA" and lamp.size > 0:
             plain = lamp.shape != "ELLIPSE" and thing in alone and is_uniform(thing.matrix_world)
             light_for(thing) if plain and lamp.size_y > 0 else plane_for(thing)

@@ -2,8 +2,8 @@
 import bmesh
 import bpy
 
+from losses import LIGHT, LOOK, NOTE, say
 from nodes import Account
-from said import LIGHT, LOOK, NOTE, say
 from shaders import BLACK, PRINCIPLED, THIN, socket_of
 from trees import connect_value, flatten, maker
 

@@ -1,6 +1,6 @@
 """The account of a Principled BSDF: what its inputs are made of, node by node. What Blender's exporter does not read is
 named; where it would make something else of it, the link is cut, and the input's own value stands in."""
-from said import LIGHT, LOOK, say
+from losses import LIGHT, LOOK, say
 from shaders import PRINCIPLED, Reader, socket_of
 from trees import colour, constant, maker, upstream
 
@@ -96,7 +96,7 @@ class Account(Reader):
         if name == "Emission Strength" and not lost:
             lost = [maker(socket).bl_label]  # the exporter reads a number there
         if not lost:
-            self.tell_of_colour_space(pictures, name)
+            self.report_colour_space(pictures, name)
             return
         whose = f"{socket.name} hangs on {', '.join(lost)}, which is not read"
         if pictures and name != "Emission Strength" and not name.endswith("Normal"):
@@ -107,7 +107,7 @@ class Account(Reader):
         shown = " ".join(f"{c:.3g}" for c in list(value)[:3]) if hasattr(value, "__len__") else f"{value:.3g}"
         self.say(harm, f"{whose}; " + ("it is lost" if name.endswith("Normal") else f"it is {shown} all over; bake it to an image"))
 
-    def tell_of_colour_space(self, pictures, name):
+    def report_colour_space(self, pictures, name):
         for image in pictures:
             if (image.colorspace_settings.name == "sRGB") != (name in COLOURS) and not (name == "Alpha"):
                 self.say(LOOK, f"{name} takes picture {image.name} as {image.colorspace_settings.name}, and glTF otherwise")

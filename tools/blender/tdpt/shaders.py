@@ -6,7 +6,7 @@ import math
 
 import bpy
 
-from said import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say
 from trees import constant, maker, upstream
 
 THIN = "thin"
@@ -108,7 +108,7 @@ class Reader:
         return {"Base Color": value_of(colour) if colour else (0.5, 0.5, 0.5, 1.0), "Specular": 0.0}
 
     def principled(self, node):
-        self.tell_of_inputs(node, [name for names in PRINCIPLED.values() for name in names])
+        self.report_inputs(node, [name for names in PRINCIPLED.values() for name in names])
         found = {name: socket_of(node, *names) for name, names in PRINCIPLED.items()}
         look = {name: value_of(s) for name, s in found.items() if s and (s.is_linked or not name.endswith("Normal"))}
         tint, level, ior = look["Base Color"], look["Specular"], look["IOR"]
@@ -136,10 +136,10 @@ class Reader:
             look["Emission Color"], look["Emission Strength"] = (value_of(node.inputs[n]) for n in ("Color", "Strength"))
         if node.bl_idname == "ShaderNodeBsdfTranslucent":
             self.say(LIGHT, "its translucence is taken as rough transmission, which scatters forwards")
-        self.tell_of_inputs(node, (*inputs, "Color", "Strength") if node.bl_idname == "ShaderNodeEmission" else inputs)
+        self.report_inputs(node, (*inputs, "Color", "Strength") if node.bl_idname == "ShaderNodeEmission" else inputs)
         return look
 
-    def tell_of_inputs(self, node, inputs):
+    def report_inputs(self, node, inputs):
         """Names what is set at a shader and not read: what differs from a fresh one. What belongs to a weight of 0 counts not."""
         nodes = self.material.node_tree.nodes
         fresh = nodes.new(node.bl_idname)
@@ -184,7 +184,7 @@ class Reader:
         if angular:
             return self.layered(*angular, len(nodes) > 1, a, b)
         if see_through(a) and not see_through(b):
-            self.tell_of_tint(a)
+            self.report_tint(a)
             return {**b, "Alpha": factor}
         self.say(LIGHT, "its Mix Shader changes from place to place; it is taken as half of each")
         return self.between(0.5, a, b)
@@ -228,7 +228,7 @@ class Reader:
             self.say(LIGHT, "its Transparent BSDF under a reflection is taken as thin glass; on back faces Cycles keeps up to half of the light back")
         return look
 
-    def tell_of_tint(self, look):
+    def report_tint(self, look):
         if look["Base Color"] != WHITE:
             self.say(LIGHT, "the colour of its Transparent BSDF is lost")
 
@@ -237,7 +237,7 @@ class Reader:
             return b if share else a
         for one, other, part in ((a, b, share), (b, a, 1 - share)):
             if see_through(one) and not see_through(other):
-                self.tell_of_tint(one)
+                self.report_tint(one)
                 alpha = other.get("Alpha", 1.0)
                 if isinstance(alpha, float):
                     return {**other, "Alpha": alpha * part}

@@ -5,7 +5,7 @@ import os
 import bpy
 import numpy
 
-from said import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say
 from trees import AS_IT_LIGHTS, flatten
 
 LARGEST = 8192  # pixels across that the programs read

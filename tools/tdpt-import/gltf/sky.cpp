@@ -1,4 +1,5 @@
-#include "tools/tdpt-import/gltf/sky.h"
+// The environment of a scene as a file beside it and the keys that name it.
+#include "tools/tdpt-import/gltf/gltf.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <numbers>
 
 #include "libcommon/formats/picture.h"
-#include "tools/tdpt-import/images.h"
 
 namespace tdpt::foreign {
 namespace {
@@ -82,7 +82,8 @@ class Turned {
     edges_.push_back(1);
     for (int row = 1; row < height_; ++row) edges_.push_back((centre(row - 1) + centre(row)) / 2);
     edges_.push_back(-1);
-    pixels_.resize(static_cast<size_t>(width_) * static_cast<size_t>(height_));
+    to_ = {width_, height_, false, {}, {}};
+    to_.rgb.resize(to_.index(0, height_));
   }
 
   Picture picture() {
@@ -96,17 +97,16 @@ class Turned {
         below.push_back(spot(u, v));
         if (x == 0 || y == 0) continue;
         const auto i = static_cast<size_t>(x);
-        const Rgb& texel =
-            from_.rgb[static_cast<size_t>(y - 1) * static_cast<size_t>(from_.width) + i - 1];
+        const Rgb& texel = from_.rgb[from_.index(x - 1, y - 1)];
         if (max_component(texel) > 0)
           share({above[i - 1], above[i], below[i], below[i - 1]}, texel * sky_.colour);
       }
     }
     for (int row = 0; row < height_; ++row) {
-      const auto per = static_cast<float>(width_ / (2 * pi * height_of(row)));
+      const auto per = static_cast<float>(width_ / (2 * pi * (edge(row) - edge(row + 1))));
       for (int x = 0; x < width_; ++x) pixel(x, row) = pixel(x, row) * per;
     }
-    return {width_, height_, std::move(pixels_), {}};
+    return {width_, height_, std::move(to_.rgb), {}};
   }
 
  private:
@@ -119,13 +119,8 @@ class Turned {
     const Vec3d d = to_scene_.vector(direction_of(sky_.layout, u, v));
     return {u, v, d, (0.5 + std::atan2(d.x, -d.z) / (2 * pi)) * width_};
   }
-  double height_of(int row) const {
-    return edges_[static_cast<size_t>(row)] - edges_[static_cast<size_t>(row) + 1];
-  }
-  Rgb& pixel(int column, int row) {
-    return pixels_[static_cast<size_t>(row) * static_cast<size_t>(width_) +
-                   static_cast<size_t>(column)];
-  }
+  double edge(int row) const { return edges_[static_cast<size_t>(row)]; }
+  Rgb& pixel(int column, int row) { return to_.rgb[to_.index(column, row)]; }
   int row_of(double cosine) const {
     const auto below = std::upper_bound(edges_.begin(), edges_.end(), cosine, std::greater<>());
     return std::clamp(static_cast<int>(below - edges_.begin()) - 1, 0, height_ - 1);
@@ -171,9 +166,8 @@ class Turned {
 
   void spread(const Rgb& per_area) {
     const auto [low, high] = range_of(outline_, 1);
-    for (int row = row_of(high); row < height_ && edges_[static_cast<size_t>(row)] > low; ++row) {
-      cut(cut(outline_, 1, edges_[static_cast<size_t>(row)], 1, part_), 1,
-          edges_[static_cast<size_t>(row) + 1], -1, strip_);
+    for (int row = row_of(high); row < height_ && edge(row) > low; ++row) {
+      cut(cut(outline_, 1, edge(row), 1, part_), 1, edge(row + 1), -1, strip_);
       if (strip_.empty()) continue;
       const auto [left, right] = range_of(strip_, 0);
       for (double x = std::floor(left); x < right; ++x) {
@@ -189,7 +183,7 @@ class Turned {
   const Affine& to_scene_;
   int width_, height_;
   std::vector<double> edges_;  // cosines between rows
-  std::vector<Rgb> pixels_;    // power per texel until the end
+  Texels to_;                  // power per texel until the end
   Polygon outline_, strip_, part_, cell_;
   double solid_angle_ = 0;  // of the texel [sr]
   double column_ = 0;       // where the outline is, without a seam

@@ -1,4 +1,5 @@
-#include "tools/tdpt-import/gltf/surfaces.h"
+// Textures and materials.
+#include "tools/tdpt-import/gltf/gltf.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,7 +101,7 @@ bool is_jpeg(const std::string& bytes) {
 
 }  // namespace
 
-const Texels* Textures::texels(const Texture& texture) {
+const Texels* Surfaces::texels(const Texture& texture) {
   auto it = decoded_.find(texture.image);
   if (it == decoded_.end()) {
     const Image& image = scene_.images[texture.image];
@@ -111,14 +112,14 @@ const Texels* Textures::texels(const Texture& texture) {
       try {
         t = decode(image.bytes, source_.shown_name(image.name));
       } catch (const InputError& e) {
-        source_.lose({source_.path(), ""}, std::string("a picture is left out: ") + e.what());
+        lose(std::string("a picture is left out: ") + e.what());
       }
     }
     const auto is_value = [](const Rgb& c) { return is_finite(c) && max_component(c) <= 1e30f; };
     if (!std::all_of(t.rgb.begin(), t.rgb.end(), is_value)) {
       for (Rgb& c : t.rgb)
         if (!is_value(c)) c = Rgb(0);
-      source_.lose({source_.path(), ""}, "texels that are not finite or above 1e30 become 0");
+      lose("texels that are not finite or above 1e30 become 0");
     }
     it = decoded_.emplace(texture.image, std::move(t)).first;
   }
@@ -126,25 +127,14 @@ const Texels* Textures::texels(const Texture& texture) {
 }
 
 // Whether the file may be used as it is for a colour.
-bool Textures::passes(const Texture& texture) {
+bool Surfaces::passes(const Texture& texture) {
   const std::string& bytes = scene_.images[texture.image].bytes;
   if (!is_png(bytes) && !is_jpeg(bytes)) return false;
   const Texels* t = texels(texture);
   return t && (longest_ == 0 || std::max(t->width, t->height) <= longest_);
 }
 
-GltfJson Textures::sampler(const Texture& texture) const {
-  const auto wrap = [](Texture::Wrap w) {
-    return w == Texture::Wrap::repeat ? 10497 : w == Texture::Wrap::mirror ? 33648 : 33071;
-  };
-  GltfJson s = GltfJson::object();
-  if (texture.nearest) s["magFilter"] = 9728, s["minFilter"] = 9728;
-  if (texture.wrap_u != Texture::Wrap::repeat) s["wrapS"] = wrap(texture.wrap_u);
-  if (texture.wrap_v != Texture::Wrap::repeat) s["wrapT"] = wrap(texture.wrap_v);
-  return s;
-}
-
-void Textures::add_map(const Texture& texture, GltfJson& info) {
+void Surfaces::add_map(const Texture& texture, GltfJson& info) {
   const auto& m = texture.map;
   if (m == std::array<double, 6>{1, 0, 0, 0, 1, 0}) return;
   double r = 0, su = m[0], sv = m[4];
@@ -153,8 +143,7 @@ void Textures::add_map(const Texture& texture, GltfJson& info) {
     su = std::hypot(m[0], m[3]);
     sv = m[1] * std::sin(r) + m[4] * std::cos(r);
     const double off = std::hypot(m[1] - sv * std::sin(r), m[4] - sv * std::cos(r));
-    if (off > 1e-5 * std::hypot(m[1], m[4]))
-      source_.lose({source_.path(), ""}, "texture coordinates that shear are not sheared");
+    if (off > 1e-5 * std::hypot(m[1], m[4])) lose("texture coordinates that shear are not sheared");
   }
   GltfJson t = GltfJson::object();
   if (m[2] != 0 || m[5] != 0) t["offset"] = {m[2], m[5]};
@@ -163,29 +152,29 @@ void Textures::add_map(const Texture& texture, GltfJson& info) {
   info["extensions"]["KHR_texture_transform"] = std::move(t);
 }
 
-GltfJson Textures::info(const Texture& texture, const std::string& bytes, const std::string& name) {
+GltfJson Surfaces::info(const Texture& texture, const std::string& bytes) {
   const auto [image, new_image] = images_.try_emplace(content_hash(bytes), images_.size());
   if (new_image)
-    root_["images"].push_back({{"name", shown(name, 200)},
-                               {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"},
-                               {"bufferView", buffer_.bytes(bytes)}});
-  const GltfJson how = sampler(texture);
-  std::string key = fmt::format("{} ", image->second);
-  GltfJson t = {{"source", image->second}};
-  if (!how.empty()) {
-    const auto [at, is_new] = samplers_.try_emplace(how.dump(), samplers_.size());
-    if (is_new) root_["samplers"].push_back(how);
+    glb_.root["images"].push_back({{"name", shown(scene_.images[texture.image].name, 200)},
+                                   {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"},
+                                   {"bufferView", glb_.bytes(bytes)}});
+  GltfJson sampler = GltfJson::object(), t = {{"source", image->second}};
+  if (texture.nearest) sampler["magFilter"] = 9728, sampler["minFilter"] = 9728;
+  for (const auto& [key, wrap] : {std::pair{"wrapS", texture.wrap_u}, {"wrapT", texture.wrap_v}})
+    if (wrap != Texture::Wrap::repeat) sampler[key] = wrap == Texture::Wrap::mirror ? 33648 : 33071;
+  if (!sampler.empty()) {
+    const auto [at, is_new] = samplers_.try_emplace(sampler.dump(), samplers_.size());
+    if (is_new) glb_.root["samplers"].push_back(sampler);
     t["sampler"] = at->second;
-    key += fmt::format("{}", at->second);
   }
-  const auto [at, is_new] = textures_.try_emplace(key, textures_.size());
-  if (is_new) root_["textures"].push_back(std::move(t));
+  const auto [at, is_new] = textures_.try_emplace(t.dump(), textures_.size());
+  if (is_new) glb_.root["textures"].push_back(std::move(t));
   GltfJson out = {{"index", at->second}};
   add_map(texture, out);
   return out;
 }
 
-float Textures::largest(const Colour& colour) {
+float Surfaces::largest(const Colour& colour) {
   if (!colour.texture) return 1;
   const Texels* t = texels(*colour.texture);
   float most = 0;
@@ -196,21 +185,19 @@ float Textures::largest(const Colour& colour) {
   return most;
 }
 
-GltfJson Textures::colour(const Colour& colour, const Number* opacity, float scale) {
+GltfJson Surfaces::colour(const Colour& colour, const Number* opacity, float scale) {
   const Texture* cut = opacity && opacity->texture ? &*opacity->texture : nullptr;
   if (!colour.texture && !cut) return nullptr;
   const Texture& lead = colour.texture ? *colour.texture : *cut;
-  const Image& image = scene_.images[lead.image];
   if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb && passes(lead))
-    return info(lead, plain_file(image.bytes), image.name);
+    return info(lead, plain_file(scene_.images[lead.image].bytes));
 
   const Texels* t = texels(lead);
   const Texels* holes = cut ? texels(*cut) : nullptr;
   if (!t || (cut && !holes)) return nullptr;
   bool above_1 = false;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
-    const size_t i =
-        static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x);
+    const size_t i = t->index(x, y);
     Rgb c(1);
     if (colour.texture) c = colour_at(*t, lead, i);
     if (colour.texture && colour.curve) c = colour.curve(c);
@@ -224,37 +211,32 @@ GltfJson Textures::colour(const Colour& colour, const Number* opacity, float sca
     return {c.x / scale, c.y / scale, c.z / scale, alpha};
   };
   const Reduced out = reduced(t->width, t->height, longest_, at);
-  if (above_1) source_.lose({source_.path(), ""}, "reflectances above 1 are taken as 1");
-  return info(lead, png_of(out, true, cut), image.name);
+  if (above_1) lose("reflectances above 1 are taken as 1");
+  return info(lead, png_of(out, true, cut));
 }
 
-GltfJson Textures::roughness(const Number& roughness) {
+GltfJson Surfaces::roughness(const Number& roughness) {
   if (!roughness.texture) return nullptr;
   const Texels* t = texels(*roughness.texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
-    const size_t i =
-        static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x);
+    const size_t i = t->index(x, y);
     const float r = number_at(*t, *roughness.texture, i);
     return {1, roughness.curve ? roughness.curve(r) : r, 1, 1};
   };
-  return info(*roughness.texture, png_of(reduced(t->width, t->height, longest_, at), false, false),
-              scene_.images[roughness.texture->image].name);
+  return info(*roughness.texture, png_of(reduced(t->width, t->height, longest_, at), false, false));
 }
 
-GltfJson Textures::normal_map(const Texture& texture) {
-  const Image& image = scene_.images[texture.image];
+GltfJson Surfaces::normal_map(const Texture& texture) {
   if (!texture.green_down && passes(texture))
-    return info(texture, plain_file(image.bytes), image.name);
+    return info(texture, plain_file(scene_.images[texture.image].bytes));
   const Texels* t = texels(texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
-    const Rgb& c =
-        t->rgb[static_cast<size_t>(y) * static_cast<size_t>(t->width) + static_cast<size_t>(x)];
+    const Rgb& c = t->rgb[t->index(x, y)];
     return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
   };
-  return info(texture, png_of(reduced(t->width, t->height, longest_, at), false, false),
-              image.name);
+  return info(texture, png_of(reduced(t->width, t->height, longest_, at), false, false));
 }
 
 namespace {
@@ -268,6 +250,10 @@ GltfJson three(const Rgb& c) {
   return {c.x, c.y, c.z};
 }
 
+void put(GltfJson& out, const char* key, GltfJson&& texture) {
+  if (!texture.is_null()) out[key] = std::move(texture);
+}
+
 Rgb within_1(const Rgb& c) {
   return min(max(c, Rgb(0)), Rgb(1));
 }
@@ -277,12 +263,7 @@ Material with_factors_within_1(Material m) {
   if (m.base.texture && max_component(m.base.factor) > 1)
     m.base = through(m.base, [](const Rgb& c) { return c; });
   for (Number* n : {&m.roughness, &m.opacity})
-    if (n->texture && n->factor > 1) {
-      n->curve = [factor = n->factor, before = n->curve](float texel) {
-        return factor * (before ? before(texel) : texel);
-      };
-      n->factor = 1;
-    }
+    if (n->texture && n->factor > 1) *n = through(*n, [](float v) { return v; });
   return m;
 }
 
@@ -290,9 +271,7 @@ Material with_factors_within_1(Material m) {
 
 GltfJson& Surfaces::extension(GltfJson& out, const char* name) {
   extensions_.insert(name);
-  GltfJson& e = out["extensions"][name];
-  if (e.is_null()) e = GltfJson::object();
-  return e;
+  return out["extensions"][name];
 }
 
 void Surfaces::add_layers(const Material& m, GltfJson& out) {
@@ -323,14 +302,13 @@ void Surfaces::add_layers(const Material& m, GltfJson& out) {
 
 void Surfaces::add_emission(const Emission& e, GltfJson& out) {
   // Texels of a file that are at most 1 pass as they are.
-  const float texel = textures_.largest(e.radiance), scale = texel > 1 ? texel : 1;
+  const float texel = largest(e.radiance), scale = texel > 1 ? texel : 1;
   const Rgb radiance = max(e.radiance.factor, Rgb(0)) * scale;
   const float strength = max_component(radiance);
   out["emissiveFactor"] = three(strength > 0 ? radiance / strength : Rgb(0));
   if (strength > 0 && strength != 1)
     extension(out, "KHR_materials_emissive_strength")["emissiveStrength"] = strength;
-  if (GltfJson t = textures_.colour(e.radiance, nullptr, scale); !t.is_null())
-    out["emissiveTexture"] = std::move(t);
+  put(out, "emissiveTexture", colour(e.radiance, nullptr, scale));
 }
 
 GltfJson Surfaces::surface(const Material& m) {
@@ -338,27 +316,20 @@ GltfJson Surfaces::surface(const Material& m) {
   if (!m.name.empty()) out["name"] = shown(m.name, 200);
   GltfJson& pbr = out["pbrMetallicRoughness"];
   const Rgb base = within_1(m.base.factor);
-  if (max_component(m.base.factor) > 1)
-    source_.lose({source_.path(), ""}, "reflectances above 1 are taken as 1");
+  if (max_component(m.base.factor) > 1) lose("reflectances above 1 are taken as 1");
   const bool see_through = m.opacity.factor < 1 || m.opacity.texture;
   pbr["baseColorFactor"] = {base.x, base.y, base.z, std::clamp(m.opacity.factor, 0.0f, 1.0f)};
-  if (GltfJson t = textures_.colour(m.base, &m.opacity); !t.is_null())
-    pbr["baseColorTexture"] = std::move(t);
+  put(pbr, "baseColorTexture", colour(m.base, &m.opacity));
   pbr["metallicFactor"] = m.metallic;
   pbr["roughnessFactor"] = std::clamp(m.roughness.factor, 0.0f, 1.0f);
-  if (GltfJson t = textures_.roughness(m.roughness); !t.is_null())
-    pbr["metallicRoughnessTexture"] = std::move(t);
+  put(pbr, "metallicRoughnessTexture", roughness(m.roughness));
   if (see_through) out["alphaMode"] = "BLEND";
   // Glass must not be, by its extension.
   if (!(m.transmission > 0 && m.solid)) out["doubleSided"] = true;
-  if (m.normal)
-    if (GltfJson t = textures_.normal_map(*m.normal); !t.is_null())
-      out["normalTexture"] = std::move(t);
+  if (m.normal) put(out, "normalTexture", normal_map(*m.normal));
   if (m.tinted)
-    source_.lose(
-        {source_.path(), ""},
-        "metals and mirrors that are darkened at all angles reflect all light at grazing ones");
-  if (m.bump) source_.lose({source_.path(), ""}, "bump maps are left out");
+    lose("metals and mirrors that are darkened at all angles reflect all light at grazing ones");
+  if (m.bump) lose("bump maps are left out");
   if (m.eta_k) {
     out["extras"]["tdpt_eta"] = three((*m.eta_k)[0]);
     out["extras"]["tdpt_k"] = three((*m.eta_k)[1]);
@@ -367,7 +338,7 @@ GltfJson Surfaces::surface(const Material& m) {
   return out;
 }
 
-Surfaces::Written Surfaces::of(size_t material, const std::optional<Emission>& emission) {
+Surfaces::Written Surfaces::written(size_t material, const std::optional<Emission>& emission) {
   if (const auto it = dark_.find(material); !emission && it != dark_.end()) return it->second;
   GltfJson out = surface(with_factors_within_1(scene_.materials[material]));
   if (emission) {
@@ -381,7 +352,7 @@ Surfaces::Written Surfaces::of(size_t material, const std::optional<Emission>& e
   const bool textured = text.find("Texture\":") != text.npos;
   if (text.find("KHR_texture_transform") != text.npos) extensions_.insert("KHR_texture_transform");
   const auto [it, is_new] = written_.try_emplace(text, written_.size());
-  if (is_new) root_["materials"].push_back(std::move(out));
+  if (is_new) glb_.root["materials"].push_back(std::move(out));
   if (!emission) dark_[material] = {it->second, textured};
   return {it->second, textured};
 }

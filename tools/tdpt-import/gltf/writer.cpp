@@ -1,20 +1,101 @@
-#include "tools/tdpt-import/gltf/writer.h"
+#include "tools/tdpt-import/gltf/gltf.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
 #include "libcommon/formats/portal.h"
 #include "tdpt_version.h"
-#include "tools/tdpt-import/gltf/buffer.h"
-#include "tools/tdpt-import/gltf/sky.h"
-#include "tools/tdpt-import/gltf/surfaces.h"
 
 namespace tdpt::foreign {
+
+// ---- The binary part ----
+
 namespace {
+
+constexpr int kFloat = 5126, kShort = 5123, kInt = 5125, kVertices = 34962, kIndices = 34963;
+
+template <class T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+}  // namespace
+
+size_t Glb::bytes(std::string_view bytes, int target) {
+  GltfJson v = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
+  if (target) v["target"] = target;
+  root["bufferViews"].push_back(std::move(v));
+  bin_ += bytes;
+  bin_.resize((bin_.size() + 3) / 4 * 4);
+  return root["bufferViews"].size() - 1;
+}
+
+size_t Glb::accessor(std::string_view values, int target, int type, size_t count,
+                     const char* shape) {
+  const size_t view = bytes(values, target);
+  root["accessors"].push_back(
+      {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}});
+  return root["accessors"].size() - 1;
+}
+
+size_t Glb::positions(const std::vector<Vec3f>& values) {
+  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
+  const size_t at = normals(values);
+  root["accessors"][at]["min"] = {low.x, low.y, low.z};
+  root["accessors"][at]["max"] = {high.x, high.y, high.z};
+  return at;
+}
+
+size_t Glb::normals(const std::vector<Vec3f>& values) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC3");
+}
+
+size_t Glb::uv(const std::vector<std::array<float, 2>>& values) {
+  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC2");
+}
+
+size_t Glb::indices(const std::vector<std::array<uint32_t, 3>>& triangles, size_t vertices) {
+  if (vertices > 65535)
+    return accessor(bytes_of(triangles), kIndices, kInt, 3 * triangles.size(), "SCALAR");
+  std::vector<uint16_t> small;
+  for (const auto& t : triangles)
+    for (const uint32_t i : t) small.push_back(static_cast<uint16_t>(i));
+  return accessor(bytes_of(small), kIndices, kShort, small.size(), "SCALAR");
+}
+
+std::string Glb::file() {
+  constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
+  if (!bin_.empty()) root["buffers"] = GltfJson::array({{{"byteLength", bin_.size()}}});
+  std::string text = root.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const size_t total = 12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size());
+  if (total > std::numeric_limits<uint32_t>::max())
+    throw Error(Exit::bad_input, "the scene takes more than 4 GiB, which no .glb holds");
+  std::string glb;
+  glb.reserve(total);
+  const auto word = [&](size_t v) {
+    const auto word32 = static_cast<uint32_t>(v);
+    glb.append(reinterpret_cast<const char*>(&word32), sizeof word32);
+  };
+  word(kGlbMagic), word(2), word(total), word(text.size()), word(kJsonChunk);
+  glb += text;
+  if (!bin_.empty()) {
+    word(bin_.size()), word(kBinChunk);
+    glb += bin_;
+  }
+  return glb;
+}
+
+namespace {
+
+// ---- The frame ----
 
 // Mirrors the scene along x if its first camera is mirrored, and turns `up` to +y. By the camera:
 // the axis that is nearest to what is up in its picture.
@@ -82,7 +163,7 @@ bool put_trs(const Affine& m, GltfJson& node) {
   return true;
 }
 
-Vec3d of(const Vec3f& v) {
+Vec3d to_double(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 Vec3f to_float(const Vec3d& v) {
@@ -92,10 +173,10 @@ Vec3f to_float(const Vec3d& v) {
 // The mesh itself placed, for maps that a node cannot have.
 Mesh baked(const Mesh& mesh, const Affine& m) {
   Mesh out = mesh;
-  for (Vec3f& p : out.positions) p = to_float(m.point(of(p)));
+  for (Vec3f& p : out.positions) p = to_float(m.point(to_double(p)));
   const double sign = m.mirrors() ? -1 : 1;
   const Affine normals{cross(m.y, m.z) * sign, cross(m.z, m.x) * sign, cross(m.x, m.y) * sign, {}};
-  for (Vec3f& n : out.normals) n = to_float(normals.vector(of(n)));
+  for (Vec3f& n : out.normals) n = to_float(normals.vector(to_double(n)));
   if (m.mirrors())
     for (auto& t : out.triangles) std::swap(t[1], t[2]);
   return out;
@@ -106,7 +187,7 @@ std::vector<Vec3f> unit_normals(const Mesh& mesh) {
   std::vector<Vec3f> out;
   std::vector<Vec3d> of_triangles;
   for (size_t i = 0; i < mesh.normals.size(); ++i) {
-    const Vec3d n = of(mesh.normals[i]);
+    const Vec3d n = to_double(mesh.normals[i]);
     const double l = length(n);
     if (l > 1e-30 && std::isfinite(l)) {
       out.push_back(to_float(n / l));
@@ -115,8 +196,9 @@ std::vector<Vec3f> unit_normals(const Mesh& mesh) {
     if (of_triangles.empty()) {
       of_triangles.resize(mesh.positions.size());
       for (const auto& [a, b, c] : mesh.triangles) {
-        const Vec3d pa = of(mesh.positions[a]);
-        const Vec3d across = cross(of(mesh.positions[b]) - pa, of(mesh.positions[c]) - pa);
+        const Vec3d pa = to_double(mesh.positions[a]);
+        const Vec3d across =
+            cross(to_double(mesh.positions[b]) - pa, to_double(mesh.positions[c]) - pa);
         for (const uint32_t k : {a, b, c}) of_triangles[k] = of_triangles[k] + across;
       }
     }
@@ -132,9 +214,7 @@ class Writer {
       : scene_(scene),
         how_(how),
         source_(source),
-        buffer_(root_),
-        textures_(scene, root_, buffer_, source, how.longest_texture),
-        surfaces_(scene, root_, textures_, source) {}
+        surfaces_(scene, glb_, source, how.longest_texture) {}
 
   Written write() {
     out_.frame = frame_of(scene_, how_.up);
@@ -149,10 +229,12 @@ class Writer {
     for (const Shape& s : scene_.shapes) add(s);
     add_defaults();
     add_portals();
-    put_extensions();
+    std::set<std::string> used = surfaces_.extensions();
+    if (has_lamps_) used.insert("KHR_lights_punctual");
+    if (!used.empty()) root_["extensionsUsed"] = used;
     out_.materials = root_.contains("materials") ? root_["materials"].size() : 0;
     out_.textures = root_.contains("images") ? root_["images"].size() : 0;
-    out_.glb = buffer_.glb();
+    out_.glb = glb_.file();
     return std::move(out_);
   }
 
@@ -165,23 +247,22 @@ class Writer {
   void add(const Lamp& lamp);
   void add(const Shape& shape);
   size_t mesh_of(const Shape& shape, const Mesh& mesh, bool shared);
-  GltfJson attributes_of(const Mesh& mesh, size_t index, bool turned, bool textured, bool shared);
   void add_defaults();
   void add_portals();
-  void put_extensions();
 
+  void lose(const std::string& sentence) { source_.lose({source_.path(), ""}, sentence); }
+
+  enum Attribute : size_t { kPosition, kNormal, kTexcoord, kIndex };
   const Described& scene_;
   const Writing& how_;
   Source& source_;
-  GltfJson root_;
-  Buffer buffer_;
-  Textures textures_;
+  Glb glb_;
+  GltfJson& root_ = glb_.root;
   Surfaces surfaces_;
   Written out_;
   bool has_lamps_ = false;
-  std::map<std::array<size_t, 3>, size_t> meshes_;             // mesh, material, turned
-  std::map<std::array<size_t, 2>, size_t> normals_, indices_;  // mesh, turned
-  std::map<size_t, size_t> positions_, uv_;                    // mesh
+  std::map<std::array<size_t, 3>, size_t> meshes_;     // mesh, material, turned
+  std::map<std::array<size_t, 3>, size_t> accessors_;  // attribute, mesh, turned
 };
 
 void Writer::add(const Camera& camera) {
@@ -194,14 +275,11 @@ void Writer::add(const Camera& camera) {
   if (camera.lens_radius > 0) {
     // As tdpt has it: a film 36 mm along its longer side.
     const double focal = 0.018 / (std::tan(camera.yfov / 2) * std::max(1.0, aspect));
-    source_.lose(
-        {source_.path(), ""},
-        fmt::format(
-            "depth of field is no part of glTF: give --f-stop {:.4g} --focus {:.4g} to tdpt",
-            focal / (2 * camera.lens_radius), camera.focus_distance));
+    lose(fmt::format(
+        "depth of field is no part of glTF: give --f-stop {:.4g} --focus {:.4g} to tdpt",
+        focal / (2 * camera.lens_radius), camera.focus_distance));
   }
-  if (camera.shift_x != 0 || camera.shift_y != 0)
-    source_.lose({source_.path(), ""}, "the shift of the camera is left out");
+  if (camera.shift_x != 0 || camera.shift_y != 0) lose("the shift of the camera is left out");
   // Exactly at right angles: y is kept up in the picture.
   const Vec3d z = normalize(m.z), x = normalize(cross(m.y, z));
   GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", root_["cameras"].size() - 1}};
@@ -238,46 +316,35 @@ void Writer::add(const Lamp& lamp) {
   add(std::move(node));
 }
 
-GltfJson Writer::attributes_of(const Mesh& mesh, size_t index, bool turned, bool textured,
-                               bool shared) {
-  const auto once = [&](auto& cache, const auto& key, const auto& make) {
-    if (!shared) return make();
-    const auto it = cache.find(key);
-    return it != cache.end() ? it->second : cache.emplace(key, make()).first->second;
-  };
-  GltfJson a;
-  a["POSITION"] = once(positions_, index, [&] { return buffer_.positions(mesh.positions); });
-  if (mesh.normals.size() == mesh.positions.size())
-    a["NORMAL"] = once(normals_, std::array<size_t, 2>{index, turned}, [&] {
-      std::vector<Vec3f> normals = unit_normals(mesh);
-      if (turned)
-        for (Vec3f& n : normals) n = -n;
-      return buffer_.normals(normals);
-    });
-  if (textured && mesh.uv.size() == mesh.positions.size())
-    a["TEXCOORD_0"] = once(uv_, index, [&] { return buffer_.uv(mesh.uv); });
-  return a;
-}
-
 size_t Writer::mesh_of(const Shape& shape, const Mesh& mesh, bool shared) {
-  const Surfaces::Written surface = surfaces_.of(shape.material, shape.emission);
+  const Surfaces::Written surface = surfaces_.written(shape.material, shape.emission);
   const std::array<size_t, 3> key{shape.mesh, surface.index, shape.turned};
   if (const auto it = meshes_.find(key); shared && it != meshes_.end()) return it->second;
-  GltfJson primitive;
-  primitive["attributes"] = attributes_of(mesh, shape.mesh, shape.turned, surface.textured, shared);
-  const auto write_indices = [&] {
-    if (!shape.turned) return buffer_.indices(mesh.triangles, mesh.positions.size());
-    auto triangles = mesh.triangles;
-    for (auto& t : triangles) std::swap(t[1], t[2]);
-    return buffer_.indices(triangles, mesh.positions.size());
+  const auto accessor = [&](Attribute attribute, bool turned, const auto& make) {
+    if (!shared) return make();
+    const std::array<size_t, 3> of{attribute, shape.mesh, turned};
+    const auto it = accessors_.find(of);
+    return it != accessors_.end() ? it->second : accessors_[of] = make();
   };
-  const std::array<size_t, 2> indices{shape.mesh, shape.turned};
-  if (!shared)
-    primitive["indices"] = write_indices();
-  else if (const auto it = indices_.find(indices); it != indices_.end())
-    primitive["indices"] = it->second;
-  else
-    primitive["indices"] = indices_[indices] = write_indices();
+  GltfJson primitive;
+  GltfJson& attributes = primitive["attributes"];
+  attributes["POSITION"] =
+      accessor(kPosition, false, [&] { return glb_.positions(mesh.positions); });
+  if (mesh.normals.size() == mesh.positions.size())
+    attributes["NORMAL"] = accessor(kNormal, shape.turned, [&] {
+      std::vector<Vec3f> normals = unit_normals(mesh);
+      if (shape.turned)
+        for (Vec3f& n : normals) n = -n;
+      return glb_.normals(normals);
+    });
+  if (surface.textured && mesh.uv.size() == mesh.positions.size())
+    attributes["TEXCOORD_0"] = accessor(kTexcoord, false, [&] { return glb_.uv(mesh.uv); });
+  primitive["indices"] = accessor(kIndex, shape.turned, [&] {
+    auto triangles = mesh.triangles;
+    if (shape.turned)
+      for (auto& t : triangles) std::swap(t[1], t[2]);
+    return glb_.indices(triangles, mesh.positions.size());
+  });
   primitive["material"] = surface.index;
   GltfJson out;
   if (!shape.name.empty()) out["name"] = shown(shape.name, 200);
@@ -330,9 +397,9 @@ void Writer::add_portals() {
     const Mesh mesh = baked(scene_.meshes[shape.mesh], out_.frame.to_gltf * shape.to_world);
     Portal portal;
     for (const Vec3f& p : mesh.positions) {
-      if (!(length(of(p)) < 1e30))
+      if (!(length(to_double(p)) < 1e30))
         throw InputError(source_.path(), "", "has a portal that is too large or too far away");
-      portal.vertices.push_back(of(p));
+      portal.vertices.push_back(to_double(p));
     }
     for (const auto& t : mesh.triangles) {
       const Vec3d& at = portal.vertices[t[0]];
@@ -340,7 +407,7 @@ void Writer::add_portals() {
         portal.triangles.push_back(t);
     }
     if (portal.triangles.empty()) {
-      source_.lose({source_.path(), ""}, "a portal without an area is left out");
+      lose("a portal without an area is left out");
       continue;
     }
     double towards_camera = shape.turned ? -1 : 1;
@@ -359,12 +426,6 @@ void Writer::add_portals() {
     file.portals.push_back(std::move(portal));
   }
   if (!file.portals.empty()) out_.portals = portal_bytes(file);
-}
-
-void Writer::put_extensions() {
-  std::set<std::string> used = surfaces_.extensions();
-  if (has_lamps_) used.insert("KHR_lights_punctual");
-  if (!used.empty()) root_["extensionsUsed"] = used;
 }
 
 }  // namespace

@@ -1,11 +1,22 @@
-"""Settings of the scene, its view layer, world and camera that change a picture of Cycles and that the export has no words
-for."""
+"""What an export loses, the worst first: of the light, or of the look of one thing; and what was merely done. Blender's exporter prints
+hundreds of lines, so these are kept and come at the end. Here too: settings of the scene, its view layer, world and camera that
+change a picture of Cycles and that the export has no words for."""
 import math
 
 import bpy
 from mathutils import Vector
 
-from said import LIGHT, LOOK, say
+LIGHT, LOOK, NOTE = "light", "look", "note"  # the light of the whole picture differs; one thing looks otherwise; nothing is lost
+LINES = {LIGHT: [], LOOK: [], NOTE: []}
+
+
+def say(harm, text):
+    if text not in LINES[harm]:
+        LINES[harm].append(text)
+
+
+def lines():
+    return [f"{harm}: {text}" for harm, texts in LINES.items() for text in texts]
 
 
 def layers_below(layer):
@@ -14,17 +25,17 @@ def layers_below(layer):
         yield from layers_below(child)
 
 
-def tell_of_layer(layer):
-    for name, harm in (("material_override", LIGHT), ("world_override", LIGHT)):
+def report_layer(layer):
+    for name in ("material_override", "world_override"):
         if getattr(layer, name, None):
-            say(harm, f"view layer {layer.name}: its {name.replace('_', ' ')} is lost")
+            say(LIGHT, f"view layer {layer.name}: its {name.replace('_', ' ')} is lost")
     for part in layers_below(layer.layer_collection):
         for flag, word in (("holdout", "a holdout"), ("indirect_only", "seen indirectly alone")):
             if getattr(part, flag):
                 say(LOOK, f"collection {part.name}: is {word} in Cycles; here it is as others")
 
 
-def tell_of_world(world):
+def report_world(world):
     if not world:
         return
     rays = getattr(world, "cycles_visibility", None)
@@ -37,7 +48,7 @@ def tell_of_world(world):
             say(LIGHT, "world: its volume is lost")
 
 
-def tell_of_camera(scene, alone):
+def report_camera(scene, alone):
     """`alone`: the programs get no options for it."""
     camera = scene.camera
     if not camera or camera.type != "CAMERA":
@@ -59,7 +70,7 @@ def tell_of_camera(scene, alone):
             say(LIGHT, f"camera {camera.name}: its clipping at {near:g} m cuts {thing.name} away in Cycles; here it stands in the picture")
 
 
-def tell_of_suns(scene, alone):
+def report_suns(scene, alone):
     suns = [o for o in scene.objects if o.type == "LIGHT" and o.data.type == "SUN" and not o.hide_render]
     angles = {round(math.degrees(o.data.angle), 3) for o in suns}
     if len(angles) > 1:
@@ -68,11 +79,11 @@ def tell_of_suns(scene, alone):
         say(LOOK, f"suns: their width is not in the file: give the programs --sun-angle {max(angles):g}")
 
 
-def tell_of_lost(scene, layer, alone):
-    tell_of_layer(layer)
-    tell_of_world(scene.world)
-    tell_of_camera(scene, alone)
-    tell_of_suns(scene, alone)
+def report_scene(scene, layer, alone):
+    report_layer(layer)
+    report_world(scene.world)
+    report_camera(scene, alone)
+    report_suns(scene, alone)
     cycles = getattr(scene, "cycles", None)
     exposure = getattr(cycles, "film_exposure", 1)
     if exposure != 1:

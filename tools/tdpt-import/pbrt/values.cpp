@@ -1,40 +1,45 @@
-#include "tools/tdpt-import/pbrt/context.h"
-
+// Transformations of coordinates, and colours and spectra of parameters as linear Rec.709.
+//
+// pbrt-v3 (core/paramset.cpp, spectrum.cpp) renders in RGB: a spectrum becomes the linear Rec.709
+// of its XYZ, without regard to the white of the lights, so that a constant 1 is no grey. pbrt-v4
+// (paramdict.cpp, lights.cpp, util/spectrum.cpp) renders in wavelengths under lights of daylight
+// D65, where a constant reflectance is grey.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "libcommon/base/words.h"
-#include "tools/tdpt-import/images.h"
 #include "tools/tdpt-import/materials.h"
+#include "tools/tdpt-import/pbrt/pbrt.h"
 
 namespace tdpt::foreign::pbrt {
 
 size_t Context::image(const std::string& name, const Place& place) {
   const auto [it, is_new] = images_.try_emplace(name, scene.images.size());
   if (is_new) {
-    Image image;
-    image.name = name;
-    image.bytes = source.read_picture(name, place);
-    scene.images.push_back(std::move(image));
+    scene.images.push_back({name, source.read_picture(name, place)});
   }
   return it->second;
+}
+
+Texels Context::texels(size_t image) const {
+  return decode(scene.images[image].bytes, source.shown_name(scene.images[image].name));
 }
 
 bool Context::has_alpha(size_t image) {
   const auto [it, is_new] = has_alpha_.try_emplace(image, false);
   if (is_new) {
-    const Texels texels =
-        decode(scene.images[image].bytes, source.shown_name(scene.images[image].name));
-    it->second =
-        std::any_of(texels.alpha.begin(), texels.alpha.end(), [](float a) { return a < 1; });
+    const std::vector<float> alpha = texels(image).alpha;
+    it->second = std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
   }
   return it->second;
 }
 
 // ---- Transformations ----
+
+bool is_bounded(const Affine& a) {
+  return is_finite(a.x) && is_finite(a.y) && is_finite(a.z) && is_finite(a.t);
+}
 
 Affine inverse(const Affine& a, const Place& place) {
   // Columns are scaled to keep the products in range.
@@ -45,28 +50,18 @@ Affine inverse(const Affine& a, const Place& place) {
   if (!(std::abs(det) > 1e-12)) Source::fail(place, "the transformation flattens space");
   const Vec3d rx = cross(y, z) / (det * sx), ry = cross(z, x) / (det * sy),
               rz = cross(x, y) / (det * sz);
-  Affine b;
-  b.x = {rx.x, ry.x, rz.x};
-  b.y = {rx.y, ry.y, rz.y};
-  b.z = {rx.z, ry.z, rz.z};
+  Affine b{{rx.x, ry.x, rz.x}, {rx.y, ry.y, rz.y}, {rx.z, ry.z, rz.z}, {}};
   b.t = b.vector(a.t) * -1.0;
-  if (!is_finite(b.x) || !is_finite(b.y) || !is_finite(b.z) || !is_finite(b.t))
-    Source::fail(place, "the transformation flattens space");
+  if (!is_bounded(b)) Source::fail(place, "the transformation flattens space");
   return b;
 }
 
 Affine translated(const Vec3d& by) {
-  Affine a;
-  a.t = by;
-  return a;
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, by};
 }
 
 Affine scaled_by(const Vec3d& by) {
-  Affine a;
-  a.x = {by.x, 0, 0};
-  a.y = {0, by.y, 0};
-  a.z = {0, 0, by.z};
-  return a;
+  return {{by.x, 0, 0}, {0, by.y, 0}, {0, 0, by.z}, {}};
 }
 
 Affine rotated(double degrees, const Vec3d& axis) {
@@ -77,38 +72,28 @@ Affine rotated(double degrees, const Vec3d& axis) {
 }
 
 Affine looking(const Vec3d& from, const Vec3d& at, const Vec3d& up, const Place& place) {
-  const Vec3d along = at - from;
-  const Vec3d side = cross(up, along);
+  const Vec3d along = at - from, side = cross(up, along);
   if (!(length(side) > 1e-12 * length(up) * length(along)))
     Source::fail(place, "the direction of view is zero or parallel to \"up\"");
-  Affine to_world;
-  to_world.z = normalize(along);
-  to_world.x = normalize(side);
-  to_world.y = cross(to_world.z, to_world.x);
-  to_world.t = from;
-  return inverse(to_world, place);
+  const Vec3d z = normalize(along), x = normalize(side);
+  return inverse({x, cross(z, x), z, from}, place);
 }
 
 Affine affine_of_matrix(std::span<const double> m, const Place& place) {
   if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] == 0)
     Source::fail(place, "a transformation with perspective");
-  const double w = m[15];
-  Affine a;
-  a.x = Vec3d(m[0], m[1], m[2]) / w;
-  a.y = Vec3d(m[4], m[5], m[6]) / w;
-  a.z = Vec3d(m[8], m[9], m[10]) / w;
-  a.t = Vec3d(m[12], m[13], m[14]) / w;
-  return a;
+  const auto column = [&](size_t i) { return Vec3d(m[i], m[i + 1], m[i + 2]) / m[15]; };
+  return {column(0), column(4), column(8), column(12)};
 }
 
-namespace {
+Vec3f vec_at(const std::vector<double>& numbers, size_t i) {
+  return {static_cast<float>(numbers[3 * i]), static_cast<float>(numbers[3 * i + 1]),
+          static_cast<float>(numbers[3 * i + 2])};
+}
 
 // ---- Colours and spectra ----
 
-// pbrt-v3 (core/paramset.cpp, spectrum.cpp) renders in RGB: a spectrum becomes the linear Rec.709
-// of its XYZ, without regard to the white of the lights, so that a constant 1 is no grey. pbrt-v4
-// (paramdict.cpp, lights.cpp, util/spectrum.cpp) renders in wavelengths under lights of daylight
-// D65, where a constant reflectance is grey.
+namespace {
 
 using Samples = std::vector<std::array<double, 2>>;
 
@@ -188,81 +173,69 @@ std::optional<Rgb> of_metal(const std::string& name) {
   return (*both)[part == "k"];
 }
 
-Rgb of_name(Context& context, const Parameter& p, const std::string& name, Use use) {
+// A spectrum of pbrt's own, or of a file.
+Rgb of_name(const Entity& e, const Parameter& p, const std::string& name, Use use) {
   if (use == Use::index) {
     if (const auto metal = of_metal(name)) return *metal;
     if (const auto ior = ior_named(name)) return Rgb(static_cast<float>(*ior));
   }
   if (name == "stdillum-D65") return Rgb(1);
-  for (const Illuminant& light : kIlluminants)
-    if (name == light.name) {
+  Source& source = e.context.source;
+  for (const auto& [known, kelvin] : kIlluminants)
+    if (name == known) {
       if (name != "stdillum-A")
-        context.source.lose(p.place, fmt::format("the spectrum \"{}\" becomes that of a black body "
-                                                 "of {} kelvin",
-                                                 name, light.kelvin));
-      return rgb_of_blackbody(light.kelvin);
+        source.lose(p.place,
+                    fmt::format("the spectrum \"{}\" becomes that of a black body of {} kelvin",
+                                name, kelvin));
+      return rgb_of_blackbody(kelvin);
     }
   // pbrt-v3 says "metal-Cu-eta" as "spds/Cu.eta.spd", which often comes without its file.
-  if (!context.source.has(name, p.place)) {
-    const size_t slash = name.find_last_of("/\\") + 1;
-    const std::string stem = name.substr(slash);
-    const size_t dot = stem.find('.');
-    if (use == Use::index && dot != std::string::npos)
-      for (const char* part : {"eta", "k"})
-        if (stem.substr(dot) == fmt::format(".{}.spd", part))
-          if (const auto metal = of_metal(fmt::format("metal-{}-{}", stem.substr(0, dot), part)))
-            return *metal;
+  if (use == Use::index && !source.has(name, p.place)) {
+    const std::string stem = name.substr(name.find_last_of("/\\") + 1);
+    const size_t dot = std::min(stem.find('.'), stem.size());
+    for (const char* part : {"eta", "k"})
+      if (stem.substr(dot) == fmt::format(".{}.spd", part))
+        if (const auto metal = of_metal(fmt::format("metal-{}-{}", stem.substr(0, dot), part)))
+          return *metal;
   }
-  const std::string bytes = context.source.read(name, p.place);
-  Tokens tokens(bytes, context.source.shown_name(name));
+  const std::string bytes = source.read(name, p.place);
+  Tokens tokens(bytes, source.shown_name(name));
   std::vector<double> numbers;
   while (const std::optional<Token> token = tokens.next())
     numbers.push_back(number_of(*token, tokens.place()));
-  return of_samples(context, sorted_samples(numbers, p.place), use);
+  return of_samples(e.context, sorted_samples(numbers, p.place), use);
 }
 
 Rgb of_three(const Parameter& p) {
   if (p.numbers.size() != 3)
     Source::fail(p.place, fmt::format("\"{}\" must be three numbers", shown(p.name)));
-  return {static_cast<float>(p.numbers[0]), static_cast<float>(p.numbers[1]),
-          static_cast<float>(p.numbers[2])};
+  return vec_at(p.numbers, 0);
 }
 
 }  // namespace
 
-std::optional<Rgb> colour_of(Context& context, const Parameters& list, const std::string& name,
-                             Use use) {
-  const Parameter* p = list.find(name, {"rgb", "color", "xyz", "blackbody", "spectrum"});
+std::optional<Rgb> Entity::spectrum(const std::string& name, Use use) const {
+  const Parameter* p = find(name, {"rgb", "color", "xyz", "blackbody", "spectrum"});
   if (!p) return {};
-  Rgb colour;
-  if (p->type == "xyz")
-    colour = rgb_of_xyz(of_three(*p));
-  else if (p->type == "blackbody")
-    colour = of_blackbody(context, *p);
-  else if (p->type != "spectrum")
-    colour = of_three(*p);
-  else if (p->strings.size() == 1)
-    colour = of_name(context, *p, p->strings[0], use);
-  else
-    colour = of_samples(context, sorted_samples(p->numbers, p->place), use);
+  const Rgb colour = p->type == "xyz"         ? rgb_of_xyz(of_three(*p))
+                     : p->type == "blackbody" ? of_blackbody(context, *p)
+                     : p->type != "spectrum"  ? of_three(*p)
+                     : p->strings.size() == 1
+                         ? of_name(*this, *p, p->strings[0], use)
+                         : of_samples(context, sorted_samples(p->numbers, p->place), use);
   if (!is_finite(colour))
     Source::fail(p->place, fmt::format("the values of \"{}\" are too large", shown(name)));
   return max(colour, Rgb(0));
 }
 
-Rgb colour_of(Context& context, const Parameters& list, const std::string& name, Use use,
-              const Rgb& absent) {
-  return colour_of(context, list, name, use).value_or(absent);
-}
-
-double index_of(Context& context, const Parameters& list, const std::string& name, double absent) {
-  if (const Parameter* p = list.find(name, {"float"})) {
+double Entity::index(const std::string& name, double absent) const {
+  if (const Parameter* p = find(name, {"float"})) {
     if (p->numbers.empty())
       Source::fail(p->place, fmt::format("\"{}\" must be a number", shown(name)));
     return p->numbers[0];
   }
-  const auto spectrum = colour_of(context, list, name, Use::index);
-  return spectrum ? spectrum->y : absent;
+  const auto value = spectrum(name, Use::index);
+  return value ? value->y : absent;
 }
 
 }  // namespace tdpt::foreign::pbrt

@@ -1,0 +1,236 @@
+// The reader of pbrt's scenes: the words and parameter lists of its files (tokens.cpp),
+// transformations and spectra (values.cpp), textures, materials (surfaces.cpp), shapes, lights and
+// cameras. The directives (pbrt.cpp) put them together.
+#pragma once
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "libcommon/math/vec.h"
+#include "tools/tdpt-import/described.h"
+#include "tools/tdpt-import/images.h"
+
+namespace tdpt::foreign::pbrt {
+
+// ---- Words of scene files ----
+
+/// `bytes` as they are, or inflated if they are compressed by gzip. Throws InputError with `name`
+/// for broken streams and for more than 1 GiB.
+std::string unpacked(std::string bytes, const std::string& name);
+
+struct Token {
+  enum class Kind { word, quoted, open, close } kind = Kind::word;
+  std::string text;  ///< without quotes
+};
+
+/// The tokens of a file and of the files that it includes.
+class Tokens {
+ public:
+  /// `text` must outlive this.
+  Tokens(std::string_view text, std::string shown_name);
+
+  /// The next token; none at the end of the last file. Throws InputError.
+  std::optional<Token> next();
+  /// Gives `token`, which next() returned last, back.
+  void back(Token&& token) { again_ = std::move(token); }
+  /// Where the last token was.
+  const Place& place() const { return last_; }
+
+  /// Goes on with the file `given`, and then with the rest of this one. Files are at most 15 deep.
+  void include(Source& source, const std::string& given);
+  /// How many files are open.
+  size_t depth() const { return open_.size(); }
+
+ private:
+  struct File {
+    std::string name, shown;
+    std::string bytes;      // of an included file
+    std::string_view text;  // all of it
+    size_t at = 0, line = 1;
+  };
+  std::string quoted(File& file);
+
+  std::vector<std::unique_ptr<File>> open_;
+  std::optional<Token> again_;
+  Place last_;
+  size_t files_ = 0, bytes_ = 0;  // included so far
+};
+
+/// Finite number of a token; throws InputError at `place`.
+double number_of(const Token& token, const Place& place);
+
+/// "type name" [values] after a directive.
+struct Parameter {
+  std::string type, name;
+  std::vector<double> numbers{};
+  std::vector<std::string> strings{};
+  std::vector<char> flags{};
+  Place place;
+  Key key{};
+};
+
+// ---- The scene so far ----
+
+struct Surface {
+  Material material{};
+  /// Front and back of its shapes are exchanged: a body whose inside is thinner than its outside.
+  bool turned = false;
+  Key key{};  ///< taken when a shape shows it
+};
+
+struct NamedTexture {
+  std::optional<Colour> colour{};
+  std::optional<Number> number{};
+  Key key{};         ///< taken when something names the texture
+  size_t depth = 0;  ///< of textures that are made of others; 0: being made for the first time
+};
+
+struct Context {
+  Context(Source& scene_source, bool is_v4) : source(scene_source), v4(is_v4) {}
+
+  Source& source;
+  bool v4;  ///< pbrt-v4, else pbrt-v3
+  Described scene{};
+  std::optional<Sky> portals_sky{};  ///< of the first infinite light with a portal
+  std::map<std::string, NamedTexture> textures{};
+  size_t deepest_named = 0;         ///< depth of the textures that the present one is made of
+  std::vector<Surface> surfaces{};  ///< of the directives; State::surface is an index
+  std::map<std::string, size_t> named_surfaces{};
+  std::map<std::string, std::optional<Rgb>> absorbing{};  ///< media: left of white after length 1
+  std::map<std::string, size_t> materials{};  ///< of the scene, by surface, medium and alpha
+  std::map<std::string, size_t> meshes{};     ///< of the scene, by file or kind of shape
+
+  /// The picture of this file, read once.
+  size_t image(const std::string& name, const Place& place);
+  Texels texels(size_t image) const;
+  /// Whether it is anywhere transparent.
+  bool has_alpha(size_t image);
+
+ private:
+  std::map<std::string, size_t> images_{};
+  std::map<size_t, bool> has_alpha_{};
+};
+
+/// What a spectrum is for. Of a light, pbrt-v4 scales every spectrum but `rgb` to luminance 1.
+enum class Use { reflectance, index, light };
+
+/// What a directive makes: its kind, such as "matte", and its parameters. A parameter is found by
+/// name and type, as in pbrt: one of another type counts as absent, and stays unread.
+struct Entity {
+  Entity(Context& of, std::string its_kind, Place at, Key its_key = {})
+      : context(of), kind(std::move(its_kind)), place(std::move(at)), key(its_key) {}
+
+  Context& context;
+  std::string kind;
+  Place place;
+  Key key{};  ///< of the directive; while nobody takes it, nobody misses the parameters
+  std::vector<Parameter> all{};
+
+  /// Reads the parameters that stand next in `tokens`; `whose`: "Material "matte"".
+  void read(Tokens& tokens, const std::string& whose);
+  /// Appends those of pbrt-v4's Attribute, the last of a name first.
+  void defaults(const std::vector<Parameter>& of_attribute);
+
+  const Parameter* find(const std::string& name, std::initializer_list<const char*> types) const;
+  /// The first of that name with any type.
+  const Parameter* find(const std::string& name) const;
+
+  double number(const std::string& name, double absent) const;
+  int integer(const std::string& name, int absent) const;
+  bool flag(const std::string& name, bool absent) const;
+  std::string text(const std::string& name, const std::string& absent = "") const;
+  std::string texture(const std::string& name) const;  ///< name of a texture; empty: none
+  Vec3d point(const std::string& name, const Vec3d& absent) const;
+  const std::vector<double>* floats(const std::string& name) const;
+  const std::vector<double>* integers(const std::string& name) const;
+  /// Points, vectors or normals of `size` numbers each.
+  const std::vector<double>* tuples(const std::string& name, size_t size) const;
+  /// Of any of pbrt's types for colours, as linear Rec.709.
+  std::optional<Rgb> spectrum(const std::string& name, Use use) const;
+  /// Index of refraction: a number or a spectrum, whose green value is taken.
+  double index(const std::string& name, double absent) const;
+  /// A texture or one value.
+  Colour colour(const std::string& name, const Rgb& absent, Use use = Use::reflectance) const;
+  std::optional<Number> varying(const std::string& name) const;
+  Number varying(const std::string& name, double absent) const;
+
+  /// Takes parameters that do not change the picture, or whose loss is named otherwise.
+  void ignore(std::initializer_list<const char*> names) const;
+  void ignore_all() const;
+
+  template <class... A>
+  void lose(fmt::format_string<const A&...> sentence, const A&... values) const {
+    context.source.lose(place, fmt::format(sentence, values...));
+  }
+  template <class... A>
+  [[noreturn]] void fail(fmt::format_string<const A&...> message, const A&... values) const {
+    Source::fail(place, fmt::format(message, values...));
+  }
+
+ private:
+  const Parameter* one(const std::string& name, const char* type) const;
+
+  size_t own_ = SIZE_MAX;  // of these, the others are defaults
+};
+
+// ---- Transformations ----
+
+bool is_bounded(const Affine& a);
+/// Throws InputError at `place` for a map that flattens space.
+Affine inverse(const Affine& a, const Place& place);
+Affine translated(const Vec3d& by);
+Affine scaled_by(const Vec3d& by);
+/// About `axis`; a zero axis turns nothing.
+Affine rotated(double degrees, const Vec3d& axis);
+/// From the world to a camera that looks along +z.
+Affine looking(const Vec3d& from, const Vec3d& at, const Vec3d& up, const Place& place);
+/// Of sixteen numbers, column by column.
+Affine affine_of_matrix(std::span<const double> m, const Place& place);
+Vec3f vec_at(const std::vector<double>& numbers, size_t i);
+
+// ---- What directives make ----
+
+/// "Texture": `type` is "float", "spectrum" or "color".
+void add_texture(const Entity& e, const std::string& name, const std::string& type);
+/// A file's picture at the coordinates of the mesh, as an "imagemap" has it. `srgb`: see Texture.
+Texture picture(const Entity& e, const std::string& file, bool srgb);
+
+Surface surface_of(const Entity& e);
+
+/// What "AreaLightSource" says for the shapes that follow.
+struct AreaLight {
+  Emission emission{};
+  double power = 0;  ///< if above 0, radiance is to be multiplied by this / (pi area) of each face
+};
+AreaLight area_light(const Entity& e);
+void add_light(const Entity& e, const Affine& to_world);
+
+/// pbrt's graphics state: what AttributeBegin saves and AttributeEnd brings back.
+struct State {
+  Affine to_world{};      ///< current transformation, at the shutter's opening
+  bool is_active = true;  ///< transformations apply to the opening
+  bool is_reversed = false;
+  size_t surface = 0;
+  std::optional<AreaLight> area{};
+  std::string inside{}, outside{};  ///< media
+  /// pbrt-v4's "Attribute" of shape, light, material, medium, texture; shared until one is added.
+  std::array<std::shared_ptr<const std::vector<Parameter>>, 5> attributes{};
+};
+
+/// None for a shape that is lost. Shapes of an object with instances do not shine.
+std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_object);
+/// "MakeNamedMedium".
+void add_medium(const Entity& e, const std::string& name);
+
+/// Adds the camera to the scene, or names it as lost. `from_world`: the transformation at "Camera".
+void add_camera(const Entity& e, const Entity& film, const Affine& from_world);
+
+}  // namespace tdpt::foreign::pbrt

@@ -1,0 +1,330 @@
+// Shapes as meshes with their material, alpha, medium and light, by pbrt-v3's shapes/*.cpp and
+// pbrt-v4's shapes.h and shapes.cpp.
+//
+// The normal of a triangle is that of its corners in the world, counter-clockwise, turned if the
+// transformation mirrors: the side that its corners give in the object's space. If it has normals,
+// it is turned to their side. A bilinear patch p00 p10 p01 p11 has du x dv. A sphere and a cylinder
+// have the outside, a disk +z. (Where the transformation mirrors, pbrt intersects a quadric with
+// the normal turned, but samples its light without; the latter is taken.)
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "libcommon/base/words.h"
+#include "tools/tdpt-import/meshes/meshes.h"
+#include "tools/tdpt-import/pbrt/pbrt.h"
+
+namespace tdpt::foreign::pbrt {
+namespace {
+
+/// A mesh of the scene whose front is the side of pbrt's normal without ReverseOrientation.
+struct Geometry {
+  size_t mesh = 0;
+  Affine to_object{};
+  std::string name;
+  size_t faces = 1;     ///< pbrt's own shapes that it consists of
+  bool is_mesh = true;  ///< areas are measured in the world, else in the object's space
+};
+
+// pbrt takes the triangle's normal where a vertex has one of length zero, and turns triangles to
+// the side of their normals.
+void mend_normals(Mesh& mesh) {
+  if (mesh.normals.empty()) return;
+  const auto across = [&](const std::array<uint32_t, 3>& t) {
+    const Vec3f& a = mesh.positions[t[0]];
+    return cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+  };
+  const auto is_broken = [](const Vec3f& n) { return !(dot(n, n) > 0) || !tdpt::is_finite(n); };
+  if (std::any_of(mesh.normals.begin(), mesh.normals.end(), is_broken)) {
+    std::vector<Vec3f> mean(mesh.normals.size());
+    for (const auto& t : mesh.triangles)
+      for (const uint32_t i : t) mean[i] = mean[i] + across(t);
+    for (size_t i = 0; i < mean.size(); ++i)
+      if (is_broken(mesh.normals[i]))
+        mesh.normals[i] = is_broken(mean[i]) ? Vec3f(0, 0, 1) : normalize(mean[i]);
+  }
+  for (auto& t : mesh.triangles)
+    if (dot(across(t), mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]) < 0)
+      std::swap(t[1], t[2]);
+}
+
+// Common to meshes of triangles and of patches: vertices, and indices of faces of so many corners.
+struct Faces {
+  Mesh mesh;
+  std::vector<size_t> corners;
+};
+
+Faces faces_of(const Entity& e, size_t corners) {
+  const std::vector<double>*points = e.tuples("P", 3), *normals = e.tuples("N", 3),
+        *uv = e.tuples("uv", 2);
+  const std::vector<double>* indices = e.integers("indices");
+  if (!uv) uv = e.tuples("st", 2);
+  e.ignore({"S", "faceIndices"});  // tangents; for Ptex
+  if (!points || points->empty()) e.fail("a mesh without points \"P\"");
+  const size_t count = points->size() / 3;
+  if (!indices && count != corners) e.fail("a mesh without \"indices\"");
+  if (normals && normals->size() != points->size()) {
+    e.lose("normals of a mesh that has another number of points are left out");
+    normals = nullptr;
+  }
+  if (uv && uv->size() / 2 < count) {
+    e.lose("texture coordinates of a mesh that has more points are left out");
+    uv = nullptr;
+  }
+  Faces f;
+  if (!indices) {
+    f.corners.resize(corners);
+    std::iota(f.corners.begin(), f.corners.end(), size_t{0});
+  } else {
+    for (const double i : *indices) {
+      if (!(i >= 0 && i < static_cast<double>(count)))
+        e.fail("index {} of a mesh of {} points", i, count);
+      f.corners.push_back(static_cast<size_t>(i));
+    }
+  }
+  f.corners.resize(f.corners.size() / corners * corners);
+  for (size_t i = 0; i < count; ++i) {
+    f.mesh.positions.push_back(vec_at(*points, i));
+    if (!tdpt::is_finite(f.mesh.positions.back()))
+      e.fail("point {} of the mesh is too far away", i);
+    if (normals) f.mesh.normals.push_back(vec_at(*normals, i));
+    if (uv)
+      f.mesh.uv.push_back({static_cast<float>((*uv)[2 * i]), static_cast<float>((*uv)[2 * i + 1])});
+  }
+  flip_v(f.mesh);
+  return f;
+}
+
+Geometry added(const Entity& e, Mesh&& mesh, size_t faces) {
+  mend_normals(mesh);
+  std::vector<Mesh>& meshes = e.context.scene.meshes;
+  meshes.push_back(std::move(mesh));
+  return {meshes.size() - 1, {}, e.kind, faces, true};
+}
+
+Geometry triangles(const Entity& e) {
+  Faces f = faces_of(e, 3);
+  Mesh& mesh = f.mesh;
+  const std::vector<size_t>& corners = f.corners;
+  for (size_t i = 0; i < corners.size(); i += 3)
+    mesh.triangles.push_back({static_cast<uint32_t>(corners[i]),
+                              static_cast<uint32_t>(corners[i + 1]),
+                              static_cast<uint32_t>(corners[i + 2])});
+  return added(e, std::move(mesh), mesh.triangles.size());
+}
+
+Geometry patches(const Entity& e) {
+  Faces f = faces_of(e, 4);
+  Mesh& mesh = f.mesh;
+  std::vector<size_t>& corners = f.corners;
+  e.ignore({"emissionfilename"});  // how it is sampled
+  if (mesh.uv.empty()) {           // each patch has (u, v) of its own
+    const Mesh shared = std::exchange(mesh, {});
+    for (size_t i = 0; i < corners.size(); ++i) {
+      mesh.positions.push_back(shared.positions[corners[i]]);
+      if (!shared.normals.empty()) mesh.normals.push_back(shared.normals[corners[i]]);
+      mesh.uv.push_back({i % 2 ? 1.0f : 0.0f, i % 4 < 2 ? 1.0f : 0.0f});
+      corners[i] = i;
+    }
+  }
+  for (size_t i = 0; i < corners.size(); i += 4) {
+    const auto p = [&](size_t k) { return static_cast<uint32_t>(corners[i + k]); };
+    mesh.triangles.push_back({p(0), p(1), p(3)});
+    mesh.triangles.push_back({p(0), p(3), p(2)});
+  }
+  return added(e, std::move(mesh), corners.size() / 4);
+}
+
+Geometry subdivided(const Entity& e) {
+  e.lose("the subdivision of \"loopsubdiv\" is left out: its control mesh is kept");
+  e.ignore({"levels", "nlevels", "scheme"});
+  Geometry g = triangles(e);
+  smooth(e.context.scene.meshes[g.mesh]);
+  return g;
+}
+
+// A mesh that several shapes may show.
+template <class Make>
+size_t shared(Context& context, const std::string& key, const Make& make) {
+  const auto it = context.meshes.find(key);
+  if (it != context.meshes.end()) return it->second;
+  context.scene.meshes.push_back(make());
+  return context.meshes[key] = context.scene.meshes.size() - 1;
+}
+
+Geometry mesh_of_file(const Entity& e) {
+  const std::string file = e.text("filename");
+  if (file.empty()) e.fail("the mesh names no file");
+  Source& source = e.context.source;
+  Geometry g;
+  const std::string name = file.substr(file.find_last_of("/\\") + 1);
+  g.name = name.substr(0, name.find('.'));
+  g.mesh = shared(e.context, file, [&] {
+    const auto bytes = source.read_mesh(file, e.place);
+    if (!bytes) return Mesh{};
+    const std::string shown_name = source.shown_name(file);
+    Mesh mesh = read_ply(unpacked(*bytes, shown_name), shown_name);
+    flip_v(mesh);
+    mend_normals(mesh);
+    return mesh;
+  });
+  g.faces = e.context.scene.meshes[g.mesh].triangles.size();
+  if (!e.texture("displacement").empty()) e.lose("the displacement of meshes is left out");
+  e.ignore({"edgelength"});  // of the displacement
+  return g;
+}
+
+std::optional<Geometry> quadric(const Entity& e) {
+  Geometry g;
+  g.name = e.kind;
+  g.is_mesh = false;
+  const bool is_sphere = e.kind == "sphere", is_disk = e.kind == "disk";
+  if (!is_sphere && !is_disk && e.kind != "cylinder") {
+    e.lose("shapes of the kind \"{}\" are not read and left out", shown(e.kind));
+    e.ignore_all();
+    return {};
+  }
+  const double r = e.number("radius", 1);
+  if (!(r > 0)) e.fail("\"radius\" is not above 0");
+  bool is_part = false;
+  g.mesh = shared(e.context, "[" + e.kind + "]", is_sphere ? sphere : is_disk ? disc : cylinder);
+  if (is_sphere) {
+    is_part = e.number("zmin", -r) > -r || e.number("zmax", r) < r;
+    g.to_object = scaled_by(Vec3d(r));
+  } else if (is_disk) {
+    is_part = e.number("innerradius", 0) > 0;
+    g.to_object = translated({0, 0, e.number("height", 0)}) * scaled_by(Vec3d(r));
+  } else {
+    const double a = e.number("zmin", -1), b = e.number("zmax", 1), low = std::min(a, b),
+                 high = std::max(a, b);
+    if (!(high > low)) e.fail("a cylinder without height");
+    g.to_object = translated({0, 0, low}) * scaled_by({r, r, high - low});
+  }
+  if (e.number("phimax", 360) < 360 || is_part)
+    e.lose("a \"{}\" of which parts are cut away becomes whole", e.kind);
+  return g;
+}
+
+std::optional<Geometry> geometry_of(const Entity& e) {
+  if (e.kind == "trianglemesh") return triangles(e);
+  if (e.kind == "bilinearmesh") return patches(e);
+  if (e.kind == "loopsubdiv") return subdivided(e);
+  if (e.kind == "plymesh") return mesh_of_file(e);
+  return quadric(e);
+}
+
+// Surface of the mesh after the map.
+double area_of(const Mesh& mesh, const Affine& map) {
+  const auto corner = [&](uint32_t i) {
+    const Vec3f& p = mesh.positions[i];
+    return map.point({p.x, p.y, p.z});
+  };
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3d a = corner(t[0]);
+    sum += length(cross(corner(t[1]) - a, corner(t[2]) - a)) / 2;
+  }
+  return sum;
+}
+
+// pbrt-v4 gives every triangle of a mesh the whole power.
+std::optional<Emission> emission_of(const Entity& e, const AreaLight& light,
+                                    const Geometry& geometry, const Affine& to_world) {
+  Emission emission = light.emission;
+  if (light.power > 0) {
+    const double area = area_of(e.context.scene.meshes[geometry.mesh],
+                                geometry.is_mesh ? to_world : geometry.to_object);
+    if (geometry.faces > 2)
+      e.lose("an area light's power, the same of every face, is spread evenly over its mesh");
+    const double factor = light.power * static_cast<double>(geometry.faces) /
+                          (std::numbers::pi * area * (emission.both_sides ? 2 : 1));
+    if (!std::isfinite(factor)) return {};
+    emission.radiance.factor = emission.radiance.factor * static_cast<float>(factor);
+  }
+  if (max_component(emission.radiance.factor) <= 0) return {};
+  return emission;
+}
+
+// Index into the scene's materials of the present surface with the alpha of the shape and the
+// medium inside.
+size_t material_of(const Entity& e, const State& state) {
+  Context& context = e.context;
+  const auto alpha = e.varying("alpha");
+  Material m = context.surfaces[state.surface].material;
+  std::optional<Rgb> attenuation;
+  if (!state.inside.empty() && m.solid) attenuation = context.absorbing[state.inside];
+  // Behind an opaque surface a medium is never seen.
+  const bool is_open = m.transmission > 0 || m.invisible || m.opacity.factor < 1 || alpha;
+  if (!state.inside.empty() && !attenuation && is_open)
+    e.lose("media other than absorbing ones within glass are left out");
+  if (!state.outside.empty()) e.lose("media in front of a surface are left out");
+
+  const std::string key = fmt::format("{} {} {}", state.surface, attenuation ? state.inside : "",
+                                      !alpha           ? ""
+                                      : alpha->texture ? e.texture("alpha")
+                                                       : fmt::format("{}", alpha->factor));
+  const auto [it, is_new] = context.materials.try_emplace(key, context.scene.materials.size());
+  if (!is_new) return it->second;
+  if (attenuation) m.attenuation = *attenuation;
+  if (alpha && alpha->texture) {
+    if (m.opacity.texture) e.lose("of two opacities the shape's is kept");
+    const float under = m.opacity.texture ? 1 : m.opacity.factor;
+    m.opacity = *alpha;
+    if (!context.v4)  // only zero is transparent
+      m.opacity.curve = [curve = alpha->curve](float texel) {
+        return (curve ? curve(texel) : texel) > 0 ? 1.0f : 0.0f;
+      };
+    m.opacity.factor = (context.v4 ? alpha->factor : alpha->factor > 0 ? 1 : 0) * under;
+  } else if (alpha) {
+    const bool is_whole = !context.v4 && alpha->factor != 0;
+    m.opacity.factor *= is_whole ? 1 : std::clamp(alpha->factor, 0.0f, 1.0f);
+  }
+  context.scene.materials.push_back(std::move(m));
+  return it->second;
+}
+
+}  // namespace
+
+std::optional<Shape> shape_of(const Entity& e, const State& state, bool in_object) {
+  const std::optional<Geometry> geometry = geometry_of(e);
+  if (!geometry || e.context.scene.meshes[geometry->mesh].triangles.empty()) {
+    e.ignore_all();
+    return {};
+  }
+  Shape shape;
+  shape.name = geometry->name;
+  shape.mesh = geometry->mesh;
+  shape.to_world = state.to_world * geometry->to_object;
+  if (!is_bounded(shape.to_world)) e.fail("the transformation is too large");
+  const Surface& surface = e.context.surfaces[state.surface];
+  surface.key.take();
+  shape.material = material_of(e, state);
+  shape.turned = state.is_reversed != surface.turned;
+  if (state.area && in_object)
+    e.lose("the light of shapes of an object with instances is left out, as in pbrt");
+  else if (state.area)
+    shape.emission = emission_of(e, *state.area, *geometry, shape.to_world);
+  if (shape.emission && surface.turned && !shape.emission->both_sides) {
+    e.lose("the side from which a body of glass emits light is not kept");
+    shape.emission->both_sides = true;
+  }
+  if (e.number("shadowalpha", 1) == 0 || !e.texture("shadowalpha").empty())
+    e.lose("an alpha that counts for shadows alone is left out");
+  return shape;
+}
+
+void add_medium(const Entity& e, const std::string& name) {
+  const Rgb scattered = e.spectrum("sigma_s", Use::index).value_or(Rgb(2.55f, 3.21f, 3.77f));
+  const Rgb absorbed = e.spectrum("sigma_a", Use::index).value_or(Rgb(.0011f, .0024f, .014f));
+  const auto scale = static_cast<float>(e.number("scale", 1));
+  const std::string kind = e.text("type"), preset = e.text("preset");
+  std::optional<Rgb>& left = e.context.absorbing[name] = {};
+  if (kind != "homogeneous" || !preset.empty() || max_component(scattered) > 0 || e.find("Le"))
+    return e.ignore_all();  // lost where it is used
+  left = Rgb(std::exp(-absorbed.x * scale), std::exp(-absorbed.y * scale),
+             std::exp(-absorbed.z * scale));
+  e.ignore({"g"});  // nothing scatters
+}
+
+}  // namespace tdpt::foreign::pbrt
