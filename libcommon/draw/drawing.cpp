@@ -1,6 +1,7 @@
 #include "libcommon/draw/drawing.h"
 
 #include <algorithm>
+#include <set>
 
 #include "libcommon/base/words.h"
 
@@ -29,6 +30,7 @@ class PanelDrawer {
   }
 
   void draw(const Shape& shape) {
+    if (shape.through && !shows(shape)) return;
     canvas_.clip(view_.panel);
     const size_t corners = shape.corners();
     for (size_t i = 0; i + corners <= shape.positions.size(); i += corners) {
@@ -39,17 +41,19 @@ class PanelDrawer {
       else if (corners == 2)
         draw_line(p[0], p[1], shape, paint, shape.paints[i + 1]);
       else
-        draw_triangle(p, paint);
+        draw_triangle(p, shape, paint);
     }
     canvas_.unclip();
   }
 
-  // Beside their places, where no other label is.
+  // Beside their places, where no other label is; each words once.
   void draw(const std::vector<Label>& labels) {
     constexpr double kHigh = kSmallSize + 7;
+    std::set<std::string> written;
     for (const Label& label : labels) {
       const Pixel at = view_.project(label.place);
       if (!panel_.shows(label.place) || !view_.panel.contains(at)) continue;
+      if (!written.insert(label.words).second) continue;
       const double wide = text_width(label.words, kSmallSize) + 8;
       Rectangle best;
       double least = INFINITY;
@@ -88,6 +92,17 @@ class PanelDrawer {
   }
 
  private:
+  // A mark is drawn as a whole where a fifth of its height is: one that only its sill lies below
+  // the floor of belongs to the storey above.
+  bool shows(const Shape& mark) const {
+    double low = INFINITY, high = -INFINITY;
+    for (const Vec3d& p : mark.positions) low = std::min(low, p.y), high = std::max(high, p.y);
+    const double shown = std::min(high, panel_.top) - std::max(low, panel_.bottom);
+    return shown > 0 ? shown >= 0.2 * (high - low) : shown == 0 && low == high;
+  }
+  bool shows(const Shape& shape, const Vec3d& place) const {
+    return shape.through || panel_.shows(place);
+  }
   bool is_hidden(const Pixel& at, double depth) const {
     const int x = static_cast<int>((at.x - view_.panel.x) / panel_.texel),
               y = static_cast<int>((at.y - view_.panel.y) / panel_.texel);
@@ -107,15 +122,15 @@ class PanelDrawer {
   }
 
   void draw_point(const Vec3d& place, const Shape& shape, const Paint& paint) {
-    if (!panel_.shows(place) || !is_before(place)) return;
+    if (!shows(shape, place) || !is_before(place)) return;
     Pixel at = view_.project(place);
     // Thousands of small dots in the same place of their pixel take far fewer bytes.
     if (shape.size <= 1) at = {std::floor(at.x) + 0.5, std::floor(at.y) + 0.5};
     canvas_.disc(at, shape.size, paint.ink, alpha_of(paint, place, shape.through));
   }
 
-  void draw_triangle(const Vec3d* p, const Paint& paint) {
-    if (!panel_.shows((p[0] + p[1] + p[2]) / 3.0)) return;
+  void draw_triangle(const Vec3d* p, const Shape& shape, const Paint& paint) {
+    if (!shows(shape, (p[0] + p[1] + p[2]) / 3.0)) return;
     if (!is_before(p[0]) || !is_before(p[1]) || !is_before(p[2])) return;
     canvas_.polygon({view_.project(p[0]), view_.project(p[1]), view_.project(p[2])}, paint.ink,
                     static_cast<double>(paint.alpha));
@@ -135,8 +150,10 @@ class PanelDrawer {
       if (va < low && vb >= low) enter = std::max(enter, t);
       if (va >= low && vb < low) leave = std::min(leave, t);
     };
-    keep(a.y, b.y, panel_.bottom);
-    keep(-a.y, -b.y, -panel_.top);
+    if (!shape.through) {
+      keep(a.y, b.y, panel_.bottom);
+      keep(-a.y, -b.y, -panel_.top);
+    }
     if (view_.pinhole) keep(view_.depth(a), view_.depth(b), kNear);
     if (enter > leave) return;
     const Vec3d from = a + (b - a) * enter, to = a + (b - a) * leave;

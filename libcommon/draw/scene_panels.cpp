@@ -108,16 +108,22 @@ void draw_section(Panel& panel, const Scene& scene, const Storey& storey) {
   Shape lines{.name = "section", .kind = Shape::Kind::lines, .size = 1.3, .through = true};
   for (const Segment& s : segments) {
     // Seams of the ground are no edges of anything.
-    const Pixel a = view.project(s.a), b = view.project(s.b);
-    const double pixels = std::hypot(b.x - a.x, b.y - a.y);
-    int earth = 0;
-    for (const double side : {-2.5, 2.5}) {
-      const double x = 0.5 * (a.x + b.x) + side * (b.y - a.y) / pixels - view.panel.x,
-                   y = 0.5 * (a.y + b.y) - side * (b.x - a.x) / pixels - view.panel.y;
-      earth += x >= 0 && x < columns && y >= 0 && y < rows &&
-               at(static_cast<int>(x), static_cast<int>(y)) == Filled::earth;
+    constexpr int kSteps = 64;
+    const Vec3d along = s.b - s.a,
+                side = Vec3d{along.z, 0, -along.x} * (2.5 * cell / length(along));
+    const auto is_earth = [&](const Vec3d& place) {
+      const Pixel p = view.project(place);
+      return view.panel.contains(p) && at(static_cast<int>(p.x - view.panel.x),
+                                          static_cast<int>(p.y - view.panel.y)) == Filled::earth;
+    };
+    int seen = 0, seam = 0;
+    for (int k = 0; k < kSteps; ++k) {
+      const Vec3d place = s.a + along * ((k + 0.5) / kSteps);
+      if (!view.panel.contains(view.project(place))) continue;
+      ++seen;
+      seam += is_earth(place + side) && is_earth(place - side);
     }
-    if (earth < 2) lines.line(s.a, s.b, is_pane(scene, s.triangle) ? kCutGlass : kCutWall);
+    if (2 * seam <= seen) lines.line(s.a, s.b, is_pane(scene, s.triangle) ? kCutGlass : kCutWall);
   }
   panel.shapes.push_back(std::move(lines));
 }
@@ -141,8 +147,10 @@ void draw_lamps(Panel& panel, const Scene& scene) {
   }
   for (const PunctualLight& light : scene.lights) {
     if (light.kind == PunctualLight::Kind::directional) continue;
-    rings.point(scene.frame.to_metres(light.position), kInk);
-    discs.point(scene.frame.to_metres(light.position), kLamp);
+    const Vec3d place = scene.frame.to_metres(light.position);
+    if (!panel.shows(place)) continue;
+    rings.point(place, kInk);
+    discs.point(place, kLamp);
   }
   for (Shape* shape : {&triangles, &outlines, &rings, &discs})
     panel.shapes.push_back(std::move(*shape));

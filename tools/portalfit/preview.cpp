@@ -55,25 +55,35 @@ const Ink& ink_of(Way way, const Ink& here) {
   return way == Way::here ? here : way == Way::elsewhere ? kMuted : kAlarm;
 }
 
-// Each portal's area; the outlines of all; their normals, the way of the light.
+// Each portal's area, its outline, and its normal, the way of the light.
 std::vector<Shape> portal_shapes(const std::vector<Portal>& portals) {
   std::vector<Shape> shapes;
-  Shape outlines{.name = "outlines", .kind = Shape::Kind::lines, .size = 3, .through = true},
-      normals{.name = "normals", .kind = Shape::Kind::lines, .size = 2, .through = true};
-  for (const Portal& portal : portals) {
-    Shape& area = shapes.emplace_back(
-        Shape{.name = fmt::format("portal.{}", shapes.size()), .through = true});
+  for (size_t i = 0; i < portals.size(); ++i) {
+    const Portal& portal = portals[i];
+    const std::string name = fmt::format("portal.{}", i);
+    Shape area{.name = name, .through = true},
+        outline{.name = name + " outline", .kind = Shape::Kind::lines, .size = 3, .through = true},
+        normal{.name = name + " normal", .kind = Shape::Kind::lines, .size = 2, .through = true};
     for (const auto& t : portal.triangles)
       area.triangle(portal.vertices[t[0]], portal.vertices[t[1]], portal.vertices[t[2]],
                     {kPortal, 0.3f});
     for (const auto& e : outline_of(portal))
-      outlines.line(portal.vertices[e[0]], portal.vertices[e[1]], kPortal);
+      outline.line(portal.vertices[e[0]], portal.vertices[e[1]], kPortal);
     const PortalFrame f = frame_of(portal);
-    normals.arrow(f.o, f.n * (0.5 * std::sqrt(shape_of(portal).area)), f.right, f.up, kPortal);
+    normal.arrow(f.o, f.n * (0.5 * std::sqrt(shape_of(portal).area)), f.right, f.up, kPortal);
+    for (Shape* shape : {&area, &outline, &normal}) shapes.push_back(std::move(*shape));
   }
-  shapes.push_back(std::move(outlines));
-  shapes.push_back(std::move(normals));
   return shapes;
+}
+
+// A label in the plan of each storey that shows a fifth of an outline's height, as its shape.
+void label_outline(Drawing& drawing, const std::vector<Vec3d>& outline, const std::string& words,
+                   const Ink& c) {
+  Vec3d sum{}, low(INFINITY), high(-INFINITY);
+  for (const Vec3d& v : outline) sum = sum + v, low = min(low, v), high = max(high, v);
+  const Vec3d middle = sum / static_cast<double>(outline.size());
+  for (const double share : {0.2, 0.8})
+    drawing.labels.push_back({{middle.x, low.y + share * (high.y - low.y), middle.z}, words, c});
 }
 
 // The crossings of the lines with the portal's plane.
@@ -294,8 +304,6 @@ draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitRe
                            const std::string& why_none) {
   Drawing drawing{.title = "portalfit   " + base_name(scene.path),
                   .sentence = count_words(found.portals.size(), why_none)};
-  Shape areas{.name = "refused", .through = true},
-      outlines{.name = "refused", .kind = Shape::Kind::lines, .size = 3, .through = true};
   size_t not_drawn = 0;
   for (const FitResult::Refusal& r : found.refused) {
     if (r.polygons.empty()) continue;
@@ -307,24 +315,25 @@ draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitRe
     drawing.notes.push_back(fmt::format("{}: {}", letter, without_subject(r.why)));
     for (const std::vector<Vec3d>& p : r.polygons) {
       if (p.size() < 3) continue;
-      Vec3d sum{};
+      Shape area{.name = "refused", .through = true},
+          outline{.name = "refused", .kind = Shape::Kind::lines, .size = 3, .through = true};
       for (size_t k = 0; k < p.size(); ++k) {
-        sum = sum + p[k];
-        outlines.line(p[k], p[(k + 1) % p.size()], kRefused);
-        if (k > 1) areas.triangle(p[0], p[k - 1], p[k], {kRefused, 0.3f});
+        outline.line(p[k], p[(k + 1) % p.size()], kRefused);
+        if (k > 1) area.triangle(p[0], p[k - 1], p[k], {kRefused, 0.3f});
       }
-      drawing.labels.push_back({sum / static_cast<double>(p.size()), letter, ink(0x5f636b)});
+      drawing.shapes.push_back(std::move(area));
+      drawing.shapes.push_back(std::move(outline));
+      label_outline(drawing, p, letter, ink(0x5f636b));
     }
   }
   if (!drawing.notes.empty()) drawing.sentence += "; grey: what was refused, by the letters below";
   if (not_drawn > 0) drawing.notes.push_back(fmt::format("{} more are not drawn", not_drawn));
-  drawing.shapes = {std::move(areas), std::move(outlines)};
   std::vector<Vec3d> places;
   for (const Portal& portal : found.portals) {
     const PortalFrame f = frame_of(portal);
     std::string words = fmt::format("portal.{}", places.size());
     if (std::abs(f.n.y) > 0.7) words += f.n.y > 0 ? ", up" : ", down";
-    drawing.labels.push_back({f.o, words, ink(0x0a5f4b)});
+    label_outline(drawing, portal.vertices, words, ink(0x0a5f4b));
     places.push_back(f.o);
   }
   for (Shape& shape : portal_shapes(found.portals)) drawing.shapes.push_back(std::move(shape));
