@@ -86,7 +86,7 @@ TEST(cut_preview, pivot_pairs_are_lines_between_their_patches) {
   ASSERT_EQ(pairs.positions.size(), 2u);
   EXPECT_LT(length(pairs.positions[0] - Vec3d{4.1, 1, 0.05}), 1e-9);
   EXPECT_LT(length(pairs.positions[1] - Vec3d{0, 1, 0.05}), 1e-9);
-  EXPECT_EQ(pairs.paints[0].ink, draw::kPivot) << "of the largest capacity";
+  EXPECT_LT(length(pairs.paints[0].ink - draw::kPivot), 1e-5f) << "of the largest capacity";
 }
 
 TEST(cut_preview, is_a_png_and_refuses_another_scene) {
