@@ -62,7 +62,8 @@ std::vector<Shape> portal_shapes(const std::vector<Portal>& portals) {
     const Portal& portal = portals[i];
     const std::string name = fmt::format("portal.{}", i);
     Shape area{.name = name, .through = true},
-        outline{.name = name + " outline", .kind = Shape::Kind::lines, .size = 3.5, .through = true},
+        outline{
+            .name = name + " outline", .kind = Shape::Kind::lines, .size = 3.5, .through = true},
         normal{.name = name + " normal", .kind = Shape::Kind::lines, .size = 2, .through = true};
     for (const auto& t : portal.triangles)
       area.triangle(portal.vertices[t[0]], portal.vertices[t[1]], portal.vertices[t[2]],
