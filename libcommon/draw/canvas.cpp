@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <numbers>
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -165,11 +164,11 @@ Canvas::Canvas(int width, int height, const Ink& paper)
 Canvas::~Canvas() = default;
 Canvas::Canvas(Canvas&&) noexcept = default;
 
-void Canvas::clip(const Box& box) {
+void Canvas::clip(const Rectangle& r) {
   unclip();
-  const double x = std::round(box.x), y = std::round(box.y);
-  cairo_rectangle(recording_->cairo.get(), x, y, std::round(box.right()) - x,
-                  std::round(box.bottom()) - y);
+  const double x = std::round(r.x), y = std::round(r.y);
+  cairo_rectangle(recording_->cairo.get(), x, y, std::round(r.right()) - x,
+                  std::round(r.bottom()) - y);
   cairo_clip(recording_->cairo.get());
 }
 
@@ -177,58 +176,39 @@ void Canvas::unclip() {
   cairo_reset_clip(recording_->cairo.get());
 }
 
-void Canvas::line(Point a, Point b, double line_width, const Ink& c, double alpha) {
+void Canvas::line(Pixel a, Pixel b, double line_width, const Ink& c, double alpha) {
   if (!can_draw({a.x, a.y, b.x, b.y})) return;
   cairo_move_to(recording_->cairo.get(), a.x, a.y);
   cairo_line_to(recording_->cairo.get(), b.x, b.y);
   recording_->stroke(line_width, c, alpha);
 }
 
-void Canvas::lines(const std::vector<std::array<Point, 2>>& ends, double line_width, const Ink& c,
-                   double alpha) {
-  for (const auto& [a, b] : ends) {
-    if (!can_draw({a.x, a.y, b.x, b.y})) continue;
-    cairo_move_to(recording_->cairo.get(), a.x, a.y);
-    cairo_line_to(recording_->cairo.get(), b.x, b.y);
-  }
-  recording_->stroke(line_width, c, alpha);
-}
-
-void Canvas::disc(Point centre, double radius, const Ink& c, double alpha) {
+void Canvas::disc(Pixel centre, double radius, const Ink& c, double alpha) {
   line(centre, centre, 2 * radius, c, alpha);
 }
 
-void Canvas::ring(Point centre, double radius, double line_width, const Ink& c, double alpha) {
-  if (!can_draw({centre.x, centre.y, radius})) return;
-  cairo_new_path(recording_->cairo.get());
-  cairo_arc(recording_->cairo.get(), centre.x, centre.y, radius, 0, 2 * std::numbers::pi);
-  cairo_close_path(recording_->cairo.get());
-  recording_->stroke(line_width, c, alpha);
-}
-
-void Canvas::polygon(const std::vector<Point>& corners, const Ink& c, double alpha) {
+void Canvas::polygon(const std::vector<Pixel>& corners, const Ink& c, double alpha) {
   if (corners.size() < 3) return;
-  for (const Point& p : corners)
+  for (const Pixel& p : corners)
     if (!can_draw({p.x, p.y})) return;
-  for (const Point& p : corners) cairo_line_to(recording_->cairo.get(), p.x, p.y);
+  for (const Pixel& p : corners) cairo_line_to(recording_->cairo.get(), p.x, p.y);
   cairo_close_path(recording_->cairo.get());
   recording_->fill(c, alpha);
 }
 
-void Canvas::fill(const Box& box, const Ink& c, double alpha) {
-  if (!can_draw({box.x, box.y, box.width, box.height})) return;
-  cairo_rectangle(recording_->cairo.get(), box.x, box.y, box.width, box.height);
+void Canvas::fill(const Rectangle& r, const Ink& c, double alpha) {
+  if (!can_draw({r.x, r.y, r.width, r.height})) return;
+  cairo_rectangle(recording_->cairo.get(), r.x, r.y, r.width, r.height);
   recording_->fill(c, alpha);
 }
 
-void Canvas::frame(const Box& box, double w, const Ink& c, double alpha) {
-  if (!can_draw({box.x, box.y, box.width, box.height})) return;
-  cairo_rectangle(recording_->cairo.get(), box.x + 0.5 * w, box.y + 0.5 * w, box.width - w,
-                  box.height - w);
+void Canvas::frame(const Rectangle& r, double w, const Ink& c, double alpha) {
+  if (!can_draw({r.x, r.y, r.width, r.height})) return;
+  cairo_rectangle(recording_->cairo.get(), r.x + 0.5 * w, r.y + 0.5 * w, r.width - w, r.height - w);
   recording_->stroke(w, c, alpha);
 }
 
-void Canvas::raster(Point top_left, double texel, const Raster& texels) {
+void Canvas::raster(Pixel top_left, double texel, const Raster& texels) {
   if (!can_draw({top_left.x, top_left.y, texel})) return;
   const Surface surface = surface_of(texels);
   cairo_t* cairo = recording_->cairo.get();
@@ -251,7 +231,7 @@ double text_width(const std::string& words, double size) {
   return Line(words, size, false, 0).width();
 }
 
-void Canvas::text(Point base, const std::string& words, const Lettering& how) {
+void Canvas::text(Pixel base, const std::string& words, const Lettering& how) {
   if (!can_draw({base.x, base.y})) return;
   const Line line(words, how.size, how.bold, how.room);
   const double before =

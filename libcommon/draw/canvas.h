@@ -6,7 +6,6 @@
 // sRGB-coded, because that is how they are chosen. The same drawing gives the same bytes wherever
 // the same fonts are installed.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -28,15 +27,16 @@ constexpr Ink mix(const Ink& a, const Ink& b, double t) {
   return a + (b - a) * static_cast<float>(t);
 }
 
-struct Point {
+/// A place on the canvas.
+struct Pixel {
   double x = 0, y = 0;
 };
 
-struct Box {
+struct Rectangle {
   double x = 0, y = 0, width = 0, height = 0;
   double right() const { return x + width; }
   double bottom() const { return y + height; }
-  bool contains(const Point& p) const {
+  bool contains(const Pixel& p) const {
     return p.x >= x && p.x < right() && p.y >= y && p.y < bottom();
   }
 };
@@ -86,28 +86,22 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// From now on nothing is drawn outside `box`, rounded to whole pixels.
-  void clip(const Box& box);
+  /// From now on nothing is drawn outside `r`, rounded to whole pixels.
+  void clip(const Rectangle& r);
   void unclip();
 
   /// With round caps; a line of length 0 is a dot.
-  void line(Point a, Point b, double line_width, const Ink& c, double alpha = 1);
-  /// The same for many of one kind, which takes a fraction of the bytes in SVG and PDF; where they
-  /// cross they are no darker.
-  void lines(const std::vector<std::array<Point, 2>>& ends, double line_width, const Ink& c,
-             double alpha = 1);
-  void disc(Point centre, double radius, const Ink& c, double alpha = 1);
-  /// Outline of a circle.
-  void ring(Point centre, double radius, double line_width, const Ink& c, double alpha = 1);
-  void polygon(const std::vector<Point>& corners, const Ink& c, double alpha = 1);
-  void fill(const Box& box, const Ink& c, double alpha = 1);
-  /// Outline of a box, drawn inside it.
-  void frame(const Box& box, double line_width, const Ink& c, double alpha = 1);
+  void line(Pixel a, Pixel b, double line_width, const Ink& c, double alpha = 1);
+  void disc(Pixel centre, double radius, const Ink& c, double alpha = 1);
+  void polygon(const std::vector<Pixel>& corners, const Ink& c, double alpha = 1);
+  void fill(const Rectangle& r, const Ink& c, double alpha = 1);
+  /// Outline of a rectangle, drawn inside it.
+  void frame(const Rectangle& r, double line_width, const Ink& c, double alpha = 1);
   /// Each texel becomes a square with side `texel`, without interpolation.
-  void raster(Point top_left, double texel, const Raster& texels);
+  void raster(Pixel top_left, double texel, const Raster& texels);
   /// UTF-8 in any script for which a font is installed, with `base` on the baseline; a glyph that
   /// no font has is a box with its code. Uses DejaVu Sans if installed.
-  void text(Point base, const std::string& words, const Lettering& how);
+  void text(Pixel base, const std::string& words, const Lettering& how);
 
   Raster pixels() const;
   std::string png() const;

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <queue>
 
 namespace tdpt::draw {
 namespace {
@@ -72,80 +70,37 @@ void mark(std::vector<uint8_t>& cells, const CellGrid& grid, const Segment& s) {
   }
 }
 
-// Distance of each cell from the nearest one that is not `inside`, in cells (3-4 chamfer).
-std::vector<float> depths(const std::vector<uint8_t>& inside, const CellGrid& grid) {
-  std::vector<float> depth(inside.size());
-  const auto value = [&](int i, int j) {
-    return i < 0 || i >= grid.columns || j < 0 || j >= grid.rows ? 1e6f : depth[at(grid, i, j)];
-  };
-  for (size_t k = 0; k < inside.size(); ++k) depth[k] = inside[k] ? 1e6f : 0;
-  const auto relax = [&](int i, int j, int way) {
-    float& d = depth[at(grid, i, j)];
-    d = std::min({d, value(i - way, j) + 1, value(i, j - way) + 1,
-                  value(i - way, j - way) + 4.0f / 3, value(i + way, j - way) + 4.0f / 3});
-  };
-  for (int j = 0; j < grid.rows; ++j)
-    for (int i = 0; i < grid.columns; ++i) relax(i, j, 1);
-  for (int j = grid.rows; j-- > 0;)
-    for (int i = grid.columns; i-- > 0;) relax(i, j, -1);
-  return depth;
-}
-
-// Marks as earth what is thicker than a wall, and as air what is thick and `outside` of everything.
-// Bodies that touch are parted by their outlines.
+// Marks as earth what is thicker than a wall both ways, and as air what is thick and `outside` of
+// everything. Bodies that touch are parted by their outlines.
 void part_earth(std::vector<Filled>& cells, const std::vector<uint8_t>& outline,
                 const std::vector<uint8_t>& outside, const CellGrid& grid, double thickest) {
-  std::vector<uint8_t> inside(cells.size());
-  for (size_t k = 0; k < cells.size(); ++k) inside[k] = cells[k] != Filled::air && !outline[k];
-  const std::vector<float> depth = depths(inside, grid);
-  const double half = 0.5 * thickest / grid.cell;
-  // From the places in the middle of something thick as far as its corners, within its outline:
-  // Dijkstra's algorithm.
-  using Reached = std::pair<double, size_t>;  // distance from the middle, cell
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> next;
-  const auto columns = static_cast<size_t>(grid.columns);
-  const auto deep = [&](size_t k) { return static_cast<double>(depth[k]) > half; };
-  for (size_t k = 0; k < cells.size(); ++k) {
-    if (!deep(k)) continue;
-    const size_t left = k % columns > 0 ? k - 1 : k, right = (k + 1) % columns > 0 ? k + 1 : k,
-                 above = k >= columns ? k - columns : k,
-                 below = k + columns < cells.size() ? k + columns : k;
-    if (deep(left) && deep(right) && deep(above) && deep(below)) {
-      inside[k] = 0;
-      cells[k] = outside[k] ? Filled::air : Filled::earth;
-    } else {
-      next.emplace(0, k);
-    }
-  }
-  while (!next.empty()) {
-    const auto [distance, k] = next.top();
-    next.pop();
-    if (!inside[k]) continue;
-    inside[k] = 0;
-    cells[k] = outside[k] ? Filled::air : Filled::earth;
-    const int column = static_cast<int>(k % columns), row = static_cast<int>(k / columns);
-    for (int j = std::max(row - 1, 0); j <= std::min(row + 1, grid.rows - 1); ++j)
-      for (int i = std::max(column - 1, 0); i <= std::min(column + 1, grid.columns - 1); ++i) {
-        const bool slanting = i != column && j != row;
-        // Not through an outline between two of its cells.
-        if (slanting && (outline[at(grid, i, row)] || outline[at(grid, column, j)])) continue;
-        const double further = distance + (slanting ? 1.414 : 1.0);
-        if (inside[at(grid, i, j)] && further < 1.45 * half) next.emplace(further, at(grid, i, j));
+  std::vector<uint8_t> thick_ways(cells.size());
+  const auto measure = [&](int lines, int cells_of_line, size_t line_step, size_t step) {
+    for (int line = 0; line < lines; ++line)
+      for (int i = 0, end; i < cells_of_line; i = end) {
+        const auto cell = [&](int k) {
+          return static_cast<size_t>(line) * line_step + static_cast<size_t>(k) * step;
+        };
+        const auto is_inside = [&](int k) {
+          return cells[cell(k)] != Filled::air && !outline[cell(k)];
+        };
+        for (end = i + 1; end < cells_of_line && is_inside(i) && is_inside(end);) ++end;
+        // What goes on beyond the grid is thick.
+        if ((end - i) * grid.cell > thickest || i == 0 || end == cells_of_line)
+          for (int k = i; k < end; ++k) ++thick_ways[cell(k)];
       }
-  }
-  // Seams within the earth.
-  constexpr int kNear = 2;
-  for (int j = kNear; j + kNear < grid.rows; ++j)
-    for (int i = kNear; i + kNear < grid.columns; ++i) {
-      if (!outline[at(grid, i, j)] || cells[at(grid, i, j)] != Filled::wall) continue;
-      bool earth = false, other = false;
-      for (int dj = -kNear; dj <= kNear; ++dj)
-        for (int di = -kNear; di <= kNear; ++di) {
-          const size_t k = at(grid, i + di, j + dj);
-          if (!outline[k]) (cells[k] == Filled::earth ? earth : other) = true;
-        }
-      if (earth && !other) cells[at(grid, i, j)] = Filled::earth;
-    }
+  };
+  const auto columns = static_cast<size_t>(grid.columns);
+  measure(grid.rows, grid.columns, columns, 1);
+  measure(grid.columns, grid.rows, 1, columns);
+  for (size_t k = 0; k < cells.size(); ++k)
+    if (thick_ways[k] == 2) cells[k] = outside[k] ? Filled::air : Filled::earth;
+  // Outlines within the earth are its seams.
+  for (size_t k = columns; k + columns < cells.size(); ++k)
+    if (outline[k] && cells[k] == Filled::wall &&
+        ((cells[k - 1] == Filled::earth && cells[k + 1] == Filled::earth) ||
+         (cells[k - columns] == Filled::earth && cells[k + columns] == Filled::earth)))
+      cells[k] = Filled::earth;
 }
 
 }  // namespace
@@ -154,11 +109,11 @@ std::vector<Segment> section(const Scene& scene, double height) {
   std::vector<Segment> found;
   const auto end = std::min<size_t>(scene.triangles.size(), scene.dome);
   for (uint32_t i = 0; i < end; ++i) {
-    const Triangle& t = scene.triangles[i];
-    Vec3d cut[3];
+    Vec3d cut[3], p[3];
+    for (int k = 0; k < 3; ++k) p[k] = scene.frame.to_metres(Vec3d(scene.vertex(i, k)));
     int n = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d a(scene.positions[t.vertex[k]]), b(scene.positions[t.vertex[(k + 1) % 3]]);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d &a = p[k], &b = p[(k + 1) % 3];
       if ((a.y < height) != (b.y < height)) cut[n++] = a + (b - a) * ((height - a.y) / (b.y - a.y));
     }
     if (n == 2) found.push_back({cut[0], cut[1], i});

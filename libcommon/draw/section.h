@@ -14,19 +14,19 @@
 
 namespace tdpt::draw {
 
-/// Where the plane cuts a triangle, canonical.
+/// Where the plane cuts a triangle, metres.
 struct Segment {
   Vec3d a, b;
   uint32_t triangle;
 };
-/// The intersection of a scene's triangles with the horizontal plane y = height (canonical), but
-/// for the sky's.
+/// The intersection of a scene's triangles with the horizontal plane y = height [m], but for
+/// the sky's.
 std::vector<Segment> section(const Scene& scene, double height);
 
 /// Whether the triangle's material lets light pass straight through, as a window pane does.
 bool is_pane(const Scene& scene, uint32_t triangle);
 
-/// Cells of a rectangle in the plane; canonical. Cell (i, j) spans low + cell * [i, i+1) x [j,
+/// Cells of a rectangle in the plane; metres. Cell (i, j) spans low + cell * [i, i+1) x [j,
 /// j+1), in x and z.
 struct CellGrid {
   double low_x = 0, low_z = 0, cell = 1;
@@ -35,7 +35,7 @@ struct CellGrid {
 /// `wall`: a body as thin as a wall; `earth`: a thicker one, such as the ground around a cellar.
 enum class Filled : uint8_t { air, wall, earth };
 /// What fills each cell, at [i + columns * j]. `air`: places known to be in the air; where they
-/// contradict each other nothing is filled. `thickest`: of a wall, canonical.
+/// contradict each other nothing is filled. `thickest`: of a wall.
 std::vector<Filled> filled(const Scene& scene, const std::vector<Segment>& section,
                            const CellGrid& grid, const std::vector<Vec3d>& air, double thickest);
 

@@ -15,8 +15,7 @@ TEST(section, is_as_long_as_the_walls_that_it_cuts) {
   const Scene& scene = two_rooms();
   const auto metres_at = [&](double y) {
     double sum = 0;
-    for (const Segment& s : section(scene, (y - scene.frame.centre.y) * scene.frame.scale))
-      sum += length(s.b - s.a) / scene.frame.scale;
+    for (const Segment& s : section(scene, y)) sum += length(s.b - s.a);
     return sum;
   };
   EXPECT_NEAR(metres_at(1.5), 16, 1e-5);

@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "libcommon/draw/section.h"
+#include "libcommon/math/reach.h"
 
 namespace tdpt::draw {
 namespace {
@@ -15,16 +15,17 @@ constexpr double kLowestCeiling = 1.9, kHighestCeiling = 12;  // head room above
 constexpr double kEye = 1.5, kEyeOfRoom = 0.75;  // of the cut above the floor; of low head room
 constexpr double kOneFloor = 0.05;               // floors that differ less are one
 constexpr double kApart = 1.8;                   // storeys are further apart
+constexpr double kSlab = 0.05;                   // of a storey's top, below the next floor
 constexpr double kSteps = 1.0;                   // what is lower or higher still belongs to it
 constexpr double kLeastFloor = 2;                // [m2]
 constexpr double kLeastShare = 0.08;             // of the largest storey's floor
-constexpr double kWalls = 0.9, kMargin = 0.35;   // beside the floors; beside the walls
+constexpr double kWalls = 0.5;                   // room for the walls beside the floors
 constexpr double kPlane = 0.97,
                  kCeiling = 0.3;    // least |n.y| of floors, and of what hangs over them
 constexpr double kPerSample = 0.1;  // [m2]
 constexpr int kMostSamples = 400;   // of a triangle
 constexpr double kStray = 0.003;    // share of the floor that may lie beyond the extent
-constexpr size_t kMostAir = 2000, kMostDrawn = 4;
+constexpr size_t kMostAir = 500, kMostDrawn = 4;
 constexpr double kTouched = 0.04;  // least share of the places on a storey that is drawn
 
 // A place on a floor under a ceiling, metres.
@@ -106,24 +107,7 @@ std::vector<FloorSample> largest_level(const std::vector<FloorSample>& sorted) {
           sorted.begin() + static_cast<std::ptrdiff_t>(best_end)};
 }
 
-// Widens the extent to the walls beside the floors.
-void include_walls(Storey& storey, const Scene& scene) {
-  const Vec3d floor_low = storey.low, floor_high = storey.high, around(kWalls);
-  const auto widen = [&](const Vec3d& p) {
-    const Vec3d in = min(max(p, floor_low - around), floor_high + around);
-    if (in.x != p.x || in.z != p.z) return;
-    storey.low = min(storey.low, in), storey.high = max(storey.high, in);
-  };
-  for (const Segment& s : section(scene, scene.frame.to_canonical({0, storey.cut, 0}).y)) {
-    widen(scene.frame.to_metres(s.a));
-    widen(scene.frame.to_metres(s.b));
-  }
-  storey.low = storey.low - Vec3d(kMargin);
-  storey.high = storey.high + Vec3d(kMargin);
-}
-
-Storey storey_of(const Scene& scene, const std::vector<FloorSample>& level,
-                 const std::vector<FloorSample>& all) {
+Storey storey_of(const std::vector<FloorSample>& level, const std::vector<FloorSample>& all) {
   Storey storey;
   storey.floor = quantile(level, 0.5, [](const FloorSample& s) { return s.place.y; });
   const double head = quantile(level, 0.5, [](const FloorSample& s) { return s.head; });
@@ -133,9 +117,9 @@ Storey storey_of(const Scene& scene, const std::vector<FloorSample>& level,
     if (s.place.y > *storey.floor - kSteps && s.place.y < *storey.floor + kSteps) near.push_back(s);
   const auto x = [](const FloorSample& s) { return s.place.x; };
   const auto z = [](const FloorSample& s) { return s.place.z; };
-  storey.low = {quantile(near, kStray, x), 0, quantile(near, kStray, z)};
-  storey.high = {quantile(near, 1 - kStray, x), 0, quantile(near, 1 - kStray, z)};
-  include_walls(storey, scene);
+  storey.low = Vec3d{quantile(near, kStray, x), 0, quantile(near, kStray, z)} - Vec3d(kWalls);
+  storey.high =
+      Vec3d{quantile(near, 1 - kStray, x), 0, quantile(near, 1 - kStray, z)} + Vec3d(kWalls);
   for (size_t k = 0; k < level.size(); k += level.size() / kMostAir + 1)
     if (level[k].head > storey.cut - *storey.floor)
       storey.air.push_back({level[k].place.x, storey.cut, level[k].place.z});
@@ -154,7 +138,7 @@ std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer) {
     const double area = area_of(level);
     largest = std::max(largest, area);
     if (area < std::max(kLeastFloor, kLeastShare * largest)) break;
-    storeys.push_back(storey_of(scene, level, all));
+    storeys.push_back(storey_of(level, all));
     const double floor = *storeys.back().floor;
     std::erase_if(left, [&](const FloorSample& s) { return std::abs(s.place.y - floor) < kApart; });
   }
@@ -162,7 +146,7 @@ std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer) {
             [](const Storey& a, const Storey& b) { return *a.floor < *b.floor; });
   for (size_t k = 0; k < storeys.size(); ++k) {
     storeys[k].bottom = k > 0 ? *storeys[k].floor - 0.5 : -INFINITY;
-    storeys[k].top = k + 1 < storeys.size() ? *storeys[k + 1].floor : INFINITY;
+    storeys[k].top = k + 1 < storeys.size() ? *storeys[k + 1].floor - kSlab : INFINITY;
   }
   return storeys;
 }
@@ -171,20 +155,15 @@ namespace {
 
 // The whole scene as one, cut at `height`, at its middle if that is not within it.
 Storey whole_scene(const Scene& scene, double height) {
-  Vec3d low{INFINITY}, high{-INFINITY};
+  Extent extent;
   const auto end = std::min<size_t>(scene.triangles.size(), scene.dome);
-  for (size_t t = 0; t < end; ++t)
-    for (const uint32_t v : scene.triangles[t].vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
+  for (uint32_t t = 0; t < end; ++t)
+    for (int k = 0; k < 3; ++k) extent.add(scene.frame.to_metres(Vec3d(scene.vertex(t, k))));
   Storey all;
-  all.low = scene.frame.to_metres(low);
-  all.high = scene.frame.to_metres(high);
-  const Vec3d air = (all.high - all.low) * 0.03;
-  all.cut = height > all.low.y && height < all.high.y ? height : 0.5 * (all.low.y + all.high.y);
-  all.low = all.low - air;
-  all.high = all.high + air;
+  all.cut = height > extent.low.y && height < extent.high.y ? height
+                                                            : 0.5 * (extent.low.y + extent.high.y);
+  all.low = extent.low - extent.size() * 0.03;
+  all.high = extent.high + extent.size() * 0.03;
   all.bottom = -INFINITY;
   all.top = INFINITY;
   return all;
@@ -212,27 +191,14 @@ std::vector<Storey> storeys_to_draw(const Scene& scene, const Tracer& tracer, co
   std::vector<size_t> times(all.size());
   for (const Vec3d& p : places) ++times[storey_at(all, p)];
   const size_t here = storey_at(all, camera);
-  std::vector<size_t> chosen{here};
-  // Outwards from the camera's, as far as there is something to show.
-  const auto touched = [&](size_t k) {
-    return static_cast<double>(times[k]) > kTouched * static_cast<double>(places.size());
-  };
-  const auto outwards = [&](auto next) {
-    std::vector<size_t> way, seen;
-    for (size_t k = next(here); k < all.size(); k = next(k)) {
-      way.push_back(k);
-      if (touched(k)) seen = way;
-    }
-    return seen;
-  };
-  for (const auto& way :
-       {outwards([](size_t k) { return k + 1; }), outwards([](size_t k) { return k - 1; })})
-    chosen.insert(chosen.end(), way.begin(), way.end());
-  chosen.resize(std::min(chosen.size(), kMostDrawn));
-  std::sort(chosen.begin() + 1, chosen.end());
-  std::vector<Storey> drawn;
-  for (const size_t k : chosen) drawn.push_back(all[k]);
-  return drawn;
+  // Those between as well, but no more than are legible.
+  size_t first = here, last = here;
+  for (size_t k = 0; k < all.size(); ++k)
+    if (static_cast<double>(times[k]) > kTouched * static_cast<double>(places.size()))
+      first = std::min(first, k), last = std::max(last, k);
+  while (last - first >= kMostDrawn) last - here > here - first ? --last : ++first;
+  return {all.begin() + static_cast<std::ptrdiff_t>(first),
+          all.begin() + static_cast<std::ptrdiff_t>(last) + 1};
 }
 
 }  // namespace tdpt::draw

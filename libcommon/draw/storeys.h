@@ -14,7 +14,7 @@ struct Storey {
   /// Empty in a scene without floors, which is shown as a whole.
   std::optional<double> floor;
   double cut = 0;              ///< height of its plan: eye height, lower under low ceilings
-  double bottom = 0, top = 0;  ///< what its plan shows; top: the next floor above, or infinity
+  double bottom = 0, top = 0;  ///< what its plan shows; top: just below the next floor, or infinity
   Vec3d low{}, high{};         ///< its floor's extent in x and z, with the walls around it
   std::vector<Vec3d> air;      ///< places at the height of the cut that are in the air
 };
@@ -23,7 +23,7 @@ struct Storey {
 std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer);
 
 /// The storeys to draw for a camera and other places to show: those with the camera or a good share
-/// of the places, and those between; the camera's first. One at least.
+/// of the places, and those between, upwards. One at least.
 std::vector<Storey> storeys_to_draw(const Scene& scene, const Tracer& tracer, const Vec3d& camera,
                                     const std::vector<Vec3d>& places);
 

@@ -9,7 +9,7 @@
 #include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/draw/canvas.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/camera_options.h"
 #include "libcommon/options/shot_options.h"
@@ -281,7 +281,8 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
              const DimacsFile& network, Phases& phases) {
   const auto text = [&] { return dimacs_text(network); };
   const auto preview = [&] {
-    return network_preview(in.scene, in.cameras[0], network, a.triangles()).file_named(a.preview);
+    return draw::draw(network_preview(in.scene, in.cameras[0], network, a.triangles()))
+        .file_named(a.preview);
   };
   const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
   cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, common,

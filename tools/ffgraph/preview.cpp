@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "libcommon/draw/scene_sheet.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/scene_panels.h"
 #include "libcommon/flow/potential_sweep.h"
 
 namespace tdpt {
+
 std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
   std::vector<uint32_t> patch(file.network.nodes, UINT32_MAX);
   for (uint32_t i = 0; i < file.patches.size(); ++i) patch[file.patches[i].node - 1] = i;
@@ -44,85 +44,72 @@ std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles) {
   return reach;
 }
 
-void paint_network(draw::SceneSheet& sheet, const Scene& scene, const DimacsFile& file,
-                   bool triangles) {
-  const std::vector<Reach> reached = reach_of_patches(file, triangles);
-  const draw::PatchLookup patches(scene.frame, file.grid, file.patches);
-  sheet.paint([&](uint32_t face, const Vec3d& place) {
-    const auto patch = patches.at(face, place);
-    return patch ? draw::reach(reached[*patch].light, reached[*patch].camera) : draw::kClay;
-  });
-}
-
-namespace {
-// Where walks from both ends came: what a plan should show.
-std::vector<Vec3d> places_of_both(const DimacsFile& file, const std::vector<Reach>& reached) {
-  std::vector<Vec3d> places;
-  for (size_t i = 0; i < reached.size(); ++i)
-    if (reached[i].light > 0 && reached[i].camera > 0 && !file.patches[i].is_sky())
-      places.push_back(file.patches[i].centre);
-  return places;
-}
-}  // namespace
-
-draw::Canvas network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
-                             bool triangles) {
+draw::Drawing network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
+                              bool triangles) {
   using namespace draw;
   const std::vector<Reach> reached = reach_of_patches(file, triangles);
-  size_t both = 0;
-  for (const Reach& r : reached) both += r.light > 0 && r.camera > 0;
-  const std::string sentence = fmt::format(
-      "{} {}, {} of them {}; {} arcs", number(static_cast<double>(reached.size())),
-      triangles ? "triangles" : "patches", number(static_cast<double>(both)),
-      triangles ? "both lit and seen" : "reached by walks from both ends of the light's way",
-      number(static_cast<double>(file.network.arcs.size())));
-  SceneSheet sheet(scene, camera, "ffgraph   " + base_name(scene.path), sentence,
-                   places_of_both(file, reached), 62);
-  paint_network(sheet, scene, file, triangles);
-  const Box legend = sheet.legend();
-  const Box square{legend.x, legend.y + 4, 56, 56};
-  if (triangles) {
-    key(sheet.canvas(), {legend.x, legend.y + 28},
-        {{kLight, "S_d: lit directly"},
-         {kCamera, "S_p: seen by the camera"},
-         {kBoth, "both"},
-         {kClay, "neither"},
-         {kLamp, "lamps"}});
-  } else {
-    reach_square(sheet.canvas(), square, "right: grade E of walks from the light",
-                 "up: grade W of walks from the camera");
-    key(sheet.canvas(), {legend.x + 460, legend.y + 38},
-        {{kLight, "the light's"},
-         {kCamera, "the camera's"},
-         {kBoth, "both, fully"},
-         {kClay, "no walk came here"},
-         {kLamp, "lamps"}});
+  // Where walks from both ends came: what a plan should show.
+  std::vector<Vec3d> places;
+  double both = 0;
+  for (size_t i = 0; i < reached.size(); ++i) {
+    if (!(reached[i].light > 0 && reached[i].camera > 0)) continue;
+    ++both;
+    if (!file.patches[i].is_sky()) places.push_back(file.patches[i].centre);
   }
-  return sheet.finish();
+  Drawing drawing{.title = "ffgraph   " + base_name(scene.path),
+                  .sentence = fmt::format(
+                      "{} {}, {} of them {}; {} arcs", number(static_cast<double>(reached.size())),
+                      triangles ? "triangles" : "patches", number(both),
+                      triangles ? "both lit and seen" : "reached by walks from both ends",
+                      number(static_cast<double>(file.network.arcs.size())))};
+  const PatchLookup patches(scene.frame, file.grid, file.patches);
+  drawing.panels = scene_panels(
+      scene, camera, places,
+      [&](uint32_t face, const Vec3d& place) {
+        const auto patch = patches.at(face, place);
+        return patch ? reach(reached[*patch].light, reached[*patch].camera) : kClay;
+      },
+      true);
+  if (triangles) {
+    drawing.key = {{{kLight}, "S_d: lit directly"},
+                   {{kCamera}, "S_p: seen by the camera"},
+                   {{kBoth}, "both"},
+                   {{kClay}, "neither"}};
+  } else {
+    std::vector<Ink> light, from_camera, from_both;
+    for (int k = 0; k <= 8; ++k) {
+      light.push_back(reach(k / 8.0, 0));
+      from_camera.push_back(reach(0, k / 8.0));
+      from_both.push_back(reach(k / 8.0, k / 8.0));
+    }
+    drawing.key = {{light, "grade E of walks from the light, 0 to 1"},
+                   {from_camera, "grade W of walks from the camera, 0 to 1"},
+                   {from_both, "both alike"},
+                   {{kClay}, "no walk came here"}};
+  }
+  drawing.key.push_back({{kLamp}, "lamps"});
+  return drawing;
 }
 
 std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool triangles) {
   const std::vector<Reach> reached = reach_of_patches(file, triangles);
-  DebugMesh mesh;
-  mesh.name = triangles ? "triangles" : "patches";
+  draw::Shape shape{.name = triangles ? "triangles" : "patches"};
   for (size_t i = 0; i < reached.size(); ++i) {
     const Patch& p = file.patches[i];
     if (p.is_sky()) continue;
-    const auto colour = draw::bytes_of(draw::reach(reached[i].light, reached[i].camera));
-    const double cell = std::ldexp(file.grid.base_cell, -2 * p.level);
+    const draw::Ink c = draw::reach(reached[i].light, reached[i].camera);
     if (!triangles) {
-      // Just in front of the surface, so that scene and patches can be shown together.
-      mesh.square(p.centre + p.normal * (0.01 * cell), p.normal, 0.94 * cell, colour);
+      draw::add_patch(shape, file.grid, p, c);
       continue;
     }
     const uint32_t t = p.faces.front() / 2;
-    const Vec3d off = p.normal * (5e-4 * cell);
+    const Vec3d off = p.normal * (5e-4 * std::ldexp(file.grid.base_cell, -2 * p.level));
     Vec3d corner[3];
     for (int k = 0; k < 3; ++k) corner[k] = scene.frame.to_metres(Vec3d(scene.vertex(t, k))) + off;
     if (p.faces.front() % 2 == 1) std::swap(corner[1], corner[2]);
-    mesh.triangle(corner[0], corner[1], corner[2], colour);
+    shape.triangle(corner[0], corner[1], corner[2], c);
   }
-  return debug_glb_bytes({mesh}, file.provenance);
+  return draw::debug_glb_bytes({shape}, file.provenance);
 }
 
 }  // namespace tdpt

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/draw/scene_sheet.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/dimacs.h"
 #include "libcommon/scene/scene.h"
 
@@ -17,13 +17,9 @@ struct Reach {
 };
 std::vector<Reach> reach_of_patches(const DimacsFile& file, bool triangles);
 
-/// Colours the surfaces by the reach of their patches (draw::reach).
-void paint_network(draw::SceneSheet& sheet, const Scene& scene, const DimacsFile& file,
-                   bool triangles);
-
-/// Camera view and plan, with patches coloured by their reach.
-draw::Canvas network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
-                             bool triangles);
+/// Camera view and plan, with patches coloured by their reach (draw::reach).
+draw::Drawing network_preview(const Scene& scene, const Camera& camera, const DimacsFile& file,
+                              bool triangles);
 /// glTF: a square for every patch, or every triangle, in the same colours.
 std::string network_debug_glb(const Scene& scene, const DimacsFile& file, bool triangles);
 

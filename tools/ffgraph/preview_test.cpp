@@ -56,15 +56,14 @@ TEST(reach_of_patches, is_the_terminals_share_of_the_samples) {
 // Pixels of floors in the plan, which have full light.
 bool floors_have_their_colours(const DimacsFile& file) {
   const Scene& scene = two_rooms();
-  draw::SceneSheet sheet(scene, scene.camera(""), "", "", {}, 20);
-  paint_network(sheet, scene, file, false);
-  const auto at = [&](const Vec3d& metres) {
-    const draw::Point p =
-        sheet.plans().front().projection().project(scene.frame.to_canonical(metres));
-    return sheet.canvas().pixels().at(static_cast<int>(p.x), static_cast<int>(p.y));
+  const draw::Panel plan = network_preview(scene, scene.camera(""), file, false).panels.at(1);
+  const auto is = [&](const Vec3d& metres, const draw::Ink& c) {
+    const draw::Pixel p = plan.view.project(metres);
+    return length(plan.backdrop.at(static_cast<int>(p.x - plan.view.panel.x),
+                                   static_cast<int>(p.y - plan.view.panel.y)) -
+                  c) < 0.01f;
   };
-  const auto near = [](const draw::Ink& a, const draw::Ink& b) { return length(a - b) < 0.01f; };
-  return near(at({3.6, 0, 0.7}), draw::kLight) && near(at({0.5, 0, -0.7}), draw::kCamera);
+  return is({3.6, 0, 0.7}, draw::kLight) && is({0.5, 0, -0.7}, draw::kCamera);
 }
 
 TEST(network_preview, floors_have_the_colour_of_who_reaches_them) {
@@ -76,8 +75,8 @@ TEST(network_preview, floors_have_the_colour_of_who_reaches_them) {
 TEST(network_preview, is_a_png_of_the_usual_width) {
   const Scene& scene = two_rooms();
   for (const bool triangles : {false, true}) {
-    const auto png =
-        testing::read_png(network_preview(scene, scene.camera(""), network(1, 1), triangles).png());
+    const auto png = testing::read_png(
+        draw::draw(network_preview(scene, scene.camera(""), network(1, 1), triangles)).png());
     EXPECT_EQ(png.width, draw::kSheetWidth);
     EXPECT_GT(png.height, 400);
   }

@@ -8,8 +8,7 @@
 #include "libcommon/base/progress.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/gpu/device_options.h"
 #include "libcommon/options/shot_options.h"
@@ -55,7 +54,7 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
-  declare_debug_lines(options, a.debug_lines);
+  draw::declare_debug_lines(options, a.debug_lines);
   options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
   options.part(cli::Part::effort);
   options.quality();
@@ -259,10 +258,11 @@ int run(const Arguments& a, const cli::Common& common) {
   const LightGrid grid = compute(a, common, in, how, tracer.make, report);
   note_counts(common, grid, report, a);
   common.explain_by([&] { return decisions_of(in.scene, grid, how, report, tracer.name); });
-  cli::deliver({{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
-                {a.preview, [&] { return grid_preview(grid, a.scene).file_named(a.preview); }},
-                {a.debug_glb, [&] { return grid_debug_glb(grid, debug_lines(a.debug_lines)); }}},
-               common, report.phases);
+  cli::deliver(
+      {{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
+       {a.preview, [&] { return draw::draw(grid_preview(grid, a.scene)).file_named(a.preview); }},
+       {a.debug_glb, [&] { return grid_debug_glb(grid, draw::debug_lines(a.debug_lines)); }}},
+      common, report.phases);
   cli::report(common, summary(grid, report, tracer.name), report.phases);
   if (!report.stopped) return 0;
   common.warn("stopped by a signal; the grid holds what was drawn until then");

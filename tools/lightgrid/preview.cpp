@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
-#include "libcommon/draw/sheet.h"
-#include "libcommon/formats/debug_glb.h"
 #include "libcommon/math/reach.h"
 
 namespace tdpt {
@@ -16,7 +13,8 @@ namespace {
 
 using namespace draw;
 
-constexpr double kTallest = 1060, kLegendWidth = 330, kGap = 56;
+constexpr double kTallest = 1000, kGap = 56;  // of all views; between them [pixels]
+constexpr double kNarrowest = 260;            // of a panel, for its caption
 constexpr size_t kMostCubes = 4000, kMostPoints = 60000, kMostLines = 400;
 constexpr double kCubesFrom = 0.25, kPointsFrom = 0.02;  // of the largest count
 
@@ -25,109 +23,48 @@ double shade_of(float count, float most) {
                   : 0;
 }
 
-// One view: `right` and `down` say which axes of the grid run that way, and whether backwards.
-struct Axis {
-  int axis;
-  bool backwards;
-};
-struct View {
-  Box panel;
-  Axis right, down;
-  std::string words;
-};
-
-int voxel_at(const LightGrid& grid, const Axis& a, double share) {
-  const int n = grid.dim[static_cast<size_t>(a.axis)];
-  const int i = std::clamp(static_cast<int>(share * n), 0, n - 1);
-  return a.backwards ? n - 1 - i : i;
-}
-
-void draw_counts(Canvas& canvas, const LightGrid& grid, const View& view, float most) {
-  const int along = 3 - view.right.axis - view.down.axis;
-  const FlatGrid flat = flattened(grid, along);
-  const bool right_is_u = view.right.axis == (along + 1) % 3;
-  Raster counts(static_cast<int>(view.panel.width), static_cast<int>(view.panel.height));
-  for (int y = 0; y < counts.height(); ++y)
-    for (int x = 0; x < counts.width(); ++x) {
-      const int r = voxel_at(grid, view.right, (x + 0.5) / view.panel.width),
-                d = voxel_at(grid, view.down, (y + 0.5) / view.panel.height);
-      const int u = right_is_u ? r : d, v = right_is_u ? d : r;
-      const auto at = static_cast<size_t>(u + flat.width * v);
-      const double shade = shade_of(flat.most[at], most);
-      // Floors and ceilings fill two voxels of each row; only what stands upright is to show.
-      const double solid = std::pow(static_cast<double>(flat.solid[at]), 1.5);
-      Ink c = mix(ink(0xffffff), ink(0x8a8f98), solid);
-      c = mix(c, heat(shade), std::pow(shade, 0.7));
-      counts.at(x, y) = c * static_cast<float>(1 - 0.25 * solid);
-    }
-  canvas.raster({view.panel.x, view.panel.y}, 1, counts);
-}
-
-Point pixel_of(const LightGrid& grid, const View& view, const Vec3d& metres) {
-  const auto share = [&](const Axis& a) {
-    const double s = (metres[a.axis] - grid.origin[a.axis]) /
-                     (grid.voxel * grid.dim[static_cast<size_t>(a.axis)]);
-    return a.backwards ? 1 - s : s;
-  };
-  return {view.panel.x + share(view.right) * view.panel.width,
-          view.panel.y + share(view.down) * view.panel.height};
-}
-
-// Two arrows from the view's lower left corner, outside of it.
-void draw_axes(Canvas& canvas, const View& view) {
-  static constexpr const char* kNames[] = {"x", "y", "z"};
-  const Box& p = view.panel;
-  const double length = 34;
-  const auto arrow = [&](Point from, double dx, double dy) {
-    const Point to{from.x + dx * length, from.y + dy * length};
-    canvas.line(from, to, 1.6, kInk);
-    canvas.polygon({{to.x + dx * 5, to.y + dy * 5},
-                    {to.x - dx * 4 + dy * 3.5, to.y - dy * 4 + dx * 3.5},
-                    {to.x - dx * 4 - dy * 3.5, to.y - dy * 4 - dx * 3.5}},
-                   kInk);
-    return to;
-  };
-  const Point across = view.right.backwards ? arrow({p.right(), p.bottom() + 14}, -1, 0)
-                                            : arrow({p.x, p.bottom() + 14}, 1, 0);
-  canvas.text({across.x + (view.right.backwards ? -16 : 11), across.y + 4}, kNames[view.right.axis],
-              {kTextSize, kInk});
-  const Point upright =
-      view.down.backwards ? arrow({p.x - 14, p.bottom()}, 0, -1) : arrow({p.x - 14, p.y}, 0, 1);
-  canvas.text({upright.x, upright.y + (view.down.backwards ? -12 : 20)}, kNames[view.down.axis],
-              {kTextSize, kInk, Align::middle});
-  canvas.text({view.right.backwards ? p.x : p.x + 72, p.bottom() + 18}, view.words,
-              {kTextSize, kMuted});
-}
-
 size_t fullest(const LightGrid& grid) {
   return static_cast<size_t>(std::max_element(grid.count.begin(), grid.count.end()) -
                              grid.count.begin());
 }
 
-// Where the three views stand, and the legend to the right of the one from above.
-struct Layout {
-  double scale;         // pixels of a voxel
-  double height, side;  // of the sheet; of the legend's left border
-  std::array<View, 3> views;
-};
+// Each pixel shows the fullest voxel in its row, and how much of the row is geometry.
+void draw_counts(Panel& panel, const LightGrid& grid, float most) {
+  int along = 0;
+  while (!(std::abs(panel.view.forward[along]) > 0.5)) ++along;
+  const FlatGrid flat = flattened(grid, along);
+  fill_backdrop(panel, 1, [&](const Vec3d& place) {
+    const Vec3d q = (place - grid.origin) / grid.voxel;
+    const int u = std::clamp(static_cast<int>(q[(along + 1) % 3]), 0, flat.width - 1),
+              v = std::clamp(static_cast<int>(q[(along + 2) % 3]), 0, flat.height - 1);
+    const auto at = static_cast<size_t>(u + flat.width * v);
+    const double shade = shade_of(flat.most[at], most);
+    // Floors and ceilings fill two voxels of each row; only what stands upright is to show.
+    const double solid = std::pow(static_cast<double>(flat.solid[at]), 1.5);
+    Ink c = mix(ink(0xffffff), ink(0x8a8f98), solid);
+    c = mix(c, heat(shade), std::pow(shade, 0.7));
+    return c * static_cast<float>(1 - 0.25 * solid);
+  });
+}
 
-Layout layout_of(const LightGrid& grid) {
-  // In plan x runs to the right and z down, as in every stage's.
+// As the views of a technical drawing: in plan x runs to the right and z down, as in every stage's.
+std::vector<Panel> views_of(const LightGrid& grid) {
   const double nx = grid.dim[0], ny = grid.dim[1], nz = grid.dim[2];
-  // The legend stands beside the view from above and may need more room than the side view.
-  const double room = kSheetWidth - 2 * kMargin - 20 - kGap;
-  const double scale =
-      std::min({room / (nx + nz), (room - kLegendWidth) / nx, (kTallest - kGap) / (nz + ny)});
-  const double w = std::round(nx * scale), h = std::round(ny * scale), d = std::round(nz * scale);
-  const double left = kMargin + 20, lower = kHeading + d + kGap;
-  const Box above{left, kHeading, w, d}, front{left, lower, w, h},
-      right{left + w + kGap, lower, d, h};
-  return {scale,
-          lower + h + kGap,
-          left + w + kGap,
-          {{{above, {0, false}, {2, false}, "from above"},
-            {front, {0, false}, {1, true}, "from the front"},
-            {right, {2, true}, {1, true}, "from the right"}}}};
+  const double scale = std::min((kSheetWidth - 2 * kMargin - kGap) / (nx + nz),
+                                (kTallest - kCaptionRoom) / (nz + ny));
+  const double w = std::max(std::round(nx * scale), kNarrowest), h = std::round(ny * scale),
+               d = std::round(nz * scale), e = std::max(d, kNarrowest);
+  const double lower = kHeading + d + kCaptionRoom;
+  const Vec3d size = Vec3d(nx, ny, nz) * grid.voxel, middle = grid.origin + size * 0.5;
+  const auto view = [&](const Rectangle& r, const Vec3d& right, const Vec3d& up) {
+    Projection p = Projection::flat(middle, right, up, 0, 0, r);
+    p.half_width = 0.5 * r.width * grid.voxel / scale;
+    return p;
+  };
+  return {{.view = view({kMargin, kHeading, w, d}, {1, 0, 0}, {0, 0, -1}), .caption = "from above"},
+          {.view = view({kMargin, lower, w, h}, {1, 0, 0}, {0, 1, 0}), .caption = "from the front"},
+          {.view = view({kMargin + w + kGap, lower, e, h}, {0, 0, -1}, {0, 1, 0}),
+           .caption = "from the right"}};
 }
 
 }  // namespace
@@ -154,49 +91,31 @@ FlatGrid flattened(const LightGrid& grid, int axis) {
   return flat;
 }
 
-Canvas grid_preview(const LightGrid& grid, const std::string& name) {
-  if (grid.count.empty()) {
-    Canvas canvas(kSheetWidth, static_cast<int>(kHeading), kPaper);
-    heading(canvas, "lightgrid   " + base_name(name), "no light grid: " + grid.reason);
-    return canvas;
-  }
-  const auto [scale, height, side, views] = layout_of(grid);
+draw::Drawing grid_preview(const LightGrid& grid, const std::string& name) {
+  Drawing drawing{
+      .title = "lightgrid   " + base_name(name),
+      .sentence = grid.bottleneck
+                      ? fmt::format("{} x {} x {} voxels of {} m; each pixel shows the fullest "
+                                    "voxel behind it; geometry grey",
+                                    grid.dim[0], grid.dim[1], grid.dim[2], number_words(grid.voxel))
+                      : "no light grid: " + grid.reason};
+  if (grid.count.empty()) return drawing;
   const float most = grid.count[fullest(grid)];
-  Canvas canvas(kSheetWidth, static_cast<int>(height), kPaper);
-  heading(canvas, "lightgrid   " + base_name(name),
-          grid.bottleneck
-              ? fmt::format("{} x {} x {} voxels of {} m; each pixel shows the fullest voxel "
-                            "behind it; geometry grey",
-                            grid.dim[0], grid.dim[1], grid.dim[2], number_words(grid.voxel))
-              : "no light grid: " + grid.reason);
-  for (const View& view : views) {
-    draw_counts(canvas, grid, view, most);
-    canvas.frame(view.panel, 1, kFaint);
-    draw_axes(canvas, view);
-    if (most > 0) {
-      const Point at = pixel_of(grid, view, centre_of(grid, fullest(grid)));
-      canvas.ring(at, 8.7, 1.3, kInk);
-      canvas.ring(at, 8, 1.3, ink(0xffffff));
-    }
-  }
+  drawing.panels = views_of(grid);
+  for (Panel& panel : drawing.panels) draw_counts(panel, grid, most);
   if (most > 0) {
     const Vec3d place = centre_of(grid, fullest(grid));
-    heat_bar(canvas, {side, kHeading + 28, kLegendWidth - 60, 16},
-             "segments through a voxel (log scale)", "0", number(static_cast<double>(most)));
-    canvas.text({side, kHeading + 96},
-                fmt::format("Ring: the fullest, {} segments", number(static_cast<double>(most))),
-                {kTextSize, kInk});
-    canvas.text({side, kHeading + 118},
-                fmt::format("at ({}, {}, {}) m", number_words(place.x), number_words(place.y),
-                            number_words(place.z)),
-                {kTextSize, kInk});
-    canvas.text(
-        {side, kHeading + 140},
-        fmt::format("{} lines of light kept", number(static_cast<double>(grid.lines.size()))),
-        {kTextSize, kMuted});
+    const std::string segments = number(static_cast<double>(most));
+    drawing.labels = {{place, segments + " segments"}};
+    std::vector<Ink> inks;
+    for (int k = 0; k <= 30; ++k) inks.push_back(heat(k / 30.0));
+    drawing.key = {{inks, fmt::format("0 to {} segments through a voxel (log scale)", segments)}};
+    drawing.notes = {fmt::format("The fullest voxel is at ({}, {}, {}) m; {} lines of light kept",
+                                 number_words(place.x), number_words(place.y),
+                                 number_words(place.z),
+                                 number(static_cast<double>(grid.lines.size())))};
   }
-  scale_bar(canvas, {side + 162, kHeading + 186}, scale / grid.voxel);
-  return canvas;
+  return drawing;
 }
 
 std::string grid_debug_glb(const LightGrid& grid, DebugLines as) {
@@ -208,19 +127,18 @@ std::string grid_debug_glb(const LightGrid& grid, DebugLines as) {
     return grid.count[a] != grid.count[b] ? grid.count[a] > grid.count[b] : a < b;
   });
   order.resize(std::min(order.size(), kMostCubes + kMostPoints));
-  DebugMesh cubes{.name = "fullest voxels"},
-      points{.name = "voxels", .kind = DebugMesh::Kind::points},
-      lines{.name = "lines of light", .kind = DebugMesh::Kind::lines};
+  Shape cubes{.name = "fullest voxels"}, points{.name = "voxels", .kind = Shape::Kind::points},
+      lines{.name = "lines of light", .kind = Shape::Kind::lines};
   for (size_t k = 0; k < order.size(); ++k) {
     const size_t i = order[k];
-    const auto colour = bytes_of(heat(shade_of(grid.count[i], most)));
+    const Ink c = heat(shade_of(grid.count[i], most));
     if (k < kMostCubes && grid.count[i] >= kCubesFrom * most)
-      cubes.cube(centre_of(grid, i), 0.8 * grid.voxel, colour);
+      cubes.cube(centre_of(grid, i), 0.8 * grid.voxel, c);
     else
-      points.point(centre_of(grid, i), colour);
+      points.point(centre_of(grid, i), c);
   }
   for (const LightLine& l : thinned(grid.lines, kMostLines))
-    lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
+    lines.line(l.light, l.camera, kLight, kCamera);
   return debug_glb_bytes({cubes, points, lines}, grid.provenance, as);
 }
 

@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/light_grid.h"
 
 namespace tdpt {
@@ -19,8 +18,8 @@ struct FlatGrid {
 FlatGrid flattened(const LightGrid& grid, int axis);
 
 /// The three projections, arranged as the views of a technical drawing. `name`: of the scene.
-draw::Canvas grid_preview(const LightGrid& grid, const std::string& name);
+draw::Drawing grid_preview(const LightGrid& grid, const std::string& name);
 /// glTF: the fullest voxels as cubes, others as points, and some lines of light.
-std::string grid_debug_glb(const LightGrid& grid, DebugLines lines);
+std::string grid_debug_glb(const LightGrid& grid, draw::DebugLines lines);
 
 }  // namespace tdpt

@@ -76,17 +76,21 @@ TEST(grid_preview, the_view_along_the_light_is_fullest_in_the_hole) {
 }
 
 TEST(grid_preview, is_a_png_also_without_a_bottleneck) {
-  const auto png = testing::read_png(grid_preview(two_rooms_grid(), "two-rooms.glb").png());
+  const auto png =
+      testing::read_png(draw::draw(grid_preview(two_rooms_grid(), "two-rooms.glb")).png());
   EXPECT_EQ(png.width, 1600);
   EXPECT_GT(png.height, 600);
+  const auto labels = grid_preview(two_rooms_grid(), "two-rooms.glb").labels;
+  ASSERT_EQ(labels.size(), 1u);
+  EXPECT_NEAR(labels[0].place.x, 2.05, 0.3) << "the fullest is in the hole";
   LightGrid none = two_rooms_grid();
   none.bottleneck = false;
   none.reason = "light and camera share one open space";
   std::fill(none.count.begin(), none.count.end(), 0.0f);
   none.lines.clear();
-  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb").png()).width, 1600);
+  EXPECT_EQ(testing::read_png(draw::draw(grid_preview(none, "two-rooms.glb")).png()).width, 1600);
   none.count.clear();
-  EXPECT_EQ(testing::read_png(grid_preview(none, "two-rooms.glb").png()).width, 1600);
+  EXPECT_EQ(testing::read_png(draw::draw(grid_preview(none, "two-rooms.glb")).png()).width, 1600);
 }
 
 TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {
@@ -99,7 +103,8 @@ TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {
   grid.count[grid.index(0, 0, 0)] = 5;  // a point
   grid.lines = {{{0, 0, 0}, {1, 1, 1}, 0}};
   const testing::TempFolder folder;
-  const Scene scene = read_gltf(folder.write("grid.glb", grid_debug_glb(grid, DebugLines::edges)));
+  const Scene scene =
+      read_gltf(folder.write("grid.glb", grid_debug_glb(grid, draw::DebugLines::edges)));
   ASSERT_EQ(scene.triangles.size(), 12u);
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) {

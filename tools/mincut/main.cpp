@@ -9,9 +9,8 @@
 #include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/draw/canvas.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/flow/cut_facts.h"
-#include "libcommon/formats/debug_glb.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
 #include "tools/mincut/cut_of.h"
@@ -53,7 +52,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Camera for --preview; default the first of the network", cli::Effect::told);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
-  declare_debug_lines(options, a.debug_lines);
+  draw::declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::told);
   options.limit("least-area", a.limits.least_area, 0, 1);
   options.limit("least-carried", a.limits.least_carried, 0, 1);
@@ -89,8 +88,8 @@ std::string preview_of(const Arguments& a, const cli::Common& common, const Foun
   Scene scene = read_gltf(a.scene, a.pose);
   common.also_read(scene.files);
   open_glass(scene);
-  return cut_preview(scene, camera_of(a, scene, found.file),
-                     cuts_for(found, shown_camera(a, found.file)), a.network)
+  return draw::draw(cut_preview(scene, camera_of(a, scene, found.file),
+                                cuts_for(found, shown_camera(a, found.file)), a.network))
       .file_named(a.preview);
 }
 
@@ -271,7 +270,7 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
                 {a.debug_glb,
                  [&] {
                    return cut_debug_glb(cuts_for(found, shown_camera(a, cut)),
-                                        debug_lines(a.debug_lines));
+                                        draw::debug_lines(a.debug_lines));
                  }}},
                common, phases);
   report(common, found, summary);

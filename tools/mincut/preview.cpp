@@ -9,15 +9,14 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
-#include "libcommon/draw/scene_sheet.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/scene_panels.h"
 #include "libcommon/math/reach.h"
 #include "libcommon/scene/sky_bins.h"
 
 namespace tdpt {
 namespace {
 
-constexpr size_t kMostLines = 200, kMostGlbLines = 2000;
+constexpr size_t kMostLines = 300;
 
 // The light's, the camera's, and those between bottlenecks in series.
 int regions(const CutFile& cut) {
@@ -70,20 +69,33 @@ Ends ends_of(const CutFile& cut, const CutArc& arc, double skyward) {
           to.is_sky() ? beside(from, to) : to.centre};
 }
 
-double largest_capacity(const CutFile& cut) {
+// The pivot pairs that are drawn: paler with less capacity, since most viewers of glTF draw lines
+// without opacity.
+draw::Shape pivot_pairs(const CutFile& cut) {
+  using namespace draw;
+  Shape pairs{.name = "pivot pairs", .kind = Shape::Kind::lines, .size = 1.1};
   double most = 0;
   for (const CutArc& a : cut.arcs) most = std::max(most, a.capacity);
-  return most;
+  const double skyward_line = skyward(cut);
+  for (const size_t i : arcs_to_draw(cut, kMostLines)) {
+    const Ends ends = ends_of(cut, cut.arcs[i], skyward_line);
+    const double strength = std::sqrt(cut.arcs[i].capacity / most);
+    pairs.line(
+        ends.from, ends.to,
+        {mix(kFaint, kPivot, 0.7 + 0.3 * strength), static_cast<float>(0.2 + 0.6 * strength)});
+  }
+  return pairs;
 }
 
-// Where the light crosses: midpoints of the pivot pairs that are drawn [metres].
-std::vector<Vec3d> crossings(const CutFile& cut) {
-  std::vector<Vec3d> places;
-  for (const size_t i : arcs_to_draw(cut, kMostLines)) {
-    const Ends ends = ends_of(cut, cut.arcs[i], 0);
-    places.push_back((ends.from + ends.to) * 0.5);
-  }
-  return places;
+// Where they begin and end on surfaces.
+draw::Shape pivots(const CutFile& cut) {
+  draw::Shape dots{.name = "pivots", .kind = draw::Shape::Kind::points, .size = 1.6};
+  for (const size_t i : arcs_to_draw(cut, kMostLines))
+    for (const uint32_t end : {cut.arcs[i].from, cut.arcs[i].to})
+      if (!cut.patches[end].is_sky())
+        dots.point(cut.patches[end].centre,
+                   draw::mix(draw::region(region_of(cut, end), regions(cut)), draw::kInk, 0.7));
+  return dots;
 }
 
 }  // namespace
@@ -120,73 +132,47 @@ std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most) {
   return chosen;
 }
 
-void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut) {
-  using namespace draw;
-  const int n = regions(cut);
-  const PatchLookup patches(scene.frame, cut.grid, cut.patches);
-  sheet.paint([&](uint32_t face, const Vec3d& place) {
-    const auto patch = patches.at(face, place);
-    return patch ? region(region_of(cut, *patch), n) : kClay;
-  });
-  const double most = largest_capacity(cut);
-  const auto lines = arcs_to_draw(cut, kMostLines);
-  const double skyward_line = skyward(cut);
-  for (const size_t i : lines) {
-    const Ends ends = ends_of(cut, cut.arcs[i], skyward_line);
-    sheet.line(ends.from, ends.to, 1.1, kPivot,
-               0.12 + 0.6 * std::sqrt(cut.arcs[i].capacity / most));
-  }
-  for (const size_t i : lines)
-    for (const uint32_t end : {cut.arcs[i].from, cut.arcs[i].to})
-      if (!cut.patches[end].is_sky())
-        sheet.dot(cut.patches[end].centre, 1.6, mix(region(region_of(cut, end), n), kInk, 0.7),
-                  0.9);
-}
-
-draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
-                         const std::string& cut_name) {
+draw::Drawing cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                          const std::string& cut_name) {
   using namespace draw;
   if (!scene.is_scene_of(cut.scene_hash))
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
-  SceneSheet sheet(scene, camera, "mincut   " + base_name(scene.path),
-                   words_for(cut, arcs_to_draw(cut, kMostLines).size()), crossings(cut),
-                   regions(cut) > 3 ? 30 + kKeyRow : 30);
-  paint_cut(sheet, scene, cut);
+  Drawing drawing{.title = "mincut   " + base_name(scene.path),
+                  .shapes = {pivot_pairs(cut), pivots(cut)}};
+  // Where the light crosses is what a plan should show.
+  const Shape& pairs = drawing.shapes[0];
+  std::vector<Vec3d> crossings;
+  for (size_t i = 0; i < pairs.positions.size(); i += 2)
+    crossings.push_back((pairs.positions[i] + pairs.positions[i + 1]) * 0.5);
+  drawing.sentence = words_for(cut, crossings.size());
   const int n = regions(cut);
-  std::vector<std::pair<Ink, std::string>> entries;
-  for (int k = 0; k < n; ++k) entries.emplace_back(region(k, n), name_of_region(k, n));
-  entries.emplace_back(kClay, "no walk came here");
-  entries.emplace_back(kLamp, "lamps");
-  entries.emplace_back(kPivot, "pivot pairs, darker with more light, pale where hidden");
-  key(sheet.canvas(), {sheet.legend().x, sheet.legend().y + 22}, entries);
-  return sheet.finish();
+  const PatchLookup patches(scene.frame, cut.grid, cut.patches);
+  drawing.panels = scene_panels(
+      scene, camera, crossings,
+      [&](uint32_t face, const Vec3d& place) {
+        const auto patch = patches.at(face, place);
+        return patch ? region(region_of(cut, *patch), n) : kClay;
+      },
+      true);
+  for (int k = 0; k < n; ++k) drawing.key.push_back({{region(k, n)}, name_of_region(k, n)});
+  drawing.key.insert(drawing.key.end(),
+                     {{{kClay}, "no walk came here"},
+                      {{kLamp}, "lamps"},
+                      {{kPivot}, "pivot pairs, darker with more light, pale where hidden"}});
+  return drawing;
 }
 
-std::string cut_debug_glb(const CutFile& cut, DebugLines lines) {
+std::string cut_debug_glb(const CutFile& cut, draw::DebugLines lines) {
   const int n = regions(cut);
-  std::vector<DebugMesh> meshes(static_cast<size_t>(n));
-  for (int k = 0; k < n; ++k) meshes[static_cast<size_t>(k)].name = name_of_region(k, n);
+  std::vector<draw::Shape> shapes(static_cast<size_t>(n));
+  for (int k = 0; k < n; ++k) shapes[static_cast<size_t>(k)].name = name_of_region(k, n);
   for (size_t i = 0; i < cut.patches.size(); ++i) {
-    const Patch& p = cut.patches[i];
-    if (p.is_sky()) continue;
-    const double cell = std::ldexp(cut.grid.base_cell, -2 * p.level);
     const int k = region_of(cut, i);
-    meshes[static_cast<size_t>(k)].square(p.centre + p.normal * (0.01 * cell), p.normal,
-                                          0.94 * cell, draw::bytes_of(draw::region(k, n)));
+    if (!cut.patches[i].is_sky())
+      draw::add_patch(shapes[static_cast<size_t>(k)], cut.grid, cut.patches[i], draw::region(k, n));
   }
-  DebugMesh pairs{.name = "pivot pairs", .kind = DebugMesh::Kind::lines};
-  const double most = largest_capacity(cut);
-  const double skyward_line = skyward(cut);
-  for (const size_t i : arcs_to_draw(cut, kMostGlbLines)) {
-    const CutArc& a = cut.arcs[i];
-    // Most viewers draw lines without opacity: little capacity is pale instead.
-    const draw::Ink c =
-        draw::mix(draw::kFaint, draw::kPivot, 0.25 + 0.75 * std::sqrt(a.capacity / most));
-    const Ends ends = ends_of(cut, a, skyward_line);
-    pairs.line(ends.from, ends.to, draw::bytes_of(c), draw::bytes_of(c));
-  }
-  meshes.push_back(std::move(pairs));
-  return debug_glb_bytes(meshes, cut.provenance, lines);
+  shapes.push_back(pivot_pairs(cut));
+  return draw::debug_glb_bytes(shapes, cut.provenance, lines);
 }
 
 }  // namespace tdpt

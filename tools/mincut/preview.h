@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/draw/scene_sheet.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/cut.h"
-#include "libcommon/formats/debug_glb.h"
 #include "libcommon/scene/scene.h"
 #include "tools/mincut/cut_of.h"
 
@@ -19,15 +18,11 @@ CutFile cuts_for(const FoundCuts& found, size_t camera);
 /// (systematic sampling), so that both of two openings show. Ascending, no arc twice.
 std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most);
 
-/// Paints the surfaces of the cut's scene in the colours of their regions (draw::region), and the
-/// pivot pairs over them.
-void paint_cut(draw::SceneSheet& sheet, const Scene& scene, const CutFile& cut);
-
 /// Camera view and plan, one colour per region, pivot pairs as lines, darker for more capacity.
 /// Throws InputError for `cut_name` if the cut was made from another scene.
-draw::Canvas cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
-                         const std::string& cut_name);
+draw::Drawing cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
+                          const std::string& cut_name);
 /// glTF: a square for every patch in the colour of its region, pivot pairs as lines.
-std::string cut_debug_glb(const CutFile& cut, DebugLines lines);
+std::string cut_debug_glb(const CutFile& cut, draw::DebugLines lines);
 
 }  // namespace tdpt

@@ -8,14 +8,12 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
-#include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
 #include "tools/portalfit/merit.h"
-#include "tools/portalfit/plan_preview.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
 #include "tools/portalfit/renderers.h"
@@ -65,7 +63,7 @@ void declare_options(cli::Options& options, Arguments& a) {
                 "the portals");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
-  declare_debug_lines(options, a.debug_lines);
+  draw::declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::told);
   options.limit("least-edge", a.fit.least_edge, 0, 1);
 }
@@ -95,7 +93,7 @@ std::string plan_of(const Arguments& a, const cli::Common& common, const LightGr
                      "was made from another scene than " + a.scene);
   const auto made_for = parse_viewpoint(grid.cameras.empty() ? "" : grid.cameras[0]);
   const Camera camera = made_for ? camera_of(scene.frame, *made_for) : scene.camera("");
-  return plan_preview(scene, camera, found, why_none).file_named(a.preview);
+  return draw::draw(plan_preview(scene, camera, found, why_none)).file_named(a.preview);
 }
 
 // Notes, and what the summary says of the portals.
@@ -134,10 +132,11 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
        {a.preview,
         [&] {
           if (!a.scene.empty()) return plan_of(a, common, grid, found, why);
-          return portal_preview(grid, found.portals, found.lines, a.grid.front(), why)
+          return draw::draw(portal_preview(grid, found.portals, found.lines, a.grid.front(), why))
               .file_named(a.preview);
         }},
-       {a.debug_glb, [&] { return portal_debug_glb(grid, file, debug_lines(a.debug_lines)); }}},
+       {a.debug_glb,
+        [&] { return portal_debug_glb(grid, file, draw::debug_lines(a.debug_lines)); }}},
       common, phases);
 }
 

@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/words.h"
-#include "libcommon/draw/sheet.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/scene_panels.h"
 #include "libcommon/math/reach.h"
 #include "tools/portalfit/plane.h"
 
@@ -17,25 +16,8 @@ namespace {
 
 using namespace draw;
 
-constexpr size_t kMostRows = 6, kMostLines = 60, kMostGlbLines = 400;
+constexpr size_t kMostRows = 6, kMostLines = 60, kMostGlbLines = 400, kMostReasons = 8;
 constexpr double kAround = 1.45;  // of the portal's half sides: what its row shows
-
-// A flat view of a part of space in metres.
-struct Flat {
-  Box panel;
-  Vec3d o, right, up;
-  double half_width;
-  double scale() const { return 0.5 * panel.width / half_width; }
-  Point at(const Vec3d& p) const {
-    const Vec3d d = p - o;
-    return {panel.x + 0.5 * panel.width + scale() * dot(d, right),
-            panel.y + 0.5 * panel.height - scale() * dot(d, up)};
-  }
-  Vec3d place(double x, double y) const {
-    return o + right * ((x - panel.x - 0.5 * panel.width) / scale()) +
-           up * ((panel.y + 0.5 * panel.height - y) / scale());
-  }
-};
 
 struct Row {
   PortalFrame frame;
@@ -51,73 +33,83 @@ float count_at(const LightGrid& grid, const Vec3d& p) {
       .count[grid.index(static_cast<int>(q.x), static_cast<int>(q.y), static_cast<int>(q.z))];
 }
 
-// The fullest voxel within `reach` before and behind the view's plane.
-void draw_voxels(Canvas& canvas, const LightGrid& grid, const Flat& view, double reach) {
+// Each texel shows the fullest voxel within `reach` before and behind the view's plane.
+void draw_voxels(Panel& panel, const LightGrid& grid, double reach) {
   const float most =
       grid.count.empty() ? 0 : *std::max_element(grid.count.begin(), grid.count.end());
-  const Vec3d deep = cross(view.right, view.up);
   const int steps = std::clamp(static_cast<int>(std::ceil(2 * reach / grid.voxel)), 1, 64);
   // Voxels are larger than pixels: texels of two are enough.
-  constexpr double kTexel = 2;
-  Raster shades(static_cast<int>(std::ceil(view.panel.width / kTexel)),
-                static_cast<int>(std::ceil(view.panel.height / kTexel)), ink(0xffffff));
-  for (int y = 0; y < shades.height(); ++y)
-    for (int x = 0; x < shades.width(); ++x) {
-      const Vec3d place =
-          view.place(view.panel.x + (x + 0.5) * kTexel, view.panel.y + (y + 0.5) * kTexel);
-      float count = 0;
-      for (int k = 0; k < steps; ++k)
-        count =
-            std::max(count, count_at(grid, place + deep * (reach * ((2.0 * k + 1) / steps - 1))));
-      if (count == 0) continue;
-      const double shade =
-          std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most));
-      shades.at(x, y) = mix(ink(0xffffff), heat(shade), 0.4 * shade);
-    }
-  canvas.clip(view.panel);
-  canvas.raster({view.panel.x, view.panel.y}, kTexel, shades);
-  canvas.unclip();
+  fill_backdrop(panel, 2, [&](const Vec3d& place) {
+    float count = 0;
+    for (int k = 0; k < steps; ++k)
+      count = std::max(count, count_at(grid, place + panel.view.forward *
+                                                         (reach * ((2.0 * k + 1) / steps - 1))));
+    if (count == 0) return ink(0xffffff);
+    const double shade =
+        std::log1p(static_cast<double>(count)) / std::log1p(static_cast<double>(most));
+    return mix(ink(0xffffff), heat(shade), 0.4 * shade);
+  });
 }
 
 const Ink& ink_of(Way way, const Ink& here) {
   return way == Way::here ? here : way == Way::elsewhere ? kMuted : kAlarm;
 }
 
-// Thousands of dots in the same place of their pixel take far fewer bytes.
-Point on_pixel(const Point& p) {
-  return {std::floor(p.x) + 0.5, std::floor(p.y) + 0.5};
+// Each portal's area, its outline, and its normal, the way of the light.
+std::vector<Shape> portal_shapes(const std::vector<Portal>& portals) {
+  std::vector<Shape> shapes;
+  for (size_t i = 0; i < portals.size(); ++i) {
+    const Portal& portal = portals[i];
+    const std::string name = fmt::format("portal.{}", i);
+    Shape area{.name = name, .through = true},
+        outline{
+            .name = name + " outline", .kind = Shape::Kind::lines, .size = 3.5, .through = true},
+        normal{.name = name + " normal", .kind = Shape::Kind::lines, .size = 2, .through = true};
+    for (const auto& t : portal.triangles)
+      area.triangle(portal.vertices[t[0]], portal.vertices[t[1]], portal.vertices[t[2]],
+                    {kPortal, 0.3f});
+    for (const auto& e : outline_of(portal))
+      outline.line(portal.vertices[e[0]], portal.vertices[e[1]], kPortal);
+    const PortalFrame f = frame_of(portal);
+    normal.arrow(f.o, f.n * (0.5 * std::sqrt(shape_of(portal).area)), f.right, f.up, kPortal);
+    for (Shape* shape : {&area, &outline, &normal}) shapes.push_back(std::move(*shape));
+  }
+  return shapes;
 }
 
-void draw_front(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                const std::vector<SeenLine>& lines) {
-  draw_voxels(canvas, grid, view, row.portal ? 0.75 * grid.voxel : row.half_right);
-  canvas.clip(view.panel);
-  if (row.portal)
-    for (const auto& t : row.portal->triangles)
-      canvas.polygon({view.at(row.portal->vertices[t[0]]), view.at(row.portal->vertices[t[1]]),
-                      view.at(row.portal->vertices[t[2]])},
-                     kPortal, 0.12);
+// A label in the plan of each storey that shows a fifth of an outline's height, as its shape.
+void label_outline(Drawing& drawing, const std::vector<Vec3d>& outline, const std::string& words,
+                   const Ink& c) {
+  Vec3d sum{}, low(INFINITY), high(-INFINITY);
+  for (const Vec3d& v : outline) sum = sum + v, low = min(low, v), high = max(high, v);
+  const Vec3d middle = sum / static_cast<double>(outline.size());
+  for (const double share : {0.2, 0.8})
+    drawing.labels.push_back({{middle.x, low.y + share * (high.y - low.y), middle.z}, words, c});
+}
+
+// The crossings of the lines with the portal's plane.
+Panel front_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine>& lines,
+               const Rectangle& panel) {
+  Panel front{.view = Projection::flat(row.frame.o, row.frame.right, row.frame.up, row.half_right,
+                                       row.half_up, panel),
+              .caption = "from the front, along -z"};
+  draw_voxels(front, grid, row.portal ? 0.75 * grid.voxel : row.half_right);
+  Shape dots{.name = "crossings", .kind = Shape::Kind::points};
   for (const Way way : {Way::elsewhere, Way::here, Way::nowhere})
     for (const SeenLine& c : lines)
-      if (c.way == way)
-        canvas.disc(on_pixel(view.at(c.at)), 1.0, ink_of(way, kInk),
-                    way == Way::nowhere ? 0.9 : 0.5);
-  if (row.portal) {
-    for (const auto& e : outline_of(*row.portal))
-      canvas.line(view.at(row.portal->vertices[e[0]]), view.at(row.portal->vertices[e[1]]), 2.5,
-                  kPortal);
-    for (const auto& e : outline_of(*row.portal))
-      canvas.disc(view.at(row.portal->vertices[e[0]]), 3.2, kPortal);
-  }
-  canvas.unclip();
+      if (c.way == way) dots.point(c.at, {ink_of(way, kInk), way == Way::nowhere ? 0.9f : 0.5f});
+  if (row.portal) front.shapes = portal_shapes({*row.portal});
+  if (row.portal) front.shapes.pop_back();  // the normal points at the viewer
+  front.shapes.insert(front.shapes.begin() + (row.portal ? 1 : 0), std::move(dots));
+  return front;
 }
 
 // Between which places across all but one in a hundred of the lines pass, along the way.
-void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                   const std::vector<SeenLine>& lines) {
+Shape envelope_of(const LightGrid& grid, const Row& row, double far,
+                  const std::vector<SeenLine>& lines) {
   constexpr int kStations = 120;
-  const double far = view.half_width;
-  std::array<Point, 2> before{};
+  Shape envelope{.name = "envelope", .kind = Shape::Kind::lines, .size = 1.6};
+  std::array<Vec3d, 2> before{};
   bool has_before = false;
   for (int s = 0; s <= kStations; ++s) {
     const double along = far * (2.0 * s / kStations - 1);
@@ -133,56 +125,46 @@ void draw_envelope(Canvas& canvas, const LightGrid& grid, const Row& row, const 
       has_before = false;
       continue;
     }
-    std::array<Point, 2> now;
+    std::array<Vec3d, 2> now;
     for (size_t side = 0; side < 2; ++side) {
       const auto rank = static_cast<std::ptrdiff_t>((side == 0 ? 0.01 : 0.99) *
                                                     static_cast<double>(across.size() - 1));
       std::nth_element(across.begin(), across.begin() + rank, across.end());
-      now[side] = view.at(row.frame.o + row.frame.n * along +
-                          row.frame.right * across[static_cast<size_t>(rank)]);
-      if (has_before && s % 2 == 0) canvas.line(before[side], now[side], 1.6, kInk, 0.8);
+      now[side] =
+          row.frame.o + row.frame.n * along + row.frame.right * across[static_cast<size_t>(rank)];
+      if (has_before && s % 2 == 0) envelope.line(before[side], now[side], {kInk, 0.8f});
     }
     before = now;
     has_before = true;
   }
+  return envelope;
 }
 
-// From a place towards another.
-void draw_arrow(Canvas& canvas, const Point& from, const Point& towards) {
-  const double length = std::hypot(towards.x - from.x, towards.y - from.y);
-  if (!(length > 0)) return;
-  const double x = (towards.x - from.x) / length, y = (towards.y - from.y) / length;
-  const auto at = [&](double along, double across) {
-    return Point{from.x + along * x - across * y, from.y + along * y + across * x};
-  };
-  canvas.line(from, at(52, 0), 2.5, kPortal);
-  canvas.polygon({at(64, 0), at(50, -6), at(50, 6)}, kPortal);
-}
-
-void draw_above(Canvas& canvas, const LightGrid& grid, const Row& row, const Flat& view,
-                const std::vector<SeenLine>& lines) {
-  draw_voxels(canvas, grid, view, row.half_up / kAround);
-  canvas.clip(view.panel);
+// The lines on their way, and the portal edge-on. In plan x runs to the right and z down, as in
+// every stage's; openings in floors and ceilings are seen from the front, y up.
+Panel above_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine>& lines,
+               const Rectangle& panel) {
+  const bool level = std::abs(row.frame.n.y) >= 0.9;
+  const double half_right = row.portal ? 6 * grid.voxel : row.half_right,
+               half_up = row.portal ? 1.3 * row.half_right : 0.53 * grid.dim[2] * grid.voxel;
+  Panel above{
+      .view = Projection::flat(row.frame.o, {1, 0, 0}, level ? Vec3d{0, 1, 0} : Vec3d{0, 0, -1},
+                               half_right, half_up, panel),
+      .caption = fmt::format("{}{}", level ? "from the front, along -z" : "from above",
+                             row.portal ? "; the light goes along the arrow" : "")};
+  draw_voxels(above, grid, row.half_up / kAround);
+  Shape ways{.name = "lines of light", .kind = Shape::Kind::lines};
   for (const SeenLine& line : thinned(lines, kMostLines)) {
     const LightLine& l = grid.lines[line.line];
-    const Point from = view.at(l.light), middle = view.at(line.at), to = view.at(l.camera);
-    const Way way = line.way;
-    const double alpha = way == Way::here ? 0.5 : way == Way::elsewhere ? 0.12 : 0.5;
-    canvas.line(from, middle, 1, ink_of(way, ink(0xc07a10)), alpha);
-    canvas.line(middle, to, 1, ink_of(way, ink(0x2a6bab)), alpha);
+    const float alpha = line.way == Way::elsewhere ? 0.12f : 0.5f;
+    ways.line(l.light, line.at, {ink_of(line.way, ink(0xc07a10)), alpha});
+    ways.line(line.at, l.camera, {ink_of(line.way, ink(0x2a6bab)), alpha});
   }
-  if (row.portal) {
-    draw_envelope(canvas, grid, row, view, lines);
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3d& v : row.portal->vertices) {
-      low = std::min(low, dot(v - row.frame.o, row.frame.right));
-      high = std::max(high, dot(v - row.frame.o, row.frame.right));
-    }
-    canvas.line(view.at(row.frame.o + row.frame.right * low),
-                view.at(row.frame.o + row.frame.right * high), 4.5, kPortal);
-    draw_arrow(canvas, view.at(row.frame.o), view.at(row.frame.o + row.frame.n));
-  }
-  canvas.unclip();
+  above.shapes = {ways};
+  if (!row.portal) return above;
+  above.shapes.push_back(envelope_of(grid, row, above.view.half_width, lines));
+  for (Shape& shape : portal_shapes({*row.portal})) above.shapes.push_back(std::move(shape));
+  return above;
 }
 
 Row row_of(const Portal& portal, double voxel) {
@@ -204,12 +186,39 @@ Row whole_grid(const LightGrid& grid) {
           nullptr};
 }
 
+std::string count_words(size_t portals, const std::string& why_none) {
+  return portals == 0 ? "no portal: " + why_none
+                      : fmt::format("{} portal{}", portals, portals == 1 ? "" : "s");
+}
+
 std::string words_for(const Portal& portal, size_t i) {
   const auto& f = portal.figures;
   std::string words = fmt::format("portal.{}", i);
   if (f.contains("area")) words += fmt::format(": {} m2", number_words(f.at("area")));
   if (f.contains("support")) words += fmt::format(", support {:.2f}", f.at("support"));
   return words;
+}
+
+// In the words of a list: each entry has the candidate's letter before it.
+std::string without_subject(const std::string& why) {
+  constexpr std::string_view kOne = "a candidate ", kOfSize = "a candidate of ",
+                             kNumbered = "1 candidate ";
+  if (why.starts_with(kOfSize)) {
+    const size_t unit = why.find(" m2 ");
+    if (unit != std::string::npos)
+      return why.substr(kOfSize.size(), unit + 3 - kOfSize.size()) + ", " + why.substr(unit + 4);
+  }
+  for (const std::string_view one : {kOne, kNumbered})
+    if (why.starts_with(one)) return why.substr(one.size());
+  return why;
+}
+
+bool has_lamps(const Scene& scene) {
+  return std::any_of(
+             scene.lights.begin(), scene.lights.end(),
+             [](const PunctualLight& l) { return l.kind != PunctualLight::Kind::directional; }) ||
+         std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const Material& m) { return max_component(m.emission) > 0; });
 }
 
 }  // namespace
@@ -260,90 +269,93 @@ std::vector<SeenLine> lines_to_show(const LightGrid& grid,
   return seen;
 }
 
-draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                            const std::vector<std::vector<uint32_t>>& lines,
-                            const std::string& name, const std::string& why_none) {
+draw::Drawing portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
+                             const std::vector<std::vector<uint32_t>>& lines,
+                             const std::string& name, const std::string& why_none) {
   std::vector<Row> rows;
   for (size_t i = 0; i < std::min(portals.size(), kMostRows); ++i)
     rows.push_back(row_of(portals[i], grid.voxel));
   if (rows.empty() && !grid.count.empty()) rows.push_back(whole_grid(grid));
-  const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 380 : 340, pitch = height + 48;
+  Drawing drawing{.title = "portalfit   " + base_name(name),
+                  .sentence = count_words(portals.size(), why_none)};
+  if (portals.size() > kMostRows)
+    drawing.sentence += fmt::format(", the first {} shown", kMostRows);
+  drawing.sentence += fmt::format("; {} lines of light in the grid",
+                                  number(static_cast<double>(grid.lines.size())));
+  const double height = rows.size() == 1 ? 480 : rows.size() == 2 ? 380 : 340;
   const double width = std::round((kSheetWidth - 3 * kMargin) / 2);
-  Canvas canvas(kSheetWidth,
-                static_cast<int>(kHeading + pitch * static_cast<double>(rows.size()) + 50), kPaper);
-  std::string sentence =
-      portals.empty() ? "no portal: " + why_none
-                      : fmt::format("{} portal{}", portals.size(), portals.size() == 1 ? "" : "s");
-  if (portals.size() > kMostRows) sentence += fmt::format(", the first {} shown", kMostRows);
-  sentence += fmt::format("; {} lines of light in the grid",
-                          number(static_cast<double>(grid.lines.size())));
-  heading(canvas, "portalfit   " + base_name(name), sentence);
-
-  if (rows.empty()) return canvas;
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const Row& row = rows[i];
-    const double top = kHeading + pitch * static_cast<double>(i);
-    Flat front{{kMargin, top, width, height}, row.frame.o, row.frame.right, row.frame.up, 0};
-    front.half_width = std::max(row.half_right, row.half_up * width / height);
-    const bool level = std::abs(row.frame.n.y) >= 0.9;
-    // In plan x runs to the right and z down, as in every stage's; openings in floors and ceilings
-    // are seen edge-on from the front, y up.
-    Flat above{{2 * kMargin + width, top, width, height},
-               row.frame.o,
-               {1, 0, 0},
-               level ? Vec3d{0, 1, 0} : Vec3d{0, 0, -1},
-               0};
-    above.half_width = std::max(1.3 * row.half_right * width / height, 6 * grid.voxel);
-    if (!row.portal)
-      above.half_width = std::max(row.half_right, 0.53 * grid.dim[2] * grid.voxel * width / height);
-    const auto seen = lines_to_show(grid, lines, i, row.frame);
-    draw_front(canvas, grid, row, front, seen);
-    draw_above(canvas, grid, row, above, seen);
-    for (const Flat* view : {&front, &above}) {
-      canvas.frame(view->panel, 1, kFaint);
-      scale_bar(canvas, {view->panel.right() - 2, view->panel.bottom() + 26}, view->scale());
-    }
-    caption(canvas, front.panel,
-            row.portal ? words_for(*row.portal, i) : "from the front, along -z");
-    caption(canvas, above.panel,
-            fmt::format("{}{}", level ? "from the front, along -z" : "from above",
-                        row.portal ? "; the light goes along the arrow" : ""));
+  Rectangle panel{kMargin, kHeading, width, height};
+  for (size_t i = 0; i < rows.size(); ++i, panel.y += height + kCaptionRoom) {
+    const auto seen = lines_to_show(grid, lines, i, rows[i].frame);
+    drawing.panels.push_back(front_of(grid, rows[i], seen, panel));
+    if (rows[i].portal) drawing.panels.back().caption = words_for(*rows[i].portal, i);
+    drawing.panels.push_back(
+        above_of(grid, rows[i], seen, {2 * kMargin + width, panel.y, width, height}));
   }
-  key(canvas, {kMargin, canvas.height() - 30.0},
-      {{kPortal, "portal and its normal"},
-       {kInk, "its lines; 1 % lie beyond each dashed line"},
-       {kMuted, "through another"},
-       {kAlarm, "through none"},
-       {mix(kPaper, heat(0.7), 0.4), "fuller voxels darker"}});
-  return canvas;
+  if (!rows.empty())
+    drawing.key = {{{kPortal}, "portal and its normal"},
+                   {{kInk}, "its lines; 1 % lie beyond each dashed line"},
+                   {{kMuted}, "through another"},
+                   {{kAlarm}, "through none"},
+                   {{mix(kPaper, heat(0.7), 0.4)}, "fuller voxels darker"}};
+  return drawing;
+}
+
+draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitResult& found,
+                           const std::string& why_none) {
+  Drawing drawing{.title = "portalfit   " + base_name(scene.path),
+                  .sentence = count_words(found.portals.size(), why_none)};
+  size_t not_drawn = 0;
+  for (const FitResult::Refusal& r : found.refused) {
+    if (r.polygons.empty()) continue;
+    if (drawing.notes.size() == kMostReasons) {
+      ++not_drawn;
+      continue;
+    }
+    const std::string letter(1, static_cast<char>('A' + drawing.notes.size()));
+    drawing.notes.push_back(fmt::format("{}: {}", letter, without_subject(r.why)));
+    for (const std::vector<Vec3d>& p : r.polygons) {
+      if (p.size() < 3) continue;
+      Shape area{.name = "refused", .through = true},
+          outline{.name = "refused", .kind = Shape::Kind::lines, .size = 3, .through = true};
+      for (size_t k = 0; k < p.size(); ++k) {
+        outline.line(p[k], p[(k + 1) % p.size()], kRefused);
+        if (k > 1) area.triangle(p[0], p[k - 1], p[k], {kRefused, 0.3f});
+      }
+      drawing.shapes.push_back(std::move(area));
+      drawing.shapes.push_back(std::move(outline));
+      label_outline(drawing, p, letter, ink(0x5f636b));
+    }
+  }
+  if (!drawing.notes.empty()) drawing.sentence += "; grey: what was refused, by the letters below";
+  if (not_drawn > 0) drawing.notes.push_back(fmt::format("{} more are not drawn", not_drawn));
+  std::vector<Vec3d> places;
+  for (const Portal& portal : found.portals) {
+    const PortalFrame f = frame_of(portal);
+    std::string words = fmt::format("portal.{}", places.size());
+    if (std::abs(f.n.y) > 0.7) words += f.n.y > 0 ? ", up" : ", down";
+    label_outline(drawing, portal.vertices, words, ink(0x0a5f4b));
+    places.push_back(f.o);
+  }
+  for (Shape& shape : portal_shapes(found.portals)) drawing.shapes.push_back(std::move(shape));
+  drawing.panels = scene_panels(
+      scene, camera, places, [](uint32_t, const Vec3d&) { return kPaper; }, false);
+  drawing.key = {{{kPortal}, "portal; the arrow is the way of the light"},
+                 {{kCutCamera}, "camera and its view"},
+                 {{kCutWall}, "cut at eye height"},
+                 {{kCutGlass}, "pane"}};
+  if (has_lamps(scene)) drawing.key.push_back({{kLamp}, "lamps"});
+  if (!drawing.notes.empty()) drawing.key.push_back({{kRefused}, "refused"});
+  return drawing;
 }
 
 std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, DebugLines as) {
-  std::vector<DebugMesh> meshes;
-  DebugMesh outlines{.name = "outlines", .kind = DebugMesh::Kind::lines},
-      normals{.name = "normals", .kind = DebugMesh::Kind::lines},
-      lines{.name = "lines of light", .kind = DebugMesh::Kind::lines};
-  const auto green = bytes_of(kPortal), dark = bytes_of(kInk);
-  for (size_t i = 0; i < file.portals.size(); ++i) {
-    const Portal& portal = file.portals[i];
-    DebugMesh mesh{.name = fmt::format("portal.{}", i)};
-    for (const auto& t : portal.triangles)
-      mesh.triangle(portal.vertices[t[0]], portal.vertices[t[1]], portal.vertices[t[2]],
-                    bytes_of(kPortal, 110));
-    meshes.push_back(std::move(mesh));
-    for (const auto& e : outline_of(portal))
-      outlines.line(portal.vertices[e[0]], portal.vertices[e[1]], green, green);
-    const PortalFrame f = frame_of(portal);
-    const double arrow = std::sqrt(shape_of(portal).area);
-    const Vec3d tip = f.o + f.n * arrow;
-    normals.line(f.o, tip, dark, dark);
-    for (const Vec3d& side : {f.up, -f.up, f.right, -f.right})
-      normals.line(tip, tip - f.n * (0.2 * arrow) + side * (0.1 * arrow), dark, dark);
-  }
+  std::vector<Shape> shapes = portal_shapes(file.portals);
+  Shape lines{.name = "lines of light", .kind = Shape::Kind::lines};
   for (const LightLine& l : thinned(grid.lines, kMostGlbLines))
-    lines.line(l.light, l.camera, bytes_of(kLight), bytes_of(kCamera));
-  meshes.insert(meshes.end(), {outlines, normals, lines});
-  return debug_glb_bytes(meshes, file.provenance, as);
+    lines.line(l.light, l.camera, kLight, kCamera);
+  shapes.push_back(std::move(lines));
+  return debug_glb_bytes(shapes, file.provenance, as);
 }
 
 }  // namespace tdpt

@@ -1,12 +1,14 @@
-// Pictures of fitted portals over the light to which they were fitted.
+// Pictures of fitted portals: over the light to which they were fitted, and in the plans of their
+// scene.
 #pragma once
 #include <string>
 #include <vector>
 
-#include "libcommon/draw/canvas.h"
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/drawing.h"
 #include "libcommon/formats/light_grid.h"
 #include "libcommon/formats/portal.h"
+#include "libcommon/scene/scene.h"
+#include "tools/portalfit/portalfit.h"
 
 namespace tdpt {
 
@@ -36,10 +38,13 @@ std::vector<SeenLine> lines_to_show(const LightGrid& grid,
 
 /// A row for each portal (six at most), or for the whole grid if there is none; `why_none` gives
 /// the reason. `lines`: as above. `name`: of the grid.
-draw::Canvas portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
-                            const std::vector<std::vector<uint32_t>>& lines,
-                            const std::string& name, const std::string& why_none);
+draw::Drawing portal_preview(const LightGrid& grid, const std::vector<Portal>& portals,
+                             const std::vector<std::vector<uint32_t>>& lines,
+                             const std::string& name, const std::string& why_none);
+/// The plan of each storey. What was refused is grey, with its reason.
+draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitResult& found,
+                           const std::string& why_none);
 /// glTF: portals translucent, their outlines and normals, and some lines of light.
-std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, DebugLines lines);
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, draw::DebugLines lines);
 
 }  // namespace tdpt

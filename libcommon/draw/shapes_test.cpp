@@ -1,4 +1,4 @@
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/shapes.h"
 
 #include <cstring>
 
@@ -8,9 +8,9 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 
-namespace tdpt::debug_glb_test {
+namespace tdpt::draw::shapes_test {
 
-using Kind = DebugMesh::Kind;
+using Kind = Shape::Kind;
 
 uint32_t word(const std::string& bytes, size_t at) {
   uint32_t v;
@@ -21,13 +21,13 @@ nlohmann::json json_of(const std::string& glb) {
   return nlohmann::json::parse(glb.substr(20, word(glb, 12)));
 }
 
-std::vector<DebugMesh> three_meshes() {
-  DebugMesh square{.name = "square"}, line{.name = "line", .kind = Kind::lines},
+std::vector<Shape> three_meshes() {
+  Shape square{.name = "square"}, line{.name = "line", .kind = Kind::lines},
       point{.name = "point", .kind = Kind::points};
-  square.square({1000.25, 2, 3}, {0, 0, 1}, 0.5, {255, 128, 0, 255});
-  line.line({0, 0, 0}, {1, 2, 3}, {255, 0, 0, 255}, {0, 0, 255, 255});
-  point.point({4, 5, 6}, {10, 20, 30, 100});
-  return {square, DebugMesh{.name = "empty"}, line, point};
+  square.square({1000.25, 2, 3}, {0, 0, 1}, 0.5, ink(0xff8000));
+  line.line({0, 0, 0}, {1, 2, 3}, ink(0xff0000), ink(0x0000ff));
+  point.point({4, 5, 6}, {ink(0x0a141e), 0.4f});
+  return {square, Shape{.name = "empty"}, line, point};
 }
 
 // A ray across the line from any side hits one of its strips.
@@ -81,7 +81,7 @@ TEST(debug_glb, is_a_whole_glb_of_aligned_parts) {
 }
 
 TEST(debug_glb, without_meshes_is_still_a_file) {
-  const nlohmann::json j = json_of(debug_glb_bytes({DebugMesh{}}, {}));
+  const nlohmann::json j = json_of(debug_glb_bytes({Shape{}}, {}));
   for (const char* absent : {"meshes", "buffers", "nodes", "materials", "extensionsUsed"})
     EXPECT_FALSE(j.contains(absent)) << absent;
 }
@@ -115,8 +115,8 @@ TEST(debug_glb, colours_are_linear) {
 }
 
 TEST(debug_glb, cubes_face_outwards) {
-  DebugMesh cube;
-  cube.cube({1, 2, 3}, 2, {0, 0, 0, 255});
+  Shape cube;
+  cube.cube({1, 2, 3}, 2, ink(0));
   ASSERT_EQ(cube.positions.size(), 36u);
   for (size_t i = 0; i < 36; i += 3) {
     const Vec3d &a = cube.positions[i], &b = cube.positions[i + 1], &c = cube.positions[i + 2];
@@ -125,4 +125,4 @@ TEST(debug_glb, cubes_face_outwards) {
   }
 }
 
-}  // namespace tdpt::debug_glb_test
+}  // namespace tdpt::draw::shapes_test

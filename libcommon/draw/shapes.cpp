@@ -1,4 +1,4 @@
-#include "libcommon/formats/debug_glb.h"
+#include "libcommon/draw/shapes.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include "tdpt_version.h"
 
-namespace tdpt {
+namespace tdpt::draw {
 
 namespace {
 
@@ -18,22 +18,22 @@ constexpr int kFloat = 5126, kByte = 5121, kArrayBuffer = 34962;
 constexpr double kStripWidth = 1.0 / 500;  // relative to the whole size
 
 // Vertex colours are linear in glTF.
-uint8_t linear(uint8_t srgb) {
-  const double c = srgb / 255.0;
+uint8_t linear(float srgb) {
+  const auto c = static_cast<double>(srgb);
   return static_cast<uint8_t>(
       std::lround(255 * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4))));
 }
 
-class Writer {
+class GlbWriter {
  public:
-  explicit Writer(const Provenance& provenance) {
+  explicit GlbWriter(const Provenance& provenance) {
     root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
     if (!provenance.empty()) root_["asset"]["extras"]["provenance"] = provenance.lines;
     root_["scene"] = 0;
     root_["scenes"] = Json::array({{{"name", "debug"}}});
   }
 
-  void add(const DebugMesh& mesh) {
+  void add(const Shape& mesh) {
     // Floats are relative to the centre, which is in the node's transform, so nothing is lost far
     // from the origin.
     Vec3d low(INFINITY), high(-INFINITY);
@@ -42,7 +42,7 @@ class Writer {
     const size_t positions = add_positions(mesh, middle), colours = add_colours(mesh);
 
     bool opaque = true;
-    for (const auto& c : mesh.colours) opaque = opaque && c[3] == 255;
+    for (const Paint& p : mesh.paints) opaque = opaque && p.alpha >= 1;
     Json material = {{"name", mesh.name},
                      {"pbrMetallicRoughness", {{"metallicFactor", 0.0}}},
                      {"doubleSided", true},
@@ -97,7 +97,7 @@ class Writer {
     return root_["bufferViews"].size() - 1;
   }
 
-  size_t add_positions(const DebugMesh& mesh, const Vec3d& middle) {
+  size_t add_positions(const Shape& mesh, const Vec3d& middle) {
     const size_t offset = bin_.size();
     std::array<float, 3> low, high;
     low.fill(std::numeric_limits<float>::infinity());
@@ -119,17 +119,17 @@ class Writer {
     return root_["accessors"].size() - 1;
   }
 
-  size_t add_colours(const DebugMesh& mesh) {
+  size_t add_colours(const Shape& mesh) {
     const size_t offset = bin_.size();
-    for (const auto& c : mesh.colours) {
-      for (size_t k = 0; k < 3; ++k) bin_ += static_cast<char>(linear(c[k]));
-      bin_ += static_cast<char>(c[3]);
+    for (const Paint& p : mesh.paints) {
+      for (int k = 0; k < 3; ++k) bin_ += static_cast<char>(linear(p.ink[k]));
+      bin_ += static_cast<char>(static_cast<uint8_t>(std::lround(255 * p.alpha)));
     }
     const size_t at = view(offset);
     root_["accessors"].push_back({{"bufferView", at},
                                   {"componentType", kByte},
                                   {"normalized", true},
-                                  {"count", mesh.colours.size()},
+                                  {"count", mesh.paints.size()},
                                   {"type", "VEC4"}});
     return root_["accessors"].size() - 1;
   }
@@ -140,16 +140,16 @@ class Writer {
 };
 
 // Diagonal of the common bounding box.
-double size_of(const std::vector<DebugMesh>& meshes) {
+double size_of(const std::vector<Shape>& shapes) {
   Vec3d low(INFINITY), high(-INFINITY);
-  for (const DebugMesh& mesh : meshes)
-    for (const Vec3d& p : mesh.positions) low = min(low, p), high = max(high, p);
+  for (const Shape& shape : shapes)
+    for (const Vec3d& p : shape.positions) low = min(low, p), high = max(high, p);
   return low.x <= high.x ? length(high - low) : 0;
 }
 
 // Two crossed strips per line, so that one of them is visible from any side.
-DebugMesh strips_of(const DebugMesh& lines, double width) {
-  DebugMesh strips{.name = lines.name};
+Shape strips_of(const Shape& lines, double width) {
+  Shape strips{.name = lines.name};
   for (size_t i = 0; i + 1 < lines.positions.size(); i += 2) {
     const Vec3d &a = lines.positions[i], &b = lines.positions[i + 1];
     if (!(length(b - a) > 0)) continue;
@@ -161,7 +161,7 @@ DebugMesh strips_of(const DebugMesh& lines, double width) {
                                    {a - across, i},
                                    {b + across, i + 1},
                                    {a + across, i}})
-        strips.point(p, lines.colours[end]);
+        strips.point(p, lines.paints[end]);
     }
   }
   return strips;
@@ -169,28 +169,36 @@ DebugMesh strips_of(const DebugMesh& lines, double width) {
 
 }  // namespace
 
-void DebugMesh::point(const Vec3d& at, const Colour& c) {
+void Shape::point(const Vec3d& at, const Paint& c) {
   positions.push_back(at);
-  colours.push_back(c);
+  paints.push_back(c);
 }
 
-void DebugMesh::line(const Vec3d& a, const Vec3d& b, const Colour& at_a, const Colour& at_b) {
+void Shape::line(const Vec3d& a, const Vec3d& b, const Paint& at_a, const Paint& at_b) {
   point(a, at_a);
   point(b, at_b);
 }
 
-void DebugMesh::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Colour& colour) {
+void Shape::arrow(const Vec3d& from, const Vec3d& way, const Vec3d& x, const Vec3d& y,
+                  const Paint& p) {
+  const Vec3d tip = from + way;
+  const double head = 0.12 * length(way);
+  line(from, tip, p);
+  for (const Vec3d& side : {x, -x, y, -y}) line(tip, tip - way * 0.25 + side * head, p);
+}
+
+void Shape::triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Paint& colour) {
   for (const Vec3d& p : {a, b, c}) point(p, colour);
 }
 
-void DebugMesh::square(const Vec3d& centre, const Vec3d& normal, double side, const Colour& c) {
+void Shape::square(const Vec3d& centre, const Vec3d& normal, double side, const Paint& c) {
   const Onb<double> frame(normal);
   const Vec3d x = frame.x * (0.5 * side), y = frame.y * (0.5 * side);
   triangle(centre - x - y, centre + x - y, centre + x + y, c);
   triangle(centre - x - y, centre + x + y, centre - x + y, c);
 }
 
-void DebugMesh::cube(const Vec3d& centre, double side, const Colour& c) {
+void Shape::cube(const Vec3d& centre, double side, const Paint& c) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
       Vec3d n{};
@@ -199,13 +207,13 @@ void DebugMesh::cube(const Vec3d& centre, double side, const Colour& c) {
     }
 }
 
-std::string debug_glb_bytes(const std::vector<DebugMesh>& meshes, const Provenance& provenance,
+std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& provenance,
                             DebugLines lines) {
-  Writer writer(provenance);
-  const double width = lines == DebugLines::strips ? kStripWidth * size_of(meshes) : 0;
-  for (const DebugMesh& mesh : meshes)
-    if (!mesh.positions.empty())
-      writer.add(width > 0 && mesh.kind == DebugMesh::Kind::lines ? strips_of(mesh, width) : mesh);
+  GlbWriter writer(provenance);
+  const double width = lines == DebugLines::strips ? kStripWidth * size_of(shapes) : 0;
+  for (const Shape& shape : shapes)
+    if (!shape.positions.empty())
+      writer.add(width > 0 && shape.kind == Shape::Kind::lines ? strips_of(shape, width) : shape);
   return writer.glb();
 }
 
@@ -219,4 +227,4 @@ DebugLines debug_lines(const std::string& value) {
   return value == "strips" ? DebugLines::strips : DebugLines::edges;
 }
 
-}  // namespace tdpt
+}  // namespace tdpt::draw
