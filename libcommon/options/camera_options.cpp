@@ -198,8 +198,7 @@ std::vector<std::string> names_in(const Scene& scene, const std::string& given) 
   std::vector<std::string> names;
   if (has_camera(scene, given)) return {given};
   if (given == "all") {
-    for (const Camera& c : scene.cameras)
-      if (!c.fault) names.push_back(c.name);
+    for (const Camera& c : scene.cameras) names.push_back(c.name);
     return names;
   }
   for (size_t at = 0; at <= given.size();) {
@@ -237,8 +236,7 @@ std::vector<Camera> chosen_cameras(const Scene& scene, const CameraArguments& a,
   if (names.empty()) names.emplace_back();
   std::vector<Camera> cameras;
   for (const std::string& name : names) cameras.push_back(one_camera(scene, a, name, common));
-  if (const std::string faults = scene.faults_of_cameras_but(cameras[0].name); !faults.empty())
-    common.warn(faults);
+  if (const std::string missing = scene.missing_camera(); !missing.empty()) common.warn(missing);
   return cameras;
 }
 

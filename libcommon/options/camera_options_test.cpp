@@ -133,27 +133,6 @@ TEST(CameraOptions, OneOfTheSceneIsTakenByItsName) {
   EXPECT_TRUE(chosen(a, scene).culls);
 }
 
-TEST(CameraOptions, OneThatIsWrongIsAWarningWhereAnotherIsTaken) {
-  Scene scene = box();
-  scene.cameras.resize(2);
-  scene.cameras[0].name = "hall", scene.cameras[1].name = "yard";
-  scene.cameras[0].fault =
-      std::make_shared<const InputError>("box.glb", "cameras[0].perspective.yfov", "is 4");
-  const std::string warning =
-      ": warning: cameras[0].perspective.yfov: is 4; the camera \"hall\" cannot be taken\n";
-  CameraArguments yard, frame;
-  yard.names = {"yard"}, frame.frame = true;
-  EXPECT_EQ(said(yard, scene), warning);
-  EXPECT_NE(said(frame, scene).find(warning), std::string::npos);
-  EXPECT_NE(said(placed("14,0,0", "10,0,0"), scene).find(warning), std::string::npos);
-  try {
-    chosen({}, scene);
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "box.glb:cameras[0].perspective.yfov: is 4");
-  }
-}
-
 TEST(CameraOptions, TheSceneMayNameTheOneThatIsTaken) {
   Scene scene = box();
   scene.cameras.resize(2);
@@ -231,8 +210,6 @@ TEST(CameraOptions, SeveralAreNamedOneByOneWithCommasOrAll) {
   EXPECT_EQ(names_of_cameras(scene, {"a,b"}), (Names{"a,b"}));
   EXPECT_EQ(names_of_cameras(scene, {"hall,nobody"}), (Names{"hall", "nobody"}));
   EXPECT_THROW(names_of_cameras(scene, {"hall,,yard"}), UsageError);
-  scene.cameras[1].fault = std::make_shared<InputError>("a.glb", "cameras[1]", "is wrong");
-  EXPECT_EQ(names_of_cameras(scene, {"all"}), (Names{"hall", "a,b"}));
   scene.cameras[0].name = "all";
   EXPECT_EQ(names_of_cameras(scene, {"all"}), (Names{"all"}));
 }

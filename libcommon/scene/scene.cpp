@@ -15,7 +15,6 @@ namespace {
 constexpr double kFarthest = 1e6;
 
 const Camera& checked(const std::string& file, const Camera& camera) {
-  if (camera.fault) throw InputError(*camera.fault);
   const double away = length(camera.position);
   if (!(away <= kFarthest))
     throw InputError(file, "cameras",
@@ -91,17 +90,9 @@ const Camera& Scene::camera(const std::string& name) const {
   return checked(file, *found);
 }
 
-std::string Scene::faults_of_cameras_but(const std::string& taken) const {
-  std::string sentence;
-  size_t faults = 0;
-  for (const Camera& c : cameras)
-    if (c.fault && c.name != taken && ++faults == 1)
-      sentence =
-          fmt::format("{}; the camera \"{}\" cannot be taken",
-                      std::string(c.fault->what()).substr(display_name(path).size() + 1), c.name);
-  if (faults == 0 && !defaults.camera.empty() && !find(cameras, defaults.camera))
-    return defaults.place_of("tdpt_camera") + ": " + no_camera(cameras, defaults.camera);
-  return faults > 1 ? fmt::format("{}, nor can {} more", sentence, faults - 1) : sentence;
+std::string Scene::missing_camera() const {
+  if (defaults.camera.empty() || find(cameras, defaults.camera)) return {};
+  return defaults.place_of("tdpt_camera") + ": " + no_camera(cameras, defaults.camera);
 }
 
 TriangleShape shape_of(const Scene& scene, uint32_t triangle) {

@@ -152,8 +152,6 @@ struct Camera {
   /// Its rays pass through the backs of surfaces that are not double-sided, and no other technique
   /// shows those backs either: a cutaway. Light walks still hit them.
   bool culls = false;
-  /// An error in the file, thrown only when this camera is used; null: none.
-  std::shared_ptr<const InputError> fault{};
 };
 
 /// A moment of a scene's animations.
@@ -252,12 +250,11 @@ struct Scene {
     return triangle < dome && !material_of(triangle).double_sided;
   }
   /// Camera called `name`; for "" the one that `defaults` name, else the first. Throws InputError,
-  /// listing the cameras, if there is none of that name, and if the camera is malformed or more
-  /// than 1e6 times the scene's size away.
+  /// listing the cameras, if there is none of that name, and if the camera is more than 1e6 times
+  /// the scene's size away.
   const Camera& camera(const std::string& name) const;
-  /// A sentence about malformed cameras other than `taken`, or about a missing camera named by
-  /// `defaults`; empty: none.
-  std::string faults_of_cameras_but(const std::string& taken) const;
+  /// A sentence about the camera that `defaults` name, if there is none of that name; else empty.
+  std::string missing_camera() const;
 };
 
 /// Geometric quantities of one triangle, canonical frame, computed in double precision.

@@ -167,8 +167,7 @@ constexpr std::array kUnits{SceneUnit{"inches", 0.0254, 0}, SceneUnit{"centimetr
 // Where people look from and lamps hang; of many every n-th.
 std::vector<Vec3d> points_of(const Scene& scene) {
   std::vector<Vec3d> all, some;
-  for (const Camera& camera : scene.cameras)
-    if (!camera.fault) all.push_back(camera.position);
+  for (const Camera& camera : scene.cameras) all.push_back(camera.position);
   for (const PunctualLight& lamp : scene.lights)
     if (lamp.kind != PunctualLight::Kind::directional) all.push_back(lamp.position);
   const size_t step = (all.size() + kMostPoints - 1) / kMostPoints;

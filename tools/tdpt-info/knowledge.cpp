@@ -94,8 +94,8 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   fact(k, "longest_side_m", longest_side(scene));
   fact(k, "files_beside_it", scene.files.size());
   std::vector<std::string> warnings = scene.warnings;
-  if (const std::string faults = scene.faults_of_cameras_but(""); !faults.empty())
-    warnings.push_back(faults);
+  if (const std::string missing = scene.missing_camera(); !missing.empty())
+    warnings.push_back(missing);
   std::vector<std::string> warning_lines;
   for (const std::string& warning : warnings) warning_lines.push_back("warning: " + warning);
   fact(k, "warnings", warnings, warning_lines);

@@ -29,10 +29,10 @@ std::vector<double> moments_of(const RenderArguments& a) {
   return times;
 }
 
-// The camera of that name; null if it is not there or cannot be used.
+// The camera of that name; null if it is not there.
 const Camera* camera_of(const SceneFile::Glance& now, const std::string& name) {
   const auto self = std::find_if(now.cameras.begin(), now.cameras.end(),
-                                 [&](const Camera& c) { return c.name == name && !c.fault; });
+                                 [&](const Camera& c) { return c.name == name; });
   return self == now.cameras.end() ? nullptr : &*self;
 }
 
