@@ -281,6 +281,7 @@ void Projection::ray(const Pixel& at, Vec3d& from, Vec3d& w) const {
 
 std::vector<Rectangle> arranged(const std::vector<double>& aspects) {
   std::vector<Rectangle> best;
+  double most = 0;
   for (size_t columns = 1; columns <= aspects.size(); ++columns) {
     const size_t rows = (aspects.size() + columns - 1) / columns;
     double height = kTallest / static_cast<double>(rows) - kCaptionRoom;
@@ -291,7 +292,10 @@ std::vector<Rectangle> arranged(const std::vector<double>& aspects) {
       height = std::min(height, room / sum);
     }
     height = std::floor(height);
-    if (!best.empty() && height <= best[0].height) continue;
+    // Height times the share of the rows that panels fill, but for a factor that all have.
+    const double worth = height * height / static_cast<double>(rows);
+    if (worth <= most) continue;
+    most = worth;
     best.clear();
     Pixel at{kMargin, kHeading};
     for (size_t k = 0; k < aspects.size(); ++k) {

@@ -96,7 +96,8 @@ struct Drawing {
 };
 Canvas draw(const Drawing& drawing);
 
-/// Panels of these aspects (width / height) in rows of one height, as large as the sheet allows.
+/// Panels of these aspects (width / height) in rows of one height: large, and with little of the
+/// sheet left empty.
 std::vector<Rectangle> arranged(const std::vector<double>& aspects);
 
 }  // namespace tdpt::draw
