@@ -138,6 +138,7 @@ draw::Drawing cut_preview(const Scene& scene, const Camera& camera, const CutFil
   if (!scene.is_scene_of(cut.scene_hash))
     throw InputError(display_name(cut_name), "", "was made from another scene than " + scene.path);
   Drawing drawing{.title = "mincut   " + base_name(scene.path),
+                  .sentence = {},
                   .shapes = {pivot_pairs(cut), pivots(cut)}};
   // Where the light crosses is what a plan should show.
   const Shape& pairs = drawing.shapes[0];
