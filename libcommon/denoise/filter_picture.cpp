@@ -15,8 +15,7 @@
 namespace tdpt::denoise {
 namespace {
 
-// What filtering needs at most besides the channels.
-constexpr size_t kBytesOfPixel = 400, kBytesOfFramesPixel = 200;
+constexpr size_t kBytesOfFramesPixel = 200;  // of each frame beside it
 
 Shot without_outliers(Size size, Shot shot) {
   Colour rest = cut_outliers(size, shot.a, shot.b).rest;

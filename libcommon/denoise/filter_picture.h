@@ -19,6 +19,8 @@ enum class Kind { automatic, regression, oidn };
 /// As --denoiser has them.
 inline constexpr std::array kKinds{"auto", "regression", "oidn"};
 Kind kind_of(const std::string& name);
+/// Memory that filtering takes at most besides the channels [bytes per pixel].
+inline constexpr size_t kBytesOfPixel = 400;
 /// The words of FilmFacts::derived that ask for them.
 inline constexpr std::array kDenoised{"denoise", "denoise-regression", "denoise-oidn"};
 

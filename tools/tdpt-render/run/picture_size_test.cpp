@@ -4,6 +4,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/denoise/filter_picture.h"
 
 namespace tdpt::picture_size_test {
 
@@ -50,6 +51,8 @@ TEST(film, is_limited_by_the_memory_of_all_its_sums) {
   a.alpha = true;
   expect_bytes(56);
   a.denoise = true;
+  expect_bytes(104 + denoise::kBytesOfPixel);
+  a.shard = "0/2";  // is filtered when it is merged
   expect_bytes(104);
   a.layers = true;
   expect_bytes(296);

@@ -8,6 +8,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
+#include "libcommon/denoise/filter_picture.h"
 #include "tools/tdpt-render/integrators/passes.h"
 #include "tools/tdpt-render/path/sample/world.h"
 #include "tools/tdpt-render/portals/given_portals.h"
@@ -199,9 +200,10 @@ void expect_memory_of_film(const RenderArguments& a, const PictureSize& size) {
                                       : (a.portals.empty() ? kTwoWays : kThreeWays);
   const bool halves = keeps_halves(a);
   const Film::Options sums = film_options(a.layers ? techniques : TechniqueSet(), a.alpha, halves);
+  const size_t filter = a.filters() && a.shard.empty() ? denoise::kBytesOfPixel : 0;
   expect_memory(fmt::format("{} x {} pixels (--width, --height{}{})", size.width, size.height,
                             a.layers ? ", --layers" : "", halves ? ", --denoise or --aov" : ""),
-                sums.bytes_of_pixel() * static_cast<uint64_t>(size.width) *
+                (sums.bytes_of_pixel() + filter) * static_cast<uint64_t>(size.width) *
                     static_cast<uint64_t>(size.height));
 }
 
