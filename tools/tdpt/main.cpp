@@ -69,15 +69,6 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
 }
 
-ProgressForm form_of(const cli::Common& common) {
-  for (const cli::Given& given : common.given)
-    if (given.name == "--set progress" && !given.values.empty())
-      return given.values.back() == "json"   ? ProgressForm::json
-             : given.values.back() == "none" ? ProgressForm::none
-                                             : ProgressForm::automatic;
-  return ProgressForm::automatic;
-}
-
 int clean(const Arguments& a) {
   const Cache cache(a.work.empty() ? Cache::usual_path() : a.work);
   cache.check_has_no_others();
@@ -98,7 +89,7 @@ int run(const Arguments& a, const cli::Common& common) {
   for (const View& view : views) {
     if (a.dry_run)
       common.print(commands_of(view.arguments, view.common, printed));
-    else if (const int code = make(view.arguments, view.common, form_of(common)); code != 0)
+    else if (const int code = make(view.arguments, view.common); code != 0)
       return code;
   }
   return 0;

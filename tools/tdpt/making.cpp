@@ -67,10 +67,6 @@ std::string full_path(const std::string& path) {
   return failed ? path : full.string();
 }
 
-void append(Words& words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-}
-
 Words exposure_words(const Arguments& a) {
   return a.exposure ? Words{fmt::format("--exposure={}", *a.exposure)} : Words{};
 }
@@ -167,11 +163,11 @@ struct Plan {
 // Runs what a plan needs. Its functions throw Ended with the exit code of a program that failed.
 class Run {
  public:
-  Run(const Plan& plan, ProgressForm form)
+  explicit Run(const Plan& plan)
       : plan_(plan),
         folder_(plan.cache.use(fmt::format(
             "run-{}-{}", ::getpid(), std::chrono::system_clock::now().time_since_epoch().count()))),
-        conversation_(form, plan.common.quiet) {}
+        conversation_(plan.common.quiet) {}
   ~Run() {
     look_.reset();
     std::error_code ignored;
@@ -223,7 +219,7 @@ class Run {
   // While portals are sought, a first preview is rendered without them.
   void start_preview() {
     Words words{plan_.programs + "/tdpt-render", request_.scene};
-    for (const Words* more : {&request_.camera, &request_.pose, &request_.sky, &request_.unshaped})
+    for (const Words* more : {&request_.camera, &request_.pose, &request_.sky, &request_.running})
       append(words, *more);
     append(words, {"--integrator", "bdpt", "--spp", "256", "--quiet", "--preview"});
     if (a_.width > 0) append(words, {"--width", std::to_string(a_.width)});
@@ -394,7 +390,6 @@ class Run {
              {"--exrdiff", plan_.programs + "/exrdiff", "--info", plan_.programs + "/tdpt-info"});
       if (!pipeline_.searches.empty())
         append(measure, {"--stem", cache_.path_of(pipeline_.searches[0].entry) + "/scene"});
-      if (common_.threads > 0) append(measure, {"--threads", std::to_string(common_.threads)});
       if (common_.quiet) measure.emplace_back("--quiet");
       append(measure, {"--progress", "--"});
       append(measure, pipeline_.render.options);
@@ -423,7 +418,7 @@ class Run {
       for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
         const std::string line = text.substr(0, end);
         if (told && !line.starts_with('{')) *told += line + "\n";
-        if (!told || line.find(kDecision) == std::string::npos) conversation_.heard(line);
+        if (!told || line.find(kDecision) == std::string::npos) conversation_.print(line);
       }
     };
     std::error_code ignored;
@@ -485,7 +480,7 @@ void make_preview(const Plan& plan) {
 
 }  // namespace
 
-int make(const Arguments& a, const cli::Common& common, ProgressForm form) {
+int make(const Arguments& a, const cli::Common& common) {
   const Plan plan(a, common);
   const bool made = plan.is_fresh();
   if (made && !plan.is_there(plan.preview())) make_preview(plan);
@@ -494,7 +489,7 @@ int make(const Arguments& a, const cli::Common& common, ProgressForm form) {
     common.note(plan.request.picture + " is up to date");
   } else {
     if (!made) plan.check_owners();
-    Run run(plan, form);
+    Run run(plan);
     try {
       run.make(made);
       std::string files = made ? "" : plan.request.picture;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 Words joined(const std::vector<Words>& parts) {
   Words all;
-  for (const Words& part : parts) all.insert(all.end(), part.begin(), part.end());
+  for (const Words& part : parts) append(all, part);
   return all;
 }
 
@@ -49,40 +49,31 @@ std::vector<Part> parts_of_shot(const Arguments& a) {
   return parts;
 }
 
-// The words of one search: when portals are sought, for ffgraph and for what needs only the scene,
-// and how well.
-struct Sought {
-  Words poses, time, sampling;
-};
-
-Sought sought(const Arguments& a, const Request& r, const Part* part) {
-  Sought s{r.pose, r.pose, r.sampling};
-  if (!part) return s;
-  s.poses.insert(s.poses.end(),
-                 {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
-  s.time.insert(s.time.end(),
-                {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
-  const bool has_quality =
-      std::find(s.sampling.begin(), s.sampling.end(), "--quality") != s.sampling.end();
-  if (part->moves && !has_quality) s.sampling.insert(s.sampling.end(), {"--quality", "draft"});
-  return s;
-}
-
-std::vector<Step> stages_of(const Request& r, const Sought& s, const std::string& programs,
-                            const std::string& folder) {
+// `part`: frames of a shot; null: one picture.
+std::vector<Step> stages_of(const Arguments& a, const Request& r, const Part* part,
+                            const std::string& programs, const std::string& folder) {
+  // When portals are sought, for ffgraph and for what needs only the scene, and how well.
+  Words poses = r.pose, time = r.pose, sampling = r.sampling;
+  if (part) {
+    append(poses, {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
+    append(time, {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
+    const bool has_quality =
+        std::find(sampling.begin(), sampling.end(), "--quality") != sampling.end();
+    if (part->moves && !has_quality) append(sampling, {"--quality", "draft"});
+  }
   std::vector<Step> stages;
   const auto file = [&](const char* end) { return folder + "/scene." + end; };
   const auto stage = [&](const char* title, const char* tool, const Words& options,
                          const Words& inputs, const char* end) {
     stages.push_back(
-        {title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[stages.size()]}),
-         inputs, r.unshaped, file(end)});
+        {title, joined({{programs + "/" + tool}, options, r.stored, r.stage_flags[stages.size()]}),
+         inputs, r.running, file(end)});
   };
-  stage("tracing where light goes", "ffgraph", joined({r.cameras, s.poses, r.sky, s.sampling}),
+  stage("tracing where light goes", "ffgraph", joined({r.cameras, poses, r.sky, sampling}),
         {r.scene}, "max");
   stage("finding bottlenecks", "mincut", {}, {file("max")}, "cut");
-  stage("following the light through them", "lightgrid",
-        joined({s.time, r.sky, r.device, s.sampling}), {r.scene, file("cut")}, "vdb");
+  stage("following the light through them", "lightgrid", joined({time, r.sky, r.device, sampling}),
+        {r.scene, file("cut")}, "vdb");
   stage("fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
   return stages;
 }
@@ -108,7 +99,7 @@ std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
 Search search_of(const Arguments& a, const Request& r, const SceneState& state, const Cache& cache,
                  const std::string& programs, const Part* part) {
   const auto stages_in = [&](const std::string& folder) {
-    return stages_of(r, sought(a, r, part), programs, folder);
+    return stages_of(a, r, part, programs, folder);
   };
   const std::string entry = "portals-" + key_of_portals(stages_in(""), files_of(a, r, state));
   Search search{entry, stages_in(cache.path_of(entry)), part ? part->frames : FrameRange{}};
@@ -151,17 +142,9 @@ Fingerprint facts_of(const Arguments& a, const Request& r, const SceneState& sta
 Words given_to(const Request& r, const Words& portals) {
   Words words{r.scene};
   for (const std::string& path : portals)
-    words.insert(words.end(), {"--portal", path.starts_with('-') ? "./" + path : path});
+    append(words, {"--portal", path.starts_with('-') ? "./" + path : path});
   return words;
 }
-
-}  // namespace
-
-Words Step::command(const std::string& to) const {
-  return joined({options, unshaped, inputs, {"-o", to}});
-}
-
-namespace {
 
 // The last stage writes what is asked for.
 Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
@@ -177,8 +160,8 @@ Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneSt
                     r.pose,
                     r.sky,
                     r.device,
-                    r.all,
-                    r.unshaped,
+                    r.stored,
+                    r.running,
                     {r.scene, "-o", "portals.exr", "--check"}});
   return p;
 }
@@ -213,43 +196,37 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
     portals.push_back(p.portals_by_frame = cache.path_of(p.entry) + "/frame.######.portal.glb");
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
-  Words beside = joined({r.unshaped, r.beside});
+  Words film;
   if (a.checkpoint.empty() && a.resume.empty() && !r.is_shot) {
     p.film = cache.path_of(p.entry) + "/film.exr";
-    beside.insert(beside.end(), {"--checkpoint", p.film, "--resume", p.film});
+    film = {"--checkpoint", p.film, "--resume", p.film};
   }
-  const Words options = joined({{renderer},
-                                r.camera,
-                                r.pose,
-                                r.shot,
-                                r.sky,
-                                r.device,
-                                r.sampling,
-                                r.all,
-                                r.render,
-                                r.amount});
+  const Words options = joined({{renderer}, r.render});
   p.check =
-      joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
-  p.render = {"rendering", options, given_to(r, portals), beside, r.picture};
+      joined({Step{"", options, given_to(r, given), film, ""}.command(r.picture), {"--check"}});
+  p.render = {"rendering", options, given_to(r, portals), film, r.picture};
   if (!filters_frames(a)) return p;
   const std::string filter = programs + "/exrdenoise";
   p.noisy = cache.path_of(p.entry) + "/noisy/frame.######";
   p.render.output = p.noisy + ".exr";
-  if (!r.stats.empty())
-    p.render.unshaped.insert(p.render.unshaped.end(), {"--stats", p.noisy + ".json"});
+  if (!r.stats.empty()) append(p.render.unshaped, {"--stats", p.noisy + ".json"});
   for (int64_t k = all.first; k <= all.last; ++k) {
     const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
     cli::Common asked = common;
     asked.give("--frames", {words_of(beside_it), std::to_string(k)});
     const auto noisy = [&](int64_t frame) { return name_of_frame("", p.render.output, frame); };
-    Words words = joined({{filter}, r.filter, r.all, r.unshaped, {noisy(k)}});
-    if (k > all.first) words.insert(words.end(), {"--previous", noisy(k - 1)});
-    if (k < all.last) words.insert(words.end(), {"--next", noisy(k + 1)});
+    Words words = joined({{filter}, r.filter, r.stored, r.running, {noisy(k)}});
+    if (k > all.first) append(words, {"--previous", noisy(k - 1)});
+    if (k < all.last) append(words, {"--next", noisy(k + 1)});
     p.filtered.push_back({k, name_of_frame("-o", r.picture, k),
                           key_of(asked, beside_it, {renderer, filter}, cli::Effect::stored),
                           words});
   }
   return p;
+}
+
+Words Step::command(const std::string& to) const {
+  return joined({options, unshaped, inputs, {"-o", to}});
 }
 
 Words command_for(const Step& render, const FrameRange& frames) {

@@ -19,23 +19,25 @@ struct Arguments : RenderArguments {
 };
 
 using Words = std::vector<std::string>;
+inline void append(Words& words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+}
 
 /// Options, grouped by the programs that get them.
 struct Request {
   std::string scene;    ///< path, as passed to programs
   std::string picture;  ///< path; of portals, where these are all that is asked for
-  Words camera, pose, sky, device, all;
-  bool is_shot = false;  ///< `picture` is a pattern: its frames
-  std::string stats;     ///< of a shot: the pattern of its statistics; empty: none are asked for
-  Words shot;            ///< for the renderer
-  Words cameras;         ///< those for which portals are found: `camera`, or all of several
-  Words sampling;        ///< for programs that draw random numbers: --seed and --quality
-  Words render;          ///< for the renderer alone: what a sample is
-  Words amount;          ///< for the renderer alone: how many samples, and how they are stored
-  Words unshaped;        ///< for all programs, not affecting results: --threads and the like
-  Words beside;          ///< for the renderer alone, not affecting the picture
+  Words render;         ///< of the renderer: all options but those of tdpt itself
+  // Of these, what other programs get, too.
+  Words camera, pose, sky, device;
+  Words cameras;   ///< those for which portals are found: `camera`, or all of several
+  Words sampling;  ///< for programs that draw random numbers: --seed and --quality
+  Words stored;    ///< for all programs: --no-provenance
+  Words running;   ///< for all programs, not affecting results: --threads and the like
   /// For exrdenoise, which filters frames of a shot with those beside them; see filters_frames().
   Words filter;
+  bool is_shot = false;  ///< `picture` is a pattern: its frames
+  std::string stats;     ///< of a shot: the pattern of its statistics; empty: none are asked for
   /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
   /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];

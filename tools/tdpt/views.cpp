@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/options/shot_options.h"
+#include "libcommon/base/words.h"
 
 namespace tdpt {
 namespace {
@@ -43,97 +43,59 @@ std::string file_name_of(const std::string& camera) {
 
 // `path` with the camera's name for each %.
 std::string named(const std::string& path, const std::string& name) {
-  std::string out;
-  for (const char c : path) out += c == '%' ? name : std::string(1, c);
-  return out;
+  return replaced(path, "%", name);
 }
 
-// The files of several cameras would be one.
-void check_has_place_for_name(const std::string& option, const std::string& path) {
-  if (path.find('%') == path.npos)
-    throw UsageError(fmt::format(
-        "{} {}: there are several cameras; write % where their names are to stand", option, path));
-}
-
-View view_of(const Arguments& a, const cli::Common& common, const std::string& camera,
-             const std::vector<std::string>& all) {
-  View view{a, common};
-  const bool several = all.size() > 1;
-  const std::string name = file_name_of(camera);
-  view.arguments.camera.names = {camera};
-  if (several) view.arguments.views = all;
-  if (several) check_has_place_for_name("-o", common.output);
-  for (cli::Given& given : view.common.given) {
-    if (given.name == "--camera") given.values = {camera};
-    if (std::find(std::begin(kNamesOfFiles), std::end(kNamesOfFiles), given.name) ==
+// The files of one of several cameras, each with its name.
+void name_files(View& view, const std::string& name, bool several) {
+  const auto rename = [&](const std::string& option, std::string& path) {
+    if (several && path.find('%') == path.npos)
+      throw UsageError(
+          fmt::format("{} {}: there are several cameras; write % where their names are to stand",
+                      option, path));
+    path = named(path, name);
+  };
+  rename("-o", view.common.output);
+  for (cli::Given& given : view.common.given)
+    if (std::find(std::begin(kNamesOfFiles), std::end(kNamesOfFiles), given.name) !=
         std::end(kNamesOfFiles))
-      continue;
-    for (std::string& path : given.values) {
-      if (several) check_has_place_for_name(given.name, path);
-      path = named(path, name);
-    }
-  }
-  for (std::string* const path :
-       {&view.common.output, &view.common.dependencies, &view.arguments.preview,
-        &view.arguments.report, &view.arguments.stats, &view.arguments.nonzero,
-        &view.arguments.checkpoint, &view.arguments.resume})
+      for (std::string& path : given.values) rename(given.name, path);
+  Arguments& a = view.arguments;
+  for (std::string* const path : {&view.common.dependencies, &a.preview, &a.report, &a.stats,
+                                  &a.nonzero, &a.checkpoint, &a.resume})
     *path = named(*path, name);
   for (cli::NamedFile& file : view.common.outputs) file.path = named(file.path, name);
-  return view;
-}
-
-// The portals of all cameras are one file.
-View view_of_all(const Arguments& a, const cli::Common& common,
-                 const std::vector<std::string>& all) {
-  if (common.output.find('%') != common.output.npos)
-    throw UsageError(fmt::format(
-        "-o {}: the portals of several cameras are one file, which has no camera's name",
-        common.output));
-  View view{a, common};
-  view.arguments.camera.names = {all[0]};
-  view.arguments.views = all;
-  for (cli::Given& given : view.common.given)
-    if (given.name == "--camera") given.values = {all[0]};
-  return view;
-}
-
-// The files of a shot have a number each.
-void check_frames(const Arguments& a, const cli::Common& common) {
-  check_shot(a.shot, a.pose);
-  const std::string none;
-  for (const auto& [option, path] : {std::pair("-o", common.output_given ? &common.output : &none),
-                                     {"--preview", &a.preview},
-                                     {"--stats", &a.stats},
-                                     {"--set nonzero", &a.nonzero},
-                                     {"--checkpoint", &a.checkpoint},
-                                     {"--resume", &a.resume}})
-    if (!path->empty()) name_of_frame(option, *path, 0);
 }
 
 }  // namespace
 
 std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
   std::vector<std::string> cameras;
-  if (!a.scene.empty()) cameras = cameras_of(a);
-  if (cameras.size() > 1 && a.shot.is_given())
-    throw UsageError("--frames: a shot is for one camera");
-  if (cameras.size() > 1 && !common.dependencies.empty())
+  if (!a.scene.empty() && common.output_given) cameras = cameras_of(a);
+  const bool several = cameras.size() > 1, are_portals = asks_for_portals(common.output);
+  if (several && a.shot.is_given()) throw UsageError("--frames: a shot is for one camera");
+  if (several && !common.dependencies.empty())
     throw UsageError("--set dependencies: is for the picture of one camera");
-  if (cameras.size() > 1 && asks_for_portals(common.output))
-    return {view_of_all(a, common, cameras)};
-  if (!common.output_given) cameras.clear();
+  if (several && are_portals && common.output.find('%') != common.output.npos)
+    throw UsageError(fmt::format(
+        "-o {}: the portals of several cameras are one file, which has no camera's name",
+        common.output));
   std::vector<View> views;
   std::set<std::string> pictures;
   for (const std::string& camera : cameras) {
-    views.push_back(view_of(a, common, camera, cameras));
-    const std::string& picture = views.back().common.output;
-    if (!pictures.insert(picture).second)
+    View& view = views.emplace_back(View{a, common});
+    view.arguments.camera.names = {camera};
+    if (several) view.arguments.views = cameras;
+    for (cli::Given& given : view.common.given)
+      if (given.name == "--camera") given.values = {camera};
+    if (several && are_portals) break;  // one file for all
+    name_files(view, file_name_of(camera), several);
+    if (!pictures.insert(view.common.output).second)
       throw UsageError(
           fmt::format("-o {}: {} would be the picture of two cameras, one of them \"{}\"",
-                      common.output, picture, camera));
+                      common.output, view.common.output, camera));
   }
   if (views.empty()) views.push_back({a, common});
-  if (a.shot.is_given()) check_frames(views[0].arguments, views[0].common);
   return views;
 }
 
