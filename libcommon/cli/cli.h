@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/base/provenance.h"
 #include "libcommon/base/process.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/cli/outputs.h"
 
 namespace tdpt::cli {
