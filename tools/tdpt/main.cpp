@@ -10,7 +10,6 @@
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt/cache.h"
 #include "tools/tdpt/making.h"
-#include "tools/tdpt/views.h"
 
 #include <unistd.h>
 

@@ -5,14 +5,78 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
+#include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Whether the file lies in the folder or below, following links: no other is read.
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code failed;
+  const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
+  return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
+}
+
+// Portals drawn by an artist, or imported with the scene, lie beside it; they name no scene.
+std::string drawn_portals(const std::string& scene) {
+  const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
+  std::error_code failed;
+  if (path == scene || !fs::is_regular_file(path, failed)) return "";
+  const std::string bytes = read_file(path);
+  const bool found = bytes.find("\"generator\":\"tdpt ") != bytes.npos &&
+                     bytes.find("\"scene_hash\":\"\"") == bytes.npos;
+  return found ? "" : path;
+}
+
+}  // namespace
+
+std::string hash_at(const std::string& path) {
+  std::error_code failed;
+  try {
+    return fs::is_regular_file(path, failed) ? content_hash_of_file(path) : "";
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+SceneState state_of(const Arguments& a) {
+  SceneState state;
+  std::error_code failed;
+  if (fs::exists(a.scene, failed) && !fs::is_regular_file(a.scene, failed))  // read more than once
+    throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
+  std::string all = content_hash_of_file(a.scene);
+  state.files.push_back(a.scene);
+  fs::path folder = fs::path(a.scene).parent_path();
+  if (folder.empty()) folder = ".";
+  const SceneFiles files = files_of_scene(a.scene);
+  state.has_sky = files.has_environment;
+  for (const std::string& name : files.beside) {
+    const std::string path = (folder / name).string();
+    const std::string hash = is_below(path, folder) ? hash_at(path) : "";
+    if (!hash.empty()) state.files.push_back(path);
+    all += "\n" + (hash.empty() ? "missing" : hash);
+  }
+  state.hash = content_hash(all);
+  const auto add = [&](const std::string& path) {
+    const std::string hash = hash_at(path);
+    if (!hash.empty()) state.files.push_back(path);
+    return hash;
+  };
+  state.sky = add(a.sky.environment);
+  for (const std::string& path : a.portals) state.portals.push_back(add(path));
+  if (a.portals.empty()) state.drawn = drawn_portals(a.scene);
+  if (!state.drawn.empty()) state.portals.push_back(add(state.drawn));
+  return state;
+}
+
+namespace {
 
 Words joined(const std::vector<Words>& parts) {
   Words all;
@@ -88,9 +152,7 @@ Fingerprint files_of(const Arguments& a, const Request& r, const SceneState& sta
 std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
   for (const Step& stage : stages) {
     std::string words;
-    std::error_code ignored;
-    for (const std::string& word : stage.options)
-      words += word + (fs::is_regular_file(word, ignored) ? content_hash_of_file(word) : "") + "\n";
+    for (const std::string& word : stage.options) words += word + hash_at(word) + "\n";
     is_of.emplace_back(stage.title, words);
   }
   return hash_of(is_of);

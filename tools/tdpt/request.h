@@ -13,7 +13,7 @@ struct Arguments : RenderArguments {
   std::string work_size = "10G";  ///< --work-size
   std::string report;             ///< its path; empty: none
   bool force = false, dry_run = false, clean = false;
-  /// Of a run for several cameras [views.h]: the names of all, for which portals are found
+  /// Of a run for several cameras [View]: the names of all, for which portals are found
   /// together.
   std::vector<std::string> views;
 };
@@ -54,5 +54,18 @@ bool filters_frames(const RenderArguments& a);
 
 /// Whether the picture can use portals that the stages find.
 bool uses_portals(const Arguments& a, bool scene_has_sky);
+
+// One command line for the pictures of several cameras: a run for each, whose stages are the same.
+
+/// What one picture is made by, as if its camera and its files were those on the command line.
+struct View {
+  Arguments arguments;
+  cli::Common common;
+};
+
+/// One per camera that --camera names, else one. In the names of files % is the camera's name. The
+/// scene is read only if --camera may select several. Throws UsageError for names of files without
+/// %, or that two cameras share.
+std::vector<View> views_of(const Arguments& a, const cli::Common& common);
 
 }  // namespace tdpt
