@@ -22,7 +22,7 @@ Storage PictureArguments::storage() const {
 void declare_exposure(cli::Options& options, std::optional<double>& exposure, const char* preview) {
   options.option("--exposure", exposure, "STOPS",
                  fmt::format("Exposure of {}; default automatic, and --explain tells it", preview),
-                 -kMostStops, kMostStops, cli::Effect::told);
+                 -kMostStops, kMostStops, cli::Effect::report);
 }
 
 void declare_picture_options(cli::Options& options, PictureArguments& a) {

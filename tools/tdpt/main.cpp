@@ -43,7 +43,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.part(cli::Part::files);
   options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
-               Effect::told);
+               Effect::report);
   options.output_beside(
       "--report", a.report,
       [&a](const std::string& picture) { return report_beside(picture, a.shot.is_given()); },
@@ -51,14 +51,14 @@ void declare_options(cli::Options& options, Arguments& a) {
       "frames and their noise (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
-                 Effect::told);
+                 Effect::report);
   options.option("--work-size", a.work_size, "SIZE",
                  "Largest size of that folder: what was used longest ago goes; default 10G",
-                 Effect::told);
-  options.flag("--clean", a.clean, "Empty that folder", Effect::told);
+                 Effect::report);
+  options.flag("--clean", a.clean, "Empty that folder", Effect::report);
   options.part(cli::Part::telling);
   options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
-               Effect::told);
+               Effect::report);
   options.part(cli::Part::effort);
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "Where to count light and to render; default cpu. WHICH: number or part of the "
