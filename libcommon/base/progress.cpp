@@ -13,12 +13,6 @@ namespace {
 
 std::atomic<ProgressForm> form_of_all{ProgressForm::automatic};
 
-ProgressForm form_here(bool quiet) {
-  const ProgressForm form = form_of_all;
-  if (form != ProgressForm::automatic) return form;
-  return !quiet && ::isatty(STDERR_FILENO) ? form : ProgressForm::none;
-}
-
 std::string quoted(const std::string& text) {
   std::string json = "\"";
   for (const char c : text) {
@@ -41,8 +35,14 @@ void show_progress_as(ProgressForm form) {
   form_of_all = form;
 }
 
+ProgressForm progress_form(bool quiet) {
+  const ProgressForm form = form_of_all;
+  if (form != ProgressForm::automatic) return form;
+  return !quiet && ::isatty(STDERR_FILENO) ? form : ProgressForm::none;
+}
+
 ProgressBar::ProgressBar(std::string what, std::string unit, uint64_t total, bool quiet)
-    : what_(std::move(what)), unit_(std::move(unit)), total_(total), form_(form_here(quiet)) {}
+    : what_(std::move(what)), unit_(std::move(unit)), total_(total), form_(progress_form(quiet)) {}
 
 ProgressBar::~ProgressBar() {
   if (form_ == ProgressForm::json) show();

@@ -15,6 +15,8 @@ enum class ProgressForm { automatic, json, none };
 /// Applies to every bar made afterwards. Call once, before any parallel work; automatic if
 /// never called.
 void show_progress_as(ProgressForm form);
+/// That form; none in the place of automatic where no line is shown.
+ProgressForm progress_form(bool quiet);
 
 /// Thread-safe: any thread may call advance().
 class ProgressBar {

@@ -52,8 +52,8 @@ Options::Options(const Program& program)
   declare_telling(program);
   part(Part::files);
   if (program.output_help)
-    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help), Effect::told,
-                Impl::Is::output);
+    impl_->keep(impl_->add("-o,--output", common.output, "FILE", program.output_help),
+                Effect::report, Impl::Is::output);
 }
 
 void Options::declare_general(const Program& program) {
@@ -76,7 +76,7 @@ void Options::declare_general(const Program& program) {
     side_output("--set dependencies", common.dependencies,
                 "Write a rule for Make: what the result was made from; also -MF FILE");
     option("--set dependencies-target", common.target_, "NAME",
-           "What that rule is for; default what -o names; also -MQ NAME", Effect::told);
+           "What that rule is for; default what -o names; also -MQ NAME", Effect::report);
   }
   static std::vector<std::string> none;
   impl_->add("--set", none, "NAME=VALUE", "One of the settings below")->take_all();
@@ -92,7 +92,7 @@ void Options::declare_what_else_is_printed(const Program& program) {
                      "Print a script that completes these options in bash and exit")
                   ->type_name("bash")
                   ->check(one_of({"bash"})),
-              Effect::told);
+              Effect::report);
   app.set_help_flag("-h,--help", "Print this help and exit");
   const std::string commit =
       *program.commit ? fmt::format(" (commit {})", program.commit) : std::string();
@@ -104,16 +104,16 @@ void Options::declare_what_else_is_printed(const Program& program) {
 
 void Options::declare_telling(const Program& program) {
   if (program.uses & kQuiet)
-    flag("--quiet", common.quiet, "No progress and no notes on stderr", Effect::told);
+    flag("--quiet", common.quiet, "No progress and no notes on stderr", Effect::report);
   if (program.uses & kProgress)
     choice("--set progress", impl_->progress, {"auto", "json", "none"},
            "Progress on stderr: auto, a line on a terminal (the default); json, an object a line",
-           Effect::told);
+           Effect::report);
   flag("--explain", common.explain, "Print on stderr what was decided, why, and what it costs",
-       Effect::told);
+       Effect::report);
   flag("--json", common.json,
        "Print a summary as JSON on stdout (on stderr when the result goes to stdout)",
-       Effect::told);
+       Effect::report);
 }
 
 Options::~Options() = default;
@@ -224,12 +224,12 @@ void Options::choice(const std::string& flags, std::string& target,
 }
 
 void Options::side_output(const std::string& flags, std::string& target, const std::string& help) {
-  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::told, Impl::Is::side_output);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::report, Impl::Is::side_output);
 }
 
 void Options::file(const std::string& flags, std::string& target, const std::string& help,
                    const std::function<Use()>& use) {
-  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::told);
+  impl_->keep(impl_->add(flags, target, "FILE", help), Effect::report);
   impl_->entries.back().use = [use] {
     const Use now = use();
     return now == Use::read      ? Impl::Is::input
@@ -242,7 +242,7 @@ void Options::output_beside(const std::string& flags, std::string& target,
                             const std::function<std::string(const std::string&)>& path_of,
                             const std::string& help) {
   CLI::Option* const flag = impl_->app.add_flag(flags, help);
-  impl_->keep(flag, Effect::told);
+  impl_->keep(flag, Effect::report);
   impl_->besides.push_back({flag, &target, path_of});
 }
 
@@ -262,7 +262,7 @@ void Options::instead(const std::string& flags, const std::function<std::string(
                       const std::string& help) {
   impl_->keep(impl_->app.add_flag_callback(
                   flags, [text] { throw Instead{text}; }, help),
-              Effect::told);
+              Effect::report);
 }
 
 int Options::run_main(int argc, char** argv, const std::function<int()>& run) {

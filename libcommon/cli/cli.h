@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "libcommon/base/provenance.h"
 #include "libcommon/base/process.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/cli/outputs.h"
 
 namespace tdpt::cli {
@@ -37,7 +37,7 @@ enum class Effect {
   stored,   ///< bytes of the file that its provenance does not account for by options: how it is
             ///< stored, by which instructions, and in how much time, it was made
   speed,    ///< how long it takes
-  told      ///< what is told or written beside it
+  report    ///< what is printed, or written beside the result
 };
 
 /// What --explain prints: a decision of the run, with its reason and its price, in plain words

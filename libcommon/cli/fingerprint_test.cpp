@@ -6,8 +6,8 @@ namespace tdpt::cli::fingerprint_test {
 
 constexpr Program kProgram{"made-up", "Has an option of each effect.", "What there is"};
 
-// What a run with these words is told.
-Common told(std::vector<std::string> words) {
+// What is common to programs, as these words set it.
+Common common_of(std::vector<std::string> words) {
   std::string input, sky, picture, samples, stored, speed, said;
   bool flag = false;
   Options options(kProgram);
@@ -20,7 +20,7 @@ Common told(std::vector<std::string> words) {
   options.option("--set samples", samples, "WORD", "How many", Effect::samples);
   options.option("--stored", stored, "WORD", "How stored", Effect::stored);
   options.option("--speed", speed, "WORD", "How fast", Effect::speed);
-  options.option("--told", said, "WORD", "What is said", Effect::told);
+  options.option("--report", said, "WORD", "What is said", Effect::report);
   words.insert(words.begin(), "made-up");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -33,15 +33,15 @@ Common told(std::vector<std::string> words) {
 
 TEST(fingerprint, has_the_options_up_to_an_effect) {
   const Fingerprint facts{{"scene", "1f3a"}};
-  const Common none = told({});
+  const Common none = common_of({});
   const auto changed = [&](const std::vector<std::string>& words) {
     std::string effects;
     for (const Effect up_to :
-         {Effect::picture, Effect::samples, Effect::stored, Effect::speed, Effect::told})
-      effects +=
-          hash_of(told(words).fingerprint(facts, up_to)) == hash_of(none.fingerprint(facts, up_to))
-              ? '-'
-              : 'x';
+         {Effect::picture, Effect::samples, Effect::stored, Effect::speed, Effect::report})
+      effects += hash_of(common_of(words).fingerprint(facts, up_to)) ==
+                         hash_of(none.fingerprint(facts, up_to))
+                     ? '-'
+                     : 'x';
     return effects;
   };
   EXPECT_EQ(changed({"--picture", "a"}), "xxxxx");
@@ -52,18 +52,18 @@ TEST(fingerprint, has_the_options_up_to_an_effect) {
   EXPECT_EQ(changed({"--no-provenance"}), "--xxx");
   EXPECT_EQ(changed({"--speed", "a"}), "---xx");
   EXPECT_EQ(changed({"--threads", "1"}), "---xx");
-  EXPECT_EQ(changed({"--told", "a"}), "----x");
+  EXPECT_EQ(changed({"--report", "a"}), "----x");
   EXPECT_EQ(changed({"-o", "a"}), "----x");
   EXPECT_EQ(changed({"--sky", "none"}), "xxxxx");
   EXPECT_EQ(changed({"--sky", "a.hdr"}), "-----");  // its content is a fact
   EXPECT_EQ(changed({"--input", "a.glb"}), "-----");
-  EXPECT_NE(hash_of(none.fingerprint(facts, Effect::told)),
-            hash_of(none.fingerprint({{"scene", "77ab"}}, Effect::told)));
+  EXPECT_NE(hash_of(none.fingerprint(facts, Effect::report)),
+            hash_of(none.fingerprint({{"scene", "77ab"}}, Effect::report)));
 }
 
 TEST(fingerprint, tells_the_first_difference) {
   const auto of = [](const std::vector<std::string>& words) {
-    return told(words).fingerprint({{"scene", "1f3a"}}, Effect::picture);
+    return common_of(words).fingerprint({{"scene", "1f3a"}}, Effect::picture);
   };
   EXPECT_EQ(difference(of({"--picture", "a"}), of({"--picture", "a"})), "");
   EXPECT_EQ(difference(of({"--picture", "a"}), of({"--picture", "b"})),
@@ -72,8 +72,8 @@ TEST(fingerprint, tells_the_first_difference) {
 }
 
 TEST(fingerprint, provenance_names_what_changes_the_samples) {
-  Common common = told({"--stored", "a", "--set", "samples=a", "--input", "x.glb", "--sky", "y.hdr",
-                        "--picture", "b/c", "--told", "d"});
+  Common common = common_of({"--stored", "a", "--set", "samples=a", "--input", "x.glb", "--sky",
+                             "y.hdr", "--picture", "b/c", "--report", "d"});
   EXPECT_EQ(common.command, "made-up --picture c --set samples=a");
   ASSERT_EQ(common.given.size(), 6u);
   EXPECT_EQ(common.given[3].name, "--set samples");

@@ -1,9 +1,8 @@
 #include "libcommon/cli/options_impl.h"
 
 #include <algorithm>
-#include <cerrno>
+#include <charconv>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -195,41 +194,36 @@ std::string Options::Impl::no_such_option(const std::string& given) const {
                      suggestion(option.substr(start), names, "--"));
 }
 
-CLI::Validator whole_number() {
+CLI::Validator expecting(const std::string& expected,
+                         const std::function<bool(const std::string&)>& is_valid) {
   return CLI::Validator(
-      [](std::string& text) {
-        const bool digits =
-            !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-        errno = 0;
-        if (digits) std::strtoull(text.c_str(), nullptr, 10);
-        if (digits && errno == 0) return std::string();
-        return fmt::format("'{}' given, expected a number from 0 to {}", text, ~uint64_t{0});
+      [=](std::string& text) {
+        return is_valid(text) ? "" : fmt::format("'{}' given, expected {}", text, expected);
       },
       "");
+}
+
+CLI::Validator whole_number() {
+  return expecting(fmt::format("a number from 0 to {}", ~uint64_t{0}), [](const std::string& text) {
+    uint64_t number = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return failed == std::errc() && end == text.data() + text.size();
+  });
 }
 
 CLI::Validator size() {
-  return CLI::Validator(
-      [](std::string& text) {
-        if (parse_size(text)) return std::string();
-        return fmt::format("'{}' given, expected bytes, or a number with K, M, G or T", text);
-      },
-      "");
+  return expecting("bytes, or a number with K, M, G or T",
+                   [](const std::string& text) { return parse_size(text).has_value(); });
 }
 
 CLI::Validator some_text() {
-  return CLI::Validator(
-      [](std::string& text) {
-        return text.empty() ? std::string("'' given, expected a value") : std::string();
-      },
-      "");
+  return expecting("a value", [](const std::string& text) { return !text.empty(); });
 }
 
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return CLI::Validator(
       [words](std::string& text) {
-        for (const std::string& word : words)
-          if (text == word) return std::string();
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
         return fmt::format("'{}' given, expected one of {}{}", text, fmt::join(words, ", "),
                            suggestion(text, words));
       },

@@ -83,6 +83,10 @@ struct Options::Impl {
 
 // CLI11 validators for the values of options.
 
+/// The error says what is expected.
+CLI::Validator expecting(const std::string& expected,
+                         const std::function<bool(const std::string&)>& is_valid);
+
 /// From 0 to 2^64 - 1. CLI11 alone reads -1 and too large numbers as 2^64 - 1.
 CLI::Validator whole_number();
 
@@ -98,14 +102,12 @@ CLI::Validator one_of(const std::vector<std::string>& words);
 /// std::to_string and CLI11's own text would print 1e18 in full; people read these bounds.
 template <class T>
 CLI::Validator within(T lowest, T highest) {
-  return CLI::Validator(
-      [lowest, highest](std::string& text) {
-        T value{};
-        if (!CLI::detail::lexical_cast(text, value) || !(value >= lowest && value <= highest))
-          return fmt::format("'{}' given, expected a number from {} to {}", text, lowest, highest);
-        return std::string();
-      },
-      "");
+  return expecting(fmt::format("a number from {} to {}", lowest, highest),
+                   [lowest, highest](const std::string& text) {
+                     T value{};
+                     return CLI::detail::lexical_cast(text, value) && value >= lowest &&
+                            value <= highest;
+                   });
 }
 
 // What --help prints, in lines of 80 columns.

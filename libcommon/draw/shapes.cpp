@@ -220,7 +220,7 @@ std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& 
 void declare_debug_lines(cli::Options& options, std::string& value) {
   options.choice("--set debug-lines", value, {"edges", "strips"},
                  "Lines in --debug-glb: edges, the default, or thin strips, which renderers show",
-                 cli::Effect::told);
+                 cli::Effect::report);
 }
 
 DebugLines debug_lines(const std::string& value) {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
+#include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/formats/tone.h"
 
@@ -20,7 +22,7 @@ Storage PictureArguments::storage() const {
 void declare_exposure(cli::Options& options, std::optional<double>& exposure, const char* preview) {
   options.option("--exposure", exposure, "STOPS",
                  fmt::format("Exposure of {}; default automatic, and --explain tells it", preview),
-                 -kMostStops, kMostStops, cli::Effect::told);
+                 -kMostStops, kMostStops, cli::Effect::report);
 }
 
 void declare_picture_options(cli::Options& options, PictureArguments& a) {
@@ -42,6 +44,21 @@ void check_stores_film(const PictureArguments& a, const std::string& option) {
     throw UsageError(option +
                      " writes a film, which keeps every digit: --set pixels and --set compression "
                      "are for pictures");
+}
+
+void warn_of_missing_data(const ExrFile& file, const std::string& name, const cli::Common& common) {
+  if (file.pixels_without_data > 0)
+    common.warn(fmt::format("{}: {} without data, taken as black", name,
+                            counted(file.pixels_without_data, "pixel")));
+}
+
+PictureInput read_picture(const std::string& path, const cli::Common& common,
+                          ExrFile (*parse)(std::string_view, const std::string&)) {
+  const std::string bytes = read_file(path), name = display_name(path);
+  PictureInput input{parse(bytes, name), name, {path, content_hash(bytes), {}}};
+  input.source.provenance = provenance_of(input.file);
+  warn_of_missing_data(input.file, name, common);
+  return input;
 }
 
 std::optional<double> exposure_of(const Picture& picture, const std::string& path,

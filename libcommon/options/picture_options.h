@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "libcommon/cli/cli.h"
 #include "libcommon/formats/picture.h"
@@ -26,6 +27,17 @@ void declare_exposure(cli::Options& options, std::optional<double>& exposure, co
 void check_picture_arguments(const PictureArguments& a);
 /// Throws UsageError if a film is asked for, by `option`, and not stored exactly.
 void check_stores_film(const PictureArguments& a, const std::string& option);
+
+/// A picture that a program reads, and its part in the provenance of the result.
+struct PictureInput {
+  ExrFile file;
+  std::string name;
+  cli::Common::Input source;
+};
+/// `parse`: parse_exr(), or a stricter reader. Warns of pixels without data. Throws InputError.
+PictureInput read_picture(const std::string& path, const cli::Common& common,
+                          ExrFile (*parse)(std::string_view, const std::string&) = parse_exr);
+void warn_of_missing_data(const ExrFile& file, const std::string& name, const cli::Common& common);
 
 /// Exposure [stops] of a picture in the PNG `path`: as given, else automatic; nothing if there is
 /// no such file.

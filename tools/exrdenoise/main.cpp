@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
 #include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
@@ -44,22 +43,6 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Filter: regression, our own; oidn, Intel's Open Image Denoise; default auto, our "
                  "own with the help of the other where it is installed");
   declare_picture_options(options, a);
-}
-
-// A picture that is read, and its part in the provenance.
-struct Input {
-  denoise::NamedPicture picture;
-  cli::Common::Input source;
-};
-
-Input read(const std::string& path, const cli::Common& common) {
-  const std::string bytes = read_file(path), name = display_name(path);
-  ExrFile file = denoise::parse_with_channels(bytes, name);
-  if (file.pixels_without_data > 0)
-    common.warn(fmt::format("{}: {} without data, taken as black", name,
-                            counted(file.pixels_without_data, "pixel")));
-  const Provenance from = provenance_of(file);
-  return {{std::move(file), name}, {path, content_hash(bytes), from}};
 }
 
 // One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
@@ -111,16 +94,16 @@ int run(const Arguments& a, const cli::Common& common) {
   const denoise::Kind kind = denoise::kind_of(a.denoiser);
   if (kind == denoise::Kind::oidn && !(a.previous.empty() && a.next.empty()))
     throw UsageError("--previous and --next do not go with --denoiser oidn");
-  Input frame = read(a.picture, common);
-  ExrFile& file = frame.picture.file;
-  const std::string& name = frame.picture.name;
+  PictureInput frame = read_picture(a.picture, common, denoise::parse_with_channels);
+  ExrFile& file = frame.file;
+  const std::string& name = frame.name;
   std::vector<denoise::NamedPicture> others;
   std::vector<cli::Common::Input> sources{frame.source};
   for (const std::string& path : {a.previous, a.next}) {
     if (path.empty()) continue;
-    Input other = read(path, common);
-    others.push_back(std::move(other.picture));
-    sources.push_back(std::move(other.source));
+    PictureInput other = read_picture(path, common, denoise::parse_with_channels);
+    others.push_back({std::move(other.file), other.name});
+    sources.push_back(other.source);
   }
   const auto start = std::chrono::steady_clock::now();
   const denoise::Filtered filtered = denoise::filter_picture(file, name, kind, others);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
@@ -36,44 +35,29 @@ void declare_options(cli::Options& options, Arguments& a) {
   declare_exposure(options, a.exposure, "--side-by-side");
 }
 
-struct Input {
-  ExrFile file;
-  std::string name, hash;
-};
-
-Input load(const std::string& path, const cli::Common& common) {
-  const std::string bytes = read_file(path);
-  Input input{parse_exr(bytes, display_name(path)), display_name(path), content_hash(bytes)};
-  if (input.file.pixels_without_data > 0)
-    common.warn(fmt::format("{}: {} without data, taken as black", input.name,
-                            counted(input.file.pixels_without_data, "pixel")));
-  return input;
-}
-
 // The file for -o.
-std::string difference_bytes(const Arguments& a, const cli::Common& common, const Input& picture,
-                             const Input& reference) {
+std::string difference_bytes(const cli::Common& common, const PictureInput& picture,
+                             const PictureInput& reference) {
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
   if (suffix_of(common.output) == ".png") return png_bytes(false_colour(p, r));
   ExrFile file;
   file.picture = difference(p, r);
-  set_provenance(file,
-                 common.provenance({{a.picture, picture.hash, provenance_of(picture.file)},
-                                    {a.reference, reference.hash, provenance_of(reference.file)}}));
+  set_provenance(file, common.provenance({picture.source, reference.source}));
   return exr_bytes(file);
 }
 
 int run(const Arguments& a, const cli::Common& common) {
   if (a.exposure && a.beside.empty()) throw UsageError("--exposure goes with --side-by-side");
-  const Input picture = load(a.picture, common), reference = load(a.reference, common);
+  const PictureInput picture = read_picture(a.picture, common);
+  const PictureInput reference = read_picture(a.reference, common);
   const Picture& p = picture.file.picture;
   const Picture& r = reference.file.picture;
   if (reference.file.attributes.contains(denoiser_attribute))
     common.warn(reference.name + ": is filtered, so it is biased and no good reference");
   const Comparison comparison = compare(p, picture.name, r, reference.name);
   const std::optional<double> exposure = exposure_of(r, a.beside, a.exposure);
-  cli::deliver({{common.output, [&] { return difference_bytes(a, common, picture, reference); }},
+  cli::deliver({{common.output, [&] { return difference_bytes(common, picture, reference); }},
                 {a.beside, [&] { return png_bytes(side_by_side(p, r, *exposure)); }}},
                common);
   common.print(common.json ? report_json(comparison) + "\n" : report_text(comparison));

@@ -52,9 +52,7 @@ void check_arguments(const Arguments& a, bool is_png) {
 int show(const Arguments& a, const cli::Common& common, const ExrFile& file,
          const std::string& name) {
   const std::optional<double> exposure = exposure_of(file.picture, common.output, a.exposure);
-  if (file.pixels_without_data > 0 && file.picture.alpha.empty())
-    common.warn(fmt::format("{}: {} without data, taken as black", name,
-                            counted(file.pixels_without_data, "pixel")));
+  if (file.picture.alpha.empty()) warn_of_missing_data(file, name, common);
   cli::deliver({{common.output, [&] { return preview_bytes(file.picture, *exposure); }}}, common);
   if (common.json) common.summary(summary_json(file.picture, exposure));
   common.note(

@@ -49,11 +49,11 @@ void declare_options(cli::Options& options, Arguments& a) {
                       "scene and in plan");
   options.input("--scene", a.scene, "FILE", "Scene of the network (.glb, .gltf), for --preview");
   options.option("--camera", a.camera, "NAME",
-                 "Camera for --preview; default the first of the network", cli::Effect::told);
+                 "Camera for --preview; default the first of the network", cli::Effect::report);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
   draw::declare_debug_lines(options, a.debug_lines);
-  declare_pose_options(options, a.pose, cli::Effect::told);
+  declare_pose_options(options, a.pose, cli::Effect::report);
   options.limit("least-area", a.limits.least_area, 0, 1);
   options.limit("least-carried", a.limits.least_carried, 0, 1);
   options.limit("straight", a.limits.straight, 0, 1);

@@ -54,7 +54,7 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Write the portals as rectangles in the terms of another renderer, in place of glTF");
   options.result_is_text([&a] { return !a.renderer.empty(); });
   options.flag("--require-portal", a.require_portal, "Exit with 3 when no portal is found",
-               cli::Effect::told);
+               cli::Effect::report);
   options.side_output("--preview", a.preview,
                       "Write a picture (.png, .svg, .pdf): each portal over the light, from the "
                       "front and from above; with --scene the plans instead");
@@ -64,7 +64,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
   draw::declare_debug_lines(options, a.debug_lines);
-  declare_pose_options(options, a.pose, cli::Effect::told);
+  declare_pose_options(options, a.pose, cli::Effect::report);
   options.limit("least-edge", a.fit.least_edge, 0, 1);
 }
 

@@ -31,20 +31,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void fact(Knowledge& k, const std::string& name, const Json& value,
-          std::vector<std::string> lines = {}) {
-  k.facts.push_back({name, value.dump(), std::move(lines)});
-}
-
-// Adds the cameras it was made for: the only one as "camera", several as "camera_1" and so on.
-void tell_cameras(Knowledge& k, const std::vector<std::string>& cameras) {
+// A file that was made from a scene, for cameras: the only one is "camera", several are "camera_1"
+// and so on.
+template <class File>
+void describe(const File& file, const std::vector<std::string>& cameras, const char* kind,
+              Knowledge& k) {
+  k.kind = kind;
+  k.scene = file.scene_hash;
+  k.provenance = file.provenance;
   for (size_t i = 0; i < cameras.size(); ++i)
-    fact(k, cameras.size() == 1 ? "camera" : fmt::format("camera_{}", i + 1), cameras[i]);
+    k.facts[cameras.size() == 1 ? "camera" : fmt::format("camera_{}", i + 1)] = cameras[i];
 }
 
 void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
-  fact(k, "bottleneck", bottleneck);
-  if (!bottleneck) fact(k, "reason", reason);
+  k.facts["bottleneck"] = bottleneck;
+  if (!bottleneck) k.facts["reason"] = reason;
 }
 
 // Layers of channels given by full name: "albedo" for albedo.R; those of the picture itself have
@@ -78,27 +79,26 @@ void tell_scene(const Scene& scene, Knowledge& k) {
     emitting += max_component(scene.materials[t.material].emission) > 0;
   std::vector<std::string> cameras;
   for (const Camera& camera : scene.cameras) cameras.push_back(camera.name);
-  fact(k, "triangles", scene.triangles.size());
-  fact(k, "materials", scene.materials.size());
-  fact(k, "images", scene.images.size());
-  fact(k, "cameras", cameras);
+  k.facts["triangles"] = scene.triangles.size();
+  k.facts["materials"] = scene.materials.size();
+  k.facts["images"] = scene.images.size();
+  k.facts["cameras"] = cameras;
   Json animations = Json::array();
-  std::vector<std::string> lines;
   for (const AnimationFacts& a : scene.animations) {
     animations.push_back({{"name", a.name}, {"seconds", a.seconds}});
-    lines.push_back(fmt::format("animation {}: {} s", a.name, number_words(a.seconds)));
+    k.lines["animations"].push_back(
+        fmt::format("animation {}: {} s", a.name, number_words(a.seconds)));
   }
-  fact(k, "animations", animations, lines);
-  fact(k, "emitting_triangles", emitting);
-  fact(k, "lamps", scene.lights.size());
-  fact(k, "longest_side_m", longest_side(scene));
-  fact(k, "files_beside_it", scene.files.size());
+  k.facts["animations"] = animations;
+  k.facts["emitting_triangles"] = emitting;
+  k.facts["lamps"] = scene.lights.size();
+  k.facts["longest_side_m"] = longest_side(scene);
+  k.facts["files_beside_it"] = scene.files.size();
   std::vector<std::string> warnings = scene.warnings;
   if (const std::string missing = scene.missing_camera(); !missing.empty())
     warnings.push_back(missing);
-  std::vector<std::string> warning_lines;
-  for (const std::string& warning : warnings) warning_lines.push_back("warning: " + warning);
-  fact(k, "warnings", warnings, warning_lines);
+  for (const std::string& warning : warnings) k.lines["warnings"].push_back("warning: " + warning);
+  k.facts["warnings"] = warnings;
 }
 
 // Width and height of the rectangle around it that lies level [m].
@@ -142,10 +142,7 @@ std::string words_of(const Portal& portal) {
 }
 
 void tell_portals(const PortalFile& file, Knowledge& k) {
-  k.kind = "portals";
-  k.scene = file.scene_hash;
-  k.provenance = file.provenance;
-  tell_cameras(k, file.made_for);
+  describe(file, file.made_for, "portals", k);
   Json portals = Json::array();
   for (const Portal& portal : file.portals)
     portals.push_back({{"name", portal.name},
@@ -154,9 +151,8 @@ void tell_portals(const PortalFile& file, Knowledge& k) {
                        {"figures", portal.figures}});
   for (size_t i = 0; i < file.portals.size(); ++i)
     if (!file.portals[i].cameras.empty()) portals[i]["cameras"] = file.portals[i].cameras;
-  std::vector<std::string> lines;
-  for (const Portal& portal : file.portals) lines.push_back(words_of(portal));
-  fact(k, "portals", portals, lines);
+  for (const Portal& portal : file.portals) k.lines["portals"].push_back(words_of(portal));
+  k.facts["portals"] = portals;
 }
 
 // Portals made by a program are marked; drawn ones are triangles without a lamp or a camera.
@@ -179,63 +175,53 @@ void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) 
 }
 
 void tell_network(const DimacsFile& file, Knowledge& k) {
-  k.kind = "flow network";
-  k.scene = file.scene_hash;
-  k.provenance = file.provenance;
-  tell_cameras(k, file.cameras);
-  fact(k, "nodes", file.network.nodes);
-  fact(k, "arcs", file.network.arcs.size());
-  fact(k, "patches", file.patches.size());
+  describe(file, file.cameras, "flow network", k);
+  k.facts["nodes"] = file.network.nodes;
+  k.facts["arcs"] = file.network.arcs.size();
+  k.facts["patches"] = file.patches.size();
 }
 
 void tell_cut(const CutFile& file, Knowledge& k) {
-  k.kind = "cut";
-  k.scene = file.scene_hash;
-  k.provenance = file.provenance;
-  tell_cameras(k, file.cameras);
+  describe(file, file.cameras, "cut", k);
   tell_bottleneck(k, file.bottleneck, file.reason);
   Json cuts = Json::array();
-  std::vector<std::string> lines;
   for (const Bottleneck& cut : file.cuts) {
     cuts.push_back({{"flow", cut.flow}, {"conductance", cut.conductance}});
-    lines.push_back(fmt::format("cut {}: flow {}, conductance {}", cuts.size(),
-                                number_words(cut.flow), number_words(cut.conductance)));
+    k.lines["cuts"].push_back(fmt::format("cut {}: flow {}, conductance {}", cuts.size(),
+                                          number_words(cut.flow), number_words(cut.conductance)));
   }
-  fact(k, "cuts", cuts, lines);
-  fact(k, "pivot_pairs", file.arcs.size());
+  k.facts["cuts"] = cuts;
+  k.facts["pivot_pairs"] = file.arcs.size();
 }
 
 void tell_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
-  k.kind = kind;
-  k.scene = grid.scene_hash;
-  k.provenance = grid.provenance;
-  tell_cameras(k, grid.cameras);
+  describe(grid, grid.cameras, kind, k);
   tell_bottleneck(k, grid.bottleneck, grid.reason);
-  fact(k, "voxels", grid.dim);
-  fact(k, "voxel_m", grid.voxel);
-  fact(k, "lines", grid.lines.size());
-  fact(k, "cuts", grid.cuts.size());
-  fact(k, "kept_share", grid.flux_share);
+  k.facts["voxels"] = grid.dim;
+  k.facts["voxel_m"] = grid.voxel;
+  k.facts["lines"] = grid.lines.size();
+  k.facts["cuts"] = grid.cuts.size();
+  k.facts["kept_share"] = grid.flux_share;
 }
 
 void tell_film(const FilmFile& file, Knowledge& k) {
   k.kind = "film";
-  fact(k, "width", file.film.width());
-  fact(k, "height", file.film.height());
-  fact(k, "samples", words_of(file.film.ranges()));
-  fact(k, "missing", words_of(file.gaps()));
-  fact(k, "spp_of_the_picture", file.facts.spp);
+  k.facts["width"] = file.film.width();
+  k.facts["height"] = file.film.height();
+  k.facts["samples"] = words_of(file.film.ranges());
+  k.facts["missing"] = words_of(file.gaps());
+  k.facts["spp_of_the_picture"] = file.facts.spp;
   std::vector<std::string> channels;
   for (const std::string& layer : file.film.options().layers)
     if (!layer.empty()) channels.push_back(layer + ".R");
   for (const auto& [name, values] : file.channels) channels.push_back(name);
-  fact(k, "layers", layers_of(channels));
-  fact(k, "derived", file.facts.derived);
-  fact(k, "goes_on", !file.facts.state.empty());
-  fact(k, "processor", file.facts.processor);
+  k.facts["layers"] = layers_of(channels);
+  k.facts["derived"] = file.facts.derived;
+  k.facts["goes_on"] = !file.facts.state.empty();
+  k.facts["processor"] = file.facts.processor;
   for (const auto& [name, value] : file.facts.shape) {
     if (name == "scene") k.scene = value;
-    fact(k, name, value);
+    k.facts[name] = value;
   }
 }
 
@@ -244,23 +230,23 @@ void tell_picture(const std::string& bytes, const std::string& name, Knowledge& 
   k.provenance = provenance_of(exr);
   if (is_film(exr)) return tell_film(parse_film(bytes, name), k);
   k.kind = "picture";
-  fact(k, "width", exr.picture.width);
-  fact(k, "height", exr.picture.height);
+  k.facts["width"] = exr.picture.width;
+  k.facts["height"] = exr.picture.height;
   const std::vector<std::string> channels = exr_channels(bytes, name);
   std::vector<std::string> own;
   std::copy_if(channels.begin(), channels.end(), std::back_inserter(own),
                [](const std::string& c) { return c.find('.') == std::string::npos; });
-  fact(k, "channels", own);
-  fact(k, "layers", layers_of(channels));
+  k.facts["channels"] = own;
+  k.facts["layers"] = layers_of(channels);
   for (const auto& [key, value] : exr.attributes)
-    if (key != provenance_attribute) fact(k, key, value);
+    if (key != provenance_attribute) k.facts[key] = value;
 }
 
 void tell_environment(const std::string& bytes, const std::string& name, Knowledge& k) {
   k.kind = "environment";
   const Sky::Map map = parse_environment(bytes, name);
-  fact(k, "width", map.width);
-  fact(k, "height", map.height);
+  k.facts["width"] = map.width;
+  k.facts["height"] = map.height;
 }
 
 bool is_json(const std::string& bytes) {
@@ -316,28 +302,33 @@ Knowledge knowledge_of(const std::string& path) {
 std::string text_of(const Knowledge& k) {
   std::string text = fmt::format("{}: {}\n  hash: {}\n", display_name(k.path), k.kind, k.hash);
   if (!k.scene.empty()) text += fmt::format("  of scene: {}\n", shown(k.scene));
-  for (const auto& [name, value, lines] : k.facts) {
+  const auto add = [&](const std::vector<std::string>& lines) {
     for (const std::string& line : lines) text += fmt::format("  {}\n", shown(line, 400));
-    if (!lines.empty()) continue;
-    const Json json = Json::parse(value);
-    const std::string told = json.is_string() ? json.get<std::string>() : value;
-    const auto camera = name.starts_with("camera") ? parse_viewpoint(told) : std::nullopt;
-    const std::string words = camera                         ? words_of(*camera)
-                              : told.empty() || told == "[]" ? "none"
-                                                             : told;
-    text += fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
+  };
+  for (const auto& [name, value] : k.facts.items()) {
+    if (const auto lines = k.lines.find(name); lines != k.lines.end() && !lines->second.empty()) {
+      add(lines->second);
+      continue;
+    }
+    const std::string words = value.is_string()
+                                  ? value.get<std::string>()
+                                  : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const auto camera = name.starts_with("camera") ? parse_viewpoint(words) : std::nullopt;
+    const bool is_empty = words.empty() || words == "[]";
+    text += fmt::format("  {}: {}\n", shown(name, 40),
+                        shown(camera     ? words_of(*camera)
+                              : is_empty ? "none"
+                                         : words,
+                              400));
   }
-  for (const std::string& line : k.provenance.lines)
-    text += fmt::format("  {}\n", shown(line, 400));
+  add(k.provenance.lines);
   return text;
 }
 
 std::string json_of(const Knowledge& k) {
   Json json{{"file", k.path}, {"kind", k.kind}, {"intact", true}, {"hash", k.hash}};
-  json["scene"] = nullptr;
-  if (!k.scene.empty()) json["scene"] = k.scene;
-  Json& facts = json["facts"] = Json::object();
-  for (const auto& [name, value, lines] : k.facts) facts[name] = Json::parse(value);
+  json["scene"] = k.scene.empty() ? Json() : Json(k.scene);
+  json["facts"] = k.facts;
   json["provenance"] = k.provenance.lines;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -26,7 +26,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.arguments("files", a.files, "Any files of these programs; - is standard input");
   options.choice("--dump", a.dump, light_table_names(),
                  "Print a table of a light grid as CSV instead, for programs of one's own",
-                 cli::Effect::told);
+                 cli::Effect::report);
 }
 
 int dump(const Arguments& a, const cli::Common& common) {

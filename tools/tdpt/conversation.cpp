@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 #include "libcommon/base/progress.h"
@@ -31,10 +30,7 @@ std::string words_of(const Json& progress) {
 
 }  // namespace
 
-Conversation::Conversation(ProgressForm form, bool quiet) : form_(form) {
-  if (form == ProgressForm::automatic && (quiet || !::isatty(STDERR_FILENO)))
-    form_ = ProgressForm::none;
-}
+Conversation::Conversation(bool quiet) : form_(progress_form(quiet)) {}
 
 Conversation::~Conversation() {
   clear();
@@ -59,31 +55,31 @@ void Conversation::step(size_t number, size_t steps, const std::string& title,
                         const std::string& program, const std::string& about) {
   number_ = number, steps_ = steps, title_ = title, program_ = program, about_ = about;
   began_ = Clock::now();
-  told_.clear();
+  reported_.clear();
   show("");
   if (form_ != ProgressForm::json) return;
   const Json json{{"step", number}, {"steps", steps}, {"title", title}, {"program", program}};
-  tdpt::say(Json{{"progress", json}}.dump());
+  say(Json{{"progress", json}}.dump());
 }
 
-void Conversation::heard(const std::string& line) {
-  const bool may_tell = line.starts_with("{\"progress\"");
-  Json json = may_tell ? Json::parse(line, nullptr, false) : Json();
+void Conversation::print(const std::string& line) {
+  const bool is_progress = line.starts_with("{\"progress\"");
+  Json json = is_progress ? Json::parse(line, nullptr, false) : Json();
   if (!json.is_object() || !json.contains("progress") || !json["progress"].is_object()) {
     const size_t colon = line.find(": "), at = colon == line.npos ? 0 : colon + 2;
     if (!said_.insert(line.substr(at)).second) return;
     clear();
-    tdpt::say(line.substr(0, at) + (about_.empty() ? "" : about_ + ": ") + line.substr(at));
+    say(line.substr(0, at) + (about_.empty() ? "" : about_ + ": ") + line.substr(at));
     return;
   }
   Json& progress = json["progress"];
-  told_ = words_of(progress);
+  reported_ = words_of(progress);
   if (form_ == ProgressForm::json) {
     progress["step"] = number_, progress["steps"] = steps_;
     progress["title"] = title_, progress["program"] = program_;
-    tdpt::say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+    say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } else {
-    show(told_);
+    show(reported_);
   }
 }
 
@@ -91,7 +87,7 @@ void Conversation::tick() {
   const auto now = Clock::now();
   if (form_ != ProgressForm::automatic || now - shown_ < kEvery) return;
   const double seconds = std::chrono::duration<double>(now - began_).count();
-  show(told_.empty() ? fmt::format("{:.0f} s", seconds) : told_);
+  show(reported_.empty() ? fmt::format("{:.0f} s", seconds) : reported_);
 }
 
 }  // namespace tdpt

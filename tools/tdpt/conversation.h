@@ -12,7 +12,7 @@ namespace tdpt {
 class Conversation {
  public:
   /// `quiet`: no progress on a terminal.
-  Conversation(ProgressForm form, bool quiet);
+  explicit Conversation(bool quiet);
   ~Conversation();
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
@@ -23,7 +23,7 @@ class Conversation {
             const std::string& about);
   /// Handles a line from the program: its progress, or a message, which is printed unless another
   /// program that reads the same files has said it.
-  void heard(const std::string& line);
+  void print(const std::string& line);
   /// Shows the elapsed time if nothing else is reported; call now and then.
   void tick();
 
@@ -36,7 +36,7 @@ class Conversation {
   std::string title_, program_, about_;
   size_t number_ = 0, steps_ = 0;
   Clock::time_point began_ = Clock::now(), shown_ = began_;
-  std::string told_;            ///< progress last reported by the program
+  std::string reported_;        ///< progress last reported by the program
   std::set<std::string> said_;  ///< messages, without the names of programs
   bool visible_ = false;
 };

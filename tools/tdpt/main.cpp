@@ -10,7 +10,6 @@
 #include "libcommon/cli/cli.h"
 #include "tools/tdpt/cache.h"
 #include "tools/tdpt/making.h"
-#include "tools/tdpt/views.h"
 
 #include <unistd.h>
 
@@ -44,7 +43,7 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.part(cli::Part::files);
   options.argument("scene", a.scene, "Scene (.glb, .gltf)", false);
   options.flag("--force", a.force, "Replace a picture that another command, or nobody known, made",
-               Effect::told);
+               Effect::report);
   options.output_beside(
       "--report", a.report,
       [&a](const std::string& picture) { return report_beside(picture, a.shot.is_given()); },
@@ -52,14 +51,14 @@ void declare_options(cli::Options& options, Arguments& a) {
       "frames and their noise (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
-                 Effect::told);
+                 Effect::report);
   options.option("--work-size", a.work_size, "SIZE",
                  "Largest size of that folder: what was used longest ago goes; default 10G",
-                 Effect::told);
-  options.flag("--clean", a.clean, "Empty that folder", Effect::told);
+                 Effect::report);
+  options.flag("--clean", a.clean, "Empty that folder", Effect::report);
   options.part(cli::Part::telling);
   options.flag("--dry-run", a.dry_run, "Print the commands that would run, and run none",
-               Effect::told);
+               Effect::report);
   options.part(cli::Part::effort);
   options.option("--device", a.device, "cpu|gpu[:WHICH]",
                  "Where to count light and to render; default cpu. WHICH: number or part of the "
@@ -67,15 +66,6 @@ void declare_options(cli::Options& options, Arguments& a) {
                  Effect::samples);
   options.part(cli::Part::telling);
   options.instead("--list-devices", list_of_devices, "List the Vulkan devices and exit");
-}
-
-ProgressForm form_of(const cli::Common& common) {
-  for (const cli::Given& given : common.given)
-    if (given.name == "--set progress" && !given.values.empty())
-      return given.values.back() == "json"   ? ProgressForm::json
-             : given.values.back() == "none" ? ProgressForm::none
-                                             : ProgressForm::automatic;
-  return ProgressForm::automatic;
 }
 
 int clean(const Arguments& a) {
@@ -98,7 +88,7 @@ int run(const Arguments& a, const cli::Common& common) {
   for (const View& view : views) {
     if (a.dry_run)
       common.print(commands_of(view.arguments, view.common, printed));
-    else if (const int code = make(view.arguments, view.common, form_of(common)); code != 0)
+    else if (const int code = make(view.arguments, view.common); code != 0)
       return code;
   }
   return 0;

@@ -49,12 +49,6 @@ bool exists(const std::string& path) {
   return fs::exists(path, failed);
 }
 
-// Of the file at that path; "" if there is none.
-std::string hash_at(const std::string& path) {
-  std::error_code failed;
-  return fs::is_regular_file(path, failed) ? content_hash_of_file(path) : "";
-}
-
 std::string variable(const char* name, const char* usual) {
   const char* value = std::getenv(name);
   return value && *value ? value : usual;
@@ -65,10 +59,6 @@ std::string full_path(const std::string& path) {
   std::error_code failed;
   const fs::path full = fs::absolute(path, failed);
   return failed ? path : full.string();
-}
-
-void append(Words& words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
 }
 
 Words exposure_words(const Arguments& a) {
@@ -117,10 +107,10 @@ struct Plan {
   void know(const Result& result) const {
     if (const std::string hash = hash_at(result.path); !hash.empty()) cache.know(hash, result.key);
   }
-  bool tells() const { return !a.report.empty() && !request.is_shot; }
-  /// Whether the stage need not run: for a report it has told of itself, too.
+  bool explains_stages() const { return !a.report.empty() && !request.is_shot; }
+  /// Whether the stage need not run: for a report its own is there, too.
   bool is_done(const Step& stage) const {
-    return exists(stage.output) && (!tells() || exists(stage.output + ".told.txt"));
+    return exists(stage.output) && (!explains_stages() || exists(stage.output + ".told.txt"));
   }
   /// Frames that are to be filtered and are not there as they would be.
   std::vector<FilteredFrame> missing_frames() const {
@@ -167,11 +157,11 @@ struct Plan {
 // Runs what a plan needs. Its functions throw Ended with the exit code of a program that failed.
 class Run {
  public:
-  Run(const Plan& plan, ProgressForm form)
+  explicit Run(const Plan& plan)
       : plan_(plan),
         folder_(plan.cache.use(fmt::format(
             "run-{}-{}", ::getpid(), std::chrono::system_clock::now().time_since_epoch().count()))),
-        conversation_(form, plan.common.quiet) {}
+        conversation_(plan.common.quiet) {}
   ~Run() {
     look_.reset();
     std::error_code ignored;
@@ -223,7 +213,7 @@ class Run {
   // While portals are sought, a first preview is rendered without them.
   void start_preview() {
     Words words{plan_.programs + "/tdpt-render", request_.scene};
-    for (const Words* more : {&request_.camera, &request_.pose, &request_.sky, &request_.unshaped})
+    for (const Words* more : {&request_.camera, &request_.pose, &request_.sky, &request_.running})
       append(words, *more);
     append(words, {"--integrator", "bdpt", "--spp", "256", "--quiet", "--preview"});
     if (a_.width > 0) append(words, {"--width", std::to_string(a_.width)});
@@ -242,7 +232,7 @@ class Run {
     const bool reads_scene = stage.inputs[0] == request_.scene;
     ChildProcess::How how;
     std::string explained;
-    if (plan_.tells()) {
+    if (plan_.explains_stages()) {
       how.stdout_file = stage.output + ".told.json";
       const bool is_plan = stage.output.ends_with(".portal.glb");  // it has words to read
       append(words, {"--json", "--explain", "--preview",
@@ -250,13 +240,13 @@ class Run {
       if (!reads_scene) append(words, {"--scene", request_.scene});
       if (!reads_scene) append(words, request_.pose);
     }
-    const int code = run(words, how, plan_.tells() ? &explained : nullptr);
+    const int code = run(words, how, plan_.explains_stages() ? &explained : nullptr);
     if (reads_scene && code != kStopped && plan_.has_changed()) {
       fs::remove_all(cache_.path_of(search.entry));  // it is of another scene than its key says
       throw InputError(request_.scene, "", "has changed while tdpt was at work; start it again");
     }
     if (code != 0) throw Ended{code};
-    if (plan_.tells()) write_output(stage.output + ".told.txt", explained);
+    if (plan_.explains_stages()) write_output(stage.output + ".told.txt", explained);
   }
 
   // Copies a renderer's preview to its place whenever it has changed.
@@ -344,7 +334,7 @@ class Run {
   void filter_frames() {
     doing_ = "filtering frames";
     begin_step(doing_, "exrdenoise");
-    const std::string made = folder_ + "/frame.exr", told = folder_ + "/told.json";
+    const std::string made = folder_ + "/frame.exr", summary = folder_ + "/summary.json";
     const std::vector<FilteredFrame> missing = plan_.missing_frames();
     if (const size_t there = pipeline_.filtered.size() - missing.size(); there > 0)
       common_.note(counted(there, "filtered frame") + (there == 1 ? " is" : " are") +
@@ -353,12 +343,12 @@ class Run {
       Words words = frame.command;
       append(words, {"--json", "-o", made});
       ChildProcess::How how;
-      how.stdout_file = told;
+      how.stdout_file = summary;
       need(words, how);
       plan_.know({made, frame.key});
       write_output(frame.picture, read_file(made));
       if (!request_.stats.empty())
-        write_filtered_stats(name_of_frame("", pipeline_.noisy + ".json", frame.number), told,
+        write_filtered_stats(name_of_frame("", pipeline_.noisy + ".json", frame.number), summary,
                              name_of_frame("--stats", request_.stats, frame.number));
     }
     // Previews of one exposure do not flicker.
@@ -394,7 +384,6 @@ class Run {
              {"--exrdiff", plan_.programs + "/exrdiff", "--info", plan_.programs + "/tdpt-info"});
       if (!pipeline_.searches.empty())
         append(measure, {"--stem", cache_.path_of(pipeline_.searches[0].entry) + "/scene"});
-      if (common_.threads > 0) append(measure, {"--threads", std::to_string(common_.threads)});
       if (common_.quiet) measure.emplace_back("--quiet");
       append(measure, {"--progress", "--"});
       append(measure, pipeline_.render.options);
@@ -414,23 +403,23 @@ class Run {
                        name_of(program), about);
   }
 
-  int run(const Words& words, const ChildProcess::How& how = {}, std::string* told = nullptr) {
+  int run(const Words& words, const ChildProcess::How& how = {}, std::string* explained = nullptr) {
     if (stop_requested()) return kStopped;
     ChildProcess child(words, how);
     std::string text, unheard;
-    bool told_to_stop = false;
+    bool is_stopping = false;
     const auto hear = [&] {
       for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
         const std::string line = text.substr(0, end);
-        if (told && !line.starts_with('{')) *told += line + "\n";
-        if (!told || line.find(kDecision) == std::string::npos) conversation_.heard(line);
+        if (explained && !line.starts_with('{')) *explained += line + "\n";
+        if (!explained || line.find(kDecision) == std::string::npos) conversation_.print(line);
       }
     };
     std::error_code ignored;
     while (!child.exit_code()) {
       child.read(text);
       hear();
-      if (stop_requested() && !std::exchange(told_to_stop, true)) child.send(SIGTERM);
+      if (stop_requested() && !std::exchange(is_stopping, true)) child.send(SIGTERM);
       if (look_) look_->read(unheard);
       try {
         publish(folder_ + (look_ ? "/look.png" : "/picture.png"));
@@ -485,7 +474,7 @@ void make_preview(const Plan& plan) {
 
 }  // namespace
 
-int make(const Arguments& a, const cli::Common& common, ProgressForm form) {
+int make(const Arguments& a, const cli::Common& common) {
   const Plan plan(a, common);
   const bool made = plan.is_fresh();
   if (made && !plan.is_there(plan.preview())) make_preview(plan);
@@ -494,7 +483,7 @@ int make(const Arguments& a, const cli::Common& common, ProgressForm form) {
     common.note(plan.request.picture + " is up to date");
   } else {
     if (!made) plan.check_owners();
-    Run run(plan, form);
+    Run run(plan);
     try {
       run.make(made);
       std::string files = made ? "" : plan.request.picture;

@@ -4,13 +4,12 @@
 #include <set>
 #include <string>
 
-#include "libcommon/base/progress.h"
 #include "tools/tdpt/request.h"
 
 namespace tdpt {
 
 /// Returns the exit code. Throws Error for what is wrong before a program runs.
-int make(const Arguments& a, const cli::Common& common, ProgressForm form);
+int make(const Arguments& a, const cli::Common& common);
 
 /// The commands that make() would run, for a shell. `printed`: entries of the cache whose commands
 /// were printed before; it is added to.

@@ -5,8 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/error.h"
+#include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
+#include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -14,9 +17,70 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Whether the file lies in the folder or below, following links: no other is read.
+bool is_below(const fs::path& file, const fs::path& folder) {
+  std::error_code failed;
+  const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
+  return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
+}
+
+// Portals drawn by an artist, or imported with the scene, lie beside it; they name no scene.
+std::string drawn_portals(const std::string& scene) {
+  const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
+  std::error_code failed;
+  if (path == scene || !fs::is_regular_file(path, failed)) return "";
+  const std::string bytes = read_file(path);
+  const bool found = bytes.find("\"generator\":\"tdpt ") != bytes.npos &&
+                     bytes.find("\"scene_hash\":\"\"") == bytes.npos;
+  return found ? "" : path;
+}
+
+}  // namespace
+
+std::string hash_at(const std::string& path) {
+  std::error_code failed;
+  try {
+    return fs::is_regular_file(path, failed) ? content_hash_of_file(path) : "";
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+SceneState state_of(const Arguments& a) {
+  SceneState state;
+  std::error_code failed;
+  if (fs::exists(a.scene, failed) && !fs::is_regular_file(a.scene, failed))  // read more than once
+    throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
+  std::string all = content_hash_of_file(a.scene);
+  state.files.push_back(a.scene);
+  fs::path folder = fs::path(a.scene).parent_path();
+  if (folder.empty()) folder = ".";
+  const SceneFiles files = files_of_scene(a.scene);
+  state.has_sky = files.has_environment;
+  for (const std::string& name : files.beside) {
+    const std::string path = (folder / name).string();
+    const std::string hash = is_below(path, folder) ? hash_at(path) : "";
+    if (!hash.empty()) state.files.push_back(path);
+    all += "\n" + (hash.empty() ? "missing" : hash);
+  }
+  state.hash = content_hash(all);
+  const auto add = [&](const std::string& path) {
+    const std::string hash = hash_at(path);
+    if (!hash.empty()) state.files.push_back(path);
+    return hash;
+  };
+  state.sky = add(a.sky.environment);
+  for (const std::string& path : a.portals) state.portals.push_back(add(path));
+  if (a.portals.empty()) state.drawn = drawn_portals(a.scene);
+  if (!state.drawn.empty()) state.portals.push_back(add(state.drawn));
+  return state;
+}
+
+namespace {
+
 Words joined(const std::vector<Words>& parts) {
   Words all;
-  for (const Words& part : parts) all.insert(all.end(), part.begin(), part.end());
+  for (const Words& part : parts) append(all, part);
   return all;
 }
 
@@ -49,40 +113,31 @@ std::vector<Part> parts_of_shot(const Arguments& a) {
   return parts;
 }
 
-// The words of one search: when portals are sought, for ffgraph and for what needs only the scene,
-// and how well.
-struct Sought {
-  Words poses, time, sampling;
-};
-
-Sought sought(const Arguments& a, const Request& r, const Part* part) {
-  Sought s{r.pose, r.pose, r.sampling};
-  if (!part) return s;
-  s.poses.insert(s.poses.end(),
-                 {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
-  s.time.insert(s.time.end(),
-                {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
-  const bool has_quality =
-      std::find(s.sampling.begin(), s.sampling.end(), "--quality") != s.sampling.end();
-  if (part->moves && !has_quality) s.sampling.insert(s.sampling.end(), {"--quality", "draft"});
-  return s;
-}
-
-std::vector<Step> stages_of(const Request& r, const Sought& s, const std::string& programs,
-                            const std::string& folder) {
+// `part`: frames of a shot; null: one picture.
+std::vector<Step> stages_of(const Arguments& a, const Request& r, const Part* part,
+                            const std::string& programs, const std::string& folder) {
+  // When portals are sought, for ffgraph and for what needs only the scene, and how well.
+  Words poses = r.pose, time = r.pose, sampling = r.sampling;
+  if (part) {
+    append(poses, {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
+    append(time, {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
+    const bool has_quality =
+        std::find(sampling.begin(), sampling.end(), "--quality") != sampling.end();
+    if (part->moves && !has_quality) append(sampling, {"--quality", "draft"});
+  }
   std::vector<Step> stages;
   const auto file = [&](const char* end) { return folder + "/scene." + end; };
   const auto stage = [&](const char* title, const char* tool, const Words& options,
                          const Words& inputs, const char* end) {
     stages.push_back(
-        {title, joined({{programs + "/" + tool}, options, r.all, r.stage_flags[stages.size()]}),
-         inputs, r.unshaped, file(end)});
+        {title, joined({{programs + "/" + tool}, options, r.stored, r.stage_flags[stages.size()]}),
+         inputs, r.running, file(end)});
   };
-  stage("tracing where light goes", "ffgraph", joined({r.cameras, s.poses, r.sky, s.sampling}),
+  stage("tracing where light goes", "ffgraph", joined({r.cameras, poses, r.sky, sampling}),
         {r.scene}, "max");
   stage("finding bottlenecks", "mincut", {}, {file("max")}, "cut");
-  stage("following the light through them", "lightgrid",
-        joined({s.time, r.sky, r.device, s.sampling}), {r.scene, file("cut")}, "vdb");
+  stage("following the light through them", "lightgrid", joined({time, r.sky, r.device, sampling}),
+        {r.scene, file("cut")}, "vdb");
   stage("fitting portals", "portalfit", {}, {file("vdb")}, "portal.glb");
   return stages;
 }
@@ -97,9 +152,7 @@ Fingerprint files_of(const Arguments& a, const Request& r, const SceneState& sta
 std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
   for (const Step& stage : stages) {
     std::string words;
-    std::error_code ignored;
-    for (const std::string& word : stage.options)
-      words += word + (fs::is_regular_file(word, ignored) ? content_hash_of_file(word) : "") + "\n";
+    for (const std::string& word : stage.options) words += word + hash_at(word) + "\n";
     is_of.emplace_back(stage.title, words);
   }
   return hash_of(is_of);
@@ -108,7 +161,7 @@ std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
 Search search_of(const Arguments& a, const Request& r, const SceneState& state, const Cache& cache,
                  const std::string& programs, const Part* part) {
   const auto stages_in = [&](const std::string& folder) {
-    return stages_of(r, sought(a, r, part), programs, folder);
+    return stages_of(a, r, part, programs, folder);
   };
   const std::string entry = "portals-" + key_of_portals(stages_in(""), files_of(a, r, state));
   Search search{entry, stages_in(cache.path_of(entry)), part ? part->frames : FrameRange{}};
@@ -151,17 +204,9 @@ Fingerprint facts_of(const Arguments& a, const Request& r, const SceneState& sta
 Words given_to(const Request& r, const Words& portals) {
   Words words{r.scene};
   for (const std::string& path : portals)
-    words.insert(words.end(), {"--portal", path.starts_with('-') ? "./" + path : path});
+    append(words, {"--portal", path.starts_with('-') ? "./" + path : path});
   return words;
 }
-
-}  // namespace
-
-Words Step::command(const std::string& to) const {
-  return joined({options, unshaped, inputs, {"-o", to}});
-}
-
-namespace {
 
 // The last stage writes what is asked for.
 Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
@@ -177,8 +222,8 @@ Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneSt
                     r.pose,
                     r.sky,
                     r.device,
-                    r.all,
-                    r.unshaped,
+                    r.stored,
+                    r.running,
                     {r.scene, "-o", "portals.exr", "--check"}});
   return p;
 }
@@ -213,43 +258,37 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
     portals.push_back(p.portals_by_frame = cache.path_of(p.entry) + "/frame.######.portal.glb");
   // Of the frames of a shot the renderer knows itself what is there and whole.
   p.repeatable = a.add_samples == 0 && !r.is_shot;
-  Words beside = joined({r.unshaped, r.beside});
+  Words film;
   if (a.checkpoint.empty() && a.resume.empty() && !r.is_shot) {
     p.film = cache.path_of(p.entry) + "/film.exr";
-    beside.insert(beside.end(), {"--checkpoint", p.film, "--resume", p.film});
+    film = {"--checkpoint", p.film, "--resume", p.film};
   }
-  const Words options = joined({{renderer},
-                                r.camera,
-                                r.pose,
-                                r.shot,
-                                r.sky,
-                                r.device,
-                                r.sampling,
-                                r.all,
-                                r.render,
-                                r.amount});
+  const Words options = joined({{renderer}, r.render});
   p.check =
-      joined({Step{"", options, given_to(r, given), beside, ""}.command(r.picture), {"--check"}});
-  p.render = {"rendering", options, given_to(r, portals), beside, r.picture};
+      joined({Step{"", options, given_to(r, given), film, ""}.command(r.picture), {"--check"}});
+  p.render = {"rendering", options, given_to(r, portals), film, r.picture};
   if (!filters_frames(a)) return p;
   const std::string filter = programs + "/exrdenoise";
   p.noisy = cache.path_of(p.entry) + "/noisy/frame.######";
   p.render.output = p.noisy + ".exr";
-  if (!r.stats.empty())
-    p.render.unshaped.insert(p.render.unshaped.end(), {"--stats", p.noisy + ".json"});
+  if (!r.stats.empty()) append(p.render.unshaped, {"--stats", p.noisy + ".json"});
   for (int64_t k = all.first; k <= all.last; ++k) {
     const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
     cli::Common asked = common;
     asked.give("--frames", {words_of(beside_it), std::to_string(k)});
     const auto noisy = [&](int64_t frame) { return name_of_frame("", p.render.output, frame); };
-    Words words = joined({{filter}, r.filter, r.all, r.unshaped, {noisy(k)}});
-    if (k > all.first) words.insert(words.end(), {"--previous", noisy(k - 1)});
-    if (k < all.last) words.insert(words.end(), {"--next", noisy(k + 1)});
+    Words words = joined({{filter}, r.filter, r.stored, r.running, {noisy(k)}});
+    if (k > all.first) append(words, {"--previous", noisy(k - 1)});
+    if (k < all.last) append(words, {"--next", noisy(k + 1)});
     p.filtered.push_back({k, name_of_frame("-o", r.picture, k),
                           key_of(asked, beside_it, {renderer, filter}, cli::Effect::stored),
                           words});
   }
   return p;
+}
+
+Words Step::command(const std::string& to) const {
+  return joined({options, unshaped, inputs, {"-o", to}});
 }
 
 Words command_for(const Step& render, const FrameRange& frames) {

@@ -27,7 +27,7 @@ OURS = {
     "--set pixels": 1, "--set compression": 1, "--json": 0,
     "--explain": 0, "--quiet": 0, "--quality": 1, "--set progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
     "--integrator": 1, "--set guide-light": 1, "--set guide-camera": 1, "--set segments": 1, "--set light-walks": 1,
-    "--device": 1}
+    "--device": 1, "--threads": 1}
 STAGES = (("ffgraph", "max"), ("mincut", "cut"), ("lightgrid", "vdb"), ("portalfit", "portal.glb"))
 
 
@@ -99,13 +99,11 @@ def run(command, progress=None):
         return out.read().decode("utf-8", "replace"), err, usage.ru_maxrss * 1024
 
 
-def told(stem, known, folder):
+def stage_reports(stem, known, folder):
     """What each stage told of itself when it made its result, from the files beside it."""
-    stages = []
     for tool, end in STAGES:
-        result, beside = f"{stem}.{end}", f"{known}.{end}.told"
-        stage = {"tool": tool, "file": os.path.basename(result), "json": None, "text": "", "picture": None, "missing": None}
-        stages.append(stage)
+        beside = f"{known}.{end}.told"
+        stage = {"tool": tool, "json": None, "text": "", "picture": None, "missing": None}
         try:
             with open(f"{beside}.json", encoding="utf-8", errors="replace") as stream:
                 stage["json"] = json.load(stream)
@@ -116,21 +114,7 @@ def told(stem, known, folder):
             stage["picture"] = picture
         except (OSError, ValueError) as error:
             stage["missing"] = f"what it told of itself cannot be read ({error.__class__.__name__})"
-    return stages
-
-
-def threads_of(words):
-    """As many as a program uses that is given these."""
-    given = [word.partition("=")[2] or after for word, after in zip(words, [*words[1:], ""]) if word.partition("=")[0] == "--threads"]
-    return int(given[-1] if given else 0) or len(os.sched_getaffinity(0))
-
-
-def with_more(told, later):
-    """Decisions that were told, and those later ones that are of something else."""
-    def what(line):
-        return ": ".join(line.split(": ")[:2])
-    known = {what(line) for line in told.splitlines()}
-    return told + "".join(line + "\n" for line in later.splitlines() if ", because " in line and what(line) not in known)
+        yield stage
 
 
 class Render:
@@ -138,21 +122,23 @@ class Render:
 
     def __init__(self, name, command, folder):
         self.name, self.command, self.folder = name, command, folder
-        self.steps, self.first, self.last, self.text, self.later, self.peak = [], None, None, "", "", 0
+        self.steps, self.first, self.last, self.text, self.peak = [], None, None, "", 0
+        self.picture = self.path(".exr")
+
+    def path(self, end):
+        return os.path.join(self.folder, self.name + end)
 
     def step(self, *more, progress=None):
-        picture = os.path.join(self.folder, f"{self.name}.{len(self.steps)}.exr")
-        film, stats = (os.path.join(self.folder, f"{self.name}.{end}") for end in ("film.exr", "stats"))
-        _, self.later, peak = run([*self.command, "--checkpoint", film, "--resume", film, "--stats", stats, "--explain", "-o", picture, *more],
-                               progress=progress)
-        with open(stats, encoding="utf-8") as stream:
+        self.picture, film = self.path(f".{len(self.steps)}.exr"), self.path(".film.exr")
+        _, text, peak = run([*self.command, "--checkpoint", film, "--resume", film, "--stats", self.path(".stats"), "--explain", "-o", self.picture,
+                             *more], progress)
+        with open(self.path(".stats"), encoding="utf-8") as stream:
             self.last = json.load(stream)
         self.last.pop("frames", None)
         if not self.steps:
-            self.first, self.text = self.last, self.later
+            self.first, self.text = self.last, text
         self.peak = max(self.peak, peak)
-        self.steps.append({"picture": picture, "spp": self.last["spp"], "cpu": self.last["cpu_seconds"],
-                           "wall": self.last["seconds"]})
+        self.steps.append({"picture": self.picture, "spp": self.last["spp"], "cpu": self.last["cpu_seconds"]})
 
     def until(self, seconds, threads, progress):
         """About that many CPU seconds; 16 steps at the most. `progress` takes how many there are."""
@@ -164,6 +150,18 @@ class Render:
             if more < 1:
                 break
             self.step("--add-samples", str(more))
+
+    def record(self):
+        """Of measured.json; the last picture alone stays."""
+        for step in self.steps:
+            picture = step.pop("picture")
+            if picture != self.picture:
+                os.remove(picture)
+        for end in (".film.exr", ".stats"):
+            os.remove(self.path(end))
+        os.replace(self.picture, self.path(".exr"))
+        words = [os.path.basename(word) if os.sep in word else word for word in self.command]
+        return {"command": shlex.join(words), "steps": self.steps, "first": self.first, "last": self.last, "text": self.text, "peak_bytes": self.peak}
 
 
 def options():
@@ -193,105 +191,88 @@ def options():
     return options
 
 
+def duration(seconds):
+    return f"about {seconds:.0f} s" if seconds < 100 else f"about {seconds / 60:.0f} minutes"
+
+
+def score(a, render, truth):
+    """Adds the error of each step to it; -> that of a black picture."""
+    for step in render.steps:
+        scores = json.loads(run([a.exrdiff, step["picture"], truth, "--json"])[0])
+        black = scores.pop("black")
+        step.update(scores)
+    run([a.exrdiff, render.picture, truth, "-o", render.path("-error.png")])
+    return black
+
+
+def show(a, renders):
+    """PNGs, all exposed as the first."""
+    stops = []
+    for render in renders:
+        out = run([os.path.join(os.path.dirname(a.exrdiff), "exrmerge"), "--quiet", "--json", render.picture, "-o", render.path(".png"), *stops])[0]
+        stops = stops or [f"--exposure={json.loads(out)['exposure']}"]
+
+
+def info_of(a, file):
+    try:
+        return {**json.loads(run([a.info, "--json", file])[0]), "file": os.path.basename(file)}
+    except (Failed, ValueError) as error:
+        return {"file": os.path.basename(file), "failed": str(error).strip()}
+
+
 def measure(a):
     def say(words):
         if not a.quiet:
             print(f"report: {words}", file=sys.stderr, flush=True)
-    def about(seconds):
-        return f"about {seconds:.0f} s" if seconds < 100 else f"about {seconds / 60:.0f} minutes"
 
-    def so_far(done, total, began):
-        """Of a rendering; in CPU seconds, and what is left by the clock."""
-        if a.progress and done > 0:
-            left = (time.monotonic() - began) * max(0, total - done) / done
-            sys.stderr.write(json.dumps({"progress": {"what": "measuring", "done": done, "total": total, "left": round(left, 1)}}) + "\n")
-            sys.stderr.flush()
+    def relay(line):
+        sys.stderr.write(line)
+        sys.stderr.flush()
     shutil.rmtree(a.folder, ignore_errors=True)
     os.makedirs(a.folder)
     stay, ours = options_of(a.command[1:])
-    threads = ["--threads", a.threads] if a.threads else []
+    threads = int(a.threads or ours.get("--threads", ["0"])[-1]) or len(os.sched_getaffinity(0))
     seed = int(ours.get("--seed", ["1"])[-1])
-    base = [a.command[0], a.scene, *stay, *size_of(ours, a.width), *threads, "--quiet"]
-    loud = [word for word in base if word != "--quiet"]
-    portals = [word for file in ours.get("--portal", []) for word in ("--portal", file)]
+    given = ours.get("--portal", [])
+    base = [a.command[0], a.scene, *stay, *size_of(ours, a.width), "--threads", str(threads)]
+    portals = [word for file in given for word in ("--portal", file)]
     for name in ("guide-light", "guide-camera", "segments", "light-walks"):
         if "--set " + name in ours:
             portals += ["--set", f"{name}={ours['--set ' + name][-1]}"]
     chosen = ours.get("--integrator", ["auto"])[-1]
+    stages = list(stage_reports(a.stem, a.known or a.stem, a.folder)) if a.stem else []
 
-    stages = told(a.stem, a.known or a.stem, a.folder) if a.stem else []
-
-    with_portals = Render("with", [*loud, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
-    without = Render("without", [*loud, "--integrator", "bdpt", "--seed", str(seed)], a.folder)
-    at_once = threads_of(loud)
+    with_portals = Render("with", [*base, *portals, "--integrator", chosen, "--seed", str(seed)], a.folder)
+    without = Render("without", [*base, "--integrator", "bdpt", "--seed", str(seed)], a.folder)
     say(f"renders {a.width} pixels wide, with portals and without for {a.time:g} CPU seconds each, and a reference for about "
-        f"{a.reference * a.time:g}: {about((2 + a.reference) * a.time / at_once)} if nothing else runs; REPORT_TIME={a.time:g} sets it")
+        f"{a.reference * a.time:g}: {duration((2 + a.reference) * a.time / threads)} if nothing else runs; REPORT_TIME={a.time:g} sets it")
     for number, render, words in ((1, with_portals, f"{chosen} with the portals"), (2, without, "bdpt without portals")):
-        say(f"{number} of 3: {words}, {about(a.time / at_once)}")
+        say(f"{number} of 3: {words}, {duration(a.time / threads)}")
         began = time.monotonic()
-        render.until(a.time, at_once, lambda cpu, began=began: so_far(cpu, a.time, began))
-        took = time.monotonic() - began
+
+        def so_far(cpu, began=began):
+            left = (time.monotonic() - began) * max(0, a.time - cpu) / cpu if cpu > 0 else a.time
+            if a.progress:
+                relay(json.dumps({"progress": {"what": "measuring", "done": cpu, "total": a.time, "left": round(left, 1)}}) + "\n")
+        render.until(a.time, threads, so_far)
     if not with_portals.last["nonzero"] and not without.last["nonzero"]:
         raise Failed(3, "report: both pictures are black, expected some light to compare")
-    spp = max(1, round(a.reference * with_portals.last["spp"]))
-    say(f"3 of 3: the reference, {about(a.reference * took)}")
-    reference = Render("reference", [*(loud if a.progress else base), *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
-    reference.step("--spp", str(spp), *(["--set", "progress=json"] if a.progress else []), *(["-MF", a.MF, "-MQ", a.MQ] if a.MF else []),
-                   progress=lambda line: (sys.stderr.write(line), sys.stderr.flush()))
-    truth = reference.steps[-1]["picture"]
+    say(f"3 of 3: the reference, {duration(a.reference * (time.monotonic() - began))}")
+    reference = Render("reference", [*base, *portals, "--integrator", chosen, "--seed", str(seed + 1)], a.folder)
+    reference.step("--spp", str(max(1, round(a.reference * with_portals.last["spp"]))), *(["--set", "progress=json"] if a.progress else []),
+                   *(["-MF", a.MF, "-MQ", a.MQ] if a.MF else []), progress=relay)
 
-    black = None
-    for render in (with_portals, without):
-        for step in render.steps:
-            out, _, _ = run([a.exrdiff, step["picture"], truth, "--json"])
-            score = json.loads(out)
-            black = score["black"]
-            step.update({key: score[key] for key in ("relmse", "relmse_trimmed", "psnr", "mape", "mean", "reference_mean",
-                                                     "nonzero")})
-        run([a.exrdiff, render.steps[-1]["picture"], truth, "-o", os.path.join(a.folder, f"{render.name}-error.png")])
-    # All are exposed as the reference.
-    show = [os.path.join(os.path.dirname(a.exrdiff), "exrmerge"), "--quiet"]
-    stops = json.loads(run([*show, truth, "-o", os.path.join(a.folder, "reference.png"), "--json"])[0])["exposure"]
-    for render in (with_portals, without):
-        run([*show, render.steps[-1]["picture"], "-o", os.path.join(a.folder, f"{render.name}.png"), f"--exposure={stops}"])
-
-    files = [a.scene, *(f"{a.stem}.{end}" for _, end in STAGES[:3] if a.stem), *ours.get("--portal", []),
-             without.steps[-1]["picture"], with_portals.steps[-1]["picture"], truth]
-    info = []
-    for file in dict.fromkeys(files):
-        try:
-            info.append(json.loads(run([a.info, "--json", file])[0]))
-        except (Failed, ValueError) as error:
-            info.append({"file": file, "failed": str(error).strip()})
-    version = run([a.command[0], "--version"])[0].strip().splitlines()
-
-    def shown(command):
-        return shlex.join(os.path.basename(word) if os.sep in word else word for word in command if word != "--quiet")
-    for render, name in ((without, "without.exr"), (with_portals, "with.exr"), (reference, "reference.exr")):
-        kept = os.path.join(a.folder, name)
-        os.replace(render.steps[-1]["picture"], kept)
-        for entry in info:
-            if entry["file"] == render.steps[-1]["picture"]:
-                entry["file"] = name
-        for step in render.steps[:-1]:
-            os.remove(step["picture"])
-        for end in ("film.exr", "stats"):
-            os.remove(os.path.join(a.folder, f"{render.name}.{end}"))
-    for entry in info:
-        entry["file"] = os.path.basename(entry["file"])
-
-    def plain(render):
-        steps = [{key: value for key, value in step.items() if key != "picture"} for step in render.steps]
-        return {"command": shown(render.command), "steps": steps, "first": render.first, "last": render.last,
-                "text": with_more(render.text, render.later), "peak_bytes": render.peak}
-    result = {"scene": os.path.basename(a.scene), "seconds": a.time, "factor": a.reference, "seed": seed,
-              "given": [os.path.basename(file) for file in ours.get("--portal", [])], "stages": stages,
-              "integrator": chosen, "with": plain(with_portals), "without": plain(without), "reference": plain(reference),
-              "black": black, "info": info, "version": version}
+    black = [score(a, render, reference.picture) for render in (with_portals, without)][0]
+    show(a, (reference, with_portals, without))
+    records = {render.name: render.record() for render in (with_portals, without, reference)}
+    files = [a.scene, *(f"{a.stem}.{end}" for _, end in STAGES[:3] if a.stem), *given,
+             *(render.path(".exr") for render in (without, with_portals, reference))]
+    result = {"scene": os.path.basename(a.scene), "factor": a.reference, "given": [os.path.basename(file) for file in given], "stages": stages,
+              "integrator": chosen, **records, "black": black, "info": [info_of(a, file) for file in files],
+              "version": run([a.command[0], "--version"])[0].strip().splitlines()}
     # Where files lie is nobody's business but the machine's.
     text = json.dumps(result, indent=1)
-    for path in sorted({os.path.dirname(file) for file in [a.scene, a.stem, a.folder, *ours.get("--portal", [])] if file},
-                       key=len, reverse=True):
+    for path in sorted({os.path.dirname(file) for file in [a.scene, a.stem, a.folder, *given] if file}, key=len, reverse=True):
         if len(path) > 1:
             text = re.sub("(?<![\\w/.])" + re.escape(json.dumps(path + "/")[1:-1]), "", text)
     with open(os.path.join(a.folder, "measured.json"), "w", encoding="utf-8") as stream:

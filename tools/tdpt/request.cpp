@@ -3,30 +3,28 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
+#include "libcommon/base/words.h"
 #include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
 namespace {
 
-using Names = std::span<const std::string_view>;
-
 // Of the sections of --help with cameras and animations, what is for the renderer alone.
-constexpr std::string_view kLens[]{"--f-stop", "--focus", "--shutter"};
-constexpr std::string_view kShot[]{"--frames", "--fps"};
+constexpr std::string_view kRenderer[]{"--f-stop", "--focus", "--shutter", "--frames", "--fps"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
-constexpr std::string_view kUnshaped[]{"--threads", "--max-memory", "--quiet", "--explain"};
-// Of the filter of frames: its options, those that it makes needless, those that this program
-// obeys.
+constexpr std::string_view kRunning[]{"--threads", "--max-memory", "--quiet", "--explain"};
+// Of the filter of frames: its options, and those that it makes needless for the renderer.
 constexpr std::string_view kFilter[]{"--denoiser", "--set pixels", "--set compression"};
 constexpr std::string_view kFiltered[]{"--denoise", "--aov", "--preview", "--exposure", "--stats"};
 constexpr const char* kFilterChannels = "halves,albedo,normal,depth";
-// Options of this program alone.
+// Options of this program alone; --portal goes to the renderer after the scene.
 constexpr std::string_view kOwn[]{"--output",
                                   "--work",
                                   "--work-size",
@@ -39,17 +37,25 @@ constexpr std::string_view kOwn[]{"--output",
                                   "--set dependencies",
                                   "--set dependencies-target"};
 
-bool is_one_of(Names names, const std::string& name) {
+bool is_one_of(std::span<const std::string_view> names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Whether it says where the camera is, for which portals are found.
-bool places_camera(const cli::Given& given) {
-  return given.part == cli::Part::camera && !is_one_of(kLens, given.name);
+// The options of the same programs; null: the renderer's alone.
+Words* group_of(Request& r, const cli::Given& given) {
+  return is_one_of(kRunning, given.name)      ? &r.running
+         : is_one_of(kSampling, given.name)   ? &r.sampling
+         : is_one_of(kRenderer, given.name)   ? nullptr
+         : given.part == cli::Part::camera    ? &r.camera
+         : given.part == cli::Part::animation ? &r.pose
+         : given.part == cli::Part::light     ? &r.sky
+         : given.name == "--device"           ? &r.device
+         : given.name == "--no-provenance"    ? &r.stored
+                                              : nullptr;
 }
 
 // A value that begins with a dash is joined by "=", lest it look like an option.
-void append(Words& words, const cli::Given& given) {
+void append_option(Words& words, const cli::Given& given) {
   if (given.values.empty()) words.push_back(given.name);
   for (const std::string& value : given.values) {
     if (given.name.starts_with("--set ")) {
@@ -74,41 +80,8 @@ Words words_in(const char* variable) {
   return words;
 }
 
-// The camera's options, with the cameras of all views.
-Words words_of_all(const Arguments& a, const cli::Common& common) {
-  Words words;
-  for (cli::Given given : common.given) {
-    if (!places_camera(given)) continue;
-    if (given.name == "--camera") given.values = a.views;
-    append(words, given);
-  }
-  return words;
-}
-
-}  // namespace
-
-bool asks_for_portals(const std::string& output) {
-  return output.ends_with(".glb");
-}
-
-namespace {
-
-// Throws UsageError for what belongs to a picture.
-void check_is_of_portals(const Arguments& a, const Request& r) {
-  std::string option;
-  for (const Words* words : {&r.render, &r.amount, &r.beside})
-    if (!words->empty())
-      option = words->front() == "--set" ? "--set " + (*words)[1] : words->front();
-  if (!a.portals.empty()) option = "--portal";
-  if (!a.report.empty()) option = "--report";
-  if (r.is_shot) option = "--frames";
-  if (!option.empty())
-    throw UsageError(fmt::format("{}: is for a picture, -o {} for portals", option, r.picture));
-}
-
-}  // namespace
-
-Request request_of(const Arguments& a, const cli::Common& common) {
+// Throws UsageError for what no program can find out, or would find out late.
+void check_files(const Arguments& a, const cli::Common& common) {
   if (a.scene.empty()) throw UsageError("no scene is given; 'tdpt --help' tells how");
   if (a.scene == "-") throw UsageError("-: the scene is read more than once, name its file");
   if (!common.output_given)
@@ -127,42 +100,47 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     throw InputError(a.resume, "", "is not there to go on from");
   if (a.add_samples > 0 && a.resume.empty())
     throw UsageError("--add-samples: needs --resume with the film of the picture");
+}
+
+}  // namespace
+
+bool asks_for_portals(const std::string& output) {
+  return output.ends_with(".glb");
+}
+
+Request request_of(const Arguments& a, const cli::Common& common) {
+  check_files(a, common);
   Request r;
   r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
   r.picture = common.output;
-  const bool filters = filters_frames(a);
-  for (const cli::Given& given : common.given) {
-    const std::string& name = given.name;
-    // --portal goes to the renderer after the scene.
-    if (is_one_of(kOwn, name) || (filters && is_one_of(kFiltered, name))) continue;
-    append(filters && is_one_of(kFilter, name)    ? r.filter
-           : is_one_of(kUnshaped, name)           ? r.unshaped
-           : places_camera(given)                 ? r.camera
-           : is_one_of(kShot, name)               ? r.shot
-           : given.part == cli::Part::animation   ? r.pose
-           : given.part == cli::Part::light       ? r.sky
-           : name == "--device"                   ? r.device
-           : is_one_of(kSampling, name)           ? r.sampling
-           : name == "--no-provenance"            ? r.all
-           : given.effect == cli::Effect::picture ? r.render
-           : given.effect <= cli::Effect::stored  ? r.amount
-                                                  : r.beside,
-           given);
-  }
-  if (filters)
-    r.amount.insert(r.amount.end(), {"--aov", (a.aov.empty()    ? ""
-                                               : a.aov == "all" ? a.aov
-                                                                : a.aov + ",") +
-                                                  (a.aov == "all" ? "" : kFilterChannels)});
   r.is_shot = a.shot.is_given();
+  const bool filters = filters_frames(a);
+  std::string of_picture = !a.portals.empty()  ? "--portal"
+                           : !a.report.empty() ? "--report"
+                                               : "";  // an option that portals do not take
+  for (cli::Given given : common.given) {
+    if (is_one_of(kOwn, given.name)) continue;
+    Words* const group = group_of(r, given);
+    if (group) append_option(*group, given);
+    if (!group) of_picture = given.name;
+    if (filters && is_one_of(kFilter, given.name))
+      append_option(r.filter, given);
+    else if (!filters || !is_one_of(kFiltered, given.name))
+      append_option(r.render, given);
+    if (given.name == "--camera" && !a.views.empty()) given.values = a.views;
+    if (group == &r.camera) append_option(r.cameras, given);
+  }
+  if (asks_for_portals(r.picture) && !of_picture.empty())
+    throw UsageError(fmt::format("{}: is for a picture, -o {} for portals", of_picture, r.picture));
+  if (filters)
+    append(
+        r.render,
+        {"--aov", a.aov == "all" ? a.aov : a.aov + (a.aov.empty() ? "" : ",") + kFilterChannels});
   if (r.is_shot) r.stats = a.stats;
   if (r.is_shot && !a.report.empty() && a.stats.empty()) {
     r.stats = stats_beside(r.picture);
-    if (!filters) r.beside.insert(r.beside.end(), {"--stats", r.stats});
+    if (!filters) append(r.render, {"--stats", r.stats});
   }
-  if (asks_for_portals(r.picture)) check_is_of_portals(a, r);
-  r.cameras = r.camera;
-  if (!a.views.empty()) r.cameras = words_of_all(a, common);
   size_t stage = 0;
   for (const char* variable :
        {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"})
@@ -178,6 +156,97 @@ bool uses_portals(const Arguments& a, bool scene_has_sky) {
   if (a.integrator == "pt") return false;
   if (a.integrator != "nee" && a.integrator != "bdpt") return true;
   return scene_has_sky || !a.sky.environment.empty() || a.sky.sun_angle > 0;  // through windows
+}
+
+// ---- Several cameras ----
+
+namespace {
+
+constexpr std::string_view kNamesOfFiles[]{"--checkpoint", "--resume", "--stats", "--set nonzero"};
+
+// Whether --camera may select several cameras; else its value is the name of one.
+bool may_be_several(const std::vector<std::string>& given) {
+  return given.size() > 1 ||
+         (given.size() == 1 && (given[0] == "all" || given[0].find(',') != given[0].npos));
+}
+
+// The cameras that are asked for, once each. The scene is read where the words alone do not tell.
+std::vector<std::string> cameras_of(const Arguments& a) {
+  if (!may_be_several(a.camera.names)) return a.camera.names;
+  const Scene scene = read_gltf(a.scene);
+  std::vector<std::string> cameras = names_of_cameras(scene, a.camera.names);
+  if (cameras.empty()) scene.camera("");                           // throws
+  for (const std::string& camera : cameras) scene.camera(camera);  // throws where there is none
+  return cameras;
+}
+
+// A camera's name as part of a file's: without what separates folders or is special somewhere, as #
+// in the names of frames.
+std::string file_name_of(const std::string& camera) {
+  std::string name = camera;
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < ' ' || c == 0x7f ||
+        std::string_view("/\\:*?\"<>|#").find(c) != std::string_view::npos)
+      c = '_';
+  return name.empty() ? "camera" : name;
+}
+
+// `path` with the camera's name for each %.
+std::string named(const std::string& path, const std::string& name) {
+  return replaced(path, "%", name);
+}
+
+// The files of one of several cameras, each with its name.
+void name_files(View& view, const std::string& name, bool several) {
+  const auto rename = [&](const std::string& option, std::string& path) {
+    if (several && path.find('%') == path.npos)
+      throw UsageError(
+          fmt::format("{} {}: there are several cameras; write % where their names are to stand",
+                      option, path));
+    path = named(path, name);
+  };
+  rename("-o", view.common.output);
+  for (cli::Given& given : view.common.given)
+    if (std::find(std::begin(kNamesOfFiles), std::end(kNamesOfFiles), given.name) !=
+        std::end(kNamesOfFiles))
+      for (std::string& path : given.values) rename(given.name, path);
+  Arguments& a = view.arguments;
+  for (std::string* const path : {&view.common.dependencies, &a.preview, &a.report, &a.stats,
+                                  &a.nonzero, &a.checkpoint, &a.resume})
+    *path = named(*path, name);
+  for (cli::NamedFile& file : view.common.outputs) file.path = named(file.path, name);
+}
+
+}  // namespace
+
+std::vector<View> views_of(const Arguments& a, const cli::Common& common) {
+  std::vector<std::string> cameras;
+  if (!a.scene.empty() && common.output_given) cameras = cameras_of(a);
+  const bool several = cameras.size() > 1, are_portals = asks_for_portals(common.output);
+  if (several && a.shot.is_given()) throw UsageError("--frames: a shot is for one camera");
+  if (several && !common.dependencies.empty())
+    throw UsageError("--set dependencies: is for the picture of one camera");
+  if (several && are_portals && common.output.find('%') != common.output.npos)
+    throw UsageError(fmt::format(
+        "-o {}: the portals of several cameras are one file, which has no camera's name",
+        common.output));
+  std::vector<View> views;
+  std::set<std::string> pictures;
+  for (const std::string& camera : cameras) {
+    View& view = views.emplace_back(View{a, common});
+    view.arguments.camera.names = {camera};
+    if (several) view.arguments.views = cameras;
+    for (cli::Given& given : view.common.given)
+      if (given.name == "--camera") given.values = {camera};
+    if (several && are_portals) break;  // one file for all
+    name_files(view, file_name_of(camera), several);
+    if (!pictures.insert(view.common.output).second)
+      throw UsageError(
+          fmt::format("-o {}: {} would be the picture of two cameras, one of them \"{}\"",
+                      common.output, view.common.output, camera));
+  }
+  if (views.empty()) views.push_back({a, common});
+  return views;
 }
 
 }  // namespace tdpt

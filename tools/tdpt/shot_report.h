@@ -14,8 +14,8 @@ void check_is_frame(const std::string& path);
 /// Throws UsageError for a file that is no statistics of a frame, and would be replaced by one.
 void check_is_stats(const std::string& path);
 
-/// Writes the statistics of a frame, which lie in the file `noisy`, to `path`, with what the filter
-/// has told in the file `filter`.
+/// Writes the statistics of a frame, which lie in the file `noisy`, to `path`, with those of the
+/// filter in the file `filter`.
 void write_filtered_stats(const std::string& noisy, const std::string& filter,
                           const std::string& path);
 

@@ -148,10 +148,10 @@ void declare_options(cli::Options& options, RenderArguments& a) {
   options.part(cli::Part::lasting);
   options.option("--shard", a.shard, "I/N",
                  "Render the I-th of N parts of the samples, from 0, for exrmerge",
-                 cli::Effect::told);
+                 cli::Effect::report);
   declare_device_options(options, a.device, "Where to render");
   options.flag("--check", a.check, "Check the options, the scene and what else is read, and exit",
-               cli::Effect::told);
+               cli::Effect::report);
 }
 
 }  // namespace tdpt
