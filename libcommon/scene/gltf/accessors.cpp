@@ -7,19 +7,13 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kFloat = 5126;
+// In the order of ElementType.
+constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
+constexpr size_t kComponents[] = {1, 2, 3, 4, 4, 9, 16};
 
-size_t bytes_of(int component_type) {
-  switch (component_type) {
-    case kI8:
-    case kU8:
-      return 1;
-    case kI16:
-    case kU16:
-      return 2;
-    default:
-      return 4;
-  }
+/// A scalar, a vector or a matrix of 4 x 4.
+ElementType type_of(size_t components) {
+  return components == 16 ? ElementType::mat4 : static_cast<ElementType>(components - 1);
 }
 
 /// `count` elements, `stride` bytes apart, all inside a buffer.
@@ -64,7 +58,7 @@ double load_component(const char* at, int type, bool normalized) {
 Elements elements(const Document& d, const std::string& where, size_t view, size_t offset,
                   size_t count, size_t size, bool may_stride) {
   const std::string_view bytes = view_bytes(d, view);
-  const size_t declared = d.model.bufferViews[view].byteStride;
+  const size_t declared = d.views[view].stride;
   const size_t stride = declared > 0 && may_stride ? declared : size;
   if (stride < size)
     d.fail(where,
@@ -81,20 +75,17 @@ Elements elements(const Document& d, const std::string& where, size_t view, size
 /// Iterates over a sparse accessor: calls `set(element, bytes of its value)` for each replaced
 /// element.
 template <class Set>
-void apply_sparse(const Document& d, const std::string& accessor, const tinygltf::Accessor& a,
-                  size_t size, const Set& set) {
-  if (!a.sparse.isSparse) return;
+void apply_sparse(const Document& d, const std::string& accessor, const Accessor& a, size_t size,
+                  const Set& set) {
+  if (!a.sparse) return;
+  const Sparse& sparse = *a.sparse;
   const std::string where = accessor + ".sparse";
-  const int type = a.sparse.indices.componentType;
-  if (type != kU8 && type != kU16 && type != kU32)
-    d.fail(where + ".indices.componentType",
-           fmt::format("is {}, expected 5121, 5123 or 5125", type));
-  const auto count = static_cast<size_t>(a.sparse.count);
-  const auto at = [&](int offset) { return static_cast<size_t>(offset); };
-  const Elements index = elements(d, where + ".indices", at(a.sparse.indices.bufferView),
-                                  at(a.sparse.indices.byteOffset), count, bytes_of(type), false);
-  const Elements value = elements(d, where + ".values", at(a.sparse.values.bufferView),
-                                  at(a.sparse.values.byteOffset), count, size, false);
+  const int type = sparse.index_type;
+  const size_t count = sparse.count;
+  const Elements index = elements(d, where + ".indices", sparse.index_view, sparse.index_offset,
+                                  count, bytes_of_component(type), false);
+  const Elements value =
+      elements(d, where + ".values", sparse.value_view, sparse.value_offset, count, size, false);
   for (size_t i = 0; i < count; ++i) {
     const uint32_t k = load_index(index.data + i * index.stride, type);
     if (k >= a.count)
@@ -108,12 +99,12 @@ void apply_sparse(const Document& d, const std::string& accessor, const tinygltf
 /// most, that is stored in the accessor's bufferView, from `first` on, or among its sparse values.
 /// Without a bufferView the other elements are zero.
 template <class Set>
-void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
-                  size_t components, const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
-  const size_t size = components * bytes_of(a.componentType);
-  if (a.bufferView >= 0) {
+void for_elements(const Document& d, const std::string& where, const Accessor& a, size_t components,
+                  const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
+  const size_t size = components * bytes_of_component(a.component_type);
+  if (a.view >= 0) {
     const Elements e =
-        elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
+        elements(d, where, static_cast<size_t>(a.view), a.offset, a.count, size, true);
     for (size_t i = first; i < e.count && i - first < most; ++i) set(i, e.data + i * e.stride);
   } else if (a.count > d.bytes.size()) {
     // Elements without a bufferView are zero except for sparse values: a tiny file could declare
@@ -125,22 +116,64 @@ void for_elements(const Document& d, const std::string& where, const tinygltf::A
   apply_sparse(d, where, a, size, [&](uint32_t k, const char* at) { set(k, at); });
 }
 
+Sparse read_sparse(const Value& v) {
+  Sparse out;
+  out.count = v["count"].needed().integer(0, 1);
+  const Value indices = v["indices"].needed(), values = v["values"].needed();
+  const auto view = [](const Value& owner) {
+    return static_cast<size_t>(owner["bufferView"].needed().index("bufferViews"));
+  };
+  out.index_view = view(indices);
+  out.index_offset = indices["byteOffset"].integer(0);
+  const size_t type = indices["componentType"].needed().integer(0);
+  if (type != kU8 && type != kU16 && type != kU32)
+    indices["componentType"].fail("5121, 5123 or 5125");
+  out.index_type = static_cast<int>(type);
+  out.value_view = view(values);
+  out.value_offset = values["byteOffset"].integer(0);
+  return out;
+}
+
 }  // namespace
 
+size_t bytes_of_component(int type) {
+  return type == kI8 || type == kU8 ? 1 : type == kI16 || type == kU16 ? 2 : 4;
+}
+
+size_t components_of(ElementType type) {
+  return kComponents[static_cast<size_t>(type)];
+}
+
+Accessor read_accessor(const Value& v) {
+  Accessor out;
+  out.view = v["bufferView"].index("bufferViews");
+  out.offset = v["byteOffset"].integer(0);
+  out.normalized = v["normalized"].boolean(false);
+  const size_t type = v["componentType"].needed().integer(0);
+  if (type < kI8 || type > kFloat || type == 5124)
+    v["componentType"].fail("5120, 5121, 5122, 5123, 5125 or 5126 (float)");
+  out.component_type = static_cast<int>(type);
+  out.count = v["count"].needed().integer(0, 1);
+  out.type = static_cast<ElementType>(v["type"].needed().one_of(
+      {kTypes[0], kTypes[1], kTypes[2], kTypes[3], kTypes[4], kTypes[5], kTypes[6]}, 0));
+  if (const Value sparse = v["sparse"]) out.sparse = read_sparse(sparse);
+  return out;
+}
+
 std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
-  if (a.type != TINYGLTF_TYPE_VEC3) d.fail(where + ".type", "positions are not VEC3");
-  const bool quantized = uses_extension(d, "KHR_mesh_quantization");
-  if (a.componentType != kFloat && !(quantized && a.componentType != kU32))
+  if (a.type != ElementType::vec3) d.fail(where + ".type", "positions are not VEC3");
+  if (a.component_type != kFloat && !(d.quantized && a.component_type != kU32))
     d.fail(where + ".componentType",
-           fmt::format("positions are of type {}, expected 5126 (float)", a.componentType));
-  const size_t step = bytes_of(a.componentType);
+           fmt::format("positions are of type {}, expected 5126 (float)", a.component_type));
+  const size_t step = bytes_of_component(a.component_type);
   std::vector<Vec3d> out;
   const auto set = [&](size_t k, const char* at) {
     if (out.empty()) out.resize(a.count);  // only now is the count known to be right
     for (int c = 0; c < 3; ++c)
-      out[k][c] = load_component(at + static_cast<size_t>(c) * step, a.componentType, a.normalized);
+      out[k][c] =
+          load_component(at + static_cast<size_t>(c) * step, a.component_type, a.normalized);
   };
   for_elements(d, where, a, 3, set);
   out.resize(a.count);
@@ -151,35 +184,32 @@ std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
 }
 
 std::vector<float> read_attribute(const Document& d, size_t accessor, const Attribute& attribute) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
-  const bool rgb = attribute.may_be_vec3 && a.type == TINYGLTF_TYPE_VEC3;
-  const int expected = attribute.components == 2   ? TINYGLTF_TYPE_VEC2
-                       : attribute.components == 3 ? TINYGLTF_TYPE_VEC3
-                                                   : TINYGLTF_TYPE_VEC4;
-  if (a.type != expected && !rgb)
+  const bool rgb = attribute.may_be_vec3 && a.type == ElementType::vec3;
+  if (a.type != type_of(attribute.components) && !rgb)
     d.fail(where + ".type",
            fmt::format("{} are not {}VEC{}", attribute.noun,
                        attribute.may_be_vec3 ? "VEC3 or " : "", attribute.components));
-  const bool quantized = attribute.quantizable && a.componentType != kU32 &&
-                         uses_extension(d, "KHR_mesh_quantization");
-  const bool is_share = attribute.may_be_unsigned && a.normalized && a.componentType != kU32 &&
-                        (attribute.is_delta || is_unsigned(a.componentType));
-  if (a.componentType != kFloat && !quantized && !is_share)
+  const bool quantized = attribute.quantizable && a.component_type != kU32 && d.quantized;
+  const bool is_share = attribute.may_be_unsigned && a.normalized && a.component_type != kU32 &&
+                        (attribute.is_delta || is_unsigned(a.component_type));
+  if (a.component_type != kFloat && !quantized && !is_share)
     d.fail(where + ".componentType",
            fmt::format("{} are of type {}{}, expected 5126 (float){}", attribute.noun,
-                       a.componentType, a.normalized ? ", normalized" : "",
+                       a.component_type, a.normalized ? ", normalized" : "",
                        attribute.is_delta && attribute.may_be_unsigned
                            ? ", or 5120 to 5123, normalized"
                        : attribute.may_be_unsigned ? ", or 5121 or 5123, normalized"
                                                    : ""));
-  const size_t n = attribute.components, stored = rgb ? 3 : n, step = bytes_of(a.componentType);
+  const size_t n = attribute.components, stored = rgb ? 3 : n,
+               step = bytes_of_component(a.component_type);
   std::vector<float> out;
   const auto set = [&](size_t k, const char* at) {
     if (out.empty()) out.resize(n * a.count);
     for (size_t c = 0; c < stored; ++c)
       out[n * k + c] =
-          static_cast<float>(load_component(at + c * step, a.componentType, a.normalized));
+          static_cast<float>(load_component(at + c * step, a.component_type, a.normalized));
   };
   for_elements(d, where, a, stored, set);
   out.resize(n * a.count);
@@ -190,22 +220,17 @@ std::vector<float> read_attribute(const Document& d, size_t accessor, const Attr
 
 namespace {
 
-void check_numbers(const Document& d, const std::string& where, const tinygltf::Accessor& a,
+void check_numbers(const Document& d, const std::string& where, const Accessor& a,
                    const Numbers& n) {
-  const int expected = n.components == 1   ? TINYGLTF_TYPE_SCALAR
-                       : n.components == 3 ? TINYGLTF_TYPE_VEC3
-                       : n.components == 4 ? TINYGLTF_TYPE_VEC4
-                                           : TINYGLTF_TYPE_MAT4;
+  const ElementType expected = type_of(n.components);
   if (a.type != expected)
-    d.fail(where + ".type", n.components == 1 ? fmt::format("{} are not SCALAR", n.noun)
-                            : n.components == 16
-                                ? fmt::format("{} are not MAT4", n.noun)
-                                : fmt::format("{} are not VEC{}", n.noun, n.components));
-  const bool small = a.componentType != kFloat && a.componentType != kU32;
-  const bool fits = a.componentType == kFloat ? n.floats
-                    : !small                  ? false
-                    : a.normalized ? (is_unsigned(a.componentType) ? n.shares : n.signed_shares)
-                                   : n.integers && is_unsigned(a.componentType);
+    d.fail(where + ".type",
+           fmt::format("{} are not {}", n.noun, kTypes[static_cast<size_t>(expected)]));
+  const bool small = a.component_type != kFloat && a.component_type != kU32;
+  const bool fits = a.component_type == kFloat ? n.floats
+                    : !small                   ? false
+                    : a.normalized ? (is_unsigned(a.component_type) ? n.shares : n.signed_shares)
+                                   : n.integers && is_unsigned(a.component_type);
   if (fits) return;
   std::string kinds;
   const auto add = [&](bool allowed, const char* kind) {
@@ -216,7 +241,7 @@ void check_numbers(const Document& d, const std::string& where, const tinygltf::
   add(n.signed_shares, "5120 or 5122, normalized");
   add(n.integers, "5121 or 5123");
   d.fail(where + ".componentType",
-         fmt::format("{} are of type {}{}, expected {}", n.noun, a.componentType,
+         fmt::format("{} are of type {}{}, expected {}", n.noun, a.component_type,
                      a.normalized ? ", normalized" : "", kinds));
 }
 
@@ -224,21 +249,21 @@ void check_numbers(const Document& d, const std::string& where, const tinygltf::
 
 std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
                                  size_t count) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
   check_numbers(d, where, a, n);
   if (count == SIZE_MAX) count = a.count;
   if (first > a.count || count > a.count - first)
     d.fail(where,
            fmt::format("count is {}, expected at least {} {}", a.count, first + count, n.noun));
-  const size_t step = bytes_of(a.componentType);
+  const size_t step = bytes_of_component(a.component_type);
   std::vector<double> out;
   const auto set = [&](size_t k, const char* at) {
     if (k < first || k - first >= count) return;
     if (out.empty()) out.resize(n.components * count);  // only now is the count known to be right
     for (size_t c = 0; c < n.components; ++c)
       out[n.components * (k - first) + c] =
-          load_component(at + c * step, a.componentType, a.normalized);
+          load_component(at + c * step, a.component_type, a.normalized);
   };
   for_elements(d, where, a, n.components, set, first, count);
   out.resize(n.components * count);
@@ -250,21 +275,20 @@ std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbe
 }
 
 std::vector<uint32_t> read_indices(const Document& d, size_t accessor, size_t vertices) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
+  const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
-  if (a.type != TINYGLTF_TYPE_SCALAR) d.fail(where + ".type", "indices are not SCALAR");
-  if (a.componentType != kU8 && a.componentType != kU16 && a.componentType != kU32)
+  if (a.type != ElementType::scalar) d.fail(where + ".type", "indices are not SCALAR");
+  if (a.component_type != kU8 && a.component_type != kU16 && a.component_type != kU32)
     d.fail(where + ".componentType",
-           fmt::format("indices are of type {}, expected 5121, 5123 or 5125", a.componentType));
-  const size_t size = bytes_of(a.componentType);
-  const Elements e =
-      elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
+           fmt::format("indices are of type {}, expected 5121, 5123 or 5125", a.component_type));
+  const size_t size = bytes_of_component(a.component_type);
+  const Elements e = elements(d, where, static_cast<size_t>(a.view), a.offset, a.count, size, true);
   std::vector<uint32_t> out;
   out.reserve(e.count);
   for (size_t i = 0; i < e.count; ++i)
-    out.push_back(load_index(e.data + i * e.stride, a.componentType));
+    out.push_back(load_index(e.data + i * e.stride, a.component_type));
   apply_sparse(d, where, a, size,
-               [&](uint32_t k, const char* at) { out[k] = load_index(at, a.componentType); });
+               [&](uint32_t k, const char* at) { out[k] = load_index(at, a.component_type); });
   for (size_t i = 0; i < out.size(); ++i)
     if (out[i] >= vertices)
       d.fail(where, fmt::format("index {} at {} is out of range, the primitive has {} vertices",

@@ -18,10 +18,9 @@ namespace tdpt::gltf {
 struct Motion {
   bool moves = false;  ///< some node
   std::vector<AnimationFacts> animations;
-  std::vector<std::string> warnings;  ///< sentences: channels that are ignored
 };
 
-/// Sets translations, rotations, scales and weights of the model's nodes to their values at a time
+/// Sets translations, rotations, scales and weights of the nodes to their values at a time
 /// [s]. May be repeated for other times. Throws InputError for a malformed channel.
 Motion go_to(Document& document, double seconds);
 

@@ -52,15 +52,11 @@ float within(float c) {
 }
 
 /// The targets with non-zero weight, with all their deltas.
-std::vector<MorphTarget> morph_targets_of(const tinygltf::Primitive& p,
-                                          const std::vector<double>& weights) {
+std::vector<MorphTarget> morph_targets_of(const Primitive& p, const std::vector<double>& weights) {
   std::vector<MorphTarget> out;
   for (size_t k = 0; k < std::min(p.targets.size(), weights.size()); ++k) {
     if (weights[k] == 0) continue;
-    const auto find = [&](const char* name) {
-      const auto it = p.targets[k].find(name);
-      return it == p.targets[k].end() ? -1 : it->second;
-    };
+    const auto find = [&](const char* name) { return find_attribute(p.targets[k], name); };
     out.push_back({weights[k],
                    find("POSITION"),
                    find("NORMAL"),
@@ -90,12 +86,9 @@ void add_deltas(const Document& document, const std::vector<MorphTarget>& target
 
 }  // namespace
 
-AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& use,
-                               const Shape& shape) {
-  const auto find = [&](const Attribute& attribute) {
-    const auto it = p.attributes.find(attribute.name);
-    return it == p.attributes.end() ? -1 : it->second;
-  };
+AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
+                               const Deformation& deformation) {
+  const auto find = [&](const Attribute& a) { return find_attribute(p.attributes, a.name); };
   AttributeSet set;
   set.position = p.attributes.at("POSITION");
   set.normal = find(kNormal);
@@ -103,8 +96,8 @@ AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& 
   for (size_t k = 0; k < 2; ++k)
     if (use.uv[k]) set.uv[k] = find(kTexCoord[k]);
   if (use.colours) set.colour = find(kColour);
-  if (shape.skinned) set.joints = joint_sets_of(p);
-  set.targets = morph_targets_of(p, shape.weights);
+  if (deformation.skinned) set.joints = joint_sets_of(p);
+  set.targets = morph_targets_of(p, deformation.weights);
   for (MorphTarget& t : set.targets) {  // a delta of an absent attribute has no effect
     if (set.normal < 0) t.normal = -1;
     if (set.tangent < 0) t.tangent = -1;
@@ -116,9 +109,7 @@ AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& 
 }
 
 void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
-  const auto count = [&](int accessor) {
-    return d.model.accessors[static_cast<size_t>(accessor)].count;
-  };
+  const auto count = [&](int accessor) { return d.accessors[static_cast<size_t>(accessor)].count; };
   const auto check = [&](int accessor, const std::string& of, const std::string& name) {
     if (accessor >= 0 && count(accessor) != count(set.position))
       d.fail(where + "." + of + "." + name,
@@ -261,9 +252,9 @@ void mark_smooth_triangles(Scene& scene) {
 }
 
 const std::vector<double>& morph_weights(const Document& d, size_t node) {
-  const tinygltf::Node& n = d.model.nodes[node];
+  const Node& n = d.nodes[node];
   if (!n.weights.empty() || n.mesh < 0) return n.weights;
-  return d.model.meshes[static_cast<size_t>(n.mesh)].weights;
+  return d.meshes[static_cast<size_t>(n.mesh)].weights;
 }
 
 void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targets,

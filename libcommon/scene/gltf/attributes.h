@@ -40,14 +40,14 @@ struct AttributeSet {
 };
 
 /// How a mesh is deformed: morph targets and skin.
-struct Shape {
+struct Deformation {
   const std::vector<double>& weights;  ///< of its morph targets
   bool skinned = false;
 };
 
 /// Selects what a material needs of a primitive, which has a POSITION.
-AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use,
-                               const Shape& shape);
+AttributeSet choose_attributes(const Primitive& primitive, const MaterialUse& use,
+                               const Deformation& deformation);
 
 /// Transforms of vertices: one for all, or with a skin one per vertex.
 struct Placing {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
@@ -22,13 +23,9 @@ constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
 // Morph targets and joints cost only time.
 constexpr size_t kMostBends = size_t{1} << 31;
 
-bool is_surface(const tinygltf::Primitive& p) {
-  return p.mode >= TINYGLTF_MODE_TRIANGLES;
-}
-
 /// The mesh shown by a node, -1 for none.
 int mesh_of(const Document& d, const PlacedNode& n) {
-  return n.visible ? d.model.nodes[n.node].mesh : -1;
+  return n.visible ? d.nodes[n.node].mesh : -1;
 }
 
 // Temporary memory per vertex of a skinned primitive: its map, joints and weights.
@@ -44,12 +41,12 @@ size_t bytes_of(const AttributeSet& set) {
 }  // namespace
 
 std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
-  std::vector<bool> used(d.json.contains("materials") ? d.json["materials"].size() : 0);
+  std::vector<bool> used(d.root()["materials"].size());
   for (const PlacedNode& n : nodes) {
     const int mesh = mesh_of(d, n);
     if (mesh < 0) continue;
-    for (const tinygltf::Primitive& p : d.model.meshes[static_cast<size_t>(mesh)].primitives)
-      if (is_surface(p) && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
+    for (const Primitive& p : d.meshes[static_cast<size_t>(mesh)].primitives)
+      if (p.is_surface() && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
   }
   return used;
 }
@@ -71,27 +68,27 @@ void MeshReader::make_room() {
                most_bends = most(kMostBends);
   // A count beyond the file's bytes is wrong, and is refused with its place when it is read.
   const auto count = [&](int accessor) {
-    return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
+    return std::min(d_.accessors[static_cast<size_t>(accessor)].count, bytes);
   };
   size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
   for (const PlacedNode& n : nodes_) {
-    if (n.visible) {  // far fewer than the limits, as each needs a node
-      const Polygon light = polygon_of_light(d_, n.node);
-      vertices += light.vertices, triangles += light.triangles;
+    if (n.visible && d_.nodes[n.node].area_light >= 0) {  // far fewer than the limits
+      vertices += kMostOfAreaLight;
+      triangles += kMostOfAreaLight;
     }
     const int mesh = mesh_of(d_, n);
     if (mesh < 0) continue;
-    const Shape shape = shape_of(n.node);
+    const Deformation deformation = deformation_of(n.node);
     // Clamped so that no product overflows.
     const size_t times =
-        shape.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
+        deformation.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
     std::set<AttributeSet> seen;
-    for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives) {
-      const auto position = p.attributes.find("POSITION");
-      if (position == p.attributes.end()) continue;
-      const size_t points = std::min(count(position->second), kMostVertices + 1);
-      if (is_surface(p)) {
-        const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
+    for (const Primitive& p : d_.meshes[static_cast<size_t>(mesh)].primitives) {
+      const int position = find_attribute(p.attributes, "POSITION");
+      if (position < 0) continue;
+      const size_t points = std::min(count(position), kMostVertices + 1);
+      if (p.is_surface()) {
+        const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
         bends +=
             std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
             p.targets.size();
@@ -102,8 +99,8 @@ void MeshReader::make_room() {
         }
       }
       const size_t corners =
-          std::min(count(p.indices >= 0 ? p.indices : position->second), 3 * kMostTriangles + 3);
-      triangles += times * (p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners);
+          std::min(count(p.indices >= 0 ? p.indices : position), 3 * kMostTriangles + 3);
+      triangles += times * (p.mode == kTriangles ? corners / 3 : corners);
       if (vertices > most_vertices || triangles > most_triangles)
         d_.fail(place("nodes", n.node),
                 fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
@@ -123,36 +120,37 @@ void MeshReader::make_room() {
   scene_.triangles.reserve(triangles);
 }
 
-Shape MeshReader::shape_of(size_t node) const {
-  return {morph_weights(d_, node), d_.model.nodes[node].skin >= 0};
+Deformation MeshReader::deformation_of(size_t node) const {
+  return {morph_weights(d_, node), d_.nodes[node].skin >= 0};
 }
 
-const std::vector<tinygltf::Primitive>& MeshReader::primitives_of(const PlacedNode& n) const {
-  return d_.model.meshes[static_cast<size_t>(d_.model.nodes[n.node].mesh)].primitives;
+const std::vector<Primitive>& MeshReader::primitives_of(const PlacedNode& n) const {
+  return d_.meshes[static_cast<size_t>(d_.nodes[n.node].mesh)].primitives;
 }
 
-size_t MeshReader::material_of(const tinygltf::Primitive& p) const {
+size_t MeshReader::material_of(const Primitive& p) const {
   return p.material < 0 ? uses_.size() - 1 : static_cast<size_t>(p.material);
 }
 
 void MeshReader::add_node(const PlacedNode& n) {
-  const Shape shape = shape_of(n.node);
-  if (shape.skinned) {  // the extension does not define instances of skinned meshes
+  const Deformation deformation = deformation_of(n.node);
+  if (deformation.skinned) {  // the extension does not define instances of skinned meshes
     if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
-    add_mesh(n, shape, {});
+    add_mesh(n, deformation, {});
     return;
   }
   const auto& primitives = primitives_of(n);
-  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // needs no transform
+  if (std::none_of(primitives.begin(), primitives.end(),
+                   std::mem_fn(&Primitive::is_surface))) {  // needs no transform
     no_surfaces_ += primitives.size();
     return;
   }
-  for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, shape, to_world);
+  for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
 }
 
-void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
+void MeshReader::add_mesh(const PlacedNode& n, const Deformation& deformation,
                           const std::optional<Affine>& to_world) {
-  const auto mesh = static_cast<size_t>(d_.model.nodes[n.node].mesh);
+  const auto mesh = static_cast<size_t>(d_.nodes[n.node].mesh);
   struct Shared {
     uint32_t first;
     Placing placing;
@@ -160,18 +158,18 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
   std::map<AttributeSet, Shared> known;  // primitives often share all vertices
   const auto& primitives = primitives_of(n);
   for (size_t k = 0; k < primitives.size(); ++k) {
-    const tinygltf::Primitive& p = primitives[k];
+    const Primitive& p = primitives[k];
     const std::string where = place("meshes", mesh) + "." + place("primitives", k);
-    if (!is_surface(p)) {
+    if (!p.is_surface()) {
       ++no_surfaces_;
       continue;
     }
-    const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) {
+    const int position = find_attribute(p.attributes, "POSITION");
+    if (position < 0) {
       without_positions_.insert({mesh, k});
       continue;
     }
-    const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
+    const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
     check_counts(d_, set, where);
     auto it = known.find(set);
     if (it == known.end()) {
@@ -183,12 +181,12 @@ void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
       it = known.emplace(set, Shared{first, std::move(placing)}).first;
     }
     const auto& [first, placing] = it->second;
-    const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
+    const size_t vertices = d_.accessors[static_cast<size_t>(position)].count;
     const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
     add_triangles(corner, first, placing.mirrors, material_of(p));
     if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
-    note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
-    note_primitive({mesh, k}, p, set, shape);
+    note_grain(placing.to_world, static_cast<size_t>(position), corner, first);
+    note_primitive({mesh, k}, p, set, deformation);
   }
 }
 
@@ -198,14 +196,14 @@ Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
     const Affine& map = to_world ? *to_world : n.to_world;
     return {map, map.mirrors(), {}};
   }
-  const Skin& skin = skin_of(n.node);
+  const SkinMaps& skin = skin_of(n.node);
   std::vector<Affine> of_vertices = skin.blend(set.joints);
   const bool mirrors = most_mirror(of_vertices);
   return {skin.first(), mirrors, std::move(of_vertices)};
 }
 
-const Skin& MeshReader::skin_of(size_t node) {
-  const auto skin = static_cast<size_t>(d_.model.nodes[node].skin);
+const SkinMaps& MeshReader::skin_of(size_t node) {
+  const auto skin = static_cast<size_t>(d_.nodes[node].skin);
   return skins_.try_emplace(skin, d_, skin, maps_).first->second;
 }
 
@@ -220,8 +218,7 @@ void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
   }
 }
 
-std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t vertices,
-                                          const Key& key) {
+std::vector<uint32_t> MeshReader::corners(const Primitive& p, size_t vertices, const Key& key) {
   std::vector<uint32_t> list;
   if (p.indices >= 0) {
     list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
@@ -230,7 +227,7 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
     for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
   }
   // Incomplete triangles are ignored, as in every graphics interface.
-  const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
+  const bool strips = p.mode != kTriangles;
   if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
   if (!strips || list.size() < 3) {
     list.resize(list.size() - list.size() % 3);
@@ -240,7 +237,7 @@ std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t v
   out.reserve(3 * (list.size() - 2));
   for (size_t i = 0; i + 2 < list.size(); ++i) {
     // glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite orientation.
-    if (p.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+    if (p.mode == kStrip)
       out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
     else
       out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
@@ -262,22 +259,22 @@ void MeshReader::add_triangles(const std::vector<uint32_t>& corner, uint32_t fir
 /// space.
 void MeshReader::note_grain(const Affine& to_world, size_t accessor,
                             const std::vector<uint32_t>& corner, uint32_t first) {
-  const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+  const bool floats = d_.accessors[accessor].component_type == kFloat;
   const Vec3d& moved = to_world.t;
   double reach = 0;  // largest coordinate of the untransformed vertices
   for (const uint32_t c : corner) reach = std::max(reach, length(world_[first + c] - moved));
   grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
 }
 
-void MeshReader::note_primitive(const Key& key, const tinygltf::Primitive& p,
-                                const AttributeSet& set, const Shape& shape) {
+void MeshReader::note_primitive(const Key& key, const Primitive& p, const AttributeSet& set,
+                                const Deformation& deformation) {
   MaterialUse& use = uses_[material_of(p)];
   unnamed_material_ |= p.material < 0;
   attributes_.note_colours(set, use);
   for (size_t u = 0; u < 2; ++u)
     if (use.uv[u] && set.uv[u] < 0) without_uv_.insert(key);
   if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
-  if (shape.skinned && set.joints.empty()) without_joints_.insert(key);
+  if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
 }
 
 void MeshReader::warn() const {

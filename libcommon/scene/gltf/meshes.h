@@ -60,22 +60,22 @@ class MeshReader {
   void make_room();
   void add_node(const PlacedNode& node);
   // `to_world` of an instance; empty: the node's own.
-  void add_mesh(const PlacedNode& node, const Shape& shape, const std::optional<Affine>& to_world);
+  void add_mesh(const PlacedNode& node, const Deformation& deformation,
+                const std::optional<Affine>& to_world);
   Placing placing_of(const PlacedNode& node, const AttributeSet& set,
                      const std::optional<Affine>& to_world);
-  const Skin& skin_of(size_t node);
+  const SkinMaps& skin_of(size_t node);
   void add_vertices(const PlacedNode& node, const AttributeSet& set, const Placing& placing);
-  std::vector<uint32_t> corners(const tinygltf::Primitive& primitive, size_t vertices,
-                                const Key& key);
+  std::vector<uint32_t> corners(const Primitive& primitive, size_t vertices, const Key& key);
   void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
                      size_t material);
   void note_grain(const Affine& to_world, size_t accessor, const std::vector<uint32_t>& corner,
                   uint32_t first);
-  void note_primitive(const Key& key, const tinygltf::Primitive& primitive, const AttributeSet& set,
-                      const Shape& shape);
-  Shape shape_of(size_t node) const;
-  const std::vector<tinygltf::Primitive>& primitives_of(const PlacedNode& node) const;
-  size_t material_of(const tinygltf::Primitive& primitive) const;
+  void note_primitive(const Key& key, const Primitive& primitive, const AttributeSet& set,
+                      const Deformation& deformation);
+  Deformation deformation_of(size_t node) const;
+  const std::vector<Primitive>& primitives_of(const PlacedNode& node) const;
+  size_t material_of(const Primitive& primitive) const;
 
   const Document& d_;
   Scene& scene_;
@@ -83,7 +83,7 @@ class MeshReader {
   const std::vector<PlacedNode>& nodes_;
   AttributeReader attributes_;
   NodeMaps maps_;
-  std::map<size_t, Skin> skins_;
+  std::map<size_t, SkinMaps> skins_;
   std::vector<Vec3d> world_;
   double grain_ = 0;
   bool unnamed_material_ = false;

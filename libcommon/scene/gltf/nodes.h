@@ -1,5 +1,5 @@
-// Flattens the node hierarchy: every node of the scene with its world transform, in double
-// precision. Internal to this room.
+// Nodes and cameras. Flattens the node hierarchy: every node of the scene with its world transform,
+// in double precision. Internal to this room.
 #pragma once
 #include <string>
 #include <vector>
@@ -11,10 +11,6 @@ namespace tdpt::gltf {
 
 /// The map of a node into its parent. Throws InputError if it is invalid.
 Affine local_map(const Document& document, size_t node);
-
-constexpr const char* kVisibility = "KHR_node_visibility";
-/// Whether an extension hides this node (of checked JSON) and all below it but the cameras.
-bool is_hidden(const nlohmann::json& node);
 
 struct PlacedNode {
   size_t node;

@@ -25,8 +25,6 @@ namespace {
 
 using namespace gltf;
 
-using Json = nlohmann::json;
-
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
 constexpr double kLargestReach = 1e9;                 // of its frame
 constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
@@ -40,8 +38,8 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
   };
   std::set<int> skins;
   for (const PlacedNode& n : nodes) {
-    const tinygltf::Node& node = d.model.nodes[n.node];
-    const bool counts = n.visible && (node.mesh >= 0 || holds_light(d, n.node));
+    const Node& node = d.nodes[n.node];
+    const bool counts = n.visible && (node.mesh >= 0 || node.holds_light());
     if (!counts) continue;
     add(n.node), add(n.to_world), add(node.weights.size());
     for (const double w : node.weights) add(w);
@@ -49,8 +47,7 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
   }
   NodeMaps maps(d, nodes);
   for (const int skin : skins)
-    for (const Json& joint : d.json["skins"][static_cast<size_t>(skin)]["joints"])
-      add(maps.to_world(joint.get<size_t>()));
+    for (const size_t joint : d.skins[static_cast<size_t>(skin)].joints) add(maps.to_world(joint));
   return content_hash(bytes);
 }
 
@@ -77,10 +74,10 @@ Vec3d direction_of(const Vec3d& v) {
 // is incremented.
 std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, DistinctNames& names,
                                   size_t& flat) {
-  const tinygltf::Node& node = d.model.nodes[n.node];
+  const Node& node = d.nodes[n.node];
   if (node.camera < 0) return {};
-  const tinygltf::Camera& c = d.model.cameras[static_cast<size_t>(node.camera)];
-  if (c.type != "perspective") return {};
+  const Lens& c = d.cameras[static_cast<size_t>(node.camera)];
+  if (!c.perspective) return {};
   Camera out;
   // A flat camera takes a name, too: at another time it may not be flat.
   out.name = names.take(c.name, node.name, "camera");
@@ -93,15 +90,15 @@ std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, Distin
     return {};
   }
   out.up = cross(out.right, out.forward);
-  out.yfov = c.perspective.yfov;
-  out.aspect = c.perspective.aspectRatio;
+  out.yfov = c.yfov;
+  out.aspect = c.aspect;
   return out;
 }
 
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), lights_(document, scene), area_lights_(document, scene) {}
+      : d_(document), scene_(scene), lights_(document, scene) {}
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
@@ -116,11 +113,11 @@ class SceneReader {
     }
     if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
     for (const PlacedNode& n : nodes)
-      if (n.visible) area_lights_.add(n, meshes.world());
+      if (n.visible) lights_.add_area_light(n, meshes.world());
     uses.resize(std::max(uses.size(), scene_.materials.size()));
     meshes.finish();
     scene_.by_blender = is_blender(generator_of(d_));
-    if (scene_.has_lamps()) scene_.lamp_units = lamp_units_of(d_, !scene_.area_lights.empty());
+    if (scene_.has_lamps()) scene_.lamp_units = lights_.units();
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     for (size_t i = 0; i < scene_.materials.size(); ++i)
       finish_material(uses[i], scene_.materials[i]);
@@ -137,13 +134,13 @@ class SceneReader {
   void add_camera(const PlacedNode& n) {
     if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
       scene_.cameras.push_back(*camera);
-    else if (d_.model.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
+    else if (d_.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
       ++orthographic_;
   }
 
   bool has_perspective_camera(const PlacedNode& n) const {
-    const int c = d_.model.nodes[n.node].camera;
-    return c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type == "perspective";
+    const int c = d_.nodes[n.node].camera;
+    return c >= 0 && d_.cameras[static_cast<size_t>(c)].perspective;
   }
 
   struct Box {
@@ -285,16 +282,15 @@ class SceneReader {
     tell(orthographic_, "orthographic camera", "is left out", "are left out");
     tell(flat_cameras_, "camera", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
-    tell(area_lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
+    tell(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
          "emit a radiance below 1e-30, which counts as none");
-    tell(lights_.flat() + area_lights_.flat(), "lamp", "is left out, as its transform is flat",
+    tell(lights_.flat(), "lamp", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
   }
 
   const Document& d_;
   Scene& scene_;
   LightReader lights_;
-  AreaLightReader area_lights_;
   DistinctNames camera_names_;
   size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
 };
@@ -320,8 +316,7 @@ struct SceneFile::Impl {
 SceneFile::SceneFile(const std::string& path, const std::vector<std::string>& animations)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->document.wanted_animations = animations;
-  open_document(path, impl_->document);
+  open_document(path, impl_->document, animations);
 }
 
 SceneFile::~SceneFile() = default;
@@ -342,7 +337,6 @@ Scene SceneFile::at(std::optional<double> seconds) {
   if (motion.moves && !seconds) scene.warnings.push_back(beginning_sentence(motion.animations));
   if (!motion.moves && seconds)
     scene.warnings.emplace_back("nothing in the scene is animated: it is the same at all times");
-  scene.warnings.insert(scene.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   SceneReader(document, scene).run();
   return scene;
 }

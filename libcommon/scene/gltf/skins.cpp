@@ -23,18 +23,18 @@ void add_scaled(Affine& sum, const Affine& a, double weight) {
 
 }  // namespace
 
-std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& p) {
+std::vector<JointSet> joint_sets_of(const Primitive& p) {
   std::vector<JointSet> out;
   for (size_t k = 0;; ++k) {
-    const auto joints = p.attributes.find(fmt::format("JOINTS_{}", k));
-    const auto weights = p.attributes.find(fmt::format("WEIGHTS_{}", k));
-    if (joints == p.attributes.end() || weights == p.attributes.end()) return out;
-    out.push_back({joints->second, weights->second});
+    const int joints = find_attribute(p.attributes, fmt::format("JOINTS_{}", k));
+    const int weights = find_attribute(p.attributes, fmt::format("WEIGHTS_{}", k));
+    if (joints < 0 || weights < 0) return out;
+    out.push_back({joints, weights});
   }
 }
 
 NodeMaps::NodeMaps(const Document& d, const std::vector<PlacedNode>& nodes)
-    : d_(d), known_(d.model.nodes.size()), to_world_(known_.size()) {
+    : d_(d), known_(d.nodes.size()), to_world_(known_.size()) {
   for (const PlacedNode& n : nodes) set(n.node, n.to_world);
 }
 
@@ -46,7 +46,7 @@ void NodeMaps::set(size_t node, const Affine& to_world) {
 void NodeMaps::find_parents() {
   parent_.assign(known_.size(), kNone);
   for (size_t i = 0; i < parent_.size(); ++i)
-    for (const int child : d_.model.nodes[i].children) parent_[static_cast<size_t>(child)] = i;
+    for (const size_t child : d_.nodes[i].children) parent_[child] = i;
 }
 
 Affine NodeMaps::to_world(size_t node) {
@@ -67,14 +67,13 @@ Affine NodeMaps::to_world(size_t node) {
   return a;
 }
 
-Skin::Skin(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin) {
-  const nlohmann::json& j = d.json["skins"][skin];
-  const size_t count = j["joints"].size();
+SkinMaps::SkinMaps(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin) {
+  const Skin& s = d.skins[skin];
+  const size_t count = s.joints.size();
   std::vector<double> m;
-  if (j.contains("inverseBindMatrices"))
-    m = read_numbers(d, j["inverseBindMatrices"].get<size_t>(), kMatrices, 0, count);
+  if (s.matrices >= 0) m = read_numbers(d, static_cast<size_t>(s.matrices), kMatrices, 0, count);
   for (size_t k = 0; k < count; ++k) {
-    joints_.push_back(nodes.to_world(j["joints"][k].get<size_t>()));
+    joints_.push_back(nodes.to_world(s.joints[k]));
     if (m.empty()) continue;
     const auto column = [&](size_t c) {
       return Vec3d(m[16 * k + 4 * c], m[16 * k + 4 * c + 1], m[16 * k + 4 * c + 2]);
@@ -83,7 +82,7 @@ Skin::Skin(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin)
   }
 }
 
-std::vector<Affine> Skin::blend(const std::vector<JointSet>& sets) const {
+std::vector<Affine> SkinMaps::blend(const std::vector<JointSet>& sets) const {
   std::vector<Affine> out;
   std::vector<double> total, lone;  // lone: the first joint of each vertex
   for (const JointSet& set : sets) {
