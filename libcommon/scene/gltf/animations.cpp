@@ -14,11 +14,11 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr Numbers kTimes = {"times", 1, true, false, false, false};
-constexpr Numbers kTranslations = {"translations", 3, true, false, false, false};
-constexpr Numbers kRotations = {"rotations", 4, true, true, true, false};
-constexpr Numbers kScales = {"scales", 3, true, false, false, false};
-constexpr Numbers kWeights = {"weights", 1, true, true, true, false};
+constexpr Numbers kTimes = {"times", 1};
+constexpr Numbers kTranslations = {"translations", 3};
+constexpr Numbers kRotations = {"rotations", 4, floats | unsigned_shares | signed_shares};
+constexpr Numbers kScales = {"scales", 3};
+constexpr Numbers kWeights = {"weights", 1, floats | unsigned_shares | signed_shares};
 
 using Values = std::vector<double>;
 

@@ -14,11 +14,19 @@
 
 namespace tdpt::gltf {
 
-/// A morph target with non-zero weight: accessors of its deltas, -1 if absent.
+/// Attributes of a vertex but for joints and weights.
+enum AttributeKind { kPosition, kNormal, kTangent, kTexCoord0, kTexCoord1, kColour, kAttributes };
+inline constexpr std::array kAttributeNames = {"POSITION",   "NORMAL",     "TANGENT",
+                                        "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+constexpr std::array<size_t, kAttributes> kAttributeComponents = {3, 3, 4, 2, 2, 4};
+
+/// By AttributeKind; -1 for those that are absent or not needed.
+using Accessors = std::array<int, kAttributes>;
+
+/// A morph target with non-zero weight, with the accessors of its deltas.
 struct MorphTarget {
   double weight = 0;
-  int position = -1, normal = -1, tangent = -1, colour = -1;
-  std::array<int, 2> uv{-1, -1};
+  Accessors accessors;
   auto operator<=>(const MorphTarget&) const = default;
 };
 
@@ -29,11 +37,9 @@ const std::vector<double>& morph_weights(const Document& document, size_t node);
 void add_position_deltas(const Document& document, const std::vector<MorphTarget>& targets,
                          std::vector<Vec3d>& positions);
 
-/// Accessors of a primitive's attributes, -1 for those that are absent or not needed. Primitives of
-/// a mesh share vertices if all of these agree.
+/// What a primitive uses. Primitives of a mesh share vertices if all of it agrees.
 struct AttributeSet {
-  int position = -1, normal = -1, tangent = -1, colour = -1;
-  std::array<int, 2> uv{-1, -1};
+  Accessors accessors;
   std::vector<MorphTarget> targets;
   std::vector<JointSet> joints;  ///< of a mesh with a skin
   auto operator<=>(const AttributeSet&) const = default;
@@ -76,10 +82,7 @@ class AttributeReader {
   void finish(size_t vertices);
 
  private:
-  std::vector<float> normals(const AttributeSet& set) const;
-  std::vector<float> tangents(const AttributeSet& set) const;
-  std::vector<float> texcoords(const AttributeSet& set, size_t k) const;
-  std::vector<float> colours(const AttributeSet& set) const;
+  std::vector<float> read(const AttributeSet& set, AttributeKind kind) const;
   void add_normals(const AttributeSet& set, const Placing& placing);
 
   const Document& d_;

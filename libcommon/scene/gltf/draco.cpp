@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <tuple>
 
 #include "libcommon/base/file.h"
@@ -14,32 +15,10 @@ namespace {
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-/// A compressed mesh, and what to decode of it.
-struct DracoRequest {
-  struct Attribute {
-    uint32_t id;         ///< Draco's unique id
-    int component_type;  ///< glTF's code of the type to convert to
-    size_t components;
-  };
-  std::string_view bytes;
-  std::vector<Attribute> attributes;
-  size_t vertices = 0, corners = 0;  ///< as declared by accessors
-};
-
-struct DracoMesh {
-  size_t vertices = 0, corners = 0;
-  std::string indices;                  ///< 32 bits per corner, triangle by triangle
-  std::vector<std::string> attributes;  ///< tightly packed
-};
-
-// Encoders split vertices where attributes meet, and some exporters do not update the counts;
-// others count triangles instead of corners. Viewers use what Draco contains.
-size_t most_corners(const DracoRequest& request) {
-  return 3 * request.corners;
-}
-size_t most_vertices(const DracoRequest& request) {
-  return std::max(request.vertices, std::min(2 * request.vertices, most_corners(request)));
-}
+// Draco has no bound on its expansion. A flat grid of a million vertices, the most regular mesh
+// with an area, is 700 times as large as its compressed bytes.
+constexpr size_t kAlways = size_t{1} << 26, kMostOfAByte = 1024;
+constexpr size_t kMost = size_t{1} << 33;  // bytes of the largest scene
 
 template <class T>
 bool convert(const draco::PointAttribute& from, size_t points, std::string& out) {
@@ -73,64 +52,27 @@ bool convert(const draco::PointAttribute& from, int type, size_t points, std::st
   }
 }
 
-/// Reads what the request asks for from a decoded mesh. The result: what is wrong with it; empty:
-/// nothing.
-std::string copy(const draco::Mesh& mesh, const DracoRequest& request, DracoMesh& out) {
-  out.vertices = mesh.num_points();
-  out.corners = size_t{3} * mesh.num_faces();
-  if (out.vertices > most_vertices(request))
-    return fmt::format("holds {} vertices, expected at most {}, as POSITION has {}", out.vertices,
-                       most_vertices(request), request.vertices);
-  if (out.corners > most_corners(request))
-    return fmt::format("holds {} corners of triangles, expected at most {}, as the indices are {}",
-                       out.corners, most_corners(request), request.corners);
+/// The mesh in `bytes`; null if it cannot be decoded.
+std::unique_ptr<draco::Mesh> decode(std::string_view bytes) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  try {
+    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+    if (decoded.ok()) return std::move(decoded).value();
+  } catch (const std::exception&) {  // a header that declares more than the memory holds
+  }
+  return nullptr;
+}
+
+std::string indices_of(const draco::Mesh& mesh) {
+  std::string out;
   for (uint32_t f = 0; f < mesh.num_faces(); ++f)
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {
       const uint32_t index = corner.value();
-      out.indices.append(reinterpret_cast<const char*>(&index), sizeof index);
+      out.append(reinterpret_cast<const char*>(&index), sizeof index);
     }
-  for (const DracoRequest::Attribute& a : request.attributes) {
-    const draco::PointAttribute* from = mesh.GetAttributeByUniqueId(a.id);
-    if (!from) return fmt::format("holds no attribute {}", a.id);
-    if (static_cast<size_t>(from->num_components()) != a.components ||
-        !convert(*from, a.component_type, out.vertices, out.attributes.emplace_back()))
-      return fmt::format("its attribute {} has other components than its accessor", a.id);
-  }
-  return "";
-}
-
-/// Bytes of the mesh with the vertices and corners that accessors declare.
-size_t declared_bytes(const DracoRequest& request) {
-  size_t of_vertex = 0;
-  for (const DracoRequest::Attribute& a : request.attributes)
-    of_vertex += bytes_of_component(a.component_type) * a.components;
-  return request.vertices * of_vertex + 4 * request.corners;
-}
-
-/// Whether it has more than those.
-bool exceeds(const DracoMesh& mesh, const DracoRequest& request) {
-  return mesh.vertices > request.vertices || mesh.corners > request.corners;
-}
-
-/// The mesh; if it cannot be decoded, `fault` says why, else it is empty. Indices are not checked
-/// against the number of vertices.
-DracoMesh decode_draco(const DracoRequest& request, std::string& fault) {
-  DracoMesh out;
-  draco::DecoderBuffer buffer;
-  buffer.Init(request.bytes.data(), request.bytes.size());
-  fault = "cannot be decoded, expected a mesh of Draco, version 2.2 at most";
-  try {
-    const auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-    if (decoded.ok() && decoded.value()) fault = copy(*decoded.value(), request, out);
-  } catch (const std::exception&) {  // a header that declares more than the memory holds
-  }
   return out;
 }
-
-// Draco has no bound on its expansion. A flat grid of a million vertices, the most regular mesh
-// with an area, is 700 times as large as its compressed bytes.
-constexpr size_t kAlways = size_t{1} << 26, kMostOfAByte = 1024;
-constexpr size_t kMost = size_t{1} << 33;  // bytes of the largest scene
 
 class DracoReader {
  public:
@@ -140,11 +82,13 @@ class DracoReader {
   void run() {
     for (size_t mesh = 0; mesh < d_.meshes.size(); ++mesh)
       for (size_t k = 0; k < d_.meshes[mesh].primitives.size(); ++k) collect(mesh, k);
-    for (const Job& job : jobs_) {
-      std::string fault;
-      DracoMesh decoded = decode_draco(job.request, fault);
-      if (!fault.empty()) d_.fail(job.where, fault);
-      put_in_place(job, decoded);
+    for (Job& job : jobs_) {
+      decode_primitive(job);
+      for (Primitive* user : job.users) {
+        user->mode = job.primitive.mode;
+        user->indices = job.primitive.indices;
+        user->attributes = job.primitive.attributes;
+      }
     }
     if (more_ > 0)
       d_.warnings.push_back(counted(more_, "mesh",
@@ -155,9 +99,9 @@ class DracoReader {
  private:
   struct Job {
     std::string where;
-    DracoRequest request;
-    std::vector<std::string> attributes;  ///< names, parallel to the request's attributes
+    Primitive primitive;
     std::vector<Primitive*> users;
+    size_t vertices, corners;  ///< as accessors declare them
   };
 
   const Accessor& accessor(int index) const { return d_.accessors[static_cast<size_t>(index)]; }
@@ -166,13 +110,8 @@ class DracoReader {
   void collect(size_t mesh, size_t k) {
     Primitive& p = d_.meshes[mesh].primitives[k];
     if (!p.draco || (!d_.draco_required && is_plain(p))) return;
-    const auto [it, is_new] =
-        known_.try_emplace({*p.draco, p.attributes, p.indices, p.mode}, jobs_.size());
-    if (is_new) {
-      Job& job = jobs_.emplace_back();
-      job.where = place("meshes", mesh) + "." + place("primitives", k) + ".extensions." + kDraco;
-      ask(p, job);
-    }
+    const auto [it, is_new] = known_.try_emplace(p, jobs_.size());
+    if (is_new) add_job(place("meshes", mesh) + "." + place("primitives", k), p);
     jobs_[it->second].users.push_back(&p);
   }
 
@@ -182,45 +121,66 @@ class DracoReader {
     return plain;
   }
 
-  void ask(const Primitive& p, Job& job) {
-    if (!p.draco->ids.contains("POSITION")) d_.fail(job.where, "has no attribute POSITION");
-    DracoRequest& r = job.request;
-    r.bytes = view_bytes(d_, p.draco->view);
-    r.vertices = accessor(p.attributes.at("POSITION")).count;
-    const size_t corners = accessor(p.indices).count;
-    r.corners = p.mode == kTriangles ? corners : 3 * corners;
+  void add_job(const std::string& owner, const Primitive& p) {
+    const std::string where = owner + ".extensions." + kDraco;
+    if (!p.draco->ids.contains("POSITION")) d_.fail(where, "has no attribute POSITION");
+    const size_t vertices = accessor(p.attributes.at("POSITION")).count;
+    const size_t corners = accessor(p.indices).count * (p.mode == kTriangles ? 1 : 3);
+    size_t bytes_of_vertex = 0;
     for (const auto& [name, id] : p.draco->ids) {
       const Accessor& a = accessor(p.attributes.at(name));
-      job.attributes.push_back(name);
-      r.attributes.push_back({id, a.component_type, components_of(a.type)});
+      bytes_of_vertex += bytes_of_component(a.component_type) * components_of(a.type);
     }
     // Checks the counts first, so that their product cannot overflow.
-    if (r.vertices > most_ || r.corners > most_ || (all_ += declared_bytes(r)) > most_)
-      d_.fail(
-          job.where,
-          fmt::format("declares {} vertices and {} corners of triangles, which brings the scene "
-                      "to more than the {} bytes expected at most",
-                      r.vertices, r.corners, most_));
-    expect_memory(d_.file, job.where,
+    if (vertices > most_ || corners > most_ ||
+        (all_ += vertices * bytes_of_vertex + 4 * corners) > most_)
+      d_.fail(where, fmt::format("declares {} vertices and {} corners of triangles, which brings "
+                                 "the scene to more than the {} bytes expected at most",
+                                 vertices, corners, most_));
+    expect_memory(d_.file, where,
                   fmt::format("{} vertices and {} corners of triangles, with those before,",
-                              r.vertices, r.corners),
+                              vertices, corners),
                   all_);
+    jobs_.push_back({where, p, {}, vertices, corners});
   }
 
-  void put_in_place(const Job& job, DracoMesh& mesh) {
-    more_ += exceeds(mesh, job.request);
-    Primitive p = *job.users.front();
-    p.mode = kTriangles;
-    put_in_place(p.indices, mesh.corners, mesh.indices).component_type = kU32;
-    for (size_t i = 0; i < job.attributes.size(); ++i)
-      put_in_place(p.attributes.at(job.attributes[i]), mesh.vertices, mesh.attributes[i]);
-    for (Primitive* user : job.users) {
-      user->mode = p.mode, user->indices = p.indices, user->attributes = p.attributes;
+  /// Makes the accessors of the job's primitive hold its mesh. Its indices are not checked against
+  /// the number of vertices.
+  void decode_primitive(Job& job) {
+    Primitive& p = job.primitive;
+    const auto mesh = decode(view_bytes(d_, p.draco->view));
+    if (!mesh)
+      d_.fail(job.where, "cannot be decoded, expected a mesh of Draco, version 2.2 at most");
+    // Encoders split vertices where attributes meet, and some exporters do not update the counts;
+    // others count triangles instead of corners. Viewers use what Draco contains.
+    const size_t vertices = mesh->num_points(), corners = size_t{3} * mesh->num_faces();
+    const size_t most_corners = 3 * job.corners;
+    const size_t most_vertices = std::max(job.vertices, std::min(2 * job.vertices, most_corners));
+    if (vertices > most_vertices)
+      d_.fail(job.where, fmt::format("holds {} vertices, expected at most {}, as POSITION has {}",
+                                     vertices, most_vertices, job.vertices));
+    if (corners > most_corners)
+      d_.fail(job.where, fmt::format("holds {} corners of triangles, expected at most {}, as the "
+                                     "indices are {}",
+                                     corners, most_corners, job.corners));
+    more_ += vertices > job.vertices || corners > job.corners;
+    for (const auto& [name, id] : p.draco->ids) {
+      const draco::PointAttribute* from = mesh->GetAttributeByUniqueId(id);
+      if (!from) d_.fail(job.where, fmt::format("holds no attribute {}", id));
+      int& index = p.attributes.at(name);
+      std::string bytes;
+      if (static_cast<size_t>(from->num_components()) != components_of(accessor(index).type) ||
+          !convert(*from, accessor(index).component_type, vertices, bytes))
+        d_.fail(job.where,
+                fmt::format("its attribute {} has other components than its accessor", id));
+      put_in_place(index, vertices, std::move(bytes));
     }
+    p.mode = kTriangles;
+    put_in_place(p.indices, corners, indices_of(*mesh)).component_type = kU32;
   }
 
   /// Makes the accessor, or a copy if it is used already, refer to `bytes`.
-  Accessor& put_in_place(int& index, size_t count, std::string& bytes) {
+  Accessor& put_in_place(int& index, size_t count, std::string bytes) {
     if (accessor(index).view >= 0) {
       d_.accessors.push_back(Accessor(accessor(index)));
       index = static_cast<int>(d_.accessors.size()) - 1;
@@ -235,13 +195,19 @@ class DracoReader {
     return a;
   }
 
+  struct ByDescription {
+    bool operator()(const Primitive& a, const Primitive& b) const {
+      return std::tie(a.draco, a.attributes, a.indices, a.mode) <
+             std::tie(b.draco, b.attributes, b.indices, b.mode);
+    }
+  };
+
   Document& d_;
   const size_t most_;  // bytes of all meshes
   size_t all_ = 0;     // bytes so far
   size_t more_ = 0;    // meshes that contain more than their accessors declare
   std::vector<Job> jobs_;
-  // By the extension, attributes, indices and mode.
-  std::map<std::tuple<Draco, Attributes, int, size_t>, size_t> known_;
+  std::map<Primitive, size_t, ByDescription> known_;  // jobs
 };
 
 }  // namespace

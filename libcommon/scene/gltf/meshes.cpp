@@ -33,9 +33,10 @@ constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
 
 /// Bytes per vertex in Scene, besides the position.
 size_t bytes_of(const AttributeSet& set) {
-  return (set.normal >= 0 ? sizeof(Vec3f) : 0) + (set.tangent >= 0 ? 4 * sizeof(float) : 0) +
-         (set.uv[0] >= 0 ? 2 * sizeof(float) : 0) + (set.uv[1] >= 0 ? 2 * sizeof(float) : 0) +
-         (set.colour >= 0 ? 4 * sizeof(float) : 0);
+  size_t bytes = 0;
+  for (size_t k = kNormal; k < kAttributes; ++k)
+    if (set.accessors[k] >= 0) bytes += kAttributeComponents[k] * sizeof(float);
+  return bytes;
 }
 
 }  // namespace
@@ -209,7 +210,7 @@ const SkinMaps& MeshReader::skin_of(size_t node) {
 
 void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
                               const Placing& placing) {
-  std::vector<Vec3d> positions = read_positions(d_, static_cast<size_t>(set.position));
+  std::vector<Vec3d> positions = read_positions(d_, static_cast<size_t>(set.accessors[kPosition]));
   add_position_deltas(d_, set.targets, positions);
   for (size_t i = 0; i < positions.size(); ++i) {
     world_.push_back(placing.of(i).point(positions[i]));
@@ -272,7 +273,7 @@ void MeshReader::note_primitive(const Key& key, const Primitive& p, const Attrib
   unnamed_material_ |= p.material < 0;
   attributes_.note_colours(set, use);
   for (size_t u = 0; u < 2; ++u)
-    if (use.uv[u] && set.uv[u] < 0) without_uv_.insert(key);
+    if (use.uv[u] && set.accessors[kTexCoord0 + u] < 0) without_uv_.insert(key);
   if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
   if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
 }

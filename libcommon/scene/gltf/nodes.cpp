@@ -180,9 +180,9 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
 
 namespace {
 
-constexpr Numbers kTranslations = {"translations", 3, true, false, false, false};
-constexpr Numbers kRotations = {"rotations", 4, true, false, true, false};
-constexpr Numbers kScales = {"scales", 3, true, false, false, false};
+constexpr Numbers kTranslations = {"translations", 3};
+constexpr Numbers kRotations = {"rotations", 4, floats | signed_shares};
+constexpr Numbers kScales = {"scales", 3};
 
 size_t count_of(const Document& d, int accessor) {
   return d.accessors[static_cast<size_t>(accessor)].count;

@@ -8,9 +8,9 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr Numbers kMatrices = {"inverse bind matrices", 16, true, false, false, false};
-constexpr Numbers kJoints = {"joints", 4, false, false, false, true};
-constexpr Numbers kWeights = {"weights", 4, true, true, false, false};
+constexpr Numbers kMatrices = {"inverse bind matrices", 16};
+constexpr Numbers kJoints = {"joints", 4, small_integers};
+constexpr Numbers kWeights = {"weights", 4, floats | unsigned_shares};
 
 constexpr size_t kNone = ~size_t{0};
 
