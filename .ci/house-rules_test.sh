@@ -69,7 +69,7 @@ expect 1 libcommon/scene/gltf/document.cpp '<meshoptimizer.h>'
 expect 1 libcommon/scene/gltf/images.cpp '<webp/decode.h>'
 expect 1 tools/lightgrid/gpu.cpp '<vulkan/vulkan.h>'
 expect 0 libcommon/draw/canvas.cpp '<pango/pangocairo.h>'
-expect 1 libcommon/draw/sheet.cpp '<cairo.h>'
+expect 1 libcommon/draw/drawing.cpp '<cairo.h>'
 expect 1 tools/portalfit/preview.cpp '<pango/pangocairo.h>'
 expect 0 tools/tdpt-render/testing/faults.h '"tools/tdpt-render/portals/portals.h"
 struct PortalSetFaults {'

@@ -1,5 +1,5 @@
 """Real buildings with known openings: how right the portals are for each camera, what finding them costs, and what they
-are worth beside portals drawn into the openings: doc/houses.md."""
+are worth beside portals drawn into the openings."""
 import json
 import math
 from collections import namedtuple

@@ -61,7 +61,6 @@ std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std:
     if (camera == now.cameras.end())
       throw InputError(display_name(scene.path), "cameras",
                        fmt::format("\"{}\" is not there at frame {}", name, k));
-    if (camera->fault) throw InputError(*camera->fault);
     frames.push_back(*camera);
     frames.back().position = scene.frame.to_canonical(camera->position);
   }

@@ -61,8 +61,9 @@ void render_one(const Vista& vista, const Integrator& integrator, uint64_t spp, 
   const RenderResult r = render(vista, integrator, how);
   pictures.spp = spp;
   pictures.cpu_seconds += r.progress->cpu_seconds;
-  pictures.work = sample_work(vista, integrator.mixture, work_costs(vista, integrator.mixture),
-                              r.tally.rays, spp * r.picture.pixels.size());
+  pictures.work =
+      sample_work(vista, integrator.mixture, work_costs(vista, integrator.mixture, false),
+                  r.tally.rays, spp * r.picture.pixels.size());
   std::vector<double>& l = pictures.luminance.emplace_back();
   for (const Rgb& p : r.picture.pixels) l.push_back(luminance(p));
 }
