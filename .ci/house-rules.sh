@@ -46,7 +46,7 @@ BEGIN {
   # Included header -> where it may be included.
   home["^draco/"] = "^libcommon/(scene/gltf/draco[.]cpp$|testing/files/compress)"
   home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf/meshopt[.]cpp$|testing/files/compress)"
-  home["^webp/"] = "^libcommon/(scene/gltf/webp[.]cpp$|testing/files/compress)"
+  home["^webp/"] = "^libcommon/(scene/gltf/images[.]cpp$|testing/files/compress)"
   home["^embree"] = "^libcommon/trace/embree[.]h$"
   home["^vulkan/"] = "^libcommon/gpu/"
   home["^openvdb/"] = "^libcommon/formats/light_grid"

@@ -10,8 +10,8 @@
 
 namespace tdpt::gltf {
 
-/// Types of components that an accessor may have, besides its bounds. Shares are normalized integers
-/// of 8 or 16 bits, mapped to [0,1] or [-1,1].
+/// Types of components that an accessor may have, besides its bounds. Shares are normalized
+/// integers of 8 or 16 bits, mapped to [0,1] or [-1,1].
 enum Components : unsigned {
   floats = 1,
   unsigned_shares = 2,

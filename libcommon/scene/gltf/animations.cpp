@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/animations.h"
+#include "libcommon/scene/gltf/nodes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -76,6 +76,37 @@ Accessors find_attributes(const Attributes& attributes) {
   return out;
 }
 
+/// With the deltas of morph targets.
+std::vector<float> read_attribute(const Document& d, const AttributeSet& set, AttributeKind kind) {
+  std::vector<float> out = read_floats(d, static_cast<size_t>(set.accessors[kind]), kStored[kind]);
+  const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
+  bool moved = false;
+  for (const MorphTarget& t : set.targets) {
+    if (t.accessors[kind] < 0) continue;
+    moved = true;
+    const std::vector<float> delta =
+        read_floats(d, static_cast<size_t>(t.accessors[kind]), kDeltas[kind]);
+    for (size_t i = 0; i < delta.size(); ++i) {
+      float& v = out[components * (i / n) + i % n];
+      v = static_cast<float>(double{v} + t.weight * double{delta[i]});
+    }
+  }
+  if (moved && kind == kColour)  // clamped, as the format prescribes
+    for (float& c : out) c = c > 0 ? std::min(c, 1.0f) : 0.0f;
+  return out;
+}
+
+void add_normals(const Document& d, const AttributeSet& set, const Placing& placing, Scene& scene) {
+  const std::vector<float> v = read_attribute(d, set, kNormal);
+  const Affine of_all = normal_map_of(placing.to_world);
+  for (size_t i = 0; i < v.size(); i += 3) {
+    const Vec3d n{v[i], v[i + 1], v[i + 2]};
+    const bool alone = !placing.of_vertices.empty();
+    const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
+    scene.normals.push_back(Vec3f(unit_or_zero(to)));
+  }
+}
+
 }  // namespace
 
 AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
@@ -118,71 +149,41 @@ void check_counts(const Document& d, const AttributeSet& set, const std::string&
   for (const MorphTarget& t : set.targets) check_all(t.accessors, "targets");
 }
 
-/// With the deltas of morph targets.
-std::vector<float> AttributeReader::read(const AttributeSet& set, AttributeKind kind) const {
-  std::vector<float> out = read_floats(d_, static_cast<size_t>(set.accessors[kind]), kStored[kind]);
-  const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
-  bool moved = false;
-  for (const MorphTarget& t : set.targets) {
-    if (t.accessors[kind] < 0) continue;
-    moved = true;
-    const std::vector<float> delta =
-        read_floats(d_, static_cast<size_t>(t.accessors[kind]), kDeltas[kind]);
-    for (size_t i = 0; i < delta.size(); ++i) {
-      float& v = out[components * (i / n) + i % n];
-      v = static_cast<float>(double{v} + t.weight * double{delta[i]});
-    }
-  }
-  if (moved && kind == kColour)  // clamped, as the format prescribes
-    for (float& c : out) c = c > 0 ? std::min(c, 1.0f) : 0.0f;
-  return out;
-}
-
-void AttributeReader::add_normals(const AttributeSet& set, const Placing& placing) {
-  const std::vector<float> v = read(set, kNormal);
-  const Affine of_all = normal_map_of(placing.to_world);
-  for (size_t i = 0; i < v.size(); i += 3) {
-    const Vec3d n{v[i], v[i + 1], v[i + 2]};
-    const bool alone = !placing.of_vertices.empty();
-    const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
-    scene_.normals.push_back(Vec3f(unit_or_zero(to)));
-  }
-}
-
-void AttributeReader::add(const AttributeSet& set, const Placing& placing, size_t first) {
+void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
+                    size_t first, Scene& scene) {
   if (set.accessors[kNormal] >= 0) {
-    pad(scene_.normals, first, Vec3f{});
-    add_normals(set, placing);
+    pad(scene.normals, first, Vec3f{});
+    add_normals(d, set, placing, scene);
   }
   if (set.accessors[kTangent] >= 0) {
-    const std::vector<float> v = read(set, kTangent);
+    const std::vector<float> v = read_attribute(d, set, kTangent);
     const float mirrored = placing.mirrors ? -1 : 1;
-    pad(scene_.tangents, first, {0, 0, 0, 1});
+    pad(scene.tangents, first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
       const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
-      scene_.tangents.push_back(
+      scene.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
     }
   }
   for (size_t k = 0; k < 2; ++k)
     if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k); set.accessors[kind] >= 0) {
-      const std::vector<float> v = read(set, kind);
-      pad(scene_.uv[k], first, {0, 0});
-      for (size_t i = 0; i < v.size(); i += 2) scene_.uv[k].push_back({v[i], v[i + 1]});
+      const std::vector<float> v = read_attribute(d, set, kind);
+      pad(scene.uv[k], first, {0, 0});
+      for (size_t i = 0; i < v.size(); i += 2) scene.uv[k].push_back({v[i], v[i + 1]});
     }
   if (set.accessors[kColour] >= 0) {
-    const std::vector<float> v = read(set, kColour);
-    pad(scene_.colours, first, kWhite);
+    const std::vector<float> v = read_attribute(d, set, kColour);
+    pad(scene.colours, first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
-      scene_.colours.push_back(
+      scene.colours.push_back(
           {within(v[i]), within(v[i + 1]), within(v[i + 2]), std::min(within(v[i + 3]), 1.0f)});
   }
 }
 
-void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) const {
+void note_colours(const Document& d, const AttributeSet& set, MaterialUse& use) {
   if (set.accessors[kColour] < 0) return;
-  const std::vector<float> v = read(set, kColour);
+  const std::vector<float> v = read_attribute(d, set, kColour);
   for (size_t i = 0; i < v.size(); ++i) {
     if (i % 4 == 3 && !use.alpha) continue;
     use.coloured |= v[i] != 1;
@@ -190,12 +191,12 @@ void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) co
   }
 }
 
-void AttributeReader::finish(size_t vertices) {
-  if (!scene_.normals.empty()) pad(scene_.normals, vertices, Vec3f{});
-  if (!scene_.tangents.empty()) pad(scene_.tangents, vertices, {0, 0, 0, 1});
-  for (auto& uv : scene_.uv)
+void fill_attributes(size_t vertices, Scene& scene) {
+  if (!scene.normals.empty()) pad(scene.normals, vertices, Vec3f{});
+  if (!scene.tangents.empty()) pad(scene.tangents, vertices, {0, 0, 0, 1});
+  for (auto& uv : scene.uv)
     if (!uv.empty()) pad(uv, vertices, {0, 0});
-  if (!scene_.colours.empty()) pad(scene_.colours, vertices, kWhite);
+  if (!scene.colours.empty()) pad(scene.colours, vertices, kWhite);
 }
 
 void mark_smooth_triangles(Scene& scene) {

@@ -17,7 +17,7 @@ namespace tdpt::gltf {
 /// Attributes of a vertex but for joints and weights.
 enum AttributeKind { kPosition, kNormal, kTangent, kTexCoord0, kTexCoord1, kColour, kAttributes };
 inline constexpr std::array kAttributeNames = {"POSITION",   "NORMAL",     "TANGENT",
-                                        "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+                                               "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
 constexpr std::array<size_t, kAttributes> kAttributeComponents = {3, 3, 4, 2, 2, 4};
 
 /// By AttributeKind; -1 for those that are absent or not needed.
@@ -68,26 +68,15 @@ struct Placing {
 /// Throws InputError if an attribute has another count than POSITION. `place`: of the primitive.
 void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
 
-class AttributeReader {
- public:
-  AttributeReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+/// Appends all attributes of a set but the positions, for the vertices from `first` on.
+void add_attributes(const Document& document, const AttributeSet& set, const Placing& placing,
+                    size_t first, Scene& scene);
 
-  /// Appends all attributes of a set but the positions, for the vertices from `first` on.
-  void add(const AttributeSet& set, const Placing& placing, size_t first);
+/// Tells the material which vertex colours its primitive has.
+void note_colours(const Document& document, const AttributeSet& set, MaterialUse& use);
 
-  /// Tells the material which vertex colours its primitive has.
-  void note_colours(const AttributeSet& set, MaterialUse& use) const;
-
-  /// Fills up the arrays in use to `vertices` elements.
-  void finish(size_t vertices);
-
- private:
-  std::vector<float> read(const AttributeSet& set, AttributeKind kind) const;
-  void add_normals(const AttributeSet& set, const Placing& placing);
-
-  const Document& d_;
-  Scene& scene_;
-};
+/// Fills up the attributes in use to `vertices` elements.
+void fill_attributes(size_t vertices, Scene& scene);
 
 /// Fills scene.smooth; drops the normals if no triangle is smooth. Call after drop_flat_triangles.
 void mark_smooth_triangles(Scene& scene);

@@ -37,12 +37,6 @@ Vec3d read_intensity(const Value& light, double number) {
   return intensity;
 }
 
-/// `v` normalised, even if very long or short; 0 if it has no direction.
-Vec3d direction_of(const Vec3d& v) {
-  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return largest > 0 ? normalize(v / largest) : Vec3d();
-}
-
 /// The map of a node without its scale, shear and mirroring: unit axes, orthogonal and
 /// right-handed, Z that of the node. Empty if the node's map destroys its Z or leaves no plane.
 std::optional<Affine> axes_of_light(const Affine& map) {

@@ -136,6 +136,11 @@ std::vector<size_t> read_roots(const Document& d) {
   return out;
 }
 
+Vec3d direction_of(const Vec3d& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return largest > 0 ? normalize(v / largest) : Vec3d();
+}
+
 Affine local_map(const Document& d, size_t index) {
   const Node& n = d.nodes[index];
   if (!n.matrix.empty()) return from_matrix(d, index, n.matrix);

@@ -9,7 +9,6 @@
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/animations.h"
 #include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/gltf/document.h"
@@ -61,38 +60,39 @@ std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
       number_words(last, 3));
 }
 
-/// `v` normalised, even if very long or short; 0 if it has no direction.
-Vec3d direction_of(const Vec3d& v) {
-  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  const Vec3d scaled = v / largest;
-  if (!(largest > 0) || !is_finite(scaled) || !(length(scaled) > 1e-9)) return {};
-  return normalize(scaled);
-}
+/// Cameras of nodes, still in metres, with distinct names, and how many are left out.
+struct Cameras {
+  std::vector<Camera> cameras;
+  size_t orthographic = 0, flat = 0;  ///< flat: the node's transform leaves it no direction
+};
 
-// The camera of a node, still in metres, with a unique name among `names`. Empty if the node has
-// none, if it is not perspective, or if the node's transform leaves it no direction: then `flat`
-// is incremented.
-std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, DistinctNames& names,
-                                  size_t& flat) {
-  const Node& node = d.nodes[n.node];
-  if (node.camera < 0) return {};
-  const Lens& c = d.cameras[static_cast<size_t>(node.camera)];
-  if (!c.perspective) return {};
-  Camera out;
-  // A flat camera takes a name, too: at another time it may not be flat.
-  out.name = names.take(c.name, node.name, "camera");
-  const Affine& a = n.to_world;
-  out.position = a.t;
-  out.forward = direction_of(-a.z);
-  out.right = direction_of(cross(out.forward, direction_of(a.y)));
-  if (out.right == Vec3d()) {
-    ++flat;
-    return {};
+Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
+  Cameras all;
+  DistinctNames names;
+  for (const PlacedNode& n : nodes) {
+    const Node& node = d.nodes[n.node];
+    if (node.camera < 0) continue;
+    const Lens& lens = d.cameras[static_cast<size_t>(node.camera)];
+    if (!lens.perspective) {
+      ++all.orthographic;
+      continue;
+    }
+    Camera out;
+    // A flat camera takes a name, too: at another time it may not be flat.
+    out.name = names.take(lens.name, node.name, "camera");
+    out.position = n.to_world.t;
+    out.forward = direction_of(-n.to_world.z);
+    out.right = direction_of(cross(out.forward, direction_of(n.to_world.y)));
+    if (out.right == Vec3d()) {
+      ++all.flat;
+      continue;
+    }
+    out.up = cross(out.right, out.forward);
+    out.yfov = lens.yfov;
+    out.aspect = lens.aspect;
+    all.cameras.push_back(out);
   }
-  out.up = cross(out.right, out.forward);
-  out.yfov = c.yfov;
-  out.aspect = c.aspect;
-  return out;
+  return all;
 }
 
 class SceneReader {
@@ -105,17 +105,16 @@ class SceneReader {
     if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
     uses.emplace_back();  // default for surfaces without a material
-    MeshReader meshes(d_, scene_, uses, nodes);
-    meshes.run();
-    for (const PlacedNode& n : nodes) {
-      add_camera(n);
-      if (n.visible) lights_.add(n);
-    }
-    if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
+    Meshes meshes = read_meshes(d_, nodes, scene_, uses);
+    const Cameras cameras = read_cameras(d_, nodes);
+    scene_.cameras = cameras.cameras;
     for (const PlacedNode& n : nodes)
-      if (n.visible) lights_.add_area_light(n, meshes.world());
+      if (n.visible) lights_.add(n);
+    if (meshes.unnamed_material) scene_.materials.emplace_back().name = "default";
+    for (const PlacedNode& n : nodes)
+      if (n.visible) lights_.add_area_light(n, meshes.world);
     uses.resize(std::max(uses.size(), scene_.materials.size()));
-    meshes.finish();
+    fill_attributes(meshes.world.size(), scene_);
     scene_.by_blender = is_blender(generator_of(d_));
     if (scene_.has_lamps()) scene_.lamp_units = lights_.units();
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
@@ -123,26 +122,14 @@ class SceneReader {
       finish_material(uses[i], scene_.materials[i]);
     if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
       scene_.colours = {};
-    bring_to_canonical(meshes.world(), meshes.grain());
+    bring_to_canonical(meshes.world, meshes.grain);
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
     scene_.needs = needs_of(scene_);
-    warn(meshes);
+    warn(meshes, cameras);
   }
 
  private:
-  void add_camera(const PlacedNode& n) {
-    if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
-      scene_.cameras.push_back(*camera);
-    else if (d_.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
-      ++orthographic_;
-  }
-
-  bool has_perspective_camera(const PlacedNode& n) const {
-    const int c = d_.nodes[n.node].camera;
-    return c >= 0 && d_.cameras[static_cast<size_t>(c)].perspective;
-  }
-
   struct Box {
     Vec3d low = Vec3d(std::numeric_limits<double>::infinity()), high = -low;
     void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
@@ -271,16 +258,16 @@ class SceneReader {
     if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
   }
 
-  void warn(const MeshReader& meshes) {
+  void warn(const Meshes& meshes, const Cameras& cameras) {
     const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
       if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
     };
-    if (meshes.unnamed_material())
+    if (meshes.unnamed_material)
       scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
     tell(dropped_, "triangle", "without area is left out", "without area are left out");
-    meshes.warn();
-    tell(orthographic_, "orthographic camera", "is left out", "are left out");
-    tell(flat_cameras_, "camera", "is left out, as its transform is flat",
+    scene_.warnings.insert(scene_.warnings.end(), meshes.warnings.begin(), meshes.warnings.end());
+    tell(cameras.orthographic, "orthographic camera", "is left out", "are left out");
+    tell(cameras.flat, "camera", "is left out, as its transform is flat",
          "are left out, as their transforms are flat");
     tell(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
          "emit a radiance below 1e-30, which counts as none");
@@ -291,18 +278,8 @@ class SceneReader {
   const Document& d_;
   Scene& scene_;
   LightReader lights_;
-  DistinctNames camera_names_;
-  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
+  size_t dropped_ = 0;  // triangles without area
 };
-
-std::vector<Camera> cameras_of(const Document& d, const std::vector<PlacedNode>& nodes) {
-  DistinctNames names;
-  size_t flat = 0;
-  std::vector<Camera> cameras;
-  for (const PlacedNode& n : nodes)
-    if (const auto camera = read_camera(d, n, names, flat)) cameras.push_back(*camera);
-  return cameras;
-}
 
 }  // namespace
 
@@ -346,7 +323,7 @@ SceneFile::Glance SceneFile::glance_at(double seconds) {
   const bool moves = impl_->go_to(seconds).moves;
   std::vector<std::string> ignored;
   const std::vector<PlacedNode> nodes = place_nodes(document, ignored);
-  return {moves ? hash_of_pose(document, nodes) : "", cameras_of(document, nodes)};
+  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes).cameras};
 }
 
 Scene read_gltf(const std::string& path, const Pose& pose) {

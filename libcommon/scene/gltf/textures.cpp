@@ -22,15 +22,16 @@ constexpr const char* kFormats[] = {"EXT_texture_webp", "KHR_texture_basisu", "E
 
 /// KHR_texture_transform: scale, then rotate, then translate. The rotation is counter-clockwise as
 /// seen on the image, whose v runs downwards.
-void set_transform(const Value& t, TextureMap& map) {
+std::array<float, 6> read_transform(const Value& t) {
   std::vector<double> offset = t["offset"].numbers(2), scale = t["scale"].numbers(2);
   if (offset.empty()) offset = {0, 0};
   if (scale.empty()) scale = {1, 1};
   const double angle = t["rotation"].number(0), c = std::cos(angle), s = std::sin(angle);
   const std::array<double, 6> m{c * scale[0],  s * scale[1], offset[0],
                                 -s * scale[0], c * scale[1], offset[1]};
-  for (size_t k = 0; k < 6; ++k)
-    map.transform[k] = static_cast<float>(std::clamp(m[k], -1e30, 1e30));
+  std::array<float, 6> out;
+  for (size_t k = 0; k < 6; ++k) out[k] = static_cast<float>(std::clamp(m[k], -1e30, 1e30));
+  return out;
 }
 
 TextureMap::Wrap read_wrap(const Value& v) {
@@ -63,12 +64,19 @@ TextureInfo read_texture_info(const Value& v) {
   out.scale = v["scale"].number(1);
   if (const Value transform = v.extension("KHR_texture_transform")) {
     out.uv_set = transform["texCoord"].integer(out.uv_set);
-    set_transform(transform, out.map);
+    out.transform = read_transform(transform);
   }
   return out;
 }
 
 TextureReader::TextureReader(const Document& d, Scene& scene) : document_(d), scene_(scene) {
+  std::vector<TextureMap> samplers;
+  for (const Value& v : d.root()["samplers"].items()) {
+    TextureMap& map = samplers.emplace_back();
+    map.nearest = read_nearest(v["magFilter"]);
+    map.wrap_u = read_wrap(v["wrapS"]);
+    map.wrap_v = read_wrap(v["wrapT"]);
+  }
   for (const Value& v : d.root()["textures"].items()) {
     Source& source = sources_.emplace_back();
     const auto add = [&](const Value& owner) {
@@ -79,11 +87,9 @@ TextureReader::TextureReader(const Document& d, Scene& scene) : document_(d), sc
       add(v.extension(format));
       if (format == kFormats[0]) add(v);
     }
-    source.sampler = v["sampler"].index("samplers");
+    if (const int sampler = v["sampler"].index("samplers"); sampler >= 0)
+      source.map = samplers[static_cast<size_t>(sampler)];
   }
-  for (const Value& v : d.root()["samplers"].items())
-    samplers_.push_back(
-        {read_nearest(v["magFilter"]), read_wrap(v["wrapS"]), read_wrap(v["wrapT"])});
   for (const Value& v : d.root()["images"].items()) {
     files_.push_back({v["uri"], v["bufferView"].index("bufferViews")});
     if (const Value uri = v["uri"]; uri && !uri.json().is_string()) uri.fail("a string");
@@ -147,7 +153,6 @@ TextureReader::Decoded& TextureReader::decoded(size_t index) {
 
 std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, Fault& fault) {
   Texture out;
-  out.map = info.map;
   const Source& texture = sources_[static_cast<size_t>(info.texture)];
   fault = {info.uv_set > 1, ""};
   if (fault.far_uv_set) return {};
@@ -165,14 +170,10 @@ std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, F
   fault.image.clear();
   const Decoded& image = *found;
 
+  out.map = texture.map;
+  out.map.transform = info.transform;
   out.map.srgb = srgb;
   out.map.uv_set = static_cast<uint8_t>(info.uv_set);
-  if (texture.sampler >= 0) {
-    const Sampler& sampler = samplers_[static_cast<size_t>(texture.sampler)];
-    out.map.nearest = sampler.nearest;
-    out.map.wrap_u = sampler.u;
-    out.map.wrap_v = sampler.v;
-  }
   out.uniform = image.uniform;
   out.encoded = image.first;
   for (size_t c = 0; c < 4; ++c)

@@ -16,8 +16,8 @@ namespace tdpt::gltf {
 /// A textureInfo, what a material says of a texture.
 struct TextureInfo {
   int texture = -1;  ///< -1: none
-  TextureMap map;    ///< only its transform
   size_t uv_set = 0;
+  std::array<float, 6> transform = TextureMap().transform;
   double scale = 1;  ///< of a normal map
   explicit operator bool() const { return texture >= 0; }
 };
@@ -72,11 +72,7 @@ class TextureReader {
 
   struct Source {
     std::vector<size_t> images;  ///< in order of preference
-    int sampler = -1;
-  };
-  struct Sampler {
-    bool nearest = false;
-    TextureMap::Wrap u = TextureMap::Wrap::repeat, v = TextureMap::Wrap::repeat;
+    TextureMap map;              ///< as its sampler says
   };
   struct File {
     Value uri;
@@ -86,7 +82,6 @@ class TextureReader {
   const Document& document_;
   Scene& scene_;
   std::vector<Source> sources_;
-  std::vector<Sampler> samplers_;
   std::vector<File> files_;
   std::map<size_t, Decoded> known_;  // by index of the image in the file
   std::string external_bytes_;
