@@ -45,7 +45,7 @@ class PortalReader {
     read_lamps_and_materials(file);
     std::vector<std::string> warnings;  // ignored: they concern pictures
     for (const PlacedNode& n : place_nodes(d_, warnings))
-      if (n.visible && d_.nodes[n.node].mesh >= 0) read_portal(n, file);
+      if (n.visible && d_.nodes[n.node].mesh != kNone) read_portal(n, file);
     return file;
   }
 
@@ -88,7 +88,7 @@ class PortalReader {
 
   void read_portal(const PlacedNode& n, PortalFile& file) {
     const Node& node = d_.nodes[n.node];
-    const auto m = static_cast<size_t>(node.mesh);
+    const size_t m = node.mesh;
     const Mesh& mesh = d_.meshes[m];
     Portal portal;
     portal.name = !node.name.empty()   ? node.name
@@ -113,10 +113,9 @@ class PortalReader {
                      Portal& portal) {
     if (!p.is_surface()) return;  // points and lines enclose no area
     const bool list = p.mode == kTriangles, strip = p.mode == kStrip;
-    const int position = find_attribute(p.attributes, "POSITION");
-    if (position < 0) d_.fail(where, "has no POSITION");
-    if (p.material >= 0) portal.both_ways |= both_ways_[static_cast<size_t>(p.material)];
-    const auto accessor = static_cast<size_t>(position);
+    const size_t accessor = find_attribute(p.attributes, "POSITION");
+    if (accessor == kNone) d_.fail(where, "has no POSITION");
+    if (p.material != kNone) portal.both_ways |= both_ways_[p.material];
     const std::vector<Vec3d> places = read_positions(d_, accessor);
     vertices_ += places.size();
     if (vertices_ > kMostVertices)
@@ -128,8 +127,8 @@ class PortalReader {
         d_.fail(place("accessors", accessor), fmt::format("vertex {} is not finite", i));
     }
     std::vector<uint32_t> corner;
-    if (p.indices >= 0) {
-      corner = read_indices(d_, static_cast<size_t>(p.indices), places.size());
+    if (p.indices != kNone) {
+      corner = read_indices(d_, p.indices, places.size());
     } else {
       corner.resize(places.size());
       std::iota(corner.begin(), corner.end(), 0u);

@@ -71,8 +71,8 @@ template <class Begin, class Set>
 void for_elements(const Document& d, const std::string& where, const Accessor& a, size_t size,
                   size_t first, size_t most, const Begin& begin, const Set& set) {
   Elements stored{nullptr, 0, 0}, index = stored, value = stored;
-  if (a.view >= 0)
-    stored = elements(d, where, static_cast<size_t>(a.view), a.offset, a.count, size, true);
+  if (a.view != kNone)
+    stored = elements(d, where, a.view, a.offset, a.count, size, true);
   else if (a.count > d.bytes.size())  // a tiny file could declare any count of zeros
     d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
                               "of the file",
@@ -163,7 +163,7 @@ Sparse read_sparse(const Value& v) {
   out.count = v["count"].needed().integer(0, 1);
   const Value indices = v["indices"].needed(), values = v["values"].needed();
   const auto view = [](const Value& owner) {
-    return static_cast<size_t>(owner["bufferView"].needed().index("bufferViews"));
+    return owner["bufferView"].needed().index("bufferViews");
   };
   out.index_view = view(indices);
   out.index_offset = indices["byteOffset"].integer(0);

@@ -154,8 +154,7 @@ class Animator {
   /// Number of morph targets of a node's mesh, the same for all its primitives.
   size_t targets_of(const Node& n) const {
     size_t most = 0;
-    for (const Primitive& p : d_.meshes[static_cast<size_t>(n.mesh)].primitives)
-      most = std::max(most, p.targets.size());
+    for (const Primitive& p : d_.meshes[n.mesh].primitives) most = std::max(most, p.targets.size());
     return most;
   }
 
@@ -176,23 +175,22 @@ class ChannelReader {
     };
     std::vector<Sampler> samplers;
     for (const Value& s : v["samplers"].items())
-      samplers.push_back({static_cast<size_t>(s["input"].needed().index("accessors")),
-                          static_cast<size_t>(s["output"].needed().index("accessors")),
+      samplers.push_back({s["input"].needed().index("accessors"),
+                          s["output"].needed().index("accessors"),
                           s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0)});
     for (const Value& c : v["channels"].items()) {
       const Value target = c["target"].needed(), path = target["path"].needed();
-      const int node = target["node"].index("nodes");
-      const int sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
+      const size_t node = target["node"].index("nodes");
+      const size_t sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
       if (path.text() == "pointer") {
         ++pointers_;
         continue;
       }
       const auto moved = static_cast<Channel::Path>(
           path.one_of({"translation", "rotation", "scale", "weights"}, 0));
-      if (node < 0) continue;  // an extension says what it moves
-      const Sampler& s = samplers[static_cast<size_t>(sampler)];
-      add({static_cast<size_t>(node), moved, s.input, s.output, static_cast<Channel::Way>(s.way)},
-          out);
+      if (node == kNone) continue;  // an extension says what it moves
+      const Sampler& s = samplers[sampler];
+      add({node, moved, s.input, s.output, static_cast<Channel::Way>(s.way)}, out);
     }
   }
 
@@ -217,7 +215,7 @@ class ChannelReader {
       ++again_;
     else if (!weights && !n.matrix.empty())
       ++matrices_;
-    else if (!weights || n.mesh >= 0)
+    else if (!weights || n.mesh != kNone)
       out.channels.push_back(c);
   }
 

@@ -78,14 +78,13 @@ Accessors find_attributes(const Attributes& attributes) {
 
 /// With the deltas of morph targets.
 std::vector<float> read_attribute(const Document& d, const AttributeSet& set, AttributeKind kind) {
-  std::vector<float> out = read_floats(d, static_cast<size_t>(set.accessors[kind]), kStored[kind]);
+  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind]);
   const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
   bool moved = false;
   for (const MorphTarget& t : set.targets) {
-    if (t.accessors[kind] < 0) continue;
+    if (t.accessors[kind] == kNone) continue;
     moved = true;
-    const std::vector<float> delta =
-        read_floats(d, static_cast<size_t>(t.accessors[kind]), kDeltas[kind]);
+    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind]);
     for (size_t i = 0; i < delta.size(); ++i) {
       float& v = out[components * (i / n) + i % n];
       v = static_cast<float>(double{v} + t.weight * double{delta[i]});
@@ -113,10 +112,10 @@ AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
                                const Deformation& deformation) {
   AttributeSet set;
   Accessors& a = set.accessors = find_attributes(p.attributes);
-  if (!use.tangents || a[kNormal] < 0) a[kTangent] = -1;  // meaningless without normals
+  if (!use.tangents || a[kNormal] == kNone) a[kTangent] = kNone;  // meaningless without normals
   for (size_t k = 0; k < 2; ++k)
-    if (!use.uv[k]) a[kTexCoord0 + k] = -1;
-  if (!use.colours) a[kColour] = -1;
+    if (!use.uv[k]) a[kTexCoord0 + k] = kNone;
+  if (!use.colours) a[kColour] = kNone;
   if (deformation.skinned) set.joints = joint_sets_of(p);
   const std::vector<double>& weights = deformation.weights;
   for (size_t i = 0; i < std::min(p.targets.size(), weights.size()); ++i) {
@@ -124,16 +123,16 @@ AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
     MorphTarget& t = set.targets.emplace_back();
     t = {weights[i], find_attributes(p.targets[i])};
     for (size_t k = 0; k < kAttributes; ++k)
-      if (a[k] < 0) t.accessors[k] = -1;  // a delta of an absent attribute has no effect
+      if (a[k] == kNone) t.accessors[k] = kNone;  // a delta of an absent attribute has no effect
   }
   return set;
 }
 
 void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
-  const auto count = [&](int accessor) { return d.accessors[static_cast<size_t>(accessor)].count; };
+  const auto count = [&](size_t accessor) { return d.accessors[accessor].count; };
   const size_t vertices = count(set.accessors[kPosition]);
-  const auto check = [&](int accessor, const char* owner, const std::string& name) {
-    if (accessor >= 0 && count(accessor) != vertices)
+  const auto check = [&](size_t accessor, const char* owner, const std::string& name) {
+    if (accessor != kNone && count(accessor) != vertices)
       d.fail(where + "." + owner + "." + name,
              fmt::format("has {}, expected {} as POSITION has",
                          tdpt::counted(count(accessor), "element"), vertices));
@@ -151,11 +150,11 @@ void check_counts(const Document& d, const AttributeSet& set, const std::string&
 
 void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
                     size_t first, Scene& scene) {
-  if (set.accessors[kNormal] >= 0) {
+  if (set.accessors[kNormal] != kNone) {
     pad(scene.normals, first, Vec3f{});
     add_normals(d, set, placing, scene);
   }
-  if (set.accessors[kTangent] >= 0) {
+  if (set.accessors[kTangent] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kTangent);
     const float mirrored = placing.mirrors ? -1 : 1;
     pad(scene.tangents, first, {0, 0, 0, 1});
@@ -167,12 +166,13 @@ void add_attributes(const Document& d, const AttributeSet& set, const Placing& p
     }
   }
   for (size_t k = 0; k < 2; ++k)
-    if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k); set.accessors[kind] >= 0) {
+    if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k);
+        set.accessors[kind] != kNone) {
       const std::vector<float> v = read_attribute(d, set, kind);
       pad(scene.uv[k], first, {0, 0});
       for (size_t i = 0; i < v.size(); i += 2) scene.uv[k].push_back({v[i], v[i + 1]});
     }
-  if (set.accessors[kColour] >= 0) {
+  if (set.accessors[kColour] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kColour);
     pad(scene.colours, first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
@@ -182,7 +182,7 @@ void add_attributes(const Document& d, const AttributeSet& set, const Placing& p
 }
 
 void note_colours(const Document& d, const AttributeSet& set, MaterialUse& use) {
-  if (set.accessors[kColour] < 0) return;
+  if (set.accessors[kColour] == kNone) return;
   const std::vector<float> v = read_attribute(d, set, kColour);
   for (size_t i = 0; i < v.size(); ++i) {
     if (i % 4 == 3 && !use.alpha) continue;
@@ -228,16 +228,16 @@ void mark_smooth_triangles(Scene& scene) {
 
 const std::vector<double>& morph_weights(const Document& d, size_t node) {
   const Node& n = d.nodes[node];
-  if (!n.weights.empty() || n.mesh < 0) return n.weights;
-  return d.meshes[static_cast<size_t>(n.mesh)].weights;
+  if (!n.weights.empty() || n.mesh == kNone) return n.weights;
+  return d.meshes[n.mesh].weights;
 }
 
 void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targets,
                          std::vector<Vec3d>& positions) {
   for (const MorphTarget& t : targets) {
-    const int accessor = t.accessors[kPosition];
-    if (accessor < 0) continue;
-    const std::vector<Vec3d> deltas = read_positions(d, static_cast<size_t>(accessor));
+    const size_t accessor = t.accessors[kPosition];
+    if (accessor == kNone) continue;
+    const std::vector<Vec3d> deltas = read_positions(d, accessor);
     for (size_t i = 0; i < deltas.size(); ++i) positions[i] += deltas[i] * t.weight;
   }
 }

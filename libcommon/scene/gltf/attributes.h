@@ -20,8 +20,8 @@ inline constexpr std::array kAttributeNames = {"POSITION",   "NORMAL",     "TANG
                                                "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
 constexpr std::array<size_t, kAttributes> kAttributeComponents = {3, 3, 4, 2, 2, 4};
 
-/// By AttributeKind; -1 for those that are absent or not needed.
-using Accessors = std::array<int, kAttributes>;
+/// By AttributeKind; kNone for those that are absent or not needed.
+using Accessors = std::array<size_t, kAttributes>;
 
 /// A morph target with non-zero weight, with the accessors of its deltas.
 struct MorphTarget {

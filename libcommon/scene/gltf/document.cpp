@@ -161,9 +161,8 @@ Primitive read_primitive(const Document& d, const Value& v) {
   p.attributes = read_attributes(v["attributes"].needed());
   p.draco = read_draco(v, p);
   for (const Value& target : v["targets"].items()) p.targets.push_back(read_attributes(target));
-  if (p.indices >= 0 && d.accessors[static_cast<size_t>(p.indices)].view < 0 && !p.draco)
-    d.fail(place("accessors", static_cast<size_t>(p.indices)) + ".bufferView",
-           "is missing, indices need one");
+  if (p.indices != kNone && d.accessors[p.indices].view == kNone && !p.draco)
+    d.fail(place("accessors", p.indices) + ".bufferView", "is missing, indices need one");
   return p.is_surface() ? p : Primitive{p.mode};  // points and lines are not rendered
 }
 
@@ -215,7 +214,7 @@ void open_document(const std::string& path, Document& d,
 
 BufferView read_view(const Value& v) {
   BufferView out;
-  out.buffer = static_cast<size_t>(v["buffer"].needed().index("buffers"));
+  out.buffer = v["buffer"].needed().index("buffers");
   out.offset = v["byteOffset"].integer(0);
   out.length = v["byteLength"].needed().integer(0, 1);
   out.stride = v["byteStride"].integer(0, 4, 252);
@@ -231,9 +230,9 @@ bool is_read_attribute(const std::string& name) {
          std::find(kRead.begin(), kRead.end(), name) != kRead.end();
 }
 
-int find_attribute(const Attributes& attributes, const std::string& name) {
+size_t find_attribute(const Attributes& attributes, const std::string& name) {
   const auto found = attributes.find(name);
-  return found == attributes.end() ? -1 : found->second;
+  return found == attributes.end() ? kNone : found->second;
 }
 
 Mesh read_mesh(const Document& d, const Value& v) {

@@ -31,7 +31,7 @@ struct Sparse {
 };
 
 struct Accessor {
-  int view = -1;  ///< -1: zeros
+  size_t view = kNone;  ///< kNone: zeros
   size_t offset = 0, count = 0;
   int component_type = kFloat;
   ElementType type = ElementType::scalar;
@@ -52,7 +52,7 @@ struct BufferView {
   std::optional<Meshopt> meshopt{};
 };
 
-using Attributes = std::map<std::string, int>;  ///< accessors by name; those that are read
+using Attributes = std::map<std::string, size_t>;  ///< accessors by name; those that are read
 
 /// KHR_draco_mesh_compression of a primitive.
 struct Draco {
@@ -65,15 +65,15 @@ constexpr size_t kTriangles = 4, kStrip = 5, kFan = 6;  // modes; points and lin
 
 struct Primitive {
   size_t mode = kTriangles;
-  int indices = -1, material = -1;
+  size_t indices = kNone, material = kNone;
   Attributes attributes{};
   std::vector<Attributes> targets{};
   std::optional<Draco> draco{};
   bool is_surface() const { return mode >= kTriangles; }
 };
 
-/// The accessor of an attribute; -1: none.
-int find_attribute(const Attributes& attributes, const std::string& name);
+/// The accessor of an attribute, or kNone.
+size_t find_attribute(const Attributes& attributes, const std::string& name);
 
 struct Mesh {
   std::string name;
@@ -90,7 +90,7 @@ struct Lens {
 
 /// A light of EXT_lights_ies at a node.
 struct Luminaire {
-  int light = -1;
+  size_t light = kNone;
   double multiplier = 1;
   Vec3d colour{1};
 };
@@ -98,21 +98,24 @@ struct Luminaire {
 struct Node {
   std::string name;
   std::vector<size_t> children;
-  int mesh = -1, camera = -1, skin = -1;
-  int lamp = -1, area_light = -1;  ///< of KHR_lights_punctual, EXT_lights_area
+  size_t mesh = kNone, camera = kNone, skin = kNone;
+  size_t lamp = kNone, area_light = kNone;  ///< of KHR_lights_punctual, EXT_lights_area
   Luminaire luminaire;
-  bool hidden = false;                       ///< by KHR_node_visibility
-  std::array<int, 3> instances{-1, -1, -1};  ///< accessors of translations, rotations and scales
-  std::vector<double> matrix;                ///< empty: the three below count
+  bool hidden = false;  ///< by KHR_node_visibility
+  std::array<size_t, 3> instances{kNone, kNone,
+                                  kNone};  ///< accessors of translations, rotations and scales
+  std::vector<double> matrix;              ///< empty: the three below count
   Vec3d translation{}, scale{1};
   std::array<double, 4> rotation{0, 0, 0, 1};
   std::vector<double> weights;  ///< of morph targets
-  bool holds_light() const { return lamp >= 0 || luminaire.light >= 0 || area_light >= 0; }
+  bool holds_light() const {
+    return lamp != kNone || luminaire.light != kNone || area_light != kNone;
+  }
 };
 
 struct Skin {
   std::vector<size_t> joints;
-  int matrices = -1;  ///< accessor of inverse bind matrices
+  size_t matrices = kNone;  ///< accessor of inverse bind matrices
 };
 
 /// What moves a property of a node.

@@ -104,7 +104,7 @@ class DracoReader {
     size_t vertices, corners;  ///< as accessors declare them
   };
 
-  const Accessor& accessor(int index) const { return d_.accessors[static_cast<size_t>(index)]; }
+  const Accessor& accessor(size_t index) const { return d_.accessors[index]; }
 
   /// Adds a primitive to those to be decoded. Primitives with the same description share one mesh.
   void collect(size_t mesh, size_t k) {
@@ -116,8 +116,9 @@ class DracoReader {
   }
 
   bool is_plain(const Primitive& p) const {
-    bool plain = accessor(p.indices).view >= 0;
-    for (const auto& [name, id] : p.draco->ids) plain &= accessor(p.attributes.at(name)).view >= 0;
+    bool plain = accessor(p.indices).view != kNone;
+    for (const auto& [name, id] : p.draco->ids)
+      plain &= accessor(p.attributes.at(name)).view != kNone;
     return plain;
   }
 
@@ -167,7 +168,7 @@ class DracoReader {
     for (const auto& [name, id] : p.draco->ids) {
       const draco::PointAttribute* from = mesh->GetAttributeByUniqueId(id);
       if (!from) d_.fail(job.where, fmt::format("holds no attribute {}", id));
-      int& index = p.attributes.at(name);
+      size_t& index = p.attributes.at(name);
       std::string bytes;
       if (static_cast<size_t>(from->num_components()) != components_of(accessor(index).type) ||
           !convert(*from, accessor(index).component_type, vertices, bytes))
@@ -180,13 +181,13 @@ class DracoReader {
   }
 
   /// Makes the accessor, or a copy if it is used already, refer to `bytes`.
-  Accessor& put_in_place(int& index, size_t count, std::string bytes) {
-    if (accessor(index).view >= 0) {
+  Accessor& put_in_place(size_t& index, size_t count, std::string bytes) {
+    if (accessor(index).view != kNone) {
       d_.accessors.push_back(Accessor(accessor(index)));
-      index = static_cast<int>(d_.accessors.size()) - 1;
+      index = d_.accessors.size() - 1;
     }
-    Accessor& a = d_.accessors[static_cast<size_t>(index)];
-    a.view = static_cast<int>(d_.views.size());
+    Accessor& a = d_.accessors[index];
+    a.view = d_.views.size();
     a.offset = 0;
     a.count = count;
     d_.views.push_back({d_.buffers.size(), 0, bytes.size(), 0, {}});
@@ -216,14 +217,14 @@ std::optional<Draco> read_draco(const Value& primitive, const Primitive& read) {
   const Value extension = primitive.extension(kDraco);
   if (!extension) return {};
   Draco out;
-  out.view = static_cast<size_t>(extension["bufferView"].needed().index("bufferViews"));
+  out.view = extension["bufferView"].needed().index("bufferViews");
   for (const auto& [name, id] : extension["attributes"].needed().members()) {
     if (!is_read_attribute(name)) continue;
     out.ids[name] = static_cast<uint32_t>(id.integer(0, 0, 4294967295.0));
     if (!read.attributes.contains(name))
       primitive["attributes"][name.c_str()].needed("but is compressed by Draco");
   }
-  if (read.indices < 0 && read.is_surface())
+  if (read.indices == kNone && read.is_surface())
     primitive["indices"].needed("meshes compressed by Draco have some");
   return out;
 }

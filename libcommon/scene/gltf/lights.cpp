@@ -86,7 +86,7 @@ LightReader::Lamp LightReader::read_lamp(const Value& v) {
 
 LightReader::Profile LightReader::read_profile(const Value& v) {
   const Profile out{v["name"].text(), v["uri"].text(), v["bufferView"].index("bufferViews")};
-  if (out.view < 0) v["uri"].needed("a profile needs one or a bufferView");
+  if (out.view == kNone) v["uri"].needed("a profile needs one or a bufferView");
   return out;
 }
 
@@ -109,8 +109,8 @@ LightReader::LightReader(const Document& d, Scene& scene) : d_(d), scene_(scene)
 
 void LightReader::add(const PlacedNode& n) {
   const Node& node = d_.nodes[n.node];
-  if (node.lamp >= 0) add_lamp(n, lamps_[static_cast<size_t>(node.lamp)]);
-  if (node.luminaire.light >= 0) add_luminaire(n, node.luminaire);
+  if (node.lamp != kNone) add_lamp(n, lamps_[node.lamp]);
+  if (node.luminaire.light != kNone) add_luminaire(n, node.luminaire);
 }
 
 void LightReader::add_lamp(const PlacedNode& n, const Lamp& lamp) {
@@ -131,16 +131,16 @@ void LightReader::add_lamp(const PlacedNode& n, const Lamp& lamp) {
 
 std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
   const Profile& p = profiles_[index];
-  std::shared_ptr<const LightProfile>& known = known_[{p.view, p.view < 0 ? p.uri : ""}];
+  std::shared_ptr<const LightProfile>& known = known_[{p.view, p.view == kNone ? p.uri : ""}];
   if (known) return known;
   const std::string where = fmt::format("extensions.{}.{}", kIes, place("lights", index));
   std::string file, owned;
-  if (p.view < 0) owned = read_uri(d_, p.uri, where + ".uri", file);
+  if (p.view == kNone) owned = read_uri(d_, p.uri, where + ".uri", file);
   if (!file.empty()) {
     scene_.files.push_back(file);
     scene_.hash = content_hash(scene_.hash + owned);
   }
-  const std::string_view text = p.view < 0 ? owned : view_bytes(d_, static_cast<size_t>(p.view));
+  const std::string_view text = p.view == kNone ? owned : view_bytes(d_, p.view);
   bytes_of_profiles_ += text.size();
   expect_memory(d_.file, where, fmt::format("{} bytes of profiles", bytes_of_profiles_),
                 kMostPerByte * bytes_of_profiles_);
@@ -150,7 +150,7 @@ std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
 }
 
 void LightReader::add_luminaire(const PlacedNode& n, const Luminaire& luminaire) {
-  const auto index = static_cast<size_t>(luminaire.light);
+  const size_t index = luminaire.light;
   PunctualLight out;
   out.name = profiles_[index].name.empty() ? d_.nodes[n.node].name : profiles_[index].name;
   out.profile = profile(index);
@@ -206,9 +206,9 @@ void to_canonical(const Document& d, const Frame& frame, PunctualLight& light) {
 }
 
 void LightReader::add_area_light(const PlacedNode& n, std::vector<Vec3d>& world) {
-  const int index = d_.nodes[n.node].area_light;
-  if (index < 0) return;
-  const AreaLamp& l = area_lamps_[static_cast<size_t>(index)];
+  const size_t index = d_.nodes[n.node].area_light;
+  if (index == kNone) return;
+  const AreaLamp& l = area_lamps_[index];
   if (max_component(l.radiance) <= 0) return;
   if (max_component(l.radiance) < kFaintestEmission) {
     ++faint_;

@@ -47,7 +47,7 @@ class LightReader {
   };
   struct Profile {
     std::string name, uri;
-    int view = -1;  ///< -1: the uri counts
+    size_t view = kNone;  ///< kNone: the uri counts
   };
   struct AreaLamp {
     std::string name;
@@ -71,7 +71,7 @@ class LightReader {
   std::vector<AreaLamp> area_lamps_;
   size_t flat_ = 0, faint_ = 0;
   uint64_t bytes_of_profiles_ = 0;
-  std::map<std::pair<int, std::string>, std::shared_ptr<const LightProfile>>
+  std::map<std::pair<size_t, std::string>, std::shared_ptr<const LightProfile>>
       known_;  // by view, uri
 };
 

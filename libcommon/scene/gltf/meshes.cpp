@@ -28,9 +28,9 @@ constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
 // Morph targets and joints cost only time.
 constexpr size_t kMostBends = size_t{1} << 31;
 
-/// The mesh shown by a node, -1 for none.
-int mesh_of(const Document& d, const PlacedNode& n) {
-  return n.visible ? d.nodes[n.node].mesh : -1;
+/// The mesh shown by a node, or kNone.
+size_t mesh_of(const Document& d, const PlacedNode& n) {
+  return n.visible ? d.nodes[n.node].mesh : kNone;
 }
 
 // Temporary memory per vertex of a skinned primitive: its map, joints and weights.
@@ -40,7 +40,7 @@ constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
 size_t bytes_of(const AttributeSet& set) {
   size_t bytes = 0;
   for (size_t k = kNormal; k < kAttributes; ++k)
-    if (set.accessors[k] >= 0) bytes += kAttributeComponents[k] * sizeof(float);
+    if (set.accessors[k] != kNone) bytes += kAttributeComponents[k] * sizeof(float);
   return bytes;
 }
 
@@ -83,7 +83,7 @@ class MeshReader {
   Meshes run() {
     make_room();
     for (const PlacedNode& n : nodes_)
-      if (mesh_of(d_, n) >= 0) add_node(n);
+      if (mesh_of(d_, n) != kNone) add_node(n);
     warn();
     return std::move(out_);
   }
@@ -97,25 +97,25 @@ class MeshReader {
     const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
                  most_bends = most(kMostBends);
     // A count beyond the file's bytes is wrong, and is refused with its place when it is read.
-    const auto count = [&](int accessor) {
-      return std::min(d_.accessors[static_cast<size_t>(accessor)].count, bytes);
+    const auto count = [&](size_t accessor) {
+      return std::min(d_.accessors[accessor].count, bytes);
     };
     size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
     for (const PlacedNode& n : nodes_) {
-      if (n.visible && d_.nodes[n.node].area_light >= 0) {  // far fewer than the limits
+      if (n.visible && d_.nodes[n.node].area_light != kNone) {  // far fewer than the limits
         vertices += kMostOfAreaLight;
         triangles += kMostOfAreaLight;
       }
-      const int mesh = mesh_of(d_, n);
-      if (mesh < 0) continue;
+      const size_t mesh = mesh_of(d_, n);
+      if (mesh == kNone) continue;
       const Deformation deformation = deformation_of(n.node);
       // Clamped so that no product overflows.
       const size_t times =
           deformation.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
       std::set<AttributeSet> seen;
-      for (const Primitive& p : d_.meshes[static_cast<size_t>(mesh)].primitives) {
-        const int position = find_attribute(p.attributes, "POSITION");
-        if (position < 0) continue;
+      for (const Primitive& p : d_.meshes[mesh].primitives) {
+        const size_t position = find_attribute(p.attributes, "POSITION");
+        if (position == kNone) continue;
         const size_t points = std::min(count(position), kMostVertices + 1);
         if (p.is_surface()) {
           const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
@@ -129,7 +129,7 @@ class MeshReader {
           }
         }
         const size_t corners =
-            std::min(count(p.indices >= 0 ? p.indices : position), 3 * kMostTriangles + 3);
+            std::min(count(p.indices != kNone ? p.indices : position), 3 * kMostTriangles + 3);
         triangles += times * (p.mode == kTriangles ? corners / 3 : corners);
         if (vertices > most_vertices || triangles > most_triangles)
           d_.fail(
@@ -153,15 +153,15 @@ class MeshReader {
   }
 
   Deformation deformation_of(size_t node) const {
-    return {morph_weights(d_, node), d_.nodes[node].skin >= 0};
+    return {morph_weights(d_, node), d_.nodes[node].skin != kNone};
   }
 
   const std::vector<Primitive>& primitives_of(const PlacedNode& n) const {
-    return d_.meshes[static_cast<size_t>(d_.nodes[n.node].mesh)].primitives;
+    return d_.meshes[d_.nodes[n.node].mesh].primitives;
   }
 
   size_t material_of(const Primitive& p) const {
-    return p.material < 0 ? uses_.size() - 1 : static_cast<size_t>(p.material);
+    return p.material == kNone ? uses_.size() - 1 : p.material;
   }
 
   void add_node(const PlacedNode& n) {
@@ -182,7 +182,7 @@ class MeshReader {
 
   void add_mesh(const PlacedNode& n, const Deformation& deformation,
                 const std::optional<Affine>& to_world) {
-    const auto mesh = static_cast<size_t>(d_.nodes[n.node].mesh);
+    const size_t mesh = d_.nodes[n.node].mesh;
     struct Shared {
       uint32_t first;
       Placing placing;
@@ -196,8 +196,8 @@ class MeshReader {
         ++no_surfaces_;
         continue;
       }
-      const int position = find_attribute(p.attributes, "POSITION");
-      if (position < 0) {
+      const size_t position = find_attribute(p.attributes, "POSITION");
+      if (position == kNone) {
         without_positions_.insert({mesh, k});
         continue;
       }
@@ -213,11 +213,11 @@ class MeshReader {
         it = known.emplace(set, Shared{first, std::move(placing)}).first;
       }
       const auto& [first, placing] = it->second;
-      const size_t vertices = d_.accessors[static_cast<size_t>(position)].count;
+      const size_t vertices = d_.accessors[position].count;
       const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
       add_triangles(corner, first, placing.mirrors, material_of(p));
-      if (p.material >= 0) note_bubble(scene_.materials[material_of(p)], corner, first);
-      note_grain(placing.to_world, static_cast<size_t>(position), corner, first);
+      if (p.material != kNone) note_bubble(scene_.materials[material_of(p)], corner, first);
+      note_grain(placing.to_world, position, corner, first);
       note_primitive({mesh, k}, p, set, deformation);
     }
   }
@@ -235,13 +235,12 @@ class MeshReader {
   }
 
   const SkinMaps& skin_of(size_t node) {
-    const auto skin = static_cast<size_t>(d_.nodes[node].skin);
+    const size_t skin = d_.nodes[node].skin;
     return skins_.try_emplace(skin, d_, skin, maps_).first->second;
   }
 
   void add_vertices(const PlacedNode& n, const AttributeSet& set, const Placing& placing) {
-    std::vector<Vec3d> positions =
-        read_positions(d_, static_cast<size_t>(set.accessors[kPosition]));
+    std::vector<Vec3d> positions = read_positions(d_, set.accessors[kPosition]);
     add_position_deltas(d_, set.targets, positions);
     for (size_t i = 0; i < positions.size(); ++i) {
       out_.world.push_back(placing.of(i).point(positions[i]));
@@ -252,8 +251,8 @@ class MeshReader {
 
   std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const Key& key) {
     std::vector<uint32_t> list;
-    if (p.indices >= 0) {
-      list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
+    if (p.indices != kNone) {
+      list = read_indices(d_, p.indices, vertices);
     } else {
       list.resize(vertices);
       for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
@@ -302,10 +301,10 @@ class MeshReader {
   void note_primitive(const Key& key, const Primitive& p, const AttributeSet& set,
                       const Deformation& deformation) {
     MaterialUse& use = uses_[material_of(p)];
-    out_.unnamed_material |= p.material < 0;
+    out_.unnamed_material |= p.material == kNone;
     note_colours(d_, set, use);
     for (size_t u = 0; u < 2; ++u)
-      if (use.uv[u] && set.accessors[kTexCoord0 + u] < 0) without_uv_.insert(key);
+      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone) without_uv_.insert(key);
     if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
     if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
   }
@@ -365,10 +364,10 @@ class MeshReader {
 std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
   std::vector<bool> used(d.root()["materials"].size());
   for (const PlacedNode& n : nodes) {
-    const int mesh = mesh_of(d, n);
-    if (mesh < 0) continue;
-    for (const Primitive& p : d.meshes[static_cast<size_t>(mesh)].primitives)
-      if (p.is_surface() && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
+    const size_t mesh = mesh_of(d, n);
+    if (mesh == kNone) continue;
+    for (const Primitive& p : d.meshes[mesh].primitives)
+      if (p.is_surface() && p.material != kNone) used[p.material] = true;
   }
   return used;
 }

@@ -36,7 +36,7 @@ void expect_stride(const Meshopt& e, const Value& v) {
 Meshopt read_extension(const Value& v, const char* name, size_t stride) {
   Meshopt e;
   e.extension = name;
-  e.buffer = static_cast<size_t>(v["buffer"].needed().index("buffers"));
+  e.buffer = v["buffer"].needed().index("buffers");
   e.offset = v["byteOffset"].integer(0);
   e.length = v["byteLength"].needed().integer(0, 1);
   e.stride = v["byteStride"].needed().integer(0, 1, 256);

@@ -11,15 +11,13 @@ namespace tdpt::gltf {
 
 namespace {
 
-constexpr size_t kNone = ~size_t{0};
-
 constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 constexpr const char* kAttributes[] = {"TRANSLATION", "ROTATION", "SCALE"};
 
-/// The index of a light in the list of an extension, -1 if the node has none.
-int read_light(const Value& node, const char* extension) {
+/// The index of a light in the list of an extension, kNone if the node has none.
+size_t read_light(const Value& node, const char* extension) {
   const Value light = node.extension(extension);
-  if (!light) return -1;
+  if (!light) return kNone;
   return light["light"].needed().index_below(node.root().extension(extension)["lights"].size(),
                                              "lights");
 }
@@ -121,7 +119,7 @@ std::vector<size_t> read_roots(const Document& d) {
   std::vector<bool> seen(d.nodes.size());
   std::vector<size_t> out;
   const std::vector<Value> scenes = d.root()["scenes"].items();
-  const auto shown = static_cast<size_t>(std::max(d.root()["scene"].index("scenes"), 0));
+  const size_t named = d.root()["scene"].index("scenes"), shown = named == kNone ? 0 : named;
   for (size_t i = 0; i < scenes.size(); ++i)
     for (const size_t node : scenes[i]["nodes"].indices("nodes")) {
       if (i != shown) continue;
@@ -189,19 +187,19 @@ constexpr Numbers kTranslations = {"translations", 3};
 constexpr Numbers kRotations = {"rotations", 4, floats | signed_shares};
 constexpr Numbers kScales = {"scales", 3};
 
-size_t count_of(const Document& d, int accessor) {
-  return d.accessors[static_cast<size_t>(accessor)].count;
+size_t count_of(const Document& d, size_t accessor) {
+  return d.accessors[accessor].count;
 }
 
 }  // namespace
 
 size_t instances_declared(const Document& d, size_t node) {
-  const std::array<int, 3>& all = d.nodes[node].instances;
-  const auto first = std::find_if(all.begin(), all.end(), [](int a) { return a >= 0; });
+  const std::array<size_t, 3>& all = d.nodes[node].instances;
+  const auto first = std::find_if(all.begin(), all.end(), [](size_t a) { return a != kNone; });
   if (first == all.end()) return 1;
   const size_t count = count_of(d, *first);
   for (size_t k = 0; k < 3; ++k)
-    if (all[k] >= 0 && count_of(d, all[k]) != count)
+    if (all[k] != kNone && count_of(d, all[k]) != count)
       d.fail(fmt::format("nodes[{}].extensions.{}.attributes.{}", node, kInstances, kAttributes[k]),
              fmt::format("count is {}, expected {} as of {}", count_of(d, all[k]), count,
                          kAttributes[first - all.begin()]));
@@ -210,10 +208,9 @@ size_t instances_declared(const Document& d, size_t node) {
 
 std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
   const size_t count = instances_declared(d, n.node);
-  const std::array<int, 3>& accessors = d.nodes[n.node].instances;
+  const std::array<size_t, 3>& accessors = d.nodes[n.node].instances;
   const auto read = [&](size_t k, const Numbers& numbers) {
-    return accessors[k] < 0 ? std::vector<double>{}
-                            : read_numbers(d, static_cast<size_t>(accessors[k]), numbers);
+    return accessors[k] == kNone ? std::vector<double>{} : read_numbers(d, accessors[k], numbers);
   };
   const std::vector<double> t = read(0, kTranslations), r = read(1, kRotations),
                             s = read(2, kScales);
@@ -227,7 +224,7 @@ std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
     if (!r.empty()) rotation = {r[4 * i], r[4 * i + 1], r[4 * i + 2], r[4 * i + 3]};
     const auto map = affine_of(vec(t, 0), rotation, vec(s, 1));
     if (!map)
-      d.fail(place("accessors", static_cast<size_t>(accessors[1])),
+      d.fail(place("accessors", accessors[1]),
              fmt::format("rotation {} is zero, expected a unit quaternion", i));
     out.push_back(n.to_world * *map);
   }

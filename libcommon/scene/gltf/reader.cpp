@@ -35,18 +35,18 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
   const auto add = [&](const auto& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   };
-  std::set<int> skins;
+  std::set<size_t> skins;
   for (const PlacedNode& n : nodes) {
     const Node& node = d.nodes[n.node];
-    const bool counts = n.visible && (node.mesh >= 0 || node.holds_light());
+    const bool counts = n.visible && (node.mesh != kNone || node.holds_light());
     if (!counts) continue;
     add(n.node), add(n.to_world), add(node.weights.size());
     for (const double w : node.weights) add(w);
-    if (node.skin >= 0) skins.insert(node.skin);
+    if (node.skin != kNone) skins.insert(node.skin);
   }
   NodeMaps maps(d, nodes);
-  for (const int skin : skins)
-    for (const size_t joint : d.skins[static_cast<size_t>(skin)].joints) add(maps.to_world(joint));
+  for (const size_t skin : skins)
+    for (const size_t joint : d.skins[skin].joints) add(maps.to_world(joint));
   return content_hash(bytes);
 }
 
@@ -71,8 +71,8 @@ Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
   DistinctNames names;
   for (const PlacedNode& n : nodes) {
     const Node& node = d.nodes[n.node];
-    if (node.camera < 0) continue;
-    const Lens& lens = d.cameras[static_cast<size_t>(node.camera)];
+    if (node.camera == kNone) continue;
+    const Lens& lens = d.cameras[node.camera];
     if (!lens.perspective) {
       ++all.orthographic;
       continue;

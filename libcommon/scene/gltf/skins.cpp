@@ -12,8 +12,6 @@ constexpr Numbers kMatrices = {"inverse bind matrices", 16};
 constexpr Numbers kJoints = {"joints", 4, small_integers};
 constexpr Numbers kWeights = {"weights", 4, floats | unsigned_shares};
 
-constexpr size_t kNone = ~size_t{0};
-
 void add_scaled(Affine& sum, const Affine& a, double weight) {
   sum.x += a.x * weight;
   sum.y += a.y * weight;
@@ -26,9 +24,9 @@ void add_scaled(Affine& sum, const Affine& a, double weight) {
 std::vector<JointSet> joint_sets_of(const Primitive& p) {
   std::vector<JointSet> out;
   for (size_t k = 0;; ++k) {
-    const int joints = find_attribute(p.attributes, fmt::format("JOINTS_{}", k));
-    const int weights = find_attribute(p.attributes, fmt::format("WEIGHTS_{}", k));
-    if (joints < 0 || weights < 0) return out;
+    const size_t joints = find_attribute(p.attributes, fmt::format("JOINTS_{}", k));
+    const size_t weights = find_attribute(p.attributes, fmt::format("WEIGHTS_{}", k));
+    if (joints == kNone || weights == kNone) return out;
     out.push_back({joints, weights});
   }
 }
@@ -71,7 +69,7 @@ SkinMaps::SkinMaps(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), ski
   const Skin& s = d.skins[skin];
   const size_t count = s.joints.size();
   std::vector<double> m;
-  if (s.matrices >= 0) m = read_numbers(d, static_cast<size_t>(s.matrices), kMatrices, 0, count);
+  if (s.matrices != kNone) m = read_numbers(d, s.matrices, kMatrices, 0, count);
   for (size_t k = 0; k < count; ++k) {
     joints_.push_back(nodes.to_world(s.joints[k]));
     if (m.empty()) continue;
@@ -86,8 +84,8 @@ std::vector<Affine> SkinMaps::blend(const std::vector<JointSet>& sets) const {
   std::vector<Affine> out;
   std::vector<double> total, lone;  // lone: the first joint of each vertex
   for (const JointSet& set : sets) {
-    const std::vector<double> joint = read_numbers(d_, static_cast<size_t>(set.joints), kJoints);
-    const std::vector<double> weight = read_numbers(d_, static_cast<size_t>(set.weights), kWeights);
+    const std::vector<double> joint = read_numbers(d_, set.joints, kJoints);
+    const std::vector<double> weight = read_numbers(d_, set.weights, kWeights);
     const size_t vertices = joint.size() / 4;
     if (out.empty()) {
       out.assign(vertices, {{}, {}, {}, {}});
@@ -98,7 +96,7 @@ std::vector<Affine> SkinMaps::blend(const std::vector<JointSet>& sets) const {
       if (weight[i] == 0) continue;
       const auto k = static_cast<size_t>(joint[i]);
       if (k >= joints_.size())
-        d_.fail(place("accessors", static_cast<size_t>(set.joints)),
+        d_.fail(place("accessors", set.joints),
                 fmt::format("joint {} of vertex {} is out of range, skins[{}] has {} joints", k,
                             i / 4, skin_, joints_.size()));
       add_scaled(out[i / 4], joints_[k], weight[i]);

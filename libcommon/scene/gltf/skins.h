@@ -13,7 +13,7 @@ namespace tdpt::gltf {
 
 /// Accessors of one set of up to four joints per vertex.
 struct JointSet {
-  int joints, weights;
+  size_t joints, weights;
   auto operator<=>(const JointSet&) const = default;
 };
 

@@ -80,15 +80,15 @@ TextureReader::TextureReader(const Document& d, Scene& scene) : document_(d), sc
   for (const Value& v : d.root()["textures"].items()) {
     Source& source = sources_.emplace_back();
     const auto add = [&](const Value& owner) {
-      if (const int image = owner["source"].index("images"); image >= 0)
-        source.images.push_back(static_cast<size_t>(image));
+      if (const size_t image = owner["source"].index("images"); image != kNone)
+        source.images.push_back(image);
     };
     for (const char* format : kFormats) {
       add(v.extension(format));
       if (format == kFormats[0]) add(v);
     }
-    if (const int sampler = v["sampler"].index("samplers"); sampler >= 0)
-      source.map = samplers[static_cast<size_t>(sampler)];
+    if (const size_t sampler = v["sampler"].index("samplers"); sampler != kNone)
+      source.map = samplers[sampler];
   }
   for (const Value& v : d.root()["images"].items()) {
     files_.push_back({v["uri"], v["bufferView"].index("bufferViews")});
@@ -98,7 +98,7 @@ TextureReader::TextureReader(const Document& d, Scene& scene) : document_(d), sc
 
 std::string_view TextureReader::bytes_of(size_t index, std::string& owned) {
   const File& f = files_[index];
-  if (f.view >= 0) return view_bytes(document_, static_cast<size_t>(f.view));
+  if (f.view != kNone) return view_bytes(document_, f.view);
   if (!f.uri) return {};
   const std::string where = place("images", index);
   std::string file;
@@ -153,7 +153,7 @@ TextureReader::Decoded& TextureReader::decoded(size_t index) {
 
 std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, Fault& fault) {
   Texture out;
-  const Source& texture = sources_[static_cast<size_t>(info.texture)];
+  const Source& texture = sources_[info.texture];
   fault = {info.uv_set > 1, ""};
   if (fault.far_uv_set) return {};
   const Decoded* found = nullptr;

@@ -15,11 +15,11 @@ namespace tdpt::gltf {
 
 /// A textureInfo, what a material says of a texture.
 struct TextureInfo {
-  int texture = -1;  ///< -1: none
+  size_t texture = kNone;
   size_t uv_set = 0;
   std::array<float, 6> transform = TextureMap().transform;
   double scale = 1;  ///< of a normal map
-  explicit operator bool() const { return texture >= 0; }
+  explicit operator bool() const { return texture != kNone; }
 };
 
 /// Throws InputError.
@@ -76,7 +76,7 @@ class TextureReader {
   };
   struct File {
     Value uri;
-    int view = -1;
+    size_t view = kNone;
   };
 
   const Document& document_;

@@ -160,18 +160,18 @@ size_t Value::integer(size_t otherwise, double low, double high) const {
   return static_cast<size_t>(json_->get<double>());
 }
 
-int Value::index_below(size_t n, const char* noun) const {
-  if (!json_) return -1;
-  const double last = std::min(static_cast<double>(n), 2147483647.0) - 1;
-  if (!is_integer(0, last)) fail(fmt::format("an index into the {} {}", n, noun));
-  return static_cast<int>(json_->get<double>());
+size_t Value::index_below(size_t n, const char* noun) const {
+  if (!json_) return kNone;
+  if (!is_integer(0, static_cast<double>(n) - 1))
+    fail(fmt::format("an index into the {} {}", n, noun));
+  return static_cast<size_t>(json_->get<double>());
 }
 
 std::vector<size_t> Value::indices(const char* section) const {
   std::vector<size_t> out;
   if (!json_) return out;
   if (!json_->is_array()) fail("an array of indices");
-  for (const Value& v : items()) out.push_back(static_cast<size_t>(v.index(section)));
+  for (const Value& v : items()) out.push_back(v.index(section));
   return out;
 }
 

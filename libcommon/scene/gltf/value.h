@@ -18,6 +18,7 @@ namespace tdpt::gltf {
 
 using Json = nlohmann::json;
 
+constexpr size_t kNone = ~size_t{0};  ///< no index
 constexpr double kAny = 1.7e308, kMostInteger = 9007199254740992.0;
 
 /// Parses the JSON of a glTF file. Throws InputError if it is malformed or nested too deeply.
@@ -50,11 +51,11 @@ class Value {
   double number(double otherwise, double low = -kAny, double high = kAny) const;
   double number_above_0(double otherwise) const;
   size_t integer(size_t otherwise, double low = 0, double high = kMostInteger) const;
-  /// An index into a section of the file, or among `n` of something; -1 if absent.
-  int index(const char* section) const {
-    return json_ ? index_below(root()[section].size(), section) : -1;
+  /// An index into a section of the file, or among `n` of something; kNone if absent.
+  size_t index(const char* section) const {
+    return json_ ? index_below(root()[section].size(), section) : kNone;
   }
-  int index_below(size_t n, const char* noun) const;
+  size_t index_below(size_t n, const char* noun) const;
   std::vector<size_t> indices(const char* section) const;
   bool boolean(bool otherwise) const;
   std::string text(const std::string& otherwise = "") const;
