@@ -14,7 +14,7 @@
 namespace tdpt::gltf {
 namespace {
 
-enum Kind { unlit, far_uv_set, clamped, faint, kinds };
+enum Approximation { unlit, far_uv_set, clamped, faint, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
@@ -88,7 +88,7 @@ class MaterialReader {
   /// `used`: by a surface; else the values are read to find faults alone.
   Material read(const Value& v, size_t index, bool used, MaterialUse& use) {
     counts_ = used;
-    told_.fill(false);
+    is_counted_.fill(false);
     Material m;
     m.name = v["name"].text();
     called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
@@ -119,26 +119,27 @@ class MaterialReader {
   }
 
   void finish() {
-    tell_left_out();
+    warn_of_left_out();
     for (size_t k = 0; k < kinds; ++k)
       if (count_[k] > 0)
         scene_.warnings.push_back(
             counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
             kSentences[k].rest);
-    tell_undecodable();
+    warn_of_undecodable();
     if (!textures_.external_bytes().empty())
       scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
   }
 
  private:
-  void tell(Kind kind) {
+  /// Counts each material once.
+  void count(Approximation kind) {
     if (!counts_) return;
-    if (!told_[kind]) ++count_[kind];
-    told_[kind] = true;
+    if (!is_counted_[kind]) ++count_[kind];
+    is_counted_[kind] = true;
   }
 
   void note(const char* name, const TextureReader::Fault& fault) {
-    if (fault.far_uv_set) tell(far_uv_set);
+    if (fault.far_uv_set) count(far_uv_set);
     if (!fault.image.empty())
       undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
                                          std::string_view(name).ends_with("ormalTexture")
@@ -146,7 +147,7 @@ class MaterialReader {
                                              : "its factor alone is used"));
   }
 
-  void tell_undecodable() {
+  void warn_of_undecodable() {
     const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
     scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
                            undecodable_.begin() + static_cast<ptrdiff_t>(named));
@@ -210,7 +211,7 @@ class MaterialReader {
     if (rgba.empty()) rgba = {1, 1, 1, 1};
     const Vec3d colour =
         conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
-    if (max_component(colour) > 1) tell(clamped);
+    if (max_component(colour) > 1) count(clamped);
     m.base_color = Rgb(min(colour, Vec3d(1)));
     m.alpha_mode =
         static_cast<Material::Alpha>(v["alphaMode"].one_of({"OPAQUE", "MASK", "BLEND"}, 0));
@@ -361,18 +362,18 @@ class MaterialReader {
   }
 
   /// Reports ignored features; the number of different extensions in a file is unbounded.
-  void tell_left_out() {
+  void warn_of_left_out() {
     constexpr size_t kMost = 8;
-    const auto tell = [&](const std::string& words, const std::vector<std::string>& names) {
+    const auto add = [&](const std::string& words, const std::vector<std::string>& names) {
       scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
     };
-    size_t told = 0;
+    size_t named = 0;
     for (const auto& [words, names] : unknown_)
-      if (told++ < kMost) tell(words, names);
-    if (told > kMost)
-      scene_.warnings.push_back(counted(told - kMost, "more extension", "of materials is left out",
+      if (named++ < kMost) add(words, names);
+    if (named > kMost)
+      scene_.warnings.push_back(counted(named - kMost, "more extension", "of materials is left out",
                                         "of materials are left out"));
-    for (const auto& [words, names] : left_out_) tell(words, names);
+    for (const auto& [words, names] : left_out_) add(words, names);
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
@@ -389,7 +390,7 @@ class MaterialReader {
       v.fail_because(
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
     if (max_component(radiance) > 0 && max_component(radiance) < kFaintestEmission) {
-      tell(faint);
+      count(faint);
       maps_[MAP_EMISSION].reset();
       return;
     }
@@ -397,7 +398,7 @@ class MaterialReader {
   }
 
   void make_unlit(Material& m) {
-    tell(unlit);
+    count(unlit);
     m.emission = m.base_color;
     m.base_color = Rgb(0.0f);
     if (base() && !is_black(m.emission)) maps_[MAP_EMISSION] = base();
@@ -432,7 +433,7 @@ class MaterialReader {
   bool glossy_ = false;  // the current one is specular-glossiness
   bool counts_ = false;  // what is read of it matters
   std::array<size_t, kinds> count_{};
-  std::array<bool, kinds> told_{};  // for the current material
+  std::array<bool, kinds> is_counted_{};  // for the current material
 };
 
 }  // namespace

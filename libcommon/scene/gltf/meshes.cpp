@@ -319,7 +319,7 @@ class MeshReader {
   }
 
   void warn() {
-    const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
       if (n > 0) out_.warnings.push_back(counted(n, noun, one, many));
     };
     if (bubbles_ > 0)
@@ -329,20 +329,20 @@ class MeshReader {
                       "it, not solid glass",
                       tdpt::counted(bubbles_, "closed mesh"),
                       bubbles_ == 1 ? "transmits" : "transmit", first_bubble_));
-    tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
-    tell(without_positions_.size(), "primitive", "has no positions, and is left out",
-         "have no positions, and are left out");
-    tell(incomplete_.size(), "primitive", "has corners left that make no triangle",
-         "have corners left that make no triangle");
-    tell(without_uv_.size(), "primitive",
-         "lacks the texture coordinates that its material asks for: taken as 0",
-         "lack the texture coordinates that their materials ask for: taken as 0");
-    tell(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
-         "have vertex colours, which are left out");
-    tell(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
-         "of skinned meshes have no joints: placed by their nodes");
-    tell(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
-         "are placed once, not as their instances ask for");
+    add(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+    add(without_positions_.size(), "primitive", "has no positions, and is left out",
+        "have no positions, and are left out");
+    add(incomplete_.size(), "primitive", "has corners left that make no triangle",
+        "have corners left that make no triangle");
+    add(without_uv_.size(), "primitive",
+        "lacks the texture coordinates that its material asks for: taken as 0",
+        "lack the texture coordinates that their materials ask for: taken as 0");
+    add(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
+        "have vertex colours, which are left out");
+    add(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
+        "of skinned meshes have no joints: placed by their nodes");
+    add(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
+        "are placed once, not as their instances ask for");
   }
 
   const Document& d_;

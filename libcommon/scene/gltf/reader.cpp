@@ -130,23 +130,23 @@ class SceneReader {
   }
 
  private:
-  struct Box {
+  struct Extent {
     Vec3d low = Vec3d(std::numeric_limits<double>::infinity()), high = -low;
     void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
-    bool touches(const Box& o) const {
+    bool touches(const Extent& o) const {
       return max_component(low - o.high) <= 0 && max_component(o.low - high) <= 0;
     }
     Vec3d middle() const { return low * 0.5 + high * 0.5; }
     double longest() const { return max_component(high - low); }
   };
 
-  // The box that the frame is made for: of all triangles, unless others than those around the
+  // The extent that the frame is made for: of all triangles, unless others than those around the
   // cameras lie very much farther away. Floats are fine near the origin, so the room of the cameras
   // must be there, whatever stands at the horizon.
-  Box box_of_frame(const std::vector<Vec3d>& world, const Box& all) {
+  Extent extent_of_frame(const std::vector<Vec3d>& world, const Extent& all) {
     // A box of 2^8 times the room's size costs it 8 of the 24 bits of floats.
     constexpr double kFarther = 256;
-    Box cameras;
+    Extent cameras;
     for (const Camera& c : scene_.cameras) cameras.add(c.position);
     const Vec3d middle = cameras.low.x <= cameras.high.x ? cameras.middle() : middle_of(world);
     std::vector<double> distances;
@@ -161,7 +161,7 @@ class SceneReader {
     const auto near = gap(least);
     if (near == distances.end()) return all;
     const auto far = gap(std::max(least, all.longest() / kLargestReach));
-    Box room;
+    Extent room;
     for (const Triangle& t : scene_.triangles)
       if (far != distances.end() && distance_of(t, world, middle) <= *far)
         for (uint32_t v : t.vertex) room.add(world[v]);
@@ -173,7 +173,7 @@ class SceneReader {
       return all;
     }
     for (const Triangle& t : scene_.triangles) {
-      Box own;
+      Extent own;
       for (uint32_t v : t.vertex) own.add(world[v]);
       // Floats hold where a ray meets such a triangle only if it lies across an axis.
       const Vec3d d = own.high - own.low;
@@ -214,7 +214,7 @@ class SceneReader {
   }
 
   void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
-    Box all;
+    Extent all;
     for (const Triangle& t : scene_.triangles)
       for (uint32_t v : t.vertex) all.add(world[v]);
     const double longest = all.longest();
@@ -226,11 +226,11 @@ class SceneReader {
           fmt::format("the scene lies so far from the origin that its vertices are known to {} "
                       "m only, {} of its size",
                       number_words(grain, 1), number_words(grain / longest, 1)));
-    const Box box = box_of_frame(world, all);
+    const Extent extent = extent_of_frame(world, all);
     int exponent = 0;
-    const double mantissa = std::frexp(box.longest(), &exponent);  // in [0.5, 1)
+    const double mantissa = std::frexp(extent.longest(), &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
-    scene_.frame.centre = box.middle();
+    scene_.frame.centre = extent.middle();
     const double reach = 2 * longest * scene_.frame.scale;  // of any used vertex
     scene_.positions.reserve(world.size() + 1);  // one more, so that a Tracer needs no copy
     for (const Vec3d& p : world)
@@ -259,20 +259,20 @@ class SceneReader {
   }
 
   void warn(const Meshes& meshes, const Cameras& cameras) {
-    const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
       if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
     };
     if (meshes.unnamed_material)
       scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
-    tell(dropped_, "triangle", "without area is left out", "without area are left out");
+    add(dropped_, "triangle", "without area is left out", "without area are left out");
     scene_.warnings.insert(scene_.warnings.end(), meshes.warnings.begin(), meshes.warnings.end());
-    tell(cameras.orthographic, "orthographic camera", "is left out", "are left out");
-    tell(cameras.flat, "camera", "is left out, as its transform is flat",
-         "are left out, as their transforms are flat");
-    tell(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
-         "emit a radiance below 1e-30, which counts as none");
-    tell(lights_.flat(), "lamp", "is left out, as its transform is flat",
-         "are left out, as their transforms are flat");
+    add(cameras.orthographic, "orthographic camera", "is left out", "are left out");
+    add(cameras.flat, "camera", "is left out, as its transform is flat",
+        "are left out, as their transforms are flat");
+    add(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
+        "emit a radiance below 1e-30, which counts as none");
+    add(lights_.flat(), "lamp", "is left out, as its transform is flat",
+        "are left out, as their transforms are flat");
   }
 
   const Document& d_;
