@@ -65,10 +65,6 @@ bool is_black(const Rgb& c) {
   return max_component(c) <= 0;
 }
 
-bool is_more_than_0(const Value& v) {
-  return v.json().is_array() ? max_component(v.triple({})) > 0 : v.number(0) > 0;
-}
-
 /// "material "a"", "materials "a", "b", "c" and 2 more".
 std::string listed(const std::vector<std::string>& names) {
   constexpr size_t kMost = 3;
@@ -352,8 +348,11 @@ class MaterialReader {
           std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
-        if (is_more_than_0(value[known->factor]) && counts_)
-          left_out_[known->words].push_back(name);
+        const Value factor = value[known->factor];
+        const double most = std::string_view(known->factor).ends_with("Color")
+                                ? max_component(factor.triple({}))
+                                : factor.number(0);
+        if (most > 0 && counts_) left_out_[known->words].push_back(name);
       } else if (counts_ && extension.find("_materials_") != extension.npos &&
                  !is_supported(extension)) {
         unknown_[shown(extension, 60)].push_back(name);
