@@ -44,10 +44,9 @@ BEGIN {
   inside["run"] = inside["plan"] "plan device "
   inside["main.cpp"] = inside["run"] "run "
   # Included header -> where it may be included.
-  home["^tiny_gltf"] = "^libcommon/(scene|testing)/|^libcommon/formats/portal"
   home["^draco/"] = "^libcommon/(scene/gltf/draco[.]cpp$|testing/files/compress)"
   home["^meshoptimizer[.]h"] = "^libcommon/(scene/gltf/meshopt[.]cpp$|testing/files/compress)"
-  home["^webp/"] = "^libcommon/(scene/gltf/webp[.]cpp$|testing/files/compress)"
+  home["^webp/"] = "^libcommon/(scene/gltf/images[.]cpp$|testing/files/compress)"
   home["^embree"] = "^libcommon/trace/embree[.]h$"
   home["^vulkan/"] = "^libcommon/gpu/"
   home["^openvdb/"] = "^libcommon/formats/light_grid"

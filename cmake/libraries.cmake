@@ -43,7 +43,6 @@ function(tdpt_library_name link out)
     PkgConfig::PANGOCAIRO "Pango ${PANGOCAIRO_VERSION}"
     PkgConfig::WEBP "libwebp ${WEBP_VERSION}"
     TBB::tbb "oneTBB ${TBB_VERSION}"
-    TinyGLTF::TinyGLTF "tinygltf ${TinyGLTF_VERSION}"
     Vulkan::Headers "Vulkan-Headers ${Vulkan_VERSION}"
     Xxhash::xxhash "xxHash ${Xxhash_VERSION}"
     ZLIB::ZLIB "zlib ${ZLIB_VERSION_STRING}"

@@ -41,11 +41,11 @@ class PortalReader {
     file.hash = d_.hash;
     file.files = d_.files;
     read_asset(file);
-    file.cameras = d_.model.cameras.size();
-    file.lamps = lamps();
+    file.cameras = d_.cameras.size();
+    read_lamps_and_materials(file);
     std::vector<std::string> warnings;  // ignored: they concern pictures
     for (const PlacedNode& n : place_nodes(d_, warnings))
-      if (n.visible && d_.model.nodes[n.node].mesh >= 0) read_portal(n, file);
+      if (n.visible && d_.nodes[n.node].mesh != kNone) read_portal(n, file);
     return file;
   }
 
@@ -77,26 +77,19 @@ class PortalReader {
       file.made_for.push_back(text);
   }
 
-  size_t lamps() const {
-    size_t n = 0;
-    const Json none;
-    const Json& extensions = d_.json.value("extensions", none);
+  void read_lamps_and_materials(PortalFile& file) {
     for (const char* name : {"KHR_lights_punctual", "EXT_lights_ies", "EXT_lights_area"})
-      if (const auto at = extensions.find(name); at != extensions.end())
-        n += at->value("lights", none).size();
-    for (const Json& material : d_.json.value("materials", none))
-      for (const Json& e : material.value("emissiveFactor", none))
-        if (e.get<double>() > 0) {
-          ++n;
-          break;
-        }
-    return n;
+      file.lamps += d_.root().extension(name)["lights"].size();
+    for (const Value& material : d_.root()["materials"].items()) {
+      file.lamps += max_component(material["emissiveFactor"].triple({}, 0)) > 0;
+      both_ways_.push_back(material["doubleSided"].boolean(false));
+    }
   }
 
   void read_portal(const PlacedNode& n, PortalFile& file) {
-    const tinygltf::Node& node = d_.model.nodes[n.node];
-    const auto m = static_cast<size_t>(node.mesh);
-    const tinygltf::Mesh& mesh = d_.model.meshes[m];
+    const Node& node = d_.nodes[n.node];
+    const size_t m = node.mesh;
+    const Mesh& mesh = d_.meshes[m];
     Portal portal;
     portal.name = !node.name.empty()   ? node.name
                   : !mesh.name.empty() ? mesh.name
@@ -116,18 +109,13 @@ class PortalReader {
     file.portals.push_back(std::move(portal));
   }
 
-  void add_primitive(const tinygltf::Primitive& p, const std::string& where, const Affine& map,
+  void add_primitive(const Primitive& p, const std::string& where, const Affine& map,
                      Portal& portal) {
-    const bool list = p.mode == TINYGLTF_MODE_TRIANGLES,
-               strip = p.mode == TINYGLTF_MODE_TRIANGLE_STRIP,
-               fan = p.mode == TINYGLTF_MODE_TRIANGLE_FAN;
-    if (!list && !strip && !fan) return;  // points and lines enclose no area
-    const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) d_.fail(where, "has no POSITION");
-    if (p.material >= 0)
-      portal.both_ways |=
-          d_.json.at("materials").at(static_cast<size_t>(p.material)).value("doubleSided", false);
-    const auto accessor = static_cast<size_t>(position->second);
+    if (!p.is_surface()) return;  // points and lines enclose no area
+    const bool list = p.mode == kTriangles, strip = p.mode == kStrip;
+    const size_t accessor = find_attribute(p.attributes, "POSITION");
+    if (accessor == kNone) d_.fail(where, "has no POSITION");
+    if (p.material != kNone) portal.both_ways |= both_ways_[p.material];
     const std::vector<Vec3d> places = read_positions(d_, accessor);
     vertices_ += places.size();
     if (vertices_ > kMostVertices)
@@ -139,8 +127,8 @@ class PortalReader {
         d_.fail(place("accessors", accessor), fmt::format("vertex {} is not finite", i));
     }
     std::vector<uint32_t> corner;
-    if (p.indices >= 0) {
-      corner = read_indices(d_, static_cast<size_t>(p.indices), places.size());
+    if (p.indices != kNone) {
+      corner = read_indices(d_, p.indices, places.size());
     } else {
       corner.resize(places.size());
       std::iota(corner.begin(), corner.end(), 0u);
@@ -169,6 +157,7 @@ class PortalReader {
   }
 
   const Document& d_;
+  std::vector<bool> both_ways_;  // by material
   size_t vertices_ = 0, triangles_ = 0;
 };
 

@@ -7,19 +7,13 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr int kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kFloat = 5126;
+// In the order of ElementType.
+constexpr const char* kTypes[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
+constexpr size_t kComponents[] = {1, 2, 3, 4, 4, 9, 16};
 
-size_t bytes_of(int component_type) {
-  switch (component_type) {
-    case kI8:
-    case kU8:
-      return 1;
-    case kI16:
-    case kU16:
-      return 2;
-    default:
-      return 4;
-  }
+/// A scalar, a vector or a matrix of 4 x 4.
+ElementType type_of(size_t components) {
+  return components == 16 ? ElementType::mat4 : static_cast<ElementType>(components - 1);
 }
 
 /// `count` elements, `stride` bytes apart, all inside a buffer.
@@ -35,16 +29,6 @@ T load(const char* at) {
   return value;
 }
 
-bool is_unsigned(int component_type) {
-  return component_type == kU8 || component_type == kU16;
-}
-
-uint32_t load_index(const char* at, int type) {
-  if (type == kU8) return load<uint8_t>(at);
-  if (type == kU16) return load<uint16_t>(at);
-  return load<uint32_t>(at);
-}
-
 double load_component(const char* at, int type, bool normalized) {
   switch (type) {
     case kI8:
@@ -55,6 +39,8 @@ double load_component(const char* at, int type, bool normalized) {
       return normalized ? std::max(load<int16_t>(at) / 32767.0, -1.0) : load<int16_t>(at);
     case kU16:
       return normalized ? load<uint16_t>(at) / 65535.0 : load<uint16_t>(at);
+    case kU32:
+      return load<uint32_t>(at);
     default:
       return load<float>(at);
   }
@@ -64,7 +50,7 @@ double load_component(const char* at, int type, bool normalized) {
 Elements elements(const Document& d, const std::string& where, size_t view, size_t offset,
                   size_t count, size_t size, bool may_stride) {
   const std::string_view bytes = view_bytes(d, view);
-  const size_t declared = d.model.bufferViews[view].byteStride;
+  const size_t declared = d.views[view].stride;
   const size_t stride = declared > 0 && may_stride ? declared : size;
   if (stride < size)
     d.fail(where,
@@ -78,197 +64,181 @@ Elements elements(const Document& d, const std::string& where, size_t view, size
   return {bytes.data() + offset, stride, count};
 }
 
-/// Iterates over a sparse accessor: calls `set(element, bytes of its value)` for each replaced
-/// element.
-template <class Set>
-void apply_sparse(const Document& d, const std::string& accessor, const tinygltf::Accessor& a,
-                  size_t size, const Set& set) {
-  if (!a.sparse.isSparse) return;
-  const std::string where = accessor + ".sparse";
-  const int type = a.sparse.indices.componentType;
-  if (type != kU8 && type != kU16 && type != kU32)
-    d.fail(where + ".indices.componentType",
-           fmt::format("is {}, expected 5121, 5123 or 5125", type));
-  const auto count = static_cast<size_t>(a.sparse.count);
-  const auto at = [&](int offset) { return static_cast<size_t>(offset); };
-  const Elements index = elements(d, where + ".indices", at(a.sparse.indices.bufferView),
-                                  at(a.sparse.indices.byteOffset), count, bytes_of(type), false);
-  const Elements value = elements(d, where + ".values", at(a.sparse.values.bufferView),
-                                  at(a.sparse.values.byteOffset), count, size, false);
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t k = load_index(index.data + i * index.stride, type);
-    if (k >= a.count)
-      d.fail(where + ".indices",
-             fmt::format("index {} is out of range, the accessor has {} elements", k, a.count));
-    set(k, value.data + i * value.stride);
-  }
-}
-
-/// Calls `set(element, its first component, distance of components)` for each element, `most` at
-/// most, that is stored in the accessor's bufferView, from `first` on, or among its sparse values.
-/// Without a bufferView the other elements are zero.
-template <class Set>
-void for_elements(const Document& d, const std::string& where, const tinygltf::Accessor& a,
-                  size_t components, const Set& set, size_t first = 0, size_t most = SIZE_MAX) {
-  const size_t size = components * bytes_of(a.componentType);
-  if (a.bufferView >= 0) {
-    const Elements e =
-        elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
-    for (size_t i = first; i < e.count && i - first < most; ++i) set(i, e.data + i * e.stride);
-  } else if (a.count > d.bytes.size()) {
-    // Elements without a bufferView are zero except for sparse values: a tiny file could declare
-    // any count, so it is bounded by the file's size.
+/// Calls `set(element, its first component)` for each element, `most` at most, that is stored in
+/// the accessor's bufferView, from `first` on, or among its sparse values; the others are zero.
+/// Calls `begin()` before, when all counts are known to be right.
+template <class Begin, class Set>
+void for_elements(const Document& d, const std::string& where, const Accessor& a, size_t size,
+                  size_t first, size_t most, const Begin& begin, const Set& set) {
+  Elements stored{nullptr, 0, 0}, index = stored, value = stored;
+  if (a.view != kNone)
+    stored = elements(d, where, a.view, a.offset, a.count, size, true);
+  else if (a.count > d.bytes.size())  // a tiny file could declare any count of zeros
     d.fail(where, fmt::format("{} elements without a bufferView, expected at most {}, the bytes "
                               "of the file",
                               a.count, d.bytes.size()));
+  if (a.sparse) {
+    const Sparse& s = *a.sparse;
+    index = elements(d, where + ".sparse.indices", s.index_view, s.index_offset, s.count,
+                     bytes_of_component(s.index_type), false);
+    value =
+        elements(d, where + ".sparse.values", s.value_view, s.value_offset, s.count, size, false);
   }
-  apply_sparse(d, where, a, size, [&](uint32_t k, const char* at) { set(k, at); });
+  begin();
+  for (size_t i = first; i < stored.count && i - first < most; ++i)
+    set(i, stored.data + i * stored.stride);
+  for (size_t i = 0; i < index.count; ++i) {
+    const auto k = static_cast<size_t>(
+        load_component(index.data + i * index.stride, a.sparse->index_type, false));
+    if (k >= a.count)
+      d.fail(where + ".sparse.indices",
+             fmt::format("index {} is out of range, the accessor has {} elements", k, a.count));
+    if (k >= first && k - first < most) set(k, value.data + i * value.stride);
+  }
 }
 
-}  // namespace
-
-std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
-  const std::string where = place("accessors", accessor);
-  if (a.type != TINYGLTF_TYPE_VEC3) d.fail(where + ".type", "positions are not VEC3");
-  const bool quantized = uses_extension(d, "KHR_mesh_quantization");
-  if (a.componentType != kFloat && !(quantized && a.componentType != kU32))
-    d.fail(where + ".componentType",
-           fmt::format("positions are of type {}, expected 5126 (float)", a.componentType));
-  const size_t step = bytes_of(a.componentType);
-  std::vector<Vec3d> out;
-  const auto set = [&](size_t k, const char* at) {
-    if (out.empty()) out.resize(a.count);  // only now is the count known to be right
-    for (int c = 0; c < 3; ++c)
-      out[k][c] = load_component(at + static_cast<size_t>(c) * step, a.componentType, a.normalized);
-  };
-  for_elements(d, where, a, 3, set);
-  out.resize(a.count);
-  for (size_t i = 0; i < out.size(); ++i)
-    if (!is_finite(out[i]))
-      d.fail(where, fmt::format("position {} is not finite, expected three finite numbers", i));
-  return out;
+bool is_allowed(const Accessor& a, unsigned allowed, bool quantizes) {
+  const int type = a.component_type;
+  if (type == kFloat) return allowed & floats;
+  if (type == kU32) return allowed & any_integers;
+  if ((allowed & quantized) && quantizes) return true;
+  const bool is_unsigned = type == kU8 || type == kU16;
+  if (is_unsigned && (allowed & any_integers)) return true;
+  if (a.normalized) return allowed & (is_unsigned ? unsigned_shares : signed_shares);
+  return is_unsigned && (allowed & small_integers);
 }
 
-std::vector<float> read_attribute(const Document& d, size_t accessor, const Attribute& attribute) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
-  const std::string where = place("accessors", accessor);
-  const bool rgb = attribute.may_be_vec3 && a.type == TINYGLTF_TYPE_VEC3;
-  const int expected = attribute.components == 2   ? TINYGLTF_TYPE_VEC2
-                       : attribute.components == 3 ? TINYGLTF_TYPE_VEC3
-                                                   : TINYGLTF_TYPE_VEC4;
-  if (a.type != expected && !rgb)
-    d.fail(where + ".type",
-           fmt::format("{} are not {}VEC{}", attribute.noun,
-                       attribute.may_be_vec3 ? "VEC3 or " : "", attribute.components));
-  const bool quantized = attribute.quantizable && a.componentType != kU32 &&
-                         uses_extension(d, "KHR_mesh_quantization");
-  const bool is_share = attribute.may_be_unsigned && a.normalized && a.componentType != kU32 &&
-                        (attribute.is_delta || is_unsigned(a.componentType));
-  if (a.componentType != kFloat && !quantized && !is_share)
-    d.fail(where + ".componentType",
-           fmt::format("{} are of type {}{}, expected 5126 (float){}", attribute.noun,
-                       a.componentType, a.normalized ? ", normalized" : "",
-                       attribute.is_delta && attribute.may_be_unsigned
-                           ? ", or 5120 to 5123, normalized"
-                       : attribute.may_be_unsigned ? ", or 5121 or 5123, normalized"
-                                                   : ""));
-  const size_t n = attribute.components, stored = rgb ? 3 : n, step = bytes_of(a.componentType);
-  std::vector<float> out;
-  const auto set = [&](size_t k, const char* at) {
-    if (out.empty()) out.resize(n * a.count);
-    for (size_t c = 0; c < stored; ++c)
-      out[n * k + c] =
-          static_cast<float>(load_component(at + c * step, a.componentType, a.normalized));
-  };
-  for_elements(d, where, a, stored, set);
-  out.resize(n * a.count);
-  if (rgb && !attribute.is_delta)
-    for (size_t k = 0; k < a.count; ++k) out[4 * k + 3] = 1;
-  return out;
-}
-
-namespace {
-
-void check_numbers(const Document& d, const std::string& where, const tinygltf::Accessor& a,
-                   const Numbers& n) {
-  const int expected = n.components == 1   ? TINYGLTF_TYPE_SCALAR
-                       : n.components == 3 ? TINYGLTF_TYPE_VEC3
-                       : n.components == 4 ? TINYGLTF_TYPE_VEC4
-                                           : TINYGLTF_TYPE_MAT4;
-  if (a.type != expected)
-    d.fail(where + ".type", n.components == 1 ? fmt::format("{} are not SCALAR", n.noun)
-                            : n.components == 16
-                                ? fmt::format("{} are not MAT4", n.noun)
-                                : fmt::format("{} are not VEC{}", n.noun, n.components));
-  const bool small = a.componentType != kFloat && a.componentType != kU32;
-  const bool fits = a.componentType == kFloat ? n.floats
-                    : !small                  ? false
-                    : a.normalized ? (is_unsigned(a.componentType) ? n.shares : n.signed_shares)
-                                   : n.integers && is_unsigned(a.componentType);
-  if (fits) return;
-  std::string kinds;
-  const auto add = [&](bool allowed, const char* kind) {
-    if (allowed) kinds += (kinds.empty() ? "" : ", or ") + std::string(kind);
-  };
-  add(n.floats, "5126 (float)");
-  add(n.shares, "5121 or 5123, normalized");
-  add(n.signed_shares, "5120 or 5122, normalized");
-  add(n.integers, "5121 or 5123");
+void check_type(const Document& d, const std::string& where, const Accessor& a, const Numbers& n) {
+  const ElementType expected = type_of(n.components);
+  if (a.type != expected && !(n.fourth && a.type == ElementType::vec3))
+    d.fail(where + ".type", fmt::format("{} are not {}{}", n.noun, n.fourth ? "VEC3 or " : "",
+                                        kTypes[static_cast<size_t>(expected)]));
+  if (is_allowed(a, n.allowed, d.quantized)) return;
+  constexpr std::pair<unsigned, const char*> kWords[] = {
+      {floats, "5126 (float)"},
+      {unsigned_shares, "5121 or 5123, normalized"},
+      {signed_shares, "5120 or 5122, normalized"},
+      {small_integers, "5121 or 5123"},
+      {any_integers, "5121, 5123 or 5125"}};
+  std::string words;
+  for (const auto& [kind, word] : kWords)
+    if (n.allowed & kind) words += (words.empty() ? "" : ", or ") + std::string(word);
   d.fail(where + ".componentType",
-         fmt::format("{} are of type {}{}, expected {}", n.noun, a.componentType,
-                     a.normalized ? ", normalized" : "", kinds));
+         fmt::format("{} are of type {}{}, expected {}", n.noun, a.component_type,
+                     a.normalized ? ", normalized" : "", words));
 }
 
-}  // namespace
-
-std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
-                                 size_t count) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
+/// Calls `allocate(elements)`, then `store(element, component, value)` for all that are not zero.
+template <class Allocate, class Store>
+void read_elements(const Document& d, size_t accessor, const Numbers& n, size_t first, size_t count,
+                   const Allocate& allocate, const Store& store) {
+  const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
-  check_numbers(d, where, a, n);
+  check_type(d, where, a, n);
   if (count == SIZE_MAX) count = a.count;
   if (first > a.count || count > a.count - first)
     d.fail(where,
            fmt::format("count is {}, expected at least {} {}", a.count, first + count, n.noun));
-  const size_t step = bytes_of(a.componentType);
-  std::vector<double> out;
-  const auto set = [&](size_t k, const char* at) {
-    if (k < first || k - first >= count) return;
-    if (out.empty()) out.resize(n.components * count);  // only now is the count known to be right
-    for (size_t c = 0; c < n.components; ++c)
-      out[n.components * (k - first) + c] =
-          load_component(at + c * step, a.componentType, a.normalized);
+  const size_t components = components_of(a.type), step = bytes_of_component(a.component_type);
+  for_elements(
+      d, where, a, components * step, first, count, [&] { allocate(count); },
+      [&](size_t k, const char* at) {
+        for (size_t c = 0; c < components; ++c)
+          store(k - first, c, load_component(at + c * step, a.component_type, a.normalized));
+      });
+}
+
+template <class T>
+std::vector<T> read_all(const Document& d, size_t accessor, const Numbers& n, size_t first = 0,
+                        size_t count = SIZE_MAX) {
+  std::vector<T> out;
+  read_elements(
+      d, accessor, n, first, count, [&](size_t elements) { out.resize(n.components * elements); },
+      [&](size_t k, size_t c, double value) { out[n.components * k + c] = static_cast<T>(value); });
+  return out;
+}
+
+Sparse read_sparse(const Value& v) {
+  Sparse out;
+  out.count = v["count"].needed().integer(0, 1);
+  const Value indices = v["indices"].needed(), values = v["values"].needed();
+  const auto view = [](const Value& owner) {
+    return owner["bufferView"].needed().index("bufferViews");
   };
-  for_elements(d, where, a, n.components, set, first, count);
-  out.resize(n.components * count);
+  out.index_view = view(indices);
+  out.index_offset = indices["byteOffset"].integer(0);
+  const size_t type = indices["componentType"].needed().integer(0);
+  if (type != kU8 && type != kU16 && type != kU32)
+    indices["componentType"].fail("5121, 5123 or 5125");
+  out.index_type = static_cast<int>(type);
+  out.value_view = view(values);
+  out.value_offset = values["byteOffset"].integer(0);
+  return out;
+}
+
+}  // namespace
+
+size_t bytes_of_component(int type) {
+  return type == kI8 || type == kU8 ? 1 : type == kI16 || type == kU16 ? 2 : 4;
+}
+
+size_t components_of(ElementType type) {
+  return kComponents[static_cast<size_t>(type)];
+}
+
+Accessor read_accessor(const Value& v) {
+  Accessor out;
+  out.view = v["bufferView"].index("bufferViews");
+  out.offset = v["byteOffset"].integer(0);
+  out.normalized = v["normalized"].boolean(false);
+  const size_t type = v["componentType"].needed().integer(0);
+  if (type < kI8 || type > kFloat || type == 5124)
+    v["componentType"].fail("5120, 5121, 5122, 5123, 5125 or 5126 (float)");
+  out.component_type = static_cast<int>(type);
+  out.count = v["count"].needed().integer(0, 1);
+  out.type = static_cast<ElementType>(v["type"].needed().one_of(
+      {kTypes[0], kTypes[1], kTypes[2], kTypes[3], kTypes[4], kTypes[5], kTypes[6]}, 0));
+  if (const Value sparse = v["sparse"]) out.sparse = read_sparse(sparse);
+  return out;
+}
+
+std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
+                                 size_t count) {
+  const std::vector<double> out = read_all<double>(d, accessor, n, first, count);
   for (size_t i = 0; i < out.size(); ++i)
     if (!std::isfinite(out[i]))
-      d.fail(where,
+      d.fail(place("accessors", accessor),
              fmt::format("element {} of {} is not finite", first + i / n.components, n.noun));
   return out;
 }
 
+std::vector<float> read_floats(const Document& d, size_t accessor, const Numbers& n) {
+  std::vector<float> out = read_all<float>(d, accessor, n);
+  if (n.fourth && d.accessors[accessor].type == ElementType::vec3)
+    for (size_t i = 3; i < out.size(); i += 4) out[i] = static_cast<float>(*n.fourth);
+  return out;
+}
+
+std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
+  std::vector<Vec3d> out;
+  read_elements(
+      d, accessor, {"positions", 3, floats | quantized}, 0, SIZE_MAX,
+      [&](size_t elements) { out.resize(elements); },
+      [&](size_t k, size_t c, double value) { out[k][static_cast<int>(c)] = value; });
+  for (size_t i = 0; i < out.size(); ++i)
+    if (!is_finite(out[i]))
+      d.fail(place("accessors", accessor),
+             fmt::format("position {} is not finite, expected three finite numbers", i));
+  return out;
+}
+
 std::vector<uint32_t> read_indices(const Document& d, size_t accessor, size_t vertices) {
-  const tinygltf::Accessor& a = d.model.accessors[accessor];
-  const std::string where = place("accessors", accessor);
-  if (a.type != TINYGLTF_TYPE_SCALAR) d.fail(where + ".type", "indices are not SCALAR");
-  if (a.componentType != kU8 && a.componentType != kU16 && a.componentType != kU32)
-    d.fail(where + ".componentType",
-           fmt::format("indices are of type {}, expected 5121, 5123 or 5125", a.componentType));
-  const size_t size = bytes_of(a.componentType);
-  const Elements e =
-      elements(d, where, static_cast<size_t>(a.bufferView), a.byteOffset, a.count, size, true);
-  std::vector<uint32_t> out;
-  out.reserve(e.count);
-  for (size_t i = 0; i < e.count; ++i)
-    out.push_back(load_index(e.data + i * e.stride, a.componentType));
-  apply_sparse(d, where, a, size,
-               [&](uint32_t k, const char* at) { out[k] = load_index(at, a.componentType); });
+  const std::vector<uint32_t> out = read_all<uint32_t>(d, accessor, {"indices", 1, any_integers});
   for (size_t i = 0; i < out.size(); ++i)
     if (out[i] >= vertices)
-      d.fail(where, fmt::format("index {} at {} is out of range, the primitive has {} vertices",
-                                out[i], i, vertices));
+      d.fail(place("accessors", accessor),
+             fmt::format("index {} at {} is out of range, the primitive has {} vertices", out[i], i,
+                         vertices));
   return out;
 }
 

@@ -1,9 +1,11 @@
-#include "libcommon/scene/gltf/animations.h"
+#include "libcommon/scene/gltf/nodes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,13 +14,11 @@
 namespace tdpt::gltf {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr Numbers kTimes = {"times", 1, true, false, false, false};
-constexpr Numbers kTranslations = {"translations", 3, true, false, false, false};
-constexpr Numbers kRotations = {"rotations", 4, true, true, true, false};
-constexpr Numbers kScales = {"scales", 3, true, false, false, false};
-constexpr Numbers kWeights = {"weights", 1, true, true, true, false};
+constexpr Numbers kTimes = {"times", 1};
+constexpr Numbers kTranslations = {"translations", 3};
+constexpr Numbers kRotations = {"rotations", 4, floats | unsigned_shares | signed_shares};
+constexpr Numbers kScales = {"scales", 3};
+constexpr Numbers kWeights = {"weights", 1, floats | unsigned_shares | signed_shares};
 
 using Values = std::vector<double>;
 
@@ -87,63 +87,48 @@ class Animator {
   Animator(Document& d, double seconds) : d_(d), seconds_(seconds) {}
 
   Motion run() {
-    for (const Json& a : d_.json.value("animations", Json::array())) {
-      motion_.animations.push_back({a.value("name", ""), 0});
-      for (const Json& c : a.value("channels", Json::array())) {
-        const Json& target = c["target"];
-        if (target["path"] == "pointer") {
-          ++pointers_;
-          continue;
-        }
-        move(target["node"].get<size_t>(), target["path"].get<std::string>(),
-             a["samplers"][c["sampler"].get<size_t>()]);
-      }
+    for (const Animation& a : d_.animations) {
+      motion_.animations.push_back({a.name, 0});
+      for (const Channel& c : a.channels) move(c, motion_.animations.back().seconds);
     }
-    if (pointers_ > 0)
-      motion_.warnings.push_back(counted(
-          pointers_, "animation channel", "by KHR_animation_pointer is left out: it moves no node",
-          "by KHR_animation_pointer are left out: they move no node"));
-    if (matrices_ > 0)
-      motion_.warnings.push_back(counted(matrices_, "animation channel",
-                                         "moves a node that has a matrix, and is left out",
-                                         "move nodes that have a matrix, and are left out"));
     return motion_;
   }
 
  private:
-  void move(size_t index, const std::string& path, const Json& sampler) {
-    tinygltf::Node& n = d_.model.nodes[index];
-    if (path != "weights" && !n.matrix.empty()) {
-      ++matrices_;
-      return;
-    }
-    if (path == "weights" && n.mesh < 0) return;
+  /// `last`: when the animation ends.
+  void move(const Channel& c, double& last) {
+    Node& n = d_.nodes[c.node];
     motion_.moves = true;
-    double& last = motion_.animations.back().seconds;
-    last = std::max(last, times_of(sampler["input"].get<size_t>()).back());
-    if (path == "translation") n.translation = value(sampler, kTranslations, 1, linear);
-    if (path == "rotation") n.rotation = value(sampler, kRotations, 1, spherical);
-    if (path == "scale") n.scale = value(sampler, kScales, 1, linear);
-    if (path == "weights") n.weights = value(sampler, kWeights, targets_of(n), linear);
+    last = std::max(last, times_of(c.input).back());
+    if (c.path == Channel::Path::weights) {
+      n.weights = value(c, kWeights, targets_of(n), linear);
+    } else if (c.path == Channel::Path::rotation) {
+      const Values v = value(c, kRotations, 1, spherical);
+      n.rotation = {v[0], v[1], v[2], v[3]};
+    } else {
+      const bool scales = c.path == Channel::Path::scale;
+      const Values v = value(c, scales ? kScales : kTranslations, 1, linear);
+      (scales ? n.scale : n.translation) = {v[0], v[1], v[2]};
+    }
   }
 
   /// The property at the time: `count` elements per key.
-  Values value(const Json& sampler, const Numbers& numbers, size_t count,
+  Values value(const Channel& c, const Numbers& numbers, size_t count,
                Values (*between)(const Values&, const Values&, double)) {
-    const Values& times = times_of(sampler["input"].get<size_t>());
+    const Values& times = times_of(c.input);
     const Between at = place_between(times, seconds_);
-    const auto output = sampler["output"].get<size_t>();
-    const bool spline = sampler["interpolation"] == "CUBICSPLINE";
+    const bool spline = c.way == Channel::Way::spline;
     const size_t stored = spline ? 3 * count : count;
-    if (const size_t there = d_.model.accessors[output].count;
+    if (const size_t there = d_.accessors[c.output].count;
         there / std::max<size_t>(stored, 1) < times.size())
-      d_.fail(place("accessors", output), fmt::format("count is {}, expected at least {} {}", there,
-                                                      times.size() * stored, numbers.noun));
+      d_.fail(place("accessors", c.output),
+              fmt::format("count is {}, expected at least {} {}", there, times.size() * stored,
+                          numbers.noun));
     const auto key = [&](size_t k) {
-      return read_numbers(d_, output, numbers, k * stored, stored);
+      return read_numbers(d_, c.output, numbers, k * stored, stored);
     };
     const Values a = key(at.key);
-    if (at.share == 0 || sampler["interpolation"] == "STEP") return spline ? middle(a) : a;
+    if (at.share == 0 || c.way == Channel::Way::step) return spline ? middle(a) : a;
     return spline ? cubic(a, key(at.key + 1), at) : between(a, key(at.key + 1), at.share);
   }
 
@@ -167,10 +152,9 @@ class Animator {
   }
 
   /// Number of morph targets of a node's mesh, the same for all its primitives.
-  size_t targets_of(const tinygltf::Node& n) const {
+  size_t targets_of(const Node& n) const {
     size_t most = 0;
-    for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(n.mesh)].primitives)
-      most = std::max(most, p.targets.size());
+    for (const Primitive& p : d_.meshes[n.mesh].primitives) most = std::max(most, p.targets.size());
     return most;
   }
 
@@ -178,10 +162,90 @@ class Animator {
   double seconds_;
   Motion motion_;
   std::map<size_t, Values> times_;  // by accessor: channels share them
-  size_t pointers_ = 0, matrices_ = 0;
+};
+
+/// Reads the channels of the animations, and leaves out those that move nothing.
+class ChannelReader {
+ public:
+  explicit ChannelReader(Document& d) : d_(d) {}
+
+  void read(const Value& v, Animation& out) {
+    struct Sampler {
+      size_t input, output, way;
+    };
+    std::vector<Sampler> samplers;
+    for (const Value& s : v["samplers"].items())
+      samplers.push_back({s["input"].needed().index("accessors"),
+                          s["output"].needed().index("accessors"),
+                          s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0)});
+    for (const Value& c : v["channels"].items()) {
+      const Value target = c["target"].needed(), path = target["path"].needed();
+      const size_t node = target["node"].index("nodes");
+      const size_t sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
+      if (path.text() == "pointer") {
+        ++pointers_;
+        continue;
+      }
+      const auto moved = static_cast<Channel::Path>(
+          path.one_of({"translation", "rotation", "scale", "weights"}, 0));
+      if (node == kNone) continue;  // an extension says what it moves
+      const Sampler& s = samplers[sampler];
+      add({node, moved, s.input, s.output, static_cast<Channel::Way>(s.way)}, out);
+    }
+  }
+
+  void warn() const {
+    const auto add = [&](size_t n, const char* one, const char* many, const char* rest) {
+      if (n > 0) d_.warnings.push_back(counted(n, "animation channel", one, many) + rest);
+    };
+    add(again_, "moves what one before it moves, and is left out",
+        "move what others before them move, and are left out",
+        ": --animation names the animations that count");
+    add(pointers_, "by KHR_animation_pointer is left out: it moves no node",
+        "by KHR_animation_pointer are left out: they move no node", "");
+    add(matrices_, "moves a node that has a matrix, and is left out",
+        "move nodes that have a matrix, and are left out", "");
+  }
+
+ private:
+  void add(const Channel& c, Animation& out) {
+    const Node& n = d_.nodes[c.node];
+    const bool weights = c.path == Channel::Path::weights;
+    if (!moved_.insert({c.node, c.path}).second)
+      ++again_;
+    else if (!weights && !n.matrix.empty())
+      ++matrices_;
+    else if (!weights || n.mesh != kNone)
+      out.channels.push_back(c);
+  }
+
+  Document& d_;
+  std::set<std::pair<size_t, Channel::Path>> moved_;
+  size_t again_ = 0, pointers_ = 0, matrices_ = 0;  // channels left out
 };
 
 }  // namespace
+
+void read_animations(Document& d, const std::vector<std::string>& wanted) {
+  const auto has = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const std::vector<Value> all = d.root()["animations"].items();
+  DistinctNames distinct;
+  std::vector<std::string> names;
+  for (const Value& v : all) names.push_back(distinct.take(v["name"].text(), "", "animation"));
+  for (const std::string& name : wanted)
+    if (!has(names, name))
+      d.fail("animations", names.empty() ? fmt::format("there is none, expected \"{}\"", name)
+                                         : fmt::format("none is called \"{}\", expected one of {}",
+                                                       name, fmt::join(names, ", ")));
+  ChannelReader channels(d);
+  for (size_t i = 0; i < all.size(); ++i) {
+    d.animations.push_back({names[i], {}});
+    if (wanted.empty() || has(wanted, names[i])) channels.read(all[i], d.animations.back());
+  }
+  channels.warn();
+}
 
 Motion go_to(Document& d, double seconds) {
   return Animator(d, seconds).run();

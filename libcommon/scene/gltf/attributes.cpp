@@ -51,173 +51,139 @@ float within(float c) {
   return c > 0 ? std::min(c, 1e6f) : 0.0f;
 }
 
-/// The targets with non-zero weight, with all their deltas.
-std::vector<MorphTarget> morph_targets_of(const tinygltf::Primitive& p,
-                                          const std::vector<double>& weights) {
-  std::vector<MorphTarget> out;
-  for (size_t k = 0; k < std::min(p.targets.size(), weights.size()); ++k) {
-    if (weights[k] == 0) continue;
-    const auto find = [&](const char* name) {
-      const auto it = p.targets[k].find(name);
-      return it == p.targets[k].end() ? -1 : it->second;
-    };
-    out.push_back({weights[k],
-                   find("POSITION"),
-                   find("NORMAL"),
-                   find("TANGENT"),
-                   find("COLOR_0"),
-                   {find("TEXCOORD_0"), find("TEXCOORD_1")}});
-  }
+// By AttributeKind.
+constexpr std::array<Numbers, kAttributes> kStored = {{
+    {"positions", 3, floats | quantized},
+    {"normals", 3, floats | quantized},
+    {"tangents", 4, floats | quantized},
+    {"texture coordinates", 2, floats | unsigned_shares | quantized},
+    {"texture coordinates", 2, floats | unsigned_shares | quantized},
+    {"vertex colours", 4, floats | unsigned_shares, 1},
+}};
+constexpr unsigned kSharesOfDeltas = unsigned_shares | signed_shares;
+constexpr std::array<Numbers, kAttributes> kDeltas = {{
+    kStored[kPosition],
+    kStored[kNormal],
+    {"deltas of tangents", 3, floats | quantized},
+    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
+    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
+    {"deltas of vertex colours", 4, floats | kSharesOfDeltas, 0},
+}};
+
+Accessors find_attributes(const Attributes& attributes) {
+  Accessors out;
+  for (size_t k = 0; k < kAttributes; ++k) out[k] = find_attribute(attributes, kAttributeNames[k]);
   return out;
 }
 
-/// As add_position_deltas() for another attribute: `accessor` selects it in a target; `values` has
-/// `components` per vertex.
-template <class AccessorOf>
-void add_deltas(const Document& document, const std::vector<MorphTarget>& targets,
-                const AccessorOf& accessor, const Attribute& delta, size_t components,
-                std::vector<float>& values) {
-  for (const MorphTarget& t : targets) {
-    if (accessor(t) < 0) continue;
-    const std::vector<float> d = read_attribute(document, static_cast<size_t>(accessor(t)), delta);
-    const size_t n = delta.components;
-    for (size_t i = 0; i < d.size(); ++i) {
-      float& v = values[components * (i / n) + i % n];
-      v = static_cast<float>(double{v} + t.weight * double{d[i]});
+/// With the deltas of morph targets.
+std::vector<float> read_attribute(const Document& d, const AttributeSet& set, AttributeKind kind) {
+  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind]);
+  const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
+  bool moved = false;
+  for (const MorphTarget& t : set.targets) {
+    if (t.accessors[kind] == kNone) continue;
+    moved = true;
+    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind]);
+    for (size_t i = 0; i < delta.size(); ++i) {
+      float& v = out[components * (i / n) + i % n];
+      v = static_cast<float>(double{v} + t.weight * double{delta[i]});
     }
   }
+  if (moved && kind == kColour)  // clamped, as the format prescribes
+    for (float& c : out) c = c > 0 ? std::min(c, 1.0f) : 0.0f;
+  return out;
 }
 
-}  // namespace
-
-AttributeSet choose_attributes(const tinygltf::Primitive& p, const MaterialUse& use,
-                               const Shape& shape) {
-  const auto find = [&](const Attribute& attribute) {
-    const auto it = p.attributes.find(attribute.name);
-    return it == p.attributes.end() ? -1 : it->second;
-  };
-  AttributeSet set;
-  set.position = p.attributes.at("POSITION");
-  set.normal = find(kNormal);
-  if (use.tangents && set.normal >= 0) set.tangent = find(kTangent);  // meaningless without normals
-  for (size_t k = 0; k < 2; ++k)
-    if (use.uv[k]) set.uv[k] = find(kTexCoord[k]);
-  if (use.colours) set.colour = find(kColour);
-  if (shape.skinned) set.joints = joint_sets_of(p);
-  set.targets = morph_targets_of(p, shape.weights);
-  for (MorphTarget& t : set.targets) {  // a delta of an absent attribute has no effect
-    if (set.normal < 0) t.normal = -1;
-    if (set.tangent < 0) t.tangent = -1;
-    if (set.colour < 0) t.colour = -1;
-    for (size_t k = 0; k < 2; ++k)
-      if (set.uv[k] < 0) t.uv[k] = -1;
-  }
-  return set;
-}
-
-void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
-  const auto count = [&](int accessor) {
-    return d.model.accessors[static_cast<size_t>(accessor)].count;
-  };
-  const auto check = [&](int accessor, const std::string& of, const std::string& name) {
-    if (accessor >= 0 && count(accessor) != count(set.position))
-      d.fail(where + "." + of + "." + name,
-             fmt::format("has {}, expected {} as POSITION has",
-                         tdpt::counted(count(accessor), "element"), count(set.position)));
-  };
-  check(set.normal, "attributes", kNormal.name);
-  check(set.tangent, "attributes", kTangent.name);
-  for (size_t k = 0; k < 2; ++k) check(set.uv[k], "attributes", kTexCoord[k].name);
-  check(set.colour, "attributes", kColour.name);
-  for (size_t k = 0; k < set.joints.size(); ++k) {
-    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
-    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
-  }
-  for (const MorphTarget& t : set.targets) {
-    check(t.position, "targets", "POSITION");
-    check(t.normal, "targets", kNormal.name);
-    check(t.tangent, "targets", kTangent.name);
-    for (size_t k = 0; k < 2; ++k) check(t.uv[k], "targets", kTexCoord[k].name);
-    check(t.colour, "targets", kColour.name);
-  }
-}
-
-std::vector<float> AttributeReader::normals(const AttributeSet& set) const {
-  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.normal), kNormal);
-  add_deltas(
-      d_, set.targets, [](const MorphTarget& t) { return t.normal; }, kNormal, 3, v);
-  return v;
-}
-
-std::vector<float> AttributeReader::tangents(const AttributeSet& set) const {
-  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.tangent), kTangent);
-  add_deltas(
-      d_, set.targets, [](const MorphTarget& t) { return t.tangent; }, kTangentDelta, 4, v);
-  return v;
-}
-
-std::vector<float> AttributeReader::texcoords(const AttributeSet& set, size_t k) const {
-  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.uv[k]), kTexCoord[k]);
-  add_deltas(
-      d_, set.targets, [&](const MorphTarget& t) { return t.uv[k]; }, kTexCoordDelta, 2, v);
-  return v;
-}
-
-std::vector<float> AttributeReader::colours(const AttributeSet& set) const {
-  std::vector<float> v = read_attribute(d_, static_cast<size_t>(set.colour), kColour);
-  const auto colour = [](const MorphTarget& t) { return t.colour; };
-  add_deltas(d_, set.targets, colour, kColourDelta, 4, v);
-  if (std::any_of(set.targets.begin(), set.targets.end(),
-                  [&](const MorphTarget& t) { return colour(t) >= 0; }))
-    for (float& c : v) c = c > 0 ? std::min(c, 1.0f) : 0.0f;  // clamped, as the format prescribes
-  return v;
-}
-
-void AttributeReader::add_normals(const AttributeSet& set, const Placing& placing) {
-  const std::vector<float> v = normals(set);
+void add_normals(const Document& d, const AttributeSet& set, const Placing& placing, Scene& scene) {
+  const std::vector<float> v = read_attribute(d, set, kNormal);
   const Affine of_all = normal_map_of(placing.to_world);
   for (size_t i = 0; i < v.size(); i += 3) {
     const Vec3d n{v[i], v[i + 1], v[i + 2]};
     const bool alone = !placing.of_vertices.empty();
     const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
-    scene_.normals.push_back(Vec3f(unit_or_zero(to)));
+    scene.normals.push_back(Vec3f(unit_or_zero(to)));
   }
 }
 
-void AttributeReader::add(const AttributeSet& set, const Placing& placing, size_t first) {
-  if (set.normal >= 0) {
-    pad(scene_.normals, first, Vec3f{});
-    add_normals(set, placing);
+}  // namespace
+
+AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
+                               const Deformation& deformation) {
+  AttributeSet set;
+  Accessors& a = set.accessors = find_attributes(p.attributes);
+  if (!use.tangents || a[kNormal] == kNone) a[kTangent] = kNone;  // meaningless without normals
+  for (size_t k = 0; k < 2; ++k)
+    if (!use.uv[k]) a[kTexCoord0 + k] = kNone;
+  if (!use.colours) a[kColour] = kNone;
+  if (deformation.skinned) set.joints = joint_sets_of(p);
+  const std::vector<double>& weights = deformation.weights;
+  for (size_t i = 0; i < std::min(p.targets.size(), weights.size()); ++i) {
+    if (weights[i] == 0) continue;
+    MorphTarget& t = set.targets.emplace_back();
+    t = {weights[i], find_attributes(p.targets[i])};
+    for (size_t k = 0; k < kAttributes; ++k)
+      if (a[k] == kNone) t.accessors[k] = kNone;  // a delta of an absent attribute has no effect
   }
-  if (set.tangent >= 0) {
-    const std::vector<float> v = tangents(set);
+  return set;
+}
+
+void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
+  const auto count = [&](size_t accessor) { return d.accessors[accessor].count; };
+  const size_t vertices = count(set.accessors[kPosition]);
+  const auto check = [&](size_t accessor, const char* owner, const std::string& name) {
+    if (accessor != kNone && count(accessor) != vertices)
+      d.fail(where + "." + owner + "." + name,
+             fmt::format("has {}, expected {} as POSITION has",
+                         tdpt::counted(count(accessor), "element"), vertices));
+  };
+  const auto check_all = [&](const Accessors& accessors, const char* owner) {
+    for (size_t k = 0; k < kAttributes; ++k) check(accessors[k], owner, kAttributeNames[k]);
+  };
+  check_all(set.accessors, "attributes");
+  for (size_t k = 0; k < set.joints.size(); ++k) {
+    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
+    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
+  }
+  for (const MorphTarget& t : set.targets) check_all(t.accessors, "targets");
+}
+
+void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
+                    size_t first, Scene& scene) {
+  if (set.accessors[kNormal] != kNone) {
+    pad(scene.normals, first, Vec3f{});
+    add_normals(d, set, placing, scene);
+  }
+  if (set.accessors[kTangent] != kNone) {
+    const std::vector<float> v = read_attribute(d, set, kTangent);
     const float mirrored = placing.mirrors ? -1 : 1;
-    pad(scene_.tangents, first, {0, 0, 0, 1});
+    pad(scene.tangents, first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
       const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
-      scene_.tangents.push_back(
+      scene.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
     }
   }
   for (size_t k = 0; k < 2; ++k)
-    if (set.uv[k] >= 0) {
-      const std::vector<float> v = texcoords(set, k);
-      pad(scene_.uv[k], first, {0, 0});
-      for (size_t i = 0; i < v.size(); i += 2) scene_.uv[k].push_back({v[i], v[i + 1]});
+    if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k);
+        set.accessors[kind] != kNone) {
+      const std::vector<float> v = read_attribute(d, set, kind);
+      pad(scene.uv[k], first, {0, 0});
+      for (size_t i = 0; i < v.size(); i += 2) scene.uv[k].push_back({v[i], v[i + 1]});
     }
-  if (set.colour >= 0) {
-    const std::vector<float> v = colours(set);
-    pad(scene_.colours, first, kWhite);
+  if (set.accessors[kColour] != kNone) {
+    const std::vector<float> v = read_attribute(d, set, kColour);
+    pad(scene.colours, first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
-      scene_.colours.push_back(
+      scene.colours.push_back(
           {within(v[i]), within(v[i + 1]), within(v[i + 2]), std::min(within(v[i + 3]), 1.0f)});
   }
 }
 
-void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) const {
-  if (set.colour < 0) return;
-  const std::vector<float> v = colours(set);
+void note_colours(const Document& d, const AttributeSet& set, MaterialUse& use) {
+  if (set.accessors[kColour] == kNone) return;
+  const std::vector<float> v = read_attribute(d, set, kColour);
   for (size_t i = 0; i < v.size(); ++i) {
     if (i % 4 == 3 && !use.alpha) continue;
     use.coloured |= v[i] != 1;
@@ -225,12 +191,12 @@ void AttributeReader::note_colours(const AttributeSet& set, MaterialUse& use) co
   }
 }
 
-void AttributeReader::finish(size_t vertices) {
-  if (!scene_.normals.empty()) pad(scene_.normals, vertices, Vec3f{});
-  if (!scene_.tangents.empty()) pad(scene_.tangents, vertices, {0, 0, 0, 1});
-  for (auto& uv : scene_.uv)
+void fill_attributes(size_t vertices, Scene& scene) {
+  if (!scene.normals.empty()) pad(scene.normals, vertices, Vec3f{});
+  if (!scene.tangents.empty()) pad(scene.tangents, vertices, {0, 0, 0, 1});
+  for (auto& uv : scene.uv)
     if (!uv.empty()) pad(uv, vertices, {0, 0});
-  if (!scene_.colours.empty()) pad(scene_.colours, vertices, kWhite);
+  if (!scene.colours.empty()) pad(scene.colours, vertices, kWhite);
 }
 
 void mark_smooth_triangles(Scene& scene) {
@@ -261,16 +227,17 @@ void mark_smooth_triangles(Scene& scene) {
 }
 
 const std::vector<double>& morph_weights(const Document& d, size_t node) {
-  const tinygltf::Node& n = d.model.nodes[node];
-  if (!n.weights.empty() || n.mesh < 0) return n.weights;
-  return d.model.meshes[static_cast<size_t>(n.mesh)].weights;
+  const Node& n = d.nodes[node];
+  if (!n.weights.empty() || n.mesh == kNone) return n.weights;
+  return d.meshes[n.mesh].weights;
 }
 
 void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targets,
                          std::vector<Vec3d>& positions) {
   for (const MorphTarget& t : targets) {
-    if (t.position < 0) continue;
-    const std::vector<Vec3d> deltas = read_positions(d, static_cast<size_t>(t.position));
+    const size_t accessor = t.accessors[kPosition];
+    if (accessor == kNone) continue;
+    const std::vector<Vec3d> deltas = read_positions(d, accessor);
     for (size_t i = 0; i < deltas.size(); ++i) positions[i] += deltas[i] * t.weight;
   }
 }

@@ -14,11 +14,19 @@
 
 namespace tdpt::gltf {
 
-/// A morph target with non-zero weight: accessors of its deltas, -1 if absent.
+/// Attributes of a vertex but for joints and weights.
+enum AttributeKind { kPosition, kNormal, kTangent, kTexCoord0, kTexCoord1, kColour, kAttributes };
+inline constexpr std::array kAttributeNames = {"POSITION",   "NORMAL",     "TANGENT",
+                                               "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+constexpr std::array<size_t, kAttributes> kAttributeComponents = {3, 3, 4, 2, 2, 4};
+
+/// By AttributeKind; kNone for those that are absent or not needed.
+using Accessors = std::array<size_t, kAttributes>;
+
+/// A morph target with non-zero weight, with the accessors of its deltas.
 struct MorphTarget {
   double weight = 0;
-  int position = -1, normal = -1, tangent = -1, colour = -1;
-  std::array<int, 2> uv{-1, -1};
+  Accessors accessors;
   auto operator<=>(const MorphTarget&) const = default;
 };
 
@@ -29,25 +37,23 @@ const std::vector<double>& morph_weights(const Document& document, size_t node);
 void add_position_deltas(const Document& document, const std::vector<MorphTarget>& targets,
                          std::vector<Vec3d>& positions);
 
-/// Accessors of a primitive's attributes, -1 for those that are absent or not needed. Primitives of
-/// a mesh share vertices if all of these agree.
+/// What a primitive uses. Primitives of a mesh share vertices if all of it agrees.
 struct AttributeSet {
-  int position = -1, normal = -1, tangent = -1, colour = -1;
-  std::array<int, 2> uv{-1, -1};
+  Accessors accessors;
   std::vector<MorphTarget> targets;
   std::vector<JointSet> joints;  ///< of a mesh with a skin
   auto operator<=>(const AttributeSet&) const = default;
 };
 
 /// How a mesh is deformed: morph targets and skin.
-struct Shape {
+struct Deformation {
   const std::vector<double>& weights;  ///< of its morph targets
   bool skinned = false;
 };
 
 /// Selects what a material needs of a primitive, which has a POSITION.
-AttributeSet choose_attributes(const tinygltf::Primitive& primitive, const MaterialUse& use,
-                               const Shape& shape);
+AttributeSet choose_attributes(const Primitive& primitive, const MaterialUse& use,
+                               const Deformation& deformation);
 
 /// Transforms of vertices: one for all, or with a skin one per vertex.
 struct Placing {
@@ -62,29 +68,15 @@ struct Placing {
 /// Throws InputError if an attribute has another count than POSITION. `place`: of the primitive.
 void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
 
-class AttributeReader {
- public:
-  AttributeReader(const Document& document, Scene& scene) : d_(document), scene_(scene) {}
+/// Appends all attributes of a set but the positions, for the vertices from `first` on.
+void add_attributes(const Document& document, const AttributeSet& set, const Placing& placing,
+                    size_t first, Scene& scene);
 
-  /// Appends all attributes of a set but the positions, for the vertices from `first` on.
-  void add(const AttributeSet& set, const Placing& placing, size_t first);
+/// Tells the material which vertex colours its primitive has.
+void note_colours(const Document& document, const AttributeSet& set, MaterialUse& use);
 
-  /// Tells the material which vertex colours its primitive has.
-  void note_colours(const AttributeSet& set, MaterialUse& use) const;
-
-  /// Fills up the arrays in use to `vertices` elements.
-  void finish(size_t vertices);
-
- private:
-  std::vector<float> normals(const AttributeSet& set) const;
-  std::vector<float> tangents(const AttributeSet& set) const;
-  std::vector<float> texcoords(const AttributeSet& set, size_t k) const;
-  std::vector<float> colours(const AttributeSet& set) const;
-  void add_normals(const AttributeSet& set, const Placing& placing);
-
-  const Document& d_;
-  Scene& scene_;
-};
+/// Fills up the attributes in use to `vertices` elements.
+void fill_attributes(size_t vertices, Scene& scene);
 
 /// Fills scene.smooth; drops the normals if no triangle is smooth. Call after drop_flat_triangles.
 void mark_smooth_triangles(Scene& scene);

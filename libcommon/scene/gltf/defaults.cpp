@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <string_view>
+
+#include <fmt/format.h>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/checker.h"
 #include "libcommon/scene/gltf/document.h"
 
 namespace tdpt {
@@ -15,6 +17,7 @@ namespace tdpt {
 namespace {
 
 using gltf::Json;
+using gltf::Value;
 
 constexpr std::array kKeys{"tdpt_environment",
                            "tdpt_environment_rotation",
@@ -23,37 +26,34 @@ constexpr std::array kKeys{"tdpt_environment",
                            "tdpt_height",
                            "tdpt_camera"};
 
-/// Extras of the default scene; `place` becomes their place in the file. Null: none.
-const Json* extras_of(const Json& gltf, std::string& place) {
-  if (!gltf.is_object()) return nullptr;
-  const auto scenes = gltf.find("scenes");
-  if (scenes == gltf.end() || !scenes->is_array()) return nullptr;
-  const auto shown = gltf.find("scene");
-  const double index = shown != gltf.end() && shown->is_number() ? shown->get<double>() : 0;
-  if (!(index >= 0 && index < static_cast<double>(scenes->size()))) return nullptr;
-  const Json& scene = (*scenes)[static_cast<size_t>(index)];
-  if (!scene.is_object()) return nullptr;
-  const auto extras = scene.find("extras");
-  if (extras == scene.end() || !extras->is_object()) return nullptr;
-  place = gltf::place("scenes", static_cast<size_t>(index)) + ".extras";
-  return &*extras;
+/// Extras of the default scene, if they are there.
+std::optional<Value> extras_of(const std::string& file, const Json& gltf) {
+  const auto member = [](const Json& owner, const char* name) {
+    return owner.is_object() && owner.contains(name) ? &owner[name] : nullptr;
+  };
+  const Json *const scenes = member(gltf, "scenes"), *const shown = member(gltf, "scene");
+  const double index = shown && shown->is_number() ? shown->get<double>() : 0;
+  if (!scenes || !scenes->is_array() ||
+      !(index >= 0 && index < static_cast<double>(scenes->size())))
+    return {};
+  const Value scene = Value(file, gltf)["scenes"].items()[static_cast<size_t>(index)];
+  if (!scene.json().is_object() || !scene["extras"].json().is_object()) return {};
+  return scene["extras"];
 }
 
 /// A colour as an array becomes "R,G,B".
-std::string environment_of(const gltf::Checker& c, const Json& value, const std::string& at) {
-  const char* const kExpected = "a file, or R,G,B: three numbers from 0 to 1e30";
-  std::string text;
-  if (value.is_array() && value.size() == 3 &&
-      std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number(); }))
-    text = fmt::format("{},{},{}", value[0].get<double>(), value[1].get<double>(),
-                       value[2].get<double>());
-  else if (value.is_string())
-    text = value.get<std::string>();
-  else
-    c.fail(at, value, kExpected);
-  if (text.empty()) c.fail(at, value, kExpected);
-  std::string expected;
-  if (means_colour(text) && !parse_colour(text, expected)) c.fail(at, text, expected);
+std::string read_environment(const Value& v) {
+  const Json& j = v.json();
+  std::string text, expected = "a file, or R,G,B: three numbers from 0 to 1e30";
+  if (!v) return text;
+  if (j.is_array() && j.size() == 3 &&
+      std::all_of(j.begin(), j.end(), [](const Json& c) { return c.is_number(); }))
+    text = fmt::format("{},{},{}", j[0].get<double>(), j[1].get<double>(), j[2].get<double>());
+  else if (j.is_string())
+    text = j.get<std::string>();
+  if (text.empty()) v.fail(expected);
+  if (means_colour(text) && !parse_colour(text, expected))
+    v.fail_because(fmt::format("is \"{}\", expected {}", shown(text), expected));
   return text;
 }
 
@@ -92,29 +92,25 @@ void warn_of_meaningless(const Json& extras, SceneDefaults& d) {
 
 SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
   SceneDefaults d;
-  const Json* const found = extras_of(gltf, d.place);
-  if (!found) return d;
-  Json extras = *found;
   const std::string name = display_name(file);
-  gltf::Checker c(extras, name);
-  c.check(extras, d.place,
-          {gltf::number("tdpt_environment_rotation", false, -360, 360),
-           gltf::number("tdpt_environment_scale", false, 1e-9, 1e9),
-           gltf::integer("tdpt_width", false, 1, 65536),
-           gltf::integer("tdpt_height", false, 1, 65536), gltf::text("tdpt_camera")});
-  if (extras.contains("tdpt_environment"))
-    d.environment = environment_of(c, extras["tdpt_environment"], d.place_of("tdpt_environment"));
-  const auto number = [&](const char* key) -> std::optional<double> {
-    if (!extras.contains(key)) return {};
-    return extras[key].get<double>();
+  const std::optional<Value> extras = extras_of(name, gltf);
+  if (!extras) return d;
+  d.place = extras->place();
+  const auto number = [&](const char* key, double low, double high) -> std::optional<double> {
+    const Value v = (*extras)[key];
+    return v ? std::optional(v.number(0, low, high)) : std::nullopt;
   };
-  d.rotation = number("tdpt_environment_rotation");
-  d.scale = number("tdpt_environment_scale");
-  d.width = extras.value("tdpt_width", 0);
-  d.height = extras.value("tdpt_height", 0);
-  d.camera = extras.value("tdpt_camera", std::string());
+  const auto pixels = [&](const char* key) {
+    return static_cast<int>((*extras)[key].integer(0, 1, 65536));
+  };
+  d.rotation = number("tdpt_environment_rotation", -360, 360);
+  d.scale = number("tdpt_environment_scale", 1e-9, 1e9);
+  d.width = pixels("tdpt_width");
+  d.height = pixels("tdpt_height");
+  d.camera = (*extras)["tdpt_camera"].text();
+  d.environment = read_environment((*extras)["tdpt_environment"]);
   find_environment_file(file, d);
-  warn_of_meaningless(extras, d);
+  warn_of_meaningless(extras->json(), d);
   return d;
 }
 

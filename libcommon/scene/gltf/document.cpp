@@ -6,67 +6,130 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/compression.h"
 
 namespace tdpt::gltf {
-
 namespace {
 
-using Json = nlohmann::json;
+// Extensions by name: those that are read, and those that a renderer of still pictures may ignore
+// even if a file requires them.
 
-// glTF needs no deeper nesting, and recursive readers would overflow the stack.
-constexpr int kDeepest = 64;
+constexpr std::array kSupported = {"KHR_materials_emissive_strength",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_volume",
+                                   "KHR_materials_clearcoat",
+                                   "KHR_materials_sheen",
+                                   "KHR_materials_iridescence",
+                                   "KHR_materials_anisotropy",
+                                   "KHR_materials_dispersion",
+                                   "KHR_materials_diffuse_transmission",
+                                   "KHR_materials_volume_scatter",
+                                   "KHR_materials_unlit",
+                                   "KHR_lights_punctual",
+                                   "EXT_lights_ies",
+                                   "EXT_lights_area",
+                                   "KHR_mesh_quantization",
+                                   "KHR_draco_mesh_compression",
+                                   "EXT_meshopt_compression",
+                                   "KHR_meshopt_compression",
+                                   "EXT_texture_webp",
+                                   "EXT_texture_avif",
+                                   "KHR_texture_basisu",
+                                   "MSFT_texture_dds",
+                                   "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_node_visibility",
+                                   "EXT_mesh_gpu_instancing"};
 
-/// Maximum number of brackets open at once. Counted before parsing: nlohmann's parser callback
-/// could report it, but takes quadratic time in the length of arrays.
-int depth_of(std::string_view text) {
-  int depth = 0, deepest = 0;
-  bool in_text = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_text && c == '\\')
-      ++i;
-    else if (c == '"')
-      in_text = !in_text;
-    else if (in_text)
-      continue;
-    else if (c == '[' || c == '{')
-      deepest = std::max(deepest, ++depth);
-    else if (c == ']' || c == '}')
-      --depth;
-  }
-  return deepest;
+constexpr std::array kOfNoPicture = {
+    // Alternative materials and levels of detail: what the nodes refer to is rendered.
+    "KHR_materials_variants", "MSFT_lod",
+    // Animates properties outside of nodes; only animations of nodes are evaluated.
+    "KHR_animation_pointer",
+    // Interaction.
+    "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
+    // Metadata.
+    "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
+    "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
+    "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
+    // Physics and sound.
+    "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
+    "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
+    // Modelling history, and the drawing order of rasterisers.
+    "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
+    "GODOT_single_root",
+    // An offset of the whole scene, cameras and lamps included.
+    "CESIUM_RTC"};
+
+std::vector<std::string> read_texts(const Value& list) {
+  std::vector<std::string> out;
+  for (const Value& v : list.items()) out.push_back(v.text());
+  return out;
 }
 
-void check_extensions(Document& d) {
-  if (!d.json.contains("extensionsRequired")) return;
-  for (const Json& e : d.json["extensionsRequired"]) {
-    const std::string name = e.get<std::string>();
-    if (changes_no_picture(name))
+bool contains(const std::vector<std::string>& names, const char* name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void read_version(const Value& root) {
+  const Value version = root["asset"].needed()["version"].needed();
+  if (const std::string text = version.text(); text != "2" && !text.starts_with("2."))
+    version.fail("\"2.0\"");
+}
+
+void read_extensions(Document& d) {
+  d.quantized = contains(read_texts(d.root()["extensionsUsed"]), "KHR_mesh_quantization");
+  const std::vector<std::string> required = read_texts(d.root()["extensionsRequired"]);
+  d.draco_required = contains(required, "KHR_draco_mesh_compression");
+  for (const std::string& name : required)
+    if (std::find(kOfNoPicture.begin(), kOfNoPicture.end(), name) != kOfNoPicture.end())
       d.warnings.push_back(name + " is required, but changes no picture: passed over");
     else if (!is_supported(name))
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));
+}
+
+// An element of few bytes becomes a large structure.
+void expect_memory_of_sections(const Document& d) {
+  size_t elements = 0, bytes = 0;
+  for (const auto& [section, size] :
+       {std::pair("nodes", sizeof(Node)), std::pair("meshes", sizeof(Mesh)),
+        std::pair("accessors", sizeof(Accessor)), std::pair("bufferViews", sizeof(BufferView)),
+        std::pair("scenes", size_t{0}), std::pair("cameras", sizeof(Lens))}) {
+    const size_t count = d.root()[section].size();
+    elements += count;
+    bytes += count * size;
   }
+  expect_memory(d.file, "JSON", fmt::format("{} nodes, meshes, accessors and the like", elements),
+                bytes);
+}
+
+template <class T>
+void read_section(const Document& d, const char* name, std::vector<T>& out,
+                  T (*read)(const Value&)) {
+  for (const Value& v : d.root()[name].items()) out.push_back(read(v));
 }
 
 void load_buffers(Document& d, const Chunks& chunks) {
   std::string all;  // input of the hash, if it covers more than the file
   uint64_t beside = 0;
-  const Json buffers = d.json.value("buffers", Json::array());
+  const std::vector<Value> buffers = d.root()["buffers"].items();
   for (size_t i = 0; i < buffers.size(); ++i) {
     const std::string where = place("buffers", i);
-    const auto length = buffers[i]["byteLength"].get<uint64_t>();
-    std::string_view bytes;
-    const bool in_chunk = i == 0 && chunks.has_bin, has_uri = buffers[i].contains("uri");
-    if (is_meshopt_fallback(buffers[i]) || (!has_uri && !in_chunk)) {
+    const size_t length = buffers[i]["byteLength"].needed().integer(0, 1);
+    const Value uri = buffers[i]["uri"];
+    std::string_view bytes = chunks.bin;
+    const bool in_chunk = i == 0 && chunks.has_bin;
+    if (is_meshopt_fallback(buffers[i]) || (!uri && !in_chunk)) {
+      uri.text();
       d.buffers.emplace_back();  // for readers that cannot decode
       continue;
     }
-    if (has_uri) {
+    if (uri) {
       std::string file;
-      d.owned.push_back(read_uri(d, buffers[i]["uri"].get<std::string>(), where + ".uri", file));
+      d.owned.push_back(read_uri(d, uri.text(), where + ".uri", file));
       bytes = d.owned.back();
       beside += bytes.size();  // several buffers may refer to the same file
       expect_memory(d.file, where, tdpt::counted(beside, "byte") + " of buffers", 2 * beside);
@@ -74,8 +137,6 @@ void load_buffers(Document& d, const Chunks& chunks) {
         all += d.owned.back();
         d.files.push_back(file);
       }
-    } else {
-      bytes = chunks.bin;
     }
     if (bytes.size() < length)
       d.fail(where, fmt::format("is cut short: {}, expected {}",
@@ -85,76 +146,30 @@ void load_buffers(Document& d, const Chunks& chunks) {
   d.hash = all.empty() ? content_hash(d.bytes) : content_hash(d.bytes + all);
 }
 
-bool no_image(tinygltf::Image*, const int, std::string*, std::string*, int, int,
-              const unsigned char*, int, void*) {
-  return true;
+Attributes read_attributes(const Value& v) {
+  Attributes out;
+  for (const auto& [name, accessor] : v.members())
+    if (is_read_attribute(name)) out[name] = accessor.index("accessors");
+  return out;
 }
 
-// An element of few bytes becomes a large structure.
-void check_elements(const Document& d) {
-  using namespace tinygltf;
-  size_t elements = 0, bytes = 0;
-  for (const auto& [section, size] :
-       {std::pair("nodes", sizeof(Node)), std::pair("meshes", sizeof(Mesh)),
-        std::pair("accessors", sizeof(Accessor)), std::pair("bufferViews", sizeof(BufferView)),
-        std::pair("scenes", sizeof(tinygltf::Scene)), std::pair("cameras", sizeof(Camera))}) {
-    const auto found = d.json.find(section);
-    if (found == d.json.end()) continue;
-    elements += found->size();
-    bytes += found->size() * size;
-  }
-  expect_memory(d.file, "JSON", fmt::format("{} nodes, meshes, accessors and the like", elements),
-                bytes);
-}
-
-// Builds tinygltf's model from the checked JSON. It gets no buffers, which it would copy, no
-// images, for which it would read outside of a buffer, and no indices, since it refuses those
-// stored by Draco.
-void load_model(Document& d) {
-  check_elements(d);
-  Json reduced = Json::object();
-  for (const char* section :
-       {"asset", "scene", "scenes", "nodes", "meshes", "accessors", "bufferViews", "cameras"})
-    if (d.json.contains(section)) reduced[section] = d.json[section];
-  if (reduced.contains("meshes"))
-    for (Json& mesh : reduced["meshes"])
-      for (Json& p : mesh["primitives"]) p.erase("indices"), p.erase("extensions");
-  const std::string text = reduced.dump();
-  if (text.size() > std::numeric_limits<unsigned>::max()) d.fail("JSON", "is larger than 4 GiB");
-  tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(no_image, nullptr);
-  std::string error, warning;
-  bool loaded = false;
-  try {
-    loaded = loader.LoadASCIIFromString(&d.model, &error, &warning, text.data(),
-                                        static_cast<unsigned>(text.size()), "");
-  } catch (const Json::exception& e) {
-    error = e.what();
-  }
-  if (!loaded)
-    d.fail("JSON", "is no valid glTF: " + shown(error.substr(0, error.find_first_of("\r\n")), 200));
-  for (size_t m = 0; m < d.model.meshes.size(); ++m)
-    for (size_t k = 0; k < d.model.meshes[m].primitives.size(); ++k)
-      d.model.meshes[m].primitives[k].indices =
-          d.json["meshes"][m]["primitives"][k].value("indices", -1);
+Primitive read_primitive(const Document& d, const Value& v) {
+  Primitive p;
+  p.mode = v["mode"].integer(kTriangles, 0, kFan);
+  p.indices = v["indices"].index("accessors");
+  p.material = v["material"].index("materials");
+  p.attributes = read_attributes(v["attributes"].needed());
+  p.draco = read_draco(v, p);
+  for (const Value& target : v["targets"].items()) p.targets.push_back(read_attributes(target));
+  if (p.indices != kNone && d.accessors[p.indices].view == kNone && !p.draco)
+    d.fail(place("accessors", p.indices) + ".bufferView", "is missing, indices need one");
+  return p.is_surface() ? p : Primitive{p.mode};  // points and lines are not rendered
 }
 
 }  // namespace
 
-Json parse_json(std::string_view text, const std::string& file) {
-  if (depth_of(text) > kDeepest)
-    throw InputError(file, "JSON", fmt::format("is nested more than {} levels deep", kDeepest));
-  try {
-    return Json::parse(text.begin(), text.end());
-  } catch (const Json::parse_error& e) {
-    throw InputError(file, fmt::format("JSON byte {}", e.byte), "is not valid JSON");
-  } catch (const Json::exception&) {
-    throw InputError(file, "JSON", "holds a number beyond the range of double precision");
-  }
-}
-
-std::string place(const char* section, size_t index) {
-  return fmt::format("{}[{}]", section, index);
+bool is_supported(const std::string& extension) {
+  return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
 }
 
 std::string counted(size_t n, const std::string& noun, const std::string& one,
@@ -162,24 +177,71 @@ std::string counted(size_t n, const std::string& noun, const std::string& one,
   return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
 }
 
-void open_document(const std::string& path, Document& d) {
+std::string DistinctNames::take(const std::string& first, const std::string& second,
+                                const std::string& otherwise) {
+  for (const std::string& name : {first, second})
+    if (!name.empty() && taken_.insert(name).second) return name;
+  const std::string base = !first.empty() ? first : !second.empty() ? second : otherwise;
+  if (taken_.insert(base).second) return base;
+  size_t& k = numbers_[base];  // all numbers below are taken
+  std::string name;
+  do name = fmt::format("{}.{}", base, ++k);
+  while (!taken_.insert(name).second);
+  return name;
+}
+
+void open_document(const std::string& path, Document& d,
+                   const std::vector<std::string>& animations) {
   d.file = display_name(path);
   d.bytes = read_file(path);
   d.folder = folder_of(path);
   const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
   d.json = parse_json(chunks.json, d.file);
-  for (std::string& note : check_json(d.json, d.file, d.wanted_animations))
-    d.warnings.push_back(std::move(note));
-  check_extensions(d);
-  for (const Json& e : d.json.value("extensionsUsed", Json::array()))
-    d.extensions.insert(e.get<std::string>());
+  read_version(d.root());  // another version may differ in everything else
+  expect_memory_of_sections(d);
+  read_section(d, "nodes", d.nodes, read_node);
+  d.roots = read_roots(d);
+  read_section(d, "skins", d.skins, read_skin);
+  read_section(d, "cameras", d.cameras, read_lens);
+  read_section(d, "accessors", d.accessors, read_accessor);
+  read_section(d, "bufferViews", d.views, read_view);
+  for (const Value& mesh : d.root()["meshes"].items()) d.meshes.push_back(read_mesh(d, mesh));
+  read_animations(d, animations);
+  read_extensions(d);
   load_buffers(d, chunks);
-  load_model(d);
   decode_draco_primitives(d);
 }
 
-bool uses_extension(const Document& d, const std::string& name) {
-  return d.extensions.contains(name);
+BufferView read_view(const Value& v) {
+  BufferView out;
+  out.buffer = v["buffer"].needed().index("buffers");
+  out.offset = v["byteOffset"].integer(0);
+  out.length = v["byteLength"].needed().integer(0, 1);
+  out.stride = v["byteStride"].integer(0, 4, 252);
+  if (out.stride % 4 != 0) v["byteStride"].fail("a multiple of 4");
+  out.meshopt = read_meshopt(v, out.stride);
+  return out;
+}
+
+bool is_read_attribute(const std::string& name) {
+  constexpr std::array kRead = {"POSITION",   "NORMAL",     "TANGENT",
+                                "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"};
+  return name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+         std::find(kRead.begin(), kRead.end(), name) != kRead.end();
+}
+
+size_t find_attribute(const Attributes& attributes, const std::string& name) {
+  const auto found = attributes.find(name);
+  return found == attributes.end() ? kNone : found->second;
+}
+
+Mesh read_mesh(const Document& d, const Value& v) {
+  Mesh out;
+  out.name = v["name"].text();
+  out.weights = v["weights"].numbers(0);
+  for (const Value& p : v["primitives"].needed().items())
+    out.primitives.push_back(read_primitive(d, p));
+  return out;
 }
 
 std::string_view buffer_bytes(const Document& d, const std::string& where, size_t index,
@@ -194,102 +256,21 @@ std::string_view buffer_bytes(const Document& d, const std::string& where, size_
 }
 
 std::string_view view_bytes(const Document& d, size_t index) {
-  if (is_meshopt_view(d, index)) {
-    auto it = d.unpacked.find(index);
-    if (it == d.unpacked.end()) it = d.unpacked.emplace(index, unpack_meshopt_view(d, index)).first;
-    return it->second;
-  }
-  const tinygltf::BufferView& v = d.model.bufferViews[index];
-  return buffer_bytes(d, place("bufferViews", index), static_cast<size_t>(v.buffer), v.byteOffset,
-                      v.byteLength);
+  const BufferView& v = d.views[index];
+  if (!v.meshopt) return buffer_bytes(d, place("bufferViews", index), v.buffer, v.offset, v.length);
+  auto it = d.unpacked.find(index);
+  if (it == d.unpacked.end()) it = d.unpacked.emplace(index, unpack_meshopt_view(d, index)).first;
+  return it->second;
 }
 
-size_t most_bytes(const Document& d) {
-  size_t bytes = d.bytes.size() + most_bytes_of_meshopt(d);
+size_t bytes_of_buffers(const Document& d) {
+  size_t bytes = 0;
   for (const std::string_view b : d.buffers) bytes += b.size();
   return bytes;
 }
 
-namespace {
-
-int digit_of(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;  // '-' and '_': the URL-safe alphabet
-  if (c == '/' || c == '_') return 63;
-  return -1;
-}
-
-bool decode_base64(std::string_view text, std::string& out) {
-  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
-  if (text.size() % 4 == 1) return false;
-  out.reserve(text.size() / 4 * 3 + 2);
-  uint32_t group = 0;
-  int bits = 0;
-  for (char c : text) {
-    const int d = digit_of(c);
-    if (d < 0) return false;
-    group = (group << 6 | static_cast<uint32_t>(d)) & 0xFFFFFF;
-    bits += 6;
-    if (bits >= 8) {
-      bits -= 8;
-      out += static_cast<char>((group >> bits) & 255);
-    }
-  }
-  return true;
-}
-
-int hex_of(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
-[[noreturn]] void nothing(const Namer& namer, const std::string& where, const std::string& message,
-                          const std::string& what_is) {
-  throw NothingThere(InputError(namer.file, where, message), what_is);
-}
-
-}  // namespace
-
-std::string percent_decode(std::string_view text) {
-  std::string out;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '%' && i + 2 < text.size() && hex_of(text[i + 1]) >= 0 &&
-        hex_of(text[i + 2]) >= 0) {
-      out += static_cast<char>(hex_of(text[i + 1]) * 16 + hex_of(text[i + 2]));
-      i += 2;
-    } else {
-      out += text[i];
-    }
-  }
-  return out;
-}
-
-std::string read_uri(const Document& document, const std::string& uri, const std::string& where,
-                     std::string& file_read) {
-  file_read.clear();
-  const Namer namer{document.file, document.folder};
-  if (uri.starts_with("data:")) {
-    const size_t comma = uri.find(',');
-    std::string out;
-    if (comma == uri.npos || !uri.substr(0, comma).ends_with(";base64") ||
-        !decode_base64(std::string_view(uri).substr(comma + 1), out))
-      nothing(namer, where, "data URI cannot be decoded, expected \"data:...;base64,\" and base64",
-              "a data URI that cannot be decoded");
-    return out;
-  }
-  const std::string name = percent_decode(uri);
-  const LocalFile file = local_file(namer, name, where);
-  file_read = file.path;
-  try {
-    return read_file(file.real);
-  } catch (const InputError&) {
-    const std::string quoted = "\"" + shown(name) + "\"";
-    nothing(namer, where, quoted + " cannot be read", "a file that cannot be read, " + quoted);
-  }
+size_t most_bytes(const Document& d) {
+  return d.bytes.size() + bytes_of_buffers(d) + most_bytes_of_meshopt(d);
 }
 
 }  // namespace tdpt::gltf

@@ -1,6 +1,6 @@
-// stb_image, compiled here: only for the two formats that glTF allows, and with zeroed memory. If a
-// damaged JPEG ends early or lacks the scan of a colour, the decoder continues with uninitialised
-// memory, which would give another image in each run.
+// The only caller of libwebp, and of stb_image, compiled here: only for the two formats that glTF
+// allows, and with zeroed memory. If a damaged JPEG ends early or lacks the scan of a colour, the
+// decoder continues with uninitialised memory, which would give another image in each run.
 #include "libcommon/scene/gltf/images.h"
 
 #include <algorithm>
@@ -16,6 +16,8 @@
 #define STBI_REALLOC(pointer, size) std::realloc(pointer, size)
 #define STBI_FREE(pointer) std::free(pointer)
 #include <stb/stb_image.h>
+
+#include <webp/decode.h>
 
 namespace tdpt::gltf {
 namespace {
@@ -67,6 +69,42 @@ bool has_few_scans(std::string_view jpeg) {
   int scans = 0;
   for (size_t at = 0; (at = jpeg.find("\xff\xda", at)) != jpeg.npos; at += 2) ++scans;
   return scans <= kMostScans;
+}
+
+// A uniform image needs no bits for its texels, so the size of a file does not bound its texels: up
+// to 4096 x 4096 is always accepted, a larger image in proportion to its bytes.
+constexpr int64_t kAlways = int64_t{1} << 24, kMostOfAByte = 4096;
+
+bool is_webp(std::string_view bytes) {
+  return bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP";
+}
+
+bool is_animated_webp(std::string_view bytes) {
+  WebPBitstreamFeatures features;
+  return is_webp(bytes) &&
+         WebPGetFeatures(data_of(bytes), bytes.size(), &features) == VP8_STATUS_OK &&
+         features.has_animation;
+}
+
+std::optional<int64_t> webp_texels_declared(std::string_view bytes) {
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(data_of(bytes), bytes.size(), &features) != VP8_STATUS_OK ||
+      features.has_animation || features.width < 1 || features.height < 1)
+    return {};
+  const int64_t texels = int64_t{features.width} * features.height;
+  if (texels > std::max(kAlways, kMostOfAByte * static_cast<int64_t>(bytes.size()))) return {};
+  return texels;
+}
+
+std::optional<Image> decode_webp(std::string_view bytes) {
+  Image out;
+  if (!WebPGetInfo(data_of(bytes), bytes.size(), &out.width, &out.height)) return {};
+  const size_t row = size_t{4} * static_cast<size_t>(out.width);
+  out.texels.resize(row * static_cast<size_t>(out.height));
+  if (!WebPDecodeRGBAInto(data_of(bytes), bytes.size(), out.texels.data(), out.texels.size(),
+                          static_cast<int>(row)))
+    return {};
+  return out;
 }
 
 }  // namespace

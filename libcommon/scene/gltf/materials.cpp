@@ -14,9 +14,7 @@
 namespace tdpt::gltf {
 namespace {
 
-using Json = nlohmann::json;
-
-enum Kind { unlit, far_uv_set, clamped, faint, kinds };
+enum Approximation { unlit, far_uv_set, clamped, faint, kinds };
 
 struct Sentence {
   const char *one, *many, *rest;
@@ -44,34 +42,27 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
+// Specular-glossiness is read as metallic-roughness with extensions. The extension defines
+//   c_diff = diffuse (1 - max specular),  F0 = specular,  F90 = 1,  alpha = (1 - glossiness)^2:
+// a dielectric with an infinite index of refraction, `specular` as specular colour and c_diff as
+// base colour. One texture holds specular (RGB) and glossiness (A); unless it is uniform, the
+// renderer evaluates both at each point [Material::glossy_map].
+constexpr const char* kGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
 // An index of refraction of 0 means an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
 
-const Json& child(const Json& parent, const char* name) {
-  static const Json kNothing = Json::object();
-  const auto it = parent.find(name);
-  return it == parent.end() ? kNothing : *it;
+/// A factor as single precision.
+float factor(const Value& v, double otherwise, double most = kAny) {
+  return static_cast<float>(std::min(v.number(otherwise, 0, most), 1e30));
 }
 
-float number(const Json& parent, const char* name, float otherwise) {
-  const auto it = parent.find(name);
-  return it == parent.end() ? otherwise : static_cast<float>(std::min(it->get<double>(), 1e30));
-}
-
-Vec3d triple(const Json& parent, const char* name, double otherwise) {
-  const auto it = parent.find(name);
-  if (it == parent.end()) return Vec3d(otherwise);
-  return {(*it)[0].get<double>(), (*it)[1].get<double>(), (*it)[2].get<double>()};
+Vec3d triple(const Value& v, double otherwise) {
+  return v.triple(Vec3d(otherwise), 0);
 }
 
 bool is_black(const Rgb& c) {
   return max_component(c) <= 0;
-}
-
-bool more_than_0(const Json& parent, const char* name) {
-  const auto it = parent.find(name);
-  if (it == parent.end()) return false;
-  return it->is_number() ? it->get<double>() > 0 : max_component(triple(parent, name, 0)) > 0;
 }
 
 /// "material "a"", "materials "a", "b", "c" and 2 more".
@@ -86,59 +77,65 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-class Reader {
+class MaterialReader {
  public:
-  Reader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
+  MaterialReader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
 
-  Material read(size_t index, MaterialUse& use) {
-    const Json j = without_specular_glossiness(d_.json["materials"][index]);
-    glossy_ = child(d_.json["materials"][index], "extensions")
-                  .contains("KHR_materials_pbrSpecularGlossiness");
-    told_.fill(false);
+  /// `used`: by a surface; else the values are read to find faults alone.
+  Material read(const Value& v, size_t index, bool used, MaterialUse& use) {
+    counts_ = used;
+    is_counted_.fill(false);
     Material m;
-    m.name = j.value("name", "");
+    m.name = v["name"].text();
     called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
-    m.double_sided = j.value("doubleSided", false);
-    conducts_ = child(j, "extras").contains("tdpt_eta");
-    read_base(j, m);
-    const Json& extensions = child(j, "extensions");
-    if (extensions.contains("KHR_materials_unlit")) {
+    m.double_sided = v["doubleSided"].boolean(false);
+    read_left_out(v, index, m);
+    use.unlit = used && v.extension("KHR_materials_unlit");
+    glossy_ = !use.unlit && v.extension(kGlossiness);
+    conductor_ = read_conductor(v);
+    read_base(v, m);
+    if (use.unlit) {
       make_unlit(m);
-      use.unlit = true;
-    } else {
-      read_lobes(j, m);
-      if (glossy_)
-        finish_specular_glossiness(maps_[MAP_SPECULAR_COLOR].has_value(), glossiness_, m);
-      read_coat(child(extensions, "KHR_materials_clearcoat"), m);
-      read_sheen(child(extensions, "KHR_materials_sheen"), m);
-      read_normal_map(j, m);
-      read_emission(j, index, m);
+      counts_ = false;
     }
-    note_left_out(extensions, index, m);
-    keep_maps(m, use);
-    return m;
+    Material lit = m;
+    read_lobes(v, lit);
+    read_coat(v.extension("KHR_materials_clearcoat"), lit);
+    read_sheen(v.extension("KHR_materials_sheen"), lit);
+    read_normal_map(v, lit);
+    read_emission(v, lit);
+    if (counts_) m = lit;
+    if (used) {
+      keep_maps(m, use);
+      return m;
+    }
+    Material out;
+    out.name = m.name;
+    return out;
   }
 
   void finish() {
-    tell_left_out();
+    warn_of_left_out();
     for (size_t k = 0; k < kinds; ++k)
       if (count_[k] > 0)
         scene_.warnings.push_back(
             counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
             kSentences[k].rest);
-    tell_undecodable();
+    warn_of_undecodable();
     if (!textures_.external_bytes().empty())
       scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
   }
 
  private:
-  void tell(Kind kind) {
-    if (!told_[kind]) ++count_[kind];
-    told_[kind] = true;
+  /// Counts each material once.
+  void count(Approximation kind) {
+    if (!counts_) return;
+    if (!is_counted_[kind]) ++count_[kind];
+    is_counted_[kind] = true;
   }
 
   void note(const char* name, const TextureReader::Fault& fault) {
-    if (fault.far_uv_set) tell(far_uv_set);
+    if (fault.far_uv_set) count(far_uv_set);
     if (!fault.image.empty())
       undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
                                          std::string_view(name).ends_with("ormalTexture")
@@ -146,7 +143,7 @@ class Reader {
                                              : "its factor alone is used"));
   }
 
-  void tell_undecodable() {
+  void warn_of_undecodable() {
     const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
     scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
                            undecodable_.begin() + static_cast<ptrdiff_t>(named));
@@ -156,182 +153,243 @@ class Reader {
           ": their factors alone are used");
   }
 
-  /// The texture called `name`, if any; a uniform one is folded into the factors.
+  /// Multiplies the factors of `map` by a texture, if there is one and it `matters`; calls `fold`
+  /// with the value of one that is uniform, which is no map any more.
   template <class Fold>
-  void texture(const Json& parent, const char* name, bool srgb, uint32_t map, const Fold& fold) {
-    const auto info = parent.find(name);
-    if (info == parent.end()) return;
+  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
+               const Fold& fold) {
+    const TextureInfo info = read_texture_info(owner[name]);
+    if (!info || !matters || !counts_) return;
     TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(*info, srgb, fault);
+    const std::optional<Texture> t = textures_.read(info, srgb, fault);
     note(name, fault);
     if (t && t->uniform)
       fold(t->value);
     else
       maps_[map] = t;
   }
-  void texture(const Json& parent, const char* name, bool srgb, uint32_t map, Material& m) {
-    texture(parent, name, srgb, map, [&](const std::array<float, 4>& v) { multiply(m, map, v); });
+  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
+               Material& m) {
+    texture(owner, name, matters, srgb, map,
+            [&](const std::array<float, 4>& v) { multiply(m, map, v); });
   }
 
-  /// Reflectance at normal incidence from the complex index of refraction for red, green and blue;
-  /// replaces the factors of colour and metal.
-  static Vec3d conductor(const Json& extras, Material& m) {
-    const Vec3d eta = triple(extras, "tdpt_eta", 1), k = triple(extras, "tdpt_k", 0);
+  /// A complex index of refraction for red, green and blue, in the extras: both parts or neither.
+  struct Index {
+    Vec3d eta, k;
+  };
+  static std::optional<Index> read_conductor(const Value& v) {
+    const Value extras = v["extras"];
+    if (!extras.json().is_object()) return {};
+    const Value eta = extras["tdpt_eta"], k = extras["tdpt_k"];
+    if (bool(eta) != bool(k))
+      extras.fail_because(fmt::format("has {}, expected both or neither",
+                                      eta ? "tdpt_eta without tdpt_k" : "tdpt_k without tdpt_eta"));
+    if (!eta) return {};
+    return Index{eta.triple({}, 1e-3, 1e3), k.triple({}, 0, 1e3)};
+  }
+
+  /// Reflectance at normal incidence; replaces the factors of colour and metal.
+  static Vec3d reflectance(const Index& n, Material& m) {
     Vec3d f0;
     for (int c = 0; c < 3; ++c) {
-      f0[c] = shader::conductor_reflectance(1.0, eta[c], k[c]);
-      m.dip[c] = static_cast<float>(shader::conductor_dip(eta[c], k[c]));
+      f0[c] = shader::conductor_reflectance(1.0, n.eta[c], n.k[c]);
+      m.dip[c] = static_cast<float>(shader::conductor_dip(n.eta[c], n.k[c]));
     }
     return f0;
   }
 
-  void read_base(const Json& j, Material& m) {
-    const Json& pbr = child(j, "pbrMetallicRoughness");
-    const Vec3d colour = conducts_ ? conductor(j["extras"], m) : triple(pbr, "baseColorFactor", 1);
-    if (max_component(colour) > 1) tell(clamped);
+  void read_base(const Value& v, Material& m) {
+    const Value pbr = v["pbrMetallicRoughness"], glossiness = v.extension(kGlossiness);
+    const std::vector<double> base = pbr["baseColorFactor"].numbers(4, 0),
+                              diffuse = glossiness["diffuseFactor"].numbers(4, 0);
+    std::vector<double> rgba = glossy_ ? diffuse : base;
+    if (rgba.empty()) rgba = {1, 1, 1, 1};
+    const Vec3d colour =
+        conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
+    if (max_component(colour) > 1) count(clamped);
     m.base_color = Rgb(min(colour, Vec3d(1)));
-    const std::string mode = j.value("alphaMode", "OPAQUE");
-    if (mode == "MASK") m.alpha_mode = Material::Alpha::mask;
-    if (mode == "BLEND") m.alpha_mode = Material::Alpha::blend;
-    const bool opaque = mode == "OPAQUE";
-    m.alpha_cutoff = number(j, "alphaCutoff", 0.5f);
-    if (!opaque && pbr.contains("baseColorFactor"))
-      m.alpha = static_cast<float>(std::min(pbr["baseColorFactor"][3].get<double>(), 1.0));
-    if (is_black(m.base_color) && opaque) return;
-    texture(pbr, "baseColorTexture", true, MAP_BASE, [&](const std::array<float, 4>& v) {
-      multiply(m, MAP_BASE, v);
-      if (!opaque) m.alpha *= v[3];
-    });
+    m.alpha_mode =
+        static_cast<Material::Alpha>(v["alphaMode"].one_of({"OPAQUE", "MASK", "BLEND"}, 0));
+    const bool opaque = m.alpha_mode == Material::Alpha::opaque;
+    m.alpha_cutoff = factor(v["alphaCutoff"], 0.5);
+    if (!opaque) m.alpha = static_cast<float>(std::min(rgba[3], 1.0));
+    const bool matters = !is_black(m.base_color) || !opaque;
+    const auto fold = [&](const std::array<float, 4>& texel) {
+      multiply(m, MAP_BASE, texel);
+      if (!opaque) m.alpha *= texel[3];
+    };
+    texture(pbr, "baseColorTexture", matters && !glossy_, true, MAP_BASE, fold);
+    texture(glossiness, "diffuseTexture", matters && glossy_, true, MAP_BASE, fold);
   }
 
-  void read_lobes(const Json& j, Material& m) {
-    const Json& pbr = child(j, "pbrMetallicRoughness");
-    const Json& extensions = child(j, "extensions");
-    m.metallic = conducts_ ? 1 : number(pbr, "metallicFactor", 1);
-    m.roughness = number(pbr, "roughnessFactor", 1);
-    // A metal has no dielectric reflection and no transmission.
-    const bool dielectric = m.metallic < 1 || pbr.contains("metallicRoughnessTexture");
-    m.ior = number(child(extensions, "KHR_materials_ior"), "ior", 1.5f);
-    if (m.ior == 0) m.ior = kInfiniteIor;
-    const Json& specular = child(extensions, "KHR_materials_specular");
-    m.specular = m.ior == 1 ? 0 : number(specular, "specularFactor", 1);
-    m.specular_color = Rgb(min(triple(specular, "specularColorFactor", 1), Vec3d(1e6)));
-    if (m.specular > 0 && dielectric) texture(specular, "specularTexture", false, MAP_SPECULAR, m);
-    glossiness_ = 1;
-    if (m.specular > 0 && dielectric && (glossy_ || !is_black(m.specular_color)))
-      texture(specular, "specularColorTexture", true, MAP_SPECULAR_COLOR, [&](const auto& v) {
-        multiply(m, MAP_SPECULAR_COLOR, v);
-        glossiness_ = v[3];
-      });
-    if (const Json& t = child(extensions, "KHR_materials_transmission"); dielectric) {
-      m.transmission = number(t, "transmissionFactor", 0);
-      if (m.transmission > 0) texture(t, "transmissionTexture", false, MAP_TRANSMISSION, m);
+  void read_lobes(const Value& v, Material& m) {
+    const Value pbr = v["pbrMetallicRoughness"], ior = v.extension("KHR_materials_ior")["ior"],
+                specular = v.extension("KHR_materials_specular"),
+                transmission = v.extension("KHR_materials_transmission");
+    m.metallic = factor(pbr["metallicFactor"], 1, 1);
+    m.roughness = factor(pbr["roughnessFactor"], 1, 1);
+    m.ior = factor(ior, 1.5);
+    if (const double n = ior.number(1.5); n != 0 && !(n >= 1 && n <= 1e6))
+      ior.fail("0 or a number from 1 to 1e6");
+    m.specular = factor(specular["specularFactor"], 1, 1);
+    m.specular_color = Rgb(min(triple(specular["specularColorFactor"], 1), Vec3d(1e6)));
+    m.transmission = factor(transmission["transmissionFactor"], 0, 1);
+    const Value glossiness = v.extension(kGlossiness);
+    const Vec3d glossy_color = min(triple(glossiness["specularFactor"], 1), Vec3d(1e6));
+    const double glossy = glossiness["glossinessFactor"].number(1, 0, 1);
+    if (glossy_) {  // excludes the other extensions
+      m.metallic = m.ior = m.transmission = 0;
+      m.specular = 1;
+      m.specular_color = Rgb(glossy_color);
+      m.roughness = static_cast<float>(1 - glossy);
     }
-    const bool glossy = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
-    if (m.metallic > 0 || (glossy && m.roughness > 0))
-      texture(pbr, "metallicRoughnessTexture", false, MAP_METALLIC_ROUGHNESS, m);
+    if (conductor_) m.metallic = 1;
+    if (m.ior == 0) m.ior = kInfiniteIor;
+    if (m.ior == 1) m.specular = 0;
+    // A metal has no dielectric reflection and no transmission.
+    const bool metal_map = !glossy_ && pbr["metallicRoughnessTexture"];
+    const bool dielectric = m.metallic < 1 || metal_map;
+    const bool reflects = m.specular > 0 && dielectric;
+    if (!dielectric) m.transmission = 0;
+    texture(specular, "specularTexture", reflects && !glossy_, false, MAP_SPECULAR, m);
+    texture(specular, "specularColorTexture", reflects && !glossy_ && !is_black(m.specular_color),
+            true, MAP_SPECULAR_COLOR, m);
+    float alpha = 1;  // of a uniform texture
+    texture(glossiness, "specularGlossinessTexture", reflects && glossy_, true, MAP_SPECULAR_COLOR,
+            [&](const std::array<float, 4>& texel) {
+              multiply(m, MAP_SPECULAR_COLOR, texel);
+              alpha = texel[3];
+            });
+    texture(transmission, "transmissionTexture", m.transmission > 0, false, MAP_TRANSMISSION, m);
+    const bool shines = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
+    texture(pbr, "metallicRoughnessTexture",
+            metal_map && (m.metallic > 0 || (shines && m.roughness > 0)), false,
+            MAP_METALLIC_ROUGHNESS, m);
     if (m.metallic >= 1 && !maps_[MAP_METALLIC_ROUGHNESS]) {
       m.transmission = 0;
       for (const uint32_t map : {MAP_SPECULAR, MAP_SPECULAR_COLOR, MAP_TRANSMISSION})
         maps_[map].reset();
     }
-    if (m.transmission > 0) read_volume(child(extensions, "KHR_materials_volume"), m);
+    read_volume(v.extension("KHR_materials_volume"), m);
+    if (glossy_) finish_glossiness(maps_[MAP_SPECULAR_COLOR].has_value(), alpha, m);
+  }
+
+  /// Applies the factor (1 - max specular) and the texture's glossiness. If `map`, both are
+  /// evaluated at each point; else at once, with `alpha` that of a uniform texture, which the
+  /// specular colour already contains.
+  static void finish_glossiness(bool map, float alpha, Material& m) {
+    m.glossy_map = map;
+    if (map) return;
+    m.roughness = 1 - (1 - m.roughness) * alpha;
+    m.base_color = m.base_color * std::max(1 - max_component(m.specular_color), 0.0f);
   }
 
   /// Absorption per metre: attenuationColor is the transmittance over attenuationDistance.
-  void read_volume(const Json& volume, Material& m) {
-    m.solid = number(volume, "thicknessFactor", 0) > 0;
-    if (!m.solid || !volume.contains("attenuationDistance")) return;
-    const double distance = volume["attenuationDistance"].get<double>();
-    const Vec3d colour = triple(volume, "attenuationColor", 1);
+  static void read_volume(const Value& v, Material& m) {
+    const bool solid = v["thicknessFactor"].number(0, 0) > 0;
+    const double distance = v["attenuationDistance"].number_above_0(kAny);
+    const Vec3d colour = v["attenuationColor"].triple(Vec3d(1), 0, 1);
+    if (m.transmission <= 0) return;
+    m.solid = solid;
+    if (!m.solid || !v["attenuationDistance"]) return;
     for (int c = 0; c < 3; ++c)
       m.absorption[c] = static_cast<float>(
           std::clamp(colour[c] < 1 ? -std::log(colour[c]) / distance : 0.0, 0.0, 1e30));
   }
 
-  void read_coat(const Json& j, Material& m) {
-    m.coat = number(j, "clearcoatFactor", 0);
-    if (m.coat > 0) texture(j, "clearcoatTexture", false, MAP_COAT, m);
-    if (m.coat <= 0) return;
-    m.coat_roughness = number(j, "clearcoatRoughnessFactor", 0);
-    if (m.coat_roughness > 0) texture(j, "clearcoatRoughnessTexture", false, MAP_COAT_ROUGHNESS, m);
-    maps_[MAP_COAT_NORMAL] = bends(j, "clearcoatNormalTexture", m.coat_normal_scale);
+  void read_coat(const Value& v, Material& m) {
+    m.coat = factor(v["clearcoatFactor"], 0, 1);
+    const float roughness = factor(v["clearcoatRoughnessFactor"], 0, 1);
+    texture(v, "clearcoatTexture", m.coat > 0, false, MAP_COAT, m);
+    if (m.coat > 0) m.coat_roughness = roughness;
+    texture(v, "clearcoatRoughnessTexture", m.coat > 0 && roughness > 0, false, MAP_COAT_ROUGHNESS,
+            m);
+    normal_map(v, "clearcoatNormalTexture", m.coat > 0, MAP_COAT_NORMAL, m.coat_normal_scale);
   }
 
-  void read_sheen(const Json& j, Material& m) {
-    m.sheen_color = Rgb(min(triple(j, "sheenColorFactor", 0), Vec3d(1)));
-    if (m.sheened()) texture(j, "sheenColorTexture", true, MAP_SHEEN_COLOR, m);
-    if (!m.sheened()) return;
-    m.sheen_roughness = number(j, "sheenRoughnessFactor", 0);
-    if (m.sheen_roughness > 0) texture(j, "sheenRoughnessTexture", false, MAP_SHEEN_ROUGHNESS, m);
+  void read_sheen(const Value& v, Material& m) {
+    m.sheen_color = Rgb(min(triple(v["sheenColorFactor"], 0), Vec3d(1)));
+    const float roughness = factor(v["sheenRoughnessFactor"], 0, 1);
+    texture(v, "sheenColorTexture", m.sheened(), true, MAP_SHEEN_COLOR, m);
+    if (m.sheened()) m.sheen_roughness = roughness;
+    texture(v, "sheenRoughnessTexture", m.sheened() && roughness > 0, false, MAP_SHEEN_ROUGHNESS,
+            m);
   }
 
-  void read_normal_map(const Json& j, Material& m) {
+  void read_normal_map(const Value& v, Material& m) {
     const bool black = is_black(m.base_color) && m.specular <= 0 && m.metallic <= 0;
-    if (black && m.transmission <= 0 && !m.sheened()) return;
-    maps_[MAP_NORMAL] = bends(j, "normalTexture", m.normal_scale);
+    normal_map(v, "normalTexture", !black || m.transmission > 0 || m.sheened(), MAP_NORMAL,
+               m.normal_scale);
   }
 
-  /// The normal map called `name`, unless it is flat.
-  std::optional<Texture> bends(const Json& parent, const char* name, float& scale) {
-    const auto info = parent.find(name);
-    if (info == parent.end()) return {};
-    scale = static_cast<float>(std::clamp(info->value("scale", 1.0), -1e6, 1e6));
-    if (scale == 0) return {};
+  /// A normal map, unless it is flat.
+  void normal_map(const Value& owner, const char* name, bool matters, uint32_t map, float& scale) {
+    const TextureInfo info = read_texture_info(owner[name]);
+    if (!info || !matters || !counts_) return;
+    scale = static_cast<float>(std::clamp(info.scale, -1e6, 1e6));
+    if (scale == 0) return;
     TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(*info, false, fault);
+    const std::optional<Texture> t = textures_.read(info, false, fault);
     note(name, fault);
     // Bytes cannot represent "straight up" exactly: both 127 and 128 mean it.
-    const auto level = [](uint8_t v) { return v == 127 || v == 128; };
-    if (t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128)
-      return {};
-    return t;
+    const auto level = [](uint8_t b) { return b == 127 || b == 128; };
+    const bool flat =
+        t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128;
+    if (!flat) maps_[map] = t;
   }
 
-  void note_left_out(const Json& extensions, size_t index, const Material& m) {
+  void read_left_out(const Value& v, size_t index, const Material& m) {
     const std::string name =
         m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
-    for (const auto& [extension, value] : extensions.items()) {
+    for (const auto& [extension, value] : v["extensions"].members()) {
+      if (!value.json().is_object()) value.fail("an object");
       const auto known =
           std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
                        [&e = extension](const LeftOut& l) { return e == l.extension; });
       if (known != std::end(kLeftOut)) {
-        if (more_than_0(value, known->factor)) left_out_[known->words].push_back(name);
-      } else if (extension.find("_materials_") != extension.npos && !is_supported(extension)) {
+        const Value factor = value[known->factor];
+        const double most = std::string_view(known->factor).ends_with("Color")
+                                ? max_component(factor.triple({}))
+                                : factor.number(0);
+        if (most > 0 && counts_) left_out_[known->words].push_back(name);
+      } else if (counts_ && extension.find("_materials_") != extension.npos &&
+                 !is_supported(extension)) {
         unknown_[shown(extension, 60)].push_back(name);
       }
     }
   }
 
   /// Reports ignored features; the number of different extensions in a file is unbounded.
-  void tell_left_out() {
+  void warn_of_left_out() {
     constexpr size_t kMost = 8;
-    const auto tell = [&](const std::string& words, const std::vector<std::string>& names) {
+    const auto add = [&](const std::string& words, const std::vector<std::string>& names) {
       scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
     };
-    size_t told = 0;
+    size_t named = 0;
     for (const auto& [words, names] : unknown_)
-      if (told++ < kMost) tell(words, names);
-    if (told > kMost)
-      scene_.warnings.push_back(counted(told - kMost, "more extension", "of materials is left out",
+      if (named++ < kMost) add(words, names);
+    if (named > kMost)
+      scene_.warnings.push_back(counted(named - kMost, "more extension", "of materials is left out",
                                         "of materials are left out"));
-    for (const auto& [words, names] : left_out_) tell(words, names);
+    for (const auto& [words, names] : left_out_) add(words, names);
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
-  void read_emission(const Json& j, size_t index, Material& m) {
-    const Json& extension = child(child(j, "extensions"), "KHR_materials_emissive_strength");
-    Vec3d radiance = triple(j, "emissiveFactor", 0) * extension.value("emissiveStrength", 1.0);
-    if (max_component(radiance) > 0)
-      texture(j, "emissiveTexture", true, MAP_EMISSION, [&](const std::array<float, 4>& v) {
-        radiance = radiance * Vec3d(v[0], v[1], v[2]);
-      });
+  void read_emission(const Value& v, Material& m) {
+    const double strength =
+        v.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0);
+    Vec3d radiance = triple(v["emissiveFactor"], 0) * strength;
+    texture(v, "emissiveTexture", max_component(radiance) > 0, true, MAP_EMISSION,
+            [&](const std::array<float, 4>& texel) {
+              radiance = radiance * Vec3d(texel[0], texel[1], texel[2]);
+            });
+    if (!counts_) return;
     if (!(max_component(radiance) <= kBrightestEmission))
-      d_.fail(
-          place("materials", index),
+      v.fail_because(
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
     if (max_component(radiance) > 0 && max_component(radiance) < kFaintestEmission) {
-      tell(faint);
+      count(faint);
       maps_[MAP_EMISSION].reset();
       return;
     }
@@ -339,7 +397,7 @@ class Reader {
   }
 
   void make_unlit(Material& m) {
-    tell(unlit);
+    count(unlit);
     m.emission = m.base_color;
     m.base_color = Rgb(0.0f);
     if (base() && !is_black(m.emission)) maps_[MAP_EMISSION] = base();
@@ -370,26 +428,22 @@ class Reader {
   std::string called_;                                         // name of the current material
   std::vector<std::string> undecodable_;                       // textures, with descriptions
   std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
-  bool conducts_ = false;  // the current one has a complex index of refraction
-  bool glossy_ = false;    // the current one is specular-glossiness
-  float glossiness_ = 1;   // alpha of a uniform specular colour texture
+  std::optional<Index> conductor_;                                      // of the current one
+  bool glossy_ = false;  // the current one is specular-glossiness
+  bool counts_ = false;  // what is read of it matters
   std::array<size_t, kinds> count_{};
-  std::array<bool, kinds> told_{};  // for the current material
+  std::array<bool, kinds> is_counted_{};  // for the current material
 };
 
 }  // namespace
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
                                         Scene& scene) {
-  Reader reader(d, scene);
+  MaterialReader reader(d, scene);
   std::vector<MaterialUse> uses(used.size());
-  for (size_t i = 0; i < used.size(); ++i) {
-    Material& m = scene.materials.emplace_back();
-    if (used[i])
-      m = reader.read(i, uses[i]);
-    else
-      m.name = d.json["materials"][i].value("name", "");
-  }
+  const std::vector<Value> all = d.root()["materials"].items();
+  for (size_t i = 0; i < used.size(); ++i)
+    scene.materials.push_back(reader.read(all[i], i, used[i], uses[i]));
   reader.finish();
   return uses;
 }

@@ -3,13 +3,19 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/lights.h"
-#include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/gltf/skins.h"
 
 namespace tdpt::gltf {
 
@@ -22,13 +28,9 @@ constexpr size_t kSome = size_t{1} << 22, kPerByte = 256;
 // Morph targets and joints cost only time.
 constexpr size_t kMostBends = size_t{1} << 31;
 
-bool is_surface(const tinygltf::Primitive& p) {
-  return p.mode >= TINYGLTF_MODE_TRIANGLES;
-}
-
-/// The mesh shown by a node, -1 for none.
-int mesh_of(const Document& d, const PlacedNode& n) {
-  return n.visible ? d.model.nodes[n.node].mesh : -1;
+/// The mesh shown by a node, or kNone.
+size_t mesh_of(const Document& d, const PlacedNode& n) {
+  return n.visible ? d.nodes[n.node].mesh : kNone;
 }
 
 // Temporary memory per vertex of a skinned primitive: its map, joints and weights.
@@ -36,278 +38,16 @@ constexpr size_t kBendingBytes = sizeof(Affine) + 10 * sizeof(double);
 
 /// Bytes per vertex in Scene, besides the position.
 size_t bytes_of(const AttributeSet& set) {
-  return (set.normal >= 0 ? sizeof(Vec3f) : 0) + (set.tangent >= 0 ? 4 * sizeof(float) : 0) +
-         (set.uv[0] >= 0 ? 2 * sizeof(float) : 0) + (set.uv[1] >= 0 ? 2 * sizeof(float) : 0) +
-         (set.colour >= 0 ? 4 * sizeof(float) : 0);
+  size_t bytes = 0;
+  for (size_t k = kNormal; k < kAttributes; ++k)
+    if (set.accessors[k] != kNone) bytes += kAttributeComponents[k] * sizeof(float);
+  return bytes;
 }
-
-}  // namespace
-
-std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
-  std::vector<bool> used(d.json.contains("materials") ? d.json["materials"].size() : 0);
-  for (const PlacedNode& n : nodes) {
-    const int mesh = mesh_of(d, n);
-    if (mesh < 0) continue;
-    for (const tinygltf::Primitive& p : d.model.meshes[static_cast<size_t>(mesh)].primitives)
-      if (is_surface(p) && p.material >= 0) used[static_cast<size_t>(p.material)] = true;
-  }
-  return used;
-}
-
-MeshReader::MeshReader(const Document& d, Scene& scene, std::vector<MaterialUse>& uses,
-                       const std::vector<PlacedNode>& nodes)
-    : d_(d), scene_(scene), uses_(uses), nodes_(nodes), attributes_(d, scene), maps_(d, nodes) {}
-
-void MeshReader::run() {
-  make_room();
-  for (const PlacedNode& n : nodes_)
-    if (mesh_of(d_, n) >= 0) add_node(n);
-}
-
-void MeshReader::make_room() {
-  const size_t bytes = most_bytes(d_);
-  const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
-  const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
-               most_bends = most(kMostBends);
-  // A count beyond the file's bytes is wrong, and is refused with its place when it is read.
-  const auto count = [&](int accessor) {
-    return std::min(d_.model.accessors[static_cast<size_t>(accessor)].count, bytes);
-  };
-  size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
-  for (const PlacedNode& n : nodes_) {
-    if (n.visible) {  // far fewer than the limits, as each needs a node
-      const Polygon light = polygon_of_light(d_, n.node);
-      vertices += light.vertices, triangles += light.triangles;
-    }
-    const int mesh = mesh_of(d_, n);
-    if (mesh < 0) continue;
-    const Shape shape = shape_of(n.node);
-    // Clamped so that no product overflows.
-    const size_t times =
-        shape.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
-    std::set<AttributeSet> seen;
-    for (const tinygltf::Primitive& p : d_.model.meshes[static_cast<size_t>(mesh)].primitives) {
-      const auto position = p.attributes.find("POSITION");
-      if (position == p.attributes.end()) continue;
-      const size_t points = std::min(count(position->second), kMostVertices + 1);
-      if (is_surface(p)) {
-        const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
-        bends +=
-            std::min(times * points, kMostVertices + 1) * (set.targets.size() + set.joints.size()) +
-            p.targets.size();
-        if (seen.insert(set).second) {
-          vertices += times * points;
-          of_attributes += times * points * bytes_of(set);
-          if (!set.joints.empty()) bent = std::max(bent, points);
-        }
-      }
-      const size_t corners =
-          std::min(count(p.indices >= 0 ? p.indices : position->second), 3 * kMostTriangles + 3);
-      triangles += times * (p.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners);
-      if (vertices > most_vertices || triangles > most_triangles)
-        d_.fail(place("nodes", n.node),
-                fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
-                            "and {}",
-                            vertices, triangles, most_vertices, most_triangles));
-      if (bends > most_bends)
-        d_.fail(place("nodes", n.node),
-                fmt::format("brings the scene to {} vertices times morph targets and joints, "
-                            "expected at most {}",
-                            bends, most_bends));
-    }
-  }
-  expect_memory(d_.file, "nodes", fmt::format("{} vertices and {} triangles", vertices, triangles),
-                vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + of_attributes + bent * kBendingBytes +
-                    triangles * sizeof(Triangle));
-  world_.reserve(vertices);
-  scene_.triangles.reserve(triangles);
-}
-
-Shape MeshReader::shape_of(size_t node) const {
-  return {morph_weights(d_, node), d_.model.nodes[node].skin >= 0};
-}
-
-const std::vector<tinygltf::Primitive>& MeshReader::primitives_of(const PlacedNode& n) const {
-  return d_.model.meshes[static_cast<size_t>(d_.model.nodes[n.node].mesh)].primitives;
-}
-
-size_t MeshReader::material_of(const tinygltf::Primitive& p) const {
-  return p.material < 0 ? uses_.size() - 1 : static_cast<size_t>(p.material);
-}
-
-void MeshReader::add_node(const PlacedNode& n) {
-  const Shape shape = shape_of(n.node);
-  if (shape.skinned) {  // the extension does not define instances of skinned meshes
-    if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
-    add_mesh(n, shape, {});
-    return;
-  }
-  const auto& primitives = primitives_of(n);
-  if (std::none_of(primitives.begin(), primitives.end(), is_surface)) {  // needs no transform
-    no_surfaces_ += primitives.size();
-    return;
-  }
-  for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, shape, to_world);
-}
-
-void MeshReader::add_mesh(const PlacedNode& n, const Shape& shape,
-                          const std::optional<Affine>& to_world) {
-  const auto mesh = static_cast<size_t>(d_.model.nodes[n.node].mesh);
-  struct Shared {
-    uint32_t first;
-    Placing placing;
-  };
-  std::map<AttributeSet, Shared> known;  // primitives often share all vertices
-  const auto& primitives = primitives_of(n);
-  for (size_t k = 0; k < primitives.size(); ++k) {
-    const tinygltf::Primitive& p = primitives[k];
-    const std::string where = place("meshes", mesh) + "." + place("primitives", k);
-    if (!is_surface(p)) {
-      ++no_surfaces_;
-      continue;
-    }
-    const auto position = p.attributes.find("POSITION");
-    if (position == p.attributes.end()) {
-      without_positions_.insert({mesh, k});
-      continue;
-    }
-    const AttributeSet set = choose_attributes(p, uses_[material_of(p)], shape);
-    check_counts(d_, set, where);
-    auto it = known.find(set);
-    if (it == known.end()) {
-      const auto first = static_cast<uint32_t>(world_.size());
-      Placing placing = placing_of(n, set, to_world);
-      add_vertices(n, set, placing);
-      attributes_.add(set, placing, first);
-      placing.of_vertices = {};
-      it = known.emplace(set, Shared{first, std::move(placing)}).first;
-    }
-    const auto& [first, placing] = it->second;
-    const size_t vertices = d_.model.accessors[static_cast<size_t>(position->second)].count;
-    const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
-    add_triangles(corner, first, placing.mirrors, material_of(p));
-    if (p.material >= 0) bubbles_.look_at(scene_.materials[material_of(p)], corner, world_, first);
-    note_grain(placing.to_world, static_cast<size_t>(position->second), corner, first);
-    note_primitive({mesh, k}, p, set, shape);
-  }
-}
-
-Placing MeshReader::placing_of(const PlacedNode& n, const AttributeSet& set,
-                               const std::optional<Affine>& to_world) {
-  if (set.joints.empty()) {
-    const Affine& map = to_world ? *to_world : n.to_world;
-    return {map, map.mirrors(), {}};
-  }
-  const Skin& skin = skin_of(n.node);
-  std::vector<Affine> of_vertices = skin.blend(set.joints);
-  const bool mirrors = most_mirror(of_vertices);
-  return {skin.first(), mirrors, std::move(of_vertices)};
-}
-
-const Skin& MeshReader::skin_of(size_t node) {
-  const auto skin = static_cast<size_t>(d_.model.nodes[node].skin);
-  return skins_.try_emplace(skin, d_, skin, maps_).first->second;
-}
-
-void MeshReader::add_vertices(const PlacedNode& n, const AttributeSet& set,
-                              const Placing& placing) {
-  std::vector<Vec3d> positions = read_positions(d_, static_cast<size_t>(set.position));
-  add_position_deltas(d_, set.targets, positions);
-  for (size_t i = 0; i < positions.size(); ++i) {
-    world_.push_back(placing.of(i).point(positions[i]));
-    if (!is_finite(world_.back()))
-      d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
-  }
-}
-
-std::vector<uint32_t> MeshReader::corners(const tinygltf::Primitive& p, size_t vertices,
-                                          const Key& key) {
-  std::vector<uint32_t> list;
-  if (p.indices >= 0) {
-    list = read_indices(d_, static_cast<size_t>(p.indices), vertices);
-  } else {
-    list.resize(vertices);
-    for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
-  }
-  // Incomplete triangles are ignored, as in every graphics interface.
-  const bool strips = p.mode != TINYGLTF_MODE_TRIANGLES;
-  if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
-  if (!strips || list.size() < 3) {
-    list.resize(list.size() - list.size() % 3);
-    return list;
-  }
-  std::vector<uint32_t> out;
-  out.reserve(3 * (list.size() - 2));
-  for (size_t i = 0; i + 2 < list.size(); ++i) {
-    // glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite orientation.
-    if (p.mode == TINYGLTF_MODE_TRIANGLE_STRIP)
-      out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
-    else
-      out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
-  }
-  return out;
-}
-
-void MeshReader::add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
-                               size_t material) {
-  const auto m = static_cast<uint32_t>(material);
-  for (size_t i = 0; i + 2 < corner.size(); i += 3) {
-    Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
-    if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // keeps the front side
-    scene_.triangles.push_back(t);
-  }
-}
-
-/// Estimates the rounding error of these vertices: of floats in the file and of doubles in world
-/// space.
-void MeshReader::note_grain(const Affine& to_world, size_t accessor,
-                            const std::vector<uint32_t>& corner, uint32_t first) {
-  const bool floats = d_.model.accessors[accessor].componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
-  const Vec3d& moved = to_world.t;
-  double reach = 0;  // largest coordinate of the untransformed vertices
-  for (const uint32_t c : corner) reach = std::max(reach, length(world_[first + c] - moved));
-  grain_ = std::max(grain_, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
-}
-
-void MeshReader::note_primitive(const Key& key, const tinygltf::Primitive& p,
-                                const AttributeSet& set, const Shape& shape) {
-  MaterialUse& use = uses_[material_of(p)];
-  unnamed_material_ |= p.material < 0;
-  attributes_.note_colours(set, use);
-  for (size_t u = 0; u < 2; ++u)
-    if (use.uv[u] && set.uv[u] < 0) without_uv_.insert(key);
-  if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
-  if (shape.skinned && set.joints.empty()) without_joints_.insert(key);
-}
-
-void MeshReader::warn() const {
-  const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
-    if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
-  };
-  if (const std::string bubbles = bubbles_.warning(); !bubbles.empty())
-    scene_.warnings.push_back(bubbles);
-  tell(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
-  tell(without_positions_.size(), "primitive", "has no positions, and is left out",
-       "have no positions, and are left out");
-  tell(incomplete_.size(), "primitive", "has corners left that make no triangle",
-       "have corners left that make no triangle");
-  tell(without_uv_.size(), "primitive",
-       "lacks the texture coordinates that its material asks for: taken as 0",
-       "lack the texture coordinates that their materials ask for: taken as 0");
-  tell(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
-       "have vertex colours, which are left out");
-  tell(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
-       "of skinned meshes have no joints: placed by their nodes");
-  tell(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
-       "are placed once, not as their instances ask for");
-}
-
-namespace {
 
 constexpr double kOpen = 1e-4;  // share of the extent; above it the surface is open
 // V / A^1.5 is 0.094 for a ball and 0.068 for a cube, but 0.0034 for a square pane, a box a
 // hundredth as thick as wide: for that, a thin sheet on each side is right.
-constexpr double kFlat = 0.01;
+constexpr double kFlatVolume = 0.01;
 
 // A closed surface has no border: each edge is passed once each way, wherever the seams are, so the
 // integral of any field along the edges of all triangles is 0. The field here is a wave that fits
@@ -331,24 +71,310 @@ bool encloses(const std::vector<uint32_t>& corners, const std::vector<Vec3d>& wo
       const Vec3d a = at(i + k), b = at(i + (k + 1) % 3);
       border += (b - a) * std::cos(dot(wave, a + b));
     }
-  return length(border) <= kOpen * extent && std::abs(volume) > kFlat * std::pow(area, 1.5);
+  return length(border) <= kOpen * extent && std::abs(volume) > kFlatVolume * std::pow(area, 1.5);
 }
+
+class MeshReader {
+ public:
+  MeshReader(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
+             std::vector<MaterialUse>& uses)
+      : d_(d), scene_(scene), uses_(uses), nodes_(nodes), maps_(d, nodes) {}
+
+  Meshes run() {
+    make_room();
+    for (const PlacedNode& n : nodes_)
+      if (mesh_of(d_, n) != kNone) add_node(n);
+    warn();
+    return std::move(out_);
+  }
+
+ private:
+  using Key = std::pair<size_t, size_t>;  // mesh, primitive
+
+  void make_room() {
+    const size_t bytes = most_bytes(d_);
+    const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
+    const size_t most_vertices = most(kMostVertices), most_triangles = most(kMostTriangles),
+                 most_bends = most(kMostBends);
+    // A count beyond the file's bytes is wrong, and is refused with its place when it is read.
+    const auto count = [&](size_t accessor) {
+      return std::min(d_.accessors[accessor].count, bytes);
+    };
+    size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
+    for (const PlacedNode& n : nodes_) {
+      if (n.visible && d_.nodes[n.node].area_light != kNone) {  // far fewer than the limits
+        vertices += kMostOfAreaLight;
+        triangles += kMostOfAreaLight;
+      }
+      const size_t mesh = mesh_of(d_, n);
+      if (mesh == kNone) continue;
+      const Deformation deformation = deformation_of(n.node);
+      // Clamped so that no product overflows.
+      const size_t times =
+          deformation.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
+      std::set<AttributeSet> seen;
+      for (const Primitive& p : d_.meshes[mesh].primitives) {
+        const size_t position = find_attribute(p.attributes, "POSITION");
+        if (position == kNone) continue;
+        const size_t points = std::min(count(position), kMostVertices + 1);
+        if (p.is_surface()) {
+          const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
+          bends += std::min(times * points, kMostVertices + 1) *
+                       (set.targets.size() + set.joints.size()) +
+                   p.targets.size();
+          if (seen.insert(set).second) {
+            vertices += times * points;
+            of_attributes += times * points * bytes_of(set);
+            if (!set.joints.empty()) bent = std::max(bent, points);
+          }
+        }
+        const size_t corners =
+            std::min(count(p.indices != kNone ? p.indices : position), 3 * kMostTriangles + 3);
+        triangles += times * (p.mode == kTriangles ? corners / 3 : corners);
+        if (vertices > most_vertices || triangles > most_triangles)
+          d_.fail(
+              place("nodes", n.node),
+              fmt::format("brings the scene to {} vertices and {} triangles, expected at most {} "
+                          "and {}",
+                          vertices, triangles, most_vertices, most_triangles));
+        if (bends > most_bends)
+          d_.fail(place("nodes", n.node),
+                  fmt::format("brings the scene to {} vertices times morph targets and joints, "
+                              "expected at most {}",
+                              bends, most_bends));
+      }
+    }
+    expect_memory(d_.file, "nodes",
+                  fmt::format("{} vertices and {} triangles", vertices, triangles),
+                  vertices * (sizeof(Vec3d) + sizeof(Vec3f)) + of_attributes +
+                      bent * kBendingBytes + triangles * sizeof(Triangle));
+    out_.world.reserve(vertices);
+    scene_.triangles.reserve(triangles);
+  }
+
+  Deformation deformation_of(size_t node) const {
+    return {morph_weights(d_, node), d_.nodes[node].skin != kNone};
+  }
+
+  const std::vector<Primitive>& primitives_of(const PlacedNode& n) const {
+    return d_.meshes[d_.nodes[n.node].mesh].primitives;
+  }
+
+  size_t material_of(const Primitive& p) const {
+    return p.material == kNone ? uses_.size() - 1 : p.material;
+  }
+
+  void add_node(const PlacedNode& n) {
+    const Deformation deformation = deformation_of(n.node);
+    if (deformation.skinned) {  // the extension does not define instances of skinned meshes
+      if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
+      add_mesh(n, deformation, {});
+      return;
+    }
+    const auto& primitives = primitives_of(n);
+    if (std::none_of(primitives.begin(), primitives.end(),
+                     std::mem_fn(&Primitive::is_surface))) {  // needs no transform
+      no_surfaces_ += primitives.size();
+      return;
+    }
+    for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
+  }
+
+  void add_mesh(const PlacedNode& n, const Deformation& deformation,
+                const std::optional<Affine>& to_world) {
+    const size_t mesh = d_.nodes[n.node].mesh;
+    struct Shared {
+      uint32_t first;
+      Placing placing;
+    };
+    std::map<AttributeSet, Shared> known;  // primitives often share all vertices
+    const auto& primitives = primitives_of(n);
+    for (size_t k = 0; k < primitives.size(); ++k) {
+      const Primitive& p = primitives[k];
+      const std::string where = place("meshes", mesh) + "." + place("primitives", k);
+      if (!p.is_surface()) {
+        ++no_surfaces_;
+        continue;
+      }
+      const size_t position = find_attribute(p.attributes, "POSITION");
+      if (position == kNone) {
+        without_positions_.insert({mesh, k});
+        continue;
+      }
+      const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
+      check_counts(d_, set, where);
+      auto it = known.find(set);
+      if (it == known.end()) {
+        const auto first = static_cast<uint32_t>(out_.world.size());
+        Placing placing = placing_of(n, set, to_world);
+        add_vertices(n, set, placing);
+        add_attributes(d_, set, placing, first, scene_);
+        placing.of_vertices = {};
+        it = known.emplace(set, Shared{first, std::move(placing)}).first;
+      }
+      const auto& [first, placing] = it->second;
+      const size_t vertices = d_.accessors[position].count;
+      const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
+      add_triangles(corner, first, placing.mirrors, material_of(p));
+      if (p.material != kNone) note_bubble(scene_.materials[material_of(p)], corner, first);
+      note_grain(placing.to_world, position, corner, first);
+      note_primitive({mesh, k}, p, set, deformation);
+    }
+  }
+
+  Placing placing_of(const PlacedNode& n, const AttributeSet& set,
+                     const std::optional<Affine>& to_world) {
+    if (set.joints.empty()) {
+      const Affine& map = to_world ? *to_world : n.to_world;
+      return {map, map.mirrors(), {}};
+    }
+    const SkinMaps& skin = skin_of(n.node);
+    std::vector<Affine> of_vertices = skin.blend(set.joints);
+    const bool mirrors = most_mirror(of_vertices);
+    return {skin.first(), mirrors, std::move(of_vertices)};
+  }
+
+  const SkinMaps& skin_of(size_t node) {
+    const size_t skin = d_.nodes[node].skin;
+    return skins_.try_emplace(skin, d_, skin, maps_).first->second;
+  }
+
+  void add_vertices(const PlacedNode& n, const AttributeSet& set, const Placing& placing) {
+    std::vector<Vec3d> positions = read_positions(d_, set.accessors[kPosition]);
+    add_position_deltas(d_, set.targets, positions);
+    for (size_t i = 0; i < positions.size(); ++i) {
+      out_.world.push_back(placing.of(i).point(positions[i]));
+      if (!is_finite(out_.world.back()))
+        d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
+    }
+  }
+
+  std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const Key& key) {
+    std::vector<uint32_t> list;
+    if (p.indices != kNone) {
+      list = read_indices(d_, p.indices, vertices);
+    } else {
+      list.resize(vertices);
+      for (uint32_t i = 0; i < vertices; ++i) list[i] = i;
+    }
+    // Incomplete triangles are ignored, as in every graphics interface.
+    const bool strips = p.mode != kTriangles;
+    if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+    if (!strips || list.size() < 3) {
+      list.resize(list.size() - list.size() % 3);
+      return list;
+    }
+    std::vector<uint32_t> out;
+    out.reserve(3 * (list.size() - 2));
+    for (size_t i = 0; i + 2 < list.size(); ++i) {
+      // glTF 2.0, 3.7.2.1: every second triangle of a strip has the opposite orientation.
+      if (p.mode == kStrip)
+        out.insert(out.end(), {list[i], list[i + 1 + i % 2], list[i + 2 - i % 2]});
+      else
+        out.insert(out.end(), {list[i + 1], list[i + 2], list[0]});
+    }
+    return out;
+  }
+
+  void add_triangles(const std::vector<uint32_t>& corner, uint32_t first, bool mirrored,
+                     size_t material) {
+    const auto m = static_cast<uint32_t>(material);
+    for (size_t i = 0; i + 2 < corner.size(); i += 3) {
+      Triangle t{{first + corner[i], first + corner[i + 1], first + corner[i + 2]}, m};
+      if (mirrored) std::swap(t.vertex[1], t.vertex[2]);  // keeps the front side
+      scene_.triangles.push_back(t);
+    }
+  }
+
+  /// Estimates the rounding error of these vertices: of floats in the file and of doubles in world
+  /// space.
+  void note_grain(const Affine& to_world, size_t accessor, const std::vector<uint32_t>& corner,
+                  uint32_t first) {
+    const bool floats = d_.accessors[accessor].component_type == kFloat;
+    const Vec3d& moved = to_world.t;
+    double reach = 0;  // largest coordinate of the untransformed vertices
+    for (const uint32_t c : corner) reach = std::max(reach, length(out_.world[first + c] - moved));
+    out_.grain =
+        std::max(out_.grain, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
+  }
+
+  void note_primitive(const Key& key, const Primitive& p, const AttributeSet& set,
+                      const Deformation& deformation) {
+    MaterialUse& use = uses_[material_of(p)];
+    out_.unnamed_material |= p.material == kNone;
+    note_colours(d_, set, use);
+    for (size_t u = 0; u < 2; ++u)
+      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone) without_uv_.insert(key);
+    if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
+    if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
+  }
+
+  /// Counts glass objects modelled as thin sheets: closed transmitting surfaces whose material
+  /// lacks KHR_materials_volume. The format defines these as bubbles; usually a solid was meant.
+  void note_bubble(const Material& m, const std::vector<uint32_t>& corner, uint32_t first) {
+    const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
+    if (!thin_glass || corner.empty() || !encloses(corner, out_.world, first)) return;
+    if (bubbles_++ == 0)
+      first_bubble_ = m.name.empty() ? "" : " (material \"" + shown(m.name, 60) + "\")";
+  }
+
+  void warn() {
+    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
+      if (n > 0) out_.warnings.push_back(counted(n, noun, one, many));
+    };
+    if (bubbles_ > 0)
+      out_.warnings.push_back(
+          fmt::format("{} {} light{} without a thickness (KHR_materials_volume): soap bubbles, as "
+                      "the format has "
+                      "it, not solid glass",
+                      tdpt::counted(bubbles_, "closed mesh"),
+                      bubbles_ == 1 ? "transmits" : "transmit", first_bubble_));
+    add(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
+    add(without_positions_.size(), "primitive", "has no positions, and is left out",
+        "have no positions, and are left out");
+    add(incomplete_.size(), "primitive", "has corners left that make no triangle",
+        "have corners left that make no triangle");
+    add(without_uv_.size(), "primitive",
+        "lacks the texture coordinates that its material asks for: taken as 0",
+        "lack the texture coordinates that their materials ask for: taken as 0");
+    add(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
+        "have vertex colours, which are left out");
+    add(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
+        "of skinned meshes have no joints: placed by their nodes");
+    add(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
+        "are placed once, not as their instances ask for");
+  }
+
+  const Document& d_;
+  Scene& scene_;
+  std::vector<MaterialUse>& uses_;
+  const std::vector<PlacedNode>& nodes_;
+  NodeMaps maps_;
+  std::map<size_t, SkinMaps> skins_;
+  Meshes out_;
+  size_t bubbles_ = 0;        // closed meshes of thin glass
+  std::string first_bubble_;  // the material of the first
+  size_t no_surfaces_ = 0;
+  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
+  std::set<size_t> skinned_instances_;  // nodes
+};
 
 }  // namespace
 
-void Bubbles::look_at(const Material& m, const std::vector<uint32_t>& corners,
-                      const std::vector<Vec3d>& world, uint32_t first) {
-  const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
-  if (!thin_glass || corners.empty() || !encloses(corners, world, first)) return;
-  if (count_++ == 0) name_ = m.name.empty() ? "" : " (material \"" + shown(m.name, 60) + "\")";
+std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
+  std::vector<bool> used(d.root()["materials"].size());
+  for (const PlacedNode& n : nodes) {
+    const size_t mesh = mesh_of(d, n);
+    if (mesh == kNone) continue;
+    for (const Primitive& p : d.meshes[mesh].primitives)
+      if (p.is_surface() && p.material != kNone) used[p.material] = true;
+  }
+  return used;
 }
 
-std::string Bubbles::warning() const {
-  if (count_ == 0) return "";
-  return fmt::format(
-      "{} {} light{} without a thickness (KHR_materials_volume): soap bubbles, as "
-      "the format has it, not solid glass",
-      tdpt::counted(count_, "closed mesh"), count_ == 1 ? "transmits" : "transmit", name_);
+Meshes read_meshes(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
+                   std::vector<MaterialUse>& uses) {
+  return MeshReader(d, nodes, scene, uses).run();
 }
 
 }  // namespace tdpt::gltf

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <numbers>
 
 #include "libcommon/scene/gltf/accessors.h"
 
@@ -11,7 +11,16 @@ namespace tdpt::gltf {
 
 namespace {
 
-constexpr size_t kNone = ~size_t{0};
+constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
+constexpr const char* kAttributes[] = {"TRANSLATION", "ROTATION", "SCALE"};
+
+/// The index of a light in the list of an extension, kNone if the node has none.
+size_t read_light(const Value& node, const char* extension) {
+  const Value light = node.extension(extension);
+  if (!light) return kNone;
+  return light["light"].needed().index_below(node.root().extension(extension)["lights"].size(),
+                                             "lights");
+}
 
 Affine from_matrix(const Document& d, size_t index, const std::vector<double>& m) {
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6; };
@@ -20,35 +29,15 @@ Affine from_matrix(const Document& d, size_t index, const std::vector<double>& m
   return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
 }
 
-/// The nodes listed by the scene, each once; without a scene, the nodes that have no parent.
-std::vector<size_t> named_roots(const Document& d) {
-  const size_t nodes = d.model.nodes.size();
-  std::vector<bool> seen(nodes);
-  std::vector<size_t> out;
-  if (d.model.scenes.empty()) {
-    for (const tinygltf::Node& n : d.model.nodes)
-      for (const int child : n.children) seen[static_cast<size_t>(child)] = true;
-    for (size_t i = 0; i < nodes; ++i)
-      if (!seen[i]) out.push_back(i);
-    return out;
-  }
-  for (const int n : d.model.scenes[static_cast<size_t>(std::max(0, d.model.defaultScene))].nodes) {
-    const auto node = static_cast<size_t>(n);
-    if (!seen[node]) out.push_back(node);
-    seen[node] = true;
-  }
-  return out;
-}
-
 /// The given nodes and all below them.
 std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
-  std::vector<bool> reached(d.model.nodes.size());
+  std::vector<bool> reached(d.nodes.size());
   while (!next.empty()) {
     const size_t n = next.back();
     next.pop_back();
     if (reached[n]) continue;
     reached[n] = true;
-    for (const int child : d.model.nodes[n].children) next.push_back(static_cast<size_t>(child));
+    next.insert(next.end(), d.nodes[n].children.begin(), d.nodes[n].children.end());
   }
   return reached;
 }
@@ -58,10 +47,10 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
   std::vector<size_t> parent(reached.size(), kNone);
   for (size_t i = 0; i < reached.size(); ++i) {
     if (!reached[i]) continue;
-    for (const int child : d.model.nodes[i].children) {
-      size_t& p = parent[static_cast<size_t>(child)];
+    for (const size_t child : d.nodes[i].children) {
+      size_t& p = parent[child];
       if (p != kNone)
-        d.fail(place("nodes", static_cast<size_t>(child)),
+        d.fail(place("nodes", child),
                fmt::format("is reached twice, from nodes[{}] and nodes[{}]", p, i));
       p = i;
     }
@@ -79,29 +68,87 @@ Affine map_below(const Document& d, const Affine& parent, size_t node) {
 
 }  // namespace
 
-bool is_hidden(const nlohmann::json& node) {
-  const auto extensions = node.find("extensions");
-  if (extensions == node.end()) return false;
-  const auto it = extensions->find(kVisibility);
-  return it != extensions->end() && !it->value("visible", true);
+Lens read_lens(const Value& camera) {
+  Lens out;
+  out.name = camera["name"].text();
+  out.perspective = camera["type"].needed().one_of({"perspective", "orthographic"}, 0) == 0;
+  if (!out.perspective) return out;
+  const Value lens = camera["perspective"].needed(), yfov = lens["yfov"].needed(),
+              aspect = lens["aspectRatio"];
+  out.yfov = yfov.number(0);
+  if (!(out.yfov > 0 && out.yfov < std::numbers::pi)) yfov.fail("an angle between 0 and pi");
+  if (aspect) out.aspect = aspect.number_above_0(0);
+  return out;
+}
+
+Node read_node(const Value& v) {
+  Node out;
+  out.name = v["name"].text();
+  out.children = v["children"].indices("nodes");
+  out.camera = v["camera"].index("cameras");
+  out.mesh = v["mesh"].index("meshes");
+  out.skin = v["skin"].index("skins");
+  out.matrix = v["matrix"].numbers(16);
+  out.translation = v["translation"].triple(out.translation);
+  out.scale = v["scale"].triple(out.scale);
+  if (const std::vector<double> r = v["rotation"].numbers(4); !r.empty())
+    out.rotation = {r[0], r[1], r[2], r[3]};
+  out.weights = v["weights"].numbers(0);
+  out.hidden = !v.extension("KHR_node_visibility")["visible"].boolean(true);
+  out.lamp = read_light(v, "KHR_lights_punctual");
+  out.area_light = read_light(v, "EXT_lights_area");
+  out.luminaire.light = read_light(v, "EXT_lights_ies");
+  const Value luminaire = v.extension("EXT_lights_ies");
+  out.luminaire.multiplier = luminaire["multiplier"].number(1, 0);
+  out.luminaire.colour = luminaire["color"].triple(Vec3d(1), 0);
+  if (const Value instances = v.extension(kInstances)) {
+    const Value attributes = instances["attributes"].needed();
+    for (size_t k = 0; k < 3; ++k) out.instances[k] = attributes[kAttributes[k]].index("accessors");
+  }
+  return out;
+}
+
+Skin read_skin(const Value& v) {
+  Skin out{v["joints"].indices("nodes"), v["inverseBindMatrices"].index("accessors")};
+  if (out.joints.empty())
+    v["joints"].fail_because("is missing or empty, expected at least one joint");
+  return out;
+}
+
+std::vector<size_t> read_roots(const Document& d) {
+  std::vector<bool> seen(d.nodes.size());
+  std::vector<size_t> out;
+  const std::vector<Value> scenes = d.root()["scenes"].items();
+  const size_t named = d.root()["scene"].index("scenes"), shown = named == kNone ? 0 : named;
+  for (size_t i = 0; i < scenes.size(); ++i)
+    for (const size_t node : scenes[i]["nodes"].indices("nodes")) {
+      if (i != shown) continue;
+      if (!seen[node]) out.push_back(node);
+      seen[node] = true;
+    }
+  if (!scenes.empty()) return out;
+  for (const Node& n : d.nodes)
+    for (const size_t child : n.children) seen[child] = true;
+  for (size_t i = 0; i < seen.size(); ++i)
+    if (!seen[i]) out.push_back(i);
+  return out;
+}
+
+Vec3d direction_of(const Vec3d& v) {
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return largest > 0 ? normalize(v / largest) : Vec3d();
 }
 
 Affine local_map(const Document& d, size_t index) {
-  const tinygltf::Node& n = d.model.nodes[index];
+  const Node& n = d.nodes[index];
   if (!n.matrix.empty()) return from_matrix(d, index, n.matrix);
-  const auto vec = [](const std::vector<double>& v, const Vec3d& otherwise) {
-    return v.empty() ? otherwise : Vec3d(v[0], v[1], v[2]);
-  };
-  const std::vector<double>& r = n.rotation;
-  std::array<double, 4> rotation{0, 0, 0, 1};
-  if (!r.empty()) rotation = {r[0], r[1], r[2], r[3]};
-  const auto map = affine_of(vec(n.translation, {}), rotation, vec(n.scale, Vec3d(1)));
+  const auto map = affine_of(n.translation, n.rotation, n.scale);
   if (!map) d.fail(place("nodes", index) + ".rotation", "is zero, expected a unit quaternion");
   return *map;
 }
 
 std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>& warnings) {
-  const std::vector<size_t> named = named_roots(d);
+  const std::vector<size_t>& named = d.roots;
   const std::vector<bool> reached = reached_from(d, named);
   const std::vector<size_t> parent = parents_of(d, reached);
   std::vector<PlacedNode> out;
@@ -117,11 +164,10 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
     PlacedNode n = std::move(stack.back());
     stack.pop_back();
     n.to_world = map_below(d, n.to_world, n.node);
-    n.visible = n.visible && !is_hidden(d.json["nodes"][n.node]);
+    n.visible = n.visible && !d.nodes[n.node].hidden;
     placed[n.node] = true;
-    const auto& below = d.model.nodes[n.node].children;
-    for (size_t i = below.size(); i-- > 0;)
-      stack.push_back({static_cast<size_t>(below[i]), n.to_world, n.visible});
+    const auto& below = d.nodes[n.node].children;
+    for (size_t i = below.size(); i-- > 0;) stack.push_back({below[i], n.to_world, n.visible});
     out.push_back(std::move(n));
   }
   for (size_t i = 0; i < reached.size(); ++i)
@@ -137,55 +183,40 @@ std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>&
 
 namespace {
 
-constexpr const char* kName = "EXT_mesh_gpu_instancing";
-constexpr const char* kAttributes[] = {"TRANSLATION", "ROTATION", "SCALE"};
-constexpr Numbers kTranslations = {"translations", 3, true, false, false, false};
-constexpr Numbers kRotations = {"rotations", 4, true, false, true, false};
-constexpr Numbers kScales = {"scales", 3, true, false, false, false};
+constexpr Numbers kTranslations = {"translations", 3};
+constexpr Numbers kRotations = {"rotations", 4, floats | signed_shares};
+constexpr Numbers kScales = {"scales", 3};
 
-/// Accessors of the three attributes, -1 if absent.
-struct Attributes {
-  std::array<int, 3> accessor{-1, -1, -1};
-  size_t count = 1;
-};
-
-Attributes attributes_of(const Document& d, size_t index) {
-  Attributes out;
-  const nlohmann::json& node = d.json["nodes"][index];
-  if (!node.contains("extensions") || !node["extensions"].contains(kName)) return out;
-  const nlohmann::json& attributes = node["extensions"][kName]["attributes"];
-  const char* first = nullptr;
-  for (size_t k = 0; k < 3; ++k) {
-    const char* name = kAttributes[k];
-    if (!attributes.contains(name)) continue;
-    out.accessor[k] = attributes[name].get<int>();
-    const size_t count = d.model.accessors[static_cast<size_t>(out.accessor[k])].count;
-    if (first && count != out.count)
-      d.fail(fmt::format("nodes[{}].extensions.{}.attributes.{}", index, kName, name),
-             fmt::format("count is {}, expected {} as of {}", count, out.count, first));
-    if (!first) first = name;
-    out.count = count;
-  }
-  return out;
+size_t count_of(const Document& d, size_t accessor) {
+  return d.accessors[accessor].count;
 }
 
 }  // namespace
 
 size_t instances_declared(const Document& d, size_t node) {
-  return attributes_of(d, node).count;
+  const std::array<size_t, 3>& all = d.nodes[node].instances;
+  const auto first = std::find_if(all.begin(), all.end(), [](size_t a) { return a != kNone; });
+  if (first == all.end()) return 1;
+  const size_t count = count_of(d, *first);
+  for (size_t k = 0; k < 3; ++k)
+    if (all[k] != kNone && count_of(d, all[k]) != count)
+      d.fail(fmt::format("nodes[{}].extensions.{}.attributes.{}", node, kInstances, kAttributes[k]),
+             fmt::format("count is {}, expected {} as of {}", count_of(d, all[k]), count,
+                         kAttributes[first - all.begin()]));
+  return count;
 }
 
 std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
-  const Attributes a = attributes_of(d, n.node);
+  const size_t count = instances_declared(d, n.node);
+  const std::array<size_t, 3>& accessors = d.nodes[n.node].instances;
   const auto read = [&](size_t k, const Numbers& numbers) {
-    return a.accessor[k] < 0 ? std::vector<double>{}
-                             : read_numbers(d, static_cast<size_t>(a.accessor[k]), numbers);
+    return accessors[k] == kNone ? std::vector<double>{} : read_numbers(d, accessors[k], numbers);
   };
   const std::vector<double> t = read(0, kTranslations), r = read(1, kRotations),
                             s = read(2, kScales);
   std::vector<Affine> out;
-  out.reserve(a.count);
-  for (size_t i = 0; i < a.count; ++i) {
+  out.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
     const auto vec = [&](const std::vector<double>& v, double otherwise) {
       return v.empty() ? Vec3d(otherwise) : Vec3d(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
     };
@@ -193,7 +224,7 @@ std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
     if (!r.empty()) rotation = {r[4 * i], r[4 * i + 1], r[4 * i + 2], r[4 * i + 3]};
     const auto map = affine_of(vec(t, 0), rotation, vec(s, 1));
     if (!map)
-      d.fail(place("accessors", static_cast<size_t>(a.accessor[1])),
+      d.fail(place("accessors", accessors[1]),
              fmt::format("rotation {} is zero, expected a unit quaternion", i));
     out.push_back(n.to_world * *map);
   }

@@ -9,7 +9,6 @@
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/animations.h"
 #include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/gltf/document.h"
@@ -25,8 +24,6 @@ namespace {
 
 using namespace gltf;
 
-using Json = nlohmann::json;
-
 constexpr double kShortest = 1e-30, kLongest = 1e30;  // size of the scene [m]
 constexpr double kLargestReach = 1e9;                 // of its frame
 constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / scene's size
@@ -38,19 +35,18 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
   const auto add = [&](const auto& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   };
-  std::set<int> skins;
+  std::set<size_t> skins;
   for (const PlacedNode& n : nodes) {
-    const tinygltf::Node& node = d.model.nodes[n.node];
-    const bool counts = n.visible && (node.mesh >= 0 || holds_light(d, n.node));
+    const Node& node = d.nodes[n.node];
+    const bool counts = n.visible && (node.mesh != kNone || node.holds_light());
     if (!counts) continue;
     add(n.node), add(n.to_world), add(node.weights.size());
     for (const double w : node.weights) add(w);
-    if (node.skin >= 0) skins.insert(node.skin);
+    if (node.skin != kNone) skins.insert(node.skin);
   }
   NodeMaps maps(d, nodes);
-  for (const int skin : skins)
-    for (const Json& joint : d.json["skins"][static_cast<size_t>(skin)]["joints"])
-      add(maps.to_world(joint.get<size_t>()));
+  for (const size_t skin : skins)
+    for (const size_t joint : d.skins[skin].joints) add(maps.to_world(joint));
   return content_hash(bytes);
 }
 
@@ -64,105 +60,93 @@ std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
       number_words(last, 3));
 }
 
-/// `v` normalised, even if very long or short; 0 if it has no direction.
-Vec3d direction_of(const Vec3d& v) {
-  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  const Vec3d scaled = v / largest;
-  if (!(largest > 0) || !is_finite(scaled) || !(length(scaled) > 1e-9)) return {};
-  return normalize(scaled);
-}
+/// Cameras of nodes, still in metres, with distinct names, and how many are left out.
+struct Cameras {
+  std::vector<Camera> cameras;
+  size_t orthographic = 0, flat = 0;  ///< flat: the node's transform leaves it no direction
+};
 
-// The camera of a node, still in metres, with a unique name among `names`. Empty if the node has
-// none, if it is not perspective, or if the node's transform leaves it no direction: then `flat`
-// is incremented.
-std::optional<Camera> read_camera(const Document& d, const PlacedNode& n, DistinctNames& names,
-                                  size_t& flat) {
-  const tinygltf::Node& node = d.model.nodes[n.node];
-  if (node.camera < 0) return {};
-  const tinygltf::Camera& c = d.model.cameras[static_cast<size_t>(node.camera)];
-  if (c.type != "perspective") return {};
-  Camera out;
-  // A flat camera takes a name, too: at another time it may not be flat.
-  out.name = names.take(c.name, node.name, "camera");
-  const Affine& a = n.to_world;
-  out.position = a.t;
-  out.forward = direction_of(-a.z);
-  out.right = direction_of(cross(out.forward, direction_of(a.y)));
-  if (out.right == Vec3d()) {
-    ++flat;
-    return {};
+Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
+  Cameras all;
+  DistinctNames names;
+  for (const PlacedNode& n : nodes) {
+    const Node& node = d.nodes[n.node];
+    if (node.camera == kNone) continue;
+    const Lens& lens = d.cameras[node.camera];
+    if (!lens.perspective) {
+      ++all.orthographic;
+      continue;
+    }
+    Camera out;
+    // A flat camera takes a name, too: at another time it may not be flat.
+    out.name = names.take(lens.name, node.name, "camera");
+    out.position = n.to_world.t;
+    out.forward = direction_of(-n.to_world.z);
+    out.right = direction_of(cross(out.forward, direction_of(n.to_world.y)));
+    if (out.right == Vec3d()) {
+      ++all.flat;
+      continue;
+    }
+    out.up = cross(out.right, out.forward);
+    out.yfov = lens.yfov;
+    out.aspect = lens.aspect;
+    all.cameras.push_back(out);
   }
-  out.up = cross(out.right, out.forward);
-  out.yfov = c.perspective.yfov;
-  out.aspect = c.perspective.aspectRatio;
-  return out;
+  return all;
 }
 
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), lights_(document, scene), area_lights_(document, scene) {}
+      : d_(document), scene_(scene), lights_(document, scene) {}
 
   void run() {
     const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
     if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
     std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
     uses.emplace_back();  // default for surfaces without a material
-    MeshReader meshes(d_, scene_, uses, nodes);
-    meshes.run();
-    for (const PlacedNode& n : nodes) {
-      add_camera(n);
-      if (n.visible) lights_.add(n);
-    }
-    if (meshes.unnamed_material()) scene_.materials.emplace_back().name = "default";
+    Meshes meshes = read_meshes(d_, nodes, scene_, uses);
+    const Cameras cameras = read_cameras(d_, nodes);
+    scene_.cameras = cameras.cameras;
     for (const PlacedNode& n : nodes)
-      if (n.visible) area_lights_.add(n, meshes.world());
+      if (n.visible) lights_.add(n);
+    if (meshes.unnamed_material) scene_.materials.emplace_back().name = "default";
+    for (const PlacedNode& n : nodes)
+      if (n.visible) lights_.add_area_light(n, meshes.world);
     uses.resize(std::max(uses.size(), scene_.materials.size()));
-    meshes.finish();
+    fill_attributes(meshes.world.size(), scene_);
     scene_.by_blender = is_blender(generator_of(d_));
-    if (scene_.has_lamps()) scene_.lamp_units = lamp_units_of(d_, !scene_.area_lights.empty());
+    if (scene_.has_lamps()) scene_.lamp_units = lights_.units();
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     for (size_t i = 0; i < scene_.materials.size(); ++i)
       finish_material(uses[i], scene_.materials[i]);
     if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
       scene_.colours = {};
-    bring_to_canonical(meshes.world(), meshes.grain());
+    bring_to_canonical(meshes.world, meshes.grain);
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
     scene_.needs = needs_of(scene_);
-    warn(meshes);
+    warn(meshes, cameras);
   }
 
  private:
-  void add_camera(const PlacedNode& n) {
-    if (const auto camera = read_camera(d_, n, camera_names_, flat_cameras_))
-      scene_.cameras.push_back(*camera);
-    else if (d_.model.nodes[n.node].camera >= 0 && !has_perspective_camera(n))
-      ++orthographic_;
-  }
-
-  bool has_perspective_camera(const PlacedNode& n) const {
-    const int c = d_.model.nodes[n.node].camera;
-    return c >= 0 && d_.model.cameras[static_cast<size_t>(c)].type == "perspective";
-  }
-
-  struct Box {
+  struct Extent {
     Vec3d low = Vec3d(std::numeric_limits<double>::infinity()), high = -low;
     void add(const Vec3d& p) { low = min(low, p), high = max(high, p); }
-    bool touches(const Box& o) const {
+    bool touches(const Extent& o) const {
       return max_component(low - o.high) <= 0 && max_component(o.low - high) <= 0;
     }
     Vec3d middle() const { return low * 0.5 + high * 0.5; }
     double longest() const { return max_component(high - low); }
   };
 
-  // The box that the frame is made for: of all triangles, unless others than those around the
+  // The extent that the frame is made for: of all triangles, unless others than those around the
   // cameras lie very much farther away. Floats are fine near the origin, so the room of the cameras
   // must be there, whatever stands at the horizon.
-  Box box_of_frame(const std::vector<Vec3d>& world, const Box& all) {
+  Extent extent_of_frame(const std::vector<Vec3d>& world, const Extent& all) {
     // A box of 2^8 times the room's size costs it 8 of the 24 bits of floats.
     constexpr double kFarther = 256;
-    Box cameras;
+    Extent cameras;
     for (const Camera& c : scene_.cameras) cameras.add(c.position);
     const Vec3d middle = cameras.low.x <= cameras.high.x ? cameras.middle() : middle_of(world);
     std::vector<double> distances;
@@ -177,7 +161,7 @@ class SceneReader {
     const auto near = gap(least);
     if (near == distances.end()) return all;
     const auto far = gap(std::max(least, all.longest() / kLargestReach));
-    Box room;
+    Extent room;
     for (const Triangle& t : scene_.triangles)
       if (far != distances.end() && distance_of(t, world, middle) <= *far)
         for (uint32_t v : t.vertex) room.add(world[v]);
@@ -189,7 +173,7 @@ class SceneReader {
       return all;
     }
     for (const Triangle& t : scene_.triangles) {
-      Box own;
+      Extent own;
       for (uint32_t v : t.vertex) own.add(world[v]);
       // Floats hold where a ray meets such a triangle only if it lies across an axis.
       const Vec3d d = own.high - own.low;
@@ -230,7 +214,7 @@ class SceneReader {
   }
 
   void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
-    Box all;
+    Extent all;
     for (const Triangle& t : scene_.triangles)
       for (uint32_t v : t.vertex) all.add(world[v]);
     const double longest = all.longest();
@@ -242,11 +226,11 @@ class SceneReader {
           fmt::format("the scene lies so far from the origin that its vertices are known to {} "
                       "m only, {} of its size",
                       number_words(grain, 1), number_words(grain / longest, 1)));
-    const Box box = box_of_frame(world, all);
+    const Extent extent = extent_of_frame(world, all);
     int exponent = 0;
-    const double mantissa = std::frexp(box.longest(), &exponent);  // in [0.5, 1)
+    const double mantissa = std::frexp(extent.longest(), &exponent);  // in [0.5, 1)
     scene_.frame.scale = std::ldexp(1.0, (mantissa == 0.5 ? 2 : 1) - exponent);
-    scene_.frame.centre = box.middle();
+    scene_.frame.centre = extent.middle();
     const double reach = 2 * longest * scene_.frame.scale;  // of any used vertex
     scene_.positions.reserve(world.size() + 1);  // one more, so that a Tracer needs no copy
     for (const Vec3d& p : world)
@@ -274,39 +258,28 @@ class SceneReader {
     if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
   }
 
-  void warn(const MeshReader& meshes) {
-    const auto tell = [&](size_t n, const char* noun, const char* one, const char* many) {
+  void warn(const Meshes& meshes, const Cameras& cameras) {
+    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
       if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
     };
-    if (meshes.unnamed_material())
+    if (meshes.unnamed_material)
       scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
-    tell(dropped_, "triangle", "without area is left out", "without area are left out");
-    meshes.warn();
-    tell(orthographic_, "orthographic camera", "is left out", "are left out");
-    tell(flat_cameras_, "camera", "is left out, as its transform is flat",
-         "are left out, as their transforms are flat");
-    tell(area_lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
-         "emit a radiance below 1e-30, which counts as none");
-    tell(lights_.flat() + area_lights_.flat(), "lamp", "is left out, as its transform is flat",
-         "are left out, as their transforms are flat");
+    add(dropped_, "triangle", "without area is left out", "without area are left out");
+    scene_.warnings.insert(scene_.warnings.end(), meshes.warnings.begin(), meshes.warnings.end());
+    add(cameras.orthographic, "orthographic camera", "is left out", "are left out");
+    add(cameras.flat, "camera", "is left out, as its transform is flat",
+        "are left out, as their transforms are flat");
+    add(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
+        "emit a radiance below 1e-30, which counts as none");
+    add(lights_.flat(), "lamp", "is left out, as its transform is flat",
+        "are left out, as their transforms are flat");
   }
 
   const Document& d_;
   Scene& scene_;
   LightReader lights_;
-  AreaLightReader area_lights_;
-  DistinctNames camera_names_;
-  size_t dropped_ = 0, orthographic_ = 0, flat_cameras_ = 0;
+  size_t dropped_ = 0;  // triangles without area
 };
-
-std::vector<Camera> cameras_of(const Document& d, const std::vector<PlacedNode>& nodes) {
-  DistinctNames names;
-  size_t flat = 0;
-  std::vector<Camera> cameras;
-  for (const PlacedNode& n : nodes)
-    if (const auto camera = read_camera(d, n, names, flat)) cameras.push_back(*camera);
-  return cameras;
-}
 
 }  // namespace
 
@@ -320,8 +293,7 @@ struct SceneFile::Impl {
 SceneFile::SceneFile(const std::string& path, const std::vector<std::string>& animations)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  impl_->document.wanted_animations = animations;
-  open_document(path, impl_->document);
+  open_document(path, impl_->document, animations);
 }
 
 SceneFile::~SceneFile() = default;
@@ -342,7 +314,6 @@ Scene SceneFile::at(std::optional<double> seconds) {
   if (motion.moves && !seconds) scene.warnings.push_back(beginning_sentence(motion.animations));
   if (!motion.moves && seconds)
     scene.warnings.emplace_back("nothing in the scene is animated: it is the same at all times");
-  scene.warnings.insert(scene.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   SceneReader(document, scene).run();
   return scene;
 }
@@ -352,7 +323,7 @@ SceneFile::Glance SceneFile::glance_at(double seconds) {
   const bool moves = impl_->go_to(seconds).moves;
   std::vector<std::string> ignored;
   const std::vector<PlacedNode> nodes = place_nodes(document, ignored);
-  return {moves ? hash_of_pose(document, nodes) : "", cameras_of(document, nodes)};
+  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes).cameras};
 }
 
 Scene read_gltf(const std::string& path, const Pose& pose) {

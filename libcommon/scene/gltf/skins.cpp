@@ -8,11 +8,9 @@
 namespace tdpt::gltf {
 namespace {
 
-constexpr Numbers kMatrices = {"inverse bind matrices", 16, true, false, false, false};
-constexpr Numbers kJoints = {"joints", 4, false, false, false, true};
-constexpr Numbers kWeights = {"weights", 4, true, true, false, false};
-
-constexpr size_t kNone = ~size_t{0};
+constexpr Numbers kMatrices = {"inverse bind matrices", 16};
+constexpr Numbers kJoints = {"joints", 4, small_integers};
+constexpr Numbers kWeights = {"weights", 4, floats | unsigned_shares};
 
 void add_scaled(Affine& sum, const Affine& a, double weight) {
   sum.x += a.x * weight;
@@ -23,18 +21,18 @@ void add_scaled(Affine& sum, const Affine& a, double weight) {
 
 }  // namespace
 
-std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& p) {
+std::vector<JointSet> joint_sets_of(const Primitive& p) {
   std::vector<JointSet> out;
   for (size_t k = 0;; ++k) {
-    const auto joints = p.attributes.find(fmt::format("JOINTS_{}", k));
-    const auto weights = p.attributes.find(fmt::format("WEIGHTS_{}", k));
-    if (joints == p.attributes.end() || weights == p.attributes.end()) return out;
-    out.push_back({joints->second, weights->second});
+    const size_t joints = find_attribute(p.attributes, fmt::format("JOINTS_{}", k));
+    const size_t weights = find_attribute(p.attributes, fmt::format("WEIGHTS_{}", k));
+    if (joints == kNone || weights == kNone) return out;
+    out.push_back({joints, weights});
   }
 }
 
 NodeMaps::NodeMaps(const Document& d, const std::vector<PlacedNode>& nodes)
-    : d_(d), known_(d.model.nodes.size()), to_world_(known_.size()) {
+    : d_(d), known_(d.nodes.size()), to_world_(known_.size()) {
   for (const PlacedNode& n : nodes) set(n.node, n.to_world);
 }
 
@@ -46,7 +44,7 @@ void NodeMaps::set(size_t node, const Affine& to_world) {
 void NodeMaps::find_parents() {
   parent_.assign(known_.size(), kNone);
   for (size_t i = 0; i < parent_.size(); ++i)
-    for (const int child : d_.model.nodes[i].children) parent_[static_cast<size_t>(child)] = i;
+    for (const size_t child : d_.nodes[i].children) parent_[child] = i;
 }
 
 Affine NodeMaps::to_world(size_t node) {
@@ -67,14 +65,13 @@ Affine NodeMaps::to_world(size_t node) {
   return a;
 }
 
-Skin::Skin(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin) {
-  const nlohmann::json& j = d.json["skins"][skin];
-  const size_t count = j["joints"].size();
+SkinMaps::SkinMaps(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin) {
+  const Skin& s = d.skins[skin];
+  const size_t count = s.joints.size();
   std::vector<double> m;
-  if (j.contains("inverseBindMatrices"))
-    m = read_numbers(d, j["inverseBindMatrices"].get<size_t>(), kMatrices, 0, count);
+  if (s.matrices != kNone) m = read_numbers(d, s.matrices, kMatrices, 0, count);
   for (size_t k = 0; k < count; ++k) {
-    joints_.push_back(nodes.to_world(j["joints"][k].get<size_t>()));
+    joints_.push_back(nodes.to_world(s.joints[k]));
     if (m.empty()) continue;
     const auto column = [&](size_t c) {
       return Vec3d(m[16 * k + 4 * c], m[16 * k + 4 * c + 1], m[16 * k + 4 * c + 2]);
@@ -83,12 +80,12 @@ Skin::Skin(const Document& d, size_t skin, NodeMaps& nodes) : d_(d), skin_(skin)
   }
 }
 
-std::vector<Affine> Skin::blend(const std::vector<JointSet>& sets) const {
+std::vector<Affine> SkinMaps::blend(const std::vector<JointSet>& sets) const {
   std::vector<Affine> out;
   std::vector<double> total, lone;  // lone: the first joint of each vertex
   for (const JointSet& set : sets) {
-    const std::vector<double> joint = read_numbers(d_, static_cast<size_t>(set.joints), kJoints);
-    const std::vector<double> weight = read_numbers(d_, static_cast<size_t>(set.weights), kWeights);
+    const std::vector<double> joint = read_numbers(d_, set.joints, kJoints);
+    const std::vector<double> weight = read_numbers(d_, set.weights, kWeights);
     const size_t vertices = joint.size() / 4;
     if (out.empty()) {
       out.assign(vertices, {{}, {}, {}, {}});
@@ -99,7 +96,7 @@ std::vector<Affine> Skin::blend(const std::vector<JointSet>& sets) const {
       if (weight[i] == 0) continue;
       const auto k = static_cast<size_t>(joint[i]);
       if (k >= joints_.size())
-        d_.fail(place("accessors", static_cast<size_t>(set.joints)),
+        d_.fail(place("accessors", set.joints),
                 fmt::format("joint {} of vertex {} is out of range, skins[{}] has {} joints", k,
                             i / 4, skin_, joints_.size()));
       add_scaled(out[i / 4], joints_[k], weight[i]);

@@ -13,12 +13,12 @@ namespace tdpt::gltf {
 
 /// Accessors of one set of up to four joints per vertex.
 struct JointSet {
-  int joints, weights;
+  size_t joints, weights;
   auto operator<=>(const JointSet&) const = default;
 };
 
 /// JOINTS_0 with WEIGHTS_0 and the sets that follow.
-std::vector<JointSet> joint_sets_of(const tinygltf::Primitive& primitive);
+std::vector<JointSet> joint_sets_of(const Primitive& primitive);
 
 /// World transforms of nodes that may be joints, inside the scene or outside of it.
 class NodeMaps {
@@ -38,10 +38,11 @@ class NodeMaps {
   std::vector<size_t> parent_;  // filled on first use
 };
 
-class Skin {
+/// World transforms of what follows the joints of a skin.
+class SkinMaps {
  public:
   /// Throws InputError for an invalid skin.
-  Skin(const Document& document, size_t skin, NodeMaps& nodes);
+  SkinMaps(const Document& document, size_t skin, NodeMaps& nodes);
 
   /// The map of each vertex. Joints of weight 0 are ignored; a vertex without any weight follows
   /// its first joint. Throws InputError for joints that do not exist.

@@ -12,58 +12,97 @@
 namespace tdpt::gltf {
 namespace {
 
-using Json = nlohmann::json;
-
 // A few bytes of a compressed image can decode to many texels, so these are limited.
 constexpr int64_t kMostTexels = int64_t{1} << 26, kMostTexelsOfAll = int64_t{1} << 28;
 
-constexpr int kRepeat = 10497, kMirror = 33648, kNearest = 9728;
+// Extensions that name another image for a texture, in order of preference; unsupported formats
+// come last.
+constexpr const char* kFormats[] = {"EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif",
+                                    "MSFT_texture_dds"};
 
 /// KHR_texture_transform: scale, then rotate, then translate. The rotation is counter-clockwise as
 /// seen on the image, whose v runs downwards.
-void set_transform(const Json& t, TextureMap& map) {
-  const auto pair = [&](const char* name, double otherwise) {
-    return t.contains(name) ? Vec3d(t[name][0].get<double>(), t[name][1].get<double>(), 0)
-                            : Vec3d(otherwise);
-  };
-  const Vec3d offset = pair("offset", 0), scale = pair("scale", 1);
-  const double angle = t.value("rotation", 0.0), c = std::cos(angle), s = std::sin(angle);
-  const std::array<double, 6> m{c * scale.x,  s * scale.y, offset.x,
-                                -s * scale.x, c * scale.y, offset.y};
-  for (size_t k = 0; k < 6; ++k)
-    map.transform[k] = static_cast<float>(std::clamp(m[k], -1e30, 1e30));
-}
-
-TextureMap::Wrap wrap_of(const Json& sampler, const char* name) {
-  const int wrap = sampler.value(name, kRepeat);
-  return wrap == kRepeat   ? TextureMap::Wrap::repeat
-         : wrap == kMirror ? TextureMap::Wrap::mirror
-                           : TextureMap::Wrap::clamp;
-}
-
-/// Images of a texture in order of preference; unsupported formats come last.
-std::vector<size_t> sources_of(const Json& texture) {
-  std::vector<size_t> out;
-  const auto add = [&](const Json& owner) {
-    if (owner.contains("source")) out.push_back(owner["source"].get<size_t>());
-  };
-  const Json extensions = texture.value("extensions", Json::object());
-  for (const char* format : kTextureFormats) {
-    if (extensions.contains(format)) add(extensions[format]);
-    if (format == kTextureFormats[0]) add(texture);
-  }
+std::array<float, 6> read_transform(const Value& t) {
+  std::vector<double> offset = t["offset"].numbers(2), scale = t["scale"].numbers(2);
+  if (offset.empty()) offset = {0, 0};
+  if (scale.empty()) scale = {1, 1};
+  const double angle = t["rotation"].number(0), c = std::cos(angle), s = std::sin(angle);
+  const std::array<double, 6> m{c * scale[0],  s * scale[1], offset[0],
+                                -s * scale[0], c * scale[1], offset[1]};
+  std::array<float, 6> out;
+  for (size_t k = 0; k < 6; ++k) out[k] = static_cast<float>(std::clamp(m[k], -1e30, 1e30));
   return out;
+}
+
+TextureMap::Wrap read_wrap(const Value& v) {
+  switch (v.integer(10497)) {
+    case 10497:
+      return TextureMap::Wrap::repeat;
+    case 33648:
+      return TextureMap::Wrap::mirror;
+    case 33071:
+      return TextureMap::Wrap::clamp;
+    default:
+      v.fail("10497 (repeat), 33648 (mirrored repeat) or 33071 (clamp to edge)");
+  }
+}
+
+bool read_nearest(const Value& v) {
+  constexpr size_t kNearest = 9728, kLinear = 9729;
+  const size_t filter = v.integer(kLinear);
+  if (filter != kNearest && filter != kLinear) v.fail("9728 (nearest) or 9729 (linear)");
+  return filter == kNearest;
 }
 
 }  // namespace
 
+TextureInfo read_texture_info(const Value& v) {
+  TextureInfo out;
+  if (!v) return out;
+  out.texture = v["index"].needed().index("textures");
+  out.uv_set = v["texCoord"].integer(0);
+  out.scale = v["scale"].number(1);
+  if (const Value transform = v.extension("KHR_texture_transform")) {
+    out.uv_set = transform["texCoord"].integer(out.uv_set);
+    out.transform = read_transform(transform);
+  }
+  return out;
+}
+
+TextureReader::TextureReader(const Document& d, Scene& scene) : document_(d), scene_(scene) {
+  std::vector<TextureMap> samplers;
+  for (const Value& v : d.root()["samplers"].items()) {
+    TextureMap& map = samplers.emplace_back();
+    map.nearest = read_nearest(v["magFilter"]);
+    map.wrap_u = read_wrap(v["wrapS"]);
+    map.wrap_v = read_wrap(v["wrapT"]);
+  }
+  for (const Value& v : d.root()["textures"].items()) {
+    Source& source = sources_.emplace_back();
+    const auto add = [&](const Value& owner) {
+      if (const size_t image = owner["source"].index("images"); image != kNone)
+        source.images.push_back(image);
+    };
+    for (const char* format : kFormats) {
+      add(v.extension(format));
+      if (format == kFormats[0]) add(v);
+    }
+    if (const size_t sampler = v["sampler"].index("samplers"); sampler != kNone)
+      source.map = samplers[sampler];
+  }
+  for (const Value& v : d.root()["images"].items()) {
+    files_.push_back({v["uri"], v["bufferView"].index("bufferViews")});
+    if (const Value uri = v["uri"]; uri && !uri.json().is_string()) uri.fail("a string");
+  }
+}
+
 std::string_view TextureReader::bytes_of(size_t index, std::string& owned) {
-  const Json& i = document_.json["images"][index];
-  if (i.contains("bufferView")) return view_bytes(document_, i["bufferView"].get<size_t>());
-  if (!i.contains("uri")) return {};
+  const File& f = files_[index];
+  if (f.view != kNone) return view_bytes(document_, f.view);
+  if (!f.uri) return {};
   const std::string where = place("images", index);
   std::string file;
-  owned = read_uri(document_, i["uri"].get<std::string>(), where + ".uri", file);
+  owned = read_uri(document_, f.uri.text(), where + ".uri", file);
   if (!file.empty()) {
     external_bytes_ += owned;
     expect_memory(document_.file, where,
@@ -112,20 +151,13 @@ TextureReader::Decoded& TextureReader::decoded(size_t index) {
   return d;
 }
 
-std::optional<Texture> TextureReader::read(const Json& info, bool srgb, Fault& fault) {
-  static const Json kNothing = Json::object();
+std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, Fault& fault) {
   Texture out;
-  size_t uv_set = info.value("texCoord", size_t{0});
-  if (info.contains("extensions") && info["extensions"].contains("KHR_texture_transform")) {
-    const Json& t = info["extensions"]["KHR_texture_transform"];
-    uv_set = t.value("texCoord", uv_set);
-    set_transform(t, out.map);
-  }
-  const Json& texture = document_.json["textures"][info["index"].get<size_t>()];
-  fault = {uv_set > 1, ""};
+  const Source& texture = sources_[info.texture];
+  fault = {info.uv_set > 1, ""};
   if (fault.far_uv_set) return {};
   const Decoded* found = nullptr;
-  for (const size_t source : sources_of(texture)) {
+  for (const size_t source : texture.images) {
     const Decoded& tried = decoded(source);
     if (fault.image.empty()) fault.image = tried.fault;
     if (!tried.fault.empty()) continue;
@@ -138,14 +170,10 @@ std::optional<Texture> TextureReader::read(const Json& info, bool srgb, Fault& f
   fault.image.clear();
   const Decoded& image = *found;
 
-  const Json& sampler = texture.contains("sampler")
-                            ? document_.json["samplers"][texture["sampler"].get<size_t>()]
-                            : kNothing;
+  out.map = texture.map;
+  out.map.transform = info.transform;
   out.map.srgb = srgb;
-  out.map.uv_set = static_cast<uint8_t>(uv_set);
-  out.map.nearest = sampler.value("magFilter", 0) == kNearest;
-  out.map.wrap_u = wrap_of(sampler, "wrapS");
-  out.map.wrap_v = wrap_of(sampler, "wrapT");
+  out.map.uv_set = static_cast<uint8_t>(info.uv_set);
   out.uniform = image.uniform;
   out.encoded = image.first;
   for (size_t c = 0; c < 4; ++c)

@@ -5,13 +5,27 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
 
-/// A textureInfo that was read.
+/// A textureInfo, what a material says of a texture.
+struct TextureInfo {
+  size_t texture = kNone;
+  size_t uv_set = 0;
+  std::array<float, 6> transform = TextureMap().transform;
+  double scale = 1;  ///< of a normal map
+  explicit operator bool() const { return texture != kNone; }
+};
+
+/// Throws InputError.
+TextureInfo read_texture_info(const Value& info);
+
+/// A texture that was decoded.
 struct Texture {
   TextureMap map;  ///< without its image, which keep() gives it
   size_t image = 0;
@@ -21,13 +35,10 @@ struct Texture {
   float least_alpha = 1;             ///< minimum over all texels
 };
 
-/// Extensions that name another image for a texture, in order of preference.
-constexpr const char* kTextureFormats[] = {"EXT_texture_webp", "KHR_texture_basisu",
-                                           "EXT_texture_avif", "MSFT_texture_dds"};
-
 class TextureReader {
  public:
-  TextureReader(const Document& document, Scene& scene) : document_(document), scene_(scene) {}
+  /// Reads textures, samplers and images of the file, without decoding any. Throws InputError.
+  TextureReader(const Document& document, Scene& scene);
 
   /// Why there is no texture.
   struct Fault {
@@ -38,7 +49,7 @@ class TextureReader {
   /// The texture that `info` names, from the first of its images that can be decoded. Empty if
   /// there is none; then `fault` says why. Throws InputError if an image lies outside the scene's
   /// folder or its buffer, or if all images together have too many texels.
-  std::optional<Texture> read(const nlohmann::json& info, bool srgb, Fault& fault);
+  std::optional<Texture> read(const TextureInfo& info, bool srgb, Fault& fault);
 
   /// The texture's map, after adding its image to scene.images.
   TextureMap keep(const Texture& texture);
@@ -59,8 +70,19 @@ class TextureReader {
   void decode(size_t image, Decoded& out);
   std::string_view bytes_of(size_t image, std::string& owned);
 
+  struct Source {
+    std::vector<size_t> images;  ///< in order of preference
+    TextureMap map;              ///< as its sampler says
+  };
+  struct File {
+    Value uri;
+    size_t view = kNone;
+  };
+
   const Document& document_;
   Scene& scene_;
+  std::vector<Source> sources_;
+  std::vector<File> files_;
   std::map<size_t, Decoded> known_;  // by index of the image in the file
   std::string external_bytes_;
   int64_t texels_ = 0;  // sum over all images decoded so far

@@ -212,13 +212,13 @@ void animations(MalformedList& l) {
       channel + ".target.node: is 7, expected an index into the 2 nodes");
   animated(
       "output", [](Json& a) { a["samplers"][0]["output"] = 7; },
-      channel + ".sampler.output: is 7, expected an index into the 4 accessors");
+      "animations[0].samplers[0].output: is 7, expected an index into the 4 accessors");
   animated(
       "rotation", [](Json& a) { a["channels"][0]["target"]["path"] = "rotation"; },
       "accessors[2].type: rotations are not VEC4");
   animated(
       "input", [](Json& a) { a["samplers"][0].erase("input"); },
-      channel + ".sampler.input: is missing");
+      "animations[0].samplers[0].input: is missing");
   animated(
       "times", [](Json& a) { a["samplers"][0]["input"] = 2; },
       "accessors[2].type: times are not SCALAR");
