@@ -17,8 +17,8 @@ inline constexpr Ink kPaper = ink(0xfbfbfb), kInk = ink(0x23262d), kMuted = ink(
                      kLight = ink(0xf4b860), kCamera = ink(0x7aaedb), kBoth = ink(0xb06fa6),
                      kPivot = ink(0xb3243f), kPortal = ink(0x0f8b6d), kAlarm = ink(0xc4314b),
                      kLamp = ink(0xffe14d);
-/// Of plans: what is cut, the ground around a cellar, panes, the camera's mark, refused openings.
-inline constexpr Ink kCutWall = ink(0x3a3e46), kCutEarth = ink(0xcfc8ba), kCutGlass = ink(0x4f9ac9),
+/// In plans: what is cut, panes, the camera's mark, refused openings.
+inline constexpr Ink kCutWall = ink(0x3a3e46), kCutGlass = ink(0x4f9ac9),
                      kCutCamera = ink(0x2a6bab), kRefused = ink(0x8b8f97);
 
 /// Colour map for amounts in [0,1]: from nearly the paper's colour over amber and red to dark

@@ -84,7 +84,7 @@ void paint_surfaces(Panel& panel, const Scene& scene, const Tracer& tracer, cons
     }
 }
 
-// Fills what is cut, and outlines it.
+// Fills the walls, and outlines all that is cut.
 void draw_section(Panel& panel, const Scene& scene, const Storey& storey) {
   const Projection& view = panel.view;
   const int columns = panel.backdrop.width(), rows = panel.backdrop.height();
@@ -96,35 +96,15 @@ void draw_section(Panel& panel, const Scene& scene, const Storey& storey) {
   const CellGrid grid{low.x - beyond * cell, low.z - beyond * cell, cell, columns + 2 * beyond,
                       rows + 2 * beyond};
   const std::vector<Segment> segments = section(scene, storey.cut);
-  const std::vector<Filled> cells = filled(scene, segments, grid, storey.air, kThickestWall);
-  const auto at = [&](int x, int y) {
-    return cells[static_cast<size_t>(x + beyond) +
-                 static_cast<size_t>(grid.columns) * static_cast<size_t>(y + beyond)];
-  };
+  const std::vector<bool> is_wall = walls(scene, segments, grid, storey.air, kThickestWall);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x)
-      if (at(x, y) != Filled::air)
-        panel.backdrop.at(x, y) = at(x, y) == Filled::wall ? kCutWall : kCutEarth;
+      if (is_wall[static_cast<size_t>(x + beyond) +
+                  static_cast<size_t>(grid.columns) * static_cast<size_t>(y + beyond)])
+        panel.backdrop.at(x, y) = kCutWall;
   Shape lines{.name = "section", .kind = Shape::Kind::lines, .size = 1.3, .through = true};
-  for (const Segment& s : segments) {
-    // Seams of the ground are no edges of anything.
-    constexpr int kSteps = 64;
-    const Vec3d along = s.b - s.a,
-                side = Vec3d{along.z, 0, -along.x} * (2.5 * cell / length(along));
-    const auto is_earth = [&](const Vec3d& place) {
-      const Pixel p = view.project(place);
-      return view.panel.contains(p) && at(static_cast<int>(p.x - view.panel.x),
-                                          static_cast<int>(p.y - view.panel.y)) == Filled::earth;
-    };
-    int seen = 0, seam = 0;
-    for (int k = 0; k < kSteps; ++k) {
-      const Vec3d place = s.a + along * ((k + 0.5) / kSteps);
-      if (!view.panel.contains(view.project(place))) continue;
-      ++seen;
-      seam += is_earth(place + side) && is_earth(place - side);
-    }
-    if (2 * seam <= seen) lines.line(s.a, s.b, is_pane(scene, s.triangle) ? kCutGlass : kCutWall);
-  }
+  for (const Segment& s : segments)
+    lines.line(s.a, s.b, is_pane(scene, s.triangle) ? kCutGlass : kCutWall);
   panel.shapes.push_back(std::move(lines));
 }
 

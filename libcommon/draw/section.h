@@ -1,13 +1,8 @@
-// A horizontal section of a scene: the lines in which a plane cuts its triangles, and what is solid
-// between them, as an architect fills the walls of a plan.
-//
-// Solid is found by counting: a straight line within the plane, from far outside, enters and leaves
-// bodies; the count at a place differs from the count in the air by the bodies around it. It is
-// counted from four sides, since an open sheet spoils the count behind it, and the sides vote. The
-// count of air is the one at places known to be air, so normals may as well all point inwards, as
-// in a room modelled without its walls' outer sides.
+// A horizontal section of a scene: the lines in which a plane cuts its triangles, and the walls
+// between them, which an architect fills in a plan.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "libcommon/scene/scene.h"
@@ -31,12 +26,15 @@ bool is_pane(const Scene& scene, uint32_t triangle);
 struct CellGrid {
   double low_x = 0, low_z = 0, cell = 1;
   int columns = 0, rows = 0;
+
+  /// i + columns * j of the cell that contains a place, or empty outside.
+  std::optional<size_t> cell_at(const Vec3d& place) const;
 };
-/// `wall`: a body as thin as a wall; `earth`: a thicker one, such as the ground around a cellar.
-enum class Filled : uint8_t { air, wall, earth };
-/// What fills each cell, at [i + columns * j]. `air`: places known to be in the air; where they
-/// contradict each other nothing is filled. `thickest`: of a wall.
-std::vector<Filled> filled(const Scene& scene, const std::vector<Segment>& section,
-                           const CellGrid& grid, const std::vector<Vec3d>& air, double thickest);
+/// Whether a cell, at [i + columns * j], lies within a wall: no way leads there from the places
+/// known to be in the `air` without a crossing of the section (panes are none), and it is at most
+/// `thickest` wide between lines of the section, along x or z. What is wider may be a room that
+/// nobody has entered, or the ground around a cellar.
+std::vector<bool> walls(const Scene& scene, const std::vector<Segment>& section,
+                        const CellGrid& grid, const std::vector<Vec3d>& air, double thickest);
 
 }  // namespace tdpt::draw

@@ -1,10 +1,11 @@
 #include "libcommon/draw/shapes.h"
 
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include <nlohmann/json.hpp>
 
+#include "libcommon/formats/glb.h"
 #include "tdpt_version.h"
 
 namespace tdpt::draw {
@@ -12,10 +13,6 @@ namespace tdpt::draw {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-constexpr int kFloat = 5126, kByte = 5121, kArrayBuffer = 34962;
-
-constexpr double kStripWidth = 1.0 / 500;  // relative to the whole size
 
 // Vertex colours are linear in glTF.
 uint8_t linear(float srgb) {
@@ -24,147 +21,43 @@ uint8_t linear(float srgb) {
       std::lround(255 * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4))));
 }
 
-class GlbWriter {
- public:
-  explicit GlbWriter(const Provenance& provenance) {
-    root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
-    if (!provenance.empty()) root_["asset"]["extras"]["provenance"] = provenance.lines;
-    root_["scene"] = 0;
-    root_["scenes"] = Json::array({{{"name", "debug"}}});
-  }
-
-  void add(const Shape& mesh) {
-    // Floats are relative to the centre, which is in the node's transform, so nothing is lost far
-    // from the origin.
-    Vec3d low(INFINITY), high(-INFINITY);
-    for (const Vec3d& p : mesh.positions) low = min(low, p), high = max(high, p);
-    const Vec3d middle = (low + high) * 0.5;
-    const size_t positions = add_positions(mesh, middle), colours = add_colours(mesh);
-
-    bool opaque = true;
-    for (const Paint& p : mesh.paints) opaque = opaque && p.alpha >= 1;
-    Json material = {{"name", mesh.name},
-                     {"pbrMetallicRoughness", {{"metallicFactor", 0.0}}},
-                     {"doubleSided", true},
-                     {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
-    if (!opaque) material["alphaMode"] = "BLEND";
-    static constexpr int kMode[] = {0, 1, 4};
-    root_["materials"].push_back(material);
-    root_["meshes"].push_back(
-        {{"name", mesh.name},
-         {"primitives",
-          Json::array({{{"attributes", {{"POSITION", positions}, {"COLOR_0", colours}}},
-                        {"material", count_},
-                        {"mode", kMode[static_cast<size_t>(mesh.kind)]}}})}});
-    root_["nodes"].push_back(
-        {{"name", mesh.name}, {"mesh", count_}, {"translation", {middle.x, middle.y, middle.z}}});
-    root_["scenes"][0]["nodes"].push_back(count_);
-    ++count_;
-  }
-
-  std::string glb() {
-    if (count_ > 0) {
-      root_["extensionsUsed"] = {"KHR_materials_unlit"};
-      root_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
-    }
-    std::string text = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::string glb;
-    const auto put = [&](size_t v) {
-      const auto word = static_cast<uint32_t>(v);
-      glb.append(reinterpret_cast<const char*>(&word), sizeof word);
-    };
-    put(kGlbMagic);
-    put(2);
-    put(12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size()));
-    put(text.size());
-    put(kJsonChunk);
-    glb += text;
-    if (!bin_.empty()) {
-      put(bin_.size());
-      put(kBinChunk);
-      glb += bin_;
-    }
-    return glb;
-  }
-
- private:
-  size_t view(size_t offset) {
-    root_["bufferViews"].push_back({{"buffer", 0},
-                                    {"byteOffset", offset},
-                                    {"byteLength", bin_.size() - offset},
-                                    {"target", kArrayBuffer}});
-    return root_["bufferViews"].size() - 1;
-  }
-
-  size_t add_positions(const Shape& mesh, const Vec3d& middle) {
-    const size_t offset = bin_.size();
-    std::array<float, 3> low, high;
-    low.fill(std::numeric_limits<float>::infinity());
-    high.fill(-std::numeric_limits<float>::infinity());
-    for (const Vec3d& p : mesh.positions)
-      for (size_t c = 0; c < 3; ++c) {
-        const auto f = static_cast<float>((p - middle)[static_cast<int>(c)]);
-        low[c] = std::min(low[c], f);
-        high[c] = std::max(high[c], f);
-        bin_.append(reinterpret_cast<const char*>(&f), sizeof f);
-      }
-    const size_t at = view(offset);
-    root_["accessors"].push_back({{"bufferView", at},
-                                  {"componentType", kFloat},
-                                  {"count", mesh.positions.size()},
-                                  {"type", "VEC3"},
-                                  {"min", low},
-                                  {"max", high}});
-    return root_["accessors"].size() - 1;
-  }
-
-  size_t add_colours(const Shape& mesh) {
-    const size_t offset = bin_.size();
-    for (const Paint& p : mesh.paints) {
-      for (int k = 0; k < 3; ++k) bin_ += static_cast<char>(linear(p.ink[k]));
-      bin_ += static_cast<char>(static_cast<uint8_t>(std::lround(255 * p.alpha)));
-    }
-    const size_t at = view(offset);
-    root_["accessors"].push_back({{"bufferView", at},
-                                  {"componentType", kByte},
-                                  {"normalized", true},
-                                  {"count", mesh.paints.size()},
-                                  {"type", "VEC4"}});
-    return root_["accessors"].size() - 1;
-  }
-
-  Json root_;
-  std::string bin_;
-  size_t count_ = 0;
-};
-
-// Diagonal of the common bounding box.
-double size_of(const std::vector<Shape>& shapes) {
+// A node, a mesh, a material and two accessors.
+void add_shape(Glb<Json>& glb, const Shape& shape) {
+  // Floats are relative to the centre, which is in the node's transform, so nothing is lost far
+  // from the origin.
   Vec3d low(INFINITY), high(-INFINITY);
-  for (const Shape& shape : shapes)
-    for (const Vec3d& p : shape.positions) low = min(low, p), high = max(high, p);
-  return low.x <= high.x ? length(high - low) : 0;
-}
-
-// Two crossed strips per line, so that one of them is visible from any side.
-Shape strips_of(const Shape& lines, double width) {
-  Shape strips{.name = lines.name};
-  for (size_t i = 0; i + 1 < lines.positions.size(); i += 2) {
-    const Vec3d &a = lines.positions[i], &b = lines.positions[i + 1];
-    if (!(length(b - a) > 0)) continue;
-    const Onb<double> frame(normalize(b - a));
-    for (const Vec3d& across : {frame.x * (0.5 * width), frame.y * (0.5 * width)}) {
-      for (const auto& [p, end] : {std::pair(a - across, i),
-                                   {b - across, i + 1},
-                                   {b + across, i + 1},
-                                   {a - across, i},
-                                   {b + across, i + 1},
-                                   {a + across, i}})
-        strips.point(p, lines.paints[end]);
-    }
+  for (const Vec3d& p : shape.positions) low = min(low, p), high = max(high, p);
+  const Vec3d middle = (low + high) * 0.5;
+  std::vector<Vec3f> positions;
+  for (const Vec3d& p : shape.positions) positions.emplace_back(p - middle);
+  std::vector<std::array<uint8_t, 4>> colours;
+  bool opaque = true;
+  for (const Paint& p : shape.paints) {
+    colours.push_back({linear(p.ink.x), linear(p.ink.y), linear(p.ink.z),
+                       static_cast<uint8_t>(std::lround(255 * p.alpha))});
+    opaque = opaque && p.alpha >= 1;
   }
-  return strips;
+  const size_t position = glb.add_positions(positions),
+               colour = glb.add(colours, colours.size(), "VEC4", glb.byte, glb.vertices);
+  glb.root["accessors"][colour]["normalized"] = true;
+
+  Json material = {{"name", shape.name},
+                   {"pbrMetallicRoughness", {{"metallicFactor", 0.0}}},
+                   {"doubleSided", true},
+                   {"extensions", {{"KHR_materials_unlit", Json::object()}}}};
+  if (!opaque) material["alphaMode"] = "BLEND";
+  static constexpr int kMode[] = {0, 1, 4};
+  const size_t n = glb.root["meshes"].size();
+  glb.root["materials"].push_back(material);
+  glb.root["meshes"].push_back(
+      {{"name", shape.name},
+       {"primitives", Json::array({{{"attributes", {{"POSITION", position}, {"COLOR_0", colour}}},
+                                    {"material", n},
+                                    {"mode", kMode[static_cast<size_t>(shape.kind)]}}})}});
+  glb.root["nodes"].push_back(
+      {{"name", shape.name}, {"mesh", n}, {"translation", {middle.x, middle.y, middle.z}}});
+  glb.root["scenes"][0]["nodes"].push_back(n);
+  glb.root["extensionsUsed"] = {"KHR_materials_unlit"};
 }
 
 }  // namespace
@@ -207,24 +100,15 @@ void Shape::cube(const Vec3d& centre, double side, const Paint& c) {
     }
 }
 
-std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& provenance,
-                            DebugLines lines) {
-  GlbWriter writer(provenance);
-  const double width = lines == DebugLines::strips ? kStripWidth * size_of(shapes) : 0;
+std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& provenance) {
+  Glb<Json> glb;
+  glb.root["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
+  if (!provenance.empty()) glb.root["asset"]["extras"]["provenance"] = provenance.lines;
+  glb.root["scene"] = 0;
+  glb.root["scenes"] = Json::array({{{"name", "debug"}}});
   for (const Shape& shape : shapes)
-    if (!shape.positions.empty())
-      writer.add(width > 0 && shape.kind == Shape::Kind::lines ? strips_of(shape, width) : shape);
-  return writer.glb();
-}
-
-void declare_debug_lines(cli::Options& options, std::string& value) {
-  options.choice("--set debug-lines", value, {"edges", "strips"},
-                 "Lines in --debug-glb: edges, the default, or thin strips, which renderers show",
-                 cli::Effect::report);
-}
-
-DebugLines debug_lines(const std::string& value) {
-  return value == "strips" ? DebugLines::strips : DebugLines::edges;
+    if (!shape.positions.empty()) add_shape(glb, shape);
+  return glb.file();
 }
 
 }  // namespace tdpt::draw

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
-#include "libcommon/cli/cli.h"
 #include "libcommon/draw/canvas.h"
 
 namespace tdpt::draw {
@@ -40,17 +39,8 @@ struct Shape {
   void cube(const Vec3d& centre, double side, const Paint& p);
 };
 
-enum class DebugLines { edges, strips };
-
-/// glTF; empty shapes are left out. Lines are written as edges, which renderers do not show, or as
-/// thin strips of triangles. Materials are unlit and double-sided; they are translucent if some
-/// alpha is below 1.
-std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& provenance,
-                            DebugLines lines = DebugLines::edges);
-
-/// --set debug-lines.
-void declare_debug_lines(cli::Options& options, std::string& value);
-
-DebugLines debug_lines(const std::string& value);
+/// glTF; empty shapes are left out. Materials are unlit and double-sided; they are translucent if
+/// some alpha is below 1.
+std::string debug_glb_bytes(const std::vector<Shape>& shapes, const Provenance& provenance);
 
 }  // namespace tdpt::draw

@@ -30,28 +30,6 @@ std::vector<Shape> three_meshes() {
   return {square, Shape{.name = "empty"}, line, point};
 }
 
-// A ray across the line from any side hits one of its strips.
-TEST(debug_glb, lines_are_strips_on_demand) {
-  const testing::TempFolder folder;
-  const Scene edges = read_gltf(folder.write("edges.glb", debug_glb_bytes(three_meshes(), {})));
-  const Scene strips = read_gltf(
-      folder.write("strips.glb", debug_glb_bytes(three_meshes(), {}, DebugLines::strips)));
-  EXPECT_EQ(edges.triangles.size(), 2u);
-  ASSERT_EQ(strips.triangles.size(), 2u + 4u);
-  const Vec3d along = normalize(Vec3d(1, 2, 3));
-  double area = 0;
-  Vec3d planes[2];
-  for (uint32_t t = 2; t < 6; ++t) {
-    const TriangleShape s = shape_of(strips, t);
-    area += s.area / (strips.frame.scale * strips.frame.scale);
-    EXPECT_NEAR(dot(s.normal, along), 0, 1e-3);
-    planes[(t - 2) / 2] = s.normal;
-  }
-  EXPECT_NEAR(dot(planes[0], planes[1]), 0, 1e-3);
-  const double size = length(Vec3d(1000.5, 6, 6));  // of all
-  EXPECT_NEAR(area, 2 * length(Vec3d(1, 2, 3)) * size / 500, 0.02 * area);
-}
-
 TEST(debug_glb, is_a_whole_glb_of_aligned_parts) {
   Provenance provenance;
   provenance.made_by("mincut", "mincut");

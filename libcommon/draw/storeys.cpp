@@ -107,7 +107,18 @@ std::vector<FloorSample> largest_level(const std::vector<FloorSample>& sorted) {
           sorted.begin() + static_cast<std::ptrdiff_t>(best_end)};
 }
 
-Storey storey_of(const std::vector<FloorSample>& level, const std::vector<FloorSample>& all) {
+// Whether a level ray from a place meets the back of a surface, as it does within a body.
+bool sees_back(const Scene& scene, const Tracer& tracer, const Vec3d& place) {
+  for (const Vec3d& way : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    Hit hit;
+    if (tracer.closest({scene.frame.to_canonical(place)}, way, hit) && dot(hit.normal, way) > 0)
+      return true;
+  }
+  return false;
+}
+
+Storey storey_of(const Scene& scene, const Tracer& tracer, const std::vector<FloorSample>& level,
+                 const std::vector<FloorSample>& all) {
   Storey storey;
   storey.floor = quantile(level, 0.5, [](const FloorSample& s) { return s.place.y; });
   const double head = quantile(level, 0.5, [](const FloorSample& s) { return s.head; });
@@ -123,6 +134,11 @@ Storey storey_of(const std::vector<FloorSample>& level, const std::vector<FloorS
   for (size_t k = 0; k < level.size(); k += level.size() / kMostAir + 1)
     if (level[k].head > storey.cut - *storey.floor)
       storey.air.push_back({level[k].place.x, storey.cut, level[k].place.z});
+  // Floors and ceilings go on within walls. Where all places see backs, normals say nothing.
+  const auto in_bodies =
+      std::stable_partition(storey.air.begin(), storey.air.end(),
+                            [&](const Vec3d& place) { return !sees_back(scene, tracer, place); });
+  if (in_bodies != storey.air.begin()) storey.air.erase(in_bodies, storey.air.end());
   return storey;
 }
 
@@ -138,7 +154,7 @@ std::vector<Storey> storeys_of(const Scene& scene, const Tracer& tracer) {
     const double area = area_of(level);
     largest = std::max(largest, area);
     if (area < std::max(kLeastFloor, kLeastShare * largest)) break;
-    storeys.push_back(storey_of(level, all));
+    storeys.push_back(storey_of(scene, tracer, level, all));
     const double floor = *storeys.back().floor;
     std::erase_if(left, [&](const FloorSample& s) { return std::abs(s.place.y - floor) < kApart; });
   }

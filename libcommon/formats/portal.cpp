@@ -14,6 +14,7 @@
 
 #include "libcommon/base/words.h"
 #include "libcommon/formats/format_version.h"
+#include "libcommon/formats/glb.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/document.h"
@@ -27,7 +28,6 @@ namespace {
 using Json = nlohmann::json;
 using namespace gltf;
 
-constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
 // Limits per file; flat triangles and repeated reads count, too, since a mesh may be instanced many
 // times.
 constexpr size_t kMostTriangles = 1'000'000, kMostVertices = 3 * kMostTriangles;
@@ -179,124 +179,56 @@ PortalFile read_portals(const std::string& path) {
 
 namespace {
 
-// Writes portals as glTF: a node, a mesh and two accessors each, in one buffer.
-class PortalWriter {
- public:
-  explicit PortalWriter(const PortalFile& file) {
-    root_["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
-    Json& extras = root_["asset"]["extras"];
-    extras[kPortalVersionKey] = format_version::portal;
-    extras["scene_hash"] = file.scene_hash;
-    if (file.made_for.size() == 1) extras["camera"] = file.made_for[0];
-    if (file.made_for.size() > 1) extras["cameras"] = file.made_for;
-    if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
-    root_["scene"] = 0;
-    root_["scenes"] = Json::array({{{"name", "portals"}}});
-    for (size_t n = 0; n < file.portals.size(); ++n) add(n, file.portals[n]);
-    if (file.portals.empty()) return;
-    const auto both_ways = [](const Portal& p) { return p.both_ways; };
-    add_materials(std::any_of(file.portals.begin(), file.portals.end(), both_ways));
-    root_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
-  }
-
-  std::string glb() const {
-    std::string text = root_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    std::string out;
-    const auto put = [&](size_t v) { append(out, static_cast<uint32_t>(v)); };
-    put(kGlbMagic), put(2), put(12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size()));
-    put(text.size()), put(kJsonChunk);
-    out += text;
-    if (!bin_.empty()) {
-      put(bin_.size()), put(kBinChunk);
-      out += bin_;
-    }
-    return out;
-  }
-
- private:
-  template <class T>
-  static void append(std::string& bytes, const T& value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-
-  void add(size_t n, const Portal& portal) {
-    // Floats are relative to the first vertex, which is in the node's transform in full precision:
-    // a portal far from the origin stays planar.
-    const Vec3d origin = portal.vertices.empty() ? Vec3d{} : portal.vertices[0];
-    add_positions(portal, origin);
-    add_indices(portal);
-    const std::string name = fmt::format("portal.{}", n);
-    Json primitive = {{"attributes", {{"POSITION", 2 * n}}},
-                      {"indices", 2 * n + 1},
-                      {"material", portal.both_ways ? 1 : 0}};
-    root_["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
-    Json node = {{"name", name}, {"mesh", n}, {"translation", {origin.x, origin.y, origin.z}}};
-    for (const auto& [key, value] : portal.figures)
-      if (std::isfinite(value)) node["extras"][key] = value;
-    if (!portal.cameras.empty()) node["extras"]["cameras"] = portal.cameras;
-    root_["nodes"].push_back(node);
-    root_["scenes"][0]["nodes"].push_back(n);
-  }
-
-  void add_positions(const Portal& portal, const Vec3d& origin) {
-    std::array<float, 3> low, high;
-    low.fill(std::numeric_limits<float>::infinity());
-    high.fill(-std::numeric_limits<float>::infinity());
-    const size_t first = bin_.size();
-    for (const Vec3d& v : portal.vertices)
-      for (size_t c = 0; c < 3; ++c) {
-        const auto f = static_cast<float>((v - origin)[static_cast<int>(c)]);
-        low[c] = std::min(low[c], f);
-        high[c] = std::max(high[c], f);
-        append(bin_, f);
-      }
-    root_["accessors"].push_back({{"bufferView", view(first, 34962)},
-                                  {"componentType", 5126},
-                                  {"count", portal.vertices.size()},
-                                  {"type", "VEC3"},
-                                  {"min", low},
-                                  {"max", high}});
-  }
-
-  void add_indices(const Portal& portal) {
-    const size_t first = bin_.size();
-    for (const auto& t : portal.triangles)
-      for (const uint32_t v : t) append(bin_, v);
-    root_["accessors"].push_back({{"bufferView", view(first, 34963)},
-                                  {"componentType", 5125},
-                                  {"count", 3 * portal.triangles.size()},
-                                  {"type", "SCALAR"}});
-  }
-
-  // A material for one-way portals and, if needed, another for portals in both directions.
-  void add_materials(bool both_ways) {
-    Json material = {{"name", "portal"},
-                     {"alphaMode", "BLEND"},
-                     {"pbrMetallicRoughness",
-                      {{"baseColorFactor", {1.0, 0.5, 0.1, 0.4}}, {"metallicFactor", 0.0}}}};
-    root_["materials"].push_back(material);
-    material["doubleSided"] = true;
-    if (both_ways) root_["materials"].push_back(material);
-  }
-
-  // A bufferView over the buffer from `first` to its end.
-  size_t view(size_t first, int target) {
-    root_["bufferViews"].push_back({{"buffer", 0},
-                                    {"byteOffset", first},
-                                    {"byteLength", bin_.size() - first},
-                                    {"target", target}});
-    return root_["bufferViews"].size() - 1;
-  }
-
-  Json root_;
-  std::string bin_;
-};
+// A node, a mesh and two accessors for each portal, in one buffer.
+void add_portal(Glb<Json>& glb, size_t n, const Portal& portal) {
+  // Floats are relative to the first vertex, which is in the node's transform in full precision:
+  // a portal far from the origin stays planar.
+  const Vec3d origin = portal.vertices.empty() ? Vec3d{} : portal.vertices[0];
+  std::vector<Vec3f> positions;
+  for (const Vec3d& v : portal.vertices) positions.emplace_back(v - origin);
+  const size_t position = glb.add_positions(positions),
+               indices = glb.add(portal.triangles, 3 * portal.triangles.size(), "SCALAR",
+                                 glb.uint32, glb.indices);
+  const std::string name = fmt::format("portal.{}", n);
+  const Json primitive = {{"attributes", {{"POSITION", position}}},
+                          {"indices", indices},
+                          {"material", portal.both_ways ? 1 : 0}};
+  glb.root["meshes"].push_back({{"name", name}, {"primitives", Json::array({primitive})}});
+  Json node = {{"name", name}, {"mesh", n}, {"translation", {origin.x, origin.y, origin.z}}};
+  for (const auto& [key, value] : portal.figures)
+    if (std::isfinite(value)) node["extras"][key] = value;
+  if (!portal.cameras.empty()) node["extras"]["cameras"] = portal.cameras;
+  glb.root["nodes"].push_back(node);
+  glb.root["scenes"][0]["nodes"].push_back(n);
+}
 
 }  // namespace
 
 std::string portal_bytes(const PortalFile& file) {
-  return PortalWriter(file).glb();
+  Glb<Json> glb;
+  Json& root = glb.root;
+  root["asset"] = {{"version", "2.0"}, {"generator", "tdpt " TDPT_VERSION}};
+  Json& extras = root["asset"]["extras"];
+  extras[kPortalVersionKey] = format_version::portal;
+  extras["scene_hash"] = file.scene_hash;
+  if (file.made_for.size() == 1) extras["camera"] = file.made_for[0];
+  if (file.made_for.size() > 1) extras["cameras"] = file.made_for;
+  if (!file.provenance.empty()) extras["provenance"] = file.provenance.lines;
+  root["scene"] = 0;
+  root["scenes"] = Json::array({{{"name", "portals"}}});
+  for (size_t n = 0; n < file.portals.size(); ++n) add_portal(glb, n, file.portals[n]);
+  if (file.portals.empty()) return glb.file();
+  // One for one-way portals and, if needed, another for portals in both directions.
+  Json material = {{"name", "portal"},
+                   {"alphaMode", "BLEND"},
+                   {"pbrMetallicRoughness",
+                    {{"baseColorFactor", {1.0, 0.5, 0.1, 0.4}}, {"metallicFactor", 0.0}}}};
+  root["materials"].push_back(material);
+  material["doubleSided"] = true;
+  if (std::any_of(file.portals.begin(), file.portals.end(),
+                  [](const Portal& p) { return p.both_ways; }))
+    root["materials"].push_back(material);
+  return glb.file();
 }
 
 namespace {

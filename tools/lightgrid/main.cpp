@@ -37,7 +37,7 @@ constexpr cli::ByQuality<int64_t> kResolution{64, 128, 256}, kLines{2048, 8192, 
 constexpr double kBesideBox = 0.1;  // of its longest side
 
 struct Arguments {
-  std::string scene, cut, lines_from, device, preview, debug_glb, debug_lines = "edges";
+  std::string scene, cut, lines_from, device, preview, debug_glb;
   SkyArguments sky;
   Pose pose;
   int64_t resolution = 0, lines = 0;
@@ -54,7 +54,6 @@ void declare_options(cli::Options& options, Arguments& a) {
       "Write a picture (.png, .svg, .pdf): the counts along the three axes of the grid");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the fullest voxels and some lines of light as glTF");
-  draw::declare_debug_lines(options, a.debug_lines);
   options.flag("--z-up", a.z_up, "Turn the grid for viewers whose up is +Z, as Blender");
   options.part(cli::Part::effort);
   options.quality();
@@ -261,7 +260,7 @@ int run(const Arguments& a, const cli::Common& common) {
   cli::deliver(
       {{common.output, [&] { return light_grid_bytes(grid, a.z_up); }},
        {a.preview, [&] { return draw::draw(grid_preview(grid, a.scene)).file_named(a.preview); }},
-       {a.debug_glb, [&] { return grid_debug_glb(grid, draw::debug_lines(a.debug_lines)); }}},
+       {a.debug_glb, [&] { return grid_debug_glb(grid); }}},
       common, report.phases);
   cli::report(common, summary(grid, report, tracer.name), report.phases);
   if (!report.stopped) return 0;

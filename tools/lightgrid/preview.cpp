@@ -118,7 +118,7 @@ draw::Drawing grid_preview(const LightGrid& grid, const std::string& name) {
   return drawing;
 }
 
-std::string grid_debug_glb(const LightGrid& grid, DebugLines as) {
+std::string grid_debug_glb(const LightGrid& grid) {
   std::vector<size_t> order;
   const float most = grid.count.empty() ? 0 : grid.count[fullest(grid)];
   for (size_t i = 0; i < grid.count.size(); ++i)
@@ -139,7 +139,7 @@ std::string grid_debug_glb(const LightGrid& grid, DebugLines as) {
   }
   for (const LightLine& l : thinned(grid.lines, kMostLines))
     lines.line(l.light, l.camera, kLight, kCamera);
-  return debug_glb_bytes({cubes, points, lines}, grid.provenance, as);
+  return debug_glb_bytes({cubes, points, lines}, grid.provenance);
 }
 
 }  // namespace tdpt

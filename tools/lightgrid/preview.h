@@ -20,6 +20,6 @@ FlatGrid flattened(const LightGrid& grid, int axis);
 /// The three projections, arranged as the views of a technical drawing. `name`: of the scene.
 draw::Drawing grid_preview(const LightGrid& grid, const std::string& name);
 /// glTF: the fullest voxels as cubes, others as points, and some lines of light.
-std::string grid_debug_glb(const LightGrid& grid, draw::DebugLines lines);
+std::string grid_debug_glb(const LightGrid& grid);
 
 }  // namespace tdpt

@@ -103,8 +103,7 @@ TEST(grid_debug_glb, shows_the_fullest_voxels_as_cubes_at_their_places) {
   grid.count[grid.index(0, 0, 0)] = 5;  // a point
   grid.lines = {{{0, 0, 0}, {1, 1, 1}, 0}};
   const testing::TempFolder folder;
-  const Scene scene =
-      read_gltf(folder.write("grid.glb", grid_debug_glb(grid, draw::DebugLines::edges)));
+  const Scene scene = read_gltf(folder.write("grid.glb", grid_debug_glb(grid)));
   ASSERT_EQ(scene.triangles.size(), 12u);
   for (const Triangle& t : scene.triangles)
     for (const uint32_t v : t.vertex) {

@@ -30,7 +30,7 @@ constexpr cli::Program kProgram{"mincut",
                                 cli::kThreads | cli::kQuiet};
 
 struct Arguments {
-  std::string network = "-", scene, camera, preview, debug_glb, debug_lines = "edges";
+  std::string network = "-", scene, camera, preview, debug_glb;
   int64_t cuts = 8;
   Pose pose;
   CutLimits limits;
@@ -52,7 +52,6 @@ void declare_options(cli::Options& options, Arguments& a) {
                  "Camera for --preview; default the first of the network", cli::Effect::report);
   options.side_output("--debug-glb", a.debug_glb,
                       "Write the same as glTF: patches as coloured squares, pairs as lines");
-  draw::declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::report);
   options.limit("least-area", a.limits.least_area, 0, 1);
   options.limit("least-carried", a.limits.least_carried, 0, 1);
@@ -265,14 +264,11 @@ void cut_patches(const Arguments& a, const cli::Common& common, const DimacsFile
   CutFile& cut = found.file;
   cut.provenance = provenance(a, common, problem);
   phases.done("flow");
-  cli::deliver({{common.output, [&] { return cut_text(cut); }},
-                {a.preview, [&] { return preview_of(a, common, found); }},
-                {a.debug_glb,
-                 [&] {
-                   return cut_debug_glb(cuts_for(found, shown_camera(a, cut)),
-                                        draw::debug_lines(a.debug_lines));
-                 }}},
-               common, phases);
+  cli::deliver(
+      {{common.output, [&] { return cut_text(cut); }},
+       {a.preview, [&] { return preview_of(a, common, found); }},
+       {a.debug_glb, [&] { return cut_debug_glb(cuts_for(found, shown_camera(a, cut))); }}},
+      common, phases);
   report(common, found, summary);
   common.explain_by(
       [&] { return decisions_of(found, static_cast<size_t>(a.cuts), a.limits, phases); });

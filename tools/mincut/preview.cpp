@@ -163,7 +163,7 @@ draw::Drawing cut_preview(const Scene& scene, const Camera& camera, const CutFil
   return drawing;
 }
 
-std::string cut_debug_glb(const CutFile& cut, draw::DebugLines lines) {
+std::string cut_debug_glb(const CutFile& cut) {
   const int n = regions(cut);
   std::vector<draw::Shape> shapes(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k) shapes[static_cast<size_t>(k)].name = name_of_region(k, n);
@@ -173,7 +173,7 @@ std::string cut_debug_glb(const CutFile& cut, draw::DebugLines lines) {
       draw::add_patch(shapes[static_cast<size_t>(k)], cut.grid, cut.patches[i], draw::region(k, n));
   }
   shapes.push_back(pivot_pairs(cut));
-  return draw::debug_glb_bytes(shapes, cut.provenance, lines);
+  return draw::debug_glb_bytes(shapes, cut.provenance);
 }
 
 }  // namespace tdpt

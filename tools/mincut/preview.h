@@ -23,6 +23,6 @@ std::vector<size_t> arcs_to_draw(const CutFile& cut, size_t most);
 draw::Drawing cut_preview(const Scene& scene, const Camera& camera, const CutFile& cut,
                           const std::string& cut_name);
 /// glTF: a square for every patch in the colour of its region, pivot pairs as lines.
-std::string cut_debug_glb(const CutFile& cut, draw::DebugLines lines);
+std::string cut_debug_glb(const CutFile& cut);
 
 }  // namespace tdpt

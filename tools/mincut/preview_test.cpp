@@ -144,7 +144,7 @@ TEST(cut_debug_glb, has_a_square_for_each_patch_before_its_face) {
   cut.grid.base_cell = 0.5;
   cut.arcs.clear();
   const testing::TempFolder folder;
-  const Scene glb = read_gltf(folder.write("cut.glb", cut_debug_glb(cut, draw::DebugLines::edges)));
+  const Scene glb = read_gltf(folder.write("cut.glb", cut_debug_glb(cut)));
   EXPECT_EQ(glb.triangles.size(), 2 * cut.patches.size());
 }
 

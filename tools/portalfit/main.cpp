@@ -32,7 +32,7 @@ constexpr cli::Program kProgram{"portalfit",
 
 struct Arguments {
   std::vector<std::string> grid{"-"};
-  std::string method = "tube", renderer, preview, scene, debug_glb, debug_lines = "edges";
+  std::string method = "tube", renderer, preview, scene, debug_glb;
   int64_t max_portals = 8;
   PortalFitOptions fit;
   bool require_portal = false;
@@ -63,7 +63,6 @@ void declare_options(cli::Options& options, Arguments& a) {
                 "the portals");
   options.side_output("--debug-glb", a.debug_glb,
                       "Write portals, their normals and some lines of light as glTF");
-  draw::declare_debug_lines(options, a.debug_lines);
   declare_pose_options(options, a.pose, cli::Effect::report);
   options.limit("least-edge", a.fit.least_edge, 0, 1);
 }
@@ -135,8 +134,7 @@ void deliver(const Arguments& a, const cli::Common& common, const LightGrid& gri
           return draw::draw(portal_preview(grid, found.portals, found.lines, a.grid.front(), why))
               .file_named(a.preview);
         }},
-       {a.debug_glb,
-        [&] { return portal_debug_glb(grid, file, draw::debug_lines(a.debug_lines)); }}},
+       {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
       common, phases);
 }
 

@@ -104,42 +104,6 @@ Panel front_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine
   return front;
 }
 
-// Between which places across all but one in a hundred of the lines pass, along the way.
-Shape envelope_of(const LightGrid& grid, const Row& row, double far,
-                  const std::vector<SeenLine>& lines) {
-  constexpr int kStations = 120;
-  Shape envelope{.name = "envelope", .kind = Shape::Kind::lines, .size = 1.6};
-  std::array<Vec3d, 2> before{};
-  bool has_before = false;
-  for (int s = 0; s <= kStations; ++s) {
-    const double along = far * (2.0 * s / kStations - 1);
-    std::vector<double> across;
-    for (const SeenLine& c : lines) {
-      if (c.way != Way::here) continue;
-      const LightLine& l = grid.lines[c.line];
-      const Vec3d w = l.camera - l.light;
-      const double t = (along + dot(row.frame.o - l.light, row.frame.n)) / dot(w, row.frame.n);
-      if (t >= 0 && t <= 1) across.push_back(dot(l.light + w * t - row.frame.o, row.frame.right));
-    }
-    if (across.size() < 100) {
-      has_before = false;
-      continue;
-    }
-    std::array<Vec3d, 2> now;
-    for (size_t side = 0; side < 2; ++side) {
-      const auto rank = static_cast<std::ptrdiff_t>((side == 0 ? 0.01 : 0.99) *
-                                                    static_cast<double>(across.size() - 1));
-      std::nth_element(across.begin(), across.begin() + rank, across.end());
-      now[side] =
-          row.frame.o + row.frame.n * along + row.frame.right * across[static_cast<size_t>(rank)];
-      if (has_before && s % 2 == 0) envelope.line(before[side], now[side], {kInk, 0.8f});
-    }
-    before = now;
-    has_before = true;
-  }
-  return envelope;
-}
-
 // The lines on their way, and the portal edge-on. In plan x runs to the right and z down, as in
 // every stage's; openings in floors and ceilings are seen from the front, y up.
 Panel above_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine>& lines,
@@ -162,7 +126,6 @@ Panel above_of(const LightGrid& grid, const Row& row, const std::vector<SeenLine
   }
   above.shapes = {ways};
   if (!row.portal) return above;
-  above.shapes.push_back(envelope_of(grid, row, above.view.half_width, lines));
   for (Shape& shape : portal_shapes({*row.portal})) above.shapes.push_back(std::move(shape));
   return above;
 }
@@ -197,20 +160,6 @@ std::string words_for(const Portal& portal, size_t i) {
   if (f.contains("area")) words += fmt::format(": {} m2", number_words(f.at("area")));
   if (f.contains("support")) words += fmt::format(", support {:.2f}", f.at("support"));
   return words;
-}
-
-// In the words of a list: each entry has the candidate's letter before it.
-std::string without_subject(const std::string& why) {
-  constexpr std::string_view kOne = "a candidate ", kOfSize = "a candidate of ",
-                             kNumbered = "1 candidate ";
-  if (why.starts_with(kOfSize)) {
-    const size_t unit = why.find(" m2 ");
-    if (unit != std::string::npos)
-      return why.substr(kOfSize.size(), unit + 3 - kOfSize.size()) + ", " + why.substr(unit + 4);
-  }
-  for (const std::string_view one : {kOne, kNumbered})
-    if (why.starts_with(one)) return why.substr(one.size());
-  return why;
 }
 
 bool has_lamps(const Scene& scene) {
@@ -294,7 +243,7 @@ draw::Drawing portal_preview(const LightGrid& grid, const std::vector<Portal>& p
   }
   if (!rows.empty())
     drawing.key = {{{kPortal}, "portal and its normal"},
-                   {{kInk}, "its lines; 1 % lie beyond each dashed line"},
+                   {{kInk}, "its lines"},
                    {{kMuted}, "through another"},
                    {{kAlarm}, "through none"},
                    {{mix(kPaper, heat(0.7), 0.4)}, "fuller voxels darker"}};
@@ -313,7 +262,7 @@ draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitRe
       continue;
     }
     const std::string letter(1, static_cast<char>('A' + drawing.notes.size()));
-    drawing.notes.push_back(fmt::format("{}: {}", letter, without_subject(r.why)));
+    drawing.notes.push_back(fmt::format("{}: {}", letter, r.why));
     for (const std::vector<Vec3d>& p : r.polygons) {
       if (p.size() < 3) continue;
       Shape area{.name = "refused", .through = true},
@@ -349,13 +298,13 @@ draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitRe
   return drawing;
 }
 
-std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, DebugLines as) {
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file) {
   std::vector<Shape> shapes = portal_shapes(file.portals);
   Shape lines{.name = "lines of light", .kind = Shape::Kind::lines};
   for (const LightLine& l : thinned(grid.lines, kMostGlbLines))
     lines.line(l.light, l.camera, kLight, kCamera);
   shapes.push_back(std::move(lines));
-  return debug_glb_bytes(shapes, file.provenance, as);
+  return debug_glb_bytes(shapes, file.provenance);
 }
 
 }  // namespace tdpt

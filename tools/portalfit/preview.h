@@ -45,6 +45,6 @@ draw::Drawing portal_preview(const LightGrid& grid, const std::vector<Portal>& p
 draw::Drawing plan_preview(const Scene& scene, const Camera& camera, const FitResult& found,
                            const std::string& why_none);
 /// glTF: portals translucent, their outlines and normals, and some lines of light.
-std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file, draw::DebugLines lines);
+std::string portal_debug_glb(const LightGrid& grid, const PortalFile& file);
 
 }  // namespace tdpt

@@ -166,8 +166,8 @@ TEST(portal_debug_glb, has_the_corners_of_the_portal) {
   PortalFile file;
   file.portals = {door()};
   const auto corners_missing = [&](const Portal& portal) {
-    const Scene scene = read_gltf(folder.write(
-        "portal.glb", portal_debug_glb(lines_through_the_door(), file, draw::DebugLines::edges)));
+    const Scene scene =
+        read_gltf(folder.write("portal.glb", portal_debug_glb(lines_through_the_door(), file)));
     EXPECT_EQ(scene.triangles.size(), 2u);
     int missing = 0;
     for (const Vec3d& v : portal.vertices) {
@@ -227,7 +227,7 @@ TEST(plan_preview, portals_and_refused_are_labelled) {
   ASSERT_FALSE(drawing.labels.empty());
   EXPECT_EQ(drawing.labels.front().words, "A");
   EXPECT_EQ(drawing.labels.back().words, "portal.0");
-  EXPECT_EQ(drawing.notes.at(0), "A: 2 m2, lies in the open");
+  EXPECT_EQ(drawing.notes.at(0), "A: a candidate of 2 m2 lies in the open");
 }
 
 TEST(plan_preview, what_was_refused_is_grey_and_nothing_is_drawn_where_nothing_was_found) {
