@@ -13,7 +13,7 @@ namespace tdpt {
 
 /// Versions written and read now. Each format's page in man/ says where its file holds it.
 namespace format_version {
-inline constexpr int max = 1, cut = 4, light_grid = 2, light_table = 1, portal = 1, picture = 1,
+inline constexpr int max = 1, cut = 4, light_grid = 1, portal = 1, picture = 1,
                      film = 3;
 }
 

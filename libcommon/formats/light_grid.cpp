@@ -1,9 +1,8 @@
 // Light grids as OpenVDB files. Grid transforms place voxel centres in metres, so viewers show the
-// light in the right place; the box of the dense arrays is in the file's metadata.
+// light in the right place; a header in the file's metadata has the box of the dense arrays.
 #include "libcommon/formats/light_grid.h"
 
 #include <algorithm>
-#include <cstring>
 #include <new>
 #include <optional>
 #include <set>
@@ -20,10 +19,8 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/formats/format_version.h"
-#include "libcommon/formats/viewpoint.h"
+#include "libcommon/formats/light_grid_header.h"
 
 namespace tdpt {
 namespace {
@@ -118,23 +115,6 @@ void append(PointGrid& grid, const vdb::tools::PointIndexGrid& index, const char
   vdb::points::populateAttribute(grid.tree(), index.tree(), name, wrapper);
 }
 
-// The first camera's is "tdpt_camera".
-std::string key_of_camera(size_t k) {
-  return k == 0 ? "tdpt_camera" : fmt::format("tdpt_camera_{}", k + 1);
-}
-
-std::string key_of_wall(size_t w) {
-  return fmt::format("tdpt_wall_{}", w + 1);
-}
-
-std::string key_of_pane(size_t p, const char* face) {
-  return fmt::format("tdpt_pane_{}_{}", p + 1, face);
-}
-
-std::string key_of_cut_camera(size_t c) {
-  return fmt::format("tdpt_cut_camera_{}", c);
-}
-
 // `joins`: per line, or null for those of light.lines.
 PointGrid::Ptr points_of(const LightGrid& light, const char* name,
                          const std::vector<LightLine>& lines, const std::vector<int32_t>* joins,
@@ -184,7 +164,7 @@ bool is_damaged(const std::string& bytes) {
   return id[14] == '8' && id[19] == 'a' && id != identifier_of(bytes);
 }
 
-constexpr const char* kVersion = "tdpt_format";
+constexpr const char *kHeader = "tdpt_light_grid", *kZUp = "tdpt_z_up";
 constexpr vdb::Index64 kLinesForNothing = 1 << 16;
 
 class GridReader {
@@ -247,59 +227,18 @@ class GridReader {
     return z_up_ ? Vec3f(v.x(), v.z(), -v.y()) : Vec3f(v.x(), v.y(), v.z());
   }
 
-  template <class T>
-  T value(const vdb::MetaMap& meta, const std::string& key) const {
-    const auto typed = meta.getMetadata<vdb::TypedMetadata<T>>(key);
-    if (!typed) fail(key, "is missing, expected a light grid as lightgrid writes it");
-    if constexpr (std::is_same_v<T, bool>) {  // OpenVDB stores any byte of the file in a bool
-      uint8_t byte;
-      std::memcpy(&byte, &typed->value(), sizeof byte);
-      return byte != 0;
-    } else {
-      return typed->value();
-    }
-  }
-
-  Vec3d place(const vdb::MetaMap& meta, const std::string& key) const {
-    const vdb::Vec3d v = value<vdb::Vec3d>(meta, key);
-    return {v.x(), v.y(), v.z()};
-  }
-
   void read_metadata(const vdb::MetaMap& meta, LightGrid& light) {
-    if (meta[kVersion])  // without it, version 1
-      check_version(name_, kVersion, std::to_string(value<int32_t>(meta, kVersion)),
-                    format_version::light_grid);
-    light.origin = place(meta, "tdpt_origin");
-    light.voxel = value<double>(meta, "tdpt_voxel");
-    const vdb::Vec3i dim = value<vdb::Vec3i>(meta, "tdpt_dim");
-    size_t total = 1;
-    for (int c = 0; c < 3; ++c) {
-      const int d = dim[c];
-      if (d < 0 || d > kMostVoxelsPerSide)
-        fail("tdpt_dim",
-             fmt::format("{} voxels along a side, expected 0 to {}", d, kMostVoxelsPerSide));
-      light.dim[static_cast<size_t>(c)] = d;
-      total *= static_cast<size_t>(d);
-    }
-    if (total > kMostVoxels)
-      fail("tdpt_dim", fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
-    if (!(light.voxel > 0) || !std::isfinite(light.voxel) || !is_finite(light.origin))
-      fail("tdpt_voxel", "is no positive length");
-    voxels_ = total;
-    z_up_ = meta["tdpt_z_up"] && value<bool>(meta, "tdpt_z_up");
-    light.scene_hash = value<std::string>(meta, "tdpt_scene_hash");
-    read_cameras(meta, light);
-    light.reason = value<std::string>(meta, "tdpt_reason");
-    light.bottleneck = value<bool>(meta, "tdpt_bottleneck");
-    light.flux_share = value<double>(meta, "tdpt_flux_share");
-    if (!std::isfinite(light.flux_share)) fail("tdpt_flux_share", "is not finite");
-    read_cuts(meta, light);
-    read_walls(meta, light);
-    read_panes(meta, light);
-    if (const auto lines = meta.getMetadata<vdb::StringMetadata>("tdpt_provenance")) {
-      std::istringstream text(lines->value());
-      for (std::string line; std::getline(text, line);) light.provenance.lines.push_back(line);
-    }
+    const auto text = meta.getMetadata<vdb::StringMetadata>(kHeader);
+    if (!text) fail(kHeader, "is missing, expected a light grid as lightgrid writes it");
+    TextLines in(text->value(), name_ + ":" + kHeader);
+    LightGridHeader header;
+    if (read_header(in, header).more) in.fail("a row, expected lines that begin with '#'");
+    if (!header.has_box) in.fail_file("no '# grid' line, expected the box of the voxels");
+    header.grid.hash = std::move(light.hash);
+    light = std::move(header.grid);
+    voxels_ = 1;
+    for (const int side : light.dim) voxels_ *= static_cast<size_t>(side);
+    z_up_ = static_cast<bool>(meta[kZUp]);
   }
 
   // Bounds the box by the number of stored voxels: a few bytes must not allocate much memory.
@@ -310,73 +249,10 @@ class GridReader {
       if (grid && (grid->getName() == "count" || grid->getName() == "air"))
         active = std::max(active, grid->activeVoxelCount());
     if (voxels_ > kForNothing && (voxels_ - kForNothing) / kForEachActive > active)
-      fail("tdpt_dim", fmt::format("{} voxels, but {} hold air or light, expected one in {}",
-                                   voxels_, active, kForEachActive));
-    expect_memory(name_, "tdpt_dim", fmt::format("{} voxels", voxels_),
+      fail(kHeader, fmt::format("{} voxels, but {} hold air or light, expected one in {}", voxels_,
+                                active, kForEachActive));
+    expect_memory(name_, kHeader, fmt::format("{} voxels", voxels_),
                   voxels_ * (sizeof(float) + sizeof(uint8_t) + sizeof(Vec3f)));
-  }
-
-  void read_cameras(const vdb::MetaMap& meta, LightGrid& light) const {
-    for (std::string key; meta[key = key_of_camera(light.cameras.size())];) {
-      light.cameras.push_back(value<std::string>(meta, key));
-      if (!parse_viewpoint(light.cameras.back()))
-        fail(key, std::string("is no camera, ") + kViewpointExpected);
-      if (light.cameras.size() > kMostCameras)
-        fail(key, fmt::format("is one camera more than {}, expected no more", kMostCameras));
-    }
-  }
-
-  // A file without walls is valid; they are unknown.
-  void read_walls(const vdb::MetaMap& meta, LightGrid& light) const {
-    for (std::string key; meta[key = key_of_wall(light.walls.size())];) {
-      const Vec3d wall = place(meta, key);
-      if (!(std::abs(length(wall) - 1) < 1e-6))
-        fail(key, fmt::format("is {} long, expected a unit vector", length(wall)));
-      if (light.walls.size() == kMostWalls)
-        fail(key, fmt::format("is one wall more than {}, expected no more", kMostWalls));
-      light.walls.push_back(wall);
-    }
-  }
-
-  // Nor need it tell of panes.
-  void read_panes(const vdb::MetaMap& meta, LightGrid& light) const {
-    for (std::string key; meta[key = key_of_pane(light.panes.size(), "front")];) {
-      const GridPane pane{place(meta, key), place(meta, key_of_pane(light.panes.size(), "back"))};
-      if (!is_pane(pane)) fail(key, "has no thickness, expected two places apart from each other");
-      if (light.panes.size() == kMostPanes)
-        fail(key, fmt::format("is one pane more than {}, expected no more", kMostPanes));
-      light.panes.push_back(pane);
-    }
-  }
-
-  // From 1 in the file.
-  uint32_t camera_at(const vdb::MetaMap& meta, const std::string& key, size_t cameras) const {
-    const int32_t k = value<int32_t>(meta, key);
-    if (k < 1 || k > static_cast<int32_t>(cameras))
-      fail(key, fmt::format("is {}, expected a camera of 1 to {}", k, cameras));
-    return static_cast<uint32_t>(k) - 1;
-  }
-
-  // A file without figures of cuts is valid; they are unknown.
-  void read_cuts(const vdb::MetaMap& meta, LightGrid& light) {
-    if (!meta["tdpt_cuts"]) return;
-    const int32_t n = value<int32_t>(meta, "tdpt_cuts");
-    if (n < 0 || n > static_cast<int32_t>(kMostCuts))
-      fail("tdpt_cuts", fmt::format("{} cuts, expected 0 to {}", n, kMostCuts));
-    const auto share = [&](int32_t c, const char* what) {
-      const std::string key = fmt::format("tdpt_{}_{}", what, c);
-      const double v = value<double>(meta, key);
-      if (!(v >= 0 && v <= 1)) fail(key, fmt::format("is {}, expected a share of 0 to 1", v));
-      return v;
-    };
-    for (int32_t c = 0; c < n; ++c) {
-      CutFigures figures;
-      figures.conductance = share(c, "conductance");
-      figures.kept = share(c, "kept");
-      if (const std::string key = key_of_cut_camera(static_cast<size_t>(c)); meta[key])
-        figures.camera = camera_at(meta, key, light.number_of_cameras());
-      light.cuts.push_back(figures);
-    }
   }
 
   template <class Grid>
@@ -501,36 +377,8 @@ LightGrid parse_light_grid(const std::string& bytes, const std::string& name) {
 std::string light_grid_bytes(const LightGrid& light, bool z_up) {
   initialise();
   vdb::MetaMap meta;
-  const auto put = [&]<class T>(const std::string& key, const T& value) {
-    meta.insertMeta(key, vdb::TypedMetadata<T>(value));
-  };
-  put(kVersion, int32_t{format_version::light_grid});
-  if (z_up) put("tdpt_z_up", true);
-  put("tdpt_origin", of_file(light.origin));
-  put("tdpt_voxel", light.voxel);
-  put("tdpt_dim", vdb::Vec3i(light.dim[0], light.dim[1], light.dim[2]));
-  put("tdpt_scene_hash", light.scene_hash);
-  for (size_t k = 0; k < light.cameras.size(); ++k) put(key_of_camera(k), light.cameras[k]);
-  put("tdpt_bottleneck", light.bottleneck);
-  put("tdpt_reason", light.reason);
-  put("tdpt_flux_share", light.flux_share);
-  if (!light.cuts.empty()) put("tdpt_cuts", static_cast<int32_t>(light.cuts.size()));
-  for (size_t c = 0; c < light.cuts.size(); ++c) {
-    put(fmt::format("tdpt_conductance_{}", c), light.cuts[c].conductance);
-    put(fmt::format("tdpt_kept_{}", c), light.cuts[c].kept);
-    if (light.cameras.size() > 1)
-      put(key_of_cut_camera(c), static_cast<int32_t>(light.cuts[c].camera) + 1);
-  }
-  for (size_t w = 0; w < light.walls.size(); ++w) put(key_of_wall(w), of_file(light.walls[w]));
-  for (size_t p = 0; p < light.panes.size(); ++p) {
-    put(key_of_pane(p, "front"), of_file(light.panes[p].front));
-    put(key_of_pane(p, "back"), of_file(light.panes[p].back));
-  }
-  if (!light.provenance.empty()) {
-    std::string text;
-    for (const std::string& line : light.provenance.lines) text += line + "\n";
-    put("tdpt_provenance", text);
-  }
+  meta.insertMeta(kHeader, vdb::StringMetadata(header_of(light)));
+  if (z_up) meta.insertMeta(kZUp, vdb::BoolMetadata(true));
   vdb::GridPtrVec grids;
   const auto count = sparse<vdb::FloatGrid>(light, "count", light.count);
   count->setGridClass(vdb::GRID_FOG_VOLUME);

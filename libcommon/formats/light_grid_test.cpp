@@ -1,5 +1,6 @@
 #include "libcommon/formats/light_grid.h"
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -118,7 +119,9 @@ TEST_F(LightGridFormat, KeepsTheCameraOfEachCut) {
   EXPECT_EQ(back.camera_of(7), 0u) << "unknown";
   expect_same_lines(back, g, 1e-6);
   g.cuts[1].camera = 2;
-  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cut_camera_1: is 3, expected a camera of 1 to 2");
+  EXPECT_EQ(
+      error_of(light_grid_bytes(g)),
+      "tdpt_light_grid:line 11: '3' as camera of the cut, expected a whole number from 1 to 2");
 }
 
 TEST_F(LightGridFormat, RefusesAShareThatNoLightHas) {
@@ -168,10 +171,14 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
   g.count.clear(), g.air.clear(), g.direction.clear();
   g.count.resize(25000), g.air.resize(25000), g.direction.resize(25000);
   EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "tdpt_dim: 5000 voxels along a side, expected 0 to 2048");
+            "tdpt_light_grid:line 6: '5000' as voxels along a side, expected a whole number from 0 "
+            "to 2048");
   g = small();
   g.voxel = -1;
-  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_voxel: is no positive length");
+  EXPECT_EQ(
+      error_of(light_grid_bytes(g)),
+      "tdpt_light_grid:line 6: voxels of no size that single precision holds, expected a side "
+      "above 0");
   g = small();
   g.count[0] = -1;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid count: holds -1, expected a count");
@@ -187,31 +194,32 @@ TEST_F(LightGridFormat, RefusesWhatIsNoLightGrid) {
             "grid probes: holds a line of cut 64, expected one of 0 to 63");
   g = small();
   g.cuts.assign(65, {});
-  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_cuts: 65 cuts, expected 0 to 64");
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_light_grid:line 73: one cut more than 64");
   g = small();
   g.cuts[1].conductance = 1.5;
   EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "tdpt_conductance_1: is 1.5, expected a share of 0 to 1");
+            "tdpt_light_grid:line 10: 1.5 as share, expected 0 to 1");
   g = small();
   g.cuts[0].kept = NAN;
-  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_kept_0: is nan, expected a share of 0 to 1");
+  EXPECT_EQ(error_of(light_grid_bytes(g)),
+            "tdpt_light_grid:line 9: 'nan' as share, expected a finite number");
   g = small();
   g.walls[0].y = 2;
-  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_wall_1: is 2 long, expected a unit vector");
-  g.walls.assign(17, {1, 0, 0});
   EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "tdpt_wall_17: is one wall more than 16, expected no more");
+            "tdpt_light_grid:line 11: a wall that is 2 long, expected a unit vector");
+  g.walls.assign(17, {1, 0, 0});
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_light_grid:line 27: one wall more than 16");
   g = small();
   g.panes[1].back = g.panes[1].front;
   EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "tdpt_pane_2_front: has no thickness, expected two places apart from each other");
+            "tdpt_light_grid:line 14: a pane without thickness, expected two places apart from "
+            "each other");
   g.panes.assign(65, {{1, 0, 0}, {1, 0, 1}});
-  EXPECT_EQ(error_of(light_grid_bytes(g)),
-            "tdpt_pane_65_front: is one pane more than 64, expected no more");
+  EXPECT_EQ(error_of(light_grid_bytes(g)), "tdpt_light_grid:line 77: one pane more than 64");
   g = small();
   g.cameras = {"1 2 3"};
   EXPECT_EQ(error_of(light_grid_bytes(g)),
-            std::string("tdpt_camera: is no camera, ") + kViewpointExpected);
+            std::string("tdpt_light_grid:line 5: '1 2 3' as camera, ") + kViewpointExpected);
   g = small();
   g.lines[0].camera.y = 1e30;
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
@@ -222,18 +230,15 @@ std::string foreign(std::string bytes) {
   return bytes.replace(21 + 14, 1, "4");
 }
 
-// A metadatum is its name, the length and name of its type, the size of the value, and the value.
 TEST_F(LightGridFormat, RefusesAnotherVersion) {
   std::string bytes = foreign(light_grid_bytes(small()));
-  const std::string name = "tdpt_format";
-  const size_t at = bytes.find(name);
-  ASSERT_NE(at, std::string::npos);
-  EXPECT_EQ(error_of(std::string(bytes).replace(at, name.size(), "tdpt_formal")), "no error");
-  char& value = bytes[at + name.size() + 4 + std::string("int32").size() + 4];
-  ASSERT_EQ(value, 2);
-  value = 3;
+  const std::string first = "# tdpt light grid ";
+  ++bytes[bytes.find(first) + first.size()];
   EXPECT_EQ(error_of(bytes),
-            "tdpt_format: this file has version 3 of the format; this program reads version 2");
+            "tdpt_light_grid:line 1: this file has version 2 of the format; this program reads "
+            "version 1");
+  EXPECT_EQ(error_of(bytes.replace(bytes.find("tdpt_light_grid"), 4, "tdpT")),
+            "tdpt_light_grid: is missing, expected a light grid as lightgrid writes it");
 }
 
 // As a program without points saves it, in a file of its own.
@@ -259,13 +264,18 @@ TEST_F(LightGridFormat, RefusesLinesWithoutVoxels) {
   EXPECT_EQ(error_of(light_grid_bytes(g)), "grid lines: reaches out of its box");
 }
 
-// `bytes` of the file with other numbers of voxels.
-std::string of_voxels(std::string bytes, const std::array<int32_t, 3>& dim) {
-  const std::string_view key = "tdpt_dim";
-  const size_t type =
-      bytes.find(key) + key.size() + sizeof(int32_t) + std::string_view("vec3i").size();
-  return bytes.replace(type + sizeof(int32_t), sizeof dim, reinterpret_cast<const char*>(&dim),
-                       sizeof dim);
+// `bytes` of a file of one voxel with other numbers of them.
+std::string of_voxels(std::string bytes, const std::string& side) {
+  const std::string one = " 0.25 1 1 1\n";
+  const size_t at = bytes.find(one);
+  const std::string header = " 0.25 " + side + " " + side + " " + side + "\n";
+  // The header is preceded by its length.
+  const size_t length_at = bytes.find("# tdpt light grid") - sizeof(int32_t);
+  int32_t length = 0;
+  std::memcpy(&length, &bytes[length_at], sizeof length);
+  length += static_cast<int32_t>(header.size() - one.size());
+  std::memcpy(&bytes[length_at], &length, sizeof length);
+  return bytes.replace(at, one.size(), header);
 }
 
 TEST_F(LightGridFormat, OneVoxelAndTooManyOfThem) {
@@ -276,10 +286,10 @@ TEST_F(LightGridFormat, OneVoxelAndTooManyOfThem) {
   const LightGrid back = read_light_grid(write(light_grid_bytes(g)));
   EXPECT_EQ(back.count, g.count);
   expect_same_lines(back, g, 1e-6);
-  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), {1024, 1024, 1024}))),
-            "tdpt_dim: 1073741824 voxels, expected at most 134217728");
-  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), {512, 512, 512}))),
-            "tdpt_dim: 134217728 voxels, but 1 hold air or light, expected one in 1024");
+  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), "1024"))),
+            "tdpt_light_grid:line 6: 1073741824 voxels, expected at most 134217728");
+  EXPECT_EQ(error_of(foreign(of_voxels(light_grid_bytes(g), "512"))),
+            "tdpt_light_grid: 134217728 voxels, but 1 hold air or light, expected one in 1024");
 }
 
 TEST_F(LightGridFormat, TakesNoMoreThanTheLimitOfMemory) {
@@ -291,7 +301,7 @@ TEST_F(LightGridFormat, TakesNoMoreThanTheLimitOfMemory) {
   const uint64_t machine = memory_limit();
   limit_memory(1 << 20);
   EXPECT_EQ(error_of(bytes),
-            "tdpt_dim: 262144 voxels take 4.25 MiB of memory, expected at most the 1 MiB of "
+            "tdpt_light_grid: 262144 voxels take 4.25 MiB of memory, expected at most the 1 MiB of "
             "--max-memory");
   limit_memory(machine);
   EXPECT_EQ(error_of(bytes), "no error");

@@ -15,9 +15,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/provenance.h"
-#include "libcommon/formats/format_version.h"
-#include "libcommon/formats/patch_lines.h"
+#include "libcommon/formats/light_grid_header.h"
 #include "libcommon/formats/text_lines.h"
 #include "libcommon/math/reach.h"
 
@@ -32,7 +30,6 @@ constexpr std::array<std::string_view, 4> kColumns{
 // Lines of unknown share, as another program may draw them.
 constexpr std::string_view kOwnLines = ENDS;
 #undef ENDS
-constexpr std::string_view kFormat = "light grid";
 constexpr double kFarthest = LineLimits::kFarthest;
 constexpr int kResolution = 128;  // of the box if no table gives one
 
@@ -41,25 +38,6 @@ constexpr int kResolution = 128;  // of the box if no table gives one
 void write_ends(std::string& out, const LightLine& l) {
   fmt::format_to(std::back_inserter(out), "{},{},{},{},{},{},{}", l.cut, l.light.x, l.light.y,
                  l.light.z, l.camera.x, l.camera.y, l.camera.z);
-}
-
-void write_header(std::string& out, const LightGrid& grid, size_t rows) {
-  const auto to = std::back_inserter(out);
-  // Above the line that makes it a table: what is cut short between them is none.
-  fmt::format_to(to, "# rows {}\n", rows);
-  fmt::format_to(to, "# tdpt {} {}\n", kFormat, format_version::light_table);
-  for (const std::string& line : grid.provenance.lines) fmt::format_to(to, "# {}\n", line);
-  if (!grid.scene_hash.empty()) fmt::format_to(to, "# scene {}\n", grid.scene_hash);
-  for (const std::string& camera : grid.cameras) fmt::format_to(to, "# camera {}\n", camera);
-  fmt::format_to(to, "# grid {} {} {} {} {} {} {}\n", grid.origin.x, grid.origin.y, grid.origin.z,
-                 grid.voxel, grid.dim[0], grid.dim[1], grid.dim[2]);
-  fmt::format_to(to, "# bottleneck {}\n", grid.bottleneck ? "yes" : "no " + grid.reason);
-  for (size_t c = 0; c < grid.cuts.size(); ++c)
-    fmt::format_to(to, "# cut {} {} {}{}\n", c, grid.cuts[c].conductance, grid.cuts[c].kept,
-                   grid.cameras.size() > 1 ? fmt::format(" {}", grid.cuts[c].camera + 1) : "");
-  for (const Vec3d& n : grid.walls) fmt::format_to(to, "# wall {} {} {}\n", n.x, n.y, n.z);
-  for (const auto& [f, b] : grid.panes)
-    fmt::format_to(to, "# pane {} {} {} {} {} {}\n", f.x, f.y, f.z, b.x, b.y, b.z);
 }
 
 void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
@@ -78,12 +56,6 @@ void write_voxels(std::string& out, const LightGrid& grid, bool counts) {
 
 // ---- Reading ----
 
-// What the headers of the tables of one grid say; they must not contradict each other.
-struct Header {
-  LightGrid grid;
-  bool has_box = false, has_scene = false, has_answer = false;
-};
-
 std::string_view columns_of(std::string_view text) {
   TextLines in(text, "");
   return in.next() ? in.rest() : std::string_view();
@@ -100,7 +72,7 @@ std::string_view next_cell(std::string_view& list) {
 class TableReader {
  public:
   // Reads the columns and the '#' lines; merges their values into `all`. Keeps a view of the text.
-  TableReader(const TableText& file, Header& all)
+  TableReader(const TableText& file, LightGridHeader& all)
       : name(file.name), text_(file.text), in_(file.text, file.name) {
     in_.expect_text("a table of a light grid");
     in_.next();
@@ -111,7 +83,7 @@ class TableReader {
       in_.fail(fmt::format("{} as columns, expected those of {}", TextLines::found(all_columns_),
                            fmt::join(kNames, ", ")));
     table = has_shares_ ? static_cast<Table>(known - kColumns.begin()) : kLines;
-    read_header(all);
+    header_ = read_header(in_, all);
   }
 
   std::string name;
@@ -126,7 +98,7 @@ class TableReader {
       expect_memory(name, "", fmt::format("{} lines", rows), rows * sizeof(Probe));
     }
     uint64_t rows = 0;
-    for (; more_; more_ = in_.next(), ++rows) {
+    for (bool more = header_.more; more; more = in_.next(), ++rows) {
       cells_ = in_.rest(), columns_ = all_columns_;
       if (cells_.front() == '#') in_.fail("a '#' line behind a row, expected it before");
       const auto cells = std::count(cells_.begin(), cells_.end(), ',') + 1;
@@ -135,139 +107,11 @@ class TableReader {
         in_.fail(fmt::format("a row of {} cells, expected {}", cells, expected));
       read_row(grid, limits);
     }
-    if (rows_ && rows != *rows_)
-      fail(fmt::format("{} rows, expected the {} of its '# rows' line", rows, *rows_));
+    if (header_.rows && rows != *header_.rows)
+      fail(fmt::format("{} rows, expected the {} of its '# rows' line", rows, *header_.rows));
   }
 
  private:
-  void read_header(Header& all) {
-    Provenance provenance;
-    bool versioned = false;
-    size_t cuts = 0, cameras = 0, walls = 0, panes = 0;
-    while ((more_ = in_.next())) {
-      TextLines ahead = in_;
-      if (ahead.rest().front() != '#') break;
-      std::string_view key = in_.word().substr(1);
-      if (key.empty()) key = in_.word();
-      if (key == "tdpt") {
-        const std::string first(in_.word());
-        const std::string format = fmt::format("{} {}", first, in_.word());
-        if (format != kFormat)
-          in_.fail(fmt::format("{} as format, expected '{}'", TextLines::found(format), kFormat));
-        in_.expect_version(format_version::light_table);
-        versioned = true;
-      } else if (key == "cut") {
-        keep(all.grid.cuts, cuts, kMostCuts, read_cut(cuts, std::max<size_t>(1, cameras)), "cut");
-        ++cuts;
-      } else if (key == "wall") {
-        keep(all.grid.walls, walls++, kMostWalls, read_wall(), "wall");
-      } else if (key == "pane") {
-        keep(all.grid.panes, panes++, kMostPanes, read_pane(), "pane");
-      } else if (key == "camera") {
-        keep(all.grid.cameras, cameras++, kMostCameras, patch_lines::read_camera(in_), "camera");
-      } else if (key == "rows") {
-        rows_ = in_.integer("number of rows", 0, INT64_MAX);
-        in_.end();
-        in_.expect_whole_lines();
-      } else if (key == "made" || key == "from") {
-        provenance.lines.push_back(fmt::format("{} {}", key, in_.rest()));
-      } else {
-        read_fact(key, all);
-      }
-    }
-    if (!versioned)
-      fail(fmt::format("no '# tdpt {} {}' line before the first row", kFormat,
-                       format_version::light_table));
-    all.grid.provenance.inherit(provenance);
-  }
-
-  void read_fact(std::string_view key, Header& all) {
-    LightGrid& grid = all.grid;
-    if (key == "scene") {
-      same(all.has_scene, grid.scene_hash, std::string(in_.rest()), "scene");
-    } else if (key == "grid") {
-      same(all.has_box, std::tie(grid.origin, grid.voxel, grid.dim), read_box(), "grid");
-    } else if (key == "bottleneck") {
-      const std::string_view answer = in_.word();
-      if (answer != "yes" && answer != "no")
-        in_.fail(TextLines::found(answer) + " as bottleneck, expected yes or no");
-      if (answer == "yes") in_.end();
-      same(all.has_answer, std::tie(grid.bottleneck, grid.reason),
-           std::tuple(answer == "yes", std::string(in_.rest())), "bottleneck");
-    }
-  }
-
-  template <class There, class Value>
-  void same(bool& known, There&& there, const Value& value, const char* what) const {
-    if (known && !(there == value)) contradicts(what);
-    known = true;
-    there = value;
-  }
-  [[noreturn]] void contradicts(const char* what) const {
-    in_.fail(fmt::format("another {} than above or in another table, expected the same", what));
-  }
-
-  // Origin, side of a voxel, voxels along each side.
-  std::tuple<Vec3d, double, std::array<int, 3>> read_box() {
-    const Vec3d origin = patch_lines::read_vec3(in_, "origin of the grid");
-    const double voxel = in_.real("side of a voxel");
-    for (int c = 0; c < 3; ++c)
-      if (!(voxel > 0 && std::abs(origin[c]) + kMostVoxelsPerSide * voxel < 1e6 * kFarthest))
-        in_.fail("voxels of no size that single precision holds, expected a side above 0");
-    std::array<int, 3> dim;
-    size_t total = 1;
-    for (int& side : dim) {
-      side = static_cast<int>(in_.integer("voxels along a side", 0, kMostVoxelsPerSide));
-      total *= static_cast<size_t>(side);
-    }
-    if (total > kMostVoxels)
-      in_.fail(fmt::format("{} voxels, expected at most {}", total, kMostVoxels));
-    in_.end();
-    return {origin, voxel, dim};
-  }
-
-  // Number `n` of a list that all tables share, of at most `most`.
-  template <class T>
-  void keep(std::vector<T>& list, size_t n, size_t most, const T& value, const char* what) const {
-    if (n == most) in_.fail(fmt::format("one {} more than {}", what, most));
-    if (n == list.size()) list.push_back(value);
-    if (!(list[n] == value)) contradicts(what);
-  }
-
-  Vec3d read_wall() {
-    const Vec3d wall = patch_lines::read_vec3(in_, "wall");
-    in_.end();
-    if (!(std::abs(length(wall) - 1) < 1e-6))
-      in_.fail(fmt::format("a wall that is {} long, expected a unit vector", length(wall)));
-    return wall;
-  }
-
-  GridPane read_pane() {
-    GridPane pane;
-    for (Vec3d* const face : {&pane.front, &pane.back}) *face = patch_lines::read_vec3(in_, "pane");
-    in_.end();
-    if (!is_pane(pane))
-      in_.fail("a pane without thickness, expected two places apart from each other");
-    return pane;
-  }
-
-  // Line `n` of the table of cuts.
-  CutFigures read_cut(size_t n, size_t cameras) {
-    in_.integer("cut", static_cast<int64_t>(n),
-                static_cast<int64_t>(std::min<size_t>(n, kMostCuts - 1)));
-    CutFigures figures;
-    for (double* const share : {&figures.conductance, &figures.kept}) {
-      *share = in_.real("share");
-      if (!(*share >= 0 && *share <= 1))
-        in_.fail(fmt::format("{} as share, expected 0 to 1", *share));
-    }
-    if (in_.more())
-      figures.camera = static_cast<uint32_t>(
-          in_.integer("camera of the cut", 1, static_cast<int64_t>(cameras)) - 1);
-    in_.end();
-    return figures;
-  }
-
   // -- Rows --
 
   // The next cell: a number within [lowest, highest].
@@ -334,8 +178,7 @@ class TableReader {
   TextLines in_;
   std::string_view all_columns_;
   bool has_shares_ = false;           // of lines
-  bool more_ = false;                 // in_ is at a row
-  std::optional<uint64_t> rows_;      // that the table says to have
+  HeaderEnd header_{};                // in_ is at the first row, if there is any
   std::string_view cells_, columns_;  // the rest of the row
 };
 
@@ -407,13 +250,13 @@ std::string light_table_text(const LightGrid& grid, const std::string& table) {
   else
     write_voxels(out, grid, which == kCount);
   std::string head(kColumns[static_cast<size_t>(which)]);
-  head += '\n';
-  write_header(head, grid, static_cast<size_t>(std::count(out.begin(), out.end(), '\n')));
-  return head + out;
+  // Above the line that makes it a table: what is cut short between them is none.
+  head += fmt::format("\n# rows {}\n", std::count(out.begin(), out.end(), '\n'));
+  return head + header_of(grid) + out;
 }
 
 LightGrid parse_light_tables(const std::vector<TableText>& texts) {
-  Header all;
+  LightGridHeader all;
   std::vector<TableReader> tables;
   for (const TableText& text : texts) {
     TableReader next(text, all);
@@ -468,7 +311,7 @@ LightGrid read_light(const std::vector<std::string>& paths,
 
 LightGrid read_light_lines(const std::string& path, const LineLimits& limits) {
   const TableText text{display_name(path), read_file(path)};
-  Header all;
+  LightGridHeader all;
   TableReader table(text, all);
   if (table.table != kLines)
     table.fail(fmt::format("is a table of {}, expected one of lines", kNames[table.table]));
