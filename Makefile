@@ -25,7 +25,6 @@
 #                       as in make bench-regret SEEDS=3; QUICK=1: a trial)
 #   make peers          installs Cycles, LuxCore, Mitsuba, OpenUSD and Open Image Denoise from PyPI into build/peers/venv, for
 #                       tests and benchmarks beside them (2 GB; PYTHON=python3.11: bpy 5.0 is for no other)
-#   make stale          lists the pages of doc/ whose numbers are older than the sources they measure
 #   make figures        renders the paper's Figs 5 to 7 for doc/figures.md (HEIGHT, SPP, ONLY=SCENE, SCENES=FOLDER,
 #                       DOC=FOLDER: elsewhere)
 #   make stages         draws what each stage did, for doc/figures.md (SCENE=room.glb DOC=FOLDER: of your scene)
@@ -39,7 +38,7 @@ TEST_STATUS ?=
 DEMO_PROGRAMS = ffgraph mincut lightgrid portalfit tdpt-render exrdiff
 PROGRAMS = $(DEMO_PROGRAMS) exrmerge exrdenoise tdpt-info tdpt-import tdpt
 
-.PHONY: all help build programs demo figures stages bench peers stale test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
+.PHONY: all help build programs demo figures stages bench peers test test-long test-slurm test-report install uninstall tarball tarball-test package package-test sanitize fuzz packages format clean
 all: build
 
 help:
@@ -103,9 +102,6 @@ peers:
 	@mkdir -p build/peers
 	@$(or $(PYTHON),python3.11) -m venv build/peers/venv
 	@build/peers/venv/bin/python -m pip install --quiet --requirement bench/peers.txt
-
-stale:
-	@python3 -B bench/stale.py
 
 bench-%: packages
 	@sh cmake/install-packages.sh cmake/packages-figures.txt

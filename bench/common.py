@@ -5,6 +5,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -17,7 +18,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pages
-import stale
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTDATA = ROOT / "testdata"
@@ -27,9 +27,6 @@ STAGES = ("ffgraph", "mincut", "lightgrid", "portalfit")
 OUTPUTS = {"ffgraph": "room.max", "mincut": "room.cut", "lightgrid": "room.vdb", "portalfit": "room.portal.glb"}
 SKIES = ("overcast", "clear", "sun")
 CORES = os.cpu_count()
-# What the numbers of a page may depend on.
-RENDERER = ("libcommon", "shaders", "tools/tdpt-render")
-EVERYTHING = ("libcommon", "shaders", "tools")
 PLACES = ("SCENES", "JOBS", "REFERENCE_FOLDER", "BASELINE")  # settings that tell a reader nothing
 
 
@@ -335,26 +332,30 @@ class Bench:
                 pool.shutdown(cancel_futures=True)
                 raise
 
-    def measured(self, folders, program="tdpt-render"):
-        """The line of a page that tells how its numbers were measured, for stale.py."""
+    def measured(self, program="tdpt-render"):
+        """The line of a page that says how its numbers were measured: command, version, machine."""
         values = {key: getattr(self.settings, key.lower()) for key in self.own}
         given = {"QUICK": "1"} if self.quick else {}
         given.update({k: f"{v:g}" for k, v in values.items() if isinstance(v, (int, float)) and v}, **self.given)
         command = " ".join([f"make bench-{self.name}", *(f'{k}="{v}"' if " " in v else f"{k}={v}"
                                                          for k, v in given.items() if k not in PLACES)])
-        return (f"*Measured by `{command}` with {self.version(program)} on {CORES} cores; "
-                f"sources `{' '.join(folders)}`: {stale.sources(folders)}.*")
+        return f"*Measured by `{command}` with {self.version(program)} on {machine()}.*"
 
-    def page(self, name, parts, folders, program="tdpt-render"):
+    def page(self, name, parts, program="tdpt-render"):
         """Fills DOC/NAME.md, whole or not at all: the parts between <!-- PART --> and <!-- end -->, and the line that
-        tells how this benchmark measured them. All else is written by hand; where DOC lacks the page, it is copied.
-        folders: what sources are measured."""
+        tells how this benchmark measured them. All else is written by hand; where DOC lacks the page, it is copied."""
         path, half = self.doc / f"{name}.md", self.cache / f"{name}.md"
         text = (path if path.exists() else ROOT / "doc" / path.name).read_text(encoding="utf-8")
-        text = pages.filled(text, parts, self.name, self.measured(folders, program))
+        text = pages.filled(text, parts, self.name, self.measured(program))
         half.write_text(text, encoding="utf-8")
         shutil.move(half, path)
         self.say(path)
+
+
+def machine():
+    """Its cores and its processor."""
+    model = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.M)
+    return f"{CORES} cores" + (f" of {model[1]}" if model else "")
 
 
 def environment(sky, own=None):

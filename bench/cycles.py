@@ -12,7 +12,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import (EVERYTHING, MAPS, RENDERER, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment,
+from common import (MAPS, ROOT, SKIES, TESTDATA, Halves, Setting, Stop, checked, environment,
                     measure, peers_python, settings, turns)
 from formats import exr_read, exr_write, glb_content, glb_parse
 from peers import without_panes
@@ -96,7 +96,7 @@ def compare_scenes(bench, jobs):
         lines, agree = agreement(("Cycles", s.integrator), sets)
         all_agree = all_agree and agree
         print("\n".join([f"\n{scene.name}, depth {depth}, {s.seeds} seeds of {s.spp} spp", *lines]), flush=True)
-    print("\n" + bench.measured(RENDERER))
+    print("\n" + bench.measured())
     if not all_agree:
         raise Stop(1, "means differ")
 
@@ -298,7 +298,7 @@ def equal_time(bench):
             bench.say(f"{name}: there is no {name}.glb in SCENES, left out")
     places = list(itertools.product(names, bench.settings.skies))
     cells = bench.side_by_side([functools.partial(window_cell, bench, *place) for place in places])
-    bench.page("cycles", equal_tables(dict(zip(places, cells))), EVERYTHING)
+    bench.page("cycles", equal_tables(dict(zip(places, cells))))
 
 
 DOORS = {"half-metre-hole": "a hole of 0.50 m", "two-rooms": "a hole of 0.25 m", "small-hole": "a hole of 0.10 m",
@@ -333,4 +333,4 @@ def doors(bench):
         room = Room(bench, TESTDATA / f"scenes/{name}.glb")
         reference = room.reference("ours-auto")
         cells[name] = room.cell(("cycles", "ours-bdpt", "ours-auto"), "ours-bdpt", reference, reference)
-    bench.page("cycles", doors_table(cells), EVERYTHING)
+    bench.page("cycles", doors_table(cells))

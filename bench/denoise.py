@@ -7,7 +7,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, Made, Setting, Stop, checked, decibels_of, settings
+from common import Made, Setting, Stop, checked, decibels_of, settings
 from promises import regret_scenes
 
 BUFFERS = ("--aov", "halves,albedo,normal,depth")
@@ -125,7 +125,7 @@ def denoise(bench):
     made = {"scenes": pages.table(heads, rows),
             "kinds": pages.table(("kind", *(f"{spp} samples per pixel" for spp in spps)), kinds)}
     print("\n\n".join(made.values()))
-    bench.page("denoise", made, EVERYTHING)
+    bench.page("denoise", made)
 
 
 # ---- Pictures ----
@@ -200,7 +200,7 @@ def denoise_frames(bench):
     rows = bench.side_by_side(tasks)
     heads = ("scene", "samples per pixel", "relMSE alone", "with frames", "falls by", "between frames, alone", "with frames",
              "falls by")
-    bench.page("denoise", {"frames": pages.table(heads, rows)}, EVERYTHING)
+    bench.page("denoise", {"frames": pages.table(heads, rows)})
 
 
 # ---- Whether it does harm ----
@@ -252,4 +252,4 @@ def denoise_harm(bench):
     if not scenes:
         raise Stop(3, "none of the scenes is there")
     made = bench.side_by_side([functools.partial(measured, *scene) for scene in scenes])
-    bench.page("denoise", harm_parts({scene[0]: gains for scene, gains in zip(scenes, made)}, spps), EVERYTHING)
+    bench.page("denoise", harm_parts({scene[0]: gains for scene, gains in zip(scenes, made)}, spps))

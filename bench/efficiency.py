@@ -9,7 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pages
-from common import EVERYTHING, ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
+from common import ROOT, TESTDATA, Halves, Setting, Stop, checked, decibels_of, settings, turns
 from efficiency_tables import BEFORE, Measurements, Scene
 from formats import exr_read, exr_write
 
@@ -254,7 +254,7 @@ def efficiency(bench):
     m = run.measure()
     pages.write_csv(bench.doc / "efficiency.csv", [row for rows in m.rows.values() for row in rows])
     pages.draw(plot(m), bench.doc)
-    bench.page("efficiency", parts(run, m), EVERYTHING)
+    bench.page("efficiency", parts(run, m))
 
 
 # ---- Stored references ----

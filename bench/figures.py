@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import mean
 
 import pages
-from common import EVERYTHING, ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
+from common import ROOT, SEEDED, STAGES, TESTDATA, Made, Setting, Stop, measure, settings
 
 SCENES = ("cornell-box-portal", "veach-ajar", "veach-ajar-flip", "bathroom2", "bathroom2-channel")
 INTEGRATORS = ("pt", "nee", "bdpt", "tdpt-org", "tdpt")
@@ -142,7 +142,7 @@ def figures(bench):
     f = Figures(bench)
     bench.page("figures", {"portals": portal_table(f),
                            "fig5": figure5(f) if "cornell-box-portal" in f.files else "",
-                           "fig6": figure6(f) if "veach-ajar-flip" in f.files else "", "fig7": figure7(f)}, EVERYTHING)
+                           "fig6": figure6(f) if "veach-ajar-flip" in f.files else "", "fig7": figure7(f)})
 
 
 # ---- Pictures of the stages ----

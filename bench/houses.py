@@ -9,7 +9,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, STAGES, Halves, Setting, Stop, checked, settings, turns
+from common import STAGES, Halves, Setting, Stop, checked, settings, turns
 from formats import Builder, glb_parse
 
 HOUSES = ("renga-house", "institute-floor", "jasmin-night", "niedri-house", "sample-house-night", "five-zone-office")
@@ -178,7 +178,7 @@ def houses(bench):
         parts["worth"] = worth_table(worth_rows(bench, *zip(*worth)))
         print(parts["worth"])
     if bench.settings.quality == "normal":
-        bench.page("portals", parts, EVERYTHING, "portalfit")
+        bench.page("portals", parts, "portalfit")
 
 
 # ---- Several cameras ----
@@ -222,4 +222,4 @@ def cameras(bench):
              "efficiency over own portals", "camera by camera")
     table = pages.table(heads, [cameras_row(bench, views) for views in houses_of.values()])
     print(table)
-    bench.page("portals", {"cameras": table}, EVERYTHING, "portalfit")
+    bench.page("portals", {"cameras": table}, "portalfit")

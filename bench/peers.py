@@ -9,7 +9,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
+from common import ROOT, Halves, Setting, Stop, checked, peers_python, settings, turns
 from formats import exr_read, glb_content, glb_parse, gltf_array, placed
 from sky import Cell, Picture, black_words
 
@@ -242,4 +242,4 @@ def peers(bench):
     cells = bench.side_by_side([functools.partial(measured, view, [*methods, *OURS]) for view in views])
     made = parts(cells, {view.name: of for view, of in zip(lit, means)})
     print("\n\n".join(made.values()))
-    bench.page("peers", made, EVERYTHING)
+    bench.page("peers", made)

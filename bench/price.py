@@ -13,7 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import EVERYTHING, RENDERER, STAGES, TESTDATA, Halves, Setting, Stop, settings, turns
+from common import STAGES, TESTDATA, Halves, Setting, Stop, settings, turns
 
 # ---- The whole light ----
 LIGHT_SEED = 20260229
@@ -87,7 +87,7 @@ def whole_light(bench):
                                       *limits[kind], *size, "--spp", s.spp, "--seed", seed)
                 of[kind].append(Picture(run.said["cpu_seconds"], halves[kind].off(run.out)["relmse"],
                                         bench.distance(run.out, halves[kind].a)["mean"]))
-    bench.page("efficiency", {"whole-light": light_tables(runs)}, EVERYTHING)
+    bench.page("efficiency", {"whole-light": light_tables(runs)})
 
 
 # ---- What is not needed ----
@@ -117,8 +117,7 @@ def option_costs(bench):
         ("--explain", (*bdpt, "--explain")), ("--layers", (*bdpt, "--layers")),
         ("--stats", (*bdpt, "--stats", bench.cache / "stats.json")), ("--alpha", (*bdpt, "--alpha")),
         ("--environment 1e-30,0,0", (*bdpt, "--environment", "1e-30,0,0")))]
-    bench.page("limit", {"options": pages.table(("what", "scene", "CPU time", "95 % interval of the mean"), asked)},
-               RENDERER)
+    bench.page("limit", {"options": pages.table(("what", "scene", "CPU time", "95 % interval of the mean"), asked)})
 
 
 # ---- Shards ----
@@ -170,7 +169,7 @@ def shards(bench):
         rows.append(shards_row([name, f"{width} x {height}", spp], n, runs))
     heads = ("scene", "picture", "samples", "runs", "undivided", f"{n} shards", "merge", "all over undivided",
              "a shard beside rendering")
-    bench.page("farm", {"shards": pages.table(heads, rows)}, (*RENDERER, "tools/exrmerge"))
+    bench.page("farm", {"shards": pages.table(heads, rows)})
 
 
 # ---- Time and memory against triangles ----
@@ -261,4 +260,4 @@ def scale(bench):
         room.unlink()
     (bench.doc / "scale.csv").write_text("".join("%s,%d,%s,%.3f,%.1f\n" % row for row in rows), encoding="ascii")
     pages.draw(scale_plot(rows), bench.doc)
-    bench.page("limit", {"scale": scale_table(rows)}, EVERYTHING)
+    bench.page("limit", {"scale": scale_table(rows)})

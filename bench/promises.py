@@ -12,7 +12,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, RENDERER, Setting, Stop, checked, settings
+from common import Setting, Stop, checked, settings
 from formats import Builder, glb_parse, portals_glb
 
 # ---- Regret ----
@@ -261,7 +261,7 @@ def regret(bench):
     if not texts:
         raise Stop(3, "none of the scenes is there")
     measured = read_regret("".join(texts).splitlines())
-    bench.page("regret", regret_parts(dict(sorted(measured.items()))), EVERYTHING)
+    bench.page("regret", regret_parts(dict(sorted(measured.items()))))
 
 
 # ---- Target error ----
@@ -347,7 +347,7 @@ def target_error(bench):
         return Kept(width * height, target, [Picture(*map(float, line.split())) for line in lines])
 
     kept = bench.side_by_side([functools.partial(measure, name) for name in files])
-    bench.page("regret", {"target-error": target_table(dict(zip(files, kept)))}, RENDERER)
+    bench.page("regret", {"target-error": target_table(dict(zip(files, kept)))})
 
 
 # ---- The model of work, tools/tdpt-render/plan/work_model.h ----

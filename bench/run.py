@@ -34,8 +34,6 @@ BENCHMARKS = {  # name: (module, function, what it does)
                "(two hours; WORTH=0: half an hour)"),
     "cameras": ("houses", "cameras", "portals of real buildings found for all cameras together: in doc/portals.md (half an "
                 "hour)"),
-    "sensitivity": ("sensitivity", "sensitivity", "what hangs on each number of mincut and portalfit: doc/sensitivity.md "
-                    "(three hours; ONLY=GROUP or NUMBER)"),
     "portals-time": ("portals", "portals_time", "how long finding the portals takes, beside a rendering"),
     "regret": ("promises", "regret", "what auto loses, and how right it is about portals: doc/regret.md (25 minutes)"),
     "target-error": ("promises", "target_error", "whether pictures have the error that was asked for: in doc/regret.md "

@@ -22,7 +22,6 @@ import peers
 import price
 import readers
 import rooms
-import stale
 
 HERE = Path(__file__).resolve().parent
 SCENES = HERE.parent / "testdata/scenes"
@@ -386,54 +385,8 @@ class Store(Stamp):
         self.assertAlmostEqual(busy.cpu, 0.3, delta=0.2)
 
 
-class Stale(Stamp):
-    """A page of numbers by two sources, of which one has a string that looks like a comment."""
-
-    def setUp(self):
-        super().setUp()
-        self.doc.mkdir()
-        self.source("tools/a/a.cpp", 'const char* kPage = "http://a";  // as it is\nint half(int x) { return x / 2; }\n')
-        self.source("tools/a/a_test.cpp", "int test;\n")
-        self.source("shaders/b.comp", "void main() {}\n")
-        measured = f"*Measured by `make bench-a SEEDS=2` with a 1; sources `tools shaders`: {self.hash()}.*"
-        (self.doc / "a.md").write_text(f"# A\n\n{measured}\n", encoding="utf-8")
-
-    def source(self, name, text):
-        (self.work / name).parent.mkdir(parents=True, exist_ok=True)
-        (self.work / name).write_text(text)
-
-    def change(self, name, old, new):
-        text = (self.work / name).read_text()
-        self.assertIn(old, text)
-        self.source(name, text.replace(old, new))
-
-    def hash(self):
-        return stale.sources(("tools", "shaders"), self.work)
-
-    def found(self):
-        return stale.stale(self.doc, self.work)
-
-    def test_comments_white_space_and_tests_make_no_page_stale(self):
-        self.assertEqual(self.found(), [])
-        self.change("tools/a/a.cpp", "// as it is", "/* reworded,\n  in two lines */")
-        self.change("tools/a/a.cpp", "{ return x / 2; }", "{\n  return x / 2;\n}")
-        self.change("tools/a/a_test.cpp", "test", "another")
-        self.source("tools/a/README.md", "words")
-        self.assertEqual(self.found(), [])
-
-    def test_twins_what_programs_do_makes_it_stale(self):
-        for name, old, new in (("tools/a/a.cpp", "x / 2", "x / 3"), ("tools/a/a.cpp", "http://a", "http://b"),
-                               ("shaders/b.comp", "main", "other")):
-            self.change(name, old, new)
-            self.assertEqual(self.found(), [("a.md", "make bench-a SEEDS=2")])
-            self.change(name, new, old)
-        self.source("tools/a/more.h", "int more;\n")
-        self.assertEqual(len(self.found()), 1)
-
-    def test_lines_of_pages_are_read_and_written_alike(self):
-        for page in (HERE.parent / "doc").glob("*.md"):
-            text = page.read_text(encoding="utf-8")
-            self.assertEqual(text.count("\n*Measured by"), len(stale.MEASURED.findall(text)), page.name)
+class Pages(unittest.TestCase):
+    def test_parts_and_the_line_of_the_measurement_are_filled(self):
         text = "# A\n<!-- one -->\nold\n<!-- end -->\n<!-- two -->\nkept\n<!-- end -->\n*Measured by `make bench-a` x*\n"
         self.assertEqual(pages.filled(text, {"one": "new\n"}, "a", "*Measured by `make bench-a SEEDS=2` y*"),
                          text.replace("old", "new").replace("bench-a` x", "bench-a SEEDS=2` y"))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import pages
-from common import EVERYTHING, Setting, settings
+from common import Setting, settings
 from formats import FLOAT, Builder, exr_read
 from rooms import CORNERS, FACES, GREEN, GREY, RED, WHITE, WOOD, Room, shell
 
@@ -186,4 +186,4 @@ def shots(bench):
                                      "CPU s of rendering", "share of portals, %"), made[0]),
              "flicker": pages.table(("shot", "frames", "noisy", "filtered alone", "with the frames beside", "falls by"), made[1])}
     print("\n\n".join(parts.values()))
-    bench.page("shots", parts, EVERYTHING)
+    bench.page("shots", parts)

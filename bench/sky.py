@@ -13,7 +13,7 @@ import numpy as np
 import pages
 import rooms
 import stats
-from common import EVERYTHING, SKIES, STAGES, Setting, Stop, checked, decibels_of, environment, settings, turns
+from common import SKIES, STAGES, Setting, Stop, checked, decibels_of, environment, settings, turns
 from pages import hundredths
 
 SEED = 20260717
@@ -173,7 +173,7 @@ def sky(bench):
         return made
 
     cells = bench.side_by_side([functools.partial(cell, *place) for place in places])
-    bench.page("sky", sky_parts({(name, light): c for (name, light, _, _), c in zip(places, cells)}), EVERYTHING)
+    bench.page("sky", sky_parts({(name, light): c for (name, light, _, _), c in zip(places, cells)}))
 
 
 @settings(BARS=Setting(("4", "20"), "widths of the bars [cm]"), SKIES=Setting(SKIES, "of: overcast clear sun"),

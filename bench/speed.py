@@ -8,7 +8,7 @@ from collections import defaultdict, namedtuple
 from pathlib import Path
 
 import pages
-from common import CORES, RENDERER, Setting, Stop, checked, settings
+from common import CORES, Setting, Stop, checked, settings
 
 # Tungsten's figures on a machine of the same kind (2 cores, depth 6, box filter, no roulette).
 PEERS = {("veach-ajar", "bdpt"): ("47 000", "0.20"), ("veach-ajar", "nee"): ("140 000", "0.44-0.59"),
@@ -56,7 +56,7 @@ def integrators(bench):
                          *PEERS[name, integrator]])
     bench.page("efficiency", {"tungsten": pages.table(
         ("scene", "integrator", "samples per CPU second", f"relMSE after {s.seconds_each:g} s", "PSNR", "black relMSE",
-         "Tungsten: samples", "relMSE"), rows)}, RENDERER)
+         "Tungsten: samples", "relMSE"), rows)})
 
 
 # ---- Devices ----
@@ -98,7 +98,7 @@ def device(bench):
     bench.page("gpu", {
         "device": f"{devices(bench, 'tdpt-render')}\n\n{merged(tables)}",
         "registers": "Not measured: " + (registers.errors.strip().splitlines() or [""])[-1] if registers.status else
-                     register_table(registers.said)}, RENDERER)
+                     register_table(registers.said)})
 
 
 # ---- The limit ----
@@ -265,4 +265,4 @@ def limit(bench):
         loads.append(os.getloadavg()[0])
         for integrator in s.profiled:
             profiles[name, integrator] = profile(scene, portal, integrator)
-    bench.page("limit", limit_parts(loads, frames, profiles, "perf" if works else "callgrind"), RENDERER)
+    bench.page("limit", limit_parts(loads, frames, profiles, "perf" if works else "callgrind"))

@@ -14,7 +14,7 @@ import numpy as np
 
 import pages
 import stats
-from common import EVERYTHING, Setting, settings
+from common import Setting, settings
 from pages import hundredths, table
 from tradeoff import CHAIN, DEPTHS, INTEGRATORS, KNOBS, RENDERER, TABLES, Tradeoff, run_all
 
@@ -322,7 +322,7 @@ def write_page(bench):
     bench.page("tradeoff", {
         "knobs": knob_table(portals), "renderer": renderer_table(pictures),
         "depth": depth_section(pictures), "chain": chain_section(pictures, portals),
-        "simplified": simplified_section(simplified_losses(data["simplified"], portals), portals)}, EVERYTHING)
+        "simplified": simplified_section(simplified_losses(data["simplified"], portals), portals)})
 
 
 @settings(SEEDS=Setting(5, "of each setting", 2), ROOMS=Setting(3, "of each kind", 1))
