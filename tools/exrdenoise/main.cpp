@@ -48,9 +48,7 @@ void declare_options(cli::Options& options, Arguments& a) {
 // One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
 std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
                          std::optional<double> exposure) {
-  Vec3d sum;
-  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
-  const Vec3d mean = sum / static_cast<double>(picture.pixels.size());
+  const Vec3d mean = mean_of(picture);
   nlohmann::ordered_json j{{"width", picture.width},
                            {"height", picture.height},
                            {"mean", {mean.x, mean.y, mean.z}},
@@ -83,9 +81,6 @@ cli::Decisions decisions_of(const denoise::Filtered& filtered) {
            ""},
           {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
            "the picture is that mean of the two", ""},
-          {"outliers", counted(filtered.outliers, "pixel") + " darkened",
-           "they were more than twice as bright as all around them, in one half alone",
-           fmt::format("{} % of the light is left out", number_words(100 * filtered.left_out, 2))},
           features};
 }
 
@@ -113,8 +108,7 @@ int run(const Arguments& a, const cli::Common& common) {
   if (const auto mark = file.attributes.find(kFrameAttribute); mark != file.attributes.end())
     mark->second += " filtered";
   const std::optional<double> exposure = exposure_of(file.picture, a.preview, a.exposure);
-  warn_of_range(file, a.storage(), common);
-  cli::deliver({{common.output, [&] { return exr_bytes(file, a.storage()); }},
+  cli::deliver({{common.output, [&] { return exr_bytes(file); }},
                 {a.preview, [&] { return preview_bytes(file.picture, *exposure); }}},
                common);
   if (common.json) common.summary(summary_json(file.picture, filtered, took.count(), exposure));

@@ -35,7 +35,7 @@ TEST_F(films, add_up) {
   const FilmFile all = all_of({film({4, 4}), film({0, 4})});
   EXPECT_NO_THROW(check_whole(all, "a"));
   EXPECT_EQ(all.film.picture().pixels[0].x, 1);
-  EXPECT_EQ(summary_json(all, 2, {}),
+  EXPECT_EQ(summary_json({}, all, 2, {}),
             R"({"films":2,"spp":8,"samples":[[0,7]],"missing":[],"width":1,"height":1,)"
             R"("mean":[1.0,1.0,1.0],"nonzero":1.0,"processor":"sse2"})");
   EXPECT_EQ(all.facts.state, "");

@@ -5,7 +5,7 @@
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "libcommon/base/words.h"
+#include "libcommon/options/picture_options.h"
 
 namespace tdpt {
 namespace {
@@ -16,21 +16,6 @@ Json json_of(const std::vector<SampleRange>& ranges) {
   Json list = Json::array();
   for (const SampleRange& r : ranges) list.push_back({r.first, r.end() - 1});
   return list;
-}
-
-Json json_of(const Picture& picture) {
-  Vec3d sum;
-  size_t lit = 0;
-  for (const Rgb& p : picture.pixels) {
-    sum += Vec3d(p);
-    lit += p != Rgb{};
-  }
-  const auto pixels = static_cast<double>(picture.pixels.size());
-  const Vec3d mean = sum / pixels;
-  return {{"width", picture.width},
-          {"height", picture.height},
-          {"mean", {mean.x, mean.y, mean.z}},
-          {"nonzero", static_cast<double>(lit) / pixels}};
 }
 
 }  // namespace
@@ -53,31 +38,29 @@ void check_whole(const FilmFile& film, const std::string& file) {
                                words_of(gaps), film.facts.spp));
 }
 
-std::string summary_json(const Picture& picture, std::optional<double> exposure) {
-  Json j = json_of(picture);
+std::string summary_json(const Picture& picture, const std::optional<FilmFile>& film, size_t films,
+                         std::optional<double> exposure) {
+  Json j;
+  if (film)
+    j = {{"films", films},
+         {"spp", film->film.samples()},
+         {"samples", json_of(film->film.ranges())},
+         {"missing", json_of(film->gaps())}};
+  const Picture shown = film ? film->film.picture() : picture;
+  const Vec3d mean = mean_of(shown);
+  j["width"] = shown.width;
+  j["height"] = shown.height;
+  j["mean"] = {mean.x, mean.y, mean.z};
+  j["nonzero"] = nonzero_of(shown);
+  if (film) j["processor"] = film->facts.processor;
   if (exposure) j["exposure"] = *exposure;
   return j.dump();
 }
 
-std::string summary_json(const FilmFile& film, size_t films, std::optional<double> exposure) {
-  Json j{{"films", films},
-         {"spp", film.film.samples()},
-         {"samples", json_of(film.film.ranges())},
-         {"missing", json_of(film.gaps())}};
-  j.update(json_of(film.film.picture()));
-  j["processor"] = film.facts.processor;
-  if (exposure) j["exposure"] = *exposure;
-  return j.dump();
-}
-
-cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums) {
+cli::Decisions decisions_of(const FilmFile& film) {
   const bool mixed = film.facts.processor.find(", ") != std::string::npos;
-  return {{"films", "added up", "all are of one picture, by one plan, and share no sample",
-           fmt::format("{} read, the sums of two in memory", counted(films, "film"))},
-          {"samples", words_of(film.film.ranges()),
+  return {{"samples", words_of(film.film.ranges()),
            film.gaps().empty() ? "none is missing" : words_of(film.gaps()) + " are not there", ""},
-          {"sums", keeps_sums ? "kept" : "left out",
-           keeps_sums ? "--film asks for them" : "a picture needs the mean alone", ""},
           {"code", film.facts.processor,
            mixed ? "the films were rendered by several kinds of processors"
                  : "all films were rendered by the same",

@@ -16,11 +16,11 @@ FilmFile merged(std::string first, const std::vector<std::string>& paths);
 /// Throws InputError that lists missing samples; `file` names what was merged.
 void check_whole(const FilmFile& film, const std::string& file);
 
-/// One JSON object, the keys of exrmerge(1): of films, and of a picture that is none. `exposure`:
-/// of the preview, if there is one.
-std::string summary_json(const Picture& picture, std::optional<double> exposure);
-std::string summary_json(const FilmFile& film, size_t films, std::optional<double> exposure);
+/// One JSON object, the keys of exrmerge(1). `film`: merged of so many; none if a picture is shown.
+/// `exposure`: of the preview, if there is one.
+std::string summary_json(const Picture& picture, const std::optional<FilmFile>& film, size_t films,
+                         std::optional<double> exposure);
 
-cli::Decisions decisions_of(const FilmFile& film, size_t films, bool keeps_sums);
+cli::Decisions decisions_of(const FilmFile& film);
 
 }  // namespace tdpt

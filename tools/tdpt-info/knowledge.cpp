@@ -1,11 +1,9 @@
 #include "tools/tdpt-info/knowledge.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <set>
 
@@ -24,6 +22,7 @@
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
+#include "libcommon/math/reach.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -58,15 +57,12 @@ std::vector<std::string> layers_of(const std::vector<std::string>& channels) {
   return {layers.begin(), layers.end()};
 }
 
-// Of the box around everything visible, in metres: six digits, the precision of floats.
+// Of the box around all triangles [m]: six digits, the precision of floats.
 double longest_side(const Scene& scene) {
-  Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+  Extent box;
   for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
-  return std::stod(fmt::format("{:.6g}", max_component(high - low) / scene.frame.scale));
+    for (const uint32_t v : t.vertex) box.add(Vec3d(scene.positions[v]));
+  return std::stod(fmt::format("{:.6g}", max_component(box.size()) / scene.frame.scale));
 }
 
 // ---- One function for each kind ----
@@ -101,22 +97,7 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   k.facts["warnings"] = warnings;
 }
 
-// Width and height of the rectangle around it that lies level [m].
-std::array<double, 2> size_of(const Portal& portal, const Vec3d& normal) {
-  const Vec3d level =
-      std::abs(normal.y) < 0.9 ? normalize(cross({0, 1, 0}, normal)) : Vec3d{1, 0, 0};
-  std::array<double, 2> size{};
-  for (size_t axis = 0; axis < 2; ++axis) {
-    const Vec3d along = axis == 0 ? level : cross(normal, level);
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3d& v : portal.vertices)
-      low = std::min(low, dot(v, along)), high = std::max(high, dot(v, along));
-    size[axis] = high - low;
-  }
-  return size;
-}
-
-// "portal.0: 0.9 x 2 m, 1.8 m2, at 1 1 0 m, light goes to 0 0 1, from another room; by the network
+// "portal.0: 1.8 m2, at 1 1 0 m, light goes to 0 0 1, from another room; by the network
 // 71 % of the light; for hall".
 std::string words_of(const Portal& portal) {
   constexpr double kOfTheSky = 0.1;        // of its lines, portal(5)
@@ -129,9 +110,7 @@ std::string words_of(const Portal& portal) {
   const Vec3d normal = normalize(cross(b - a, c - a));
   Vec3d middle{};
   for (const Vec3d& v : portal.vertices) middle += v / static_cast<double>(portal.vertices.size());
-  const auto [width, height] = size_of(portal, normal);
-  std::string text = fmt::format("{}: {} x {} m, {} m2, at {} m, light goes to {}", portal.name,
-                                 number_words(width), number_words(height),
+  std::string text = fmt::format("{}: {} m2, at {} m, light goes to {}", portal.name,
                                  number_words(area_of(portal)), words(middle), words(normal));
   if (const auto sky = portal.figures.find("sky"); sky != portal.figures.end())
     text += sky->second < kOfTheSky ? ", from another room" : ", from the sky";

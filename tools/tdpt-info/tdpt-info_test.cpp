@@ -106,7 +106,7 @@ TEST_F(files, of_portals_have_a_line_for_each) {
   const std::string bytes = portal_bytes(file), text = told("a.glb", bytes);
   for (int i = 0; i < 20; ++i) {
     const std::string line = fmt::format(
-        "  portal.{}: 0.5 x 2 m, 1 m2, at 2 1 0.25 m, light goes to 1 0 0, from {}; by the network "
+        "  portal.{}: 1 m2, at 2 1 0.25 m, light goes to 1 0 0, from {}; by the network "
         "25 % of the light{}\n",
         i, i == 7 ? "the sky" : "another room", i == 3 ? "; for hall" : "");
     EXPECT_TRUE(says(text, line)) << text;

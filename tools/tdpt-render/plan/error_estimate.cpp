@@ -155,33 +155,27 @@ void PictureBlocks::add(const std::vector<Vec3d>& sums) {
   size_ *= 2;
 }
 
-std::vector<ErrorEstimate> run_error_pilot(uint64_t pixels, double target, uint64_t most,
-                                           const DrawPart& draw) {
+ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw) {
   PictureParts parts(kErrorPilotParts, std::vector<Rgb>(pixels));
-  std::vector<ErrorEstimate> rounds;
+  ErrorPilot pilot;
   for (uint64_t samples = 1, done = 0;; done = samples, samples *= 2) {
     const auto before = static_cast<double>(done), now = static_cast<double>(samples);
     for (uint64_t k = 0; k < kErrorPilotParts; ++k) {
       const auto sums = draw(k, {done, samples - done});
-      if (!sums) return rounds;
+      if (!sums) return pilot;
       for (size_t i = 0; i < pixels; ++i)
         parts[k][i] = Vec3f((Vec3d(parts[k][i]) * before + (*sums)[i]) * (1 / now));
     }
-    const ErrorEstimate& estimate = rounds.emplace_back(estimate_error(parts, samples));
-    const uint64_t drawn = kErrorPilotParts * samples;
+    const ErrorEstimate& estimate = pilot.estimate = estimate_error(parts, samples);
+    pilot.needed = samples_needed(estimate, kErrorPilotParts, target);
+    const uint64_t drawn = pilot.samples();
     if (estimate.lit) {
-      const uint64_t picture = std::min(samples_needed(estimate, kErrorPilotParts, target), most);
-      if (drawn * pixels >= kFewest && is_enough(estimate, picture)) return rounds;
+      if (drawn * pixels >= kFewest && is_enough(estimate, std::min(pilot.needed, most)))
+        return pilot;
     } else if ((drawn >= kDarkEach && drawn * pixels >= kDarkness) || drawn >= most) {
-      return rounds;
+      return pilot;
     }
   }
-}
-
-const ErrorEstimate& best_round(const std::vector<ErrorEstimate>& rounds, uint64_t samples) {
-  size_t k = 0;
-  while (k + 1 < rounds.size() && (rounds[k + 1].samples <= samples || !tells(rounds[k]))) ++k;
-  return rounds[k];
 }
 
 }  // namespace tdpt

@@ -90,13 +90,16 @@ inline constexpr uint64_t kErrorPilotParts = kErrorPilotRounds.count;
 /// Sums over those samples of a part, by pixel; nothing to give up.
 using DrawPart =
     std::function<std::optional<std::vector<Vec3d>>(uint64_t part, const SampleRange& samples)>;
-/// Its rounds, each of twice as many samples; none: given up before the first. `most`: upper limit
-/// of the picture's samples per pixel.
-std::vector<ErrorEstimate> run_error_pilot(uint64_t pixels, double target, uint64_t most,
-                                           const DrawPart& draw);
-/// The round that best predicts a picture of `samples`: the last that is no larger, since relMSE
-/// falls at least as 1/N; if there is none, or its estimate does not suffice, the next that does.
-/// Needs a round.
-const ErrorEstimate& best_round(const std::vector<ErrorEstimate>& rounds, uint64_t samples);
+/// What an error pilot found out.
+struct ErrorPilot {
+  ErrorEstimate estimate{};  ///< by its last round; of no samples if there was none
+  uint64_t needed = 0;       ///< samples per pixel for the target error; 0: unknown
+  double cpu_seconds = 0;
+  /// Samples per pixel that were drawn and thrown away.
+  uint64_t samples() const { return kErrorPilotParts * estimate.samples; }
+};
+/// Draws rounds, each of twice as many samples, until their estimate suffices or `draw` gives up.
+/// `most`: upper limit of the picture's samples per pixel.
+ErrorPilot run_error_pilot(uint64_t pixels, double target, uint64_t most, const DrawPart& draw);
 
 }  // namespace tdpt

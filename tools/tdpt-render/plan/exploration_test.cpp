@@ -1,8 +1,7 @@
-// What a first look finds: the light that arrives from each kind of light, and what a limit of
-// depth leaves out. Of portals: portal_ways_test.cpp.
+// What a first look finds of the light that arrives from each kind of light. portal_ways_test.cpp
+// has what it finds of portals.
 #include "tools/tdpt-render/plan/exploration.h"
 
-#include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -51,32 +50,6 @@ TEST(arrival, is_the_same_again_and_the_suns_without_lamps) {
   const Scene scene =
       under(without_lamps(open_end(diffuse_rooms(), kEnd)), one_colour_sky({2, 3, 4}));
   EXPECT_NEAR(arriving(scene).sky, 1, 1e-12);
-}
-
-// In the furnace of albedo 1/2 paths of up to k edges carry a share of 1 - 2^-k of the light.
-Truncation in_the_furnace(int depth) {
-  const Scene scene = read_gltf(furnace_path());
-  Vista vista(scene, scene.camera(""), 16, 16, {});
-  return explore(vista, scene.camera(""), {}, depth, 7).beyond.value();
-}
-
-TEST(truncation, share_of_the_furnace_is_known) {
-  for (const int depth : {1, 3, 5}) {
-    const Truncation beyond = in_the_furnace(depth);
-    EXPECT_EQ(beyond.depth, depth);
-    EXPECT_LT(beyond.error, 0.02);
-    EXPECT_NEAR(beyond.share, std::pow(0.5, depth), 5 * beyond.error);
-    // Twin: paths one edge longer are counted as within.
-    EXPECT_GT(std::abs(beyond.share - std::pow(0.5, depth + 1)), 5 * beyond.error);
-  }
-}
-
-TEST(truncation, is_written_with_as_many_digits_as_are_known) {
-  EXPECT_EQ(sentence({6, 0.2512, 0.01}), "--max-depth 6 leaves out about 25 % of the light");
-  EXPECT_EQ(sentence({12, 0.0363, 0.001}), "--max-depth 12 leaves out about 3.6 % of the light");
-  EXPECT_EQ(sentence({6, 0.02, 0.01}), "--max-depth 6 leaves out at most about 4 % of the light");
-  EXPECT_EQ(sentence({6, 0.0001, 0.0001}), "--max-depth 6 leaves out less than 0.1 % of the light");
-  EXPECT_EQ(sentence({2, 1, 0}), "--max-depth 2 leaves out all of the light, or nearly");
 }
 
 RenderResult rendered(int max_depth, float albedo) {
