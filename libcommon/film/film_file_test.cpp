@@ -232,6 +232,14 @@ TEST(merging, knows_what_is_missing) {
   EXPECT_EQ(words_of({{3, 1}}), "samples 3");
 }
 
+TEST(merging, refuses_another_plan_and_says_what_settles_it) {
+  FilmFile all = part({0, 2}), other = part({2, 2});
+  other.facts.plan = "nee";
+  const std::string refusal = complaint([&] { all.merge(other, "b.exr"); });
+  for (const char* word : {"another plan", "(--integrator NAME)", "--set isa=sse2"})
+    EXPECT_NE(refusal.find(word), std::string::npos) << refusal;
+}
+
 TEST(merging, takes_the_larger_picture_for_the_whole) {
   FilmFile all = part({0, 8});
   all.merge(part({8, 4}, 12), "b.exr");

@@ -15,7 +15,7 @@ namespace tdpt {
 
 void declare_exposure(cli::Options& options, std::optional<double>& exposure, const char* preview) {
   options.option("--exposure", exposure, "STOPS",
-                 fmt::format("Exposure of {}; default automatic, and --explain tells it", preview),
+                 fmt::format("Exposure of {}; default automatic, and --json tells it", preview),
                  -kMostStops, kMostStops, cli::Effect::report);
 }
 
@@ -59,16 +59,6 @@ std::optional<double> exposure_of(const Picture& picture, const std::string& pat
                                   std::optional<double> given) {
   if (path.empty()) return {};
   return given ? *given : auto_exposure(picture);
-}
-
-cli::Decisions with_exposure(cli::Decisions decisions, std::optional<double> given,
-                             std::optional<double> used) {
-  if (!used) return decisions;
-  decisions.push_back(
-      {"exposure", fmt::format("{} stops", *used),
-       given ? "--exposure says so" : "most of the picture is then middle grey",
-       given ? "" : fmt::format("--exposure {} shows other pictures alike", *used)});
-  return decisions;
 }
 
 }  // namespace tdpt

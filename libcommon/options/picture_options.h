@@ -40,8 +40,4 @@ double nonzero_of(const Picture& picture);  ///< share of pixels that are not bl
 /// no such file.
 std::optional<double> exposure_of(const Picture& picture, const std::string& path,
                                   std::optional<double> given);
-/// Adds the exposure for --explain. `given`: value of --exposure; `used`: exposure_of().
-cli::Decisions with_exposure(cli::Decisions decisions, std::optional<double> given,
-                             std::optional<double> used);
-
 }  // namespace tdpt

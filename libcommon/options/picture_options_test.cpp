@@ -33,19 +33,5 @@ TEST(PictureOptions, ExposureIsAsGivenElseAutomatic) {
   EXPECT_EQ(exposure_of(picture, "a.png", {}), -1);
 }
 
-// What --explain says of an automatic exposure can be given to other pictures.
-TEST(PictureOptions, ExposureIsExplained) {
-  const auto told = [](std::optional<double> given, std::optional<double> used) {
-    std::string text;
-    for (const cli::Decision& d : with_exposure({}, given, used)) text += sentence(d);
-    return text;
-  };
-  EXPECT_EQ(told({}, {}), "");
-  EXPECT_EQ(told({}, -2.37),
-            "exposure: -2.37 stops, because most of the picture is then middle grey "
-            "(--exposure -2.37 shows other pictures alike)");
-  EXPECT_EQ(told(1.5, 1.5), "exposure: 1.5 stops, because --exposure says so");
-}
-
 }  // namespace
 }  // namespace tdpt::picture_options_test

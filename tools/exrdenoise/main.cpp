@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
@@ -66,24 +65,6 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
   return j.dump();
 }
 
-cli::Decisions decisions_of(const denoise::Filtered& filtered) {
-  const cli::Decision features{"features", filtered.has_features ? "used" : "none",
-                               filtered.has_features
-                                   ? "the picture has albedo, normal or depth"
-                                   : "the picture has no albedo, normal and depth",
-                               cli::price_of(cpu_seconds()) + " in all"};
-  if (filtered.denoiser.starts_with(denoise::kKinds.back()))
-    return {{"filter", filtered.denoiser, "--denoiser asks for it", ""}, features};
-  return {{"filter", filtered.denoiser,
-           filtered.denoiser == denoise::kKinds[1]
-               ? "Open Image Denoise is not asked for, or not installed, or other frames help"
-               : "Open Image Denoise is installed",
-           ""},
-          {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
-           "the picture is that mean of the two", ""},
-          features};
-}
-
 int run(const Arguments& a, const cli::Common& common) {
   check_picture_arguments(a);
   const denoise::Kind kind = denoise::kind_of(a.denoiser);
@@ -115,7 +96,6 @@ int run(const Arguments& a, const cli::Common& common) {
   if (!filtered.has_features)
     common.warn(name + ": has no albedo, normal and depth: edges of textures and things may blur");
   common.note(fmt::format("{}; {:.1f} s", denoise::sentence_of(filtered), took.count()));
-  common.explain_by([&] { return with_exposure(decisions_of(filtered), a.exposure, exposure); });
   return 0;
 }
 

@@ -151,7 +151,7 @@ std::string report_text(const Comparison& c) {
   return text;
 }
 
-std::string report_json(const Comparison& c) {
+std::string report_json(const Comparison& c, std::optional<double> exposure) {
   using Json = nlohmann::ordered_json;
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   Json j;
@@ -165,6 +165,7 @@ std::string report_json(const Comparison& c) {
   j["nonzero"] = c.nonzero;
   j["peak"] = c.peak;
   j["black"] = {{"mape", c.black.mape}, {"psnr", number(c.black.psnr)}, {"relmse", c.black.relmse}};
+  if (exposure) j["exposure"] = *exposure;
   return j.dump();
 }
 

@@ -2,18 +2,21 @@
 // picture as a PNG.
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
 #include "libcommon/denoise/filter_picture.h"
+#include "libcommon/film/film_file.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/options/picture_options.h"
-#include "tools/exrmerge/merging.h"
 
 namespace tdpt {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr cli::Program kProgram{"exrmerge",
                                 "Makes one picture of films that hold parts of its samples, or a "
@@ -45,6 +48,54 @@ void check_arguments(const Arguments& a, bool is_png) {
   } else if (a.film) {
     throw UsageError("--film is for OpenEXR, -o is a PNG");
   }
+}
+
+Json json_of(const std::vector<SampleRange>& ranges) {
+  Json list = Json::array();
+  for (const SampleRange& r : ranges) list.push_back({r.first, r.end() - 1});
+  return list;
+}
+
+// Reads films one by one and adds them; the data for resuming a rendering is dropped. `first`: the
+// bytes of the first.
+FilmFile merged(std::string first, const std::vector<std::string>& paths) {
+  FilmFile all = parse_film(first, display_name(paths.front()));
+  std::string().swap(first);
+  all.facts.state.clear();
+  all.words.clear();
+  for (size_t i = 1; i < paths.size(); ++i) all.merge(read_film(paths[i]), display_name(paths[i]));
+  return all;
+}
+
+// Throws InputError that lists missing samples; `file` names what was merged.
+void check_whole(const FilmFile& film, const std::string& file) {
+  const std::vector<SampleRange> gaps = film.gaps();
+  if (film.film.samples() == 0) throw InputError(file, "", "has no samples");
+  if (gaps.empty()) return;
+  throw InputError(file, "",
+                   fmt::format("{} of {} are missing; --gaps makes a picture of the others",
+                               words_of(gaps), film.facts.spp));
+}
+
+// One JSON object, the keys of exrmerge(1). `film`: merged of so many; none if a picture is shown.
+// `exposure`: of the preview, if there is one.
+std::string summary_json(const Picture& picture, const std::optional<FilmFile>& film, size_t films,
+                         std::optional<double> exposure) {
+  Json j;
+  if (film)
+    j = {{"films", films},
+         {"spp", film->film.samples()},
+         {"samples", json_of(film->film.ranges())},
+         {"missing", json_of(film->gaps())}};
+  const Picture shown = film ? film->film.picture() : picture;
+  const Vec3d mean = mean_of(shown);
+  j["width"] = shown.width;
+  j["height"] = shown.height;
+  j["mean"] = {mean.x, mean.y, mean.z};
+  j["nonzero"] = nonzero_of(shown);
+  if (film) j["processor"] = film->facts.processor;
+  if (exposure) j["exposure"] = *exposure;
+  return j.dump();
 }
 
 // The picture of films, as far as they go, and what is said of them.
@@ -99,9 +150,6 @@ int run(const Arguments& a, const cli::Common& common) {
   else
     common.note(fmt::format("{} x {} at exposure {}", picture.width, picture.height, *exposure));
   if (filtered) common.note(sentence_of(*filtered));
-  common.explain_by([&] {
-    return with_exposure(film ? decisions_of(*film) : cli::Decisions(), a.exposure, exposure);
-  });
   return 0;
 }
 

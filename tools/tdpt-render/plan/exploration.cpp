@@ -196,7 +196,6 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
     small.openings.portals = PortalSet(both, frame);
     const Observer seen = rendered_small(small, openings, max_depth, seed, round);
     arrived.insert(arrived.end(), seen.arrived.begin(), seen.arrived.end());
-    out.samples += small.view.film.pixels();
     again = false;
     if (small.openings.portals.empty()) continue;
     lit = std::max(lit, seen.all.samples);

@@ -63,8 +63,6 @@ struct Explored {
   /// Selection probability of each kind: nine tenths by what arrived, one tenth by power; all by
   /// power if nothing arrived. A single path counts for at most a tenth of the total.
   Lights::KindProbabilities lights;
-  uint64_t samples = 0;  ///< drawn for it
-  double cpu_seconds = 0;
 };
 
 /// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their

@@ -156,18 +156,12 @@ std::string noise_sentence(const std::optional<Noise>& noise, double seconds) {
            " renders until it is clean";
   if (noise->relmse <= kClean) return "clean (" + words_of(*noise) + ")";
   // As relMSE falls with 1 / samples; powers of two are the best numbers of them.
-  const auto times = [](double relmse) {
-    return std::exp2(std::max(std::ceil(std::log2(relmse / kClean)), 1.0));
-  };
-  const double least = times(noise->low), most = times(noise->high);
-  const bool one = least == most;
+  const double times = std::exp2(std::max(std::ceil(std::log2(noise->relmse / kClean)), 1.0));
   return fmt::format(
-      "{} noisy ({}); for a clean picture: {} times as many samples ({} here), or {}",
-      noise->relmse > kVery ? "very" : "still", words_of(*noise),
-      one ? fmt::format("about {:.0f}", most) : fmt::format("{:.0f} to {:.0f}", least, most),
-      one ? duration_words(most * seconds)
-          : duration_words(least * seconds) + " to " + duration_words(most * seconds),
-      or_else);
+      "{} noisy ({}); for a clean picture: about {:.0f} times as many samples ({} "
+      "here), or {}",
+      noise->relmse > kVery ? "very" : "still", words_of(*noise), times,
+      duration_words(times * seconds), or_else);
 }
 
 }  // namespace tdpt

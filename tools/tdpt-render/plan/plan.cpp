@@ -4,7 +4,6 @@
 #include <array>
 
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {
 
@@ -105,7 +104,6 @@ std::vector<Candidate> candidates_of(const Job& job, const Vista& vista) {
 
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals) {
-  surfaces();  // whoever renders needs their tables: they are none of the exploration's price
   Explored nothing;
   nothing.lights = vista.openings.selection.shares();
   // Whether there is more to it than the camera's own ray.
@@ -117,9 +115,7 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
   const double share = job.automatic ? kShareBesidePilot : kShareAlone;
   const double samples = std::clamp(share * samples_foreseen(job.limits, vista.view.film),
                                     kExplorationFewest, kExplorationEnough);
-  const double cpu = cpu_seconds();
   Explored explored = explore(vista, camera, probed, job.max_depth, job.seed, samples);
-  explored.cpu_seconds = cpu_seconds() - cpu;
   if (!by_arrival) explored.lights = nothing.lights;
   return explored;
 }

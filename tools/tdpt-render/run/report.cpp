@@ -135,13 +135,6 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
   Json& lengths = j["light_by_length"] = Json::array();
   for (const double light : result.tally.by_length)
     lengths.push_back(total > 0 ? light / total : 0.0);
-  const Lights::KindProbabilities& lights = plan.explored.lights;
-  j["lights"] = {{"surfaces", lights.surfaces},
-                 {"lamps", lights.lamps},
-                 {"parallel", lights.parallel},
-                 {"sky", lights.sky}};
-  if (plan.explored.samples > 0)
-    j["exploration"] = {{"samples", plan.explored.samples}, {"cpu", plan.explored.cpu_seconds}};
   j["not_finite"] = result.tally.not_finite;
   for (size_t i = 0; i < portals.size(); ++i)
     j["portals"].push_back(portal_json(portals[i], i, result));
