@@ -1,5 +1,5 @@
 // Synthetic pictures: pixels with log-normal samples, so that the truth is known.
-#include "tools/tdpt-render/plan/error_estimate.h"
+#include "tools/tdpt-render/plan/noise.h"
 
 #include <algorithm>
 #include <cmath>

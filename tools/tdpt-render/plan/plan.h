@@ -12,7 +12,7 @@
 
 #include "libcommon/base/process.h"
 #include "tools/tdpt-render/integrators/passes.h"
-#include "tools/tdpt-render/plan/error_estimate.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/exploration.h"
 #include "tools/tdpt-render/plan/pilot.h"
 
@@ -130,7 +130,7 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
                  const std::vector<Portal>& portals);
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for
-/// a target error the number of samples [error_estimate.h]. The renderer's portals and lights must
+/// a target error the number of samples [noise.h]. The renderer's portals and lights must
 /// be as `explored` says. `label`: of the candidate that renders, if that is decided already, by
 /// the run that a picture was begun with: then nothing is measured.
 Plan make_plan(Session& session, const std::vector<Candidate>& candidates, Explored explored,

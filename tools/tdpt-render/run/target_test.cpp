@@ -3,7 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/tdpt-render/plan/error_estimate.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt::target_test {
