@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/tdpt-render/run/report.h"
 #include "tools/tdpt-render/testing/known_paths.h"
 #include "tools/tdpt-render/testing/rendering.h"
 #include "tools/tdpt-render/testing/sky.h"
@@ -64,16 +63,10 @@ RenderResult rendered(int max_depth, float albedo) {
 
 TEST(length, of_paths_is_counted_by_octaves) {
   const RenderResult r = rendered(kMaxDepth, 0.5f);
-  EXPECT_EQ(length_sentence({}, r), "");
   const double all = std::accumulate(r.tally.by_length.begin(), r.tally.by_length.end(), 0.0);
   // 1, 2, 3 to 4, 5 to 8 edges.
   for (const auto& [octave, share] : {std::pair{0, 0.5}, {1, 0.25}, {2, 0.1875}, {3, 0.05859375}})
     EXPECT_NEAR(r.tally.by_length[static_cast<size_t>(octave)] / all, share, 0.02) << octave;
-}
-
-TEST(length, where_no_walk_ends_the_hard_stop_is_reported) {
-  EXPECT_EQ(length_sentence({}, rendered(kMaxDepth, 1)),
-            "paths of 513 to 1024 edges hold 50 % of the light; what longer ones hold is left out");
 }
 
 }  // namespace tdpt::exploration_test

@@ -191,14 +191,6 @@ std::string verdict_sentence(const RenderResult& result) {
                      number_words(forecast.gain_low, 2), number_words(forecast.gain_high, 2));
 }
 
-std::string length_sentence(const Job& job, const RenderResult& result) {
-  const double total = total_energy(result.tally), last = result.tally.by_length.back();
-  if (job.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
-  return fmt::format(
-      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
-      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
-}
-
 std::string way_sentence(const Portal& portal, PortalWay way) {
   if (way == PortalWay::left_out)
     return "no light passes " + portal.name + " on its way to the camera: left out";
@@ -209,14 +201,7 @@ std::string way_sentence(const Portal& portal, PortalWay way) {
 }
 
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result) {
-  const bool used = std::any_of(portals.begin(), portals.end(),
-                                [](const Portal& portal) { return !portal.triangles.empty(); });
-  if (!used || !result.plan.integrator.mixture.has(Technique::portal)) return "";
-  const double total = total_energy(result.tally);
-  const double share = result.tally.energy[static_cast<size_t>(Technique::portal)] / total;
-  if (total > 0 && share < kLeastEnergy)
-    return fmt::format("paths that begin in the portals brought {} of the light",
-                       percent_words(share));
+  if (!result.plan.integrator.mixture.has(Technique::portal)) return "";
   std::vector<std::string> names;
   for (size_t i = 0; i < portals.size(); ++i)
     if (!portals[i].triangles.empty() && portal_json(portals[i], i, result).at("useless"))
@@ -258,7 +243,7 @@ void report_choice(const Session& session, const RenderResult& result, const cli
 void report_after(const Session& session, const std::vector<Portal>& portals,
                   const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
   const Progress& progress = *result.progress;
-  // Else the cause was told before, or the sky is left out, or longer paths are.
+  // With less light to be found than that, the cause was named before.
   const bool black = is_black(result);
   if (black && !session.is_shorter() && !session.job.alpha && session.job.max_depth == kMaxDepth)
     common.warn("no sample found light: the picture is black; " + why_black(session.vista));
@@ -279,8 +264,6 @@ void report_after(const Session& session, const std::vector<Portal>& portals,
   else if (!black && !result.plan.cut_short && (result.noise || !session.is_shorter()))
     common.note((a.filters() ? "before filtering " : "") +
                 noise_sentence(result.noise, progress.seconds));
-  if (const std::string length = length_sentence(session.job, result); !length.empty())
-    common.note(length);
 }
 
 std::string outcome_words(const Vista& vista, const RenderResult& result) {

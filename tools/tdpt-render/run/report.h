@@ -39,11 +39,9 @@ std::string choice_sentence(const RenderResult& result, bool lit = true);
 /// Efficiency of the best candidate with portals against the best without, as measured before
 /// rendering; empty if unknown.
 std::string verdict_sentence(const RenderResult& result);
-/// Whether the hard stop of paths leaves out light; empty if that is negligible.
-std::string length_sentence(const Job& job, const RenderResult& result);
 /// A portal that will not work as it is drawn; else empty.
 std::string way_sentence(const Portal& portal, PortalWay way);
-/// Segments that carried little light, or portals whose samples did; empty if there are none.
+/// Portals whose samples carried little light; empty if there are none.
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
 
 /// A portal is useless if its samples carried less than kNoEnergy of the light, or less than
