@@ -53,7 +53,7 @@ std::string state_text(const Progress& progress) {
   for_each_number(progress, [&](const char* key, auto value) {
     state[key] = value;
     if constexpr (std::is_same_v<decltype(value), double>)
-      state[key] = std::min(value, kMostNumber);  // JSON has no infinity
+      state[key] = value < kMostNumber ? value : kMostNumber;  // JSON has no infinity
   });
   state[kBlockSamples] = progress.blocks.size();
   return state.dump();
