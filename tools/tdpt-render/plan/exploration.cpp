@@ -174,6 +174,7 @@ Lights::KindProbabilities arriving_shares(
 Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples) {
   Explored out;
+  out.samples = samples;
   out.ways.resize(portals.size());
   std::vector<size_t> open(std::min(portals.size(), kMostPortals));
   std::iota(open.begin(), open.end(), size_t{0});

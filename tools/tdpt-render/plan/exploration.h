@@ -63,6 +63,7 @@ struct Explored {
   /// Selection probability of each kind: nine tenths by what arrived, one tenth by power; all by
   /// power if nothing arrived. A single path counts for at most a tenth of the total.
   Lights::KindProbabilities lights;
+  double samples = 0;  ///< that were asked for; 0: nothing was explored
 };
 
 /// Share of a picture's samples that it may take, with a pilot and without, and the bounds of their

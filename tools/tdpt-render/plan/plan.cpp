@@ -103,7 +103,7 @@ std::vector<Candidate> candidates_of(const Job& job, const Vista& vista) {
 }
 
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
-                 const std::vector<Portal>& portals) {
+                 const std::vector<Portal>& portals, double samples) {
   Explored nothing;
   nothing.lights = vista.openings.selection.shares();
   // Whether there is more to it than the camera's own ray.
@@ -113,8 +113,8 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
   const bool by_arrival = competes_with_sky(vista);
   if (probed.empty() && !by_arrival) return nothing;
   const double share = job.automatic ? kShareBesidePilot : kShareAlone;
-  const double samples = std::clamp(share * samples_foreseen(job.limits, vista.view.film),
-                                    kExplorationFewest, kExplorationEnough);
+  if (!(samples > 0)) samples = share * samples_foreseen(job.limits, vista.view.film);
+  samples = std::clamp(samples, kExplorationFewest, kExplorationEnough);
   Explored explored = explore(vista, camera, probed, job.max_depth, job.seed, samples);
   if (!by_arrival) explored.lights = nothing.lights;
   return explored;

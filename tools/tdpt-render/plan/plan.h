@@ -12,8 +12,8 @@
 
 #include "libcommon/base/process.h"
 #include "tools/tdpt-render/integrators/passes.h"
-#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/exploration.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/pilot.h"
 
 namespace tdpt {
@@ -125,9 +125,10 @@ struct Plan {
 std::vector<Candidate> candidates_of(const Job& job, const Vista& vista);
 
 /// What of the exploration matters for this job: nothing for portals that nothing goes through, and
-/// for kinds of light that do not compete with a sky.
+/// for kinds of light that do not compete with a sky. `samples`: of the exploration that the
+/// picture was begun with; 0: as many as the limits allow.
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
-                 const std::vector<Portal>& portals);
+                 const std::vector<Portal>& portals, double samples = 0);
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for
 /// a target error the number of samples [noise.h]. The renderer's portals and lights must

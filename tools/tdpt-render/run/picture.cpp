@@ -318,7 +318,8 @@ Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scen
   const Fingerprint is_of =
       fingerprint_of(in.scene, in.portal_hashes, common, frame, cli::Effect::picture);
   const std::optional<Begun> begun = read_begun(a, is_of, seen);
-  const Explored explored = explore(job, seen, in.camera, in.portals);
+  const Explored explored =
+      explore(job, seen, in.camera, in.portals, begun ? explored_in(begun->facts.plan) : 0);
   const std::vector<Portal> drawn = in.portals;
   const Vista vista = explored_vista(explored, in, seen);
   const std::vector<Candidate> candidates = candidates_of(job, vista);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -167,13 +169,24 @@ std::string plan_words(const Plan& plan) {
   std::vector<int> ways;
   for (const PortalWay way : plan.explored.ways) ways.push_back(static_cast<int>(way));
   const Lights::KindProbabilities& lights = plan.explored.lights;
-  return fmt::format("{}; mixture {:.6g}; portals {}; lights {:.6g} {:.6g} {:.6g} {:.6g}",
-                     plan.label, fmt::join(mixture, " "), fmt::join(ways, " "), lights.surfaces,
-                     lights.lamps, lights.parallel, lights.sky);
+  return fmt::format(
+      "{}; explored {}; mixture {:.6g}; portals {}; lights {:.6g} {:.6g} {:.6g} {:.6g}", plan.label,
+      plan.explored.samples, fmt::join(mixture, " "), fmt::join(ways, " "), lights.surfaces,
+      lights.lamps, lights.parallel, lights.sky);
 }
 
 std::string label_in(const std::string& plan_words) {
   return plan_words.substr(0, plan_words.find(';'));
+}
+
+double explored_in(const std::string& plan_words) {
+  constexpr std::string_view kBefore = "; explored ";
+  const size_t at = plan_words.find(kBefore);
+  double samples = 0;
+  if (at != std::string::npos)
+    std::from_chars(plan_words.data() + at + kBefore.size(), plan_words.data() + plan_words.size(),
+                    samples);
+  return samples;
 }
 
 std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,

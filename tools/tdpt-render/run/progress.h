@@ -42,8 +42,9 @@ struct Progress {
 
 /// What was decided by measuring, in words and numbers: the same in all parts of a picture.
 std::string plan_words(const Plan& plan);
-/// The label of the candidate that renders by such a plan.
+/// The label of the candidate that renders by such a plan, and the samples of the exploration.
 std::string label_in(const std::string& plan_words);
+double explored_in(const std::string& plan_words);
 
 /// A film file of it. `facts`: what is known beside plan and progress; the rest is filled in.
 std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,

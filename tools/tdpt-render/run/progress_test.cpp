@@ -87,6 +87,7 @@ FilmFile film_of(Progress& progress, const Plan& plan) {
 TEST(progress, is_read_as_it_was_written) {
   Plan plan;
   plan.label = "tdpt-guided";
+  plan.explored.samples = 2457.6;
   Progress a(Film(2, 1, 1), {64, 3600, 0.01});
   a.film.complete({16, 4});
   a.first = 16, a.goal = 32, a.added = 8, a.whole = 64;
@@ -102,6 +103,7 @@ TEST(progress, is_read_as_it_was_written) {
   Progress b = progress_of(film_of(a, plan), "c.exr");
   EXPECT_EQ(film_of(b, plan).facts, file.facts);
   EXPECT_EQ(label_in(file.facts.plan), "tdpt-guided");
+  EXPECT_EQ(explored_in(file.facts.plan), 2457.6);
   EXPECT_EQ(b.limits, a.limits);
   EXPECT_EQ(b.error_pilot.needed, 64u);
   EXPECT_EQ(b.error_pilot.estimate.relmse, 0.25);
