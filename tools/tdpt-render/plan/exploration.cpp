@@ -5,8 +5,10 @@
 #include <numeric>
 #include <utility>
 
+#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "libcommon/base/words.h"
 #include "libcommon/math/rng.h"
 #include "libcommon/math/streams.h"
 #include "tools/tdpt-render/integrators/integrator.h"
@@ -16,7 +18,7 @@ namespace tdpt {
 
 namespace {
 
-constexpr int kDeepest = 8;  // edges, of a picture without a limit of depth
+constexpr int kDeepest = 8;  // edges, if no limit of depth asks for longer paths
 constexpr size_t kMostPortals = 16;
 constexpr uint64_t kLeastSamples = 10, kEnoughLit = 100;
 constexpr double kNoLight = 1e-4;  // share of the picture's without its brightest sample
@@ -63,7 +65,9 @@ class Observer {
   // A path of the current sample and its weighted luminance. Directly seen lights are ignored: no
   // selection was needed.
   void see(const Path& path, double light) {
-    if (path.k() > max_depth_ || path.k() < 2) return;
+    const bool longer = path.k() > max_depth_;
+    by_depth[0][longer] += light;
+    if (longer || path.k() < 2) return;
     arrived.push_back({path.vertex(0).source, light});
     all.sum += light;
     sample_ += light;
@@ -80,6 +84,7 @@ class Observer {
   void merge(const Observer& other) {
     all.merge(other.all);
     arrived.insert(arrived.end(), other.arrived.begin(), other.arrived.end());
+    by_depth.insert(by_depth.end(), other.by_depth.begin(), other.by_depth.end());
     for (size_t p = 0; p < openings_.size(); ++p) {
       either[p] += other.either[p];
       for (size_t way = 0; way < 2; ++way) passed[p][way].merge(other.passed[p][way]);
@@ -90,6 +95,7 @@ class Observer {
   std::vector<std::array<Light, 2>> passed;  // by opening: along its normal and against it
   std::vector<double> either;                // either way, each path once
   std::vector<std::pair<const LightSource*, double>> arrived;  // by path
+  std::vector<std::array<double, 2>> by_depth{{0, 0}};  // by row: within the depth and beyond
 
  private:
   static bool pass(const Path& path, double light, const Opening& opening,
@@ -169,6 +175,24 @@ Lights::KindProbabilities arriving_shares(
   return shares;
 }
 
+// `by_depth`: light within the depth and beyond, by group of samples.
+Truncation truncation_of(const std::vector<std::array<double, 2>>& by_depth, int depth) {
+  Truncation result{depth, 0, 0};
+  double all = 0, beyond = 0, squares = 0;
+  for (const auto& group : by_depth) {
+    all += group[0] + group[1];
+    beyond += group[1];
+  }
+  if (!(all > 0)) return result;
+  result.share = beyond / all;
+  for (const auto& group : by_depth) {
+    const double off = group[1] - result.share * (group[0] + group[1]);
+    squares += off * off;
+  }
+  result.error = std::sqrt(squares) / all;
+  return result;
+}
+
 }  // namespace
 
 Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
@@ -181,6 +205,7 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
   std::vector<bool> dark(portals.size());
   uint64_t lit = 0;  // samples
   std::vector<std::pair<const LightSource*, double>> arrived;
+  std::vector<std::array<double, 2>> by_depth;
   Vista small = vista;
   small.view.film = small_film(camera, vista.view.film, samples);
   const Frame& frame = vista.world->scene.frame;
@@ -197,6 +222,7 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
     small.openings.portals = PortalSet(both, frame);
     const Observer seen = rendered_small(small, openings, max_depth, seed, round);
     arrived.insert(arrived.end(), seen.arrived.begin(), seen.arrived.end());
+    by_depth.insert(by_depth.end(), seen.by_depth.begin(), seen.by_depth.end());
     again = false;
     if (small.openings.portals.empty()) continue;
     lit = std::max(lit, seen.all.samples);
@@ -220,7 +246,18 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
     if (dark[i] || std::find(open.begin(), open.end(), i) != open.end())
       out.ways[i] = PortalWay::left_out;
   out.lights = arriving_shares(arrived, vista.openings.selection.shares());
+  if (max_depth < kMaxDepth) out.beyond = truncation_of(by_depth, max_depth);
   return out;
+}
+
+std::string sentence(const Truncation& beyond) {
+  const double most = beyond.share + 2 * beyond.error;
+  const std::string depth = fmt::format("--max-depth {} leaves out ", beyond.depth);
+  if (beyond.share > 0.995) return depth + "all of the light, or nearly";
+  if (most < 0.001) return depth + "less than 0.1 % of the light";
+  if (beyond.error > 0.25 * beyond.share)
+    return depth + fmt::format("at most about {} of the light", percent_words(most));
+  return depth + fmt::format("about {} of the light", percent_words(beyond.share));
 }
 
 PortalWay way_of(bool drawn_both_ways, const std::array<double, 2>& passed,

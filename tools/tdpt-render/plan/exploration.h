@@ -2,16 +2,18 @@
 // that no decision made from them can bias the picture.
 //
 // Method: tdpt-guided renders a small picture, one sample per pixel, through all portals, each
-// working both ways. From every path that carries light, whichever technique made it, two things
+// working both ways. From every path that carries light, whichever technique made it, three things
 // are estimated by its weighted luminance:
 //   which way light passes each portal, E(portal, way) = sum over paths of w * value * crossings
 //     (the camera's own edge never counts). So the picture's own light decides, from lamps with and
 //     without surface alike.
 //   how much light arrives from each kind of light, for the selection of lights when there is a sky
 //     beside other lights: by power alone a sky would outrank every lamp indoors.
-// Paths longer than the picture's count for neither.
+//   how much light a limit of depth leaves out: a ratio estimator over groups of samples, its error
+//     by the delta method.
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,15 @@ bool is_wide(const World& world, const Portal& portal);
 /// triangles. Throws std::out_of_range for a portal that does not exist.
 void apply_ways(const std::vector<PortalWay>& ways, std::vector<Portal>& portals);
 
+/// Light of paths of more than `depth` edges.
+struct Truncation {
+  int depth = 0;
+  double share = 0;  ///< of all light, [0,1]
+  double error = 0;  ///< standard error of the share
+};
+/// "--max-depth 6 leaves out about 25 % of the light".
+std::string sentence(const Truncation& beyond);
+
 struct Explored {
   /// By portal; empty: all as drawn. Portals beyond the first 16 stay as drawn. If 100 samples
   /// carried light, a portal is left out that less than a ten-thousandth of the light passed, or
@@ -63,6 +74,7 @@ struct Explored {
   /// Selection probability of each kind: nine tenths by what arrived, one tenth by power; all by
   /// power if nothing arrived. A single path counts for at most a tenth of the total.
   Lights::KindProbabilities lights;
+  std::optional<Truncation> beyond;  ///< light lost by the limit of depth, if there is one
   double samples = 0;  ///< that were asked for; 0: nothing was explored
 };
 

@@ -135,6 +135,8 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
   Json& lengths = j["light_by_length"] = Json::array();
   for (const double light : result.tally.by_length)
     lengths.push_back(total > 0 ? light / total : 0.0);
+  if (const auto& beyond = plan.explored.beyond)
+    j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
   j["not_finite"] = result.tally.not_finite;
   for (size_t i = 0; i < portals.size(); ++i)
     j["portals"].push_back(portal_json(portals[i], i, result));
@@ -189,6 +191,15 @@ std::string verdict_sentence(const RenderResult& result) {
   return fmt::format("portals {}pay in this view ({} times as fast, {} to {})",
                      sure ? "" : "probably ", number_words(forecast.portals_gain, 2),
                      number_words(forecast.gain_low, 2), number_words(forecast.gain_high, 2));
+}
+
+std::string length_sentence(const Job& job, const RenderResult& result) {
+  if (const auto& beyond = result.plan.explored.beyond) return sentence(*beyond);
+  const double total = total_energy(result.tally), last = result.tally.by_length.back();
+  if (job.max_depth < kMaxDepth || !(last > 1e-4 * total)) return "";
+  return fmt::format(
+      "paths of {} to {} edges hold {} of the light; what longer ones hold is left out",
+      kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
 std::string way_sentence(const Portal& portal, PortalWay way) {
@@ -264,6 +275,8 @@ void report_after(const Session& session, const std::vector<Portal>& portals,
   else if (!black && !result.plan.cut_short && (result.noise || !session.is_shorter()))
     common.note((a.filters() ? "before filtering " : "") +
                 noise_sentence(result.noise, progress.seconds));
+  if (const std::string length = length_sentence(session.job, result); !length.empty())
+    common.note(length);
 }
 
 std::string outcome_words(const Vista& vista, const RenderResult& result) {

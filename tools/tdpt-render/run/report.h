@@ -39,6 +39,9 @@ std::string choice_sentence(const RenderResult& result, bool lit = true);
 /// Efficiency of the best candidate with portals against the best without, as measured before
 /// rendering; empty if unknown.
 std::string verdict_sentence(const RenderResult& result);
+/// How much light the limit on path length leaves out, by --max-depth or by the hard stop; empty if
+/// negligible.
+std::string length_sentence(const Job& job, const RenderResult& result);
 /// A portal that will not work as it is drawn; else empty.
 std::string way_sentence(const Portal& portal, PortalWay way);
 /// Portals whose samples carried little light; empty if there are none.
