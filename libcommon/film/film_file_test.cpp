@@ -173,8 +173,8 @@ TEST(film_file, that_says_what_cannot_be_is_refused_with_its_place) {
   EXPECT_EQ(message("\\\"width\\\":3", "\\\"width\\\":4"), "a.exr:film.width: is out of range");
   EXPECT_EQ(message("\\\"spp\\\":8", "\\\"spq\\\":8"), "a.exr:film.spp: is missing");
   EXPECT_EQ(
-      message("\\\"format\\\":3", "\\\"format\\\":1"),
-      "a.exr:film.format: this file has version 1 of the format; this program reads version 3");
+      message("\\\"format\\\":4", "\\\"format\\\":1"),
+      "a.exr:film.format: this file has version 1 of the format; this program reads version 4");
   EXPECT_EQ(message("\\\"alpha\\\":true", "\\\"alpha\\\":1234"),
             "a.exr:film.alpha: is of another type");
   EXPECT_EQ(message("\\\"words\\\":0", "\\\"words\\\":1"), "a.exr:channel state.0: is missing");
@@ -230,6 +230,14 @@ TEST(merging, knows_what_is_missing) {
   EXPECT_EQ(part({0, 8}).gaps(), std::vector<SampleRange>());
   EXPECT_EQ(words_of({}), "no samples");
   EXPECT_EQ(words_of({{3, 1}}), "samples 3");
+}
+
+TEST(merging, refuses_another_plan_and_says_what_settles_it) {
+  FilmFile all = part({0, 2}), other = part({2, 2});
+  other.facts.plan = "nee";
+  const std::string refusal = complaint([&] { all.merge(other, "b.exr"); });
+  for (const char* word : {"another plan", "(--integrator NAME)", "--set isa=sse2"})
+    EXPECT_NE(refusal.find(word), std::string::npos) << refusal;
 }
 
 TEST(merging, takes_the_larger_picture_for_the_whole) {

@@ -13,8 +13,7 @@ namespace tdpt {
 
 /// Versions written and read now. Each format's page in man/ says where its file holds it.
 namespace format_version {
-inline constexpr int max = 1, cut = 4, light_grid = 1, portal = 1, picture = 1,
-                     film = 3;
+inline constexpr int max = 1, cut = 4, light_grid = 1, portal = 1, picture = 1, film = 4;
 }
 
 /// Error message if a file's version is `found` but `read` is expected; "" if they are equal.

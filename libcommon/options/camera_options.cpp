@@ -125,27 +125,14 @@ Vec3d middle_of(const Scene& scene) {
   return (box.low + box.high) * 0.5;
 }
 
-// Prints the position as options, for users who want to adjust it.
+// Its position as options, for users who want to adjust it.
 std::string frame_sentence(const Scene& scene, const Camera& camera) {
-  // Six digits relative to the scene's size, however far it is from the origin.
-  const auto digits = [&](double metres) {
-    const double sizes = std::abs(metres) * scene.frame.scale;
-    const int before = sizes > 1 ? static_cast<int>(std::ceil(std::log10(sizes))) : 0;
-    return fmt::format("{:.{}g}", metres, std::min(6 + before, 17));
-  };
   const auto place = [&](const Vec3d& canonical) {
     const Vec3d p = scene.frame.to_metres(canonical);
-    return digits(p.x) + ',' + digits(p.y) + ',' + digits(p.z);
+    return fmt::format("{:.10g},{:.10g},{:.10g}", p.x, p.y, p.z);
   };
-  const bool may_hide =
-      std::any_of(scene.triangles.begin(), scene.triangles.end(),
-                  [&](const Triangle& t) { return scene.materials[t.material].double_sided; });
-  return fmt::format(
-      "--frame is about --look-from {} --look-at {} --fov {:.3g} --cull{}", place(camera.position),
-      place(middle_of(scene)), camera.yfov / kRadians,
-      may_hide ? ", outside: walls and roofs with two sides hide the rooms, --look-from in one "
-                 "shows it"
-               : "");
+  return fmt::format("--frame is about --look-from {} --look-at {} --fov {:.3g} --cull",
+                     place(camera.position), place(middle_of(scene)), camera.yfov / kRadians);
 }
 
 }  // namespace

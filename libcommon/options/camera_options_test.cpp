@@ -93,7 +93,7 @@ double share_of_film(const Scene& scene, const Camera& camera) {
   return most;
 }
 
-TEST(CameraOptions, FrameTellsSixDigitsOfTheScenesSizeFarFromTheOriginToo) {
+TEST(CameraOptions, FrameTellsItsPlaceFarFromTheOriginToo) {
   Scene scene = box({2, 1, 0.5});
   CameraArguments a;
   a.frame = true;

@@ -96,9 +96,6 @@ void declare_amount_options(cli::Options& options, RenderArguments& a) {
                  "Render until the relMSE is E, within --spp and --time; the number of samples is "
                  "fixed beforehand",
                  1e-9, 1e9, Effect::samples);
-  options.option("--set retry", a.retry, "0|1",
-                 "1: where the target seems to be missed, render on once; default 0", 0, 1,
-                 Effect::samples);
   options.option("--width", a.width, "W",
                  "Width in pixels; default from --height, else as the scene says, else 640", 1,
                  65536);

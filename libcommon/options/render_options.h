@@ -38,7 +38,6 @@ struct RenderArguments : PictureArguments {
   int64_t max_depth = 0;    ///< edges; 0: no limit
   double seconds = 0;       ///< 0: no limit
   double target_error = 0;  ///< relMSE; 0: none
-  int64_t retry = 0;        ///< whether to continue if the target is missed
 
   std::string checkpoint, resume;  ///< paths; empty: not given
   double checkpoint_every = -1;    ///< seconds; negative: not given

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -13,7 +12,6 @@
 #include "libcommon/base/words.h"
 #include "libcommon/formats/environment.h"
 #include "libcommon/scene/gltf/defaults.h"
-#include "libcommon/scene/lights.h"
 #include "libcommon/scene/units.h"
 
 namespace tdpt {
@@ -22,7 +20,6 @@ namespace {
 constexpr const char* kNone = "none";  // value for no environment
 constexpr double kSmallestSun = 0.01;  // [deg]
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr double kOutshines = 100;  // power ratio that suggests different units
 
 bool is_file(const std::string& value) {
   if (value.empty())
@@ -98,27 +95,6 @@ void scale(const Scene& scene, bool said_by_scene, double factor, Sky::Map& map)
   }
 }
 
-// Whether surfaces emit that are no area lights.
-bool has_emission(const Scene& scene) {
-  size_t emitting = 0;
-  for (const Material& m : scene.materials) emitting += max_component(m.emission) > 0;
-  for (const AreaLight& light : scene.area_lights)
-    emitting -= max_component(scene.materials[light.material].emission) > 0;
-  return emitting > 0;
-}
-
-// As Lights has it, in the canonical frame.
-double power_of_area_lights(const Scene& scene) {
-  std::vector<bool> is_light(scene.materials.size());
-  for (const AreaLight& light : scene.area_lights) is_light[light.material] = true;
-  double power = 0;
-  for (uint32_t t = 0; t < scene.triangles.size(); ++t)
-    if (is_light[scene.triangles[t].material])
-      power +=
-          std::numbers::pi * luminance(scene.material_of(t).emission) * shape_of(scene, t).area;
-  return power;
-}
-
 LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
   const std::vector<std::string>& names = names_of_lamp_units();
   const auto at = std::find(names.begin(), names.end(), name);
@@ -126,34 +102,17 @@ LampUnits::Kind units_of(const Scene& scene, const std::string& name) {
                            : static_cast<LampUnits::Kind>(at - names.begin());
 }
 
-// Whether the balance among lamps, or between lamps and other lights, differs in these units from
-// that in the inferred ones: then light comes from elsewhere.
-bool shifts_light(const Scene& scene, LampUnits::Kind units, bool with_map) {
-  std::vector<double> changes;
-  for (const PunctualLight& lamp : scene.lights) {
-    changes.push_back(to_radiometric(units, lamp) / to_radiometric(scene.lamp_units.kind, lamp));
-  }
-  for (const AreaLight& light : scene.area_lights)
-    changes.push_back(to_radiometric(units, light) / to_radiometric(scene.lamp_units.kind, light));
-  if (with_map || has_emission(scene)) changes.push_back(1);
-  return std::adjacent_find(changes.begin(), changes.end(), std::not_equal_to<>()) != changes.end();
-}
-
-// Converts the lamps to W/sr, W/m2 and W/m2/sr. Returns the contribution to the scene's identity.
-std::string take_lamps(Scene& scene, const SkyArguments& a, bool with_map,
-                       const cli::Common& common) {
-  if (!scene.has_lamps()) {
-    if (a.light_units != "auto")
-      common.note("the scene has no lamp: --set light-units changes nothing");
-    return "";
-  }
+// Converts the lamps to W/sr, W/m2 and W/m2/sr. Returns the contribution to the scene's identity:
+// in other units than the inferred ones the balance among lamps and surfaces may be another.
+std::string take_lamps(Scene& scene, const SkyArguments& a, const cli::Common& common) {
+  if (!scene.has_lamps()) return "";
   if (a.light_units == "auto" && !scene.lamp_units.reason.empty())
     common.note(scene.lamp_units.reason);
   const LampUnits::Kind units = units_of(scene, a.light_units);
-  const bool shifted = shifts_light(scene, units, with_map);
+  const bool inferred = units == scene.lamp_units.kind;
   take_lamps_as(scene, units);
   scene.lamp_units.kind = units;
-  return shifted ? content_hash("lamps " + a.light_units) : "";
+  return inferred ? "" : content_hash("lamps " + a.light_units);
 }
 
 }  // namespace
@@ -195,35 +154,34 @@ TakenSky sky_of(const Scene& scene, const SkyArguments& a) {
   return sky;
 }
 
-TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
-                 std::vector<cli::Common::Input>& files) {
+void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
+             std::vector<cli::Common::Input>& files) {
   const TakenSky sky = sky_of(scene, a);
   check(a, sky);
-  scene.sky_hash = take_lamps(scene, a, !sky.environment.empty(), common);
+  scene.sky_hash = take_lamps(scene, a, common);
   Sky::Map map = read_map(scene, sky, common, files);
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
-  if (a.sun_angle > 0 && suns.empty())
-    common.note("the scene has no directional lamp: --sun-angle changes nothing");
-  if (map.texels.empty() && suns.empty()) return sky;
+  if (map.texels.empty() && suns.empty()) return;
   if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
   scene.needs.push_back("a sky");
   const std::string sky_hash = hash_of(map, sky.rotation, suns.empty() ? 0 : a.sun_angle);
   scene.sky_hash = scene.sky_hash.empty() ? sky_hash : content_hash(scene.sky_hash + sky_hash);
   scale(scene, sky.of_scene && !a.scale, sky.scale, map);
   scene.sky = std::make_shared<Sky>(std::move(map), sky.rotation * kRadians, std::move(suns));
-  return sky;
 }
 
 void note_lost_light(const Scene& scene, const cli::Common& common) {
-  if (!scene.by_blender || scene.sky || scene.has_lamps() || has_emission(scene)) return;
+  const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& m) { return max_component(m.emission) > 0; });
+  if (!scene.by_blender || scene.sky || scene.has_lamps() || emits) return;
   common.note(
       "Blender's exporter leaves out the world (sky) and area lamps, and other lamps "
       "unless Include > Punctual Lights is ticked: tdpt's Blender extension exports "
       "them, or --environment a sky; see LIGHTS in gltf-scene(5)");
 }
 
-void tell_unit(const Scene& scene, const cli::Common& common) {
+void note_unit(const Scene& scene, const cli::Common& common) {
   const std::optional<SceneUnit> unit = unit_of(scene);
   if (!unit) return;
   const std::string sentence =
@@ -238,22 +196,6 @@ void tell_unit(const Scene& scene, const cli::Common& common) {
                             number_words(1 / (unit->metres * unit->metres), 2), advice));
   else
     common.note(sentence + ": " + advice);
-}
-
-void warn_of_lamps(const Scene& scene, const cli::Common& common) {
-  if (!scene.has_lamps() || !has_emission(scene)) return;
-  const Lights::KindProbabilities power = Lights(scene).powers();
-  const double of_area = power_of_area_lights(scene);
-  const double lamps = power.lamps + of_area, surfaces = power.surfaces - of_area;
-  // What is left of rounding is no power.
-  if (!(surfaces > 1e-9 * of_area && lamps > kOutshines * surfaces)) return;
-  const bool as_they_are = scene.lamp_units.kind == LampUnits::Kind::radiometric;
-  common.warn(fmt::format(
-      "lamps have {} times the power of the surfaces that emit: if that is not "
-      "meant, {}",
-      number_words(lamps / surfaces),
-      as_they_are ? "their units differ, and --set light-units=photometric divides lamps by 683"
-                  : "--set light-units says in what their numbers are"));
 }
 
 }  // namespace tdpt

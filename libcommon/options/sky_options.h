@@ -36,16 +36,12 @@ TakenSky sky_of(const Scene& scene, const SkyArguments& a);
 /// directional lamps as suns of the given angle, which then are lamps no more. Without either there
 /// is no sky. If the environment is a file, it is appended to `files`. Throws UsageError for a
 /// malformed colour and for options that lack the one they depend on, InputError for a bad file.
-TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
-                 std::vector<cli::Common::Input>& files);
-
-/// Warns if points and spots are a hundred times brighter than the emitting surfaces, which happens
-/// when the two are in different units.
-void warn_of_lamps(const Scene& scene, const cli::Common& common);
+void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
+             std::vector<cli::Common::Input>& files);
 
 /// Names the unit of a scene that seems to be in another than metres [units.h]: a warning
 /// where it has lamps, whose light depends on it, else a note.
-void tell_unit(const Scene& scene, const cli::Common& common);
+void note_unit(const Scene& scene, const cli::Common& common);
 
 /// For a scene without light written by Blender's exporter, prints a note of what that leaves out.
 void note_lost_light(const Scene& scene, const cli::Common& common);

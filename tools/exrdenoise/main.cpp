@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/cli.h"
@@ -48,9 +47,7 @@ void declare_options(cli::Options& options, Arguments& a) {
 // One JSON object, the keys of exrdenoise(1). `exposure`: of the preview, if there is one.
 std::string summary_json(const Picture& picture, const denoise::Filtered& filtered, double seconds,
                          std::optional<double> exposure) {
-  Vec3d sum;
-  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
-  const Vec3d mean = sum / static_cast<double>(picture.pixels.size());
+  const Vec3d mean = mean_of(picture);
   nlohmann::ordered_json j{{"width", picture.width},
                            {"height", picture.height},
                            {"mean", {mean.x, mean.y, mean.z}},
@@ -66,27 +63,6 @@ std::string summary_json(const Picture& picture, const denoise::Filtered& filter
   }
   if (exposure) j["exposure"] = *exposure;
   return j.dump();
-}
-
-cli::Decisions decisions_of(const denoise::Filtered& filtered) {
-  const cli::Decision features{"features", filtered.has_features ? "used" : "none",
-                               filtered.has_features
-                                   ? "the picture has albedo, normal or depth"
-                                   : "the picture has no albedo, normal and depth",
-                               cli::price_of(cpu_seconds()) + " in all"};
-  if (filtered.denoiser.starts_with(denoise::kKinds.back()))
-    return {{"filter", filtered.denoiser, "--denoiser asks for it", ""}, features};
-  return {{"filter", filtered.denoiser,
-           filtered.denoiser == denoise::kKinds[1]
-               ? "Open Image Denoise is not asked for, or not installed, or other frames help"
-               : "Open Image Denoise is installed",
-           ""},
-          {"halves", fmt::format("{} of the samples in halfA", number_words(filtered.share_a, 2)),
-           "the picture is that mean of the two", ""},
-          {"outliers", counted(filtered.outliers, "pixel") + " darkened",
-           "they were more than twice as bright as all around them, in one half alone",
-           fmt::format("{} % of the light is left out", number_words(100 * filtered.left_out, 2))},
-          features};
 }
 
 int run(const Arguments& a, const cli::Common& common) {
@@ -113,15 +89,13 @@ int run(const Arguments& a, const cli::Common& common) {
   if (const auto mark = file.attributes.find(kFrameAttribute); mark != file.attributes.end())
     mark->second += " filtered";
   const std::optional<double> exposure = exposure_of(file.picture, a.preview, a.exposure);
-  warn_of_range(file, a.storage(), common);
-  cli::deliver({{common.output, [&] { return exr_bytes(file, a.storage()); }},
+  cli::deliver({{common.output, [&] { return exr_bytes(file); }},
                 {a.preview, [&] { return preview_bytes(file.picture, *exposure); }}},
                common);
   if (common.json) common.summary(summary_json(file.picture, filtered, took.count(), exposure));
   if (!filtered.has_features)
     common.warn(name + ": has no albedo, normal and depth: edges of textures and things may blur");
   common.note(fmt::format("{}; {:.1f} s", denoise::sentence_of(filtered), took.count()));
-  common.explain_by([&] { return with_exposure(decisions_of(filtered), a.exposure, exposure); });
   return 0;
 }
 

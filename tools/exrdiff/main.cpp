@@ -60,14 +60,8 @@ int run(const Arguments& a, const cli::Common& common) {
   cli::deliver({{common.output, [&] { return difference_bytes(common, picture, reference); }},
                 {a.beside, [&] { return png_bytes(side_by_side(p, r, *exposure)); }}},
                common);
-  common.print(common.json ? report_json(comparison) + "\n" : report_text(comparison));
-  common.explain_by([&] {
-    return with_exposure(decisions_of(comparison, r,
-                                      static_cast<int64_t>(picture.file.pixels_without_data +
-                                                           reference.file.pixels_without_data),
-                                      common.output),
-                         a.exposure, exposure);
-  });
+  common.print(common.json ? report_json(comparison, exposure) + "\n" : report_text(comparison));
+  common.explain_by([&] { return decisions_of(comparison, r); });
   return 0;
 }
 

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
-#include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
 #include "libcommon/formats/tone.h"
 
@@ -152,7 +151,7 @@ std::string report_text(const Comparison& c) {
   return text;
 }
 
-std::string report_json(const Comparison& c) {
+std::string report_json(const Comparison& c, std::optional<double> exposure) {
   using Json = nlohmann::ordered_json;
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
   Json j;
@@ -166,32 +165,19 @@ std::string report_json(const Comparison& c) {
   j["nonzero"] = c.nonzero;
   j["peak"] = c.peak;
   j["black"] = {{"mape", c.black.mape}, {"psnr", number(c.black.psnr)}, {"relmse", c.black.relmse}};
+  if (exposure) j["exposure"] = *exposure;
   return j.dump();
 }
 
-cli::Decisions decisions_of(const Comparison& c, const Picture& reference, int64_t without_data,
-                            const std::string& output) {
-  const size_t pixels = reference.pixels.size();
+cli::Decisions decisions_of(const Comparison& c, const Picture& reference) {
   return {
-      {"pixels without data", without_data > 0 ? "counted as black" : "none",
-       fmt::format("{} of {} lie outside the data window", without_data, 2 * pixels), ""},
       {"relative measures", fmt::format("offset by {}", number_words(relative_offset(reference))),
        "dark components must not divide by zero: a hundredth of the reference's mean magnitude",
        ""},
-      {"99.9 % best", fmt::format("{} of {} pixels forgiven", pixels / 1000, pixels),
-       "few fireflies can hold most of relMSE",
-       fmt::format("{} of relMSE {}", number_words(c.picture.relmse - c.picture.relmse_trimmed),
-                   number_words(c.picture.relmse))},
       {"verdict", c.picture.relmse < c.black.relmse ? "better than black" : "no better than black",
        fmt::format("relMSE is {}, that of a black picture {}", number_words(c.picture.relmse),
                    number_words(c.black.relmse)),
-       ""},
-      {"difference picture",
-       output.empty()                ? "left out"
-       : suffix_of(output) == ".png" ? "made in false colour"
-                                     : "made with sign",
-       output.empty() ? "-o is not given" : "the name in -o says so",
-       cli::price_of(cpu_seconds()) + " in all"}};
+       ""}};
 }
 
 }  // namespace tdpt

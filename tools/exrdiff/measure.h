@@ -4,6 +4,7 @@
 // them, m = mean |r| over all of them. The constants below are the usual 0.01 for a reference of
 // mean 1; scaling them by m makes every relative measure independent of the unit of light.
 #pragma once
+#include <optional>
 #include <string>
 
 #include "libcommon/cli/cli.h"
@@ -56,12 +57,11 @@ Picture side_by_side(const Picture& picture, const Picture& reference, double ex
 
 /// For people: one measure a line, the black picture's beside it.
 std::string report_text(const Comparison& c);
-/// One JSON object; the keys are listed in exrdiff(1). An infinite psnr is null.
-std::string report_json(const Comparison& c);
+/// One JSON object; the keys are listed in exrdiff(1). An infinite psnr is null. `exposure`: of the
+/// pictures side by side, if they are asked for.
+std::string report_json(const Comparison& c, std::optional<double> exposure = {});
 
-/// For --explain. `without_data`: pixels of either file that count as black. `output`: path of the
-/// difference; empty: none.
-cli::Decisions decisions_of(const Comparison& comparison, const Picture& reference,
-                            int64_t without_data, const std::string& output);
+/// For --explain.
+cli::Decisions decisions_of(const Comparison& comparison, const Picture& reference);
 
 }  // namespace tdpt

@@ -1,11 +1,9 @@
 #include "tools/tdpt-info/knowledge.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <set>
 
@@ -24,6 +22,7 @@
 #include "libcommon/formats/light_tables.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
+#include "libcommon/math/reach.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -43,7 +42,7 @@ void describe(const File& file, const std::vector<std::string>& cameras, const c
     k.facts[cameras.size() == 1 ? "camera" : fmt::format("camera_{}", i + 1)] = cameras[i];
 }
 
-void tell_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
+void add_bottleneck(Knowledge& k, bool bottleneck, const std::string& reason) {
   k.facts["bottleneck"] = bottleneck;
   if (!bottleneck) k.facts["reason"] = reason;
 }
@@ -58,20 +57,17 @@ std::vector<std::string> layers_of(const std::vector<std::string>& channels) {
   return {layers.begin(), layers.end()};
 }
 
-// Of the box around everything visible, in metres: six digits, the precision of floats.
+// Of the box around all triangles [m]: six digits, the precision of floats.
 double longest_side(const Scene& scene) {
-  Vec3d low(std::numeric_limits<double>::infinity()), high = -low;
+  Extent box;
   for (const Triangle& t : scene.triangles)
-    for (const uint32_t v : t.vertex) {
-      low = min(low, Vec3d(scene.positions[v]));
-      high = max(high, Vec3d(scene.positions[v]));
-    }
-  return std::stod(fmt::format("{:.6g}", max_component(high - low) / scene.frame.scale));
+    for (const uint32_t v : t.vertex) box.add(Vec3d(scene.positions[v]));
+  return std::stod(fmt::format("{:.6g}", max_component(box.size()) / scene.frame.scale));
 }
 
 // ---- One function for each kind ----
 
-void tell_scene(const Scene& scene, Knowledge& k) {
+void add_scene(const Scene& scene, Knowledge& k) {
   k.kind = "scene";
   k.hash = scene.hash;
   size_t emitting = 0;
@@ -84,11 +80,8 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   k.facts["images"] = scene.images.size();
   k.facts["cameras"] = cameras;
   Json animations = Json::array();
-  for (const AnimationFacts& a : scene.animations) {
+  for (const AnimationFacts& a : scene.animations)
     animations.push_back({{"name", a.name}, {"seconds", a.seconds}});
-    k.lines["animations"].push_back(
-        fmt::format("animation {}: {} s", a.name, number_words(a.seconds)));
-  }
   k.facts["animations"] = animations;
   k.facts["emitting_triangles"] = emitting;
   k.facts["lamps"] = scene.lights.size();
@@ -97,71 +90,45 @@ void tell_scene(const Scene& scene, Knowledge& k) {
   std::vector<std::string> warnings = scene.warnings;
   if (const std::string missing = scene.missing_camera(); !missing.empty())
     warnings.push_back(missing);
-  for (const std::string& warning : warnings) k.lines["warnings"].push_back("warning: " + warning);
   k.facts["warnings"] = warnings;
 }
 
-// Width and height of the rectangle around it that lies level [m].
-std::array<double, 2> size_of(const Portal& portal, const Vec3d& normal) {
-  const Vec3d level =
-      std::abs(normal.y) < 0.9 ? normalize(cross({0, 1, 0}, normal)) : Vec3d{1, 0, 0};
-  std::array<double, 2> size{};
-  for (size_t axis = 0; axis < 2; ++axis) {
-    const Vec3d along = axis == 0 ? level : cross(normal, level);
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3d& v : portal.vertices)
-      low = std::min(low, dot(v, along)), high = std::max(high, dot(v, along));
-    size[axis] = high - low;
-  }
-  return size;
+// To the millimetre.
+Json place(const Vec3d& v) {
+  const auto rounded = [](double x) { return std::round(1000 * x) / 1000 + 0.0; };
+  return {rounded(v.x), rounded(v.y), rounded(v.z)};
 }
 
-// "portal.0: 0.9 x 2 m, 1.8 m2, at 1 1 0 m, light goes to 0 0 1, from another room; by the network
-// 71 % of the light; for hall".
-std::string words_of(const Portal& portal) {
-  constexpr double kOfTheSky = 0.1;        // of its lines, portal(5)
-  const auto words = [](const Vec3d& v) {  // to the millimetre
-    const auto rounded = [](double x) { return std::round(1000 * x) / 1000 + 0.0; };
-    return fmt::format("{} {} {}", rounded(v.x), rounded(v.y), rounded(v.z));
-  };
+// Its middle, and the direction in which light passes it.
+Json portal_facts(const Portal& portal) {
   const auto& t = portal.triangles.front();
   const Vec3d &a = portal.vertices[t[0]], &b = portal.vertices[t[1]], &c = portal.vertices[t[2]];
-  const Vec3d normal = normalize(cross(b - a, c - a));
   Vec3d middle{};
   for (const Vec3d& v : portal.vertices) middle += v / static_cast<double>(portal.vertices.size());
-  const auto [width, height] = size_of(portal, normal);
-  std::string text = fmt::format("{}: {} x {} m, {} m2, at {} m, light goes to {}", portal.name,
-                                 number_words(width), number_words(height),
-                                 number_words(area_of(portal)), words(middle), words(normal));
-  if (const auto sky = portal.figures.find("sky"); sky != portal.figures.end())
-    text += sky->second < kOfTheSky ? ", from another room" : ", from the sky";
-  if (const auto share = portal.figures.find("flux_share"); share != portal.figures.end())
-    text += fmt::format("; by the network {} of the light", percent_words(share->second));
-  for (const auto& [camera, share] : portal.cameras) text += "; for " + camera;
-  return text;
+  Json facts{{"name", portal.name},
+             {"area_m2", area_of(portal)},
+             {"middle_m", place(middle)},
+             {"light_to", place(normalize(cross(b - a, c - a)))},
+             {"triangles", portal.triangles.size()},
+             {"figures", portal.figures}};
+  if (!portal.cameras.empty()) facts["cameras"] = portal.cameras;
+  return facts;
 }
 
-void tell_portals(const PortalFile& file, Knowledge& k) {
+void add_portals(const PortalFile& file, Knowledge& k) {
   describe(file, file.made_for, "portals", k);
   Json portals = Json::array();
-  for (const Portal& portal : file.portals)
-    portals.push_back({{"name", portal.name},
-                       {"area_m2", area_of(portal)},
-                       {"triangles", portal.triangles.size()},
-                       {"figures", portal.figures}});
-  for (size_t i = 0; i < file.portals.size(); ++i)
-    if (!file.portals[i].cameras.empty()) portals[i]["cameras"] = file.portals[i].cameras;
-  for (const Portal& portal : file.portals) k.lines["portals"].push_back(words_of(portal));
+  for (const Portal& portal : file.portals) portals.push_back(portal_facts(portal));
   k.facts["portals"] = portals;
 }
 
 // Portals made by a program are marked; drawn ones are triangles without a lamp or a camera.
-void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) {
+void add_gltf(const std::string& path, const std::string& bytes, Knowledge& k) {
   if (bytes.find("portal.0") != std::string::npos ||
       bytes.find(kPortalVersionKey) != std::string::npos)
-    return tell_portals(read_portals(path), k);
+    return add_portals(read_portals(path), k);
   try {
-    tell_scene(read_gltf(path), k);
+    add_scene(read_gltf(path), k);
   } catch (const InputError& of_scene) {
     PortalFile file;
     try {
@@ -170,33 +137,30 @@ void tell_gltf(const std::string& path, const std::string& bytes, Knowledge& k) 
       throw of_scene;
     }
     if (file.cameras > 0 || file.lamps > 0) throw;
-    tell_portals(file, k);
+    add_portals(file, k);
   }
 }
 
-void tell_network(const DimacsFile& file, Knowledge& k) {
+void add_network(const DimacsFile& file, Knowledge& k) {
   describe(file, file.cameras, "flow network", k);
   k.facts["nodes"] = file.network.nodes;
   k.facts["arcs"] = file.network.arcs.size();
   k.facts["patches"] = file.patches.size();
 }
 
-void tell_cut(const CutFile& file, Knowledge& k) {
+void add_cut(const CutFile& file, Knowledge& k) {
   describe(file, file.cameras, "cut", k);
-  tell_bottleneck(k, file.bottleneck, file.reason);
+  add_bottleneck(k, file.bottleneck, file.reason);
   Json cuts = Json::array();
-  for (const Bottleneck& cut : file.cuts) {
+  for (const Bottleneck& cut : file.cuts)
     cuts.push_back({{"flow", cut.flow}, {"conductance", cut.conductance}});
-    k.lines["cuts"].push_back(fmt::format("cut {}: flow {}, conductance {}", cuts.size(),
-                                          number_words(cut.flow), number_words(cut.conductance)));
-  }
   k.facts["cuts"] = cuts;
   k.facts["pivot_pairs"] = file.arcs.size();
 }
 
-void tell_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
+void add_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
   describe(grid, grid.cameras, kind, k);
-  tell_bottleneck(k, grid.bottleneck, grid.reason);
+  add_bottleneck(k, grid.bottleneck, grid.reason);
   k.facts["voxels"] = grid.dim;
   k.facts["voxel_m"] = grid.voxel;
   k.facts["lines"] = grid.lines.size();
@@ -204,7 +168,7 @@ void tell_grid(const LightGrid& grid, const char* kind, Knowledge& k) {
   k.facts["kept_share"] = grid.flux_share;
 }
 
-void tell_film(const FilmFile& file, Knowledge& k) {
+void add_film(const FilmFile& file, Knowledge& k) {
   k.kind = "film";
   k.facts["width"] = file.film.width();
   k.facts["height"] = file.film.height();
@@ -225,10 +189,10 @@ void tell_film(const FilmFile& file, Knowledge& k) {
   }
 }
 
-void tell_picture(const std::string& bytes, const std::string& name, Knowledge& k) {
+void add_picture(const std::string& bytes, const std::string& name, Knowledge& k) {
   const ExrFile exr = parse_exr(bytes, name);
   k.provenance = provenance_of(exr);
-  if (is_film(exr)) return tell_film(parse_film(bytes, name), k);
+  if (is_film(exr)) return add_film(parse_film(bytes, name), k);
   k.kind = "picture";
   k.facts["width"] = exr.picture.width;
   k.facts["height"] = exr.picture.height;
@@ -242,7 +206,7 @@ void tell_picture(const std::string& bytes, const std::string& name, Knowledge& 
     if (key != provenance_attribute) k.facts[key] = value;
 }
 
-void tell_environment(const std::string& bytes, const std::string& name, Knowledge& k) {
+void add_environment(const std::string& bytes, const std::string& name, Knowledge& k) {
   k.kind = "environment";
   const Sky::Map map = parse_environment(bytes, name);
   k.facts["width"] = map.width;
@@ -280,48 +244,74 @@ Knowledge knowledge_of(const std::string& path) {
     return bytes.compare(0, magic.size(), magic) == 0;
   };
   if (begins("\x76\x2f\x31\x01")) {
-    tell_picture(bytes, name, k);
+    add_picture(bytes, name, k);
   } else if (begins("glTF") || is_json(bytes)) {
-    tell_gltf(path, bytes, k);
+    add_gltf(path, bytes, k);
   } else if (begins(" BDV")) {
-    tell_grid(read_light_grid(bytes, name), "light grid", k);
+    add_grid(read_light_grid(bytes, name), "light grid", k);
   } else if (begins("cut,") || begins("i,j,k")) {
-    tell_grid(parse_light_tables({{name, bytes}}), "table of a light grid", k);
+    add_grid(parse_light_tables({{name, bytes}}), "table of a light grid", k);
   } else if (begins("#?")) {
-    tell_environment(bytes, name, k);
+    add_environment(bytes, name, k);
   } else if (begins("c tdpt cut")) {
-    tell_cut(read_cut(path), k);
+    add_cut(read_cut(path), k);
   } else if (begins("c") || begins("p ")) {
-    tell_network(read_dimacs(path), k);
+    add_network(read_dimacs(path), k);
   } else {
     throw InputError(name, "", "is none of the files of these programs");
   }
   return k;
 }
 
+namespace {
+
+// "area_m2 1.8, middle_m 1 1 0, figures flux_share 0.71, sky 0": a record without its name.
+std::string words_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return number_words(value.get<double>());
+  if (!value.is_structured()) return value.dump();
+  std::string text;
+  for (const auto& [key, part] : value.items()) {
+    if (key == "name") continue;
+    if (!text.empty()) text += value.is_object() ? ", " : " ";
+    if (value.is_object()) text += key + " ";
+    text += words_of(part);
+  }
+  return text;
+}
+
+// A fact; one that is a list of records or warnings has a line for each of them.
+std::string fact_text(const std::string& name, const Json& value) {
+  if (value.is_array() && !value.empty() && value[0].is_object()) {
+    std::string text;
+    for (const Json& record : value)
+      text += fmt::format("  {}: {}\n", shown(record.value("name", name), 60),
+                          shown(words_of(record), 400));
+    return text;
+  }
+  if (name == "warnings" && !value.empty()) {
+    std::string text;
+    for (const std::string warning : value)
+      text += fmt::format("  warning: {}\n", shown(warning, 400));
+    return text;
+  }
+  std::string words = value.is_string()
+                          ? value.get<std::string>()
+                          : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (words.empty() || words == "[]") words = "none";
+  if (const auto camera = name.starts_with("camera") ? parse_viewpoint(words) : std::nullopt)
+    words = tdpt::words_of(*camera);
+  return fmt::format("  {}: {}\n", shown(name, 40), shown(words, 400));
+}
+
+}  // namespace
+
 std::string text_of(const Knowledge& k) {
   std::string text = fmt::format("{}: {}\n  hash: {}\n", display_name(k.path), k.kind, k.hash);
   if (!k.scene.empty()) text += fmt::format("  of scene: {}\n", shown(k.scene));
-  const auto add = [&](const std::vector<std::string>& lines) {
-    for (const std::string& line : lines) text += fmt::format("  {}\n", shown(line, 400));
-  };
-  for (const auto& [name, value] : k.facts.items()) {
-    if (const auto lines = k.lines.find(name); lines != k.lines.end() && !lines->second.empty()) {
-      add(lines->second);
-      continue;
-    }
-    const std::string words = value.is_string()
-                                  ? value.get<std::string>()
-                                  : value.dump(-1, ' ', false, Json::error_handler_t::replace);
-    const auto camera = name.starts_with("camera") ? parse_viewpoint(words) : std::nullopt;
-    const bool is_empty = words.empty() || words == "[]";
-    text += fmt::format("  {}: {}\n", shown(name, 40),
-                        shown(camera     ? words_of(*camera)
-                              : is_empty ? "none"
-                                         : words,
-                              400));
-  }
-  add(k.provenance.lines);
+  for (const auto& [name, value] : k.facts.items()) text += fact_text(name, value);
+  for (const std::string& line : k.provenance.lines)
+    text += fmt::format("  {}\n", shown(line, 400));
   return text;
 }
 

@@ -1,10 +1,8 @@
 // What a file is, whatever program made it: its kind follows from its content, never from its name.
 // The stages' own readers read it, so a file that is described is one that they accept.
 #pragma once
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "libcommon/base/provenance.h"
 
@@ -18,8 +16,6 @@ struct Knowledge {
   std::string hash;   ///< of its bytes; for a scene with all files it reads
   std::string scene;  ///< hash of the scene it was made from; empty: unknown
   nlohmann::ordered_json facts = nlohmann::ordered_json::object();
-  /// Facts that are lists of things, each thing in words: "portal.0: 2 m2".
-  std::map<std::string, std::vector<std::string>> lines;
   Provenance provenance;
 };
 

@@ -49,10 +49,6 @@ int run(const Arguments& a, const cli::Common& common) {
       if (code == 0) code = static_cast<int>(e.code);
     }
   }
-  common.explain_by([&] {
-    return cli::Decisions{{"kinds", "told from content", "names can be anything",
-                           "every file is read whole, by the reader of the stages"}};
-  });
   return code;
 }
 

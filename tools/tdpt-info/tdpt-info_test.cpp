@@ -106,9 +106,10 @@ TEST_F(files, of_portals_have_a_line_for_each) {
   const std::string bytes = portal_bytes(file), text = told("a.glb", bytes);
   for (int i = 0; i < 20; ++i) {
     const std::string line = fmt::format(
-        "  portal.{}: 0.5 x 2 m, 1 m2, at 2 1 0.25 m, light goes to 1 0 0, from {}; by the network "
-        "25 % of the light{}\n",
-        i, i == 7 ? "the sky" : "another room", i == 3 ? "; for hall" : "");
+        "  portal.{}: area_m2 1, middle_m 2 1 0.25, light_to 1 0 0, triangles 2, figures "
+        "flux_share "
+        "0.25, sky {}, tightness 0.9{}\n",
+        i, i == 7 ? "0.5" : "0", i == 3 ? ", cameras hall 0.25" : "");
     EXPECT_TRUE(says(text, line)) << text;
   }
   EXPECT_FALSE(says(text, "...")) << text;

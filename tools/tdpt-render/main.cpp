@@ -3,9 +3,9 @@
 #include "libcommon/cli/cli.h"
 #include "libcommon/denoise/oidn.h"
 #include "libcommon/gpu/device_options.h"
-#include "tools/tdpt-render/run/checkpoint.h"
 #include "tools/tdpt-render/run/options.h"
 #include "tools/tdpt-render/run/picture.h"
+#include "tools/tdpt-render/run/progress.h"
 
 namespace tdpt {
 namespace {
@@ -28,10 +28,10 @@ int run(const RenderArguments& a, const cli::Common& common) {
   choose_processor_code(a.isa, common.arguments);
   if (a.denoiser == kDenoisers.back())
     denoise::OpenImageDenoise();  // or there is no use in rendering
-  Scenery scenery(device_asked(a.device));
+  SceneCache scenes(device_asked(a.device));
   catch_signals();
-  if (a.shot.is_given()) return render_shot(a, common, scenery);
-  return render_picture(a, common, scenery).code;
+  if (a.shot.is_given()) return render_shot(a, common, scenes);
+  return render_picture(a, common, scenes).code;
 }
 
 }  // namespace

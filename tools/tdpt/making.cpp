@@ -469,7 +469,6 @@ void make_preview(const Plan& plan) {
   write_output(plan.a.preview, preview_bytes(picture, *exposure));
   plan.know(plan.preview());
   plan.common.note("wrote " + plan.a.preview);
-  plan.common.explain_by([&] { return with_exposure({}, plan.a.exposure, exposure); });
 }
 
 }  // namespace

@@ -22,9 +22,9 @@ import time
 
 # What a command of tdpt-render may say and a measurement says for itself, with the number of values.
 OURS = {
-    "--spp": 1, "--time": 1, "--target-error": 1, "--set retry": 1, "--checkpoint": 1, "--set checkpoint-every": 1, "--resume": 1,
+    "--spp": 1, "--time": 1, "--target-error": 1, "--checkpoint": 1, "--set checkpoint-every": 1, "--resume": 1,
     "--add-samples": 1, "--stats": 1, "--alpha": 0, "--layers": 0, "--aov": 1, "--set nonzero": 1, "--preview": 0, "--exposure": 1,
-    "--set pixels": 1, "--set compression": 1, "--json": 0,
+    "--json": 0,
     "--explain": 0, "--quiet": 0, "--quality": 1, "--set progress": 1, "--width": 1, "--height": 1, "--seed": 1, "--portal": 1,
     "--integrator": 1, "--set guide-light": 1, "--set guide-camera": 1, "--set segments": 1, "--set light-walks": 1,
     "--device": 1, "--threads": 1}

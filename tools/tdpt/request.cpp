@@ -20,8 +20,7 @@ namespace {
 constexpr std::string_view kRenderer[]{"--f-stop", "--focus", "--shutter", "--frames", "--fps"};
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
 constexpr std::string_view kRunning[]{"--threads", "--max-memory", "--quiet", "--explain"};
-// Of the filter of frames: its options, and those that it makes needless for the renderer.
-constexpr std::string_view kFilter[]{"--denoiser", "--set pixels", "--set compression"};
+// Those that the filter of frames makes needless for the renderer.
 constexpr std::string_view kFiltered[]{"--denoise", "--aov", "--preview", "--exposure", "--stats"};
 constexpr const char* kFilterChannels = "halves,albedo,normal,depth";
 // Options of this program alone; --portal goes to the renderer after the scene.
@@ -123,7 +122,7 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     Words* const group = group_of(r, given);
     if (group) append_option(*group, given);
     if (!group) of_picture = given.name;
-    if (filters && is_one_of(kFilter, given.name))
+    if (filters && given.name == "--denoiser")
       append_option(r.filter, given);
     else if (!filters || !is_one_of(kFiltered, given.name))
       append_option(r.render, given);

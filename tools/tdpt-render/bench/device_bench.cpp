@@ -14,7 +14,7 @@
 #include "tools/tdpt-render/device/gpu_renderer.h"
 #include "tools/tdpt-render/device/wavefront.h"
 #include "tools/tdpt-render/plan/candidates.h"
-#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 #include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
@@ -105,7 +105,7 @@ Spread spread_of(std::vector<double> values) {
 struct Stage {
   Stage(const Options& o, const gpu::Device& device)
       : scene(read_gltf(o.files[0])),
-        size(picture_size(scene.camera(""), o.width, 0)),
+        size(picture_size(scene, scene.camera(""), o.width, 0)),
         vista(scene, scene.camera(""), size.width, size.height, portals_of(o)),
         tables(vista),
         of_cores(device.info().kind == "cpu") {

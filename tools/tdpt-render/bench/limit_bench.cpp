@@ -16,7 +16,7 @@
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/ray_record.h"
 #include "tools/tdpt-render/integrators/integrator.h"
-#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 #include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt {
@@ -77,7 +77,7 @@ void run(const Options& o) {
   for (size_t i = 1; i < o.files.size(); ++i)
     for (const Portal& p : read_portals(o.files[i]).portals) portals.push_back(p);
   const Camera camera = scene.camera("");
-  const PictureSize size = picture_size(camera, o.width, 0);
+  const PictureSize size = picture_size(scene, camera, o.width, 0);
   const Vista vista(scene, camera, size.width, size.height, portals);
   std::printf(
       "scene\tintegrator\tthreads\tseed\tsamples\tclosest\tshadow\trays\tother\tframe_cpu\traw_cpu"

@@ -71,7 +71,7 @@ void measure(const std::vector<std::string>& files, const Settings& s) {
     const Noise noise = t.noise.value_or(Noise{-1, 0, 0});
     std::printf("%llu %llu %.5g %.5g %.5g %llu %d\n", static_cast<unsigned long long>(seed),
                 static_cast<unsigned long long>(t.fixed), noise.relmse, noise.low, noise.high,
-                static_cast<unsigned long long>(r.plan.error_pilot_samples()), t.reached());
+                static_cast<unsigned long long>(r.plan.error_pilot.samples()), t.reached());
     std::fflush(stdout);
   }
   write_pictures(files[1], pictures);

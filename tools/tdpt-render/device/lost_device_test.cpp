@@ -59,8 +59,7 @@ class lost_device : public ::testing::Test {
     Session session(*renderer, job);
     const std::vector<Candidate> candidates{{tdpt_org, tdpt_org.name}};
     const auto begun = [&] { return parse_film(film, "kept"); };
-    const Plan plan =
-        film.empty() ? make_plan(session, candidates, {}) : plan_of(begun().facts, "kept");
+    const Plan plan = make_plan(session, candidates, {});
     const auto progress = std::make_shared<Progress>(
         film.empty() ? new_progress(session, candidates, plan) : progress_of(begun(), "kept"));
     try {
@@ -72,7 +71,6 @@ class lost_device : public ::testing::Test {
   }
   static std::string bytes_of(Progress& progress, const Plan& plan) {
     progress.seconds = progress.cpu_seconds = progress.began = 0;
-    for (FrameRecord& frame : progress.frames) frame.seconds = frame.cpu_seconds = 0;
     FilmFacts facts;
     facts.processor = kGpuCode;
     return film_bytes(progress, plan, facts, {});

@@ -9,56 +9,42 @@ namespace {
 
 constexpr double kAim = 0.4;
 
-// Samples share their light walks. With a light walk per sample bdpt took 1.07 to 1.5 times the
-// work for the same error in twenty scenes with doors, windows and neither; plain bdpt is kept for
-// caustics.
-void few_light_walks(Mixture& m) {
-  m.light_walks = kFewLightWalks;
-}
-// Next events as without portals.
-void look_everywhere(Mixture& m) {
-  m.through_windows = 0;
-}
-// With camera walks guided to portals: much of a sky's light is reflected by the ground outside,
-// where no next event looks.
-void aim(Mixture& m) {
-  m.guiding.chance = {0, kAim};
-}
-
-Integrator variant(Integrator integrator, uint64_t stream,
-                   std::initializer_list<void (*)(Mixture&)> changes) {
+// Next events look everywhere, as without portals.
+Integrator without_windows(Integrator integrator, uint64_t stream) {
   integrator.stream = stream;
-  for (const auto change : changes) change(integrator.mixture);
+  integrator.mixture.through_windows = 0;
   return integrator;
 }
 
 }  // namespace
 
-std::vector<Candidate> possible_candidates(const Vista& vista, const Integrator& guided) {
-  std::vector<Candidate> all{
-      {variant(bdpt, stream::bdpt_with_few_light_walks, {few_light_walks, look_everywhere}),
-       "bdpt with few light walks"},
-      {variant(nee, nee.stream, {look_everywhere}), "nee"},
-      {variant(bdpt, bdpt.stream, {look_everywhere}), "bdpt"}};
+std::vector<Candidate> auto_candidates(const Vista& vista, const Integrator& guided) {
   // Others were best in next to none of 70 views, and each more is chosen by chance at times:
   // tdpt-org, more or fewer segments, next events that weigh as in tdpt-guided, and bdpt and nee
   // whose next events look through windows.
+  std::vector<Candidate> all;
   if (!vista.openings.portals.empty())
-    all.insert(all.begin(),
-               {guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
-  if (!vista.openings.windows.empty())
-    all.push_back({variant(nee, stream::nee_guided_to_windows, {aim}), "nee guided to windows"});
+    all.push_back({guided, guided.mixture == tdpt_guided.mixture ? guided.name : label_of(guided)});
+  // Samples share their light walks. With a light walk per sample bdpt took 1.07 to 1.5 times the
+  // work for the same error in twenty scenes with doors, windows and neither; plain bdpt is kept
+  // for caustics.
+  Integrator few = without_windows(bdpt, stream::bdpt_with_few_light_walks);
+  few.mixture.light_walks = kFewLightWalks;
+  all.push_back({few, "bdpt with few light walks"});
+  all.push_back({without_windows(nee, nee.stream), "nee"});
+  all.push_back({without_windows(bdpt, bdpt.stream), "bdpt"});
+  // Camera walks guided to portals: much of a sky's light is reflected by the ground outside, where
+  // no next event looks.
+  Integrator aimed = nee;
+  aimed.stream = stream::nee_guided_to_windows;
+  aimed.mixture.guiding.chance = {0, kAim};
+  if (!vista.openings.windows.empty()) all.push_back({aimed, "nee guided to windows"});
+  const Candidate first = all.front();  // if all miss some light, it misses least
+  std::erase_if(all, [&](const Candidate& c) {
+    return !light_missed(c.integrator, vista.world->scene).empty();
+  });
+  if (all.empty()) all.push_back(first);
   return all;
-}
-
-std::vector<Candidate> auto_candidates(const Vista& vista, const Integrator& guided) {
-  const std::vector<Candidate> all = possible_candidates(vista, guided);
-  std::vector<Candidate> candidates;
-  for (const Candidate& c : all)
-    if (light_missed(c.integrator, vista.world->scene).empty()) candidates.push_back(c);
-  // If all miss some light, the first misses least.
-  if (candidates.empty()) candidates.push_back(all.front());
-  return candidates;
 }
 
 std::vector<Candidate> expecting_connections(const Vista& vista, std::vector<Candidate> candidates,

@@ -18,12 +18,10 @@ struct Candidate {
   }
 };
 
-/// All candidates for this scene, with the techniques that its portals allow. The first is the
-/// default if nothing can be measured: the one with portals, since it has the techniques of bdpt
-/// too. `guided`: that one.
-std::vector<Candidate> possible_candidates(const Vista& vista,
-                                           const Integrator& guided = tdpt_guided);
-/// Those that miss no light of the scene [light_missed]; the first of all if each misses some.
+/// The candidates for this scene, with the techniques that its portals allow, without those that
+/// miss some of its light [light_missed]; if all do, the first. The first is the default if nothing
+/// can be measured: the one with portals, since it has the techniques of bdpt too. `guided`: that
+/// one.
 std::vector<Candidate> auto_candidates(const Vista& vista, const Integrator& guided = tdpt_guided);
 
 /// Sets each candidate's expected number of connections [light_vertex_cache.h].

@@ -1,5 +1,5 @@
 // Synthetic pictures: pixels with log-normal samples, so that the truth is known.
-#include "tools/tdpt-render/plan/error_estimate.h"
+#include "tools/tdpt-render/plan/noise.h"
 
 #include <algorithm>
 #include <cmath>
@@ -117,7 +117,7 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
   constexpr size_t kPictures = 200;
   for (size_t n = 0; n < kPictures; ++n) {
     PictureParts last(kErrorPilotParts);
-    const std::vector<ErrorEstimate> rounds =
+    const ErrorPilot pilot =
         run_error_pilot(pixels, target, 1 << 20, [&](uint64_t part, const SampleRange& samples) {
           std::vector<Vec3d> sums = scene.sums(samples.count, random);
           last[part].clear();
@@ -125,7 +125,7 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
             last[part].emplace_back(Vec3f(s * (1 / static_cast<double>(samples.count))));
           return std::optional(sums);
         });
-    uint64_t samples = samples_needed(rounds.back(), kErrorPilotParts, target);
+    uint64_t samples = pilot.needed;
     if (naive) {
       double sum = 0;
       for (size_t i = 0; i < pixels; ++i) {
@@ -133,7 +133,7 @@ Coverage coverage(size_t pixels, double sigma, double target, bool naive) {
         const double own = (a * a + b * b) / 2;
         sum += (a - b) * (a - b) / 2 / (own + 0.01 * scene.mean() * scene.mean());
       }
-      const double each = static_cast<double>((rounds.back().samples + 1) / 2);
+      const double each = static_cast<double>((pilot.estimate.samples + 1) / 2);
       samples = static_cast<uint64_t>(std::ceil(each * sum / static_cast<double>(pixels) / target));
     }
     better.push_back(target / scene.relmse(scene.picture(samples, random)));
@@ -159,61 +159,6 @@ TEST(error_estimate, nine_of_ten_pictures_of_one_pixel_meet_their_target) {
 
 TEST(error_estimate, twin_an_error_over_the_noisy_picture_itself) {
   EXPECT_LT(coverage(256, 1.2, 0.05, true).met, 0.8);
-}
-
-// Mean deviation of pictures from the truth, in standard errors of one; the target is the mean
-// relMSE of `kNeeded` samples. With a retry twice as many samples are fixed, and a picture that
-// misses the target by its own estimate gets more, once. `looking`: the picture ends as soon as it
-// looks good enough.
-constexpr uint64_t kNeeded = 12;
-struct Bias {
-  double off = 0, retried = 0;  ///< standard errors; share of pictures
-};
-Bias bias(bool looking) {
-  const Synthetic scene(16, 1);
-  const double target = scene.relmse() / static_cast<double>(kNeeded);
-  constexpr int kPictures = 8000;
-  std::mt19937_64 random(11);
-  Bias result;
-  double sum = 0, squares = 0;
-  for (int n = 0; n < kPictures; ++n) {
-    PictureBlocks blocks;
-    std::vector<Vec3d> sums(scene.pixels(), Vec3d(0, 0, 0));
-    uint64_t done = 0, goal = looking ? 2 : kNeeded * 2;
-    for (bool again = true; done < goal;) {
-      const uint64_t until = std::min(goal, blocks.next());
-      const std::vector<Vec3d> more = scene.sums(until - done, random);
-      for (size_t i = 0; i < sums.size(); ++i) sums[i] += more[i];
-      done = until;
-      if (done == blocks.next()) blocks.add(sums);
-      if (done < goal || !again) continue;
-      const ErrorEstimate e = estimate_error(blocks.blocks(), blocks.size());
-      const auto size = static_cast<double>(blocks.size());
-      if (e.relmse * size / static_cast<double>(done) <= target) break;
-      again = looking;
-      goal = looking ? blocks.next() : samples_needed(e, blocks.blocks().size(), target);
-      result.retried += 1.0 / kPictures;
-    }
-    double mean = 0;
-    for (const Vec3d& s : sums) mean += s.x / static_cast<double>(done * sums.size());
-    sum += mean - scene.mean();
-    squares += (mean - scene.mean()) * (mean - scene.mean());
-  }
-  result.off = sum / kPictures / std::sqrt(squares / kPictures);
-  return result;
-}
-
-TEST(error_estimate, a_retry_biases_by_less_than_a_tenth_of_a_standard_error) {
-  const Bias b = bias(false);
-  std::printf("bias of a retry: %.3f standard errors, %.3f retried\n", b.off, b.retried);
-  EXPECT_LT(std::abs(b.off), 0.1);
-  EXPECT_GT(b.retried, 0.02);
-}
-
-TEST(error_estimate, twin_a_picture_that_ends_when_it_looks_good) {
-  const Bias b = bias(true);
-  std::printf("bias of looking: %.3f standard errors\n", b.off);
-  EXPECT_GT(std::abs(b.off), 0.1);
 }
 
 TEST(error_estimate, samples_are_few_bits_and_enough) {

@@ -198,6 +198,7 @@ Truncation truncation_of(const std::vector<std::array<double, 2>>& by_depth, int
 Explored explore(const Vista& vista, const Camera& camera, const std::vector<Portal>& portals,
                  int max_depth, uint64_t seed, double samples) {
   Explored out;
+  out.samples = samples;
   out.ways.resize(portals.size());
   std::vector<size_t> open(std::min(portals.size(), kMostPortals));
   std::iota(open.begin(), open.end(), size_t{0});
@@ -222,7 +223,6 @@ Explored explore(const Vista& vista, const Camera& camera, const std::vector<Por
     const Observer seen = rendered_small(small, openings, max_depth, seed, round);
     arrived.insert(arrived.end(), seen.arrived.begin(), seen.arrived.end());
     by_depth.insert(by_depth.end(), seen.by_depth.begin(), seen.by_depth.end());
-    out.samples += small.view.film.pixels();
     again = false;
     if (small.openings.portals.empty()) continue;
     lit = std::max(lit, seen.all.samples);

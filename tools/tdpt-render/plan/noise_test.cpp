@@ -115,8 +115,8 @@ TEST(noise, is_said_with_what_a_clean_picture_takes) {
             "very noisy (relMSE 0.45, 0.4 to 0.6); for a clean picture: about 64 times as many "
             "samples (2.1 minutes here), or --target-error 0.01");
   EXPECT_EQ(noise_sentence(Noise{0.07, 0.06, 0.1}, 2),
-            "still noisy (relMSE 0.07, 0.06 to 0.1); for a clean picture: 8 to 16 times as many "
-            "samples (16 s to 32 s here), or --target-error 0.01");
+            "still noisy (relMSE 0.07, 0.06 to 0.1); for a clean picture: about 8 times as many "
+            "samples (16 s here), or --target-error 0.01");
   EXPECT_EQ(noise_sentence(Noise{0.012, 0.009, 0.015}, 2),
             "still noisy (relMSE 0.012, 0.009 to 0.015); for a clean picture: about 2 times as "
             "many samples (4 s here), or --target-error 0.01");

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "libcommon/base/process.h"
-#include "tools/tdpt-render/path/bsdf/surfaces.h"
 
 namespace tdpt {
 
@@ -75,12 +74,11 @@ void aim_at_error(Session& session, Film& film, Plan& plan) {
                             film, tally, bar);
     return film.sums();
   };
-  plan.error_rounds = run_error_pilot(session.pixels, limits.target_error,
-                                      limits.spp > 0 ? limits.spp : kMostSamples, draw);
-  plan.error_pilot_cpu_seconds = session.cpu() - cpu;
-  if (!plan.error_rounds.empty())
-    plan.needed = samples_needed(plan.error_rounds.back(), kErrorPilotParts, limits.target_error);
-  uint64_t goal = plan.needed > 0 ? plan.needed : plan.error_pilot_samples();
+  ErrorPilot& pilot = plan.error_pilot;
+  pilot = run_error_pilot(session.pixels, limits.target_error,
+                          limits.spp > 0 ? limits.spp : kMostSamples, draw);
+  pilot.cpu_seconds = session.cpu() - cpu;
+  uint64_t goal = pilot.needed > 0 ? pilot.needed : pilot.samples();
   if (limits.spp > 0) goal = goal > 0 ? std::min(goal, limits.spp) : limits.spp;
   if (goal == 0 && limits.seconds == 0) goal = kMostSamples;  // a signal will end it
   plan.spp = goal;
@@ -105,8 +103,7 @@ std::vector<Candidate> candidates_of(const Job& job, const Vista& vista) {
 }
 
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
-                 const std::vector<Portal>& portals) {
-  surfaces();  // whoever renders needs their tables: they are none of the exploration's price
+                 const std::vector<Portal>& portals, double samples) {
   Explored nothing;
   nothing.lights = vista.openings.selection.shares();
   // Whether there is more to it than the camera's own ray.
@@ -114,46 +111,37 @@ Explored explore(const Job& job, const Vista& vista, const Camera& camera,
   const std::vector<Portal> probed =
       goes_through_portals(job, vista) ? portals : std::vector<Portal>();
   const bool by_arrival = competes_with_sky(vista);
-  if (probed.empty() && !by_arrival && job.max_depth >= kMaxDepth) return nothing;
+  if (probed.empty() && !by_arrival) return nothing;
   const double share = job.automatic ? kShareBesidePilot : kShareAlone;
-  const double samples = std::clamp(share * samples_foreseen(job.limits, vista.view.film),
-                                    kExplorationFewest, kExplorationEnough);
-  const double cpu = cpu_seconds();
+  if (!(samples > 0)) samples = share * samples_foreseen(job.limits, vista.view.film);
+  samples = std::clamp(samples, kExplorationFewest, kExplorationEnough);
   Explored explored = explore(vista, camera, probed, job.max_depth, job.seed, samples);
-  explored.cpu_seconds = cpu_seconds() - cpu;
   if (!by_arrival) explored.lights = nothing.lights;
   return explored;
 }
 
-Plan make_plan(Session& session, const std::vector<Candidate>& given, Explored explored) {
+Plan make_plan(Session& session, const std::vector<Candidate>& given, Explored explored,
+               const std::string& label) {
   const auto candidates = expecting_connections(session.vista, given, session.job.max_depth);
   Film film = session.film_aside();
   Plan plan;
   plan.explored = std::move(explored);
   plan.spp = session.job.limits.spp;
-  if (candidates.size() > 1 && !session.is_shorter())
+  plan.is_new = label.empty();
+  if (plan.is_new && candidates.size() > 1 && !session.is_shorter())
     choose_by_pilot(session, candidates, film, plan);
-  plan.integrator = candidates[plan.forecast.best].integrator;
-  plan.label = candidates[plan.forecast.best].label;
-  if (session.job.limits.target_error > 0) aim_at_error(session, film, plan);
-  plan.cut_short = stop_requested();
+  auto chosen = candidates.begin() + static_cast<std::ptrdiff_t>(plan.forecast.best);
+  if (!plan.is_new)
+    chosen = std::find_if(candidates.begin(), candidates.end() - 1,
+                          [&](const Candidate& c) { return c.label == label; });
+  plan.integrator = chosen->integrator;
+  plan.label = chosen->label;
+  if (plan.is_new && session.job.limits.target_error > 0) aim_at_error(session, film, plan);
+  plan.cut_short = plan.is_new && stop_requested();
   return plan;
 }
 
-namespace {
-
 // The canonical frame puts the whole scene in the cube [-1,1]^3 [Frame].
-bool beyond(const Vec3d& inwards, const Vec3d& apex) {
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d at(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-    const Vec3d d = at - apex;
-    if (dot(inwards, d) > -1e-6 * length(d)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
 bool may_see_surfaces(const Vista& vista) {
   if (vista.world->scene.triangles.empty()) return false;
   if (vista.view.blur.any()) return true;  // not worth finding out
@@ -162,8 +150,15 @@ bool may_see_surfaces(const Vista& vista) {
   const std::array<Vec3d, 4> edges{film.direction(0, 0), film.direction(w, 0), film.direction(w, h),
                                    film.direction(0, h)};
   for (size_t i = 0; i < 4; ++i) {
-    const Vec3d side = normalize(cross(edges[i], edges[(i + 1) % 4]));
-    if (beyond(dot(side, film.forward()) < 0 ? -side : side, film.position())) return false;
+    Vec3d inwards = normalize(cross(edges[i], edges[(i + 1) % 4]));
+    if (dot(inwards, film.forward()) < 0) inwards = -inwards;
+    int outside = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d d =
+          Vec3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1) - film.position();
+      outside += dot(inwards, d) <= -1e-6 * length(d);
+    }
+    if (outside == 8) return false;
   }
   return true;
 }

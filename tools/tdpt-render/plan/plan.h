@@ -12,8 +12,8 @@
 
 #include "libcommon/base/process.h"
 #include "tools/tdpt-render/integrators/passes.h"
-#include "tools/tdpt-render/plan/error_estimate.h"
 #include "tools/tdpt-render/plan/exploration.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/plan/pilot.h"
 
 namespace tdpt {
@@ -26,7 +26,6 @@ struct Limits {
   uint64_t spp = 0;         ///< samples per pixel; 0: what fits into `seconds`, or the target needs
   double seconds = 0;       ///< wall-clock limit of rendering alone
   double target_error = 0;  ///< relMSE to reach, within the limits of spp and seconds
-  bool retry = false;       ///< if the target is missed, continue once
   friend bool operator==(const Limits&, const Limits&) = default;
 };
 
@@ -116,29 +115,26 @@ struct Plan {
   Forecast forecast;           ///< of the candidates; without estimates if no pilot ran
   uint64_t pilot_samples = 0;  ///< behind the forecast
   double pilot_cpu_seconds = 0;
-  /// Rounds of the error pilot; none without a target error.
-  std::vector<ErrorEstimate> error_rounds;
-  double error_pilot_cpu_seconds = 0;
-  uint64_t needed = 0;  ///< samples per pixel for the target error; 0: unknown
-  /// Per pixel, thrown away.
-  uint64_t error_pilot_samples() const {
-    return error_rounds.empty() ? 0 : kErrorPilotParts * error_rounds.back().samples;
-  }
+  ErrorPilot error_pilot;  ///< if there is a target error
 
+  bool is_new = true;      ///< false: decided by the run that began the picture
   bool cut_short = false;  ///< by a signal: another run would decide otherwise
 };
 
 /// The one integrator that is named, or the candidates of `auto` [candidates.h].
 std::vector<Candidate> candidates_of(const Job& job, const Vista& vista);
 
-/// What of the exploration matters for this job: nothing for portals that nothing goes
-/// through, for kinds of light that do not compete with a sky, and for paths of any length.
+/// What of the exploration matters for this job: nothing for portals that nothing goes through, and
+/// for kinds of light that do not compete with a sky. `samples`: of the exploration that the
+/// picture was begun with; 0: as many as the limits allow.
 Explored explore(const Job& job, const Vista& vista, const Camera& camera,
-                 const std::vector<Portal>& portals);
+                 const std::vector<Portal>& portals, double samples = 0);
 
 /// The best candidate, found by a pilot if the budget allows one [pilot.h], else the first; and for
-/// a target error the number of samples [error_estimate.h]. The renderer's portals and lights must
-/// be as `explored` says.
-Plan make_plan(Session& session, const std::vector<Candidate>& candidates, Explored explored);
+/// a target error the number of samples [noise.h]. The renderer's portals and lights must
+/// be as `explored` says. `label`: of the candidate that renders, if that is decided already, by
+/// the run that a picture was begun with: then nothing is measured.
+Plan make_plan(Session& session, const std::vector<Candidate>& candidates, Explored explored,
+               const std::string& label = "");
 
 }  // namespace tdpt

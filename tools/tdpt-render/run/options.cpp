@@ -1,8 +1,9 @@
 #include "tools/tdpt-render/run/options.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
+#include <set>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -18,17 +19,6 @@
 namespace tdpt {
 namespace {
 
-// The shared table of options lists the names used here.
-constexpr bool names_are_those_of_the_table() {
-  if (kIntegratorNames.size() != kIntegrators.size()) return false;
-  for (size_t i = 0; i < kIntegrators.size(); ++i)
-    if (std::string_view(kIntegratorNames[i]) != kIntegrators[i].name) return false;
-  return true;
-}
-static_assert(names_are_those_of_the_table());
-static_assert(std::string_view(kDenoisers[0]) == denoise::kKinds[0] &&
-              std::string_view(kDenoisers[1]) == denoise::kKinds[1] &&
-              std::string_view(kDenoisers[2]) == denoise::kKinds[2]);
 static_assert(kMostEdges == kMaxDepth && kSmallestWalkShare == kFewestLightWalks);
 
 // Samples per pixel if no option sets them.
@@ -36,21 +26,19 @@ constexpr cli::ByQuality<uint64_t> kSamples{4, 16, 64};
 
 // The integrator with the numbers that were given, one at least.
 Integrator with_numbers(const RenderArguments& a, Integrator guided) {
-  const Mixture& row = guided.mixture;
-  const auto refuse = [&](const char* option, const char* what) {
-    throw UsageError(std::string(option) + ": " + guided.name + " " + what);
+  Mixture& row = guided.mixture;
+  const bool walks = row.techniques.walks_from_light();
+  const auto take = [&](const char* option, double given, bool applies, double& number) {
+    if (given >= 0 && !applies)
+      throw UsageError(
+          fmt::format("{}: {} {}", option, guided.name,
+                      walks ? "draws no portal segments" : "has no walks from the light"));
+    if (given >= 0) number = given;
   };
-  if (a.guide_light >= 0 && !row.techniques.walks_from_light())
-    refuse("--set guide-light", "has no walks from the light");
-  if (a.light_walks >= 0 && !row.techniques.walks_from_light())
-    refuse("--set light-walks", "has no walks from the light");
-  if (a.segments >= 0 && !row.has(Technique::portal))
-    refuse("--set segments", "draws no portal segments");
-  std::array<double, 2>& chance = guided.mixture.guiding.chance;
-  if (a.guide_light >= 0) chance[0] = a.guide_light;
-  if (a.guide_camera >= 0) chance[1] = a.guide_camera;
-  if (a.segments >= 0) guided.mixture.segments = a.segments;
-  if (a.light_walks >= 0) guided.mixture.light_walks = a.light_walks;
+  take("--set guide-light", a.guide_light, walks, row.guiding.chance[0]);
+  take("--set guide-camera", a.guide_camera, true, row.guiding.chance[1]);
+  take("--set segments", a.segments, row.has(Technique::portal), row.segments);
+  take("--set light-walks", a.light_walks, walks, row.light_walks);
   return guided;
 }
 
@@ -60,21 +48,14 @@ std::vector<std::string> aovs_of(const RenderArguments& a) {
   std::vector<std::string> known(kFeatures.begin(), kFeatures.end()), names;
   known.insert(known.end(), kDerived.begin(), kDerived.end());
   if (a.aov == "all") return known;
-  std::vector<std::string> given;
-  for (size_t at = 0; at < a.aov.size();) {
-    const size_t end = std::min(a.aov.find(',', at), a.aov.size());
-    given.push_back(a.aov.substr(at, end - at));
-    at = end + 1;
-  }
-  const auto has = [](const std::vector<std::string>& list, const std::string& name) {
-    return std::find(list.begin(), list.end(), name) != list.end();
-  };
-  for (const std::string& name : given)
-    if (!has(known, name))
-      throw UsageError(fmt::format("--aov {}: '{}' given, expected some of {}, or all", a.aov, name,
-                                   fmt::join(known, ",")));
+  std::set<std::string> given;
+  std::istringstream list(a.aov);
+  for (std::string name; std::getline(list, name, ',');) given.insert(name);
   for (const std::string& name : known)
-    if (has(given, name)) names.push_back(name);
+    if (given.erase(name) > 0) names.push_back(name);
+  if (!given.empty())
+    throw UsageError(fmt::format("--aov {}: '{}' given, expected some of {}, or all", a.aov,
+                                 *given.begin(), fmt::join(known, ",")));
   return names;
 }
 
@@ -104,12 +85,9 @@ void check_options(const RenderArguments& a) {
   check_render_arguments(a);
   if (a.checkpoint_every >= 0 && a.checkpoint.empty() && a.resume.empty())
     throw UsageError("--set checkpoint-every: needs --checkpoint or --resume");
-  if (a.retry > 0 && a.target_error == 0 && a.resume.empty())
-    throw UsageError("--set retry: needs --target-error");
   if (a.add_samples > 0 && a.resume.empty())
     throw UsageError("--add-samples: needs --resume with the film of the picture");
   if (!a.shard.empty()) {
-    check_stores_film(a, "--shard");
     samples_of_shard(a.shard, 0);  // throws
     if (a.seconds > 0 || a.target_error > 0 || (a.spp == 0 && a.resume.empty()))
       throw UsageError(
@@ -123,7 +101,6 @@ Job job_of(const RenderArguments& a, const cli::Common& common) {
   const bool unlimited = a.spp == 0 && a.seconds == 0 && a.target_error == 0;
   job.limits.spp = unlimited ? kSamples.at(common.quality) : static_cast<uint64_t>(a.spp);
   job.limits.target_error = a.target_error;
-  job.limits.retry = a.retry > 0;
   job.limits.seconds = a.seconds;
   job.automatic = a.integrator == "auto";
   job.named = job.automatic ? bdpt : integrator_named(a.integrator);

@@ -1,8 +1,12 @@
 #include "tools/tdpt-render/run/picture.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <new>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +17,8 @@
 #include "libcommon/base/output_file.h"
 #include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
+#include "libcommon/cli/cli.h"
+#include "libcommon/denoise/filter_picture.h"
 #include "libcommon/film/film_file.h"
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/tone.h"
@@ -20,15 +26,171 @@
 #include "libcommon/gpu/device_options.h"
 #include "libcommon/scene/uses.h"
 #include "tools/tdpt-render/device/gpu_renderer.h"
-#include "tools/tdpt-render/run/camera_sight.h"
-#include "tools/tdpt-render/run/checkpoint.h"
-#include "tools/tdpt-render/run/delivery.h"
+#include "tools/tdpt-render/integrators/features.h"
 #include "tools/tdpt-render/run/options.h"
+#include "tools/tdpt-render/run/progress.h"
+#include "tools/tdpt-render/run/render.h"
 #include "tools/tdpt-render/run/report.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 
 namespace tdpt {
 
 namespace {
+
+// ---- The files of a picture: on the way checkpoints and previews, at the end all of them ----
+
+// Value of kFrameAttribute for a frame that a signal interrupted.
+constexpr const char* kIncomplete = "incomplete";
+
+constexpr double kPreviewEvery = 5, kCheckpointEvery = 60;  // seconds
+
+// Red where a pixel got some contribution, green where it is black.
+std::string nonzero_png(const Picture& picture) {
+  Picture marks{picture.width, picture.height, {}};
+  marks.pixels.reserve(picture.pixels.size());
+  for (const Rgb& p : picture.pixels)
+    marks.pixels.push_back(p != Rgb{} ? Rgb{1, 0, 0} : Rgb{0, 1, 0});
+  return png_bytes(marks);
+}
+
+// Where a picture is kept after a failed write.
+std::string kept_sentence(const std::string& output, const std::string& bytes) {
+  const std::string path = keep_elsewhere(output == "-" ? "picture.exr" : output, bytes);
+  return path.empty() ? "the picture is lost" : "the picture is kept in " + path;
+}
+
+// The --aov channels that are computed from the film's sums, and the filter: FilmFacts::derived.
+std::vector<std::string> derived_of(const RenderArguments& a) {
+  std::vector<std::string> derived;
+  for (const std::string& name : aovs_of(a))
+    if (std::find(kDerived.begin(), kDerived.end(), name) != kDerived.end())
+      derived.push_back(name);
+  if (a.filters())
+    derived.push_back(denoise::kDenoised[static_cast<size_t>(denoise::kind_of(a.denoiser))]);
+  return derived;
+}
+
+// The --aov channels that samples do not change, and those that the filter needs.
+Channels channels_of(const RenderArguments& a, const Vista& vista, uint64_t seed) {
+  std::vector<std::string> names = aovs_of(a);
+  if (a.filters()) names.insert(names.end(), {"albedo", "normal", "depth"});
+  return features(vista, names, seed);
+}
+
+class Delivery {
+ public:
+  // `facts`: of the film, with the attributes that are known before it is rendered.
+  Delivery(const RenderArguments& a, const cli::Common& common, FilmFacts facts)
+      : a_(a), common_(common), facts_(std::move(facts)) {}
+
+  // Where the checkpoint is kept; empty: nowhere.
+  const std::string& checkpoint() const {
+    return a_.checkpoint.empty() ? a_.resume : a_.checkpoint;
+  }
+  // Writes it. A failure is only a warning, since the previous one stays whole; returns false
+  // then.
+  bool save(const Plan& plan, Progress& progress, const Channels& channels = {}) const;
+  // Between passes: renews checkpoint and preview where they are due, each for at most a tenth of
+  // the time.
+  void renew(const Plan& plan, Progress& progress);
+
+  // Writes everything at the end. `channels`: those that samples do not change. `stats`: of
+  // --stats; what became of the picture after its last sample is added. Returns what the filter
+  // did, in a sentence; empty without one. Throws Error for what cannot be written, and says where
+  // the picture is kept.
+  std::string deliver(const RenderResult& result, const Channels& channels,
+                      nlohmann::ordered_json& stats);
+
+ private:
+  void show(const Picture& picture) const;
+
+  const RenderArguments& a_;
+  const cli::Common& common_;
+  FilmFacts facts_;
+  std::array<double, 2> due_{};  // when checkpoint and preview are [s]; 0: not known
+};
+
+bool Delivery::save(const Plan& plan, Progress& progress, const Channels& channels) const {
+  std::string why;
+  try {
+    write_output(checkpoint(), film_bytes(progress, plan, facts_, channels));
+    return true;
+  } catch (const OutputError& e) {
+    why = e.what();
+  } catch (const std::bad_alloc&) {
+    why = checkpoint() + ": there is no memory for it";
+  }
+  std::error_code ignored;
+  common_.warn(why + (std::filesystem::exists(checkpoint(), ignored)
+                          ? "; the checkpoint before it is kept"
+                          : "; there is no checkpoint yet"));
+  return false;
+}
+
+void Delivery::renew(const Plan& plan, Progress& progress) {
+  const auto each = [&](double& due, double every, const auto& work) {
+    if (due == 0) due = progress.began + every;
+    if (progress.seconds < due) return;
+    const auto before = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - before;
+    due = progress.seconds + std::max(every, 10 * took.count());
+  };
+  if (!checkpoint().empty())
+    each(due_[0], a_.checkpoint_every < 0 ? kCheckpointEvery : a_.checkpoint_every,
+         [&] { save(plan, progress); });
+  if (!a_.preview.empty()) each(due_[1], kPreviewEvery, [&] { show(progress.film.picture()); });
+}
+
+// A failure is ignored: the final write will report it.
+void Delivery::show(const Picture& picture) const {
+  try {
+    const std::optional<double> exposure = exposure_of(picture, a_.preview, a_.exposure);
+    write_output(a_.preview, preview_bytes(picture, *exposure));
+  } catch (const OutputError&) {
+  }
+}
+
+std::string Delivery::deliver(const RenderResult& result, const Channels& channels,
+                              nlohmann::ordered_json& stats) {
+  if (result.target) facts_.attributes.merge(target_attributes(*result.target));
+  if (result.progress->interrupted && facts_.attributes.contains(kFrameAttribute))
+    facts_.attributes[kFrameAttribute] = kIncomplete;
+  const bool saved = !checkpoint().empty() && !result.plan.cut_short &&
+                     save(result.plan, *result.progress, channels);
+  const Film& film = result.progress->film;
+  const bool is_shard = !a_.shard.empty();
+  ExrFile file{result.picture, {}, {}, {}, {}};
+  std::optional<denoise::Filtered> filtered;
+  const auto start = std::chrono::steady_clock::now();
+  if (!is_shard) file = denoise::filtered_picture(film, facts_, channels, filtered);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  if (filtered && filtered->left)
+    stats["filtered"] = {{"relmse", filtered->left->relmse},
+                         {"interval", {filtered->left->low, filtered->left->high}}};
+  const std::optional<double> exposure = exposure_of(file.picture, a_.preview, a_.exposure);
+  if (exposure) stats["exposure"] = *exposure;
+  const auto bytes = [&] {
+    return is_shard ? film_bytes(*result.progress, result.plan, facts_, channels) : exr_bytes(file);
+  };
+  try {
+    cli::deliver({{common_.output, bytes},
+                  {a_.preview, [&] { return preview_bytes(file.picture, *exposure); }},
+                  {a_.nonzero, [&] { return nonzero_png(result.picture); }},
+                  {a_.stats, [&] { return stats.dump() + '\n'; }}},
+                 common_);
+  } catch (const OutputError& e) {
+    throw Error(e.code, fmt::format("{}; {}", e.what(),
+                                    saved ? fmt::format("all samples are in {}: --resume writes "
+                                                        "the picture",
+                                                        display_name(checkpoint()))
+                                          : kept_sentence(common_.output, bytes())));
+  }
+  if (filtered) return fmt::format("{}; {:.1f} s", sentence_of(*filtered), took.count());
+  return a_.filters() && !is_shard ? "not filtered: there is one sample per pixel" : "";
+}
+
+// ---- The picture ----
 
 // Everything that determines a picture of the scene, or the `frame` of a shot. `portals`: hashes of
 // its portal files.
@@ -42,27 +204,8 @@ Fingerprint fingerprint_of(const Scene& scene, const std::vector<std::string>& p
   return common.fingerprint(facts, up_to);
 }
 
-// Value of kFrameAttribute for a complete frame: its number and a hash of all that determines it.
-std::string frame_mark(const Scene& scene, const std::vector<std::string>& portals,
-                       const cli::Common& common, int64_t frame) {
-  return fmt::format("{} {}", frame,
-                     hash_of(fingerprint_of(scene, portals, common, frame, cli::Effect::stored)));
-}
-
-// Throws InputError where a film was rendered by other portals or kinds of light than there are.
-void check_explored(const Explored& explored, const Loaded& in, const Vista& vista,
-                    const std::string& file) {
-  if (explored.ways.size() > in.portals.size())
-    throw InputError(file, "film.plan.portals", "speak of one that there is not");
-  const Lights::KindProbabilities &then = explored.lights, now = vista.openings.selection.shares();
-  const auto same = [](double x, double y) { return (x > 0) == (y > 0); };
-  if (!same(then.surfaces, now.surfaces) || !same(then.lamps, now.lamps) ||
-      !same(then.parallel, now.parallel) || !same(then.sky, now.sky))
-    throw InputError(file, "film.plan.lights", "are of other lights");
-}
-
 // Portals work in the ways that light passes them, and kinds of light are selected by what arrives.
-Vista explored_vista(const Explored& explored, Loaded& in, Vista vista) {
+Vista explored_vista(const Explored& explored, LoadedScene& in, Vista vista) {
   if (explored.ways.empty() && explored.lights == vista.openings.selection.shares()) return vista;
   apply_ways(explored.ways, in.portals);
   vista.openings = Openings(*vista.world, in.portals, explored.lights, vista.openings.windows);
@@ -71,7 +214,7 @@ Vista explored_vista(const Explored& explored, Loaded& in, Vista vista) {
 
 // Those of a new picture, which a resumed one keeps.
 std::map<std::string, std::string> attributes_of(const RenderArguments& a,
-                                                 const cli::Common& common, const Loaded& in,
+                                                 const cli::Common& common, const LoadedScene& in,
                                                  const Job& job, const Integrator& asked,
                                                  const Plan& plan) {
   std::map<std::string, std::string> all;
@@ -109,28 +252,28 @@ RenderResult rendered(Session& session, const Plan& plan, const std::shared_ptr<
 
 void note_resumed(const Begun& begun, const RenderArguments& a, const std::string& code,
                   const cli::Common& common) {
-  if (begun.processor != code)
-    common.warn(other_code_sentence(display_name(a.resume), begun.processor, code));
+  if (begun.facts.processor != code)
+    common.warn(other_code_sentence(display_name(a.resume), begun.facts.processor, code));
   const uint64_t done = begun.progress->film.samples();
   common.note(fmt::format("goes on from {}, which has {} of {} samples per pixel",
                           display_name(a.resume), done, std::max(begun.progress->goal, done)));
 }
 
 // The film's facts beside plan and progress; those of a picture that is resumed stay.
-FilmFacts facts_of(const RenderArguments& a, const cli::Common& common, const Loaded& in,
+FilmFacts facts_of(const RenderArguments& a, const cli::Common& common, const LoadedScene& in,
                    const Session& session, const Integrator& asked, const Plan& plan,
                    const std::optional<Begun>& begun, const std::string& code) {
   FilmFacts facts;
-  facts.processor = begun ? merged_words(begun->processor, code) : code;
+  facts.processor = begun ? merged_words(begun->facts.processor, code) : code;
   facts.derived = derived_of(a);
   facts.attributes =
-      begun ? begun->attributes : attributes_of(a, common, in, session.job, asked, plan);
+      begun ? begun->facts.attributes : attributes_of(a, common, in, session.job, asked, plan);
   if (common.no_provenance) facts.attributes.erase(provenance_attribute);
   return facts;
 }
 
 // Writes the files of a rendered picture, and reports it. `mark`: of a frame of a shot; else empty.
-void finish(const RenderArguments& a, const cli::Common& common, const Loaded& in,
+void finish(const RenderArguments& a, const cli::Common& common, const LoadedScene& in,
             const Session& session, const Integrator& asked, const RenderResult& result,
             const std::string& mark, Delivery& files) {
   nlohmann::ordered_json stats =
@@ -154,26 +297,29 @@ void finish(const RenderArguments& a, const cli::Common& common, const Loaded& i
 
 }  // namespace
 
-Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scenery& scenery,
+std::string frame_mark(const Scene& scene, const std::vector<std::string>& portals,
+                       const cli::Common& common, int64_t frame) {
+  return fmt::format("{} {}", frame,
+                     hash_of(fingerprint_of(scene, portals, common, frame, cli::Effect::stored)));
+}
+
+Outcome render_picture(const RenderArguments& a, const cli::Common& common, SceneCache& scenes,
                        std::optional<int64_t> frame) {
-  Loaded& in = scenery.load(a, common);
+  LoadedScene& in = scenes.load(a, common);
   const Job job = job_of(a, common);
   if (a.check) return {};
-  const Vista& seen = scenery.vista(common);
+  const Vista& seen = scenes.vista(a, common);
   std::optional<GpuUpload> upload;
-  if (scenery.device) upload.emplace(*scenery.device, seen, FilmPlanes{job.layers, job.halves});
-  if (const std::string sentence = no_backs_sentence(seen); !sentence.empty())
-    common.note(sentence);
+  if (scenes.device) upload.emplace(*scenes.device, seen, FilmPlanes{job.layers, job.halves});
 
-  const std::string code = scenery.device ? kGpuCode : processor_code();
+  const std::string code = scenes.device ? kGpuCode : processor_code();
   const std::string mark =
       frame ? frame_mark(in.scene, in.portal_hashes, common, *frame) : std::string();
   const Fingerprint is_of =
       fingerprint_of(in.scene, in.portal_hashes, common, frame, cli::Effect::picture);
   const std::optional<Begun> begun = read_begun(a, is_of, seen);
-  if (begun) check_explored(begun->plan.explored, in, seen, display_name(a.resume));
   const Explored explored =
-      begun ? begun->plan.explored : explore(job, seen, in.camera, in.portals);
+      explore(job, seen, in.camera, in.portals, begun ? explored_in(begun->facts.plan) : 0);
   const std::vector<Portal> drawn = in.portals;
   const Vista vista = explored_vista(explored, in, seen);
   const std::vector<Candidate> candidates = candidates_of(job, vista);
@@ -187,10 +333,14 @@ Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scen
 
   const std::shared_ptr<SampleRenderer> renderer =
       upload ? upload->renderer(vista) : std::make_shared<CpuRenderer>(vista);
-  if (scenery.device)
-    common.note("samples are rendered by " + words_of(scenery.device->info()) + ".");
+  if (scenes.device)
+    common.note("samples are rendered by " + words_of(scenes.device->info()) + ".");
   Session session(*renderer, job);
-  const Plan plan = begun ? begun->plan : make_plan(session, candidates, explored);
+  const Plan plan =
+      make_plan(session, candidates, explored, begun ? label_in(begun->facts.plan) : "");
+  if (begun && plan_words(plan) != begun->facts.plan)
+    throw InputError(display_name(a.resume), "film.plan",
+                     "was made otherwise by code for " + shown(begun->facts.processor));
   if (plan.cut_short && !a.shard.empty()) {
     common.note("stopped by a signal before all was decided: no shard is written");
     return {static_cast<int>(Exit::interrupted), ""};
@@ -209,135 +359,6 @@ Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scen
   const bool interrupted = result.progress->interrupted;
   return {static_cast<int>(interrupted ? Exit::interrupted : Exit::done),
           outcome_words(vista, result)};
-}
-
-namespace {
-
-// What the command line would say of one frame alone.
-struct FrameCommand {
-  int64_t number;
-  RenderArguments a;
-  cli::Common common;
-};
-
-FrameCommand frame_command(const RenderArguments& a, const cli::Common& common, int64_t frame) {
-  FrameCommand one{frame, a, common};
-  one.a.pose.seconds = static_cast<double>(frame) / a.shot.fps;
-  for (std::string& path : one.a.portals)
-    if (has_frame_number(path)) path = name_of_frame("--portal", path, frame);
-  one.common.seed = common.seed + static_cast<uint64_t>(frame);
-  one.common.give("--frames", {std::to_string(frame)});
-  one.common.outputs.clear();
-  const auto name = [&](const char* option, std::string& path) {
-    if (path.empty()) return;
-    path = name_of_frame(option, path, frame);
-    one.common.outputs.push_back({option, path});
-  };
-  name("-o", one.common.output);
-  name("--preview", one.a.preview);
-  name("--checkpoint", one.a.checkpoint);
-  name("--resume", one.a.resume);
-  name("--stats", one.a.stats);
-  name("--set nonzero", one.a.nonzero);
-  return one;
-}
-
-// Whether the file is this frame, complete, as its header says: files are written whole or not at
-// all.
-bool is_made(const FrameCommand& frame, const std::string& mark) {
-  const auto attributes = string_attributes_of_file(frame.common.output);
-  const auto is = [&](const char* name, const std::string& value) {
-    const auto at = attributes.find(name);
-    return at != attributes.end() && at->second == value;
-  };
-  if (!is(kFrameAttribute, mark)) return false;
-  if (frame.a.shard.empty()) return !attributes.contains(film_attribute);
-  const auto spp = static_cast<uint64_t>(frame.a.spp);
-  return is(kPartAttribute, part_words({samples_of_shard(frame.a.shard, spp)}, spp));
-}
-
-// Writes the preview of a complete frame if it is not there, or is not as it should be now.
-void mend_preview(const FrameCommand& frame) {
-  const std::string& path = frame.a.preview;
-  const Picture picture = read_exr(frame.common.output).picture;
-  const std::string bytes = preview_bytes(picture, *frame.a.exposure);
-  std::error_code failed;
-  if (!std::filesystem::exists(path, failed) || read_file(path) != bytes) write_output(path, bytes);
-}
-
-// Hashes of the portal files of a frame; those that all frames share are read already.
-std::vector<std::string> portals_of(const FrameCommand& frame, const RenderArguments& shot,
-                                    const Loaded& in) {
-  std::vector<std::string> hashes = in.portal_hashes;
-  for (size_t i = 0; i < hashes.size(); ++i)
-    if (has_frame_number(shot.portals[i])) hashes[i] = read_portals(frame.a.portals[i]).hash;
-  return hashes;
-}
-
-// "3 of 10 done, about 5 min left".
-std::string progress_words(size_t done, size_t of, double seconds) {
-  std::string text = fmt::format("{} of {} done", done, of);
-  if (done < of)
-    text += fmt::format(", about {} left", duration_words(seconds / static_cast<double>(done) *
-                                                          static_cast<double>(of - done)));
-  return text;
-}
-
-}  // namespace
-
-void check_frames(const RenderArguments& a, const cli::Common& common) {
-  if (a.camera.frame) throw UsageError("--frame: is for one picture, --frames for a shot");
-  if (a.scene == "-") throw UsageError("--frames: reads the scene more than once, not from -");
-  if (!common.dependencies.empty())
-    throw UsageError("--set dependencies: is for one picture, --frames for a shot");
-  if (a.add_samples > 0) throw UsageError("--add-samples: is for one picture, --frames for a shot");
-  if (!common.output_given || common.output == "-")
-    throw UsageError("--frames: needs -o, a name such as shot.####.exr");
-  frame_command(a, common, frame_range(a.shot).first);  // throws for names without a number
-}
-
-int render_shot(const RenderArguments& a, const cli::Common& common, Scenery& scenery) {
-  const FrameRange range = frame_range(a.shot);
-  const FrameCommand first = frame_command(a, common, range.first);
-  const Loaded& in = scenery.load(first.a, first.common);
-  if (a.check) return 0;
-  std::vector<int64_t> there, missing;
-  for (int64_t k = range.first; k <= range.last; ++k) {
-    const FrameCommand frame = frame_command(a, common, k);
-    const std::string mark = frame_mark(in.scene, portals_of(frame, a, in), frame.common, k);
-    (is_made(frame, mark) ? there : missing).push_back(k);
-  }
-  if (!there.empty())
-    common.note(there.size() == 1 ? "1 frame is there already"
-                                  : fmt::format("{} frames are there already", there.size()));
-  std::optional<double> exposure = a.exposure;  // of all previews, so that they do not flicker
-  const auto expose = [&](const FrameCommand& frame) {
-    if (a.preview.empty() || exposure) return;
-    exposure = auto_exposure(read_exr(frame.common.output).picture);
-    common.note(fmt::format("previews are exposed as frame {}: --exposure {}", frame.number,
-                            number_words(*exposure)));
-  };
-  for (const int64_t k : there) {
-    if (a.preview.empty()) break;
-    FrameCommand frame = frame_command(a, common, k);
-    expose(frame);
-    frame.a.exposure = exposure;
-    mend_preview(frame);
-  }
-  const auto start = std::chrono::steady_clock::now();
-  for (size_t done = 0; done < missing.size(); ++done) {
-    FrameCommand frame = frame_command(a, common, missing[done]);
-    frame.a.exposure = exposure;
-    frame.common.quiet = common.quiet || done > 0;  // the first tells what all have
-    check_checkpoint(frame.a);
-    const Outcome made = render_picture(frame.a, frame.common, scenery, frame.number);
-    if (made.code != 0) return made.code;
-    expose(frame);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    common.note(fmt::format("frame {}: {}; {}", frame.number, made.words,
-                            progress_words(done + 1, missing.size(), took.count())));
-  }
-  return 0;
 }
 
 }  // namespace tdpt

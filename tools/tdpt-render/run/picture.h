@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 
 namespace tdpt {
 
@@ -15,14 +15,19 @@ struct Outcome {
   std::string words{};  ///< how many samples, how long, how noisy
 };
 /// Makes the picture. `frame`: its number, if it is of a shot.
-Outcome render_picture(const RenderArguments& a, const cli::Common& common, Scenery& scenery,
+Outcome render_picture(const RenderArguments& a, const cli::Common& common, SceneCache& scenes,
                        std::optional<int64_t> frame = {});
+
+/// Value of kFrameAttribute for a complete frame of a shot: its number and a hash of all that
+/// determines it. `portals`: hashes of its portal files.
+std::string frame_mark(const Scene& scene, const std::vector<std::string>& portals,
+                       const cli::Common& common, int64_t frame);
 
 /// Throws UsageError for options that do not go with --frames.
 void check_frames(const RenderArguments& a, const cli::Common& common);
 
 /// Renders the frames that are not there yet, complete and by the same command. Returns the exit
 /// code.
-int render_shot(const RenderArguments& a, const cli::Common& common, Scenery& scenery);
+int render_shot(const RenderArguments& a, const cli::Common& common, SceneCache& scenes);
 
 }  // namespace tdpt

@@ -1,4 +1,4 @@
-#include "tools/tdpt-render/run/scenery.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -16,25 +16,25 @@ void expect(const PictureSize& size, int width, int height) {
 TEST(picture_size, follows_the_camera_where_nothing_is_given) {
   Camera camera;
   camera.aspect = 4.0 / 3;
-  expect(picture_size(camera, 0, 0), 640, 480);
-  expect(picture_size(camera, 100, 0), 100, 75);
-  expect(picture_size(camera, 0, 75), 100, 75);
-  expect(picture_size(camera, 100, 100), 100, 100);
+  expect(picture_size(Scene(), camera, 0, 0), 640, 480);
+  expect(picture_size(Scene(), camera, 100, 0), 100, 75);
+  expect(picture_size(Scene(), camera, 0, 75), 100, 75);
+  expect(picture_size(Scene(), camera, 100, 100), 100, 100);
 }
 
 TEST(picture_size, is_16_by_9_for_a_camera_without_aspect) {
   Camera camera;
   camera.aspect = 0;
-  expect(picture_size(camera, 0, 0), 640, 360);
+  expect(picture_size(Scene(), camera, 0, 0), 640, 360);
 }
 
 TEST(picture_size, has_a_pixel_at_least_and_2_to_the_27_at_most) {
   Camera camera;
   camera.aspect = 1000;
-  expect(picture_size(camera, 8, 0), 8, 1);
-  EXPECT_THROW(picture_size(camera, 0, 100), UsageError);  // 100000 wide
-  expect(picture_size(camera, 16384, 8192), 16384, 8192);
-  EXPECT_THROW(picture_size(camera, 16384, 8193), UsageError);
+  expect(picture_size(Scene(), camera, 8, 0), 8, 1);
+  EXPECT_THROW(picture_size(Scene(), camera, 0, 100), UsageError);  // 100000 wide
+  expect(picture_size(Scene(), camera, 16384, 8192), 16384, 8192);
+  EXPECT_THROW(picture_size(Scene(), camera, 16384, 8193), UsageError);
 }
 
 TEST(film, is_limited_by_the_memory_of_all_its_sums) {

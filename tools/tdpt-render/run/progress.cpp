@@ -1,290 +1,123 @@
-// Each record is described once, by the names and ranges of its numbers; a RecordWriter makes JSON
-// of the description, a RecordReader checks and fills in what a file has.
 #include "tools/tdpt-render/run/progress.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
+#include <charconv>
 #include <cstring>
-#include <limits>
+#include <filesystem>
+#include <string_view>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
-#include "tools/tdpt-render/path/sample/light_vertex_cache.h"
+#include "libcommon/base/words.h"
+#include "tools/tdpt-render/run/options.h"
 
 namespace tdpt {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kAny = std::numeric_limits<double>::infinity();
-
-class RecordWriter {
- public:
-  // JSON has no infinity: null stands for it.
-  void number(const char* key, double value, double, double) { json_[key] = value; }
-  void count(const char* key, auto value, uint64_t) { json_[key] = static_cast<uint64_t>(value); }
-  void flag(const char* key, bool value) { json_[key] = value; }
-  void text(const char* key, const std::string& value) { json_[key] = value; }
-  template <class T>
-  void record(const char* key, const T& value) {
-    RecordWriter of;
-    describe(of, value);
-    json_[key] = of.json_;
-  }
-  template <class T>
-  void record(const char* key, const std::optional<T>& value) {
-    json_[key] = nullptr;
-    if (value) record(key, *value);
-  }
-  template <class T>
-  void list(const char* key, const std::vector<T>& values, size_t) {
-    json_[key] = Json::array();
-    for (const T& value : values) {
-      RecordWriter of;
-      describe(of, value);
-      json_[key].push_back(of.json_);
-    }
-  }
-  std::string dump() const { return json_.dump(); }
-
- private:
-  Json json_ = Json::object();
-};
-
-class RecordReader {
- public:
-  RecordReader(Json from, std::string file, std::string place)
-      : from_(std::move(from)), file_(std::move(file)), place_(std::move(place)) {}
-  static RecordReader of_text(const std::string& text, const std::string& file,
-                              const std::string& place) {
-    Json json = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
-    if (!json.is_object()) throw InputError(file, place, "is no JSON object");
-    return {std::move(json), file, place};
-  }
-
-  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
-    throw InputError(file_, place_ + "." + key, what);
-  }
-  void number(const char* key, double& value, double lowest, double highest) {
-    const Json& there = at(key);
-    if (!there.is_null() && !there.is_number()) fail(key, "is no number");
-    value = there.is_null() ? kAny : there.get<double>();
-    if (!(value >= lowest && value <= highest)) fail(key, "is out of range");
-  }
-  template <class Whole>
-  void count(const char* key, Whole& value, uint64_t most) {
-    if (!at(key).is_number_unsigned() || at(key).get<uint64_t>() > most)
-      fail(key, "is out of range");
-    value = static_cast<Whole>(at(key).get<uint64_t>());
-  }
-  void flag(const char* key, bool& value) {
-    if (!at(key).is_boolean()) fail(key, "is no yes or no");
-    value = at(key).get<bool>();
-  }
-  void text(const char* key, std::string& value) {
-    if (!at(key).is_string()) fail(key, "is no text");
-    value = at(key).get<std::string>();
-  }
-  template <class T>
-  void record(const char* key, T& value) {
-    if (!at(key).is_object()) fail(key, "is no object");
-    RecordReader of(at(key), file_, place_ + "." + key);
-    describe(of, value);
-  }
-  template <class T>
-  void record(const char* key, std::optional<T>& value) {
-    if (!at(key).is_null()) record(key, value.emplace());
-  }
-  template <class T>
-  void list(const char* key, std::vector<T>& values, size_t most) {
-    if (!at(key).is_array() || at(key).size() > most) fail(key, "is no list");
-    for (const Json& entry : at(key)) {
-      if (!entry.is_object()) fail(key, "has an entry that is no object");
-      RecordReader of(entry, file_, place_ + "." + key);
-      describe(of, values.emplace_back());
-    }
-  }
-
- private:
-  const Json& at(const char* key) const {
-    const auto found = from_.find(key);
-    if (found == from_.end()) fail(key, "is missing");
-    return *found;
-  }
-
-  const Json from_;
-  const std::string file_, place_;
-};
-
-// ---- The records; of a RecordWriter they are const, of a RecordReader not ----
-
-template <class T, class Record>
-concept Of = std::same_as<std::remove_const_t<T>, Record>;
+// ---- The state: numbers by name, none of them negative ----
 
 constexpr uint64_t kMostCount = uint64_t{1} << 40;
-constexpr double kMostSeconds = 1e12;
+constexpr double kMostNumber = 1e12;
 
-void describe(auto& as, Of<Limits> auto& limits) {
-  as.count("spp", limits.spp, kMostCount);
-  as.number("seconds", limits.seconds, 0, kMostSeconds);
-  as.number("target_error", limits.target_error, 0, 1e12);
-  as.flag("retry", limits.retry);
+template <class P>
+void for_each_number(P& progress, const auto& visit) {
+  visit("spp", progress.limits.spp);
+  visit("time", progress.limits.seconds);
+  visit("target_error", progress.limits.target_error);
+  visit("first", progress.first);
+  visit("goal", progress.goal);
+  visit("added", progress.added);
+  visit("whole", progress.whole);
+  visit("seconds", progress.seconds);
+  visit("cpu_seconds", progress.cpu_seconds);
+  visit("began", progress.began);
+  auto& pilot = progress.error_pilot;
+  visit("needed", pilot.needed);
+  visit("pilot_cpu", pilot.cpu_seconds);
+  visit("pilot_samples", pilot.estimate.samples);
+  visit("relmse", pilot.estimate.relmse);
+  visit("spread", pilot.estimate.spread);
+  visit("pixels", pilot.estimate.pixels);
 }
 
-void describe(auto& as, Of<Lights::KindProbabilities> auto& lights) {
-  as.number("surfaces", lights.surfaces, 0, 1);
-  as.number("lamps", lights.lamps, 0, 1);
-  as.number("parallel", lights.parallel, 0, 1);
-  as.number("sky", lights.sky, 0, 1);
+constexpr const char* kBlockSamples = "block_samples";
+
+std::string state_text(const Progress& progress) {
+  Json state;
+  for_each_number(progress, [&](const char* key, auto value) {
+    state[key] = value;
+    if constexpr (std::is_same_v<decltype(value), double>)
+      state[key] = value < kMostNumber ? value : kMostNumber;  // JSON has no infinity
+  });
+  state[kBlockSamples] = progress.blocks.size();
+  return state.dump();
 }
 
-void describe(auto& as, Of<Truncation> auto& beyond) {
-  as.count("depth", beyond.depth, kMaxDepth);
-  as.number("share", beyond.share, 0, 1);
-  as.number("error", beyond.error, 0, 1e3);
-}
-
-void describe(auto& as, Of<PortalWay> auto& way) {
-  as.count("way", way, static_cast<uint64_t>(PortalWay::left_out));
-}
-
-void describe(auto& as, Of<Mixture> auto& m) {
-  as.number("first_direct", m.first_direct, 1e-3, 1e3);
-  as.number("later_direct", m.later_direct, 1e-3, 1e3);
-  as.number("segments", m.segments, 0.01, 1);
-  as.number("light_walks", m.light_walks, kFewestLightWalks, 1);
-  as.number("connected", m.connected, 1e-3, LightVertexCache::kWalks);
-  as.number("connected_to_segments", m.connected_to_segments, 1e-3, LightVertexCache::kWalks);
-  as.number("segments_connected", m.segments_connected, 1,
-            LightVertexCache::kWalks / kFewestLightWalks);
-  as.number("guide_light", m.guiding.chance[0], 0, 0.95);
-  as.number("guide_camera", m.guiding.chance[1], 0, 0.95);
-  as.number("through_windows", m.through_windows, 0, 0.95);
-}
-
-void describe(auto& as, Of<CandidateEstimate> auto& c) {
-  as.text("integrator", c.integrator);
-  as.flag("portals", c.with_portals);
-  as.number("relmse", c.relmse, 0, kAny);
-  as.number("work", c.work, 0, kAny);
-  as.number("cost", c.cost, 0, kAny);
-}
-
-void describe(auto& as, Of<ErrorEstimate> auto& round) {
-  as.count("samples", round.samples, kMostCount);
-  as.flag("lit", round.lit);
-  as.number("relmse", round.relmse, 0, kAny);
-  as.number("spread", round.spread, 0, kAny);
-  as.number("pixels", round.pixels, 0, kAny);
-}
-
-void describe(auto& as, Of<FrameRecord> auto& frame) {
-  as.count("spp", frame.spp, kMostCount);
-  as.number("nonzero", frame.nonzero, 0, 1);
-  as.number("r", frame.mean.x, 0, kAny);
-  as.number("g", frame.mean.y, 0, kAny);
-  as.number("b", frame.mean.z, 0, kAny);
-  as.number("seconds", frame.seconds, 0, kMostSeconds);
-  as.number("cpu", frame.cpu_seconds, 0, kMostSeconds);
-}
-
-void describe(auto& as, Of<Tally::SamplePixel> auto& place) {
-  as.count("sample", place.sample, kMostCount);
-  as.count("y", place.y, 1 << 30);
-  as.count("x", place.x, 1 << 30);
-}
-
-// What the picture hangs on: alike in all its parts.
-void describe(auto& as, Of<Plan> auto& plan) {
-  as.text("label", plan.label);
-  as.record("mixture", plan.integrator.mixture);
-  as.count("spp", plan.spp, kMostSamples);
-  as.list("portals", plan.explored.ways, 1 << 20);
-  as.record("lights", plan.explored.lights);
-  as.record("beyond", plan.explored.beyond);
-}
-
-// What was measured besides.
-void describe_measured(auto& as, auto& plan) {
-  as.list("estimates", plan.forecast.estimates, 64);
-  as.count("best", plan.forecast.best, 64);
-  as.number("portals_gain", plan.forecast.portals_gain, 0, kAny);
-  as.number("gain_low", plan.forecast.gain_low, 0, kAny);
-  as.number("gain_high", plan.forecast.gain_high, 0, kAny);
-  as.count("pilot_samples", plan.pilot_samples, kMostCount);
-  as.number("pilot_cpu", plan.pilot_cpu_seconds, 0, kMostSeconds);
-  as.count("explored", plan.explored.samples, kMostCount);
-  as.number("exploration_cpu", plan.explored.cpu_seconds, 0, kMostSeconds);
-  as.list("rounds", plan.error_rounds, 64);
-  as.count("needed", plan.needed, kMostCount);
-  as.number("error_pilot_cpu", plan.error_pilot_cpu_seconds, 0, kMostSeconds);
-}
-
-void describe(auto& as, Of<Progress> auto& progress) {
-  as.record("limits", progress.limits);
-  as.count("first", progress.first, kMostCount);
-  as.count("goal", progress.goal, kMostCount);
-  as.count("added", progress.added, kMostCount);
-  as.count("whole", progress.whole, kMostCount);
-  as.number("seconds", progress.seconds, 0, kMostSeconds);
-  as.number("cpu_seconds", progress.cpu_seconds, 0, kMostSeconds);
-  as.number("began", progress.began, 0, kMostSeconds);
-  as.count("retried", progress.retried, kMostCount);
-  as.list("frames", progress.frames, 1 << 12);
-  as.list("not_finite_at", progress.tally.not_finite_at, Tally::kMostPlaces);
+// Fills in `progress`; returns the samples of a block.
+uint64_t read_state(const std::string& text, const std::string& file, Progress& progress) {
+  const Json state = nested_too_deep(text) ? Json() : Json::parse(text, nullptr, false);
+  if (!state.is_object()) throw InputError(file, "film.state", "is no JSON object");
+  const auto read = [&]<class Number>(const char* key, Number& value) {
+    const Json number = state.value(key, Json());
+    const bool sound = std::is_same_v<Number, double>
+                           ? number.is_number() && number >= 0 && number <= kMostNumber
+                           : number.is_number_unsigned() && number <= kMostCount;
+    if (!sound) throw InputError(file, fmt::format("film.state.{}", key), "is out of range");
+    value = number.get<Number>();
+  };
+  for_each_number(progress, read);
+  if (progress.goal == 0 && progress.limits.seconds == 0)
+    throw InputError(file, "film.state.goal", "is 0, and no time ends the rendering");
+  uint64_t block = 0;
+  read(kBlockSamples, block);
+  return block;
 }
 
 // ---- The sums of the tally, which add over parts of a picture ----
 
-constexpr const char *kRays = "rays", *kEnergy = "energy", *kByLength = "by_length",
-                     *kPortals = "portal_samples", *kPortalEnergy = "portal_energy",
-                     *kNotFinite = "not_finite";
+constexpr const char* kTally = "tally";
+
+void for_each_count(auto& tally, const auto& visit) {
+  auto& rays = tally.rays;
+  for (auto* const n :
+       {&rays.closest, &rays.shadow, &rays.portal, &rays.connect, &tally.not_finite})
+    visit(*n);
+  for (auto& sum : tally.energy) visit(sum);
+  for (auto& sum : tally.by_length) visit(sum);
+  for (auto& portal : tally.portals) visit(portal.drawn), visit(portal.lit), visit(portal.energy);
+}
 
 Counts counts_of(const Tally& tally) {
   Counts counts;
-  const RayCounts& rays = tally.rays;
-  counts[kRays] = {rays.closest, rays.shadow, rays.portal, rays.connect};
-  for (const UnitSum& sum : tally.energy) counts[kEnergy].push_back(sum.units());
-  for (const UnitSum& sum : tally.by_length) counts[kByLength].push_back(sum.units());
-  for (const Tally::OfPortal& portal : tally.portals) {
-    counts[kPortals].push_back(portal.drawn);
-    counts[kPortals].push_back(portal.lit);
-    counts[kPortalEnergy].push_back(portal.energy.units());
-  }
-  counts[kNotFinite] = {tally.not_finite};
+  for_each_count(tally, [&]<class Count>(const Count& count) {
+    if constexpr (std::is_same_v<Count, UnitSum>)
+      counts[kTally].push_back(count.units());
+    else
+      counts[kTally].push_back(count);
+  });
   return counts;
 }
 
-// Ignores counts that this program does not know, and surplus ones.
-void add_counts(const Counts& counts, Tally& tally) {
-  const auto taken = [&](const char* name, size_t n) {
-    const auto found = counts.find(name);
-    std::vector<Units> values = found == counts.end() ? std::vector<Units>() : found->second;
-    values.resize(n);
-    return values;
-  };
-  const auto low = [](Units units) { return static_cast<uint64_t>(units); };
-  const std::vector<Units> rays = taken(kRays, 4);
-  tally.rays.merge({low(rays[0]), low(rays[1]), low(rays[2]), low(rays[3])});
-  const std::vector<Units> energy = taken(kEnergy, kTechniques);
-  for (size_t i = 0; i < kTechniques; ++i) tally.energy[i].merge(energy[i]);
-  const std::vector<Units> by_length = taken(kByLength, Tally::kOctaves);
-  for (size_t i = 0; i < Tally::kOctaves; ++i) tally.by_length[i].merge(by_length[i]);
-  if (const auto energies = counts.find(kPortalEnergy); energies != counts.end()) {
-    const size_t n = energies->second.size();
-    const std::vector<Units> samples = taken(kPortals, 2 * n);
-    tally.begin_portals(n);
-    for (size_t i = 0; i < std::min(n, tally.portals.size()); ++i) {
-      tally.portals[i].drawn += low(samples[2 * i]);
-      tally.portals[i].lit += low(samples[2 * i + 1]);
-      tally.portals[i].energy.merge(energies->second[i]);
-    }
-  }
-  tally.not_finite += low(taken(kNotFinite, 1)[0]);
+void add_counts(Counts counts, Tally& tally) {
+  constexpr size_t kOwn = 5 + kTechniques + Tally::kOctaves, kOfPortal = 3;
+  std::vector<Units>& values = counts[kTally];
+  tally.begin_portals((std::max(values.size(), kOwn) - kOwn) / kOfPortal);
+  values.resize(kOwn + kOfPortal * tally.portals.size());
+  auto at = values.begin();
+  for_each_count(tally, [&]<class Count>(Count& count) {
+    if constexpr (std::is_same_v<Count, UnitSum>)
+      count.merge(*at++);
+    else
+      count += static_cast<uint64_t>(*at++);
+  });
 }
 
 // ---- The blocks as words: the means block after block, then the sums at the end of the last ----
@@ -292,7 +125,7 @@ void add_counts(const Counts& counts, Tally& tally) {
 static_assert(sizeof(Rgb) == 12 && sizeof(Vec3d) == 24 &&
               std::endian::native == std::endian::little);
 
-StateWords words_of(const PictureBlocks& blocks) {
+StateWords state_words(const PictureBlocks& blocks) {
   StateWords words;
   const auto append = [&](const auto& values) {
     const size_t at = words.size(), bytes = values.size() * sizeof values[0];
@@ -305,16 +138,15 @@ StateWords words_of(const PictureBlocks& blocks) {
 }
 
 PictureBlocks blocks_of(const StateWords& words, uint64_t size, const Film& film,
-                        const RecordReader& in) {
+                        const std::string& file) {
   const size_t step = watched_step(film);
   const size_t all = static_cast<size_t>(film.width()) * static_cast<size_t>(film.height());
   const size_t pixels = (all + step - 1) / step;
-  if (size == 0) in.fail("block_samples", "is out of range");
-  if (words.empty()) return PictureBlocks(size, {}, {});
+  if (words.empty() && size > 0) return PictureBlocks(size, {}, {});
   const size_t of_block = 3 * pixels, of_sums = 6 * pixels;
-  if (words.size() < of_sums || (words.size() - of_sums) % of_block != 0 ||
+  if (size == 0 || words.size() < of_sums || (words.size() - of_sums) % of_block != 0 ||
       words.size() > of_sums + 7 * of_block)
-    in.fail("block_samples", "has blocks of another size");
+    throw InputError(file, "film.state.block_samples", "has blocks of another size");
   PictureParts parts((words.size() - of_sums) / of_block, std::vector<Rgb>(pixels));
   const uint32_t* from = words.data();
   for (std::vector<Rgb>& part : parts) {
@@ -328,43 +160,42 @@ PictureBlocks blocks_of(const StateWords& words, uint64_t size, const Film& film
 
 }  // namespace
 
-std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,
-                       const Channels& channels) {
-  RecordWriter decided, state;
-  decided.text("integrator", plan.integrator.name);
-  decided.count("stream", plan.integrator.stream, kStreams);
-  describe(decided, plan);
-  describe(state, std::as_const(progress));
-  state.count("block_samples", progress.blocks.size(), kMostCount);
-  describe_measured(state, plan);
-  facts.plan = decided.dump();
-  facts.state = state.dump();
-  facts.spp = progress.spp();
-  facts.counts = counts_of(progress.tally);
-  return film_bytes(progress.film, facts, words_of(progress.blocks), channels);
+std::string plan_words(const Plan& plan) {
+  const Mixture& m = plan.integrator.mixture;
+  const std::array mixture{m.first_direct,       m.later_direct,      m.segments,
+                           m.light_walks,        m.connected,         m.connected_to_segments,
+                           m.segments_connected, m.guiding.chance[0], m.guiding.chance[1],
+                           m.through_windows};
+  std::vector<int> ways;
+  for (const PortalWay way : plan.explored.ways) ways.push_back(static_cast<int>(way));
+  const Lights::KindProbabilities& lights = plan.explored.lights;
+  return fmt::format(
+      "{}; explored {}; mixture {:.6g}; portals {}; lights {:.6g} {:.6g} {:.6g} {:.6g}", plan.label,
+      plan.explored.samples, fmt::join(mixture, " "), fmt::join(ways, " "), lights.surfaces,
+      lights.lamps, lights.parallel, lights.sky);
 }
 
-Plan plan_of(const FilmFacts& facts, const std::string& name) {
-  RecordReader in = RecordReader::of_text(facts.plan, name, "film.plan");
-  std::string integrator;
-  in.text("integrator", integrator);
-  const Integrator* const row = find_integrator(integrator);
-  if (!row) in.fail("integrator", "is not known");
-  Plan plan;
-  plan.integrator = *row;
-  in.count("stream", plan.integrator.stream, kStreams - 1);
-  if (plan.integrator.stream == 0) in.fail("stream", "is out of range");
-  describe(in, plan);
-  const Lights::KindProbabilities& s = plan.explored.lights;
-  const double sum = s.surfaces + s.lamps + s.parallel + s.sky;
-  if (sum != 0 && std::abs(sum - 1) > 1e-9) in.fail("lights", "add up to no 1");
-  if (facts.state.empty()) return plan;
-  RecordReader state = RecordReader::of_text(facts.state, name, "film.state");
-  describe_measured(state, plan);
-  const Forecast& forecast = plan.forecast;
-  const size_t n = forecast.estimates.size();
-  if (forecast.best > 0 && forecast.best >= n) state.fail("best", "is out of range");
-  return plan;
+std::string label_in(const std::string& plan_words) {
+  return plan_words.substr(0, plan_words.find(';'));
+}
+
+double explored_in(const std::string& plan_words) {
+  constexpr std::string_view kBefore = "; explored ";
+  const size_t at = plan_words.find(kBefore);
+  double samples = 0;
+  if (at != std::string::npos)
+    std::from_chars(plan_words.data() + at + kBefore.size(), plan_words.data() + plan_words.size(),
+                    samples);
+  return samples;
+}
+
+std::string film_bytes(Progress& progress, const Plan& plan, FilmFacts facts,
+                       const Channels& channels) {
+  facts.plan = plan_words(plan);
+  facts.state = state_text(progress);
+  facts.spp = progress.spp();
+  facts.counts = counts_of(progress.tally);
+  return film_bytes(progress.film, facts, state_words(progress.blocks), channels);
 }
 
 Progress progress_of(FilmFile file, const std::string& name) {
@@ -373,19 +204,153 @@ Progress progress_of(FilmFile file, const std::string& name) {
   if (file.facts.state.empty()) {
     progress.goal = progress.limits.spp = file.facts.spp;
   } else {
-    RecordReader in = RecordReader::of_text(file.facts.state, name, "film.state");
-    describe(in, progress);
-    if (progress.goal == 0 && progress.limits.seconds == 0)
-      in.fail("goal", "is 0, and no time ends the rendering");
-    uint64_t block = 0;
-    in.count("block_samples", block, kMostCount);
-    progress.blocks = blocks_of(file.words, block, progress.film, in);
+    const uint64_t block = read_state(file.facts.state, name, progress);
+    progress.blocks = blocks_of(file.words, block, progress.film, name);
   }
   const std::vector<SampleRange>& ranges = progress.film.ranges();
   if (ranges.size() > 1 || (!ranges.empty() && ranges[0].first != progress.first))
     throw InputError(name, "film",
                      "holds " + words_of(ranges) + ", which is no beginning to go on from");
   return progress;
+}
+
+// ---- How --resume and --shard affect a rendering ----
+
+namespace {
+
+// An empty file does not count: it may be a placeholder for one to come.
+bool is_there(const std::string& path) {
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(path, failed);
+  return !failed && size > 0;
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  return !b.empty() &&
+         std::filesystem::path(a).lexically_normal() == std::filesystem::path(b).lexically_normal();
+}
+
+// To the command that began the picture, in its provenance.
+void add_option(const std::string& option, std::map<std::string, std::string>& attributes) {
+  const auto provenance = attributes.find(provenance_attribute);
+  if (provenance == attributes.end()) return;
+  std::string& text = provenance->second;
+  const size_t at = text.rfind("made by tdpt-render ");
+  if (at != std::string::npos)
+    text.insert(std::min(text.find('\n', at), text.size()), " " + option);
+}
+
+// More samples than the first run was to have, or more time. A target error was aimed at before the
+// first sample, and a shard is of a fixed size.
+void take_limits(const RenderArguments& a, Progress& progress,
+                 std::map<std::string, std::string>& attributes) {
+  Limits& limits = progress.limits;
+  const Limits given{static_cast<uint64_t>(a.spp), a.seconds, a.target_error};
+  if (given == Limits() || given == limits) return;
+  if (limits.target_error > 0 || given.target_error > 0 || progress.whole > 0)
+    throw UsageError(fmt::format("--spp, --time, --target-error: those that {} was begun with hold",
+                                 display_name(a.resume)));
+  if (given.spp > 0 && given.spp < progress.film.samples())
+    throw UsageError(fmt::format("--spp {}: {} has {} per pixel already", given.spp,
+                                 display_name(a.resume),
+                                 counted(progress.film.samples(), "sample")));
+  limits = given;
+  progress.goal = given.spp;
+  progress.added = 0;
+  if (given.spp > 0) add_option(fmt::format("--spp {}", given.spp), attributes);
+}
+
+// Raises the picture's goal. If the last --add-samples asked for as many and was cut short, this is
+// the same command run again: it adds nothing and returns false.
+bool add_samples(uint64_t n, Progress& progress) {
+  if (progress.added == n && progress.film.samples() < progress.goal) return false;
+  if (std::max(progress.goal, progress.film.samples()) + n > kMostSamples)
+    throw UsageError(fmt::format("--add-samples {}: a picture has {} samples per pixel at the most",
+                                 n, kMostSamples));
+  progress.goal = (progress.goal > 0 ? progress.goal : progress.film.samples()) + n;
+  progress.added = n;
+  return true;
+}
+
+// Refuses a film that cannot hold this world's samples, whatever its file claims.
+void check_film(const Progress& progress, const Vista& vista, const std::string& file) {
+  const Film& film = progress.film;
+  if (film.width() != vista.view.film.width() || film.height() != vista.view.film.height() ||
+      film.unit() != Film(1, 1, vista.world->lights.power()).unit() ||
+      (!progress.tally.portals.empty() &&
+       progress.tally.portals.size() != vista.openings.portals.portals()))
+    throw InputError(file, "film", "keeps other sums than this picture");
+}
+
+void check_part(const RenderArguments& a, const Progress& progress, const std::string& file) {
+  const bool is_part = progress.first > 0 || progress.whole > 0;
+  if (a.shard.empty()) {
+    if (is_part)
+      throw UsageError(
+          fmt::format("--resume {}: is a shard, of {} of {}; give --shard as it was begun", file,
+                      words_of({{progress.first, progress.goal}}), progress.whole));
+    return;
+  }
+  const SampleRange part = samples_of_shard(a.shard, progress.spp());
+  if (part.first != progress.first || part.count != progress.goal)
+    throw InputError(file, "",
+                     fmt::format("is to hold {}, not those of shard {}",
+                                 words_of({{progress.first, progress.goal}}), a.shard));
+  if (a.add_samples > 0)
+    throw UsageError("--add-samples: " + file + " is a shard, which is of a fixed size");
+}
+
+}  // namespace
+
+void check_checkpoint(const RenderArguments& a) {
+  if (!a.checkpoint.empty() && !is_same(a.checkpoint, a.resume) && is_there(a.checkpoint))
+    throw UsageError("--checkpoint " + a.checkpoint +
+                     ": is there already; go on from it with --resume, or remove it");
+}
+
+void take_part(const RenderArguments& a, Progress& progress) {
+  if (a.shard.empty()) return;
+  progress.whole = progress.goal;
+  const SampleRange part = samples_of_shard(a.shard, progress.whole);
+  if (part.count == 0)
+    throw UsageError(fmt::format("--shard {}: there {} only {}", a.shard,
+                                 progress.whole == 1 ? "is" : "are",
+                                 counted(progress.whole, "sample")));
+  progress.first = part.first;
+  progress.goal = part.count;
+}
+
+std::optional<Begun> read_begun(const RenderArguments& a, const Fingerprint& is_of,
+                                const Vista& vista) {
+  // A file named for both is created if it does not exist yet.
+  if (a.resume.empty() || (is_same(a.checkpoint, a.resume) && !is_there(a.resume))) return {};
+  const std::string name = display_name(a.resume);
+  FilmFile film = read_film(a.resume);
+  if (const std::string other = difference(film.facts.shape, is_of); !other.empty())
+    throw InputError(name, "", "is of " + other);
+  if (film.facts.spp == 0) throw InputError(name, "film", "has no samples");
+  FilmFacts facts = film.facts;
+  // These say how a rendering ended, which is yet to come.
+  for (const char* word : {"targetError", "estimatedError", "stoppedBy"})
+    facts.attributes.erase(word);
+  const auto begun = std::make_shared<Progress>(progress_of(std::move(film), name));
+  Progress& progress = *begun;
+  check_film(progress, vista, name);
+  check_part(a, progress, name);
+  take_limits(a, progress, facts.attributes);
+  if (a.add_samples > 0 && add_samples(static_cast<uint64_t>(a.add_samples), progress))
+    add_option(fmt::format("--add-samples {}", a.add_samples), facts.attributes);
+  return Begun{begun, std::move(facts)};
+}
+
+std::string other_code_sentence(const std::string& file, const std::string& before,
+                                const std::string& now) {
+  const bool both = merged_words(before, now).find(kGpuCode) != std::string::npos;
+  return fmt::format(
+      "{} was rendered by code for {}, this is code for {}: {}", file, shown(before), now,
+      both ? "CPU and GPU agree in the mean, but not in the last digits of each sample"
+           : "the last digits may differ from those of one machine; --set isa=sse2 is "
+             "alike on all");
 }
 
 }  // namespace tdpt

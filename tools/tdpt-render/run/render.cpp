@@ -1,12 +1,10 @@
 #include "tools/tdpt-render/run/render.h"
 
-#include <array>
 #include <bit>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "libcommon/base/error.h"
 #include "libcommon/base/process.h"
 #include "libcommon/base/words.h"
 
@@ -15,51 +13,39 @@ namespace {
 
 // ---- The target error ----
 
-using Stop = TargetOutcome::Stop;
-
-// Indexed by Stop.
-constexpr std::array kStops{"target", "spp", "time", "signal", "no light"};
-
-// Blocks of that many samples are trusted more than a pilot in any case.
-constexpr uint64_t kTelling = 8;
-
-const char* stop_of(const TargetOutcome& target) {
-  return kStops[static_cast<size_t>(target.stop)];
-}
-
-ErrorEstimate estimate_of(const PictureBlocks& blocks) {
-  return blocks.blocks().size() > 2 ? estimate_error(blocks.blocks(), blocks.size())
-                                    : ErrorEstimate{.samples = blocks.size()};
-}
-
-Stop stop_of(const Progress& progress, uint64_t fixed) {
-  const uint64_t samples = progress.film.samples();
-  if (progress.interrupted) return Stop::signal;
-  if (progress.goal == 0 || samples < progress.goal) return Stop::time;
-  if (progress.goal == progress.in_force().spp && fixed != progress.goal) return Stop::spp;
-  return fixed > 0 ? Stop::fixed : Stop::unlit;
-}
-
-// What the picture's blocks show, or the pilot's parts, if the blocks' estimate does not suffice or
-// there are fewer than three.
-std::optional<Noise> noise_of_parts(const std::vector<ErrorEstimate>& rounds,
-                                    const Progress& progress) {
-  const uint64_t samples = progress.film.samples();
-  ErrorEstimate estimate = estimate_of(progress.blocks);
-  if (!tells(estimate) && estimate.samples < kTelling && !rounds.empty()) {
-    const ErrorEstimate& round = best_round(rounds, samples);
-    if (round.lit && (tells(round) || round.samples > estimate.samples || !estimate.lit))
-      estimate = round;
-  }
-  if (!estimate.lit) return {};
+// Of the picture, as the pilot's parts predict it: relMSE falls at least as 1 / samples.
+std::optional<Noise> predicted_noise(const ErrorPilot& pilot, uint64_t samples) {
+  if (pilot.needed == 0 || samples == 0) return {};
+  const ErrorEstimate& parts = pilot.estimate;
   const double relmse =
-      estimate.relmse * static_cast<double>(estimate.samples) / static_cast<double>(samples);
-  const double factor = interval_factor(estimate);
+      parts.relmse * static_cast<double>(parts.samples) / static_cast<double>(samples);
+  const double factor = interval_factor(parts);
   return Noise{relmse, relmse / factor, relmse * factor};
 }
 
+const char* stop_of(const Progress& progress, uint64_t fixed) {
+  const uint64_t samples = progress.film.samples();
+  if (progress.interrupted) return "signal";
+  if (progress.goal == 0 || samples < progress.goal) return "time";
+  if (progress.goal == progress.in_force().spp && fixed != progress.goal) return "spp";
+  return fixed > 0 ? "target" : "no light";
+}
+
+// If there is a target. `noise`: of the picture, if it is known; else what the pilot predicts.
+std::optional<TargetOutcome> target_outcome(const Session& session, const Progress& progress,
+                                            const std::optional<Noise>& noise) {
+  TargetOutcome target;
+  target.error = progress.in_force().target_error;
+  if (target.error == 0) return {};
+  target.dark = session.is_dark();
+  target.fixed = target.dark ? progress.goal : progress.error_pilot.needed;
+  target.stopped_by = stop_of(progress, target.fixed);
+  target.noise = noise ? noise : predicted_noise(progress.error_pilot, progress.film.samples());
+  return target;
+}
+
 // "about 0.0093 [0.0088, 0.0098]".
-std::string estimate_of(const TargetOutcome& target) {
+std::string estimate_words(const TargetOutcome& target) {
   if (!target.noise) return "not known";
   return fmt::format("about {} [{}, {}]", number_words(target.noise->relmse, 2),
                      number_words(target.noise->low, 2), number_words(target.noise->high, 2));
@@ -67,84 +53,39 @@ std::string estimate_of(const TargetOutcome& target) {
 
 }  // namespace
 
-std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
-                                   const Progress& progress, const std::optional<Noise>& noise) {
-  TargetOutcome target;
-  target.error = progress.in_force().target_error;
-  if (target.error == 0) return {};
-  target.dark = session.is_dark();
-  target.fixed = target.dark ? plan.spp : progress.retried > 0 ? progress.retried : plan.needed;
-  target.stop = stop_of(progress, target.fixed);
-  target.noise = noise ? noise : noise_of_parts(plan.error_rounds, progress);
-  return target;
-}
-
-bool raise_goal(TargetOutcome& target, Progress& progress) {
-  const Limits& limits = progress.limits;
-  if (!limits.retry || progress.retried > 0) return false;
-  const PictureBlocks& blocks = progress.blocks;
-  const ErrorEstimate estimate = estimate_of(blocks);
-  const bool known = tells(estimate) || (estimate.lit && blocks.size() >= kTelling);
-  if (target.stop != Stop::fixed || target.reached() || !known) return false;
-  const uint64_t needed = samples_needed(estimate, blocks.blocks().size(), target.error);
-  const uint64_t goal = limits.spp > 0 ? std::min(needed, limits.spp) : needed;
-  if (goal <= progress.film.samples()) {
-    if (needed > goal) target.stop = Stop::spp;
-    return false;
-  }
-  progress.retried = needed;
-  progress.goal = goal;
-  return true;
-}
-
-std::string target_sentence(const TargetOutcome& target, const Progress& progress) {
+std::string target_sentence(const TargetOutcome& target, uint64_t spp) {
   const std::string aim = fmt::format("target relMSE {} ", number_words(target.error));
   if (target.dark) return aim + "reached: no light can come to the camera, the picture is black";
   const std::string got =
-      fmt::format(": it is {} after {} per pixel{}", estimate_of(target),
-                  counted(progress.film.samples(), "sample"),
-                  progress.retried > 0 ? ", those of --set retry=1 among them" : "");
+      fmt::format(": it is {} after {} per pixel", estimate_words(target), counted(spp, "sample"));
+  const std::string& stop = target.stopped_by;
   if (target.reached()) return aim + "reached" + got;
-  const std::string enough =
-      target.fixed > 0 ? fmt::format("; {} would do", target.fixed) : std::string();
-  switch (target.stop) {
-    case Stop::spp:
-      return aim + "not reached, stopped by --spp" + got + enough;
-    case Stop::time:
-      return aim + "not reached, stopped by --time" + got + enough;
-    case Stop::signal:
-      return aim + "not reached, stopped by a signal" + got + enough;
-    case Stop::unlit:
-      return aim + "not reached, too little light was met to tell how many samples it takes" + got;
-    case Stop::fixed:
-      break;
-  }
-  return aim + "missed" + got + (!progress.limits.retry ? "; --set retry=1 renders on" : "");
+  if (stop == "target") return aim + "missed" + got;
+  if (stop == "no light")
+    return aim + "not reached, too little light was met to tell how many samples it takes" + got;
+  return fmt::format("{}not reached, stopped by {}{}{}", aim,
+                     stop == "signal" ? "a signal" : "--" + stop, got,
+                     target.fixed > 0 ? fmt::format("; {} would do", target.fixed) : "");
 }
 
-nlohmann::ordered_json target_json(const TargetOutcome& target, const Plan& plan,
-                                   const Progress& progress) {
-  nlohmann::ordered_json j{{"error", target.error},
-                           {"reached", target.reached()},
-                           {"stopped_by", stop_of(target)},
-                           {"relmse", nullptr},
-                           {"interval", nullptr}};
+nlohmann::ordered_json target_json(const TargetOutcome& target, const ErrorPilot& pilot) {
+  nlohmann::ordered_json j{
+      {"error", target.error}, {"reached", target.reached()}, {"stopped_by", target.stopped_by},
+      {"relmse", nullptr},     {"interval", nullptr},         {"fixed_spp", nullptr}};
   if (target.dark) j["relmse"] = 0;
   if (target.noise) {
     j["relmse"] = target.noise->relmse;
     j["interval"] = {target.noise->low, target.noise->high};
   }
-  j["fixed_spp"] = nullptr;
   if (target.fixed > 0) j["fixed_spp"] = target.fixed;
-  j["retried"] = progress.retried > 0;
-  j["pilot"] = {{"spp", plan.error_pilot_samples()}, {"cpu", plan.error_pilot_cpu_seconds}};
+  j["pilot"] = {{"spp", pilot.samples()}, {"cpu", pilot.cpu_seconds}};
   return j;
 }
 
 std::map<std::string, std::string> target_attributes(const TargetOutcome& target) {
   return {{"targetError", fmt::format("{:.6g}", target.error)},
-          {"estimatedError", target.dark ? "0" : estimate_of(target)},
-          {"stoppedBy", stop_of(target)}};
+          {"estimatedError", target.dark ? "0" : estimate_words(target)},
+          {"stoppedBy", target.stopped_by}};
 }
 
 // ---- Passes ----
@@ -154,36 +95,34 @@ namespace {
 // Renders pass by pass.
 class Rendering {
  public:
-  Rendering(Session& session, const Plan& plan, Progress& progress,
-            const std::function<void()>& between)
+  Rendering(Session& session, RenderResult& result, const std::function<void()>& between)
       : session_(session),
-        plan_(plan),
-        progress_(progress),
-        film_(progress.film),
+        result_(result),
+        progress_(*result.progress),
+        film_(progress_.film),
         between_(between),
-        framed_(progress.frames.empty() ? film_.samples() : progress.frames.back().spp) {
+        recorded_(film_.samples()) {
     begin_blocks();
   }
 
   /// Until all samples are rendered or the time is up.
-  void run(RenderResult& result);
+  void render_goal();
 
  private:
   void begin_blocks();
   void end_block();
   uint64_t next_pass() const;
   void record_frame();
-  void render_goal();
   void stop_clock();
   std::string error_so_far() const;
 
   Session& session_;
-  const Plan& plan_;
+  RenderResult& result_;
   Progress& progress_;
   Film& film_;
   const std::function<void()>& between_;
-  uint64_t framed_;          // samples when the last frame was recorded
-  std::string noise_words_;  // as of the last block
+  uint64_t recorded_;           // samples when the last frame was recorded
+  std::optional<Noise> noise_;  // as of the last block
 };
 
 // A device would rather not be stopped: its first block is a fourth of the picture. Samples without
@@ -201,27 +140,23 @@ void Rendering::begin_blocks() {
 void Rendering::end_block() {
   if (film_.samples() != progress_.blocks.next()) return;
   progress_.blocks.add(film_.sums(watched_step(film_)));
-  const std::optional<Noise> noise = noise_of(film_, progress_.blocks);
-  noise_words_ = noise ? fmt::format("relMSE about {}", number_words(noise->relmse, 2)) : "";
+  noise_ = noise_of(film_, progress_.blocks);
 }
 
-// "relMSE about 0.02", predicted by the pilot, or estimated from the picture.
+// "relMSE about 0.02", estimated from the picture, or predicted by the pilot.
 std::string Rendering::error_so_far() const {
-  if (plan_.error_rounds.empty()) return noise_words_;
-  if (film_.samples() == 0) return "";
-  const ErrorEstimate& round = best_round(plan_.error_rounds, film_.samples());
-  if (!(round.relmse > 0)) return "";
-  const double of = static_cast<double>(round.samples) / static_cast<double>(film_.samples());
-  return fmt::format("relMSE about {}", number_words(round.relmse * of, 2));
+  const auto noise =
+      noise_ ? noise_ : predicted_noise(progress_.error_pilot, progress_.film.samples());
+  return noise ? fmt::format("relMSE about {}", number_words(noise->relmse, 2)) : "";
 }
 
 void Rendering::record_frame() {
   const double seconds = session_.seconds(), cpu = session_.cpu();
   session_.aside([&] {
     const Picture picture = film_.picture();
-    progress_.frames.push_back(
+    result_.frames.push_back(
         {film_.samples(), nonzero_of(picture), mean_of(picture), seconds, cpu});
-    framed_ = film_.samples();
+    recorded_ = film_.samples();
   });
 }
 
@@ -233,7 +168,7 @@ uint64_t Rendering::next_pass() const {
       std::max<uint64_t>(session_.renderer.samples_of_pass() / session_.pixels, 1);
   uint64_t n = goal == 0 ? most : std::min(most, goal - done);
   n = std::min(n, progress_.blocks.next() - done);
-  if (session_.job.frames) n = std::min(n, next_frame(framed_) - done);
+  if (session_.job.frames) n = std::min(n, next_frame(recorded_) - done);
   if (session_.longest == 0) return 0;
   const double limit = progress_.in_force().seconds;
   if (limit == 0) return n;
@@ -252,7 +187,7 @@ void Rendering::stop_clock() {
 
 void Rendering::render_goal() {
   const uint64_t goal = progress_.goal;
-  if (next_pass() > 0) session_.make_ready(plan_.integrator, film_);
+  if (next_pass() > 0) session_.make_ready(result_.plan.integrator, film_);
   ProgressBar bar("rendering", "samples",
                   (goal - std::min(goal, film_.samples())) * session_.pixels, session_.job.quiet);
   if (goal == 0) bar.ends_after(progress_.in_force().seconds - session_.seconds());
@@ -264,51 +199,20 @@ void Rendering::render_goal() {
     progress_.interrupted = stop_requested() && film_.samples() > 0;
     if (progress_.interrupted) break;
     bar.tell(error_so_far());
-    session_.renderer.render(plan_.integrator, session_.rules, 0, {progress_.next(), n}, film_,
-                             progress_.tally, bar);
+    session_.renderer.render(result_.plan.integrator, session_.rules, 0, {progress_.next(), n},
+                             film_, progress_.tally, bar);
     end_block();
-    if (session_.job.frames && film_.samples() == next_frame(framed_)) record_frame();
+    if (session_.job.frames && film_.samples() == next_frame(recorded_)) record_frame();
     stop_clock();
-    if (between_ && !plan_.cut_short) session_.aside(between_);
+    if (between_ && !result_.plan.cut_short) session_.aside(between_);
   }
-}
-
-void Rendering::run(RenderResult& result) {
-  const auto judge_now = [&] {
-    result.noise = noise_of(film_, progress_.blocks);
-    result.target = judge(session_, plan_, progress_, result.noise);
-  };
-  render_goal();
-  judge_now();
-  if (result.target && raise_goal(*result.target, progress_)) {
-    render_goal();
-    judge_now();
-  }
-  result.frames = progress_.frames;
-  if (session_.job.frames && (result.frames.empty() || framed_ != film_.samples())) {
-    record_frame();  // the last one, which is none of those that are recorded on the way
-    std::swap(result.frames, progress_.frames);
-  }
+  result_.noise = noise_of(film_, progress_.blocks);
+  if (session_.job.frames && (result_.frames.empty() || recorded_ != film_.samples()))
+    record_frame();
   stop_clock();
-  // A rendering that its time limit ended is complete.
-  if (progress_.goal == 0 && !progress_.interrupted) progress_.goal = film_.samples();
-  result.tally.add(progress_.tally);
-  result.picture = film_.picture();
 }
 
 }  // namespace
-
-Vec3d mean_of(const Picture& picture) {
-  Vec3d sum;
-  for (const Rgb& p : picture.pixels) sum += Vec3d(p);
-  return sum / static_cast<double>(std::max<size_t>(picture.pixels.size(), 1));
-}
-
-double nonzero_of(const Picture& picture) {
-  size_t n = 0;
-  for (const Rgb& p : picture.pixels) n += p != Rgb{};
-  return static_cast<double>(n) / static_cast<double>(std::max<size_t>(picture.pixels.size(), 1));
-}
 
 uint64_t next_frame(uint64_t spp) {
   return spp + std::max<uint64_t>(1, spp < 256 ? 1 : spp / 16);
@@ -328,6 +232,7 @@ Progress new_progress(const Session& session, const std::vector<Candidate>& cand
                          film_options(session.job, candidates)),
                     session.job.limits);
   progress.goal = plan.spp;
+  progress.error_pilot = plan.error_pilot;
   return progress;
 }
 
@@ -336,11 +241,17 @@ RenderResult render(Session& session, const Plan& plan, std::shared_ptr<Progress
   RenderResult result;
   result.plan = plan;
   result.progress = std::move(progress);
+  Progress& now = *result.progress;
   if (result.spp() == 0)
-    result.progress->began = session.seconds();
+    now.began = session.seconds();
   else
-    session.add_time(result.progress->seconds, result.progress->cpu_seconds);
-  Rendering(session, plan, *result.progress, between).run(result);
+    session.add_time(now.seconds, now.cpu_seconds);
+  Rendering(session, result, between).render_goal();
+  result.target = target_outcome(session, now, result.noise);
+  // A rendering that its time limit ended is complete.
+  if (now.goal == 0 && !now.interrupted) now.goal = now.film.samples();
+  result.tally.add(now.tally);
+  result.picture = now.film.picture();
   return result;
 }
 

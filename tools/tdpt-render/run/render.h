@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "libcommon/options/picture_options.h"
 #include "tools/tdpt-render/plan/plan.h"
 #include "tools/tdpt-render/run/progress.h"
 
@@ -16,34 +17,30 @@ namespace tdpt {
 
 /// What became of a target error.
 struct TargetOutcome {
-  /// `fixed`: the fixed number was rendered; `unlit`: the pilot met no light and fixed none.
-  enum class Stop { fixed, spp, time, signal, unlit };
-
   double error = 0;    ///< the target
   uint64_t fixed = 0;  ///< samples per pixel that it takes; 0: not known
-  Stop stop = Stop::fixed;
+  /// "target": the fixed number was rendered; else "spp", "time", "signal", or "no light": the
+  /// pilot met none and fixed no number.
+  std::string stopped_by = "target";
   bool dark = false;           ///< nothing in the scene emits light: there is no error
   std::optional<Noise> noise;  ///< of the picture, estimated; none if no light was met
   bool reached() const { return dark || (noise && noise->relmse <= error); }
 };
 
-/// The outcome as it stands, if there is a target. `noise`: of the picture, if it is known; else
-/// what its blocks or the pilot show.
-std::optional<TargetOutcome> judge(const Session& session, const Plan& plan,
-                                   const Progress& progress, const std::optional<Noise>& noise);
-/// Whether a second try is due: then raises the goal. The samples rendered so far are kept.
-bool raise_goal(TargetOutcome& target, Progress& progress);
-
-/// "target relMSE 0.01 reached: ..." or what stopped it.
-std::string target_sentence(const TargetOutcome& target, const Progress& progress);
+/// "target relMSE 0.01 reached: ..." or what stopped it. `spp`: samples per pixel of the picture.
+std::string target_sentence(const TargetOutcome& target, uint64_t spp);
 /// The object `target` of tdpt-render(1), STATISTICS.
-nlohmann::ordered_json target_json(const TargetOutcome& target, const Plan& plan,
-                                   const Progress& progress);
+nlohmann::ordered_json target_json(const TargetOutcome& target, const ErrorPilot& pilot);
 /// String attributes of the EXR header.
 std::map<std::string, std::string> target_attributes(const TargetOutcome& target);
 
-Vec3d mean_of(const Picture& picture);      ///< over all pixels
-double nonzero_of(const Picture& picture);  ///< share of pixels that are not black
+/// The picture after its first `spp` samples per pixel.
+struct FrameRecord {
+  uint64_t spp = 0;
+  double nonzero = 0;                   ///< share of pixels that are not black
+  Vec3d mean;                           ///< over all pixels
+  double seconds = 0, cpu_seconds = 0;  ///< of rendering so far
+};
 
 /// A picture as it was rendered, and what its film tells.
 struct RenderResult {

@@ -9,38 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/words.h"
-#include "tools/tdpt-render/run/camera_sight.h"
+#include "tools/tdpt-render/run/scene_cache.h"
 
 namespace tdpt {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kMostSentences = 4;
-
 double total_energy(const RenderTally& tally) {
   return std::accumulate(tally.energy.begin(), tally.energy.end(), 0.0);
-}
-
-// ---- Portals ----
-
-// "portal.0, portal.1 and 3 more".
-std::string names_of(const std::vector<std::string>& names) {
-  if (names.size() <= kMostSentences) return fmt::format("{}", fmt::join(names, ", "));
-  const size_t named = kMostSentences - 1;
-  return fmt::format(
-      "{} and {} more",
-      fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(named), ", "),
-      names.size() - named);
-}
-
-// The first of the sentences, one for each portal, and how many more there are.
-std::vector<std::string> first_few(std::vector<std::string> sentences) {
-  if (sentences.size() <= kMostSentences) return sentences;
-  const size_t more = sentences.size() - (kMostSentences - 1);
-  sentences.resize(kMostSentences - 1);
-  sentences.push_back(fmt::format("and {} more portals", more));
-  return sentences;
 }
 
 const char* words_of(PortalWay way) {
@@ -145,7 +122,7 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
   j["device"] = device;
   j["mean"] = numbers(result.mean());
   j["nonzero"] = result.nonzero();
-  if (result.target) j["target"] = target_json(*result.target, plan, *result.progress);
+  if (result.target) j["target"] = target_json(*result.target, result.progress->error_pilot);
   if (const auto& noise = result.noise)
     j["noise"] = {{"relmse", noise->relmse}, {"interval", {noise->low, noise->high}}};
   const RayCounts& rays = result.tally.rays;
@@ -160,13 +137,6 @@ Json stats_of(const Job& job, const Integrator& asked, const std::vector<Portal>
     lengths.push_back(total > 0 ? light / total : 0.0);
   if (const auto& beyond = plan.explored.beyond)
     j["beyond"] = {{"depth", beyond->depth}, {"share", beyond->share}, {"error", beyond->error}};
-  const Lights::KindProbabilities& lights = plan.explored.lights;
-  j["lights"] = {{"surfaces", lights.surfaces},
-                 {"lamps", lights.lamps},
-                 {"parallel", lights.parallel},
-                 {"sky", lights.sky}};
-  if (plan.explored.samples > 0)
-    j["exploration"] = {{"samples", plan.explored.samples}, {"cpu", plan.explored.cpu_seconds}};
   j["not_finite"] = result.tally.not_finite;
   for (size_t i = 0; i < portals.size(); ++i)
     j["portals"].push_back(portal_json(portals[i], i, result));
@@ -202,6 +172,7 @@ std::string choice_sentence(const RenderResult& result, bool lit) {
   const Forecast& forecast = result.plan.forecast;
   const std::string chose = "rendering with " + result.plan.label;
   if (!lit) return chose + ": there is no light to choose by";
+  if (!result.plan.is_new) return chose;
   if (forecast.estimates.empty())
     return chose + (result.progress->interrupted ? ": stopped before it could choose"
                                                  : ": the samples are too few to choose by");
@@ -231,33 +202,23 @@ std::string length_sentence(const Job& job, const RenderResult& result) {
       kMaxDepth / 2 + 1, kMaxDepth, percent_words(last / total));
 }
 
-std::string turning_sentence(const Portal& portal, PortalWay way) {
-  if (way == PortalWay::back && !portal.both_ways)
-    return portal.name + ": its front faces the light, not the camera: turned round";
-  if (way == PortalWay::both && !portal.both_ways)
-    return portal.name + ": light passes it both ways, so it works both ways";
-  if (portal.both_ways && (way == PortalWay::back || way == PortalWay::front))
-    return fmt::format("{}: is double-sided, light passes it {}: works that way alone", portal.name,
-                       words_of(way));
-  return "";
+std::string way_sentence(const Portal& portal, PortalWay way) {
+  if (way == PortalWay::left_out)
+    return "no light passes " + portal.name + " on its way to the camera: left out";
+  const PortalWay drawn = portal.both_ways ? PortalWay::both : PortalWay::front;
+  if (way == PortalWay::as_drawn || way == drawn) return "";
+  return fmt::format("{}: is drawn otherwise, but light passes it {}: works that way", portal.name,
+                     words_of(way));
 }
 
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result) {
-  const bool used = std::any_of(portals.begin(), portals.end(),
-                                [](const Portal& portal) { return !portal.triangles.empty(); });
-  if (!used || !result.plan.integrator.mixture.has(Technique::portal)) return "";
-  const double total = total_energy(result.tally);
-  const double share = result.tally.energy[static_cast<size_t>(Technique::portal)] / total;
-  if (total > 0 && share < kLeastEnergy)
-    return fmt::format("paths that begin in the portals brought {} of the light",
-                       percent_words(share));
+  if (!result.plan.integrator.mixture.has(Technique::portal)) return "";
   std::vector<std::string> names;
   for (size_t i = 0; i < portals.size(); ++i)
     if (!portals[i].triangles.empty() && portal_json(portals[i], i, result).at("useless"))
       names.push_back(portals[i].name);
   if (names.empty()) return "";
-  return "next to no light came through " + names_of(names) + ": " +
-         (names.size() == 1 ? "it was" : "they were") + " of no use";
+  return fmt::format("next to no light came through {}: of no use", fmt::join(names, ", "));
 }
 
 void report_before(const Job& job, const Vista& vista, const Integrator& asked,
@@ -266,16 +227,9 @@ void report_before(const Job& job, const Vista& vista, const Integrator& asked,
   const Mixture& named = job.named.mixture;
   if (portals.empty() && (named.has(Technique::portal) || named.guiding != Guiding{}))
     common.warn("no portal is given, so no path is sampled through one");
-  std::vector<std::string> left_out, turned;
-  for (size_t i = 0; i < ways.size(); ++i) {
-    const Portal& portal = portals[i];
-    if (ways[i] == PortalWay::left_out) left_out.push_back(portal.name);
-    if (const std::string sentence = turning_sentence(portal, ways[i]); !sentence.empty())
-      turned.push_back(sentence);
-  }
-  if (!left_out.empty())
-    common.note("no light passes " + names_of(left_out) + " on its way to the camera: left out");
-  for (const std::string& sentence : first_few(turned)) common.note(sentence);
+  for (size_t i = 0; i < ways.size(); ++i)
+    if (const std::string sentence = way_sentence(portals[i], ways[i]); !sentence.empty())
+      common.note(sentence);
   if (const std::string missed = light_missed(asked, vista.world->scene); !missed.empty())
     common.warn(missed);
   if (vista.world->lights.empty())
@@ -300,7 +254,7 @@ void report_choice(const Session& session, const RenderResult& result, const cli
 void report_after(const Session& session, const std::vector<Portal>& portals,
                   const RenderResult& result, const RenderArguments& a, const cli::Common& common) {
   const Progress& progress = *result.progress;
-  // Else the cause was told before, or the sky is left out, or longer paths are.
+  // With less light to be found than that, the cause was named before.
   const bool black = is_black(result);
   if (black && !session.is_shorter() && !session.job.alpha && session.job.max_depth == kMaxDepth)
     common.warn("no sample found light: the picture is black; " + why_black(session.vista));
@@ -317,7 +271,7 @@ void report_after(const Session& session, const std::vector<Portal>& portals,
   if (result.plan.cut_short && !(a.checkpoint.empty() && a.resume.empty()))
     common.note("not all was decided before the signal: no checkpoint is kept");
   if (result.target)
-    common.note(target_sentence(*result.target, progress));
+    common.note(target_sentence(*result.target, result.spp()));
   else if (!black && !result.plan.cut_short && (result.noise || !session.is_shorter()))
     common.note((a.filters() ? "before filtering " : "") +
                 noise_sentence(result.noise, progress.seconds));

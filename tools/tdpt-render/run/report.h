@@ -42,9 +42,9 @@ std::string verdict_sentence(const RenderResult& result);
 /// How much light the limit on path length leaves out, by --max-depth or by the hard stop; empty if
 /// negligible.
 std::string length_sentence(const Job& job, const RenderResult& result);
-/// A portal that will work in another way than it is drawn; empty if it does not.
-std::string turning_sentence(const Portal& portal, PortalWay way);
-/// Segments that carried little light, or portals whose samples did; empty if there are none.
+/// A portal that will not work as it is drawn; else empty.
+std::string way_sentence(const Portal& portal, PortalWay way);
+/// Portals whose samples carried little light; empty if there are none.
 std::string idleness_sentence(const std::vector<Portal>& portals, const RenderResult& result);
 
 /// A portal is useless if its samples carried less than kNoEnergy of the light, or less than

@@ -3,7 +3,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/tdpt-render/plan/error_estimate.h"
+#include "tools/tdpt-render/plan/noise.h"
 #include "tools/tdpt-render/testing/rendering.h"
 
 namespace tdpt::target_test {
@@ -63,16 +63,16 @@ double told_over_true(bool one_round) {
                    progress);
     return std::optional(film.sums());
   };
-  const auto rounds = run_error_pilot(kWidth * kHeight, 1e6, 1, draw);
+  const ErrorEstimate estimate = run_error_pilot(kWidth * kHeight, 1e6, 1, draw).estimate;
   double mean = 0;
   constexpr uint64_t kPictures = 12;
   for (uint64_t seed = 1; seed <= kPictures; ++seed) {
     Job settings;
-    settings.limits.spp = rounds.back().samples;
+    settings.limits.spp = estimate.samples;
     settings.seed = seed;
     mean += relmse(render(window().vista, nee, settings).picture, reference()) / kPictures;
   }
-  return rounds.back().relmse / mean;
+  return estimate.relmse / mean;
 }
 
 TEST(target, a_pilot_tells_the_error_of_pictures_like_its_parts) {
@@ -162,7 +162,7 @@ TEST(target, smaller_errors_take_more_samples) {
     const RenderResult r = render(window().vista, nee, to(error));
     EXPECT_GT(r.spp(), before);
     EXPECT_EQ(r.spp(), r.target->fixed);
-    EXPECT_EQ(target_json(*r.target, r.plan, *r.progress)["stopped_by"], "target");
+    EXPECT_EQ(r.target->stopped_by, "target");
     before = r.spp();
   }
   EXPECT_EQ(render(window().vista, nee, to(1e6)).spp(), 1u);
@@ -175,18 +175,17 @@ TEST(target, samples_and_time_are_limits) {
   EXPECT_EQ(few.spp(), 5u);
   EXPECT_FALSE(few.target->reached());
   EXPECT_GT(few.target->fixed, 1000u);
-  EXPECT_EQ(target_json(*few.target, few.plan, *few.progress)["stopped_by"], "spp");
-  EXPECT_NE(target_sentence(*few.target, *few.progress)
-                .find("not reached, stopped by --spp: it is about"),
-            std::string::npos);
+  EXPECT_EQ(few.target->stopped_by, "spp");
+  EXPECT_NE(
+      target_sentence(*few.target, few.spp()).find("not reached, stopped by --spp: it is about"),
+      std::string::npos);
   settings.limits.spp = 0;
   settings.limits.seconds = 0.3;
   const RenderResult late = render(window().vista, nee, settings);
   EXPECT_GT(late.spp(), 0u);
   EXPECT_FALSE(late.target->reached());
-  EXPECT_EQ(target_json(*late.target, late.plan, *late.progress)["stopped_by"], "time");
-  EXPECT_NE(target_sentence(*late.target, *late.progress).find("stopped by --time"),
-            std::string::npos);
+  EXPECT_EQ(late.target->stopped_by, "time");
+  EXPECT_NE(target_sentence(*late.target, late.spp()).find("stopped by --time"), std::string::npos);
 }
 
 TEST(target, one_pixel_is_a_picture) {
@@ -204,9 +203,9 @@ TEST(target, a_picture_without_light_ends) {
   const RenderResult unlit = render(vista, nee, settings);
   EXPECT_FALSE(unlit.target->reached());
   EXPECT_FALSE(unlit.target->noise);
-  EXPECT_EQ(target_json(*unlit.target, unlit.plan, *unlit.progress)["stopped_by"], "no light");
-  EXPECT_TRUE(target_json(*unlit.target, unlit.plan, *unlit.progress)["relmse"].is_null());
-  EXPECT_NE(target_sentence(*unlit.target, *unlit.progress).find("too little light"),
+  EXPECT_EQ(unlit.target->stopped_by, "no light");
+  EXPECT_TRUE(target_json(*unlit.target, unlit.plan.error_pilot)["relmse"].is_null());
+  EXPECT_NE(target_sentence(*unlit.target, unlit.spp()).find("too little light"),
             std::string::npos);
 
   Scene dark = read_gltf(two_rooms_path());
@@ -216,60 +215,18 @@ TEST(target, a_picture_without_light_ends) {
   const RenderResult r = render(black, nee, to(0.01));
   EXPECT_EQ(r.spp(), 1u);
   EXPECT_TRUE(r.target->reached());
-  EXPECT_EQ(target_json(*r.target, r.plan, *r.progress)["relmse"], 0);
+  EXPECT_EQ(target_json(*r.target, r.plan.error_pilot)["relmse"], 0);
 }
 
-// A heavy-tailed picture, through a door that is hardly open: some seed misses its target.
-TEST(target, a_retry_goes_on_with_the_picture_once) {
-  const Scene scene = read_gltf(TDPT_TESTDATA "/scenes/door-ajar.glb");
-  const Vista vista(scene, scene.camera(""), 8, 6, {});
-  Job settings = to(0.3);
-  RenderResult missed;
-  for (settings.seed = 1; settings.seed <= 60; ++settings.seed) {
-    missed = render(vista, bdpt, settings);
-    ASSERT_EQ(missed.spp(), missed.target->fixed);
-    if (!missed.target->reached()) break;
-  }
-  ASSERT_FALSE(missed.target->reached()) << "no seed misses it";
-  EXPECT_FALSE((missed.progress->retried > 0));
-  settings.limits.retry = settings.frames = true;
-  const RenderResult retried = render(vista, bdpt, settings);
-  EXPECT_TRUE((retried.progress->retried > 0));
-  EXPECT_GT(retried.spp(), missed.spp());
-  EXPECT_EQ(retried.spp(), retried.target->fixed);
-  EXPECT_EQ(retried.frames.back().spp, retried.spp());
-  EXPECT_LT(retried.target->noise->relmse, missed.target->noise->relmse);
-  Job plain;
-  plain.seed = settings.seed;
-  plain.limits.spp = retried.spp();
-  EXPECT_EQ(retried.picture.pixels, render(vista, bdpt, plain).picture.pixels);
-  settings.limits.spp = missed.spp();  // a limit that allows no more samples
-  const RenderResult limited = render(vista, bdpt, settings);
-  EXPECT_FALSE((limited.progress->retried > 0));
-  EXPECT_EQ(limited.spp(), missed.spp());
-  EXPECT_EQ(limited.target->fixed, missed.target->fixed);
-  EXPECT_EQ(target_json(*limited.target, limited.plan, *limited.progress)["stopped_by"], "spp");
-  EXPECT_EQ(target_sentence(*limited.target, *limited.progress).find("--set retry=1 renders on"),
-            std::string::npos);
-}
-
-TEST(target, a_miss_says_so_and_a_retry_once_more) {
+TEST(target, a_miss_says_so) {
   TargetOutcome t;
   t.error = 0.01;
   t.fixed = 64;
   t.noise = {0.012, 0.011, 0.013};
-  Progress progress(Film(1, 1, 1), {});
-  progress.film.complete({0, 64});
-  EXPECT_EQ(target_sentence(t, progress),
+  EXPECT_EQ(target_sentence(t, 64),
             "target relMSE 0.01 missed: it is about 0.012 [0.011, 0.013] after 64 samples per "
-            "pixel; --set retry=1 renders on");
+            "pixel");
   EXPECT_EQ(target_attributes(t).at("estimatedError"), "about 0.012 [0.011, 0.013]");
-  progress.film.complete({64, 32});
-  progress.retried = 96;
-  t.noise->relmse = 0.009;
-  EXPECT_EQ(target_sentence(t, progress),
-            "target relMSE 0.01 reached: it is about 0.009 [0.011, 0.013] after 96 samples per "
-            "pixel, those of --set retry=1 among them");
 }
 
 }  // namespace tdpt::target_test

@@ -1,7 +1,8 @@
 // Parts of a picture, how they identify themselves, and which may resume which.
-#include "tools/tdpt-render/run/checkpoint.h"
+#include "tools/tdpt-render/run/progress.h"
 
 #include <functional>
+#include <limits>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 #include "libcommon/testing/files/temp_folder.h"
 #include "tools/tdpt-render/run/options.h"
 
-namespace tdpt::checkpoint_test {
+namespace tdpt::progress_test {
 
 std::string complaint(const std::function<void()>& work) {
   try {
@@ -85,51 +86,47 @@ FilmFile film_of(Progress& progress, const Plan& plan) {
 
 TEST(progress, is_read_as_it_was_written) {
   Plan plan;
-  plan.integrator = tdpt_guided;
   plan.label = "tdpt-guided";
-  plan.spp = 64;
-  plan.explored = {{PortalWay::back, PortalWay::left_out},
-                   {0.25, 0.25, 0, 0.5},
-                   Truncation{6, 0.25, 0.01},
-                   128,
-                   0.5};
-  plan.error_rounds = {{true, 0, std::numeric_limits<double>::infinity(), 1, 8}};
-  plan.needed = 64;
-  plan.forecast.estimates = {{"bdpt", false, 0.5, 100, std::numeric_limits<double>::infinity()},
-                             {"tdpt", true, 0.25, 200, 50}};
-  plan.forecast.best = 1;
-  plan.forecast.portals_gain = 2, plan.forecast.gain_low = 1, plan.forecast.gain_high = 4;
-  plan.pilot_samples = 64, plan.pilot_cpu_seconds = 0.5;
-  Progress a(Film(2, 1, 1), {64, 3600, 0.01, true});
+  plan.explored.samples = 2457.6;
+  Progress a(Film(2, 1, 1), {64, 3600, 0.01});
   a.film.complete({16, 4});
-  a.first = 16, a.goal = 32, a.added = 8, a.whole = 64, a.retried = 96;
+  a.first = 16, a.goal = 32, a.added = 8, a.whole = 64;
   a.seconds = 12.25, a.cpu_seconds = 24.5, a.began = 0.125;
+  a.error_pilot = {{true, 0.25, std::numeric_limits<double>::infinity(), 2, 8}, 64, 0.5};
   a.tally.rays = {1, 2, 3, 4};
   a.tally.begin_portals(2);
   a.tally.portals[1].lit = 7;
   a.tally.portals[1].energy.add(0.5);
   a.tally.energy[2].add(0.25);
   a.blocks.add({{1, 2, 3}, {4, 5, 6}});
-  a.frames = {{1, 0.5, {0.1, 0.2, 0.3}, 1, 2}};
-  a.tally.not_finite_at = {{17, 0, 1}};
   const FilmFile file = film_of(a, plan);
-  const Plan again = plan_of(file.facts, "c.exr");
   Progress b = progress_of(film_of(a, plan), "c.exr");
-  EXPECT_EQ(film_of(b, again).facts, file.facts);
+  EXPECT_EQ(film_of(b, plan).facts, file.facts);
+  EXPECT_EQ(label_in(file.facts.plan), "tdpt-guided");
+  EXPECT_EQ(explored_in(file.facts.plan), 2457.6);
   EXPECT_EQ(b.limits, a.limits);
-  EXPECT_EQ(b.retried, 96u);
+  EXPECT_EQ(b.error_pilot.needed, 64u);
+  EXPECT_EQ(b.error_pilot.estimate.relmse, 0.25);
+  EXPECT_GT(b.error_pilot.estimate.spread, 1e6);
   EXPECT_EQ(b.blocks.blocks(), a.blocks.blocks());
   EXPECT_EQ(b.blocks.before(), a.blocks.before());
-  EXPECT_EQ(b.frames, a.frames);
-  EXPECT_EQ(b.tally.not_finite_at, a.tally.not_finite_at);
   EXPECT_EQ(b.next(), 20u);
   EXPECT_EQ(b.spp(), 64u);
-  EXPECT_EQ(again.integrator.mixture, plan.integrator.mixture);
-  EXPECT_EQ(again.explored.ways, plan.explored.ways);
-  EXPECT_EQ(again.explored.lights, plan.explored.lights);
-  EXPECT_EQ(again.explored.beyond->share, 0.25);
-  EXPECT_EQ(again.error_rounds[0].spread, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(again.forecast.gain_low, 1);
+}
+
+// Whatever was decided by measuring is in it, so that parts by other decisions are not mixed.
+TEST(plan, words_are_those_of_one_plan) {
+  const auto words = [](const std::function<void(Plan&)>& change) {
+    Plan plan;
+    change(plan);
+    return plan_words(plan);
+  };
+  const std::string plain = words([](Plan&) {});
+  EXPECT_EQ(words([](Plan&) {}), plain);
+  EXPECT_NE(words([](Plan& p) { p.label = "nee"; }), plain);
+  EXPECT_NE(words([](Plan& p) { p.integrator.mixture.segments = 0.25; }), plain);
+  EXPECT_NE(words([](Plan& p) { p.explored.ways = {PortalWay::back}; }), plain);
+  EXPECT_NE(words([](Plan& p) { p.explored.lights.sky = 0.5; }), plain);
 }
 
 TEST(progress, that_is_no_beginning_is_refused) {
@@ -147,31 +144,34 @@ TEST(progress, that_is_no_beginning_is_refused) {
     return complaint([&] { progress_of({Film(1, 1, 1), facts, {}}, "c.exr"); });
   };
   EXPECT_EQ(state("{"), "c.exr:film.state: is no JSON object");
-  EXPECT_EQ(state("{}"), "c.exr:film.state.limits: is missing");
+  EXPECT_EQ(state("{}"), "c.exr:film.state.spp: is out of range");
 }
 
-// Each number of a plan is checked before it is used.
-TEST(plan, that_is_out_of_range_is_refused) {
+// Each number of a state is checked before it is used.
+TEST(progress, that_is_out_of_range_is_refused) {
   Plan plan;
-  plan.label = "bdpt";
-  plan.explored.lights = {1, 0, 0, 0};
   Progress progress(Film(1, 1, 1), {4});
   progress.film.complete({0, 1});
-  FilmFacts facts = film_of(progress, plan).facts;
-  EXPECT_EQ(complaint([&] { plan_of(facts, "c.exr"); }), "");
-  const std::string sound = facts.plan;
+  progress.goal = 4;
+  const FilmFacts facts = film_of(progress, plan).facts;
+  const auto refusal = [&](const std::string& state) {
+    FilmFacts changed = facts;
+    changed.state = state;
+    return complaint([&] { progress_of({Film(1, 1, 1), changed, {}}, "c.exr"); });
+  };
+  EXPECT_EQ(refusal(facts.state), "");
   for (const auto& [from, to, place] :
-       {std::tuple("\"bdpt\",\"stream\"", "\"none\",\"stream\"", "integrator"),
-        {"\"segments\":1.0", "\"segments\":1e9", "mixture.segments"},
-        {"\"spp\":0", "\"spp\":-1", "spp"},
-        {"\"surfaces\":1.0", "\"surfaces\":0.5", "lights"},
-        {"\"portals\":[]", "\"portals\":[{\"portal\":0,\"way\":9}]", "portals.way"},
-        {"\"beyond\":null", "\"beyond\":{\"depth\":1e99}", "beyond.depth"}}) {
-    facts.plan = sound;
-    ASSERT_NE(facts.plan.find(from), std::string::npos) << sound;
-    facts.plan.replace(facts.plan.find(from), std::string(from).size(), to);
-    EXPECT_NE(complaint([&] { plan_of(facts, "c.exr"); }).find(place), std::string::npos) << to;
+       {std::tuple("\"goal\":4", "\"goal\":-1", "state.goal"),
+        {"\"goal\":4", "\"goal\":0", "state.goal"},
+        {"\"goal\":4", "\"goal\":4.5", "state.goal"},
+        {"\"seconds\":0.0", "\"seconds\":null", "state.seconds"},
+        {"\"relmse\":0.0", "\"relmse\":1e99", "state.relmse"},
+        {"\"block_samples\":1", "\"block_samples\":0", "state.block_samples"}}) {
+    std::string state = facts.state;
+    ASSERT_NE(state.find(from), std::string::npos) << state;
+    state.replace(state.find(from), std::string(from).size(), to);
+    EXPECT_NE(refusal(state).find(place), std::string::npos) << to;
   }
 }
 
-}  // namespace tdpt::checkpoint_test
+}  // namespace tdpt::progress_test
