@@ -14,7 +14,7 @@ import numpy
 from mathutils import Matrix, Vector
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, HERE)
+sys.path[:0] = [HERE, os.path.join(HERE, "testing")]
 
 import rooms  # noqa: E402
 import tdpt  # noqa: E402

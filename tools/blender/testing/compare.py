@@ -9,7 +9,8 @@ import sys
 import bpy
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.dirname(HERE)]
 
 import rooms  # noqa: E402
 import tdpt  # noqa: E402
