@@ -18,7 +18,7 @@ sys.path[:0] = [HERE, os.path.join(HERE, "testing")]
 
 import rooms  # noqa: E402
 import tdpt  # noqa: E402
-from tdpt import camera, engine, exr, gltf_file, portals, programs, scene_file  # noqa: E402
+from tdpt import camera, engine, exr, gltf_file, portals, programs  # noqa: E402
 
 FOLDER = tempfile.mkdtemp(prefix="tdpt blender-test ö ")
 
@@ -55,15 +55,9 @@ def rendered(scene, name="picture", **settings):
 def exported(scene, *words):
     """(JSON, told) of an export in a process of its own."""
     path = os.path.join(FOLDER, "exported.glb")
-    lines = programs.running(programs.blender("export.py", path, "--file=" + scene_file.save(scene, "test"), "--scene=" + scene.name, *words))
-    told = []
-    try:
-        while True:
-            told += next(lines)
-            time.sleep(0.01)
-    except StopIteration:
-        pass
-    return gltf_file.read(path)[0], "\n".join(told)
+    saved = programs.save(scene, "test")
+    lines = programs.wait(programs.running(programs.blender("export.py", path, "--file=" + saved, "--scene=" + scene.name, *words)))
+    return gltf_file.read(path)[0], "\n".join(lines)
 
 
 class Finding(unittest.TestCase):
@@ -201,7 +195,7 @@ class Using(unittest.TestCase):
         portals.write_used(self.scene, self.path)
         told = subprocess.run([programs.program("tdpt-info"), self.path], capture_output=True, text=True, check=True).stdout
         self.assertIn("portals", told.splitlines()[0])
-        self.assertIn('"name":"portal.2"', told)
+        self.assertIn("portal.2: 1 x 2 m", told)
 
 
 class Rendering(unittest.TestCase):
@@ -314,13 +308,13 @@ class Rendering(unittest.TestCase):
         exported(scene)
         path, out = os.path.join(FOLDER, "exported.glb"), os.path.join(FOLDER, "long.exr")
         words = [programs.program(), path, "-o", out, "--force", "--spp", "100000", "--set", "progress=json"]
-        lines = programs.running(words, accepted=(0, 6))
+        steps = programs.running(words, accepted=(0, 6))
         began = time.time()
         while time.time() - began < 60:
-            if "rendering" in programs.last_progress(next(lines), (0, ""))[1]:
+            if "rendering" in next(steps)[1]:
                 break
             time.sleep(0.02)
-        lines.close()
+        steps.close()
         left = subprocess.run(["pgrep", "-f", out], capture_output=True, text=True).stdout.split()
         self.assertEqual(left, [])
 

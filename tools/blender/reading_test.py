@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_test  # noqa: E402
 import rooms  # noqa: E402
 from blender_test import FOLDER, exported, rendered  # noqa: E402
-from tdpt import engine, exr, finding, portals, programs  # noqa: E402
+from tdpt import engine, exr, portals, programs  # noqa: E402
 
 
 def shaded(name, build):
@@ -321,7 +321,7 @@ class Telling(unittest.TestCase):
     def test_all_is_printed_and_the_worst_is_a_warning(self):
         warned = []
         teller = types.SimpleNamespace(report=lambda kind, text: warned.append((kind, text)))
-        engine.Told.lines = []
+        engine.Rendered.sentences = []
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             engine.TdptEngine.tell(teller, ["light: material a: b", "look: lamp c: d", "note: e"])
@@ -330,7 +330,7 @@ class Telling(unittest.TestCase):
         self.assertEqual(len(warned), 1)
         self.assertEqual(warned[0][0], {"WARNING"})
         self.assertTrue(warned[0][1].startswith("material a: b, and 1 more"), warned)
-        self.assertEqual(len(engine.Told.lines), 4)
+        self.assertEqual(len(engine.Rendered.sentences), 4)
 
     def test_a_line_a_second(self):
         shown = []
@@ -347,15 +347,13 @@ class Telling(unittest.TestCase):
         self.assertEqual(len(shown), 10)  # what is the same is not said again
 
     def test_what_the_programs_say(self):
-        lines = ["tdpt-render: warning: no sample found light", "portalfit: 1 portal", '{"progress":{"step":1}}', ""]
-        self.assertEqual(programs.told_by(lines), ["light: no sample found light", "note: portalfit: 1 portal"])
+        lines = ["tdpt-render: warning: no sample found light", "portalfit: 1 portal", ""]
+        self.assertEqual(programs.sentences_in(lines), ["light: no sample found light", "note: portalfit: 1 portal"])
 
     def test_why_there_is_no_portal(self):
-        """The search gives back what the programs say, and the panel shows their reason, not one of its own."""
-        lines = ["ffgraph: x", "mincut: no bottleneck: is its door shut?", '{"progress":{"step":1}}']
-        with mock.patch.object(programs, "running", lambda words: iter([lines[:1], lines[1:]])):
-            self.assertEqual(programs.wait(finding.searching([])), ["note: ffgraph: x", "note: mincut: no bottleneck: is its door shut?"])
-        self.assertEqual(portals.words_of([], "is its door shut?"), "No portal: is its door shut?")
+        """The panel shows the reason that the programs give, not one of its own."""
+        lines = ["ffgraph: x", "mincut: no bottleneck: is its door shut?"]
+        self.assertEqual(portals.words_of([], portals.reason_in(lines)), "No portal: is its door shut?")
 
     def test_a_dark_room(self):
         """What the programs warn of reaches the console and the panel."""
@@ -367,7 +365,7 @@ class Telling(unittest.TestCase):
             rendered(scene, samples=1, denoise=False)
         self.assertIn("tdpt: note: area lamp lamp", printed.getvalue())
         self.assertIn("tdpt: light: ", printed.getvalue())
-        self.assertTrue(any(line.startswith("light: ") for line in engine.Told.lines), engine.Told.lines)
+        self.assertTrue(any(line.startswith("light: ") for line in engine.Rendered.sentences), engine.Rendered.sentences)
 
 
 if __name__ == "__main__":

@@ -161,8 +161,13 @@ def write_used(scene, path, layer=0):
     return len(portals)
 
 
+def reason_in(lines):
+    """Why tdpt has found none, as it says itself; it says nothing of a search that it has kept."""
+    return next((line.split(no, 1)[1] for line in lines for no in (": no bottleneck: ", ": no portal: ") if no in line), "")
+
+
 def words_of(found, why):
-    """What was found, in a sentence; `why`: tdpt's reason where it is nothing, which it does not tell of a search that it has kept."""
+    """What was found, in a sentence; `why`: the reason where it is nothing."""
     if not found:
         return f"No portal: {why}" if why else "No portal"
     windows = sum(lets_in_sky(figures) and figures.get("sky", 0) > 0 for *_, figures in found)
