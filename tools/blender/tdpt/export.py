@@ -84,14 +84,6 @@ def typed():
     return {k: list(v) if hasattr(v, "to_list") else v for k, v in values.items() if v is not None}
 
 
-def last_copy(path):
-    """The sky's picture that an export to this file copied before."""
-    try:
-        return gltf_file.read(path)[0]["asset"]["extras"]["tdpt_copy"]
-    except (OSError, ValueError, KeyError, TypeError, gltf_file.struct.error):
-        return None
-
-
 def complete_gloss(document):
     """What Blender's exporter leaves out of reflections: the index of refraction of what is opaque. A specular of 0 is none
     at all; Blender 3's exporter writes a black colour for it, which still reflects at grazing angles."""
@@ -106,27 +98,16 @@ def complete_gloss(document):
             document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), "KHR_materials_ior"})
 
 
-def add_extras(path, camera, own):
+def add_extras(path, camera):
     document, rest = gltf_file.read(path)
     complete_gloss(document)
     lamps.add_lights(document)
-    render = bpy.context.scene.render
+    render, given = bpy.context.scene.render, typed()
     size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]
-    extras = {"width": size[0], "height": size[1], **camera_of(document, camera)}
-    given = typed()
-    if "environment" not in given:
-        baked = os.path.join(bpy.app.tempdir or os.path.dirname(path), "baked-sky.exr")
-        sky, picture = world.of(bpy.context.scene.world, baked)
-        if picture:
-            sky["environment"], copied = world.keep(picture, path, own)
-            if copied:
-                document["asset"].setdefault("extras", {})["tdpt_copy"] = sky["environment"]
-        if sky.get("environment"):
-            extras.update(sky)
-    extras.update(given)
-    ours = {"tdpt_" + key: extras[key] for key in KEYS if key in extras}
+    sky = {} if "environment" in given else world.extras_of(bpy.context.scene.world, path)
+    extras = {**sky, "width": size[0], "height": size[1], **camera_of(document, camera), **given}
     shown = document["scenes"][document.get("scene", 0)]
-    shown["extras"] = {**shown.get("extras", {}), **ours}
+    shown["extras"] = {**shown.get("extras", {}), **{"tdpt_" + key: extras[key] for key in KEYS if key in extras}}
     gltf_file.write(path, document, rest)
 
 
@@ -166,9 +147,9 @@ def main():
     materials.prepare(things)
     if not a.thin_glass:
         materials.fill_glass(things)
-    camera, own = prepare_camera(not a.file), last_copy(out)  # the extension cuts shifted pictures
+    camera = prepare_camera(not a.file)  # the extension cuts shifted pictures
     export(out)
-    add_extras(out, camera, own)
+    add_extras(out, camera)
     print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in losses.lines()]), flush=True)
 
 
