@@ -242,7 +242,7 @@ class Reading(unittest.TestCase):
             "light: lamp disc: its spread of 40 degrees is lost", "look: lamp point: its radius is lost", "light: lamp point: it casts no shadows",
             "light: object north: casts no shadow", "light: object west: is invisible to diffuse rays", "look: object south: is a holdout",
             "light: world: its volume is lost", "light: view layer ViewLayer: its material override is lost",
-            "look: material bumpy: its Bump is lost", "light: material stained: Base Color hangs on Color Ramp, Noise Texture",
+            "look: material bumpy: Normal hangs on Bump, Noise Texture, which is not read; it is lost", "light: material stained: Base Color hangs on Color Ramp, Noise Texture",
             "light: material fog: its volume (Volume Scatter) is lost", "light: object blob: is of type Meta, which is lost",
             "light: scene: the exposure 2 of Cycles' film is lost", "light: camera camera: its clipping at 3 m cuts ", "look: scene: its motion blur is lost",
         ):
@@ -323,8 +323,8 @@ class Telling(unittest.TestCase):
         engine.Rendered.sentences = []
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            engine.TdptEngine.tell(teller, ["light: material a: b", "look: lamp c: d", "note: e"])
-            engine.TdptEngine.tell(teller, ["note: f"])
+            engine.TdptEngine.report_all(teller, ["light: material a: b", "look: lamp c: d", "note: e"])
+            engine.TdptEngine.report_all(teller, ["note: f"])
         self.assertEqual(printed.getvalue().splitlines(), ["tdpt: light: material a: b", "tdpt: look: lamp c: d", "tdpt: note: e", "tdpt: note: f"])
         self.assertEqual(len(warned), 1)
         self.assertEqual(warned[0][0], {"WARNING"})

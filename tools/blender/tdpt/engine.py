@@ -74,10 +74,10 @@ class TdptEngine(bpy.types.RenderEngine):
 
     def rendering(self, program, saved, scene_name, frame, layer, options):
         """A generator of (share, words): exports and renders."""
-        self.tell((yield from programs.exporting(saved, scene_name, frame, self.scene_glb, layer)))
+        self.report_all((yield from programs.exporting(saved, scene_name, frame, self.scene_glb, layer)))
         words = [program, self.scene_glb, "-o", self.picture, "--force", "--set", "progress=json", "--checkpoint", self.checkpoint,
                  "--resume", self.checkpoint, "--set", f"checkpoint-every={CHECKPOINT}", *options]
-        self.tell(programs.sentences_in((yield from programs.running(words, "rendering", accepted=(0, 6)))))
+        self.report_all(programs.sentences_in((yield from programs.running(words, "rendering", accepted=(0, 6)))))
 
     def render(self, depsgraph):
         if self.failure:
@@ -116,7 +116,7 @@ class TdptEngine(bpy.types.RenderEngine):
             self.update_progress(share)
             self.update_stats("", words)
 
-    def tell(self, sentences):
+    def report_all(self, sentences):
         """All of it on the console, where a rendering without a window is read; the worst as a warning."""
         Rendered.sentences += sentences
         for line in sentences:

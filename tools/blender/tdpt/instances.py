@@ -1,16 +1,18 @@
 """Objects as the picture shows them: without what is not rendered, and instances that the exporter does not know."""
 import bpy
 
-from losses import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say, say_all
 
 EXPORTED = ("MESH", "CURVE", "SURFACE", "FONT", "LIGHT", "CAMERA")
 UNSEEN = ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
-FLAGS = {  # of an object: (the harm, what that means in Cycles)
-    "visible_camera": (LIGHT, "is invisible to the camera"),
-    "visible_diffuse": (LIGHT, "is invisible to diffuse rays"),
-    "visible_glossy": (LOOK, "is invisible in reflections"),
-    "visible_transmission": (LOOK, "is invisible through glass"),
-    "visible_shadow": (LIGHT, "casts no shadow"),
+FLAGS = {  # of an object: (what it is in the picture, the harm of another value, what that means)
+    "visible_camera": (True, LIGHT, "is invisible to the camera"),
+    "visible_diffuse": (True, LIGHT, "is invisible to diffuse rays"),
+    "visible_glossy": (True, LOOK, "is invisible in reflections"),
+    "visible_transmission": (True, LOOK, "is invisible through glass"),
+    "visible_shadow": (True, LIGHT, "casts no shadow"),
+    "is_holdout": (False, LOOK, "is a holdout"),
+    "is_shadow_catcher": (False, LOOK, "is a shadow catcher"),
 }
 
 
@@ -92,20 +94,16 @@ def make_real():
 
 def report_objects(things):
     for thing in [t for t in things if not t.hide_render]:
-        lost = lambda harm, text: say(harm, f"object {thing.name}: {text}")  # noqa: E731
-        if thing.type not in EXPORTED and thing.type not in UNSEEN:
-            lost(LIGHT if thing.type in ("VOLUME", "META") else LOOK, f"is of type {thing.type.capitalize()}, which is lost")
-        if thing.type in EXPORTED and thing.type != "CAMERA":
-            for flag, (harm, words) in FLAGS.items():
-                # Lamps are invisible to the camera by default, and area lamps always show here, which is said of each.
-                if not getattr(thing, flag, True) and not (thing.type == "LIGHT" and flag == "visible_camera"):
-                    lost(harm, f"{words} in Cycles; here it is as others")
-            for flag, word in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
-                if thing.type != "LIGHT" and getattr(thing, flag, False):
-                    lost(LOOK, f"is {word} in Cycles; here it is as others")
-            linking = getattr(thing, "light_linking", None)
-            if linking and (linking.receiver_collection or linking.blocker_collection):
-                lost(LIGHT, "its light linking is lost: it lights and shades everything")
+        surface = thing.type in EXPORTED and thing.type not in ("CAMERA", "LIGHT")
+        linking = getattr(thing, "light_linking", None)
+        facts = [(thing.type not in EXPORTED and thing.type not in UNSEEN, LIGHT if thing.type in ("VOLUME", "META") else LOOK,
+                  f"is of type {thing.type.capitalize()}, which is lost"),
+                 (linking and (linking.receiver_collection or linking.blocker_collection), LIGHT,
+                  "its light linking is lost: it lights and shades everything")]
+        for flag, (usual, harm, words) in FLAGS.items():
+            # Lamps are invisible to the camera by default, and area lamps always show here, which is said of each.
+            relevant = surface or thing.type == "LIGHT" and usual and flag != "visible_camera"
+            facts.append((relevant and getattr(thing, flag, usual) != usual, harm, f"{words} in Cycles; here it is as others"))
         for particles in thing.particle_systems if thing.type == "MESH" else ():
-            if particles.settings.type == "HAIR" and particles.settings.render_type == "PATH":
-                lost(LOOK, "its hair is lost")
+            facts.append((particles.settings.type == "HAIR" and particles.settings.render_type == "PATH", LOOK, "its hair is lost"))
+        say_all(f"object {thing.name}", facts)

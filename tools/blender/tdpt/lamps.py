@@ -6,7 +6,7 @@ import math
 import bpy
 from mathutils import Matrix
 
-from losses import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say, say_all
 from materials import emitting
 from trees import colour, constant, flatten, maker
 
@@ -46,7 +46,7 @@ def plane_for(thing):
     plane.matrix_world = thing.matrix_world
     for collection in thing.users_collection:
         collection.objects.link(plane)
-    tell(thing, radiance)
+    report_surface(thing, radiance)
 
 
 def fold(lamp):
@@ -87,10 +87,10 @@ def light_for(thing):
     light = {"name": thing.name, "color": lamp.color[:], "intensity": radiance * LUMENS_PER_WATT, "size": high}
     light.update({"type": "disk"} if lamp.shape == "DISK" else {"type": "rect", "rect": {"aspect": lamp.size / high}})
     LIGHTS.append(("EXT_lights_area", light, {}, Y_UP @ matrix))
-    tell(thing, radiance)
+    report_surface(thing, radiance)
 
 
-def tell(thing, radiance):
+def report_surface(thing, radiance):
     say(
         NOTE, f"area lamp {thing.name}: {thing.data.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
         "light; in Cycles it does neither"
@@ -162,15 +162,13 @@ def profile_for(thing):
 
 def report_lamp(thing):
     """What glTF or the programs have no words for."""
-    lamp, lost = thing.data, lambda harm, text: say(harm, f"lamp {thing.name}: {text}")
-    if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
-        lost(LOOK, "its radius is lost, so its shadows are sharp")
-    if lamp.type == "AREA" and getattr(lamp, "spread", math.pi) < math.pi - 1e-4:
-        lost(LIGHT, f"its spread of {math.degrees(lamp.spread):.0f} degrees is lost: it shines to all sides of its front")
-    if lamp.type == "SPOT" and not is_uniform(thing.matrix_world):
-        lost(LIGHT, "it is stretched; its cone is taken as round")
-    if not getattr(lamp, "use_shadow", True):
-        lost(LIGHT, "it casts no shadows in Cycles; here it does")
+    lamp, spread = thing.data, getattr(thing.data, "spread", math.pi)
+    say_all(f"lamp {thing.name}", [
+        (lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0, LOOK, "its radius is lost, so its shadows are sharp"),
+        (lamp.type == "AREA" and spread < math.pi - 1e-4, LIGHT,
+         f"its spread of {math.degrees(spread):.0f} degrees is lost: it shines to all sides of its front"),
+        (lamp.type == "SPOT" and not is_uniform(thing.matrix_world), LIGHT, "it is stretched; its cone is taken as round"),
+        (not getattr(lamp, "use_shadow", True), LIGHT, "it casts no shadows in Cycles; here it does")])
 
 
 def prepare(things):

@@ -80,7 +80,7 @@ def with_amounts(look, names):
     return {**{name: 0.0 for name in amounts if name in names}, **look}
 
 
-class Reader:
+class ShaderReader:
     """Reads the shaders of one material."""
 
     def __init__(self, material):
