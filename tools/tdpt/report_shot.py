@@ -12,7 +12,7 @@ import os
 import re
 import sys
 
-from report_page import DASH, Axis, chart, count, document, el, facts_of, figure, filled, get, number, percent, run, table
+from report_page import DASH, Axis, chart, count, document, el, figure, filled, get, number, percent, run, table
 
 
 def known(value):
@@ -42,7 +42,7 @@ def runs(frames, same):
     return [list(group) for _, group in itertools.groupby(frames, same)]
 
 
-def over_time(frames, values, title, ident, shown=None):
+def over_time(frames, values, title, shown=None):
     """values: {label: {frame: value or None}}, drawn over the frames' numbers; gaps where there are none. Shares of light are
     shown as `shown` does, from zero; noise logarithmically."""
     values = {label: {k: v for k, v in of.items() if v is not None and (v > 0 or shown)} for label, of in values.items()}
@@ -53,8 +53,7 @@ def over_time(frames, values, title, ident, shown=None):
     x = Axis(frames[0].number, frames[-1].number, "frame", False, lambda value: f"{value:g}")
     lines = {label: [[(k, of[k]) for _, k in run] for run in runs(enumerate(sorted(of)), lambda pair: pair[1] - pair[0])]
              for label, of in values.items()}
-    changes = [(max(x.low, group[0].number - 0.5), group[0].way) for group in runs(frames, lambda f: f.way) if group[0].way]
-    return chart(lines, x, y, (300, 260), f"{title}, from {figure(min(every))} to {figure(max(every))}", ident, changes=changes)
+    return chart(lines, x, y, f"{title}, from {figure(min(every))} to {figure(max(every))}")
 
 
 def light_over_time(frames):
@@ -108,14 +107,14 @@ def page(folder):
         missing=f"{count(missing, 'frame was', 'frames were')} there before, and {'has' if missing == 1 else 'have'} no statistics."
                 if 0 < missing < len(frames) else None,
         shown=f"{len(m['shown'])} of {count(len(frames), 'frame')}", exposure=figure(m["exposure"], 3),
-        facts=facts_of([(len(frames), "frames"), (figure(len(frames) / m["fps"], 3, "\u202fs"), f"at {m['fps']:g} frames per second"),
-                        (next((f"{f.width} \u00d7 {f.height}" for f in frames if f.width and f.height), DASH), "pixels"),
-                        (figure(sum(cpu), 3, "\u202fs") if cpu else DASH, f"CPU time of {count(len(cpu), 'frame')}"),
-                        (figure(cpu[len(cpu) // 2], 3, "\u202fs") if cpu else DASH, "CPU time of a frame, the median")]),
+        number=len(frames), length=figure(len(frames) / m["fps"], 3, "\u202fs"), fps=f"{m['fps']:g}",
+        size=next((f"{f.width} \u00d7 {f.height}" for f in frames if f.width and f.height), DASH),
+        counted=count(len(cpu), "frame"), cpu=figure(sum(cpu), 3, "\u202fs") if cpu else DASH,
+        median=figure(cpu[len(cpu) // 2], 3, "\u202fs") if cpu else DASH,
         strip=[el("li", el("span", class_="shot", role="img", aria_label=f"frame {k}", style=f"background-position:-{i * m['width']}px 0"), k)
                for i, k in enumerate(m["shown"])],
-        noise_chart=over_time(frames, {label: of for label, of in noise.items() if of}, "Noise over time", "plot-noise"),
-        portal_chart=over_time(frames, light_over_time(frames), "Portals over time", "plot-portals", percent),
+        noise_chart=over_time(frames, {label: of for label, of in noise.items() if of}, "Noise over time"),
+        portal_chart=over_time(frames, light_over_time(frames), "Portals over time", percent),
         frames=table("Frame by frame. By segments: share of the light that paths begun in portals brought",
                      ("Frame", "Way", "#Samples per pixel", "#CPU seconds", "#relMSE", "#Portals", "#By segments"), rows))
     return document(f"{m['scene']}: a shot", body, "tdpt(1) --report", film_style(folder, m))
