@@ -17,13 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether the file lies in the folder or below, following links: no other is read.
-bool is_below(const fs::path& file, const fs::path& folder) {
-  std::error_code failed;
-  const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
-  return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
-}
-
 // Portals drawn by an artist, or imported with the scene, lie beside it; they name no scene.
 std::string drawn_portals(const std::string& scene) {
   const std::string path = scene.substr(0, scene.find_last_of('.')) + ".portal.glb";
@@ -53,22 +46,18 @@ SceneState state_of(const Arguments& a) {
     throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
   std::string all = content_hash_of_file(a.scene);
   state.files.push_back(a.scene);
-  fs::path folder = fs::path(a.scene).parent_path();
-  if (folder.empty()) folder = ".";
-  const SceneFiles files = files_of_scene(a.scene);
-  state.has_sky = files.has_environment;
-  for (const std::string& name : files.beside) {
-    const std::string path = (folder / name).string();
-    const std::string hash = is_below(path, folder) ? hash_at(path) : "";
-    if (!hash.empty()) state.files.push_back(path);
-    all += "\n" + (hash.empty() ? "missing" : hash);
-  }
-  state.hash = content_hash(all);
   const auto add = [&](const std::string& path) {
     const std::string hash = hash_at(path);
     if (!hash.empty()) state.files.push_back(path);
     return hash;
   };
+  const SceneFiles files = files_of_scene(a.scene);
+  state.has_sky = files.has_environment;
+  for (const std::string& name : files.beside) {
+    const std::string path = (fs::path(a.scene).parent_path() / name).string();
+    all += "\n" + add(path);
+  }
+  state.hash = content_hash(all);
   state.sky = add(a.sky.environment);
   for (const std::string& path : a.portals) state.portals.push_back(add(path));
   if (a.portals.empty()) state.drawn = drawn_portals(a.scene);
@@ -269,9 +258,8 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
   p.render = {"rendering", options, given_to(r, portals), film, r.picture};
   if (!filters_frames(a)) return p;
   const std::string filter = programs + "/exrdenoise";
-  p.noisy = cache.path_of(p.entry) + "/noisy/frame.######";
-  p.render.output = p.noisy + ".exr";
-  if (!r.stats.empty()) append(p.render.unshaped, {"--stats", p.noisy + ".json"});
+  p.noisy = cache.path_of(p.entry) + "/noisy";
+  p.render.output = p.noisy + "/frame.######.exr";
   for (int64_t k = all.first; k <= all.last; ++k) {
     const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
     cli::Common asked = common;

@@ -60,7 +60,7 @@ struct Pipeline {
   std::string portals_by_frame;
   Step render;
   std::vector<FilteredFrame> filtered;  ///< not empty: `render` makes what they are filtered from,
-  std::string noisy;                    ///< under this name in the picture's entry, a pattern
+  std::string noisy;                    ///< in this folder of the picture's entry
   Words check;       ///< the renderer's check of all files that exist before the stages
   std::string key;   ///< of the picture: hash of everything that affects its file
   std::string film;  ///< path of its film, with which the next run goes on; empty: none is kept

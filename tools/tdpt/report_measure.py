@@ -156,11 +156,13 @@ def options():
     parser = argparse.ArgumentParser(prog="report_measure.py")
     parser.add_argument("--scene", required=True)
     parser.add_argument("--folder", required=True, help="receives what is measured; emptied first")
-    parser.add_argument("--time", type=float, default=10, help="CPU seconds of each rendering")
-    parser.add_argument("--reference", type=float, default=8, help="samples of the reference, in those of the longest with portals")
-    parser.add_argument("--width", type=int, default=320)
-    parser.add_argument("--exrdiff", required=True)
-    parser.add_argument("--info", required=True)
+    usual = {name: os.environ.get("REPORT_" + name.upper()) or value for name, value in (("time", "10"), ("reference", "8"), ("width", "320"))}
+    parser.add_argument("--time", type=float, default=usual["time"], help="CPU seconds of each rendering")
+    parser.add_argument("--reference", type=float, default=usual["reference"],
+                        help="samples of the reference, in those of the longest with portals")
+    parser.add_argument("--width", type=int, default=usual["width"])
+    parser.add_argument("--exrdiff", help="default beside the renderer, as --info")
+    parser.add_argument("--info")
     parser.add_argument("--stem", default="", help="of the stages' results; empty where no stage found the portals")
     parser.add_argument("--known", default="", help="where the stages told of themselves; default beside their results")
     parser.add_argument("--threads", default="")
@@ -170,6 +172,8 @@ def options():
     parser.add_argument("-MQ", default="")
     parser.add_argument("command", nargs="+", help="of tdpt-render, as for the picture")
     a = parser.parse_args()
+    programs = os.path.dirname(a.command[0])
+    a.exrdiff, a.info = a.exrdiff or os.path.join(programs, "exrdiff"), a.info or os.path.join(programs, "tdpt-info")
     for name, value, least, most in (("time", a.time, 0.1, 1e6), ("reference", a.reference, 1, 1e4), ("width", a.width, 16, 4096)):
         if not least <= value <= most:
             parser.error(f"--{name}: {value:g} given, expected {least:g} to {most:g}")

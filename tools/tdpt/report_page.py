@@ -46,11 +46,6 @@ def filled(template, **values):
         return Markup(string.Template(stream.read()).substitute({key: text(value) for key, value in values.items()}))
 
 
-def document(title, body, maker, style=""):
-    return filled("report.html", title=title, body=body, style=Markup(style),
-                  foot=f"Made by {maker}. Figures that were not measured are a dash.")
-
-
 # Figures and words.
 
 DASH = "\u2013"
@@ -86,12 +81,7 @@ def count(n, one, many=None):
 
 def get(value, *path):
     for key in path:
-        if isinstance(value, dict):
-            value = value.get(key)
-        elif isinstance(value, list) and isinstance(key, int) and -len(value) <= key < len(value):
-            value = value[key]
-        else:
-            return None
+        value = value.get(key) if isinstance(value, dict) else None
     return value
 
 
@@ -102,13 +92,10 @@ def picture(folder, file, alt):
     try:
         with open(os.path.join(folder, file), "rb") as stream:
             data = stream.read()
-        if file.endswith(".svg"):
-            kind = "svg+xml"
-            width, height = (round(float(v)) for v in re.search(rb'<svg [^>]*?width="([0-9.]+)(?:px)?" height="([0-9.]+)', data).groups())
-        else:
-            kind = "png"
-            width, height = struct.unpack(">II", data[16:24])
-    except (OSError, TypeError, AttributeError, ValueError, struct.error):
+        kind, width, height = "svg+xml", None, None
+        if file.endswith(".png"):
+            kind, (width, height) = "png", struct.unpack(">II", data[16:24])
+    except (OSError, struct.error):
         return el("p", "This picture could not be made.", class_="none")
     return el("img", src=f"data:image/{kind};base64," + base64.b64encode(data).decode(), alt=alt, width=width, height=height)
 
@@ -132,31 +119,24 @@ def items(lines):
 # Charts.
 
 class Axis:
-    """Of a chart: its ends, its ticks, and where a value lies between the ends."""
+    """A logarithmic one: its ends, its ticks, and where a value lies between the ends."""
 
-    def __init__(self, low, high, words, logarithmic=True, shown=lambda value: figure(value, 1)):
-        self.low, self.high, self.words, self.logarithmic, self.shown = low, high if high > low else low + 1, words, logarithmic, shown
+    def __init__(self, low, high, words):
+        self.low, self.high, self.words = low, high, words
 
     def share(self, value):
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        return math.log(value / self.low) / math.log(self.high / self.low)
 
-    def ticks(self, most):
-        """Round ones: powers of ten if there are enough, else also twice and five times these, else all."""
-        if not self.logarithmic:
-            size = 10.0 ** math.floor(math.log10((self.high - self.low) / most))
-            step = next(m * size for m in (1, 2, 5, 10, 20) if (self.high - self.low) / (m * size) <= most)
-            return [i * step for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
-        exponents = range(math.floor(math.log10(self.low)) - 1, math.ceil(math.log10(self.high)) + 1)
-        for factors, enough in (((1,), 3), ((1, 2, 5), 2), (range(1, 10), 0)):
-            found = [m * 10.0 ** e for e in exponents for m in factors if self.low * 0.9999 <= m * 10.0 ** e <= self.high * 1.0001]
-            if len(found) >= enough:
-                return found
+    def ticks(self):
+        """Powers of ten, and where these are few twice and five times these, or all digits."""
+        exponents = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        decades = math.log10(self.high / self.low)
+        digits = (1,) if decades > 3 else (1, 2, 5) if decades > 1 else range(1, 10)
+        return [m * 10.0 ** e for e in exponents for m in digits if self.low <= m * 10.0 ** e <= self.high]
 
 
-def chart(lines, x, y, title, levels=()):
-    """lines: {label: [[(x, y), ...], ...]}, of which the first is drawn as "with" and the second as "without". levels: (y, words),
+def chart(lines, x, y, title, levels):
+    """lines: {label: [(x, y), ...]}, of which the first is drawn as "with" and the second as "without". levels: (y, words),
     lines across."""
     keys = [(el("span", class_="key" + (" with" if i == 0 else ""), aria_hidden="true"), label, " \u00a0 ") for i, label in enumerate(lines)]
     size, out = (480, 340), []
@@ -173,12 +153,12 @@ def chart(lines, x, y, title, levels=()):
 
     def words(value, class_, at, anchor="start", **more):
         out.append(el("text", value, class_=class_, x=at[0], y=at[1], text_anchor=anchor, **more))
-    for tick in x.ticks(8):
+    for tick in x.ticks():
         line("grid", px(tick), top, px(tick), bottom)
-        words(x.shown(tick), "tick", (px(tick), bottom + 18), "middle")
-    for tick in y.ticks(6):
+        words(figure(tick, 1), "tick", (px(tick), bottom + 18), "middle")
+    for tick in y.ticks():
         line("grid", left, py(tick), right, py(tick))
-        words(y.shown(tick), "tick", (left - 8, py(tick) + 4), "end")
+        words(figure(tick, 1), "tick", (left - 8, py(tick) + 4), "end")
     out.append(el("path", d=f"M{left} {top}V{bottom}H{right}", class_="axis"))
     words(x.words, "label", ((left + right) / 2, size[1] - 8), "middle")
     middle = (top + bottom) / 2
@@ -186,22 +166,21 @@ def chart(lines, x, y, title, levels=()):
     for value, said in levels:
         line("black", left, py(value), right, py(value))
         words(said, "remark", (left + 6, py(value) - 6))
-    for runs, kind in zip(lines.values(), ("with", "without")):
-        for run in runs:
-            out.append(el("polyline", points=" ".join(f"{px(a)},{py(b)}" for a, b in run), class_="line " + kind))
-            # A disc and a square, so that no colour is needed to tell them apart.
-            for a, b in run if len(run) < 20 else ():
-                out.append(el("circle", cx=px(a), cy=py(b), r=4, class_="mark " + kind) if kind == "with" else
-                           el("rect", x=px(a) - 4, y=py(b) - 4, width=8, height=8, class_="mark " + kind))
-    return [el("p", keys, class_="note") if len(lines) > 1 else None,
+    for points, kind in zip(lines.values(), ("with", "without")):
+        out.append(el("polyline", points=" ".join(f"{px(a)},{py(b)}" for a, b in points), class_="line " + kind))
+        # A disc and a square, so that no colour is needed to tell them apart.
+        for a, b in points:
+            out.append(el("circle", cx=px(a), cy=py(b), r=4, class_="mark " + kind) if kind == "with" else
+                       el("rect", x=px(a) - 4, y=py(b) - 4, width=8, height=8, class_="mark " + kind))
+    return [el("p", keys, class_="note"),
             el("svg", el("title", title), out, viewBox="0 0 {} {}".format(*size), role="img", aria_label=title, class_="plot")]
 
 
 def error_chart(m):
     """The error of both renderings over their time."""
-    lines = {label: [sorted((s["cpu"], s["relmse"]) for s in m[key]["steps"] if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0)]
+    lines = {label: sorted((s["cpu"], s["relmse"]) for s in m[key]["steps"] if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0)
              for key, label in (("with", f"{m['integrator']}, portals (discs)"), ("without", "bdpt, no portals (squares, dashed)"))}
-    points = [point for (run,) in lines.values() for point in run]
+    points = sum(lines.values(), [])
     if not points:
         return el("p", "No error could be measured: there is nothing to draw.", class_="none")
     levels = [(value, words) for value, words in ((get(m, "reference", "last", "noise", "relmse"), "the reference\u2019s own error"),
@@ -271,14 +250,10 @@ def limits(m):
             yield f"Most of the error of {label} lies in a thousandth of the pixels: with another seed it may be another."
 
 
-# "what: decision, because reason (price)"; other lines are notes.
-DECISION = re.compile(r"(.+?): (.+?), because (.*?)(?:(?<!:) \(((?:[^()]|\([^()]*\))*)\))?$")
-
-
-def decisions(explained):
-    """Lines "program: words" of --explain -> rows of what, decision, reason and price; the other lines."""
+def sentences_of(explained):
+    """Lines "program: words" of --explain: (notes, decisions)."""
     lines = [line.partition(": ")[2] for line in explained.splitlines() if ": " in line]
-    return [match.groups(default="") for match in map(DECISION.match, lines) if match], [line for line in lines if not DECISION.match(line)]
+    return [line for line in lines if ", because " not in line], [line for line in lines if ", because " in line]
 
 
 def stages_of(folder, m):
@@ -287,7 +262,7 @@ def stages_of(folder, m):
     for stage in m["stages"]:
         missing = el("p", f"Not drawn: {stage['missing']}.", class_="none")
         values[stage["tool"]] = picture(folder, stage["picture"], stage["tool"]) if stage["picture"] else missing
-        values[stage["tool"] + "_note"] = decisions(stage["text"])[1][:1]
+        values[stage["tool"] + "_note"] = sentences_of(stage["text"])[0][:1]
     if values:
         return filled("report_stages.html", **values)
     return el("p", "The stages did not run for this page: " + (
@@ -319,7 +294,7 @@ def page(folder):
     last, reference = m["with"]["last"], m["reference"]["last"]
     scene = next((e.get("facts") for e in m["info"] if e.get("kind") == "scene"), None) or {}
     finding = [stage["json"]["cpu_seconds"] for stage in m["stages"] if number(get(stage, "json", "cpu_seconds"))]
-    explained = [(s["tool"], *decisions(s["text"])) for s in [*m["stages"], {"tool": "tdpt-render", "text": m["with"]["text"]}]]
+    explained = [(s["tool"], *sentences_of(s["text"])) for s in [*m["stages"], {"tool": "tdpt-render", "text": m["with"]["text"]}]]
     files = [(el("bdi", e.get("file", "")), e.get("kind", DASH), el("code", e.get("hash", DASH), class_="hash"),
               "yes" if e.get("intact") else e.get("failed", "no"), get(e, "facts", "seed") or DASH) for e in m["info"]]
     body = filled(
@@ -339,28 +314,27 @@ def page(folder):
         **{f"{way}_{key}": figure(step.get(key), 4) for way, step in (("with", v.after), ("without", v.before), ("black", m.get("black") or {}))
            for key in ("relmse", "relmse_trimmed", "psnr", "mape", "mean", "cpu")},
         error_chart=error_chart(m),
-        decisions=[el("details", el("summary", el("code", tool), f": {count(len(rows), 'decision')}"), el("ul", items(notes)),
-                      table(f"What {tool} decided", ("What", "Decision", "Because", "Price"), rows, "stack")) for tool, rows, notes in explained],
+        decisions=[el("details", el("summary", el("code", tool), f": {count(len(decided), 'decision')}"), el("ul", items(notes + decided)))
+                   for tool, notes, decided in explained],
         files=table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), files, "stack"),
         commands="\n".join(m[key]["command"] for key in ("without", "with", "reference")),
         lines="\n".join(dict.fromkeys(str(line) for e in m["info"] for line in e.get("provenance") or [])), version="\n".join(m["version"]))
-    return document(f"{m['scene']}: light portals", body, "tdpt.mk(7)")
+    return filled("report.html", title=f"{m['scene']}: light portals", body=body)
 
 
-def run(program, make_page, expected):
-    """main() of a program that makes such a page of a folder."""
+def main():
     if len(sys.argv) != 3:
-        print(f"usage: {program} FOLDER PAGE", file=sys.stderr)
+        print("usage: report_page.py FOLDER PAGE", file=sys.stderr)
         return 2
     try:
-        made = make_page(sys.argv[1])
+        made = page(sys.argv[1])
         with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
             stream.write(made)
     except (OSError, ValueError, KeyError) as error:
-        print(f"{program}: {sys.argv[1]}: {error!r}, expected what {expected}", file=sys.stderr)
+        print(f"report_page.py: {sys.argv[1]}: {error!r}, expected what report_measure.py writes", file=sys.stderr)
         return 3
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(run("report_page.py", page, "report_measure.py writes"))
+    sys.exit(main())

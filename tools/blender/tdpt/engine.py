@@ -26,14 +26,9 @@ class Rendered:
 
 def options_of(settings, scene, film, portal_file):
     words = [f"--seed={(settings.seed + (scene.frame_current if settings.animate_seed else 0)) % 2**32}"]
-    if settings.samples:
-        words.append(f"--spp={settings.samples}")
-    if settings.time:
-        words.append(f"--time={settings.time:g}")
-    if settings.noise:
-        words.append(f"--target-error={settings.noise:g}")
-    if settings.max_depth:
-        words.append(f"--max-depth={settings.max_depth}")
+    for name, option in (("samples", "spp"), ("time", "time"), ("noise", "target-error"), ("max_depth", "max-depth")):
+        if getattr(settings, name):
+            words.append(f"--{option}={getattr(settings, name)!r}")
     if settings.device == "GPU":
         words.append("--device=gpu")
     if settings.denoise:

@@ -17,19 +17,10 @@ class Search:
 LEAST_GAIN = 1.1  # of the lower end of the interval, for portals of Cycles to be switched on
 
 
-def measuring(name, frame, saved, found):
-    """A generator that measures what the portals are worth to Cycles; its result: the dict of worth.py."""
-    lamps = []
-    for _, corners, triangles, figures in found:
-        if portals.lets_in_sky(figures):
-            corners = [portals.z_up(c) for c in corners]
-            matrix, width, height = portals.rectangle(corners, portals.normal_of(corners, triangles))
-            lamps.append([[list(row) for row in matrix], width, height])
-    folder = programs.session_folder()
-    given, result = os.path.join(folder, "portals.json"), os.path.join(folder, "worth.json")
-    with open(given, "w", encoding="utf-8") as text:
-        json.dump(lamps, text)
-    words = programs.blender("worth.py", saved, name, repr(frame), given, result)
+def measuring(scene, frame):
+    """A generator that measures what the portals of a scene are worth to Cycles; its result: the dict of worth.py."""
+    result = os.path.join(programs.session_folder(), "worth.json")
+    words = programs.blender("worth.py", programs.save(scene, "worth"), scene.name, repr(frame), result)
     yield from programs.running(words, "measuring what they are worth to Cycles", low=0.7)
     with open(result, encoding="utf-8") as text:
         return json.load(text)
@@ -63,7 +54,7 @@ def finding(scene, layer, measure=True, quality="normal"):
     scene.tdpt.found, scene.tdpt.lost = sentences[0], "\n".join(lost + programs.sentences_in(lines))
     Search.placed = True
     if measure and any(portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0 for p in found):
-        worth = yield from measuring(name, frame, saved, found)
+        worth = yield from measuring(scene, frame)
         scene = alive(name)
         pays = worth["low"] > LEAST_GAIN
         portals.use_in_cycles(scene, pays)

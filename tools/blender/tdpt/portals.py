@@ -93,7 +93,6 @@ def mesh_of(name, corners, triangles, figures):
 
 def lamp_of(name, corners, normal):
     lamp = bpy.data.lights.new(name, "AREA")
-    matrix, lamp.size, lamp.size_y = None, 0, 0
     lamp.shape = "RECTANGLE"
     matrix, lamp.size, lamp.size_y = rectangle(corners, normal)
     lamp.energy = 0  # in renderers that do not know portals

@@ -1,8 +1,8 @@
 """worth.py: what portals are worth to Cycles in a scene. Run by the extension in a Blender of its own:
-  worth.py FILE NAME FRAME PORTALS.json RESULT.json
-PORTALS: [[rows of a lamp's matrix, width, height], ...]. RESULT: {"gain": G, "low": L, "high": H}: without the portals Cycles
-needs G times as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, three pairs of seeds each
-way: error is half the mean squared difference of two pictures, over the squared mean."""
+  worth.py FILE NAME FRAME RESULT.json
+The portals are the lamps that the search has placed. RESULT: {"gain": G, "low": L, "high": H}: without them Cycles needs G times
+as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, three pairs of seeds each way:
+error is half the mean squared difference of two pictures, over the squared mean."""
 import json
 import os
 import sys
@@ -10,7 +10,6 @@ import time
 
 import bpy
 import numpy
-from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
@@ -45,20 +44,6 @@ def picture(scene, samples, seed):
     pixels = pixels_of(image)[..., :3].mean(2)
     bpy.data.images.remove(image)
     return pixels, seconds
-
-
-def lamps_of(scene, portals):
-    lamps = []
-    for rows, width, height in portals:
-        lamp = bpy.data.lights.new("portal", "AREA")
-        lamp.shape = "RECTANGLE"
-        lamp.size, lamp.size_y = width, height
-        lamp.cycles.is_portal = True
-        thing = bpy.data.objects.new("portal", lamp)
-        thing.matrix_world = Matrix(rows)
-        scene.collection.objects.link(thing)
-        lamps.append(thing)
-    return lamps
 
 
 def show(lamps, yes):
@@ -115,17 +100,12 @@ def measure(scene, lamps):
 
 
 def main():
-    file, name, frame, given, result = sys.argv[sys.argv.index("--") + 1 :]
+    file, name, frame, result = sys.argv[sys.argv.index("--") + 1 :]
     open_scene(file, name)
     scene = bpy.context.scene
     scene.frame_set(int(float(frame) // 1), subframe=float(frame) % 1)
-    with open(given, encoding="utf-8") as text:
-        portals = json.load(text)
-    for thing in scene.objects:  # the portals of the last time
-        if thing.type == "LIGHT" and thing.get("tdpt_found"):
-            thing.hide_render = True
     prepare(scene)
-    worth = measure(scene, lamps_of(scene, portals))
+    worth = measure(scene, [o for o in scene.objects if o.type == "LIGHT" and o.get("tdpt_found")])
     with open(result, "w", encoding="utf-8") as text:
         json.dump(worth, text)
 
