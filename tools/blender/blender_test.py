@@ -455,7 +455,7 @@ class Exporting(unittest.TestCase):
         self.assertIn("object ground True: 7 instances became objects", told)
 
     def test_area_lamps(self):
-        """Squares, rectangles and disks are lights; what the extension has no words for is a plane. tdpt reads both alike."""
+        """Squares, rectangles and disks, stretched or not, are lights; an ellipse is a disk."""
         scene = rooms.three_rooms()
         lamp = next(o for o in scene.objects if o.type == "LIGHT")
         means = {}
@@ -465,7 +465,7 @@ class Exporting(unittest.TestCase):
             bpy.context.view_layer.update()
             document, told = exported(scene)
             lights = document.get("extensions", {}).get("EXT_lights_area", {}).get("lights", [])
-            self.assertEqual(len(lights), int(shape == "DISK" or scale == (2, 2, 2)))
+            self.assertEqual(len(lights), 1)
             self.assertEqual(told.count("area lamp"), 1)
             path = os.path.join(FOLDER, "exported.glb")
             words = [programs.program("tdpt-render"), path, "-o", path + ".exr", "--spp", "256", "--width", "32", "--quiet",
@@ -475,6 +475,22 @@ class Exporting(unittest.TestCase):
         self.assertAlmostEqual(means["RECTANGLE", (2, 2, 2)] / means["RECTANGLE", (2, 2, 1)], 1, delta=0.01)
         self.assertAlmostEqual(means["DISK", (1, 1, 1)] / means["ELLIPSE", (1, 1, 1)], 1, delta=0.01)
         self.assertGreater(means["DISK", (1, 1, 1)], 0)
+
+    def test_instanced_lamps(self):
+        """Area lamps and smooth spots of a collection that stands twice."""
+        scene = rooms.three_rooms()
+        fixture = bpy.data.collections.new("fixture")
+        for thing in (next(o for o in scene.objects if o.type == "LIGHT"), rooms.lamp(scene, "SPOT", (0, 0, 2), 10, "spot", spot_blend=0.5)):
+            scene.collection.objects.unlink(thing)
+            fixture.objects.link(thing)
+        for x in (0.5, 1.5):
+            empty = bpy.data.objects.new("stand", None)
+            empty.instance_type, empty.instance_collection, empty.location = "COLLECTION", fixture, (x, 0, 0)
+            scene.collection.objects.link(empty)
+        document, _ = exported(scene)
+        self.assertEqual([len(document["extensions"][name]["lights"]) for name in ("EXT_lights_area", "EXT_lights_ies")], [2, 2])
+        places = sorted(n["matrix"][12] for n in document["nodes"] if "EXT_lights_area" in n.get("extensions", {}))
+        self.assertEqual([round(x, 4) for x in places], [8.0, 9.0])
 
     def test_lamps_with_exposure_temperature_and_angle(self):
         scene = rooms.lamps_room()

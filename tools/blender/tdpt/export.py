@@ -2,7 +2,7 @@
   blender -b SCENE.blend --python-exit-code 1 -P export.py -- OUT.glb [--thin-glass]
 What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
 Blender's exporter leaves area lamps, worlds, the picture's size and the thickness of glass out. Here area lamps become
-lights of EXT_lights_area or emitting planes, smooth spots profiles of EXT_lights_ies, every shader a Principled BSDF,
+lights of EXT_lights_area, smooth spots profiles of EXT_lights_ies, every shader a Principled BSDF,
 instances objects, and closed glass gets a thickness (--thin-glass: none). World, size and active camera go into the extras
 of the glTF scene [gltf-scene(5)], the world's picture beside OUT; custom properties of the scene called tdpt_... go before
 them. What is lost all the same is told at the end, the worst first: "light:" changes the light of the whole picture,
@@ -138,12 +138,11 @@ def main():
     if a.frame is not None:
         scene.frame_set(int(a.frame // 1), subframe=a.frame % 1)
     instances.drop_excluded(bpy.context.view_layer.layer_collection)
-    instances.make_real()
+    placed_lamps = instances.make_real()
     things = instances.placed()
     instances.report_objects(things)
     losses.report_scene(scene, bpy.context.view_layer, not a.file)
-    lamps.prepare(things)
-    things = instances.placed()
+    lamps.prepare(placed_lamps)
     materials.prepare(things)
     if not a.thin_glass:
         materials.fill_glass(things)

@@ -55,11 +55,16 @@ def placed():
 
 def make_real():
     """Instances by geometry nodes, particles, vertices and faces become objects; the exporter knows those of collections
-    alone."""
+    alone. Returns [(lamp, matrix)], instances of all kinds too."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    meshes, made = {}, {}
+    meshes, made, lamps = {}, {}, []
     for instance in depsgraph.object_instances:
         parent = instance.parent
+        if instance.object.type == "LIGHT":
+            lamp = instance.object.original
+            if not lamp.hide_render and not (instance.is_instance and parent and parent.original.hide_render):
+                lamps.append((lamp, instance.matrix_world.copy()))
+            continue
         if not instance.is_instance or not parent or parent.original.instance_type == "COLLECTION":
             continue
         original = instance.object.original
@@ -68,8 +73,6 @@ def make_real():
         if not instance.show_self:
             continue
         if instance.object.type != "MESH":
-            if instance.object.type == "LIGHT":
-                say(LIGHT, f"object {parent.original.name}: its instances of lamp {original.name} are lost")
             continue
         key = instance.object.data
         if key not in meshes:
@@ -90,6 +93,7 @@ def make_real():
             parent.instance_type = "NONE"
             for child in parent.children:
                 child.hide_render = True
+    return lamps
 
 
 def report_objects(things):

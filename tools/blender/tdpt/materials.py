@@ -24,24 +24,6 @@ def ior_of(material):
     return ior.default_value
 
 
-# Of light that meets a lamp's plane. Cycles' lamps let it pass; what a black plane keeps made a room 2.5 % too dark.
-LAMP_ALBEDO = 0.8
-
-
-def emitting(name, colour, radiance):
-    """A diffuse material that emits on its front."""
-    material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    material.use_backface_culling = True
-    shader = principled(material)
-    shader.inputs["Base Color"].default_value = (LAMP_ALBEDO, LAMP_ALBEDO, LAMP_ALBEDO, 1)
-    shader.inputs["Roughness"].default_value = 1
-    socket_of(shader, "Specular IOR Level", "Specular").default_value = 0
-    socket_of(shader, "Emission Color", "Emission").default_value = (*colour, 1)
-    shader.inputs["Emission Strength"].default_value = radiance
-    return material
-
-
 def output_of(material):
     """The output that Cycles shows, which the exporter then takes, too."""
     tree = material.node_tree
