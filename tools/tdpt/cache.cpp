@@ -53,22 +53,22 @@ uint64_t size_of(const fs::path& folder) {
   return bytes;
 }
 
-struct Used {
+struct Entry {
   fs::path path;
   fs::file_time_type when;
   uint64_t bytes;
 };
 
 // Entries whose names satisfy `is`, the oldest first.
-std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string&)) {
-  std::vector<Used> all;
+std::vector<Entry> all_in(const std::string& folder, bool (*is)(const std::string&)) {
+  std::vector<Entry> all;
   std::error_code failed;
   for (const auto& one : fs::directory_iterator(folder, failed)) {
     if (!is(one.path().filename().string())) continue;
     const auto when = one.last_write_time(failed);
     if (!failed) all.push_back({one.path(), when, size_of(one.path())});
   }
-  std::sort(all.begin(), all.end(), [](const Used& a, const Used& b) { return a.when < b.when; });
+  std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return a.when < b.when; });
   return all;
 }
 
@@ -132,18 +132,18 @@ bool Cache::knows(const std::string& hash, const std::string& key) const {
 void Cache::shrink_to(uint64_t most) const {
   if (!is_ours()) return;
   std::error_code ignored;
-  const std::vector<Used> entries = all_in(path_, is_entry);
+  const std::vector<Entry> entries = all_in(path_, is_entry);
   uint64_t bytes = 0;
-  for (const Used& one : entries) bytes += one.bytes;
-  for (const Used& one : entries) {
+  for (const Entry& one : entries) bytes += one.bytes;
+  for (const Entry& one : entries) {
     if (bytes <= most) break;
     fs::remove_all(one.path, ignored);
     bytes -= one.bytes;
   }
-  const std::vector<Used> known = all_in(path_, is_known);
+  const std::vector<Entry> known = all_in(path_, is_known);
   for (size_t i = 0; i + kMostKnown < known.size(); ++i) fs::remove(known[i].path, ignored);
   const auto hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
-  for (const Used& run : all_in(path_, is_of_run))
+  for (const Entry& run : all_in(path_, is_of_run))
     if (run.when < hour_ago) fs::remove_all(run.path, ignored);
 }
 

@@ -68,7 +68,7 @@ struct Plan {
         request(request_of(a, common)),
         cache(full_path(a.work.empty() ? Cache::usual_path() : a.work)),
         state(state_of(a)),
-        pipeline(pipeline_of(a, common, request, state, cache, programs)) {
+        pipeline(pipeline_of(a, common, request, state, cache)) {
     common.also_read(state.files);
   }
 
@@ -116,7 +116,7 @@ struct Plan {
   /// Throws UsageError for files that are not tdpt's to replace.
   void check_owners() const {
     if (a.force) return;
-    if (!request.is_shot) {
+    if (!a.shot.is_given()) {
       const std::string hash = hash_at(request.picture);
       if (hash.empty() || cache.knows(hash, "")) return;
       throw UsageError(request.picture +
@@ -139,7 +139,6 @@ struct Plan {
 
   const Arguments& a;
   const cli::Common& common;
-  const std::string programs = program_folder();
   const Request request;
   const Cache cache;
   const SceneState state;
@@ -163,7 +162,7 @@ void begin_step(const Plan& plan, Session& session, const std::string& title,
 Words preview_command(const Plan& plan) {
   const Arguments& a = plan.a;
   const Request& r = plan.request;
-  Words words{plan.programs + "/tdpt-render", r.scene};
+  Words words{program_folder() + "/tdpt-render", r.scene};
   for (const Words* more : {&r.camera, &r.pose, &r.sky, &r.running}) append(words, *more);
   append(words, {"--integrator", "bdpt", "--spp", "256", "--quiet", "--preview"});
   if (a.width > 0) append(words, {"--width", std::to_string(a.width)});
@@ -174,7 +173,7 @@ Words preview_command(const Plan& plan) {
 
 void run_stage(const Plan& plan, Session& session, const Search& search, const Step& stage) {
   session.begin_step(stage.title, stage.options[0], "");  // of all pictures
-  if (!plan.a.preview.empty() && !plan.request.is_shot && !session.has_look())
+  if (!plan.a.preview.empty() && !plan.a.shot.is_given() && !session.has_look())
     session.begin_look(preview_command(plan));
   Words words = stage.command(stage.output);
   if (words[0].ends_with("/lightgrid"))  // the others are short and report no progress
@@ -313,8 +312,8 @@ void render_frames(const Plan& plan, Session& session) {
 }
 
 void make_report(const Plan& plan, Session& session) {
-  const std::string scripts = plan.programs + "/../share/tdpt/", parts = session.path_of("report"),
-                    page = session.path_of("report.html");
+  const std::string scripts = program_folder() + "/../share/tdpt/",
+                    parts = session.path_of("report"), page = session.path_of("report.html");
   const Step& rendering = plan.pipeline.render;
   begin_step(plan, session, "making the report", "python3");
   Words words{"python3", "-B", scripts + "report_measure.py", "--scene", plan.request.scene};
@@ -339,8 +338,8 @@ void run_programs(const Plan& plan, Session& session, bool made) {
     throw UsageError("--report: needs python3");
   session.need(plan.pipeline.check);
   find_portals(plan, session);
-  if (!made && plan.request.is_shot) render_frames(plan, session);
-  if (!made && !plan.request.is_shot) render(plan, session);
+  if (!made && plan.a.shot.is_given()) render_frames(plan, session);
+  if (!made && !plan.a.shot.is_given()) render(plan, session);
   if (!plan.a.report.empty()) make_report(plan, session);
 }
 
@@ -401,7 +400,7 @@ std::string commands_of(const Arguments& a, const cli::Common& common,
     if (plan.is_there(plan.preview()))
       common.note(request.picture + " is up to date");
     else
-      add({plan.programs + "/exrmerge", request.picture, "-o", a.preview}, exposure_words(a));
+      add({program_folder() + "/exrmerge", request.picture, "-o", a.preview}, exposure_words(a));
     return commands;
   }
   plan.check_owners();

@@ -68,9 +68,8 @@ struct Pipeline {
   bool repeatable = true;   ///< running the same command again does nothing
 };
 
-/// `programs`: the folder with the programs.
 Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& request,
-                     const SceneState& state, const Cache& cache, const std::string& programs);
+                     const SceneState& state, const Cache& cache);
 
 /// The renderer's command for some frames of the shot.
 Words command_for(const Step& render, const FrameRange& frames);

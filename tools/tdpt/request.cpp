@@ -111,7 +111,6 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   Request r;
   r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
   r.picture = common.output;
-  r.is_shot = a.shot.is_given();
   const bool filters = filters_frames(a);
   std::string of_picture = !a.portals.empty()  ? "--portal"
                            : !a.report.empty() ? "--report"
