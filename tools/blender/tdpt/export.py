@@ -37,8 +37,8 @@ def options():
     p.add_argument("--view-layer", default="", help="in place of the scene's first")
     p.add_argument("--frame", type=float, help="in place of the frame that it was saved at")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
-    if not a.out.endswith((".glb", ".gltf")):
-        p.error(f"{a.out}: neither .glb nor .gltf")
+    if not a.out.endswith(".glb"):
+        p.error(f"{a.out}: is no name of a .glb")
     return a
 
 
@@ -114,7 +114,7 @@ def add_extras(path, camera):
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path,
-        export_format="GLB" if path.endswith(".glb") else "GLTF_SEPARATE",
+        export_format="GLB",
         export_cameras=True,
         export_lights=True,
         export_apply=True,

@@ -1,4 +1,4 @@
-"""glTF files: their JSON, and portals as meshes [portal(5)]."""
+"""Files .glb: their JSON, and portals as meshes [portal(5)]."""
 import json
 import os
 import struct
@@ -10,26 +10,20 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 def read(path):
-    """(JSON, the rest of the file's bytes: of a .glb the chunks behind it)"""
+    """(JSON, the chunks behind it)"""
     with open(path, "rb") as file:
         data = file.read()
-    if not path.endswith(".glb"):
-        return json.loads(data), b""
     length = struct.unpack_from("<I", data, 12)[0]
     return json.loads(data[20 : 20 + length]), data[20 + length :]
 
 
-def write(path, document, rest=b""):
+def write(path, document, rest):
     """Replaces the file at once, or not at all."""
-    if not path.endswith(".glb"):
-        text = json.dumps(document, indent="\t").encode()
-    else:
-        text = json.dumps(document, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        head = struct.pack("<5I", MAGIC, 2, 20 + len(text) + len(rest), len(text), JSON_CHUNK)
-        text = head + text + rest
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<5I", MAGIC, 2, 20 + len(text) + len(rest), len(text), JSON_CHUNK)
     with open(path + ".new", "wb") as file:
-        file.write(text)
+        file.write(head + text + rest)
     os.replace(path + ".new", path)
 
 

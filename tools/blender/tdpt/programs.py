@@ -1,7 +1,6 @@
 """Finds the programs and runs them beside Blender, which stays usable. A generator that runs one gives (share done, words) until
 the program has ended, and stops it when it is closed."""
 import contextlib
-import glob
 import json
 import os
 import signal
@@ -22,15 +21,11 @@ class Failure(Exception):
 
 
 def folders():
-    """Where the programs may be, the likeliest first: the preference, a tarball unpacked beside the extension or beside the
-    .blend file, the PATH, the usual places."""
+    """Where the programs may be, the likeliest first: the preference, beside this folder, the PATH, the usual places."""
     addon = bpy.context.preferences.addons.get(__package__)
     given = bpy.path.abspath(addon.preferences.folder) if addon and addon.preferences and addon.preferences.folder else ""
     if given:
         yield from (given, os.path.join(given, "bin"))
-    for beside in (HERE, os.path.dirname(HERE), bpy.path.abspath("//") if bpy.data.filepath else ""):
-        if beside:
-            yield from sorted(glob.glob(os.path.join(glob.escape(beside), "tdpt-*", "bin")), reverse=True)
     # As installed, this folder is share/tdpt/blender/tdpt beside bin.
     yield os.path.abspath(os.path.join(HERE, *[os.pardir] * 4, "bin"))
     yield from os.environ.get("PATH", "").split(os.pathsep)
