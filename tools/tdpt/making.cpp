@@ -173,8 +173,8 @@ Words preview_command(const Plan& plan) {
 
 void run_stage(const Plan& plan, Session& session, const Search& search, const Step& stage) {
   session.begin_step(stage.title, stage.options[0], "");  // of all pictures
-  if (!plan.a.preview.empty() && !plan.a.shot.is_given() && !session.has_look())
-    session.begin_look(preview_command(plan));
+  if (!plan.a.preview.empty() && !plan.a.shot.is_given() && !session.has_first_preview())
+    session.begin_first_preview(preview_command(plan));
   Words words = stage.command(stage.output);
   if (words[0].ends_with("/lightgrid"))  // the others are short and report no progress
     append(words, {"--set", "progress=json"});
@@ -211,7 +211,7 @@ void find_portals(const Plan& plan, Session& session) {
     for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
       write_output(name_of_frame("", plan.pipeline.portals_by_frame, k), bytes);
   }
-  session.end_look();
+  session.end_first_preview();
 }
 
 // Gives the picture its name. Its maker is recorded before, so that it is known however this
@@ -312,12 +312,12 @@ void render_frames(const Plan& plan, Session& session) {
 }
 
 void make_report(const Plan& plan, Session& session) {
-  const std::string scripts = program_folder() + "/../share/tdpt/",
-                    parts = session.path_of("report"), page = session.path_of("report.html");
+  const std::string page = session.path_of("report.html"),
+                    script = program_folder() + "/../share/tdpt/report_measure.py";
   const Step& rendering = plan.pipeline.render;
   begin_step(plan, session, "making the report", "python3");
-  Words words{"python3", "-B", scripts + "report_measure.py", "--scene", plan.request.scene};
-  append(words, {"--folder", parts, "--progress"});
+  Words words{"python3", "-B", script, "--scene", plan.request.scene};
+  append(words, {"--folder", session.path_of("report"), "--page", page, "--progress"});
   if (!plan.pipeline.searches.empty())
     append(words, {"--stem", plan.cache.path_of(plan.pipeline.searches[0].entry) + "/scene"});
   if (plan.common.quiet) words.emplace_back("--quiet");
@@ -325,7 +325,6 @@ void make_report(const Plan& plan, Session& session) {
   append(words, rendering.options);
   append(words, Words(rendering.inputs.begin() + 1, rendering.inputs.end()));
   session.need(words);
-  session.need({"python3", "-B", scripts + "report_page.py", parts, page});
   write_output(plan.a.report, read_file(page));
   plan.know(plan.report());
 }

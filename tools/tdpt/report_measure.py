@@ -1,4 +1,4 @@
-"""report_measure.py: measures what the page of a scene tells, into a folder, for report_page.py.
+"""report_measure.py: measures what the page of a scene tells, into a folder, and writes the page.
 
 Renders the scene twice, each for as many CPU seconds: by bdpt without portals, and by `auto` (or what the command says)
 with them. A rendering begins with a quarter of its time, in which it decides what renders, and goes on from its own
@@ -19,6 +19,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import report_page
 
 # What a command of tdpt-render may say and a measurement says for itself: options with a value, flags, settings.
 VALUES = ("spp", "time", "target-error", "checkpoint", "resume", "add-samples", "stats", "aov", "exposure", "quality", "width", "height",
@@ -156,6 +158,7 @@ def options():
     parser = argparse.ArgumentParser(prog="report_measure.py")
     parser.add_argument("--scene", required=True)
     parser.add_argument("--folder", required=True, help="receives what is measured; emptied first")
+    parser.add_argument("--page", required=True, help="receives the page")
     usual = {name: os.environ.get("REPORT_" + name.upper()) or value for name, value in (("time", "10"), ("reference", "8"), ("width", "320"))}
     parser.add_argument("--time", type=float, default=usual["time"], help="CPU seconds of each rendering")
     parser.add_argument("--reference", type=float, default=usual["reference"],
@@ -250,6 +253,8 @@ def measure(a):
             text = re.sub("(?<![\\w/.])" + re.escape(json.dumps(path + "/")[1:-1]), "", text)
     with open(os.path.join(a.folder, "measured.json"), "w", encoding="utf-8") as stream:
         stream.write(text + "\n")
+    with open(a.page, "w", encoding="utf-8", errors="replace") as stream:
+        stream.write(report_page.page(a.folder))
 
 
 def main():

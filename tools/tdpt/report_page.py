@@ -1,4 +1,4 @@
-"""report_page.py FOLDER PAGE: the page of a scene, from what report_measure.py left in FOLDER.
+"""The page of a scene, from what report_measure.py left in a folder.
 
 The page is report_scene.html within report.html, with its figures filled in. It is one file that needs nothing else:
 pictures are data, the plot is SVG, there is no script. Whatever comes from a file is a str, which text() escapes; only
@@ -13,7 +13,6 @@ import os
 import re
 import string
 import struct
-import sys
 
 
 class Markup(str):
@@ -320,21 +319,3 @@ def page(folder):
         commands="\n".join(m[key]["command"] for key in ("without", "with", "reference")),
         lines="\n".join(dict.fromkeys(str(line) for e in m["info"] for line in e.get("provenance") or [])), version="\n".join(m["version"]))
     return filled("report.html", title=f"{m['scene']}: light portals", body=body)
-
-
-def main():
-    if len(sys.argv) != 3:
-        print("usage: report_page.py FOLDER PAGE", file=sys.stderr)
-        return 2
-    try:
-        made = page(sys.argv[1])
-        with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
-            stream.write(made)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"report_page.py: {sys.argv[1]}: {error!r}, expected what report_measure.py writes", file=sys.stderr)
-        return 3
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

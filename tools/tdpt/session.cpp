@@ -49,7 +49,7 @@ Session::Session(std::string folder, std::string in_use, std::string preview, si
 
 Session::~Session() {
   clear();
-  look_.reset();
+  first_preview_.reset();
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
 }
@@ -101,13 +101,13 @@ void Session::print(const std::string& line) {
   say(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-void Session::begin_look(Words words) {
-  append(words, {"-o", path_of("look.exr")});
-  look_ = std::make_unique<ChildProcess>(words, ChildProcess::How{false, "", kNice});
+void Session::begin_first_preview(Words words) {
+  append(words, {"-o", path_of("first.exr")});
+  first_preview_ = std::make_unique<ChildProcess>(words, ChildProcess::How{false, "", kNice});
 }
 
 void Session::publish_preview() {
-  const std::string png = path_of(look_ ? "look.png" : "picture.png");
+  const std::string png = path_of(first_preview_ ? "first.png" : "picture.png");
   std::error_code failed;
   const auto time = fs::last_write_time(png, failed);
   if (preview_.empty() || failed || time == preview_time_) return;
@@ -121,7 +121,7 @@ int Session::run(const Words& words, const ChildProcess::How& how, std::string* 
   ChildProcess child(words, how);
   std::string text, unheard;
   bool is_stopping = false;
-  const auto hear = [&] {
+  const auto take_lines = [&] {
     for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
       const std::string line = text.substr(0, end);
       if (explained && !line.starts_with('{')) *explained += line + "\n";
@@ -131,9 +131,9 @@ int Session::run(const Words& words, const ChildProcess::How& how, std::string* 
   std::error_code ignored;
   while (!child.exit_code()) {
     child.read(text);
-    hear();
+    take_lines();
     if (stop_requested() && !std::exchange(is_stopping, true)) child.send(SIGTERM);
-    if (look_) look_->read(unheard);
+    if (first_preview_) first_preview_->read(unheard);
     try {
       publish_preview();
     } catch (const Error&) {  // the final write will report an error
@@ -149,7 +149,7 @@ int Session::run(const Words& words, const ChildProcess::How& how, std::string* 
   }
   child.read(text);
   text += text.empty() || text.ends_with('\n') ? "" : "\n";
-  hear();
+  take_lines();
   const int code = *child.exit_code();
   if (stop_requested()) return kStopped;
   if (code < 128) return code;

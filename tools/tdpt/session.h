@@ -42,10 +42,11 @@ class Session {
   void need(const Words& words, const ChildProcess::How& how = {},
             std::string* explained = nullptr);
 
-  /// Starts a renderer of a first preview, which runs beside the programs until end_look().
-  void begin_look(Words words);
-  void end_look() { look_.reset(); }
-  bool has_look() const { return look_ != nullptr; }
+  /// Starts a renderer of a first preview, which runs beside the programs until
+  /// end_first_preview().
+  void begin_first_preview(Words words);
+  void end_first_preview() { first_preview_.reset(); }
+  bool has_first_preview() const { return first_preview_ != nullptr; }
   /// Copies the preview that a renderer has written into the run's folder, if it has changed.
   void publish_preview();
 
@@ -63,7 +64,7 @@ class Session {
   std::string progress_;           ///< last reported by the program
   std::set<std::string> printed_;  ///< messages, without the names of programs
   bool line_visible_ = false;
-  std::unique_ptr<ChildProcess> look_;
+  std::unique_ptr<ChildProcess> first_preview_;
   std::filesystem::file_time_type preview_time_{};  ///< of the last published preview
 };
 
