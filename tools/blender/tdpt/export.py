@@ -25,7 +25,6 @@ import materials  # noqa: E402
 import world  # noqa: E402
 
 KEYS = ("environment", "environment_rotation", "environment_scale", "width", "height", "camera")
-WRITTEN = "export.py: {} written"  # before what is told
 
 
 def options():
@@ -149,7 +148,7 @@ def main():
     camera = prepare_camera(not a.file)  # the extension cuts shifted pictures
     export(out)
     add_extras(out, camera)
-    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in losses.lines()]), flush=True)
+    print("\n".join([f"export.py: {a.out} written", *("  " + line for line in losses.lines())]), flush=True)
 
 
 if __name__ == "__main__":

@@ -26,14 +26,6 @@ def measuring(scene, frame):
         return json.load(text)
 
 
-def alive(name):
-    """The scene, which may be gone, or another object after an undo."""
-    scene = bpy.data.scenes.get(name)
-    if not scene:
-        raise programs.Failure(f"Scene {name} is gone")
-    return scene
-
-
 def finding(scene, layer, measure=True, quality="normal"):
     """A generator of (share, words). The portals are placed when they are found; those of Cycles are switched on when they were
     measured to pay. Its result: sentences about what was found."""
@@ -48,14 +40,14 @@ def finding(scene, layer, measure=True, quality="normal"):
     lines = yield from programs.running(words, "looking for portals", 0.1, 0.7)
     found = gltf_file.read_portals(result)
     sentences = [portals.words_of(found, portals.reason_in(lines))]
-    scene = alive(name)
+    scene = bpy.data.scenes[name]  # another object after an undo
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)
     scene.tdpt.found, scene.tdpt.lost = sentences[0], "\n".join(lost + programs.sentences_in(lines))
     Search.placed = True
     if measure and any(portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0 for p in found):
         worth = yield from measuring(scene, frame)
-        scene = alive(name)
+        scene = bpy.data.scenes[name]
         pays = worth["low"] > LEAST_GAIN
         portals.use_in_cycles(scene, pays)
         figures = f"{worth['gain']:.2g} times as fast ({worth['low']:.2g} to {worth['high']:.2g})"

@@ -128,12 +128,6 @@ def use_in_cycles(scene, yes):
         lamp.hide_render = not yes
 
 
-def used(scene, layer):
-    """The mesh objects of the collection that are not hidden in this view layer."""
-    meshes = collection_of(scene)
-    return [o for o in meshes.objects if o.type == "MESH" and is_seen(o, scene.view_layers[layer])] if meshes else []
-
-
 def is_seen(thing, layer):
     try:
         return thing.visible_get(view_layer=layer)
@@ -142,9 +136,11 @@ def is_seen(thing, layer):
 
 
 def write_used(scene, path, layer=0):
-    """The portals as they now stand, for tdpt --portal; how many."""
-    portals = []
-    for thing in used(scene, layer):
+    """The portals as they now stand, but for those that are hidden in this view layer, for tdpt --portal; how many."""
+    portals, meshes = [], collection_of(scene)
+    for thing in meshes.objects if meshes else ():
+        if thing.type != "MESH" or not is_seen(thing, scene.view_layers[layer]):
+            continue
         mesh = thing.data
         mesh.calc_loop_triangles()
         corners = [thing.matrix_world @ v.co for v in mesh.vertices]
