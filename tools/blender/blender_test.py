@@ -458,6 +458,7 @@ class Exporting(unittest.TestCase):
         """Squares, rectangles and disks, stretched or not, are lights; an ellipse is a disk."""
         scene = rooms.three_rooms()
         lamp = next(o for o in scene.objects if o.type == "LIGHT")
+        lamp.hide_set(True)  # the eye, which pictures do not know
         means = {}
         for shape, scale in (("RECTANGLE", (2, 2, 2)), ("RECTANGLE", (2, 2, 1)), ("DISK", (1, 1, 1)), ("ELLIPSE", (1, 1, 1))):
             lamp.data.shape, lamp.scale = shape, scale

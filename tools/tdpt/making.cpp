@@ -1,8 +1,8 @@
 #include "tools/tdpt/making.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 
@@ -365,8 +365,10 @@ int make(const Arguments& a, const cli::Common& common) {
     if (!made) plan.check_owners();
     const std::string& entry = plan.pipeline.entry;
     const std::string in_use = entry.empty() ? "" : plan.cache.use(entry);
-    Session session(plan.cache.use(fmt::format("run-{}-{}", ::getpid(), std::time(nullptr))),
-                    in_use, a.preview, steps_of(plan, made), common.quiet);
+    Session session(
+        plan.cache.use(fmt::format("run-{}-{}", ::getpid(),
+                                   std::chrono::system_clock::now().time_since_epoch().count())),
+        in_use, a.preview, steps_of(plan, made), common.quiet);
     try {
       run_programs(plan, session, made);
       std::string files = made ? "" : plan.request.picture;

@@ -21,6 +21,13 @@ def as_rendered():
     for render in (scene.render for scene in bpy.data.scenes):
         render.simplify_subdivision = render.simplify_subdivision_render
         render.simplify_child_particles = render.simplify_child_particles_render
+    for layer in (layer for scene in bpy.data.scenes for layer in scene.view_layers):  # eyes hide nothing in a picture
+        parts = [layer.layer_collection]
+        for part in parts:
+            part.hide_viewport = False
+            parts += part.children
+        for thing in layer.objects:
+            thing.hide_set(False, view_layer=layer)
     for collection in bpy.data.collections:
         collection.hide_viewport = False
     for thing in bpy.data.objects:
