@@ -23,7 +23,7 @@ REPORT_TIME ?= 10
 REPORT_REFERENCE ?= 8
 REPORT_WIDTH ?= 320
 tdpt_rules := $(dir $(lastword $(MAKEFILE_LIST)))
-tdpt_scripts := $(firstword $(wildcard $(tdpt_rules)tdpt/report_page.py $(tdpt_rules)report_page.py))
+tdpt_measure := $(firstword $(wildcard $(tdpt_rules)tdpt/report_measure.py $(tdpt_rules)report_measure.py))
 
 # The pictures of all scenes in this folder.
 TDPT_PICTURES = $(sort $(addsuffix .exr,$(basename $(filter-out %.portal.glb %.portal.gltf %.partial.glb,$(wildcard *.glb *.gltf)))))
@@ -140,11 +140,10 @@ export TDPT_ABOUT = $(if $(TDPT_TELL),,$@)
 %.report.html: $$(tdpt_scene) $$(tdpt_portals) $$(if $$(tdpt_found),$$(addprefix $$(tdpt_found),.max .cut .vdb)) \
   $$(tdpt_sky_file) $$(call tdpt_again,$$(tdpt_html),$$@)
 	$(tdpt_begin)
-	$(PYTHON) -B $(tdpt_scripts:page.py=measure.py) --scene $< --folder $(tdpt_known).parts --time $(REPORT_TIME) \
+	$(PYTHON) -B $(tdpt_measure) --scene $< --folder $(tdpt_known).parts --page $(tdpt_partial) --time $(REPORT_TIME) \
 	  --reference $(REPORT_REFERENCE) --width $(REPORT_WIDTH) --exrdiff $(EXRDIFF) --info $(TDPT_INFO) $(if $(tdpt_found),\
 	  --stem $(tdpt_found) --known .tdpt/$(subst ../,up/,$(tdpt_found))) $(if $(THREADS),--threads $(THREADS)) $(tdpt_quiet) \
 	  -MF $(tdpt_known).d -MQ $@ -- $(tdpt_exr) $(tdpt_most)
-	$(PYTHON) -B $(tdpt_scripts) $(tdpt_known).parts $(tdpt_partial)
 	$(call tdpt_end,$(tdpt_html))
 
 # What was read, and empty rules for that; none of them is what a plain `make` makes.

@@ -5,7 +5,6 @@ import math
 import os
 import subprocess
 import sys
-import tempfile
 import time
 import types
 import unittest
@@ -19,7 +18,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import blender_test  # noqa: E402
 import rooms  # noqa: E402
 from blender_test import FOLDER, exported, rendered  # noqa: E402
-from tdpt import engine, exr, finding, portals, programs  # noqa: E402
+from tdpt import engine, exr, portals, programs  # noqa: E402
 
 
 def shaded(name, build):
@@ -243,7 +242,7 @@ class Reading(unittest.TestCase):
             "light: lamp disc: its spread of 40 degrees is lost", "look: lamp point: its radius is lost", "light: lamp point: it casts no shadows",
             "light: object north: casts no shadow", "light: object west: is invisible to diffuse rays", "look: object south: is a holdout",
             "light: world: its volume is lost", "light: view layer ViewLayer: its material override is lost",
-            "look: material bumpy: its Bump is lost", "light: material stained: Base Color hangs on Color Ramp, Noise Texture",
+            "look: material bumpy: Normal hangs on Bump, Noise Texture, which is not read; it is lost", "light: material stained: Base Color hangs on Color Ramp, Noise Texture",
             "light: material fog: its volume (Volume Scatter) is lost", "light: object blob: is of type Meta, which is lost",
             "light: scene: the exposure 2 of Cycles' film is lost", "light: camera camera: its clipping at 3 m cuts ", "look: scene: its motion blur is lost",
         ):
@@ -274,9 +273,9 @@ class Reading(unittest.TestCase):
             tree = scene.world.node_tree
             sky = node(tree, "TexSky", sun_elevation=0.65, sun_rotation=turn)
             tree.links.new(sky.outputs[0], next(n for n in tree.nodes if n.bl_idname == "ShaderNodeBackground").inputs["Color"])
-            folder = tempfile.mkdtemp(dir=FOLDER)
-            name, _ = world.keep(world.bake(scene.world, os.path.join(FOLDER, "baked.exr")), os.path.join(folder, "sky.glb"), None)
-            light = exr.read(os.path.join(folder, name), {"G"})["G"]
+            path = os.path.join(FOLDER, "sun.exr")
+            world.write_exr(world.bake(scene.world, os.path.join(FOLDER, "baked.exr")), path)
+            light = exr.read(path, {"G"})["G"]
             return light[light > 100 * numpy.median(light)].sum()
 
         few = mock.patch.multiple(world, BAKED_SAMPLES=2)
@@ -321,16 +320,16 @@ class Telling(unittest.TestCase):
     def test_all_is_printed_and_the_worst_is_a_warning(self):
         warned = []
         teller = types.SimpleNamespace(report=lambda kind, text: warned.append((kind, text)))
-        engine.Told.lines = []
+        engine.Rendered.sentences = []
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            engine.TdptEngine.tell(teller, ["light: material a: b", "look: lamp c: d", "note: e"])
-            engine.TdptEngine.tell(teller, ["note: f"])
+            engine.TdptEngine.report_all(teller, ["light: material a: b", "look: lamp c: d", "note: e"])
+            engine.TdptEngine.report_all(teller, ["note: f"])
         self.assertEqual(printed.getvalue().splitlines(), ["tdpt: light: material a: b", "tdpt: look: lamp c: d", "tdpt: note: e", "tdpt: note: f"])
         self.assertEqual(len(warned), 1)
         self.assertEqual(warned[0][0], {"WARNING"})
         self.assertTrue(warned[0][1].startswith("material a: b, and 1 more"), warned)
-        self.assertEqual(len(engine.Told.lines), 4)
+        self.assertEqual(len(engine.Rendered.sentences), 4)
 
     def test_a_line_a_second(self):
         shown = []
@@ -347,15 +346,13 @@ class Telling(unittest.TestCase):
         self.assertEqual(len(shown), 10)  # what is the same is not said again
 
     def test_what_the_programs_say(self):
-        lines = ["tdpt-render: warning: no sample found light", "portalfit: 1 portal", '{"progress":{"step":1}}', ""]
-        self.assertEqual(programs.told_by(lines), ["light: no sample found light", "note: portalfit: 1 portal"])
+        lines = ["tdpt-render: warning: no sample found light", "portalfit: 1 portal", ""]
+        self.assertEqual(programs.sentences_in(lines), ["light: no sample found light", "note: portalfit: 1 portal"])
 
     def test_why_there_is_no_portal(self):
-        """The search gives back what the programs say, and the panel shows their reason, not one of its own."""
-        lines = ["ffgraph: x", "mincut: no bottleneck: is its door shut?", '{"progress":{"step":1}}']
-        with mock.patch.object(programs, "running", lambda words: iter([lines[:1], lines[1:]])):
-            self.assertEqual(programs.wait(finding.searching([])), ["note: ffgraph: x", "note: mincut: no bottleneck: is its door shut?"])
-        self.assertEqual(portals.words_of([], "is its door shut?"), "No portal: is its door shut?")
+        """The panel shows the reason that the programs give, not one of its own."""
+        lines = ["ffgraph: x", "mincut: no bottleneck: is its door shut?"]
+        self.assertEqual(portals.words_of([], portals.reason_in(lines)), "No portal: is its door shut?")
 
     def test_a_dark_room(self):
         """What the programs warn of reaches the console and the panel."""
@@ -367,7 +364,7 @@ class Telling(unittest.TestCase):
             rendered(scene, samples=1, denoise=False)
         self.assertIn("tdpt: note: area lamp lamp", printed.getvalue())
         self.assertIn("tdpt: light: ", printed.getvalue())
-        self.assertTrue(any(line.startswith("light: ") for line in engine.Told.lines), engine.Told.lines)
+        self.assertTrue(any(line.startswith("light: ") for line in engine.Rendered.sentences), engine.Rendered.sentences)
 
 
 if __name__ == "__main__":

@@ -8,12 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
-#include "libcommon/formats/format_version.h"
 
 namespace tdpt {
 namespace {
@@ -23,8 +20,6 @@ namespace fs = std::filesystem;
 constexpr const char* kTag =
     "Signature: 8a477f597d28d172789f06886806bc55\n"
     "# This is the cache of tdpt; `tdpt --clean` empties it.\n";
-constexpr const char* kVersionKey = "# Version of its format: ";
-constexpr int kVersion = 1;
 constexpr size_t kMostKnown = 10000;  // of known-KEY files, some hundred bytes each
 
 // Whether the name is `prefix` and a hash.
@@ -39,6 +34,14 @@ bool is_entry(const std::string& name) {
   return is_keyed(name, "portals-") || is_keyed(name, "film-") || is_keyed(name, "picture-");
 }
 
+bool is_known(const std::string& name) {
+  return is_keyed(name, "known-");
+}
+
+bool is_of_run(const std::string& name) {
+  return name.starts_with("run-") || name.starts_with(".tdpt-");
+}
+
 uint64_t size_of(const fs::path& folder) {
   uint64_t bytes = 0;
   std::error_code failed;
@@ -50,22 +53,22 @@ uint64_t size_of(const fs::path& folder) {
   return bytes;
 }
 
-struct Used {
+struct Entry {
   fs::path path;
   fs::file_time_type when;
   uint64_t bytes;
 };
 
 // Entries whose names satisfy `is`, the oldest first.
-std::vector<Used> all_in(const std::string& folder, bool (*is)(const std::string&)) {
-  std::vector<Used> all;
+std::vector<Entry> all_in(const std::string& folder, bool (*is)(const std::string&)) {
+  std::vector<Entry> all;
   std::error_code failed;
   for (const auto& one : fs::directory_iterator(folder, failed)) {
     if (!is(one.path().filename().string())) continue;
     const auto when = one.last_write_time(failed);
     if (!failed) all.push_back({one.path(), when, size_of(one.path())});
   }
-  std::sort(all.begin(), all.end(), [](const Used& a, const Used& b) { return a.when < b.when; });
+  std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return a.when < b.when; });
   return all;
 }
 
@@ -84,7 +87,7 @@ std::string Cache::use(const std::string& name) const {
   fs::create_directories(path_, failed);
   if (!failed && !is_ours()) {
     check_has_no_others();
-    write_output(path_of("CACHEDIR.TAG"), fmt::format("{}{}{}\n", kTag, kVersionKey, kVersion));
+    write_output(path_of("CACHEDIR.TAG"), kTag);
   }
   const std::string path = failed ? path_ : path_of(name);
   if (!failed) fs::create_directory(path, failed);
@@ -105,19 +108,11 @@ void Cache::check_has_no_others() const {
 }
 
 bool Cache::is_ours() const {
-  const std::string path = path_ + "/CACHEDIR.TAG";
-  std::string tag;
   try {
-    tag = read_file(path);
+    return read_file(path_of("CACHEDIR.TAG")).starts_with(kTag);
   } catch (const InputError&) {
     return false;
   }
-  if (!tag.starts_with(kTag)) return false;
-  const size_t at = tag.find(kVersionKey);
-  if (at == tag.npos) return true;  // the first version
-  const std::string version = tag.substr(at + std::strlen(kVersionKey));
-  check_version(path, "", version.substr(0, version.find('\n')), kVersion);
-  return true;
 }
 
 void Cache::know(const std::string& hash, const std::string& key) const {
@@ -137,21 +132,18 @@ bool Cache::knows(const std::string& hash, const std::string& key) const {
 void Cache::shrink_to(uint64_t most) const {
   if (!is_ours()) return;
   std::error_code ignored;
-  const std::vector<Used> entries = all_in(path_, is_entry);
+  const std::vector<Entry> entries = all_in(path_, is_entry);
   uint64_t bytes = 0;
-  for (const Used& one : entries) bytes += one.bytes;
-  for (const Used& one : entries) {
+  for (const Entry& one : entries) bytes += one.bytes;
+  for (const Entry& one : entries) {
     if (bytes <= most) break;
     fs::remove_all(one.path, ignored);
     bytes -= one.bytes;
   }
-  const std::vector<Used> known =
-      all_in(path_, [](const std::string& name) { return is_keyed(name, "known-"); });
+  const std::vector<Entry> known = all_in(path_, is_known);
   for (size_t i = 0; i + kMostKnown < known.size(); ++i) fs::remove(known[i].path, ignored);
   const auto hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
-  for (const Used& run : all_in(path_, [](const std::string& name) {
-         return name.starts_with("run-") || name.starts_with(".tdpt-");
-       }))
+  for (const Entry& run : all_in(path_, is_of_run))
     if (run.when < hour_ago) fs::remove_all(run.path, ignored);
 }
 

@@ -1,12 +1,10 @@
 // The folder where tdpt keeps its results: a cache, shared by concurrent runs and by all scenes.
 //
-//   CACHEDIR.TAG       marks a cache for backup programs (bford.info/cachedir), and holds the
-//                      version of the format; without it nothing is removed from a folder, which
-//                      may be anybody's
+//   CACHEDIR.TAG       marks a cache for backup programs (bford.info/cachedir); without it nothing
+//                      is removed from a folder, which may be anybody's
 //   portals-KEY/       what the four stages made; KEY: hash of everything that affects it
 //   film-KEY/          samples of a picture, to which others are added; KEY: hash of everything
-//   that
-//                      affects a sample
+//                      that affects a sample
 //   picture-KEY/       samples of a picture whose end is not yet known, or frames of a shot
 //   known-HASH         keys of what made a file with this hash of its bytes, one per line
 //   run-NAME/          files of a run, until it ends
@@ -44,8 +42,7 @@ class Cache {
   bool knows(const std::string& hash, const std::string& key) const;
 
   /// Removes entries, least recently used first, until the total is at most `bytes`, and what
-  /// killed runs left. Does nothing to a folder that is not tdpt's. Throws InputError, as do all
-  /// functions here, if it has another version.
+  /// killed runs left. Does nothing to a folder that is not tdpt's.
   void shrink_to(uint64_t bytes) const;
 
  private:

@@ -25,11 +25,6 @@ constexpr cli::Program kProgram{
     cli::kLibraries,
     cli::kCommit};
 
-std::string report_beside(const std::string& picture, bool is_shot) {
-  const std::string name = is_shot ? name_of_shot(picture) : picture;
-  return name.substr(0, name.find_last_of('.')) + ".report.html";
-}
-
 // The renderer lists them: tdpt only starts other programs.
 std::string list_of_devices() {
   const std::string renderer = program_folder() + "/tdpt-render";
@@ -46,9 +41,10 @@ void declare_options(cli::Options& options, Arguments& a) {
                Effect::report);
   options.output_beside(
       "--report", a.report,
-      [&a](const std::string& picture) { return report_beside(picture, a.shot.is_given()); },
-      "Write PICTURE.report.html, too: what portals are worth; of a shot, its "
-      "frames and their noise (needs python3)");
+      [](const std::string& picture) {
+        return picture.substr(0, picture.find_last_of('.')) + ".report.html";
+      },
+      "Write PICTURE.report.html, too: what portals are worth (needs python3)");
   options.option("--work", a.work, "FOLDER",
                  "Where the stages' files are kept; default tdpt in the user's cache folder",
                  Effect::report);

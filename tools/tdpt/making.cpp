@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <memory>
 #include <optional>
-#include <utility>
 
 #include <fmt/format.h>
-#include <poll.h>
 #include <unistd.h>
 
-#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/output_file.h"
@@ -21,11 +16,11 @@
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
 #include "libcommon/cli/outputs.h"
+#include "libcommon/film/film_file.h"
 #include "libcommon/formats/tone.h"
 #include "libcommon/options/picture_options.h"
-#include "tools/tdpt/conversation.h"
 #include "tools/tdpt/pipeline.h"
-#include "tools/tdpt/shot_report.h"
+#include "tools/tdpt/session.h"
 
 namespace tdpt {
 namespace {
@@ -33,25 +28,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kStopped = static_cast<int>(Exit::interrupted);
-constexpr const char* kDecision = ", because ";  // in sentences of --explain
-constexpr int kNice = 10;                        // of a first preview: the stages have priority
-
-struct Ended {
-  int code;  // of a program that failed or was stopped
-};
-
-std::string name_of(const std::string& program) {
-  return fs::path(program).filename().string();
-}
 
 bool exists(const std::string& path) {
   std::error_code failed;
   return fs::exists(path, failed);
 }
 
-std::string variable(const char* name, const char* usual) {
+std::string variable(const char* name) {
   const char* value = std::getenv(name);
-  return value && *value ? value : usual;
+  return value ? value : "";
 }
 
 // Absolute, even if the current folder no longer exists.
@@ -59,6 +44,16 @@ std::string full_path(const std::string& path) {
   std::error_code failed;
   const fs::path full = fs::absolute(path, failed);
   return failed ? path : full.string();
+}
+
+// Whether a frame of a shot may take the place of this file: it is one that tdpt-render marked.
+bool may_be_replaced(const std::string& path) {
+  if (!exists(path)) return true;
+  try {
+    return read_exr(path).attributes.contains(kFrameAttribute);
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 Words exposure_words(const Arguments& a) {
@@ -73,7 +68,7 @@ struct Plan {
         request(request_of(a, common)),
         cache(full_path(a.work.empty() ? Cache::usual_path() : a.work)),
         state(state_of(a)),
-        pipeline(pipeline_of(a, common, request, state, cache, programs)) {
+        pipeline(pipeline_of(a, common, request, state, cache)) {
     common.also_read(state.files);
   }
 
@@ -85,9 +80,8 @@ struct Plan {
     return {a.preview, "preview of " + hash_at(request.picture) + shell_text(exposure_words(a))};
   }
   Result report() const {
-    return {a.report,
-            fmt::format("{} report {} {} {}", pipeline.key, variable("REPORT_TIME", "10"),
-                        variable("REPORT_REFERENCE", "8"), variable("REPORT_WIDTH", "320"))};
+    return {a.report, fmt::format("{} report {} {} {}", pipeline.key, variable("REPORT_TIME"),
+                                  variable("REPORT_REFERENCE"), variable("REPORT_WIDTH"))};
   }
   /// The picture and all that its rendering writes. A preview can be made of the picture.
   std::vector<Result> rendered(const std::string& picture) const {
@@ -107,10 +101,9 @@ struct Plan {
   void know(const Result& result) const {
     if (const std::string hash = hash_at(result.path); !hash.empty()) cache.know(hash, result.key);
   }
-  bool explains_stages() const { return !a.report.empty() && !request.is_shot; }
   /// Whether the stage need not run: for a report its own is there, too.
   bool is_done(const Step& stage) const {
-    return exists(stage.output) && (!explains_stages() || exists(stage.output + ".told.txt"));
+    return exists(stage.output) && (a.report.empty() || exists(stage.output + ".told.txt"));
   }
   /// Frames that are to be filtered and are not there as they would be.
   std::vector<FilteredFrame> missing_frames() const {
@@ -123,18 +116,17 @@ struct Plan {
   /// Throws UsageError for files that are not tdpt's to replace.
   void check_owners() const {
     if (a.force) return;
-    if (!request.is_shot) {
+    if (!a.shot.is_given()) {
       const std::string hash = hash_at(request.picture);
       if (hash.empty() || cache.knows(hash, "")) return;
       throw UsageError(request.picture +
                        ": is there already, and tdpt did not make it; --force replaces it");
     }
     const FrameRange range = frame_range(a.shot);
-    for (int64_t k = range.first; k <= range.last; ++k) {
-      check_is_frame(name_of_frame("-o", request.picture, k));
-      if (!request.stats.empty() && a.stats.empty())
-        check_is_stats(name_of_frame("--stats", request.stats, k));
-    }
+    for (int64_t k = range.first; k <= range.last; ++k)
+      if (const std::string path = name_of_frame("-o", request.picture, k); !may_be_replaced(path))
+        throw UsageError(path +
+                         ": is there already, and is no frame of a shot; --force replaces it");
   }
   /// Whether the scene's files have, since their hashes were taken.
   bool has_changed() const {
@@ -147,320 +139,208 @@ struct Plan {
 
   const Arguments& a;
   const cli::Common& common;
-  const std::string programs = program_folder();
   const Request request;
   const Cache cache;
   const SceneState state;
   const Pipeline pipeline;
 };
 
-// Runs what a plan needs. Its functions throw Ended with the exit code of a program that failed.
-class Run {
- public:
-  explicit Run(const Plan& plan)
-      : plan_(plan),
-        folder_(plan.cache.use(fmt::format(
-            "run-{}-{}", ::getpid(), std::chrono::system_clock::now().time_since_epoch().count()))),
-        conversation_(plan.common.quiet) {}
-  ~Run() {
-    look_.reset();
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+// The number of programs that are to run; `made`: the picture is there, and its report is not.
+size_t steps_of(const Plan& plan, bool made) {
+  size_t steps = 1 + !made + !plan.a.report.empty() + !plan.pipeline.filtered.empty();
+  for (const Search& search : plan.pipeline.searches)
+    for (const Step& stage : search.stages) steps += !plan.is_done(stage);
+  return steps;
+}
+
+void begin_step(const Plan& plan, Session& session, const std::string& title,
+                const std::string& program) {
+  session.begin_step(title, program, plan.a.views.empty() ? "" : plan.request.picture);
+}
+
+// The command of a first preview, which is rendered without portals while they are sought.
+Words preview_command(const Plan& plan) {
+  const Arguments& a = plan.a;
+  const Request& r = plan.request;
+  Words words{program_folder() + "/tdpt-render", r.scene};
+  for (const Words* more : {&r.camera, &r.pose, &r.sky, &r.running}) append(words, *more);
+  append(words, {"--integrator", "bdpt", "--spp", "256", "--quiet", "--preview"});
+  if (a.width > 0) append(words, {"--width", std::to_string(a.width)});
+  if (a.height > 0) append(words, {"--height", std::to_string(a.height)});
+  append(words, exposure_words(a));
+  return words;
+}
+
+void run_stage(const Plan& plan, Session& session, const Search& search, const Step& stage) {
+  session.begin_step(stage.title, stage.options[0], "");  // of all pictures
+  if (!plan.a.preview.empty() && !plan.a.shot.is_given() && !session.has_first_preview())
+    session.begin_first_preview(preview_command(plan));
+  Words words = stage.command(stage.output);
+  if (words[0].ends_with("/lightgrid"))  // the others are short and report no progress
+    append(words, {"--set", "progress=json"});
+  const bool reads_scene = stage.inputs[0] == plan.request.scene, explains = !plan.a.report.empty();
+  ChildProcess::How how;
+  std::string explained;
+  if (explains) {
+    how.stdout_file = stage.output + ".told.json";
+    const bool is_plan = stage.output.ends_with(".portal.glb");  // it has words to read
+    append(words, {"--json", "--explain", "--preview",
+                   stage.output + (is_plan ? ".told.svg" : ".told.png")});
+    if (!reads_scene) append(words, {"--scene", plan.request.scene});
+    if (!reads_scene) append(words, plan.request.pose);
   }
-  Run(const Run&) = delete;
-  Run& operator=(const Run&) = delete;
-
-  /// `made`: the picture is there, and its report is not.
-  void make(bool made) {
-    left_ = made ? picture_ + " is whole" : "nothing is rendered yet";
-    steps_ = !made + !a_.report.empty() + !pipeline_.filtered.empty();
-    for (const Search& search : pipeline_.searches)
-      for (const Step& stage : search.stages) steps_ += !plan_.is_done(stage);
-    // What can be checked before the first stage: the renderer's options, its files, its device.
-    if (!pipeline_.entry.empty()) cache_.use(pipeline_.entry);
-    begin_step("reading the scene", "tdpt-render");
-    step_ = 0;
-    if (!a_.report.empty() && run({"python3", "-c", ""}) != 0)
-      throw UsageError("--report: needs python3");
-    need(pipeline_.check);
-    find_portals();
-    if (!made && request_.is_shot) render_frames();
-    if (!made && !request_.is_shot) render();
-    if (!a_.report.empty()) make_report();
+  const int code = session.run(words, how, explains ? &explained : nullptr);
+  if (reads_scene && code != kStopped && plan.has_changed()) {
+    fs::remove_all(plan.cache.path_of(search.entry));  // it is of another scene than its key says
+    throw InputError(plan.request.scene, "", "has changed while tdpt was at work; start it again");
   }
+  if (code != 0) throw ProgramEnded{code};
+  if (explains) write_output(stage.output + ".told.txt", explained);
+}
 
-  /// What was done when a signal came, and what there is of the picture.
-  std::string stopped() const { return "stopped while " + doing_ + "; " + left_; }
+void find_portals(const Plan& plan, Session& session) {
+  if (!plan.state.drawn.empty())
+    plan.common.note("renders with " + plan.state.drawn +
+                     ", which lies beside the scene: no others are searched for");
+  for (const Search& search : plan.pipeline.searches) {
+    plan.cache.use(search.entry);
+    for (const Step& stage : search.stages)
+      if (!plan.is_done(stage)) run_stage(plan, session, search, stage);
+    if (plan.pipeline.portals_by_frame.empty()) continue;
+    const std::string bytes = read_file(search.found());
+    for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
+      write_output(name_of_frame("", plan.pipeline.portals_by_frame, k), bytes);
+  }
+  session.end_first_preview();
+}
 
- private:
-  void find_portals() {
-    doing_ = "looking for portals";
-    if (!plan_.state.drawn.empty())
-      common_.note("renders with " + plan_.state.drawn +
-                   ", which lies beside the scene: no others are searched for");
-    for (const Search& search : pipeline_.searches) {
-      cache_.use(search.entry);
-      for (const Step& stage : search.stages)
-        if (!plan_.is_done(stage)) run_stage(search, stage);
-      if (pipeline_.portals_by_frame.empty()) continue;
-      const std::string bytes = read_file(search.found());
-      for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
-        write_output(name_of_frame("", pipeline_.portals_by_frame, k), bytes);
+// Gives the picture its name. Its maker is recorded before, so that it is known however this
+// process ends.
+void place_picture(const Plan& plan, Session& session, const std::string& made, bool whole) {
+  session.publish_preview();
+  const bool of_another = whole && plan.has_changed();
+  if (of_another)
+    plan.common.note(plan.request.scene +
+                     " has changed while tdpt was at work; the same command renders it");
+  try {
+    if (whole && !of_another)
+      for (const Plan::Result& result : plan.rendered(made)) plan.know(result);
+    else
+      plan.know({made, "of no command"});
+  } catch (const OutputError& e) {
+    plan.common.warn(std::string(e.what()) + "; tdpt will not know that it made the picture");
+  }
+  write_output(plan.request.picture, read_file(made));
+  plan.know(plan.preview());
+  if (!whole) plan.common.note(plan.request.picture + " has what was rendered until then");
+}
+
+void render(const Plan& plan, Session& session) {
+  const Pipeline& pipeline = plan.pipeline;
+  begin_step(plan, session, "rendering", pipeline.render.options[0]);
+  const std::string made = session.path_of("picture.exr");
+  const std::string& film = pipeline.film;
+  Words words = pipeline.render.command(made);
+  if (!asks_for_portals(plan.request.picture)) append(words, {"--set", "progress=json"});
+  const ChildProcess::How how{true, "", 0};
+  std::error_code ignored;
+  const bool goes_on = exists(film);
+  int code = session.run(words, how);
+  if (goes_on &&
+      (code == static_cast<int>(Exit::bad_input) || code == static_cast<int>(Exit::usage))) {
+    plan.common.note("what the run before left cannot be used; begins with the first sample");
+    fs::remove(film, ignored);
+    code = session.run(words, how);
+  }
+  if (code == 0 || (code == kStopped && exists(made)))
+    place_picture(plan, session, made, code == 0);
+  if (code != 0) throw ProgramEnded{code};
+  if (film == pipeline.shared_film || !exists(film)) return;
+  plan.cache.use(fs::path(pipeline.shared_film).parent_path().filename().string());
+  if (!exists(pipeline.shared_film)) fs::rename(film, pipeline.shared_film, ignored);
+  fs::remove_all(plan.cache.path_of(pipeline.entry), ignored);
+}
+
+// A frame's maker is recorded before it gets its name, as that of a picture.
+void filter_frames(const Plan& plan, Session& session) {
+  const Arguments& a = plan.a;
+  begin_step(plan, session, "filtering frames", "exrdenoise");
+  const std::string made = session.path_of("frame.exr");
+  const std::vector<FilteredFrame> missing = plan.missing_frames();
+  if (const size_t there = plan.pipeline.filtered.size() - missing.size(); there > 0)
+    plan.common.note(counted(there, "filtered frame") + (there == 1 ? " is" : " are") +
+                     " there already");
+  for (const FilteredFrame& frame : missing) {
+    Words words = frame.command;
+    append(words, {"-o", made});
+    session.need(words);
+    plan.know({made, frame.key});
+    write_output(frame.picture, read_file(made));
+  }
+  if (a.preview.empty()) return;
+  // Previews of one exposure do not flicker.
+  std::optional<double> exposure = a.exposure;
+  for (const FilteredFrame& frame : plan.pipeline.filtered) {
+    const Picture picture = read_exr(frame.picture).picture;
+    if (!exposure) {
+      exposure = auto_exposure(picture);
+      plan.common.note(fmt::format("previews are exposed as frame {}: --exposure {}", frame.number,
+                                   number_words(*exposure)));
     }
-    look_.reset();
+    write_output(name_of_frame("--preview", a.preview, frame.number),
+                 preview_bytes(picture, *exposure));
   }
+}
 
-  // While portals are sought, a first preview is rendered without them.
-  void start_preview() {
-    Words words{plan_.programs + "/tdpt-render", request_.scene};
-    for (const Words* more : {&request_.camera, &request_.pose, &request_.sky, &request_.running})
-      append(words, *more);
-    append(words, {"--integrator", "bdpt", "--spp", "256", "--quiet", "--preview"});
-    if (a_.width > 0) append(words, {"--width", std::to_string(a_.width)});
-    if (a_.height > 0) append(words, {"--height", std::to_string(a_.height)});
-    append(words, exposure_words(a_));
-    append(words, {"-o", folder_ + "/look.exr"});
-    look_ = std::make_unique<ChildProcess>(words, ChildProcess::How{false, "", kNice});
+// The renderer writes each frame when it is whole, and renders none again that is.
+void render_frames(const Plan& plan, Session& session) {
+  const Pipeline& pipeline = plan.pipeline;
+  begin_step(plan, session, "rendering frames", pipeline.render.options[0]);
+  std::vector<FrameRange> runs{frame_range(plan.a.shot)};
+  if (!pipeline.filtered.empty()) {
+    runs = with_those_beside(plan.missing_frames(), runs[0]);
+    fs::create_directories(pipeline.noisy);
   }
-
-  void run_stage(const Search& search, const Step& stage) {
-    begin_step(stage.title, stage.options[0], true);
-    if (!a_.preview.empty() && !request_.is_shot && !look_) start_preview();
-    Words words = stage.command(stage.output);
-    if (name_of(words[0]) == "lightgrid")  // the others are short and report no progress
-      append(words, {"--set", "progress=json"});
-    const bool reads_scene = stage.inputs[0] == request_.scene;
-    ChildProcess::How how;
-    std::string explained;
-    if (plan_.explains_stages()) {
-      how.stdout_file = stage.output + ".told.json";
-      const bool is_plan = stage.output.ends_with(".portal.glb");  // it has words to read
-      append(words, {"--json", "--explain", "--preview",
-                     stage.output + (is_plan ? ".told.svg" : ".told.png")});
-      if (!reads_scene) append(words, {"--scene", request_.scene});
-      if (!reads_scene) append(words, request_.pose);
-    }
-    const int code = run(words, how, plan_.explains_stages() ? &explained : nullptr);
-    if (reads_scene && code != kStopped && plan_.has_changed()) {
-      fs::remove_all(cache_.path_of(search.entry));  // it is of another scene than its key says
-      throw InputError(request_.scene, "", "has changed while tdpt was at work; start it again");
-    }
-    if (code != 0) throw Ended{code};
-    if (plan_.explains_stages()) write_output(stage.output + ".told.txt", explained);
+  for (const FrameRange& run : runs) {
+    Words words = command_for(pipeline.render, run);
+    append(words, {"--set", "progress=json"});
+    session.need(words, {true, "", 0});
   }
+  if (!pipeline.filtered.empty()) filter_frames(plan, session);
+  std::error_code ignored;
+  fs::remove_all(plan.cache.path_of(pipeline.entry), ignored);
+}
 
-  // Copies a renderer's preview to its place whenever it has changed.
-  void publish(const std::string& preview) {
-    std::error_code failed;
-    const auto time = fs::last_write_time(preview, failed);
-    if (a_.preview.empty() || failed || time == preview_time_) return;
-    preview_time_ = time;
-    write_output(a_.preview, read_file(preview));
-  }
+void make_report(const Plan& plan, Session& session) {
+  const std::string page = session.path_of("report.html"),
+                    script = program_folder() + "/../share/tdpt/report_measure.py";
+  const Step& rendering = plan.pipeline.render;
+  begin_step(plan, session, "making the report", "python3");
+  Words words{"python3", "-B", script, "--scene", plan.request.scene};
+  append(words, {"--folder", session.path_of("report"), "--page", page, "--progress"});
+  if (!plan.pipeline.searches.empty())
+    append(words, {"--stem", plan.cache.path_of(plan.pipeline.searches[0].entry) + "/scene"});
+  if (plan.common.quiet) words.emplace_back("--quiet");
+  words.emplace_back("--");
+  append(words, rendering.options);
+  append(words, Words(rendering.inputs.begin() + 1, rendering.inputs.end()));
+  session.need(words);
+  write_output(plan.a.report, read_file(page));
+  plan.know(plan.report());
+}
 
-  void render() {
-    doing_ = "rendering";
-    begin_step(doing_, pipeline_.render.options[0]);
-    const std::string made = folder_ + "/picture.exr";
-    const std::string& film = pipeline_.film;
-    Words words = pipeline_.render.command(made);
-    if (!asks_for_portals(picture_)) append(words, {"--set", "progress=json"});
-    ChildProcess::How how;
-    how.shares_stdout = true;
-    const bool goes_on = exists(film);
-    int code = run(words, how);
-    if (goes_on &&
-        (code == static_cast<int>(Exit::bad_input) || code == static_cast<int>(Exit::usage))) {
-      common_.note("what the run before left cannot be used; begins with the first sample");
-      std::error_code ignored;
-      fs::remove(film, ignored);
-      code = run(words, how);
-    }
-    if (code == 0 || (code == kStopped && exists(made))) place(code == 0);
-    if (code != 0) throw Ended{code};
-    std::error_code ignored;
-    if (film != pipeline_.shared_film && exists(film)) {
-      cache_.use(name_of(fs::path(pipeline_.shared_film).parent_path()));
-      if (!exists(pipeline_.shared_film)) fs::rename(film, pipeline_.shared_film, ignored);
-      fs::remove_all(cache_.path_of(pipeline_.entry), ignored);
-    }
-  }
-
-  // The picture's maker is recorded before the picture gets its name, so that it is known however
-  // this process ends.
-  void place(bool whole) {
-    const std::string made = folder_ + "/picture.exr";
-    publish(cli::png_beside(made));
-    const bool of_another = whole && plan_.has_changed();
-    if (of_another)
-      common_.note(request_.scene +
-                   " has changed while tdpt was at work; the same command renders it");
-    try {
-      if (whole && !of_another)
-        for (const Plan::Result& result : plan_.rendered(made)) plan_.know(result);
-      else
-        plan_.know({made, "of no command"});
-    } catch (const OutputError& e) {
-      common_.warn(std::string(e.what()) + "; tdpt will not know that it made the picture");
-    }
-    write_output(picture_, read_file(made));
-    plan_.know(plan_.preview());
-    left_ = picture_ + (whole ? " is whole" : " has what was rendered until then");
-  }
-
-  // The renderer writes each frame when it is whole, and renders none again that is.
-  void render_frames() {
-    doing_ = "rendering";
-    left_ = "the frames that are there stay";
-    begin_step("rendering frames", pipeline_.render.options[0]);
-    ChildProcess::How how;
-    how.shares_stdout = true;
-    std::vector<FrameRange> runs{frame_range(a_.shot)};
-    if (!pipeline_.filtered.empty()) {
-      runs = with_those_beside(plan_.missing_frames(), runs[0]);
-      fs::create_directories(fs::path(pipeline_.noisy).parent_path());
-    }
-    for (const FrameRange& run : runs) {
-      Words words = command_for(pipeline_.render, run);
-      append(words, {"--set", "progress=json"});
-      need(words, how);
-    }
-    if (!pipeline_.filtered.empty()) filter_frames();
-    std::error_code ignored;
-    fs::remove_all(cache_.path_of(pipeline_.entry), ignored);
-  }
-
-  // A frame's maker is recorded before it gets its name, as that of a picture.
-  void filter_frames() {
-    doing_ = "filtering frames";
-    begin_step(doing_, "exrdenoise");
-    const std::string made = folder_ + "/frame.exr", summary = folder_ + "/summary.json";
-    const std::vector<FilteredFrame> missing = plan_.missing_frames();
-    if (const size_t there = pipeline_.filtered.size() - missing.size(); there > 0)
-      common_.note(counted(there, "filtered frame") + (there == 1 ? " is" : " are") +
-                   " there already");
-    for (const FilteredFrame& frame : missing) {
-      Words words = frame.command;
-      append(words, {"--json", "-o", made});
-      ChildProcess::How how;
-      how.stdout_file = summary;
-      need(words, how);
-      plan_.know({made, frame.key});
-      write_output(frame.picture, read_file(made));
-      if (!request_.stats.empty())
-        write_filtered_stats(name_of_frame("", pipeline_.noisy + ".json", frame.number), summary,
-                             name_of_frame("--stats", request_.stats, frame.number));
-    }
-    // Previews of one exposure do not flicker.
-    std::optional<double> exposure = a_.exposure;
-    for (const FilteredFrame& frame : pipeline_.filtered) {
-      if (a_.preview.empty()) break;
-      const Picture picture = read_exr(frame.picture).picture;
-      if (!exposure) {
-        exposure = auto_exposure(picture);
-        common_.note(fmt::format("previews are exposed as frame {}: --exposure {}", frame.number,
-                                 number_words(*exposure)));
-      }
-      write_output(name_of_frame("--preview", a_.preview, frame.number),
-                   preview_bytes(picture, *exposure));
-    }
-  }
-
-  void make_report() {
-    doing_ = "measuring for the report";
-    const std::string scripts = plan_.programs + "/../share/tdpt/", parts = folder_ + "/report";
-    const std::string page = folder_ + "/report.html";
-    if (request_.is_shot) {
-      begin_step("writing the report", "report_shot.py");
-      fs::create_directories(parts);
-      gather_shot(a_, request_, parts);
-    } else {
-      begin_step(doing_, "report_measure.py");
-      Words measure{"python3", "-B", scripts + "report_measure.py", "--scene", request_.scene};
-      append(measure, {"--folder", parts, "--time", variable("REPORT_TIME", "10")});
-      append(measure, {"--reference", variable("REPORT_REFERENCE", "8")});
-      append(measure, {"--width", variable("REPORT_WIDTH", "320")});
-      append(measure,
-             {"--exrdiff", plan_.programs + "/exrdiff", "--info", plan_.programs + "/tdpt-info"});
-      if (!pipeline_.searches.empty())
-        append(measure, {"--stem", cache_.path_of(pipeline_.searches[0].entry) + "/scene"});
-      if (common_.quiet) measure.emplace_back("--quiet");
-      append(measure, {"--progress", "--"});
-      append(measure, pipeline_.render.options);
-      append(measure, Words(pipeline_.render.inputs.begin() + 1, pipeline_.render.inputs.end()));
-      need(measure);
-    }
-    need({"python3", "-B", scripts + (request_.is_shot ? "report_shot.py" : "report_page.py"),
-          parts, page});
-    write_output(a_.report, read_file(page));
-    plan_.know(plan_.report());
-  }
-
-  void begin_step(const std::string& title, const std::string& program, bool is_of_all = false) {
-    const std::string about = a_.views.empty() || is_of_all ? "" : picture_;
-    ++step_;
-    conversation_.step(step_, std::max(step_, steps_), about.empty() ? title : title + " " + about,
-                       name_of(program), about);
-  }
-
-  int run(const Words& words, const ChildProcess::How& how = {}, std::string* explained = nullptr) {
-    if (stop_requested()) return kStopped;
-    ChildProcess child(words, how);
-    std::string text, unheard;
-    bool is_stopping = false;
-    const auto hear = [&] {
-      for (size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
-        const std::string line = text.substr(0, end);
-        if (explained && !line.starts_with('{')) *explained += line + "\n";
-        if (!explained || line.find(kDecision) == std::string::npos) conversation_.print(line);
-      }
-    };
-    std::error_code ignored;
-    while (!child.exit_code()) {
-      child.read(text);
-      hear();
-      if (stop_requested() && !std::exchange(is_stopping, true)) child.send(SIGTERM);
-      if (look_) look_->read(unheard);
-      try {
-        publish(folder_ + (look_ ? "/look.png" : "/picture.png"));
-      } catch (const Error&) {  // the final write will report an error
-      }
-      // A folder that is in use is not old.
-      for (const std::string& folder : {folder_, cache_.path_of(pipeline_.entry)})
-        fs::last_write_time(folder, fs::file_time_type::clock::now(), ignored);
-      conversation_.tick();
-      pollfd wait{child.descriptor(), POLLIN, 0};
-      ::poll(&wait, 1, child.descriptor() < 0 ? 10 : 100);
-    }
-    child.read(text);
-    text += text.empty() || text.ends_with('\n') ? "" : "\n";
-    hear();
-    const int code = *child.exit_code();
-    if (stop_requested()) return kStopped;
-    if (code < 128) return code;
-    throw Error(Exit::internal,
-                fmt::format("{}: was ended by signal {}{}", name_of(words[0]), code - 128,
-                            code == 128 + SIGKILL ? ", perhaps for want of memory" : ""));
-  }
-
-  void need(const Words& words, const ChildProcess::How& how = {}) {
-    if (const int code = run(words, how); code != 0) throw Ended{code};
-  }
-
-  const Plan& plan_;
-  const Arguments& a_ = plan_.a;
-  const cli::Common& common_ = plan_.common;
-  const Request& request_ = plan_.request;
-  const Cache& cache_ = plan_.cache;
-  const Pipeline& pipeline_ = plan_.pipeline;
-  const std::string& picture_ = request_.picture;
-  const std::string folder_;  ///< of files that go when this run ends
-  Conversation conversation_;
-  std::unique_ptr<ChildProcess> look_;  ///< renders a first preview while portals are sought
-  std::string doing_, left_;
-  fs::file_time_type preview_time_{};  ///< of the last published preview
-  size_t step_ = 0, steps_ = 0;
-};
+// Runs what is needed. `made`: the picture is there, and its report is not.
+void run_programs(const Plan& plan, Session& session, bool made) {
+  // What can be checked before the first stage: the renderer's options, its files, its device.
+  begin_step(plan, session, "reading the scene", "tdpt-render");
+  if (!plan.a.report.empty() && session.run({"python3", "-c", ""}) != 0)
+    throw UsageError("--report: needs python3");
+  session.need(plan.pipeline.check);
+  find_portals(plan, session);
+  if (!made && plan.a.shot.is_given()) render_frames(plan, session);
+  if (!made && !plan.a.shot.is_given()) render(plan, session);
+  if (!plan.a.report.empty()) make_report(plan, session);
+}
 
 // The preview, of the picture that is there.
 void make_preview(const Plan& plan) {
@@ -482,16 +362,22 @@ int make(const Arguments& a, const cli::Common& common) {
     common.note(plan.request.picture + " is up to date");
   } else {
     if (!made) plan.check_owners();
-    Run run(plan);
+    const std::string& entry = plan.pipeline.entry;
+    const std::string in_use = entry.empty() ? "" : plan.cache.use(entry);
+    Session session(
+        plan.cache.use(fmt::format("run-{}-{}", ::getpid(),
+                                   std::chrono::system_clock::now().time_since_epoch().count())),
+        in_use, a.preview, steps_of(plan, made), common.quiet);
     try {
-      run.make(made);
+      run_programs(plan, session, made);
       std::string files = made ? "" : plan.request.picture;
       for (const std::string& path : {a.preview, a.stats, a.nonzero, a.report})
         if (!path.empty() && exists(path)) files += (files.empty() ? "" : ", ") + path;
       common.note("wrote " + files);
-    } catch (const Ended& ended) {
+    } catch (const ProgramEnded& ended) {
       code = ended.code;
-      if (code == kStopped) common.note(run.stopped() + "; the same command goes on");
+      if (code == kStopped)
+        common.note("stopped while " + session.title() + "; the same command goes on");
     }
   }
   if (code == 0 && !common.dependencies.empty())
@@ -514,25 +400,23 @@ std::string commands_of(const Arguments& a, const cli::Common& common,
     if (plan.is_there(plan.preview()))
       common.note(request.picture + " is up to date");
     else
-      add({plan.programs + "/exrmerge", request.picture, "-o", a.preview}, exposure_words(a));
+      add({program_folder() + "/exrmerge", request.picture, "-o", a.preview}, exposure_words(a));
     return commands;
   }
   plan.check_owners();
-  Words folders{"mkdir", "-p"};
+  const auto make_folder = [&](const std::string& path) { add({"mkdir", "-p", path}); };
   if (!pipeline.film.empty() || !pipeline.portals_by_frame.empty())
-    folders.push_back(plan.cache.path_of(pipeline.entry));
-  if (!pipeline.filtered.empty())
-    folders.push_back(fs::path(pipeline.noisy).parent_path().string());
+    make_folder(plan.cache.path_of(pipeline.entry));
+  if (!pipeline.filtered.empty()) make_folder(pipeline.noisy);
   for (const Search& search : pipeline.searches) {
     if (!printed.insert(search.entry).second) continue;
-    if (!exists(search.found())) folders.push_back(plan.cache.path_of(search.entry));
+    if (!exists(search.found())) make_folder(plan.cache.path_of(search.entry));
     for (const Step& step : search.stages)
       if (!exists(step.output)) add(step.command(step.output));
     if (pipeline.portals_by_frame.empty()) continue;
     for (int64_t k = search.frames.first; k <= search.frames.last; ++k)
       add({"cp", search.found(), name_of_frame("", pipeline.portals_by_frame, k)});
   }
-  if (folders.size() > 2) commands = shell_text(folders) + "\n" + commands;
   if (pipeline.filtered.empty()) add(pipeline.render.command(request.picture));
   const std::vector<FilteredFrame> missing = plan.missing_frames();
   if (!missing.empty())

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/child_process.h"
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
@@ -16,13 +17,6 @@ namespace tdpt {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Whether the file lies in the folder or below, following links: no other is read.
-bool is_below(const fs::path& file, const fs::path& folder) {
-  std::error_code failed;
-  const fs::path of = fs::canonical(folder, failed), path = fs::canonical(file, failed);
-  return !failed && std::mismatch(of.begin(), of.end(), path.begin(), path.end()).first == of.end();
-}
 
 // Portals drawn by an artist, or imported with the scene, lie beside it; they name no scene.
 std::string drawn_portals(const std::string& scene) {
@@ -53,22 +47,18 @@ SceneState state_of(const Arguments& a) {
     throw InputError(a.scene, "", "is no regular file, expected a scene (.glb, .gltf)");
   std::string all = content_hash_of_file(a.scene);
   state.files.push_back(a.scene);
-  fs::path folder = fs::path(a.scene).parent_path();
-  if (folder.empty()) folder = ".";
-  const SceneFiles files = files_of_scene(a.scene);
-  state.has_sky = files.has_environment;
-  for (const std::string& name : files.beside) {
-    const std::string path = (folder / name).string();
-    const std::string hash = is_below(path, folder) ? hash_at(path) : "";
-    if (!hash.empty()) state.files.push_back(path);
-    all += "\n" + (hash.empty() ? "missing" : hash);
-  }
-  state.hash = content_hash(all);
   const auto add = [&](const std::string& path) {
     const std::string hash = hash_at(path);
     if (!hash.empty()) state.files.push_back(path);
     return hash;
   };
+  const SceneFiles files = files_of_scene(a.scene);
+  state.has_sky = files.has_environment;
+  for (const std::string& name : files.beside) {
+    const std::string path = (fs::path(a.scene).parent_path() / name).string();
+    all += "\n" + add(path);
+  }
+  state.hash = content_hash(all);
   state.sky = add(a.sky.environment);
   for (const std::string& path : a.portals) state.portals.push_back(add(path));
   if (a.portals.empty()) state.drawn = drawn_portals(a.scene);
@@ -88,50 +78,46 @@ std::string file_name(const std::string& path) {
   return fs::path(path).filename().string();
 }
 
-// Frames of a shot for which portals are found together.
-struct Part {
-  FrameRange frames;
-  bool moves = false;  // the scene does, beside its cameras
-};
-
-// Frames in which nothing but cameras moves are one part. Each frame in which the scene moves is a
-// part of its own. Reads the scene.
-std::vector<Part> parts_of_shot(const Arguments& a) {
+// Frames for which portals are found together: those between which nothing but cameras moves. Reads
+// the scene.
+std::vector<FrameRange> parts_of_shot(const Arguments& a) {
   SceneFile file(a.scene, a.pose.animations);
   const FrameRange range = frame_range(a.shot);
-  std::vector<Part> parts;
+  std::vector<FrameRange> parts;
   std::string before;
   for (int64_t k = range.first; k <= range.last; ++k) {
     std::string pose = file.glance_at(static_cast<double>(k) / a.shot.fps).pose_hash;
     if (k > range.first && pose == before)
-      parts.back().frames.last = k;
+      parts.back().last = k;
     else
-      parts.push_back({{k, k}});
+      parts.push_back({k, k});
     before = std::move(pose);
   }
-  for (Part& part : parts) part.moves = parts.size() > 1 && part.frames.count() == 1;
   return parts;
 }
 
-// `part`: frames of a shot; null: one picture.
-std::vector<Step> stages_of(const Arguments& a, const Request& r, const Part* part,
-                            const std::string& programs, const std::string& folder) {
+// `frames`: of a shot; null: one picture. `moves`: the scene does between them, so there are many
+// searches.
+std::vector<Step> stages_of(const Arguments& a, const Request& r, const FrameRange* frames,
+                            bool moves, const std::string& folder) {
   // When portals are sought, for ffgraph and for what needs only the scene, and how well.
-  Words poses = r.pose, time = r.pose, sampling = r.sampling;
-  if (part) {
-    append(poses, {"--frames", words_of(part->frames), "--fps", fmt::format("{}", a.shot.fps)});
-    append(time, {"--at", fmt::format("{}", static_cast<double>(part->frames.first) / a.shot.fps)});
+  Words poses = r.pose, time = r.pose, sampling = r.sampling, running = r.running;
+  if (frames) {
+    append(poses, {"--frames", words_of(*frames), "--fps", fmt::format("{}", a.shot.fps)});
+    append(time, {"--at", fmt::format("{}", static_cast<double>(frames->first) / a.shot.fps)});
     const bool has_quality =
         std::find(sampling.begin(), sampling.end(), "--quality") != sampling.end();
-    if (part->moves && !has_quality) append(sampling, {"--quality", "draft"});
+    if (moves && !has_quality) append(sampling, {"--quality", "draft"});
+    if (moves) running.emplace_back("--quiet");
   }
   std::vector<Step> stages;
   const auto file = [&](const char* end) { return folder + "/scene." + end; };
   const auto stage = [&](const char* title, const char* tool, const Words& options,
                          const Words& inputs, const char* end) {
     stages.push_back(
-        {title, joined({{programs + "/" + tool}, options, r.stored, r.stage_flags[stages.size()]}),
-         inputs, r.running, file(end)});
+        {title,
+         joined({{program_folder() + "/" + tool}, options, r.stored, r.stage_flags[stages.size()]}),
+         inputs, running, file(end)});
   };
   stage("tracing where light goes", "ffgraph", joined({r.cameras, poses, r.sky, sampling}),
         {r.scene}, "max");
@@ -148,34 +134,27 @@ Fingerprint files_of(const Arguments& a, const Request& r, const SceneState& sta
           {"environment", file_name(a.sky.environment) + " " + state.sky}};
 }
 
-// Everything that the stages get, and their programs.
-std::string key_of_portals(const std::vector<Step>& stages, Fingerprint is_of) {
-  for (const Step& stage : stages) {
+// Its key: everything that the stages get, and their programs.
+Search search_of(const Arguments& a, const Request& r, const SceneState& state, const Cache& cache,
+                 const FrameRange* frames = nullptr, bool moves = false) {
+  Fingerprint facts = files_of(a, r, state);
+  for (const Step& stage : stages_of(a, r, frames, moves, "")) {
     std::string words;
     for (const std::string& word : stage.options) words += word + hash_at(word) + "\n";
-    is_of.emplace_back(stage.title, words);
+    facts.emplace_back(stage.title, words);
   }
-  return hash_of(is_of);
-}
-
-Search search_of(const Arguments& a, const Request& r, const SceneState& state, const Cache& cache,
-                 const std::string& programs, const Part* part) {
-  const auto stages_in = [&](const std::string& folder) {
-    return stages_of(a, r, part, programs, folder);
-  };
-  const std::string entry = "portals-" + key_of_portals(stages_in(""), files_of(a, r, state));
-  Search search{entry, stages_in(cache.path_of(entry)), part ? part->frames : FrameRange{}};
-  if (part && part->moves)  // there are many
-    for (Step& step : search.stages) step.unshaped.emplace_back("--quiet");
-  return search;
+  const std::string entry = "portals-" + hash_of(facts);
+  return {entry, stages_of(a, r, frames, moves, cache.path_of(entry)),
+          frames ? *frames : FrameRange{}};
 }
 
 std::vector<Search> searches_of(const Arguments& a, const Request& r, const SceneState& state,
-                                const Cache& cache, const std::string& programs) {
-  if (!r.is_shot) return {search_of(a, r, state, cache, programs, nullptr)};
+                                const Cache& cache) {
+  if (!a.shot.is_given()) return {search_of(a, r, state, cache)};
+  const std::vector<FrameRange> parts = parts_of_shot(a);
   std::vector<Search> searches;
-  for (const Part& part : parts_of_shot(a))
-    searches.push_back(search_of(a, r, state, cache, programs, &part));
+  for (const FrameRange& part : parts)
+    searches.push_back(search_of(a, r, state, cache, &part, parts.size() > 1 && part.count() == 1));
   return searches;
 }
 
@@ -210,14 +189,14 @@ Words given_to(const Request& r, const Words& portals) {
 
 // The last stage writes what is asked for.
 Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneState& state,
-                             const Cache& cache, const std::string& programs) {
+                             const Cache& cache) {
   Pipeline p;
-  p.searches = {search_of(a, r, state, cache, programs, nullptr)};
+  p.searches = {search_of(a, r, state, cache)};
   p.key = p.searches[0].entry;
   p.render = p.searches[0].stages.back();
   p.render.output = r.picture;
   p.searches[0].stages.pop_back();
-  p.check = joined({{programs + "/tdpt-render"},
+  p.check = joined({{program_folder() + "/tdpt-render"},
                     r.camera,
                     r.pose,
                     r.sky,
@@ -231,35 +210,35 @@ Pipeline pipeline_of_portals(const Arguments& a, const Request& r, const SceneSt
 }  // namespace
 
 Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& r,
-                     const SceneState& state, const Cache& cache, const std::string& programs) {
-  if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, cache, programs);
+                     const SceneState& state, const Cache& cache) {
+  if (asks_for_portals(r.picture)) return pipeline_of_portals(a, r, state, cache);
   Pipeline p;
-  const std::string renderer = programs + "/tdpt-render";
+  const std::string renderer = program_folder() + "/tdpt-render";
   Words portals = a.portals;
   if (!state.drawn.empty()) portals.push_back(state.drawn);
   const Words given = portals;
   if (portals.empty() && uses_portals(a, state.has_sky))
-    p.searches = searches_of(a, r, state, cache, programs);
+    p.searches = searches_of(a, r, state, cache);
   const auto key_of = [&](const cli::Common& asked, const FrameRange& frames, const Words& tools,
                           cli::Effect up_to) {
     Fingerprint facts = facts_of(a, r, state, p.searches, given, frames);
     for (const std::string& tool : tools) facts.emplace_back(tool, content_hash_of_file(tool));
     return hash_of(asked.fingerprint(facts, up_to));
   };
-  const FrameRange all = r.is_shot ? frame_range(a.shot) : FrameRange{};
+  const FrameRange all = a.shot.is_given() ? frame_range(a.shot) : FrameRange{};
   p.key = key_of(common, all, {renderer}, cli::Effect::stored);
   const std::string shared = "film-" + key_of(common, all, {renderer}, cli::Effect::picture);
   p.shared_film = cache.path_of(shared) + "/film.exr";
   // A number of samples is added to those that are there; another end of a rendering is its own.
-  const bool counts = !r.is_shot && (a.spp > 0 || a.seconds > 0);
+  const bool counts = !a.shot.is_given() && (a.spp > 0 || a.seconds > 0);
   p.entry = counts ? shared : "picture-" + p.key;
   if (p.searches.size() == 1) portals.push_back(p.searches[0].found());
   if (p.searches.size() > 1)
     portals.push_back(p.portals_by_frame = cache.path_of(p.entry) + "/frame.######.portal.glb");
   // Of the frames of a shot the renderer knows itself what is there and whole.
-  p.repeatable = a.add_samples == 0 && !r.is_shot;
+  p.repeatable = a.add_samples == 0 && !a.shot.is_given();
   Words film;
-  if (a.checkpoint.empty() && a.resume.empty() && !r.is_shot) {
+  if (a.checkpoint.empty() && a.resume.empty() && !a.shot.is_given()) {
     p.film = cache.path_of(p.entry) + "/film.exr";
     film = {"--checkpoint", p.film, "--resume", p.film};
   }
@@ -268,10 +247,9 @@ Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Reques
       joined({Step{"", options, given_to(r, given), film, ""}.command(r.picture), {"--check"}});
   p.render = {"rendering", options, given_to(r, portals), film, r.picture};
   if (!filters_frames(a)) return p;
-  const std::string filter = programs + "/exrdenoise";
-  p.noisy = cache.path_of(p.entry) + "/noisy/frame.######";
-  p.render.output = p.noisy + ".exr";
-  if (!r.stats.empty()) append(p.render.unshaped, {"--stats", p.noisy + ".json"});
+  const std::string filter = program_folder() + "/exrdenoise";
+  p.noisy = cache.path_of(p.entry) + "/noisy";
+  p.render.output = p.noisy + "/frame.######.exr";
   for (int64_t k = all.first; k <= all.last; ++k) {
     const FrameRange beside_it{std::max(all.first, k - 1), std::min(all.last, k + 1)};
     cli::Common asked = common;

@@ -60,7 +60,7 @@ struct Pipeline {
   std::string portals_by_frame;
   Step render;
   std::vector<FilteredFrame> filtered;  ///< not empty: `render` makes what they are filtered from,
-  std::string noisy;                    ///< under this name in the picture's entry, a pattern
+  std::string noisy;                    ///< in this folder of the picture's entry
   Words check;       ///< the renderer's check of all files that exist before the stages
   std::string key;   ///< of the picture: hash of everything that affects its file
   std::string film;  ///< path of its film, with which the next run goes on; empty: none is kept
@@ -68,9 +68,8 @@ struct Pipeline {
   bool repeatable = true;   ///< running the same command again does nothing
 };
 
-/// `programs`: the folder with the programs.
 Pipeline pipeline_of(const Arguments& a, const cli::Common& common, const Request& request,
-                     const SceneState& state, const Cache& cache, const std::string& programs);
+                     const SceneState& state, const Cache& cache);
 
 /// The renderer's command for some frames of the shot.
 Words command_for(const Step& render, const FrameRange& frames);

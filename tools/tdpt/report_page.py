@@ -1,4 +1,4 @@
-"""report_page.py FOLDER PAGE: the page of a scene, from what report_measure.py left in FOLDER.
+"""The page of a scene, from what report_measure.py left in a folder.
 
 The page is report_scene.html within report.html, with its figures filled in. It is one file that needs nothing else:
 pictures are data, the plot is SVG, there is no script. Whatever comes from a file is a str, which text() escapes; only
@@ -13,7 +13,6 @@ import os
 import re
 import string
 import struct
-import sys
 
 
 class Markup(str):
@@ -46,11 +45,6 @@ def filled(template, **values):
         return Markup(string.Template(stream.read()).substitute({key: text(value) for key, value in values.items()}))
 
 
-def document(title, body, maker, style=""):
-    return filled("report.html", title=title, body=body, style=Markup(style),
-                  foot=f"Made by {maker}. Figures that were not measured are a dash.")
-
-
 # Figures and words.
 
 DASH = "\u2013"
@@ -80,26 +74,13 @@ def percent(value, digits=3):
     return figure(100 * value, digits, "\u202f%") if number(value) else DASH
 
 
-def seconds(value):
-    return figure(value, 3, " CPU seconds")
-
-
-def memory(value):
-    return figure(value / 2 ** 20, 3, "\u202fMiB") if number(value) else DASH
-
-
 def count(n, one, many=None):
     return f"{n} {one if n == 1 else many or one + 's'}"
 
 
 def get(value, *path):
     for key in path:
-        if isinstance(value, dict):
-            value = value.get(key)
-        elif isinstance(value, list) and isinstance(key, int) and -len(value) <= key < len(value):
-            value = value[key]
-        else:
-            return None
+        value = value.get(key) if isinstance(value, dict) else None
     return value
 
 
@@ -110,13 +91,10 @@ def picture(folder, file, alt):
     try:
         with open(os.path.join(folder, file), "rb") as stream:
             data = stream.read()
-        if file.endswith(".svg"):
-            kind = "svg+xml"
-            width, height = (round(float(v)) for v in re.search(rb'<svg [^>]*?width="([0-9.]+)(?:px)?" height="([0-9.]+)', data).groups())
-        else:
-            kind = "png"
-            width, height = struct.unpack(">II", data[16:24])
-    except (OSError, TypeError, AttributeError, ValueError, struct.error):
+        kind, width, height = "svg+xml", None, None
+        if file.endswith(".png"):
+            kind, (width, height) = "png", struct.unpack(">II", data[16:24])
+    except (OSError, struct.error):
         return el("p", "This picture could not be made.", class_="none")
     return el("img", src=f"data:image/{kind};base64," + base64.b64encode(data).decode(), alt=alt, width=width, height=height)
 
@@ -137,50 +115,31 @@ def items(lines):
     return [el("li", line) for line in lines]
 
 
-def facts_of(pairs):
-    """The figures below the heading of a page: (figure, what it is)."""
-    return [el("div", el("dt", what), el("dd", shown)) for shown, what in pairs]
-
-
 # Charts.
 
 class Axis:
-    """Of a chart: its ends, its ticks, and where a value lies between the ends."""
+    """A logarithmic one: its ends, its ticks, and where a value lies between the ends."""
 
-    def __init__(self, low, high, words, logarithmic=True, shown=lambda value: figure(value, 1)):
-        self.low, self.high, self.words, self.logarithmic, self.shown = low, high if high > low else low + 1, words, logarithmic, shown
+    def __init__(self, low, high, words):
+        self.low, self.high, self.words = low, high, words
 
     def share(self, value):
-        if self.logarithmic:
-            return math.log(value / self.low) / math.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        return math.log(value / self.low) / math.log(self.high / self.low)
 
-    def ticks(self, most):
-        """Round ones: powers of ten if there are enough, else also twice and five times these, else all."""
-        if not self.logarithmic:
-            size = 10.0 ** math.floor(math.log10((self.high - self.low) / most))
-            step = next(m * size for m in (1, 2, 5, 10, 20) if (self.high - self.low) / (m * size) <= most)
-            return [i * step for i in range(math.ceil(self.low / step), math.floor(self.high / step) + 1)]
-        exponents = range(math.floor(math.log10(self.low)) - 1, math.ceil(math.log10(self.high)) + 1)
-        for factors, enough in (((1,), 3), ((1, 2, 5), 2), (range(1, 10), 0)):
-            found = [m * 10.0 ** e for e in exponents for m in factors if self.low * 0.9999 <= m * 10.0 ** e <= self.high * 1.0001]
-            if len(found) >= enough:
-                return found
+    def ticks(self):
+        """Powers of ten, and where these are few twice and five times these, or all digits."""
+        exponents = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        decades = math.log10(self.high / self.low)
+        digits = (1,) if decades > 3 else (1, 2, 5) if decades > 1 else range(1, 10)
+        return [m * 10.0 ** e for e in exponents for m in digits if self.low <= m * 10.0 ** e <= self.high]
 
 
-def chart(lines, x, y, heights, title, ident, levels=(), changes=()):
-    """A drawing for wide windows and one for narrow ones. lines: {label: [[(x, y), ...], ...]}, of which the first is drawn as
-    "with" and the second as "without". levels: (y, words), lines across. changes: (x, words), lines from top to bottom."""
+def chart(lines, x, y, title, levels):
+    """lines: {label: [(x, y), ...]}, of which the first is drawn as "with" and the second as "without". levels: (y, words),
+    lines across."""
     keys = [(el("span", class_="key" + (" with" if i == 0 else ""), aria_hidden="true"), label, " \u00a0 ") for i, label in enumerate(lines)]
-    return [el("p", keys, class_="note") if len(lines) > 1 else None,
-            [drawing(lines, x, y, size, el("title", title, id=f"{ident}-{kind}"), levels, changes, viewBox="0 0 {} {}".format(*size),
-                     role="img", aria_labelledby=f"{ident}-{kind}", class_="plot " + kind)
-             for size, kind in (((760, heights[0]), "wide"), ((380, heights[1]), "narrow"))]]
-
-
-def drawing(lines, x, y, size, title, levels, changes, **attributes):
+    size, out = (480, 340), []
     left, right, top, bottom = 58, size[0] - 14, 22, size[1] - 46
-    out = []
 
     def px(value):
         return round(left + (right - left) * x.share(value), 1)
@@ -193,12 +152,12 @@ def drawing(lines, x, y, size, title, levels, changes, **attributes):
 
     def words(value, class_, at, anchor="start", **more):
         out.append(el("text", value, class_=class_, x=at[0], y=at[1], text_anchor=anchor, **more))
-    for tick in x.ticks(size[0] / 60):
+    for tick in x.ticks():
         line("grid", px(tick), top, px(tick), bottom)
-        words(x.shown(tick), "tick", (px(tick), bottom + 18), "middle")
-    for tick in y.ticks(6):
+        words(figure(tick, 1), "tick", (px(tick), bottom + 18), "middle")
+    for tick in y.ticks():
         line("grid", left, py(tick), right, py(tick))
-        words(y.shown(tick), "tick", (left - 8, py(tick) + 4), "end")
+        words(figure(tick, 1), "tick", (left - 8, py(tick) + 4), "end")
     out.append(el("path", d=f"M{left} {top}V{bottom}H{right}", class_="axis"))
     words(x.words, "label", ((left + right) / 2, size[1] - 8), "middle")
     middle = (top + bottom) / 2
@@ -206,26 +165,21 @@ def drawing(lines, x, y, size, title, levels, changes, **attributes):
     for value, said in levels:
         line("black", left, py(value), right, py(value))
         words(said, "remark", (left + 6, py(value) - 6))
-    for (value, said), end in zip(changes, [value for value, _ in changes[1:]] + [x.high]):
-        if value > x.low:
-            line("change", px(value), top, px(value), bottom)
-        if px(end) - px(value) > 7 * len(said):  # else the sentence above tells it
-            words(said, "remark", (px(value) + 5, top - 6))
-    for runs, kind in zip(lines.values(), ("with", "without")):
-        for run in runs:
-            out.append(el("polyline", points=" ".join(f"{px(a)},{py(b)}" for a, b in run), class_="line " + kind))
-            # A disc and a square, so that no colour is needed to tell them apart.
-            for a, b in run if len(run) < 20 else ():
-                out.append(el("circle", cx=px(a), cy=py(b), r=4, class_="mark " + kind) if kind == "with" else
-                           el("rect", x=px(a) - 4, y=py(b) - 4, width=8, height=8, class_="mark " + kind))
-    return el("svg", title, out, **attributes)
+    for points, kind in zip(lines.values(), ("with", "without")):
+        out.append(el("polyline", points=" ".join(f"{px(a)},{py(b)}" for a, b in points), class_="line " + kind))
+        # A disc and a square, so that no colour is needed to tell them apart.
+        for a, b in points:
+            out.append(el("circle", cx=px(a), cy=py(b), r=4, class_="mark " + kind) if kind == "with" else
+                       el("rect", x=px(a) - 4, y=py(b) - 4, width=8, height=8, class_="mark " + kind))
+    return [el("p", keys, class_="note"),
+            el("svg", el("title", title), out, viewBox="0 0 {} {}".format(*size), role="img", aria_label=title, class_="plot")]
 
 
 def error_chart(m):
     """The error of both renderings over their time."""
-    lines = {label: [sorted((s["cpu"], s["relmse"]) for s in m[key]["steps"] if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0)]
+    lines = {label: sorted((s["cpu"], s["relmse"]) for s in m[key]["steps"] if number(s.get("relmse")) and s["relmse"] > 0 and s["cpu"] > 0)
              for key, label in (("with", f"{m['integrator']}, portals (discs)"), ("without", "bdpt, no portals (squares, dashed)"))}
-    points = [point for (run,) in lines.values() for point in run]
+    points = sum(lines.values(), [])
     if not points:
         return el("p", "No error could be measured: there is nothing to draw.", class_="none")
     levels = [(value, words) for value, words in ((get(m, "reference", "last", "noise", "relmse"), "the reference\u2019s own error"),
@@ -233,7 +187,7 @@ def error_chart(m):
     ys = [value for _, value in points] + [value for value, _ in levels]
     # Decades cost room where nothing is: the axes end half a step beyond what is drawn.
     x = Axis(min(points)[0] / 1.25, max(points)[0] * 1.25, "CPU seconds")
-    return chart(lines, x, Axis(min(ys) / 1.6, max(ys) * 1.6, "relMSE"), (420, 340), "Error against time", "plot", levels)
+    return chart(lines, x, Axis(min(ys) / 1.6, max(ys) * 1.6, "relMSE"), "Error against time", levels)
 
 
 # What was found.
@@ -248,12 +202,11 @@ class Verdict:
         self.portals = get(last, "portals") or []
         self.foretold = get(pilot, "portals_gain")
         self.chosen = last.get("chosen") or self.integrator
-        candidates = get(pilot, "candidates") or []
+        candidates = [c for c in get(pilot, "candidates") or [] if isinstance(c, dict) and number(c.get("cost"))]
         self.used = next((bool(c.get("portals")) for c in candidates if c.get("integrator") == self.chosen),
                          not self.chosen.startswith(("pt", "nee", "bdpt")) or (get(last, "techniques", "portal") or 0) > 0)
-        self.candidates = sorted((c for c in candidates if all(number(c.get(key)) for key in ("relmse", "work", "cost"))),
-                                 key=lambda c: c["cost"])
-        self.best_plain = next((", " + c["integrator"] for c in self.candidates if not c.get("portals")), "")
+        plain = min((c for c in candidates if not c.get("portals")), key=lambda c: c["cost"], default=None)
+        self.best_plain = f", {plain['integrator']}" if plain else ""
         self.way = (self.integrator + (f" ({self.chosen})" if self.chosen != self.integrator else "") +
                     (" with portals" if self.used and self.portals else ""))
         self.after, self.before = m["with"]["steps"][-1], m["without"]["steps"][-1]
@@ -285,49 +238,34 @@ class Verdict:
 
 def limits(m):
     """Why the figures may be wrong, each in a sentence."""
-    reference, noise = m["reference"]["last"], get(m, "reference", "last", "noise", "relmse")
-    yield (f"The reference has {count(reference.get('spp'), 'sample')} per pixel, {figure(m['factor'])} times those of the longer picture with "
-           f"portals, and another seed. By its own samples its relMSE is {figure(noise)}, which counts in every score here.")
+    noise = get(m, "reference", "last", "noise", "relmse")
     for key, label in (("with", m["integrator"]), ("without", "bdpt")):
         score, trimmed, mean, expected = (m[key]["steps"][-1].get(k) for k in ("relmse", "relmse_trimmed", "mean", "reference_mean"))
         if number(noise) and number(score) and score < 3 * noise:
             yield f"The score of {label}, {figure(score)}, is not far above the reference\u2019s own error: it is better than it looks."
         if number(mean) and number(expected) and expected > 0 and abs(mean / expected - 1) > 0.05:
-            yield (f"The mean of {label} is {percent(abs(mean / expected - 1))} {'above' if mean > expected else 'below'} the reference\u2019s: one of "
-                   "the two has not met all of the light.")
+            yield f"The mean of {label} is not that of the reference: one of the two has not met all of the light."
         if number(trimmed) and number(score) and score > 3 * trimmed:
-            yield (f"Of the error of {label}, {percent(1 - trimmed / score)} lies in a thousandth of the pixels: with another seed its relMSE may be "
-                   "another.")
+            yield f"Most of the error of {label} lies in a thousandth of the pixels: with another seed it may be another."
 
 
-STAGES = {
-    "ffgraph": ("Who reaches what", "Amber is the light\u2019s, blue the camera\u2019s, violet of both. Two rooms of one colour each are what a "
-                "bottleneck looks like."),
-    "mincut": ("Where transport is narrowest", "The border between the colours is the cut; the lines are pairs of patches that exchange light "
-               "across it."),
-    "lightgrid": ("Where the light passes through the air", "Each pixel is the fullest voxel behind it, from above, from the front and from the "
-                  "right; the ring marks the fullest of all."),
-    "portalfit": ("The portals in plan", "Cut at eye height: walls are dark, panes blue. Green are the portals, each with the way of the light; "
-                  "grey is what was refused, with the reason below.")}
-
-# "what: decision, because reason (price)"; other lines are notes.
-DECISION = re.compile(r"(.+?): (.+?), because (.*?)(?:(?<!:) \(((?:[^()]|\([^()]*\))*)\))?$")
-
-
-def decisions(explained):
-    """Lines "program: words" of --explain -> rows of what, decision, reason and price; the other lines."""
+def sentences_of(explained):
+    """Lines "program: words" of --explain: (notes, decisions)."""
     lines = [line.partition(": ")[2] for line in explained.splitlines() if ": " in line]
-    return [match.groups(default="") for match in map(DECISION.match, lines) if match], [line for line in lines if not DECISION.match(line)]
+    return [line for line in lines if ", because " not in line], [line for line in lines if ", because " in line]
 
 
-def stage_figures(folder, m):
+def stages_of(folder, m):
+    """Their pictures, and the first note of each."""
+    values = {}
     for stage in m["stages"]:
-        heading, how = STAGES[stage["tool"]]
-        body = picture(folder, stage["picture"], f"{stage['tool']}: {heading}") if stage["picture"] else el(
-            "p", f"Not drawn: {stage['missing'] or 'there is no picture'}.", class_="none")
-        note = el("span", *decisions(stage["text"])[1][:1], class_="said")
-        yield el("figure", el("h3", el("code", stage["tool"]), " \u00b7 ", heading), body, el("figcaption", how, el("br"), note),
-                 class_="picture wide" if stage["tool"] == "portalfit" else "picture")
+        missing = el("p", f"Not drawn: {stage['missing']}.", class_="none")
+        values[stage["tool"]] = picture(folder, stage["picture"], stage["tool"]) if stage["picture"] else missing
+        values[stage["tool"] + "_note"] = sentences_of(stage["text"])[0][:1]
+    if values:
+        return filled("report_stages.html", **values)
+    return el("p", "The stages did not run for this page: " + (
+        "its portals were drawn by hand or come from elsewhere." if m["given"] else "pictures are made without portals."))
 
 
 def portals_table(v):
@@ -348,104 +286,36 @@ def refused(v):
             yield f"{what} was refused: {get(r, 'why') or get(r, 'reason') or json.dumps(r)}."
 
 
-def costs(m, v):
-    """-> rows of the programs, rows of the stages' phases, CPU seconds of the stages' pictures and of finding portals."""
-    rows, phases, drawing_time = [], [], 0
-    for tool, stage in v.stages.items():
-        told = stage["json"] or {}
-        of_stage = {key: phase for key, phase in (told.get("phases") or {}).items() if isinstance(phase, dict) and number(phase.get("cpu_seconds"))}
-        drawn = get(of_stage.pop("pictures", None), "cpu_seconds") or 0
-        cpu = told.get("cpu_seconds")
-        drawing_time += drawn
-        phases += [(tool, key, phase["cpu_seconds"], phase.get("seconds")) for key, phase in of_stage.items()]
-        rows.append((tool, cpu - drawn if number(cpu) else None, sum(phase.get("seconds", 0) for phase in of_stage.values()), told.get("peak_bytes")))
-    finding = sum(row[1] for row in rows if number(row[1]))
-    rows.append(("tdpt-render, " + m["integrator"], v.after.get("cpu"), m["with"]["last"].get("seconds"), m["with"]["peak_bytes"]))
-    return rows, phases, drawing_time, finding
-
-
 def page(folder):
     with open(os.path.join(folder, "measured.json"), encoding="utf-8", errors="replace") as stream:
         m = json.load(stream)
     v = Verdict(m)
-    a, b, black, last, reference = v.after, v.before, m.get("black") or {}, m["with"]["last"], m["reference"]["last"]
+    last, reference = m["with"]["last"], m["reference"]["last"]
     scene = next((e.get("facts") for e in m["info"] if e.get("kind") == "scene"), None) or {}
-    rows, phases, drawing_time, finding = costs(m, v)
-    total = sum(row[1] for row in rows if number(row[1]))
-    scores = [(what, *(figure(step.get(key), 4, unit) for step in (b, a, black))) for what, key, unit in (
-        ("relMSE", "relmse", ""), ("relMSE without the worst 0.1\u202f% of the pixels", "relmse_trimmed", ""), ("PSNR", "psnr", "\u202fdB"),
-        ("MAPE", "mape", "\u202f%"), (f"Mean (reference {figure(a.get('reference_mean'), 4)})", "mean", ""), ("CPU seconds", "cpu", ""))]
-    things = ("triangles", "emitting_triangles", "lamps", "materials", "images")
-    explained = [(s["tool"], *decisions(s["text"])) for s in [*m["stages"], {"tool": "tdpt-render", "text": m["with"]["text"]}]]
-    found = "found" if v.stages else "given"
+    finding = [stage["json"]["cpu_seconds"] for stage in m["stages"] if number(get(stage, "json", "cpu_seconds"))]
+    explained = [(s["tool"], *sentences_of(s["text"])) for s in [*m["stages"], {"tool": "tdpt-render", "text": m["with"]["text"]}]]
+    files = [(el("bdi", e.get("file", "")), e.get("kind", DASH), el("code", e.get("hash", DASH), class_="hash"),
+              "yes" if e.get("intact") else e.get("failed", "no"), get(e, "facts", "seed") or DASH) for e in m["info"]]
     body = filled(
         "report_scene.html", title=re.sub(r"\.gl(b|tf)$", "", m["scene"]), verdict=v.sentence(), measured=v.measured(),
-        contents=f"{figure(scene.get('triangles'), 9)} triangles, {figure(scene.get('emitting_triangles'), 9)} of them emit; "
-                 f"{figure(scene.get('lamps'), 9)} lamps without surface",
-        facts=facts_of([(len(v.portals), f"portals {found}"),
-                        (figure(v.foretold, 2, "\u202f\u00d7"), "efficiency over the best way without, as tdpt-render foretold" +
-                         ("" if v.used or not number(v.foretold) else "; not rendered so")),
-                        (figure(v.gain, 2, "\u202f\u00d7"), f"efficiency of {m['integrator']} over bdpt without portals, measured"),
-                        (figure(finding, 2, "\u202fs") if v.stages else DASH, "CPU time of finding portals")]),
-        reference_picture=picture(folder, "reference.png", "The scene as its camera sees it, the reference"),
-        reference_samples=count(reference.get("spp"), "sample"),
-        scene_table=table(f"What {m['scene']} holds", ("What", "#How many"), [
-            *((key.replace("_", " ").capitalize(), figure(scene.get(key), 9)) for key in things),
-            ("Cameras", ", ".join(map(str, scene.get("cameras") or [])) or DASH), ("Longest side", figure(scene.get("longest_side_m"), 3, "\u202fm"))]),
+        number=len(v.portals), foretold=figure(v.foretold, 2, "\u202f\u00d7"), gain=figure(v.gain, 2, "\u202f\u00d7"),
+        finding=figure(sum(finding), 2, "\u202fs") if finding else DASH, integrator=m["integrator"], way=v.way,
+        **{key: figure(scene.get(key), 9) for key in ("triangles", "emitting_triangles", "lamps", "materials", "images")},
+        cameras=", ".join(map(str, scene.get("cameras") or [])) or DASH, longest_side=figure(scene.get("longest_side_m"), 3, "\u202fm"),
         warnings=items(scene.get("warnings") or []), width=last.get("width"), height=last.get("height"),
         path_length="any length" if last.get("max_depth") is None else f"at most {last['max_depth']} edges",
-        stages=el("div", list(stage_figures(folder, m)), class_="stages") if v.stages else el(
-            "p", "The stages did not run for this page: " + (
-                "its portals were drawn by hand or come from elsewhere." if m["given"] else "pictures are made without portals.")),
-        portals=portals_table(v), refused=el("ul", items(refused(v))), integrator=m["integrator"],
-        candidate_count=count(len(v.candidates), "way"),
-        candidates=table("Foretold: error of one sample per pixel, work of a sample, and the time for the same noise over the least",
-                         ("Way", "Portals", "#relMSE", "#\u00b5s a sample", "#Time for the same noise"),
-                         [(c["integrator"], "yes" if c.get("portals") else "no", figure(c["relmse"], 3), figure(c["work"] / 1000, 3),
-                           figure(c["cost"] / v.candidates[0]["cost"], 2)) for c in v.candidates]),
-        **{f"{key}_picture": picture(folder, key + ".png", f"The scene {words} portals") for key, words in (("with", "with"), ("without", "without"))},
+        stages=stages_of(folder, m), portals=portals_table(v), refused=items(refused(v)),
+        **{f"{key}_picture": picture(folder, key + ".png", f"The scene {key} portals") for key in ("with", "without", "reference")},
         **{f"{key}_error": picture(folder, key + "-error.png", f"Difference {key} portals") for key in ("with", "without")},
-        **{f"{key}_effort": f"{seconds(step['cpu'])}, {count(step['spp'], 'sample')} per pixel" for key, step in (("with", a), ("without", b))},
-        way=v.way, limits=items(limits(m)),
-        scores=table("Scores against the reference; all pictures are exposed alike", ("", "#bdpt without portals", "#" + v.way, "#all black"), scores),
+        **{f"{key}_effort": f"{figure(step['cpu'], 3)} CPU seconds, {count(step['spp'], 'sample')} per pixel" for key, step in (("with", v.after), ("without", v.before))},
+        reference_samples=count(reference.get("spp"), "sample"), factor=figure(m["factor"]), noise=figure(get(reference, "noise", "relmse")),
+        reference_mean=figure(v.after.get("reference_mean"), 4), limits=items(limits(m)),
+        **{f"{way}_{key}": figure(step.get(key), 4) for way, step in (("with", v.after), ("without", v.before), ("black", m.get("black") or {}))
+           for key in ("relmse", "relmse_trimmed", "psnr", "mape", "mean", "cpu")},
         error_chart=error_chart(m),
-        points=table("relMSE and PSNR against the same reference", ("#CPU seconds", "Way", "#Samples per pixel", "#relMSE", "#PSNR"),
-                     [(figure(s["cpu"], 3), label, figure(s["spp"], 9), figure(s.get("relmse"), 3), figure(s.get("psnr"), 4, "\u202fdB"))
-                      for key, label in (("without", "bdpt"), ("with", m["integrator"])) for s in m[key]["steps"]]),
-        costs=table("From the scene to its picture", ("Program", "#CPU seconds", "#Share", "#Seconds", "#Memory at most"),
-                    [(tool, figure(cpu, 3), percent(cpu / total) if number(cpu) and total else DASH, figure(wall, 3), memory(peak))
-                     for tool, cpu, wall, peak in rows]),
-        drawing=seconds(drawing_time), pilot=seconds(get(m, "with", "first", "pilot", "cpu")), without_memory=memory(m["without"]["peak_bytes"]),
-        reference_memory=memory(m["reference"]["peak_bytes"]),
-        phases=table("Phases", ("Stage", "Phase", "#CPU seconds", "#Seconds"), [(t, k, figure(c, 3), figure(s, 3)) for t, k, c, s in phases]),
-        decisions=[el("details", el("summary", el("code", tool), f": {count(len(rows), 'decision')}"), el("ul", items(notes)),
-                      table(f"What {tool} decided", ("What", "Decision", "Because", "Price"), rows, "stack")) for tool, rows, notes in explained],
-        files=table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), list(file_rows(m)), "stack"),
+        decisions=[el("details", el("summary", el("code", tool), f": {count(len(decided), 'decision')}"), el("ul", items(notes + decided)))
+                   for tool, notes, decided in explained],
+        files=table("The files, their content and their seeds", ("File", "Kind", "Hash", "Intact", "Seed"), files, "stack"),
         commands="\n".join(m[key]["command"] for key in ("without", "with", "reference")),
         lines="\n".join(dict.fromkeys(str(line) for e in m["info"] for line in e.get("provenance") or [])), version="\n".join(m["version"]))
-    return document(f"{m['scene']}: light portals", body, "tdpt.mk(7)")
-
-
-def file_rows(m):
-    for e in m["info"]:
-        yield (el("bdi", e.get("file", "")), e.get("kind", DASH), el("code", e.get("hash", DASH), class_="hash"),
-               "yes" if e.get("intact") else e.get("failed", "no"), get(e, "facts", "seed") or DASH)
-
-
-def run(program, make_page, expected):
-    """main() of a program that makes such a page of a folder."""
-    if len(sys.argv) != 3:
-        print(f"usage: {program} FOLDER PAGE", file=sys.stderr)
-        return 2
-    try:
-        made = make_page(sys.argv[1])
-        with open(sys.argv[2], "w", encoding="utf-8", errors="replace") as stream:
-            stream.write(made)
-    except (OSError, ValueError, KeyError) as error:
-        print(f"{program}: {sys.argv[1]}: {error!r}, expected what {expected}", file=sys.stderr)
-        return 3
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(run("report_page.py", page, "report_measure.py writes"))
+    return filled("report.html", title=f"{m['scene']}: light portals", body=body)

@@ -103,11 +103,13 @@ with open("evil/measured.json", "w") as stream:
     json.dump(m, stream)
 END
 python3 plant.py || complain "the hostile names could not be planted"
-python3 -B "$here/report_page.py" evil evil.html >log 2>&1 || complain "hostile names: no page"
+python3 -B -c 'import sys; sys.path.insert(0, sys.argv[1]); import report_page
+with open("evil.html", "w", encoding="utf-8", errors="replace") as stream: stream.write(report_page.page("evil"))' "$here" >log 2>&1 ||
+  complain "hostile names: no page"
 
 cat >check.py <<'END'
 import html.parser, re, sys
-SECTIONS = ["scene", "stages", "portals", "pictures", "error", "cost", "decisions", "provenance"]
+SECTIONS = ["scene", "stages", "portals", "pictures", "error", "decisions", "provenance"]
 VOID = {"img", "meta", "br"}
 class Page(html.parser.HTMLParser):
     def __init__(self):
@@ -143,7 +145,7 @@ for name in sys.argv[1:]:
         page.wrong.append(f"{page.open} stay open")
     if source.count("data:image/svg+xml;base64,") != 1:
         page.wrong.append("there is not one plan")
-    if page.tags.count("h1") != 1 or page.tags.count("svg") < 2 or page.tags.count("img") < 5:
+    if page.tags.count("h1") != 1 or page.tags.count("svg") != 1 or page.tags.count("img") < 5:
         page.wrong.append("a heading, plot or picture is missing")
     if re.search("url\\(|@import|<link|[\x01-\x08\u202e]", re.sub(r"base64,[^\"]*", "", source)) or "\0" in source:
         page.wrong.append("something from outside, or a character that nobody sees")

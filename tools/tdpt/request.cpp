@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "libcommon/base/error.h"
 #include "libcommon/base/words.h"
-#include "tools/tdpt/shot_report.h"
 
 namespace tdpt {
 namespace {
@@ -21,7 +22,7 @@ constexpr std::string_view kRenderer[]{"--f-stop", "--focus", "--shutter", "--fr
 constexpr std::string_view kSampling[]{"--seed", "--quality"};
 constexpr std::string_view kRunning[]{"--threads", "--max-memory", "--quiet", "--explain"};
 // Those that the filter of frames makes needless for the renderer.
-constexpr std::string_view kFiltered[]{"--denoise", "--aov", "--preview", "--exposure", "--stats"};
+constexpr std::string_view kFiltered[]{"--denoise", "--aov", "--preview", "--exposure"};
 constexpr const char* kFilterChannels = "halves,albedo,normal,depth";
 // Options of this program alone; --portal goes to the renderer after the scene.
 constexpr std::string_view kOwn[]{"--output",
@@ -69,14 +70,9 @@ void append_option(Words& words, const cli::Given& given) {
 }
 
 Words words_in(const char* variable) {
-  Words words;
   const char* text = std::getenv(variable);
-  for (std::string_view left = text ? text : ""; !left.empty();) {
-    const size_t end = std::min(left.find_first_of(" \t\n"), left.size());
-    if (end > 0) words.emplace_back(left.substr(0, end));
-    left.remove_prefix(std::min(end + 1, left.size()));
-  }
-  return words;
+  std::istringstream stream(text ? text : "");
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 // Throws UsageError for what no program can find out, or would find out late.
@@ -99,6 +95,8 @@ void check_files(const Arguments& a, const cli::Common& common) {
     throw InputError(a.resume, "", "is not there to go on from");
   if (a.add_samples > 0 && a.resume.empty())
     throw UsageError("--add-samples: needs --resume with the film of the picture");
+  if (a.shot.is_given() && !a.report.empty())
+    throw UsageError("--report: is for one picture, not for --frames");
 }
 
 }  // namespace
@@ -112,7 +110,6 @@ Request request_of(const Arguments& a, const cli::Common& common) {
   Request r;
   r.scene = a.scene.starts_with('-') ? "./" + a.scene : a.scene;
   r.picture = common.output;
-  r.is_shot = a.shot.is_given();
   const bool filters = filters_frames(a);
   std::string of_picture = !a.portals.empty()  ? "--portal"
                            : !a.report.empty() ? "--report"
@@ -135,11 +132,6 @@ Request request_of(const Arguments& a, const cli::Common& common) {
     append(
         r.render,
         {"--aov", a.aov == "all" ? a.aov : a.aov + (a.aov.empty() ? "" : ",") + kFilterChannels});
-  if (r.is_shot) r.stats = a.stats;
-  if (r.is_shot && !a.report.empty() && a.stats.empty()) {
-    r.stats = stats_beside(r.picture);
-    if (!filters) append(r.render, {"--stats", r.stats});
-  }
   size_t stage = 0;
   for (const char* variable :
        {"FFGRAPH_FLAGS", "MINCUT_FLAGS", "LIGHTGRID_FLAGS", "PORTALFIT_FLAGS"})
@@ -190,11 +182,6 @@ std::string file_name_of(const std::string& camera) {
   return name.empty() ? "camera" : name;
 }
 
-// `path` with the camera's name for each %.
-std::string named(const std::string& path, const std::string& name) {
-  return replaced(path, "%", name);
-}
-
 // The files of one of several cameras, each with its name.
 void name_files(View& view, const std::string& name, bool several) {
   const auto rename = [&](const std::string& option, std::string& path) {
@@ -202,18 +189,17 @@ void name_files(View& view, const std::string& name, bool several) {
       throw UsageError(
           fmt::format("{} {}: there are several cameras; write % where their names are to stand",
                       option, path));
-    path = named(path, name);
+    path = replaced(path, "%", name);
   };
   rename("-o", view.common.output);
   for (cli::Given& given : view.common.given)
-    if (std::find(std::begin(kNamesOfFiles), std::end(kNamesOfFiles), given.name) !=
-        std::end(kNamesOfFiles))
+    if (is_one_of(kNamesOfFiles, given.name))
       for (std::string& path : given.values) rename(given.name, path);
   Arguments& a = view.arguments;
   for (std::string* const path : {&view.common.dependencies, &a.preview, &a.report, &a.stats,
                                   &a.nonzero, &a.checkpoint, &a.resume})
-    *path = named(*path, name);
-  for (cli::NamedFile& file : view.common.outputs) file.path = named(file.path, name);
+    *path = replaced(*path, "%", name);
+  for (cli::NamedFile& file : view.common.outputs) file.path = replaced(file.path, "%", name);
 }
 
 }  // namespace

@@ -36,8 +36,6 @@ struct Request {
   Words running;   ///< for all programs, not affecting results: --threads and the like
   /// For exrdenoise, which filters frames of a shot with those beside them; see filters_frames().
   Words filter;
-  bool is_shot = false;  ///< `picture` is a pattern: its frames
-  std::string stats;     ///< of a shot: the pattern of its statistics; empty: none are asked for
   /// More options for each stage, from the environment: FFGRAPH_FLAGS, MINCUT_FLAGS,
   /// LIGHTGRID_FLAGS, PORTALFIT_FLAGS.
   Words stage_flags[4];

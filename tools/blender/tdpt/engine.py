@@ -1,11 +1,12 @@
 """Render with tdpt: F12, animations and the compositor."""
+import contextlib
 import os
 import time
 
 import bpy
 import numpy
 
-from . import camera, exr, portals, programs, scene_file
+from . import camera, exr, portals, programs
 
 CHANNELS = ("R", "G", "B", "A")
 EXTRA = {  # pass of Blender: (its channels, those of the picture)
@@ -17,22 +18,17 @@ EXTRA = {  # pass of Blender: (its channels, those of the picture)
 CHECKPOINT = 3  # seconds between pictures that are shown
 
 
-class Told:
-    """What the last rendering had to tell, for the panel: a rendering may not write to the scene."""
+class Rendered:
+    """The last rendering, for the panel: a rendering may not write to the scene."""
 
-    lines = []  # of the export, the worst first, and then of the programs
+    sentences = []  # of the export, the worst first, and then of the programs
 
 
 def options_of(settings, scene, film, portal_file):
     words = [f"--seed={(settings.seed + (scene.frame_current if settings.animate_seed else 0)) % 2**32}"]
-    if settings.samples:
-        words.append(f"--spp={settings.samples}")
-    if settings.time:
-        words.append(f"--time={settings.time:g}")
-    if settings.noise:
-        words.append(f"--target-error={settings.noise:g}")
-    if settings.max_depth:
-        words.append(f"--max-depth={settings.max_depth}")
+    for name, option in (("samples", "spp"), ("time", "time"), ("noise", "target-error"), ("max_depth", "max-depth")):
+        if getattr(settings, name):
+            words.append(f"--{option}={getattr(settings, name)!r}")
     if settings.device == "GPU":
         words.append("--device=gpu")
     if settings.denoise:
@@ -58,34 +54,49 @@ class TdptEngine(bpy.types.RenderEngine):
 
     def update(self, data, depsgraph):
         """Keeps the scene as it is now. Cameras and the like are those of the depsgraph, which knows the frame."""
-        scene = depsgraph.scene
-        self.failure, self.saved = "", ""
-        self.next_words, self.words_shown = 0.0, ""
+        scene, layer = depsgraph.scene, depsgraph.view_layer.name
+        self.failure, self.next_words, self.words_shown, self.film_time = "", 0.0, "", None
         try:
-            self.program = programs.needed()
-            seen = scene.camera.evaluated_get(depsgraph) if scene.camera else None
-            self.film = camera.Film(scene, seen)
-            self.scene_name, self.frame = scene.original.name, scene.frame_current_final
-            self.saved = scene_file.save(scene.original, "render")
-            self.words = options_of(scene.tdpt, scene, self.film, self.portals_of(scene.original, depsgraph.view_layer.name))
-        except Exception as failure:  # told by render(), which may fail
+            self.film = camera.Film(scene, scene.camera.evaluated_get(depsgraph) if scene.camera else None)
+            folder = programs.session_folder()
+            self.scene_glb, self.picture, self.checkpoint, portal_file = (
+                os.path.join(folder, name) for name in ("render.glb", "render.exr", "film.exr", "used.portal.glb"))
+            self.steps = self.rendering(programs.needed(), programs.save(scene.original, "render"), scene.original.name,
+                                        scene.frame_current_final, layer, options_of(
+                scene.tdpt, scene, self.film, portal_file if portals.write_used(scene.original, portal_file, layer) else ""))
+        except Exception as failure:  # reported by render(), which may fail
             self.failure = str(failure) or type(failure).__name__
 
-    def portals_of(self, scene, layer):
-        path = os.path.join(scene_file.folder(), "used.portal.glb")
-        return path if portals.write_used(scene, path, layer) else ""
+    def rendering(self, program, saved, scene_name, frame, layer, options):
+        """A generator of (share, words): exports and renders."""
+        self.report_all((yield from programs.exporting(saved, scene_name, frame, self.scene_glb, layer)))
+        words = [program, self.scene_glb, "-o", self.picture, "--force", "--set", "progress=json", "--checkpoint", self.checkpoint,
+                 "--resume", self.checkpoint, "--set", f"checkpoint-every={CHECKPOINT}", *options]
+        self.report_all(programs.sentences_in((yield from programs.running(words, "rendering", accepted=(0, 6)))))
 
     def render(self, depsgraph):
         if self.failure:
             self.fail(self.failure)
             return
-        steps = self.rendering(depsgraph)
+        Rendered.sentences = []
+        for path in (self.picture, self.checkpoint):
+            if os.path.exists(path):
+                os.remove(path)
         try:
-            programs.wait(steps, seen=self.show)
+            for progress in self.steps:
+                if self.test_break():
+                    break
+                self.show(progress)
+                self.show_film(depsgraph)
+                time.sleep(0.02)
+            self.steps.close()
+            last = next((path for path in (self.picture, self.checkpoint) if os.path.exists(path)), None)
+            if last:
+                self.deliver(last, depsgraph)
         except Exception as failure:
             self.fail(str(failure) or type(failure).__name__)
         finally:
-            steps.close()
+            self.steps.close()
 
     def fail(self, sentence):
         self.report({"ERROR"}, sentence)
@@ -100,72 +111,23 @@ class TdptEngine(bpy.types.RenderEngine):
             self.update_progress(share)
             self.update_stats("", words)
 
-    def rendering(self, depsgraph):
-        """A generator of (share, words): exports, renders, and shows what there is."""
-        folder = scene_file.folder()
-        exported, made, film = (os.path.join(folder, name) for name in ("render.glb", "render.exr", "film.exr"))
-        for path in (made, film):
-            if os.path.exists(path):
-                os.remove(path)
-        steps = scene_file.exporting(self.saved, self.scene_name, self.frame, exported, depsgraph.view_layer.name)
-        Told.lines = []
-        told = yield from self.until_stopped(steps)
-        if told is None:
-            return
-        self.tell(told)
-        words = [self.program, exported, "-o", made, "--force", "--set", "progress=json", "--checkpoint", film, "--resume", film]
-        words += ["--set", f"checkpoint-every={CHECKPOINT}", *self.words]
-        now, shown = (0.0, "rendering"), None
-        lines = programs.running(words, accepted=(0, 6))
-        try:
-            for new in lines:
-                if self.test_break():
-                    break
-                now = programs.last_progress(new, now)
-                self.tell(programs.told_by(new))
-                shown = self.show_film(film, shown, depsgraph)
-                yield now
-        finally:
-            lines.close()
-        if os.path.exists(made):
-            self.deliver(made, depsgraph)
-        elif os.path.exists(film):
-            self.show_film(film, None, depsgraph)
-
-    def until_stopped(self, steps):
-        """The same generator; its result is None where the rendering is stopped."""
-        try:
-            while not self.test_break():
-                try:
-                    yield next(steps)
-                except StopIteration as end:
-                    return end.value
-            return None
-        finally:
-            steps.close()
-
-    def tell(self, lines):
+    def report_all(self, sentences):
         """All of it on the console, where a rendering without a window is read; the worst as a warning."""
-        Told.lines += lines
-        for line in lines:
+        Rendered.sentences += sentences
+        for line in sentences:
             print("tdpt: " + line, flush=True)
-        bad = [line for line in lines if not line.startswith("note: ")]
+        bad = [line for line in sentences if not line.startswith("note: ")]
         if bad:
             more = f", and {len(bad) - 1} more: see Light Portals in the render properties" if len(bad) > 1 else ""
             self.report({"WARNING"}, bad[0].split(": ", 1)[1] + more)
 
-    def show_film(self, film, shown, depsgraph):
-        """Shows the picture of the samples so far, where it has changed; when it did."""
-        try:
-            when = os.stat(film).st_mtime_ns
-        except OSError:
-            return shown
-        if when != shown:
-            try:
-                self.deliver(film, depsgraph)
-            except (OSError, ValueError):
-                pass  # it is being replaced
-        return when
+    def show_film(self, depsgraph):
+        """Shows the picture of the samples so far, where it has changed."""
+        with contextlib.suppress(OSError, ValueError):  # it is not there yet, or is being replaced
+            changed = os.stat(self.checkpoint).st_mtime_ns
+            if changed != self.film_time:
+                self.film_time = changed
+                self.deliver(self.checkpoint, depsgraph)
 
     def window(self, scene):
         """Rows and columns of the rendered picture that Blender wants, from the top left."""

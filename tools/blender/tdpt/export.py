@@ -2,7 +2,7 @@
   blender -b SCENE.blend --python-exit-code 1 -P export.py -- OUT.glb [--thin-glass]
 What the picture shows at the frame that SCENE was saved at: no object or collection that is not rendered, no motion.
 Blender's exporter leaves area lamps, worlds, the picture's size and the thickness of glass out. Here area lamps become
-lights of EXT_lights_area or emitting planes, smooth spots profiles of EXT_lights_ies, every shader a Principled BSDF,
+lights of EXT_lights_area, smooth spots profiles of EXT_lights_ies, every shader a Principled BSDF,
 instances objects, and closed glass gets a thickness (--thin-glass: none). World, size and active camera go into the extras
 of the glTF scene [gltf-scene(5)], the world's picture beside OUT; custom properties of the scene called tdpt_... go before
 them. What is lost all the same is told at the end, the worst first: "light:" changes the light of the whole picture,
@@ -25,7 +25,6 @@ import materials  # noqa: E402
 import world  # noqa: E402
 
 KEYS = ("environment", "environment_rotation", "environment_scale", "width", "height", "camera")
-WRITTEN = "export.py: {} written"  # before what is told
 
 
 def options():
@@ -37,8 +36,8 @@ def options():
     p.add_argument("--view-layer", default="", help="in place of the scene's first")
     p.add_argument("--frame", type=float, help="in place of the frame that it was saved at")
     a = p.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
-    if not a.out.endswith((".glb", ".gltf")):
-        p.error(f"{a.out}: neither .glb nor .gltf")
+    if not a.out.endswith(".glb"):
+        p.error(f"{a.out}: is no name of a .glb")
     return a
 
 
@@ -84,14 +83,6 @@ def typed():
     return {k: list(v) if hasattr(v, "to_list") else v for k, v in values.items() if v is not None}
 
 
-def last_copy(path):
-    """The sky's picture that an export to this file copied before."""
-    try:
-        return gltf_file.read(path)[0]["asset"]["extras"]["tdpt_copy"]
-    except (OSError, ValueError, KeyError, TypeError, gltf_file.struct.error):
-        return None
-
-
 def complete_gloss(document):
     """What Blender's exporter leaves out of reflections: the index of refraction of what is opaque. A specular of 0 is none
     at all; Blender 3's exporter writes a black colour for it, which still reflects at grazing angles."""
@@ -106,34 +97,23 @@ def complete_gloss(document):
             document["extensionsUsed"] = sorted({*document.get("extensionsUsed", []), "KHR_materials_ior"})
 
 
-def add_extras(path, camera, own):
+def add_extras(path, camera):
     document, rest = gltf_file.read(path)
     complete_gloss(document)
     lamps.add_lights(document)
-    render = bpy.context.scene.render
+    render, given = bpy.context.scene.render, typed()
     size = [max(1, side * render.resolution_percentage // 100) for side in (render.resolution_x, render.resolution_y)]
-    extras = {"width": size[0], "height": size[1], **camera_of(document, camera)}
-    given = typed()
-    if "environment" not in given:
-        baked = os.path.join(bpy.app.tempdir or os.path.dirname(path), "baked-sky.exr")
-        sky, picture = world.of(bpy.context.scene.world, baked)
-        if picture:
-            sky["environment"], copied = world.keep(picture, path, own)
-            if copied:
-                document["asset"].setdefault("extras", {})["tdpt_copy"] = sky["environment"]
-        if sky.get("environment"):
-            extras.update(sky)
-    extras.update(given)
-    ours = {"tdpt_" + key: extras[key] for key in KEYS if key in extras}
+    sky = {} if "environment" in given else world.extras_of(bpy.context.scene.world, path)
+    extras = {**sky, "width": size[0], "height": size[1], **camera_of(document, camera), **given}
     shown = document["scenes"][document.get("scene", 0)]
-    shown["extras"] = {**shown.get("extras", {}), **ours}
+    shown["extras"] = {**shown.get("extras", {}), **{"tdpt_" + key: extras[key] for key in KEYS if key in extras}}
     gltf_file.write(path, document, rest)
 
 
 def export(path):
     bpy.ops.export_scene.gltf(
         filepath=path,
-        export_format="GLB" if path.endswith(".glb") else "GLTF_SEPARATE",
+        export_format="GLB",
         export_cameras=True,
         export_lights=True,
         export_apply=True,
@@ -157,19 +137,18 @@ def main():
     if a.frame is not None:
         scene.frame_set(int(a.frame // 1), subframe=a.frame % 1)
     instances.drop_excluded(bpy.context.view_layer.layer_collection)
-    instances.make_real()
+    placed_lamps = instances.make_real()
     things = instances.placed()
     instances.report_objects(things)
     losses.report_scene(scene, bpy.context.view_layer, not a.file)
-    lamps.prepare(things)
-    things = instances.placed()
+    lamps.prepare(placed_lamps)
     materials.prepare(things)
     if not a.thin_glass:
         materials.fill_glass(things)
-    camera, own = prepare_camera(not a.file), last_copy(out)  # the extension cuts shifted pictures
+    camera = prepare_camera(not a.file)  # the extension cuts shifted pictures
     export(out)
-    add_extras(out, camera, own)
-    print("\n".join([WRITTEN.format(a.out)] + ["  " + line for line in losses.lines()]), flush=True)
+    add_extras(out, camera)
+    print("\n".join([f"export.py: {a.out} written", *("  " + line for line in losses.lines())]), flush=True)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ import zlib
 
 import numpy
 
-MAGIC = 20000630
 LINES = {0: 1, 2: 1, 3: 16}  # of a block, by compression: none, ZIPS, ZIP
 TYPES = {0: numpy.uint32, 1: numpy.float16, 2: numpy.float32}
 
@@ -16,8 +15,6 @@ def string_at(data, at):
 
 def header(data):
     """(attributes as bytes, where the table of blocks begins)"""
-    if len(data) < 8 or struct.unpack_from("<I", data)[0] != MAGIC:
-        raise ValueError("no OpenEXR file")
     found, at = {}, 8
     while data[at]:
         name, at = string_at(data, at)
@@ -41,12 +38,9 @@ def unpacked(block, size):
     """ZIP of OpenEXR: bytes as differences, even ones first."""
     if len(block) == size:
         return block
-    raw = numpy.frombuffer(zlib.decompress(block), numpy.uint8)
-    sums = numpy.cumsum(raw.astype(numpy.int64) - 128)
-    sums = ((sums + 128) & 255).astype(numpy.uint8)
-    half = (size + 1) // 2
+    sums = numpy.cumsum(numpy.frombuffer(zlib.decompress(block), numpy.uint8).astype(numpy.int64) - 128)
     whole = numpy.empty(size, numpy.uint8)
-    whole[0::2], whole[1::2] = sums[:half], sums[half:]
+    whole[0::2], whole[1::2] = numpy.split((sums + 128 & 255).astype(numpy.uint8), [(size + 1) // 2])
     return whole.tobytes()
 
 
@@ -55,30 +49,17 @@ def read(path, wanted):
     with open(path, "rb") as file:
         data = file.read()
     try:
-        return parsed(data, wanted)
+        attributes, at = header(data)
+        lines = LINES[attributes["compression"][0]]
+        left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
+        width, height = right - left + 1, bottom - top + 1
+        row = numpy.dtype([(name, kind, width) for name, kind in channels_in(attributes["channels"])])
+        whole = numpy.zeros(height, row)
+        for place in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
+            y, size = struct.unpack_from("<2i", data, place)
+            rows = min(lines, bottom + 1 - y)
+            block = unpacked(data[place + 8 : place + 8 + size], rows * row.itemsize)
+            whole[y - top : y - top + rows] = numpy.frombuffer(block, row, rows)
+        return {name: whole[name] for name in row.names if name in wanted}
     except (struct.error, zlib.error, IndexError, KeyError) as error:
-        raise ValueError(f"{path}: is damaged") from error
-
-
-def parsed(data, wanted):
-    attributes, at = header(data)
-    compression = attributes["compression"][0]
-    if compression not in LINES:
-        raise ValueError(f"compression {compression} is not read")
-    left, top, right, bottom = struct.unpack("<4i", attributes["dataWindow"])
-    width, height = right - left + 1, bottom - top + 1
-    channels = channels_in(attributes["channels"])
-    line = sum(width * kind().itemsize for _, kind in channels)
-    blocks = -(-height // LINES[compression])
-    found = {name: numpy.zeros((height, width), kind) for name, kind in channels if name in wanted}
-    for place in struct.unpack_from(f"<{blocks}Q", data, at):
-        y, size = struct.unpack_from("<2i", data, place)
-        rows = min(LINES[compression], bottom + 1 - y)
-        block = unpacked(data[place + 8 : place + 8 + size], rows * line)
-        offset = 0
-        for row in range(y - top, y - top + rows):
-            for name, kind in channels:
-                if name in found:
-                    found[name][row] = numpy.frombuffer(block, kind, width, offset)
-                offset += width * kind().itemsize
-    return found
+        raise ValueError(f"{path}: is damaged, or no OpenEXR file that is read") from error

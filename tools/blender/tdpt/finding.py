@@ -4,68 +4,26 @@ import os
 
 import bpy
 
-from . import camera, gltf_file, portals, programs, scene_file
+from . import camera, gltf_file, portals, programs
 
 
-class Now:
-    """The search that goes on, for the panel."""
+class Search:
+    """The one that goes on, for the panel."""
 
-    share, words, cancelled = 0.0, "", False
+    share, words = 0.0, ""
     running = placed = False
 
 
 LEAST_GAIN = 1.1  # of the lower end of the interval, for portals of Cycles to be switched on
-MEASURED = {}  # what portals are worth to Cycles, by scene and portals
 
 
-def scaled(generator, low, high):
-    """The same generator with its share of progress between low and high; its result."""
-    try:
-        while True:
-            try:
-                share, words = next(generator)
-            except StopIteration as end:
-                return end.value
-            yield low + (high - low) * share, words
-    finally:
-        generator.close()
-
-
-def searching(words):
-    """A generator that runs tdpt: (share, words); its result: what the programs say."""
-    now, told = (0.0, "looking for portals"), []
-    for lines in programs.running(words):
-        now = programs.last_progress(lines, now)
-        told += programs.told_by(lines)
-        yield now
-    return told
-
-
-def measuring(name, frame, saved, found):
-    """A generator that measures what the portals are worth to Cycles; its result: the dict of worth.py."""
-    lamps = []
-    for _, corners, triangles, figures in found:
-        if portals.lets_in_sky(figures):
-            corners = [portals.z_up(c) for c in corners]
-            matrix, width, height = portals.rectangle(corners, portals.normal_of(corners, triangles))
-            lamps.append([[list(row) for row in matrix], width, height])
-    folder = scene_file.folder()
-    given, result = os.path.join(folder, "portals.json"), os.path.join(folder, "worth.json")
-    with open(given, "w", encoding="utf-8") as text:
-        json.dump(lamps, text)
-    words = programs.blender("worth.py", saved, name, repr(frame), given, result)
-    for _ in programs.running(words):
-        yield 0.5, "measuring what they are worth to Cycles"
+def measuring(scene, frame):
+    """A generator that measures what the portals of a scene are worth to Cycles; its result: the dict of worth.py."""
+    result = os.path.join(programs.session_folder(), "worth.json")
+    words = programs.blender("worth.py", programs.save(scene, "worth"), scene.name, repr(frame), result)
+    yield from programs.running(words, "measuring what they are worth to Cycles", low=0.7)
     with open(result, encoding="utf-8") as text:
         return json.load(text)
-
-
-def alive(name):
-    """The scene, which may be gone, or another object after an undo."""
-    scene = bpy.data.scenes.get(name)
-    if not scene:
-        raise programs.Failure(f"Scene {name} is gone")
-    return scene
 
 
 def finding(scene, layer, measure=True, quality="normal"):
@@ -73,36 +31,29 @@ def finding(scene, layer, measure=True, quality="normal"):
     measured to pay. Its result: sentences about what was found."""
     program = programs.needed()
     film = camera.Film(scene, scene.camera)
-    saved, folder = scene_file.save(scene, "search"), scene_file.folder()
+    saved, folder = programs.save(scene, "search"), programs.session_folder()
     exported, result = os.path.join(folder, "scene.glb"), os.path.join(folder, "portals.glb")
     options = [*camera.sun(scene), *(o for o in film.options() if not o.startswith(("--width", "--height")))]
     name, frame = scene.name, scene.frame_current_final
-    lost = yield from scaled(scene_file.exporting(saved, name, frame, exported, layer), 0, 0.1)
+    lost = yield from programs.exporting(saved, name, frame, exported, layer, high=0.1)
     words = [program, exported, "-o", result, "--force", "--set", "progress=json", "--quality", quality, *options]
-    said = yield from scaled(searching(words), 0.1, 0.7)
+    lines = yield from programs.running(words, "looking for portals", 0.1, 0.7)
     found = gltf_file.read_portals(result)
-    why = next((line.split(no, 1)[1] for line in said for no in (": no bottleneck: ", ": no portal: ") if no in line), "")
-    told = [portals.words_of(found, why)]
-    scene = alive(name)
+    sentences = [portals.words_of(found, portals.reason_in(lines))]
+    scene = bpy.data.scenes[name]  # another object after an undo
     portals.place(scene, found)
     portals.use_in_cycles(scene, False)
-    scene.tdpt.found, scene.tdpt.lost = told[0], "\n".join(lost + said)
-    Now.placed = True
-    worth = None
-    windows = [p for p in found if portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0]
-    if measure and windows:
-        key = (scene_file.digest(exported), scene_file.digest(result))
-        if key not in MEASURED:
-            MEASURED[key] = yield from scaled(measuring(name, frame, saved, found), 0.7, 1)
-        worth = MEASURED[key]
-        scene = alive(name)
-    pays = bool(worth) and worth["low"] > LEAST_GAIN
-    portals.use_in_cycles(scene, pays)
-    if worth:
+    scene.tdpt.found, scene.tdpt.lost = sentences[0], "\n".join(lost + programs.sentences_in(lines))
+    Search.placed = True
+    if measure and any(portals.lets_in_sky(p[3]) and p[3].get("sky", 0) > 0 for p in found):
+        worth = yield from measuring(scene, frame)
+        scene = bpy.data.scenes[name]
+        pays = worth["low"] > LEAST_GAIN
+        portals.use_in_cycles(scene, pays)
         figures = f"{worth['gain']:.2g} times as fast ({worth['low']:.2g} to {worth['high']:.2g})"
-        told.append(f"Cycles is {figures} with the windows as portals" + ("" if pays else ": they are left off"))
-    scene.tdpt.found = "\n".join(told)
-    return told
+        sentences.append(f"Cycles is {figures} with the windows as portals" + ("" if pays else ": they are left off"))
+        scene.tdpt.found = "\n".join(sentences)
+    return sentences
 
 
 class TDPT_OT_find_portals(bpy.types.Operator):
@@ -120,43 +71,31 @@ class TDPT_OT_find_portals(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return not Now.running and context.scene.camera is not None
+        return not Search.running and context.scene.camera is not None
 
     def start(self, context):
         self.steps = finding(context.scene, context.view_layer.name, self.measure, context.scene.tdpt.quality)
-        Now.placed = False
-        Now.running, Now.cancelled, Now.share, Now.words = True, False, 0.0, "exporting the scene"
+        Search.running, Search.placed, Search.share, Search.words = True, False, 0.0, "exporting the scene"
 
-    def finish(self, context):
-        Now.running = False
+    def finish(self, context, kind, sentences, result):
+        """Ends the search, whatever it came to: the button has to work again."""
+        self.steps.close()
+        Search.running = False
         if getattr(self, "timer", None):
             context.window_manager.event_timer_remove(self.timer)
             context.window_manager.progress_end()
             context.workspace.status_text_set(None)
         redraw(context)
-
-    def step(self):
-        """Whether there is more to do."""
-        try:
-            Now.share, Now.words = next(self.steps)
-            return True
-        except StopIteration as end:
-            for sentence in end.value:
-                self.report({"INFO"}, sentence)
-            return False
+        for sentence in sentences:
+            self.report({kind}, sentence)
+        return {result}
 
     def execute(self, context):
+        self.start(context)
         try:
-            self.start(context)
-            self.told = programs.wait(self.steps)
-        except programs.Failure as failure:
-            self.report({"ERROR"}, str(failure))
-            return {"CANCELLED"}
-        finally:
-            self.finish(context)
-        for sentence in self.told:
-            self.report({"INFO"}, sentence)
-        return {"FINISHED"}
+            return self.finish(context, "INFO", programs.wait(self.steps), "FINISHED")
+        except Exception as failure:
+            return self.finish(context, "ERROR", [str(failure) or type(failure).__name__], "CANCELLED")
 
     def invoke(self, context, event):
         self.start(context)
@@ -168,43 +107,25 @@ class TDPT_OT_find_portals(bpy.types.Operator):
     def cancel(self, context):
         """Blender ends it, as when another file is opened."""
         self.steps.close()
-        Now.running = False
+        Search.running = False
 
     def modal(self, context, event):
-        if event.type == "ESC" or Now.cancelled:
-            self.steps.close()
-            self.finish(context)
-            if Now.placed:  # what they are worth is not known then
-                self.report({"INFO"}, "Portals of Cycles are left off: they were not measured")
-                return {"FINISHED"}
-            self.report({"INFO"}, "Cancelled")
-            return {"CANCELLED"}
+        if event.type == "ESC":
+            if Search.placed:  # what they are worth is not known then
+                return self.finish(context, "INFO", ["Portals of Cycles are left off: they were not measured"], "FINISHED")
+            return self.finish(context, "INFO", ["Cancelled"], "CANCELLED")
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:
-            more = self.step()
-        except Exception as failure:  # whatever it is, the button has to work again
-            self.finish(context)
-            self.report({"ERROR"}, str(failure) or type(failure).__name__)
-            return {"CANCELLED"}
-        if more:
-            context.window_manager.progress_update(int(100 * Now.share))
-            context.workspace.status_text_set(f"tdpt: {Now.words} (Esc cancels)")
-            redraw(context)
-            return {"RUNNING_MODAL"}
-        self.finish(context)
-        return {"FINISHED"}
-
-
-class TDPT_OT_cancel(bpy.types.Operator):
-    """Stop the search for portals"""
-
-    bl_idname = "tdpt.cancel"
-    bl_label = "Cancel"
-
-    def execute(self, context):
-        Now.cancelled = True
-        return {"FINISHED"}
+            Search.share, Search.words = next(self.steps)
+        except StopIteration as end:
+            return self.finish(context, "INFO", end.value, "FINISHED")
+        except Exception as failure:
+            return self.finish(context, "ERROR", [str(failure) or type(failure).__name__], "CANCELLED")
+        context.window_manager.progress_update(int(100 * Search.share))
+        context.workspace.status_text_set(f"tdpt: {Search.words} (Esc cancels)")
+        redraw(context)
+        return {"RUNNING_MODAL"}
 
 
 def redraw(context):
@@ -213,4 +134,4 @@ def redraw(context):
             area.tag_redraw()
 
 
-CLASSES = (TDPT_OT_find_portals, TDPT_OT_cancel)
+CLASSES = (TDPT_OT_find_portals,)

@@ -1,96 +1,72 @@
-"""glTF files: their JSON, and portals as meshes [portal(5)]."""
+"""Files .glb: their JSON, and portals as meshes [portal(5)]."""
 import json
 import os
 import struct
+
+import numpy
 
 MAGIC = 0x46546C67
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 def read(path):
-    """(JSON, the rest of the file's bytes: of a .glb the chunks behind it)"""
+    """(JSON, the chunks behind it)"""
     with open(path, "rb") as file:
         data = file.read()
-    if not path.endswith(".glb"):
-        return json.loads(data), b""
     length = struct.unpack_from("<I", data, 12)[0]
     return json.loads(data[20 : 20 + length]), data[20 + length :]
 
 
-def write(path, document, rest=b""):
+def write(path, document, rest):
     """Replaces the file at once, or not at all."""
-    if not path.endswith(".glb"):
-        text = json.dumps(document, indent="\t").encode()
-    else:
-        text = json.dumps(document, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 4)
-        head = struct.pack("<5I", MAGIC, 2, 20 + len(text) + len(rest), len(text), JSON_CHUNK)
-        text = head + text + rest
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<5I", MAGIC, 2, 20 + len(text) + len(rest), len(text), JSON_CHUNK)
     with open(path + ".new", "wb") as file:
-        file.write(text)
+        file.write(head + text + rest)
     os.replace(path + ".new", path)
-
-
-def numbers(document, binary, accessor, form, width):
-    """The tuples of an accessor without a stride, as portalfit writes them. `form`: of struct, of one number."""
-    accessor = document["accessors"][accessor]
-    view = document["bufferViews"][accessor["bufferView"]]
-    at = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
-    flat = struct.unpack_from(f"<{accessor['count'] * width}{form}", binary, at)
-    return [flat[i : i + width] for i in range(0, len(flat), width)]
 
 
 def read_portals(path):
     """[(name, corners [metres, +Y up], triangles, figures)] of a file of portalfit."""
     document, rest = read(path)
-    binary = rest[8:]
+
+    def rows_of(accessor, kind):
+        """Three numbers each, without a stride, as portalfit writes them."""
+        accessor = document["accessors"][accessor]
+        view = document["bufferViews"][accessor["bufferView"]]
+        count = accessor["count"] if accessor["type"] == "VEC3" else accessor["count"] // 3
+        at = 8 + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        return numpy.frombuffer(rest, kind, 3 * count, at).reshape(count, 3)
+
     portals = []
     for index in document["scenes"][0].get("nodes", []):
         node = document["nodes"][index]
         part = document["meshes"][node["mesh"]]["primitives"][0]
-        origin = node.get("translation", (0, 0, 0))
-        corners = [
-            tuple(a + b for a, b in zip(corner, origin))
-            for corner in numbers(document, binary, part["attributes"]["POSITION"], "f", 3)
-        ]
-        flat = [i for (i,) in numbers(document, binary, part["indices"], "I", 1)]
-        triangles = [tuple(flat[i : i + 3]) for i in range(0, len(flat), 3)]
-        portals.append((node["name"], corners, triangles, node.get("extras", {})))
+        corners = rows_of(part["attributes"]["POSITION"], "<f4").astype(float) + node.get("translation", (0, 0, 0))
+        triangles = rows_of(part["indices"], "<u4").tolist()
+        portals.append((node["name"], [tuple(c) for c in corners.tolist()], triangles, node.get("extras", {})))
     return portals
 
 
 def write_portals(path, portals):
-    """portals: [(name, corners [metres, +Y up], triangles)]. Positions are relative to the first corner, so that their single
-    precision is fine enough."""
-    binary, document = b"", {
-        "asset": {"version": "2.0", "extras": {"tdpt_portal_format": 1}},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(portals)))} if portals else {}],
+    """portals: [(name, corners [metres, +Y up], triangles)], at least one. Positions are relative to the first corner, so that
+    their single precision is fine enough."""
+    nodes, meshes, accessors, views, binary = [], [], [], [], b""
+    for number, (name, corners, triangles) in enumerate(portals):
+        near = (numpy.array(corners) - corners[0]).astype("<f4")
+        flat = numpy.array(triangles, "<u4").ravel()
+        for data, kind, component, more in (
+            (near, "VEC3", 5126, {"min": near.min(0).tolist(), "max": near.max(0).tolist()}), (flat, "SCALAR", 5125, {})):
+            views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
+            accessors.append({"bufferView": len(accessors), "componentType": component, "count": len(data), "type": kind, **more})
+            binary += data.tobytes()
+        part = {"attributes": {"POSITION": 2 * number}, "indices": 2 * number + 1, "material": 0}
+        meshes.append({"primitives": [part]})
+        nodes.append({"name": name, "mesh": number, "translation": list(corners[0])})
+    document = {
+        "asset": {"version": "2.0", "extras": {"tdpt_portal_format": 1}}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes, "meshes": meshes, "accessors": accessors, "bufferViews": views, "materials": [{"doubleSided": True}],
+        "buffers": [{"byteLength": len(binary)}],
     }
-    lists = {key: [] for key in ("nodes", "meshes", "accessors", "bufferViews")}
-
-    def add(data, kind, count, component, **more):
-        nonlocal binary
-        lists["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(data)})
-        lists["accessors"].append(
-            {"bufferView": len(lists["bufferViews"]) - 1, "componentType": component, "count": count, "type": kind, **more}
-        )
-        binary += data
-        return len(lists["accessors"]) - 1
-
-    for name, corners, triangles in portals:
-        origin = corners[0]
-        near = [tuple(a - b for a, b in zip(corner, origin)) for corner in corners]
-        flat = [i for triangle in triangles for i in triangle]
-        single = [struct.unpack("<3f", struct.pack("<3f", *corner)) for corner in near]
-        position = add(
-            b"".join(struct.pack("<3f", *corner) for corner in near), "VEC3", len(near), 5126,
-            min=[min(c[i] for c in single) for i in range(3)], max=[max(c[i] for c in single) for i in range(3)],
-        )
-        index = add(struct.pack(f"<{len(flat)}I", *flat), "SCALAR", len(flat), 5125)
-        lists["meshes"].append({"primitives": [{"attributes": {"POSITION": position}, "indices": index, "material": 0}]})
-        lists["nodes"].append({"name": name, "mesh": len(lists["meshes"]) - 1, "translation": list(origin)})
-    if portals:
-        document.update(lists, buffers=[{"byteLength": len(binary)}], materials=[{"doubleSided": True}])
-    chunk = struct.pack("<2I", len(binary), BINARY_CHUNK) + binary if binary else b""
-    write(path, document, chunk)
+    write(path, document, struct.pack("<2I", len(binary), BINARY_CHUNK) + binary)

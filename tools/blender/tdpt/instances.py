@@ -1,16 +1,18 @@
 """Objects as the picture shows them: without what is not rendered, and instances that the exporter does not know."""
 import bpy
 
-from losses import LIGHT, LOOK, NOTE, say
+from losses import LIGHT, LOOK, NOTE, say, say_all
 
 EXPORTED = ("MESH", "CURVE", "SURFACE", "FONT", "LIGHT", "CAMERA")
 UNSEEN = ("EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "LIGHT_PROBE")
-FLAGS = {  # of an object: (the harm, what that means in Cycles)
-    "visible_camera": (LIGHT, "is invisible to the camera"),
-    "visible_diffuse": (LIGHT, "is invisible to diffuse rays"),
-    "visible_glossy": (LOOK, "is invisible in reflections"),
-    "visible_transmission": (LOOK, "is invisible through glass"),
-    "visible_shadow": (LIGHT, "casts no shadow"),
+FLAGS = {  # of an object: (what it is in the picture, the harm of another value, what that means)
+    "visible_camera": (True, LIGHT, "is invisible to the camera"),
+    "visible_diffuse": (True, LIGHT, "is invisible to diffuse rays"),
+    "visible_glossy": (True, LOOK, "is invisible in reflections"),
+    "visible_transmission": (True, LOOK, "is invisible through glass"),
+    "visible_shadow": (True, LIGHT, "casts no shadow"),
+    "is_holdout": (False, LOOK, "is a holdout"),
+    "is_shadow_catcher": (False, LOOK, "is a shadow catcher"),
 }
 
 
@@ -19,6 +21,13 @@ def as_rendered():
     for render in (scene.render for scene in bpy.data.scenes):
         render.simplify_subdivision = render.simplify_subdivision_render
         render.simplify_child_particles = render.simplify_child_particles_render
+    for layer in (layer for scene in bpy.data.scenes for layer in scene.view_layers):  # eyes hide nothing in a picture
+        parts = [layer.layer_collection]
+        for part in parts:
+            part.hide_viewport = False
+            parts += part.children
+        for thing in layer.objects:
+            thing.hide_set(False, view_layer=layer)
     for collection in bpy.data.collections:
         collection.hide_viewport = False
     for thing in bpy.data.objects:
@@ -53,11 +62,16 @@ def placed():
 
 def make_real():
     """Instances by geometry nodes, particles, vertices and faces become objects; the exporter knows those of collections
-    alone."""
+    alone. Returns [(lamp, matrix)], instances of all kinds too."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    meshes, made = {}, {}
+    meshes, made, lamps = {}, {}, []
     for instance in depsgraph.object_instances:
         parent = instance.parent
+        if instance.object.type == "LIGHT":
+            lamp = instance.object.original
+            if not lamp.hide_render and not (instance.is_instance and parent and parent.original.hide_render):
+                lamps.append((lamp, instance.matrix_world.copy()))
+            continue
         if not instance.is_instance or not parent or parent.original.instance_type == "COLLECTION":
             continue
         original = instance.object.original
@@ -66,8 +80,6 @@ def make_real():
         if not instance.show_self:
             continue
         if instance.object.type != "MESH":
-            if instance.object.type == "LIGHT":
-                say(LIGHT, f"object {parent.original.name}: its instances of lamp {original.name} are lost")
             continue
         key = instance.object.data
         if key not in meshes:
@@ -88,24 +100,21 @@ def make_real():
             parent.instance_type = "NONE"
             for child in parent.children:
                 child.hide_render = True
+    return lamps
 
 
 def report_objects(things):
     for thing in [t for t in things if not t.hide_render]:
-        lost = lambda harm, text: say(harm, f"object {thing.name}: {text}")  # noqa: E731
-        if thing.type not in EXPORTED and thing.type not in UNSEEN:
-            lost(LIGHT if thing.type in ("VOLUME", "META") else LOOK, f"is of type {thing.type.capitalize()}, which is lost")
-        if thing.type in EXPORTED and thing.type != "CAMERA":
-            for flag, (harm, words) in FLAGS.items():
-                # Lamps are invisible to the camera by default, and area lamps always show here, which is said of each.
-                if not getattr(thing, flag, True) and not (thing.type == "LIGHT" and flag == "visible_camera"):
-                    lost(harm, f"{words} in Cycles; here it is as others")
-            for flag, word in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
-                if thing.type != "LIGHT" and getattr(thing, flag, False):
-                    lost(LOOK, f"is {word} in Cycles; here it is as others")
-            linking = getattr(thing, "light_linking", None)
-            if linking and (linking.receiver_collection or linking.blocker_collection):
-                lost(LIGHT, "its light linking is lost: it lights and shades everything")
+        surface = thing.type in EXPORTED and thing.type not in ("CAMERA", "LIGHT")
+        linking = getattr(thing, "light_linking", None)
+        facts = [(thing.type not in EXPORTED and thing.type not in UNSEEN, LIGHT if thing.type in ("VOLUME", "META") else LOOK,
+                  f"is of type {thing.type.capitalize()}, which is lost"),
+                 (linking and (linking.receiver_collection or linking.blocker_collection), LIGHT,
+                  "its light linking is lost: it lights and shades everything")]
+        for flag, (usual, harm, words) in FLAGS.items():
+            # Lamps are invisible to the camera by default, and area lamps always show here, which is said of each.
+            relevant = surface or thing.type == "LIGHT" and usual and flag != "visible_camera"
+            facts.append((relevant and getattr(thing, flag, usual) != usual, harm, f"{words} in Cycles; here it is as others"))
         for particles in thing.particle_systems if thing.type == "MESH" else ():
-            if particles.settings.type == "HAIR" and particles.settings.render_type == "PATH":
-                lost(LOOK, "its hair is lost")
+            facts.append((particles.settings.type == "HAIR" and particles.settings.render_type == "PATH", LOOK, "its hair is lost"))
+        say_all(f"object {thing.name}", facts)

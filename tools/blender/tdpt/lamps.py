@@ -1,52 +1,18 @@
-"""Lamps that Blender's glTF exporter leaves out or changes: area lamps become lights of EXT_lights_area, or emitting planes,
-spots with a smooth edge profiles of EXT_lights_ies."""
+"""Lamps that Blender's glTF exporter leaves out or changes: area lamps become lights of EXT_lights_area, spots with a smooth edge
+profiles of EXT_lights_ies."""
 import base64
 import math
 
 import bpy
 from mathutils import Matrix
 
-from losses import LIGHT, LOOK, NOTE, say
-from materials import emitting
+from losses import LIGHT, LOOK, NOTE, say, say_all
 from trees import colour, constant, flatten, maker
 
 
 def is_portal(lamp):
     """Cycles' own portals shine on nothing."""
     return lamp.type == "AREA" and bool(getattr(getattr(lamp, "cycles", None), "is_portal", False))
-
-
-def outline(lamp):
-    """Corners of the lamp in its own frame, counter-clockwise seen from where it shines to, which is -Z."""
-    x = lamp.size / 2
-    y = (lamp.size_y if lamp.shape in ("RECTANGLE", "ELLIPSE") else lamp.size) / 2
-    if lamp.shape in ("SQUARE", "RECTANGLE"):
-        return [(-x, -y, 0), (-x, y, 0), (x, y, 0), (x, -y, 0)]
-    turns = [-2 * math.pi * i / 32 for i in range(32)]
-    return [(x * math.cos(t), y * math.sin(t), 0) for t in turns]
-
-
-def area_of(corners):
-    pairs = zip(corners, corners[1:] + corners[:1])
-    return abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in pairs)) / 2
-
-
-def plane_for(thing):
-    """An emitting plane, for what EXT_lights_area has no words for: ellipses, stretched lamps, lamps in instances."""
-    lamp = thing.data
-    corners = outline(lamp)
-    scale = thing.matrix_world.to_scale()
-    radiance = radiance_of(lamp, area_of(corners) * abs(scale.x * scale.y))
-    if not radiance > 0:
-        return
-    mesh = bpy.data.meshes.new(thing.name)
-    mesh.from_pydata(corners, [], [tuple(range(len(corners)))])
-    mesh.materials.append(emitting(thing.name, lamp.color[:], radiance))
-    plane = bpy.data.objects.new(thing.name + " plane", mesh)
-    plane.matrix_world = thing.matrix_world
-    for collection in thing.users_collection:
-        collection.objects.link(plane)
-    tell(thing, radiance)
 
 
 def fold(lamp):
@@ -76,23 +42,22 @@ def radiance_of(lamp, area):
     return lamp.energy / ((math.pi if bpy.app.version >= (4, 0) else 4) * area) if area > 0 else 0
 
 
-def light_for(thing):
-    """A square, rectangle or disk of EXT_lights_area."""
-    lamp, matrix = thing.data, thing.matrix_world
-    high = lamp.size_y if lamp.shape == "RECTANGLE" else lamp.size
-    scale = max(matrix.to_scale())
-    radiance = radiance_of(lamp, (math.pi / 4 if lamp.shape == "DISK" else lamp.size / high) * (high * scale) ** 2)
+def light_for(thing, matrix):
+    """A rectangle or disk of EXT_lights_area; an ellipse is a disk of the same area."""
+    lamp, (right, up, _) = thing.data, (axis.length for axis in matrix.to_3x3().transposed())
+    wide, high = lamp.size * right, (lamp.size_y if lamp.shape in ("RECTANGLE", "ELLIPSE") else lamp.size) * up
+    is_round = lamp.shape in ("DISK", "ELLIPSE")
+    radiance = radiance_of(lamp, wide * high * (math.pi / 4 if is_round else 1))
     if not radiance > 0:
         return
-    light = {"name": thing.name, "color": lamp.color[:], "intensity": radiance * LUMENS_PER_WATT, "size": high}
-    light.update({"type": "disk"} if lamp.shape == "DISK" else {"type": "rect", "rect": {"aspect": lamp.size / high}})
-    LIGHTS.append(("EXT_lights_area", light, {}, Y_UP @ matrix))
-    tell(thing, radiance)
-
-
-def tell(thing, radiance):
+    light = {"name": thing.name, "color": lamp.color[:], "intensity": radiance * LUMENS_PER_WATT}
+    light.update({"type": "disk", "size": math.sqrt(wide * high)} if is_round else {"type": "rect", "size": high, "rect": {"aspect": wide / high}})
+    place, turn, _ = matrix.decompose()
+    LIGHTS.append(("EXT_lights_area", light, {}, Y_UP @ Matrix.LocRotScale(place, turn, None)))
+    if is_round and abs(wide - high) > 1e-4 * high:
+        say(LOOK, f"area lamp {thing.name}: is an ellipse, and is taken as a disk of the same area")
     say(
-        NOTE, f"area lamp {thing.name}: {thing.data.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
+        NOTE, f"area lamp {thing.name}: {lamp.energy:g} W as a surface of radiance {radiance:.4g} W/m2/sr, which shows and stops "
         "light; in Cycles it does neither"
     )
 
@@ -149,53 +114,44 @@ def profile_of(lamp):
     return head + "\n".join([*degrees, "0", *values]) + "\n"
 
 
-def profile_for(thing):
+def profile_for(thing, matrix):
     """A spot with a smooth edge, for which glTF's own spots have another curve."""
     lamp, greatest = thing.data, max(thing.data.color)
     text = base64.b64encode(profile_of(lamp).encode()).decode()
     candela = lamp.energy / (4 * math.pi) * LUMENS_PER_WATT
     light = {"name": thing.name, "uri": "data:application/octet-stream;base64," + text}
     reference = {"multiplier": candela * greatest, "color": [c / greatest for c in lamp.color]}
-    LIGHTS.append(("EXT_lights_ies", light, reference, Y_UP @ thing.matrix_world))
+    LIGHTS.append(("EXT_lights_ies", light, reference, Y_UP @ matrix))
     thing.hide_render = True
 
 
-def report_lamp(thing):
+def report_lamp(thing, matrix):
     """What glTF or the programs have no words for."""
-    lamp, lost = thing.data, lambda harm, text: say(harm, f"lamp {thing.name}: {text}")
-    if lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0:
-        lost(LOOK, "its radius is lost, so its shadows are sharp")
-    if lamp.type == "AREA" and getattr(lamp, "spread", math.pi) < math.pi - 1e-4:
-        lost(LIGHT, f"its spread of {math.degrees(lamp.spread):.0f} degrees is lost: it shines to all sides of its front")
-    if lamp.type == "SPOT" and not is_uniform(thing.matrix_world):
-        lost(LIGHT, "it is stretched; its cone is taken as round")
-    if not getattr(lamp, "use_shadow", True):
-        lost(LIGHT, "it casts no shadows in Cycles; here it does")
+    lamp, spread = thing.data, getattr(thing.data, "spread", math.pi)
+    say_all(f"lamp {thing.name}", [
+        (lamp.type in ("POINT", "SPOT") and lamp.shadow_soft_size > 0, LOOK, "its radius is lost, so its shadows are sharp"),
+        (lamp.type == "AREA" and spread < math.pi - 1e-4, LIGHT,
+         f"its spread of {math.degrees(spread):.0f} degrees is lost: it shines to all sides of its front"),
+        (lamp.type == "SPOT" and not is_uniform(matrix), LIGHT, "it is stretched; its cone is taken as round"),
+        (not getattr(lamp, "use_shadow", True), LIGHT, "it casts no shadows in Cycles; here it does")])
 
 
-def prepare(things):
-    instanced = {o for t in things if t.instance_collection for o in t.instance_collection.all_objects}
-    alone = set(bpy.context.scene.objects) - instanced
-    for lamp in {t.data for t in things if t.type == "LIGHT"}:
+def prepare(placed):
+    """placed: [(lamp, matrix)] of the picture, instances too."""
+    for lamp in {thing.data for thing, _ in placed}:
         fold(lamp)
         if lamp.type in ("POINT", "SPOT") and not getattr(lamp, "normalize", True):
             lamp.normalize = True
             say(LIGHT, f"lamp {lamp.name}: is taken as normalised, so its brightness is lost")
         if lamp.use_nodes and lamp.node_tree:
             fold_nodes(lamp)
-    for thing in things:
-        if thing.type != "LIGHT" or thing.hide_render:
-            continue
+    for thing, matrix in placed:
         lamp = thing.data
         if is_portal(lamp):
             thing.hide_render = True  # so that an export is the same with and without them
             continue
-        report_lamp(thing)
-        if lamp.type == "AREA" and lamp.size > 0:
-            plain = lamp.shape != "ELLIPSE" and thing in alone and is_uniform(thing.matrix_world)
-            light_for(thing) if plain and lamp.size_y > 0 else plane_for(thing)
+        report_lamp(thing, matrix)
+        if lamp.type == "AREA" and lamp.size > 0 and lamp.size_y > 0:
+            light_for(thing, matrix)
         elif lamp.type == "SPOT" and lamp.spot_blend > 0 and max(lamp.color) > 0:
-            if thing in alone:
-                profile_for(thing)
-            else:
-                say(LOOK, f"lamp {thing.name}: is in an instance, so the smooth edge of its cone is another")
+            profile_for(thing, matrix)

@@ -3,8 +3,8 @@ import bmesh
 import bpy
 
 from losses import LIGHT, LOOK, NOTE, say
-from nodes import Account
-from shaders import BLACK, PRINCIPLED, THIN, socket_of
+from nodes import take_inputs
+from shaders import BLACK, PRINCIPLED, THIN, ShaderReader, socket_of
 from trees import connect_value, flatten, maker
 
 THIN_ONES = set()  # materials through which light passes undeflected, in bodies too
@@ -22,24 +22,6 @@ def ior_of(material):
     if not ior or ior.is_linked or bpy.app.version < (4, 0) or abs(ior.default_value - 1.5) < 1e-6:
         return None
     return ior.default_value
-
-
-# Of light that meets a lamp's plane. Cycles' lamps let it pass; what a black plane keeps made a room 2.5 % too dark.
-LAMP_ALBEDO = 0.8
-
-
-def emitting(name, colour, radiance):
-    """A diffuse material that emits on its front."""
-    material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    material.use_backface_culling = True
-    shader = principled(material)
-    shader.inputs["Base Color"].default_value = (LAMP_ALBEDO, LAMP_ALBEDO, LAMP_ALBEDO, 1)
-    shader.inputs["Roughness"].default_value = 1
-    socket_of(shader, "Specular IOR Level", "Specular").default_value = 0
-    socket_of(shader, "Emission Color", "Emission").default_value = (*colour, 1)
-    shader.inputs["Emission Strength"].default_value = radiance
-    return material
 
 
 def output_of(material):
@@ -72,33 +54,33 @@ def as_principled(material, look, surface):
     return node
 
 
-def of_things(things):
+def materials_of(things):
     """All materials with nodes of these objects, once each."""
     found = {s.material for o in things for s in o.material_slots if s.material and s.material.use_nodes}
     return sorted(found, key=lambda m: m.name)
 
 
 def prepare(things):
-    for material in of_things(things):
+    for material in materials_of(things):
         tree = material.node_tree
         flatten(tree)
-        output, account = output_of(material), Account(material)
+        output, reader = output_of(material), ShaderReader(material)
         surface, volume = output.inputs["Surface"], maker(output.inputs["Volume"])
         if volume and not surface.is_linked:
             tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], surface)
-        shader = as_principled(material, account.read(surface), surface)
+        shader = as_principled(material, reader.read(surface), surface)
         for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeBsdfPrincipled" and n != shader]:
             tree.nodes.remove(node)
-        account.take(shader)
+        take_inputs(material, shader)
         alpha = shader.inputs["Alpha"]
         if alpha.is_linked or alpha.default_value < 1:
             material.blend_method = "BLEND"  # for exporters before Blender 4.2
         if volume and volume.bl_idname != "ShaderNodeVolumeAbsorption":  # the exporter knows that
-            account.say(LIGHT, f"its volume ({volume.bl_label}) is lost")
+            reader.say(LIGHT, f"its volume ({volume.bl_label}) is lost")
         if not getattr(material, "use_transparent_shadow", True):
-            account.say(LIGHT, "its shadow is opaque in Cycles; here light passes as it does elsewhere")
+            reader.say(LIGHT, "its shadow is opaque in Cycles; here light passes as it does elsewhere")
         if output.inputs["Displacement"].is_linked:
-            account.say(LOOK, "its displacement is lost")
+            reader.say(LOOK, "its displacement is lost")
 
 
 def shape_of(mesh):

@@ -2,7 +2,7 @@
 import bpy
 
 from . import finding, portals, programs
-from .engine import Told
+from .engine import Rendered
 
 
 class TdptSettings(bpy.types.PropertyGroup):
@@ -70,9 +70,8 @@ class TDPT_PT_portals(InRender, bpy.types.Panel):
         if not programs.program():
             wrapped(layout, programs.MISSING, context, "ERROR")
             return
-        if finding.Now.running:
-            progress(layout, finding.Now.share, finding.Now.words)
-            layout.operator("tdpt.cancel", icon="X")
+        if finding.Search.running:
+            progress(layout, finding.Search.share, finding.Search.words + " (Esc cancels)")
         else:
             layout.operator("tdpt.find_portals", icon="LIGHT_AREA")
             layout.row().prop(scene.tdpt, "quality", expand=True)
@@ -105,10 +104,10 @@ class TDPT_PT_lost(InRender, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return bool(Told.lines or context.scene.tdpt.lost)
+        return bool(Rendered.sentences or context.scene.tdpt.lost)
 
     def draw(self, context):
-        for line in Told.lines or context.scene.tdpt.lost.splitlines():
+        for line in Rendered.sentences or context.scene.tdpt.lost.splitlines():
             wrapped(self.layout, line, context)
 
 

@@ -93,7 +93,6 @@ def mesh_of(name, corners, triangles, figures):
 
 def lamp_of(name, corners, normal):
     lamp = bpy.data.lights.new(name, "AREA")
-    matrix, lamp.size, lamp.size_y = None, 0, 0
     lamp.shape = "RECTANGLE"
     matrix, lamp.size, lamp.size_y = rectangle(corners, normal)
     lamp.energy = 0  # in renderers that do not know portals
@@ -129,12 +128,6 @@ def use_in_cycles(scene, yes):
         lamp.hide_render = not yes
 
 
-def used(scene, layer):
-    """The mesh objects of the collection that are not hidden in this view layer."""
-    meshes = collection_of(scene)
-    return [o for o in meshes.objects if o.type == "MESH" and is_seen(o, scene.view_layers[layer])] if meshes else []
-
-
 def is_seen(thing, layer):
     try:
         return thing.visible_get(view_layer=layer)
@@ -143,9 +136,11 @@ def is_seen(thing, layer):
 
 
 def write_used(scene, path, layer=0):
-    """The portals as they now stand, for tdpt --portal; how many."""
-    portals = []
-    for thing in used(scene, layer):
+    """The portals as they now stand, but for those that are hidden in this view layer, for tdpt --portal; how many."""
+    portals, meshes = [], collection_of(scene)
+    for thing in meshes.objects if meshes else ():
+        if thing.type != "MESH" or not is_seen(thing, scene.view_layers[layer]):
+            continue
         mesh = thing.data
         mesh.calc_loop_triangles()
         corners = [thing.matrix_world @ v.co for v in mesh.vertices]
@@ -161,8 +156,13 @@ def write_used(scene, path, layer=0):
     return len(portals)
 
 
+def reason_in(lines):
+    """Why tdpt has found none, as it says itself; it says nothing of a search that it has kept."""
+    return next((line.split(no, 1)[1] for line in lines for no in (": no bottleneck: ", ": no portal: ") if no in line), "")
+
+
 def words_of(found, why):
-    """What was found, in a sentence; `why`: tdpt's reason where it is nothing, which it does not tell of a search that it has kept."""
+    """What was found, in a sentence; `why`: the reason where it is nothing."""
     if not found:
         return f"No portal: {why}" if why else "No portal"
     windows = sum(lets_in_sky(figures) and figures.get("sky", 0) > 0 for *_, figures in found)

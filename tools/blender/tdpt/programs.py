@@ -1,40 +1,31 @@
-"""Finds the programs and runs them beside Blender, which stays usable."""
+"""Finds the programs and runs them beside Blender, which stays usable. A generator that runs one gives (share done, words) until
+the program has ended, and stops it when it is closed."""
 import contextlib
-import glob
 import json
 import os
-import queue
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
 import bpy
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT_PACKAGE = __package__
+MISSING = "The tdpt programs are missing: install them, or name their folder in the add-on's preferences"
 
 
 class Failure(Exception):
     """What went wrong, in a sentence."""
 
 
-def preferences():
-    addon = bpy.context.preferences.addons.get(ROOT_PACKAGE)
-    return addon and addon.preferences
-
-
 def folders():
-    """Where the programs may be, the likeliest first: the preference, a tarball unpacked beside the extension or beside the
-    .blend file, the PATH, the usual places."""
-    own = preferences()
-    given = bpy.path.abspath(own.folder) if own and own.folder else ""
+    """Where the programs may be, the likeliest first: the preference, beside this folder, the PATH, the usual places."""
+    addon = bpy.context.preferences.addons.get(__package__)
+    given = bpy.path.abspath(addon.preferences.folder) if addon and addon.preferences and addon.preferences.folder else ""
     if given:
         yield from (given, os.path.join(given, "bin"))
-    for beside in (HERE, os.path.dirname(HERE), bpy.path.abspath("//") if bpy.data.filepath else ""):
-        if beside:
-            yield from sorted(glob.glob(os.path.join(glob.escape(beside), "tdpt-*", "bin")), reverse=True)
     # As installed, this folder is share/tdpt/blender/tdpt beside bin.
     yield os.path.abspath(os.path.join(HERE, *[os.pardir] * 4, "bin"))
     yield from os.environ.get("PATH", "").split(os.pathsep)
@@ -43,14 +34,8 @@ def folders():
 
 def program(name="tdpt"):
     """Its path; None where it is missing."""
-    for folder in folders():
-        path = os.path.join(folder, name)
-        if os.path.isfile(path) and os.access(path, os.X_OK):
-            return path
-    return None
-
-
-MISSING = "The tdpt programs are missing: install them, or name their folder in the add-on's preferences"
+    paths = (os.path.join(folder, name) for folder in folders())
+    return next((path for path in paths if os.path.isfile(path) and os.access(path, os.X_OK)), None)
 
 
 def needed():
@@ -88,8 +73,9 @@ def stop(process):
         process.wait()
 
 
-def running(words, accepted=(0,)):
-    """A generator of lists of new lines of a program; it ends with the program, and stops it when it is closed. Raises Failure with its last line of error for any other exit code."""
+def running(words, title="", low=0.0, high=1.0, accepted=(0,)):
+    """Runs a program whose work is from `low` to `high` of all; the result is the lines that it says. Raises Failure with its last
+    error for any other exit code."""
     try:
         process = subprocess.Popen(
             words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment(),
@@ -97,47 +83,39 @@ def running(words, accepted=(0,)):
         )
     except OSError as error:
         raise Failure(f"{words[0]}: {error.strerror}") from error
-    lines = queue.Queue()
+    progress, lines = [(0.0, title)], []
 
     def read():
         for line in process.stdout:
-            lines.put(line.rstrip("\n"))
-        lines.put(None)
+            told = progress_of(line)
+            progress.append(told) if told else lines.append(line.rstrip("\n"))
 
-    threading.Thread(target=read, daemon=True).start()
-    said = []
+    reader = threading.Thread(target=read, daemon=True)
+    reader.start()
     try:
-        ended = False
-        while not ended:
-            new = []
-            while not lines.empty():
-                new.append(lines.get_nowait())
-            ended = None in new
-            new = [line for line in new if line is not None]
-            said += [line for line in new if not line.startswith("{")]
-            yield new
+        while reader.is_alive():
+            share, shown = progress[-1]
+            yield low + (high - low) * share, shown
         process.wait()
     finally:
         stop(process)
+        reader.join()
         process.stdout.close()
     if process.returncode not in accepted:
-        name = os.path.basename(words[0])
-        told = [line for line in said if line.strip()]
-        faults = [line for line in told if "Error:" in line and "script failed" not in line] or told
-        raise Failure(faults[-1] if faults else f"{name} ended with exit code {process.returncode}")
+        said = [line for line in lines if line.strip()]
+        faults = [line for line in said if "Error:" in line and "script failed" not in line] or said
+        raise Failure(faults[-1] if faults else f"{os.path.basename(words[0])} ended with exit code {process.returncode}")
+    return lines
 
 
 def progress_of(line):
-    """(share done or None, words) of a progress line of tdpt; None for other lines."""
-    if not line.startswith("{"):
-        return None
+    """(share done, words) of a progress line of tdpt; None for other lines."""
     try:
-        told = json.loads(line)
-    except ValueError:
+        p = json.loads(line)["progress"] if line.startswith("{") else None
+    except (ValueError, KeyError):
         return None
-    if "progress" not in told:
+    if not p:
         return None
-    p = told["progress"]
     step, steps = p.get("step", 1), max(1, p.get("steps", 1))
     within = p["done"] / p["total"] if p.get("total") and p.get("done") else 0.0
     words = p.get("title") or p.get("what") or ""
@@ -147,34 +125,53 @@ def progress_of(line):
     return (step - 1 + min(1.0, within)) / steps, words
 
 
-def last_progress(lines, before):
-    """The progress that the last of these lines tells; `before` where none does."""
-    for line in reversed(lines):
-        told = progress_of(line)
-        if told:
-            return told
-    return before
-
-
-def told_by(lines):
-    """What the programs say in these lines, in the form of an export's sentences: a warning is of the light."""
-    told = []
-    for line in lines:
-        tool, colon, sentence = line.partition(": ")
-        if line.startswith("{") or not colon:
-            continue
+def sentences_in(lines):
+    """What the programs say, in the form of an export's sentences: a warning is of the light."""
+    found = []
+    for tool, colon, sentence in (line.partition(": ") for line in lines):
         warned = sentence.removeprefix("warning: ")
-        told.append(f"light: {warned}" if warned != sentence else f"note: {tool}: {sentence}")
-    return told
+        if colon:
+            found.append(f"light: {warned}" if warned != sentence else f"note: {tool}: {sentence}")
+    return found
 
 
-def wait(generator, tick=0.02, seen=None):
+def wait(generator):
     """Runs a generator to its end; its result."""
     while True:
         try:
-            value = next(generator)
+            next(generator)
         except StopIteration as end:
             return end.value
-        if seen:
-            seen(value)
-        time.sleep(tick)
+        time.sleep(0.02)
+
+
+# The scene as glTF, by a Blender of its own: the one with the window goes on, and its scene stays as it is.
+
+
+def session_folder():
+    path = os.path.join(bpy.app.tempdir or tempfile.gettempdir(), f"tdpt-{os.getpid()}")
+    os.makedirs(path, exist_ok=True)
+    return path
+
+
+def save(scene, name):
+    """The scene with all that belongs to it, as it is now, as a library file; `name`: what it is for."""
+    if scene.library:
+        raise Failure(f"Scene {scene.name} is linked from another file: make it local first")
+    for thing in scene.objects:
+        if thing.mode == "EDIT":
+            thing.update_from_editmode()
+    path = os.path.join(session_folder(), name + ".blend")
+    bpy.data.libraries.write(path, {scene}, path_remap="ABSOLUTE", fake_user=True)
+    return path
+
+
+def exporting(saved, scene_name, frame, out, layer="", high=1.0):
+    """A generator that writes the glTF file `out`; its result: what the export loses and does, sentences."""
+    words = blender("export.py", out, "--file=" + saved, "--scene=" + scene_name, f"--frame={frame!r}")
+    words += ["--view-layer=" + layer] if layer else []
+    lines = yield from running(words, "exporting the scene", high=high)
+    # Pixels that are in no file do not reach the process that exports.
+    unsaved = [i for i in bpy.data.images if i.is_dirty and i.users and i.type == "IMAGE"]
+    return [f"light: image {i.name}: is not saved, its changes are lost; save or pack it" for i in unsaved] + [
+        line.strip() for line in lines if line.startswith(("  light: ", "  look: ", "  note: "))]

@@ -13,17 +13,18 @@ THIN = "thin"
 BLACK = (0.0, 0.0, 0.0, 1.0)
 WHITE = (1.0, 1.0, 1.0, 1.0)
 TRANSLUCENT = 0.5  # roughness: rougher sheets of ours lose light, of which 0.91 is left here, 0.32 at 1
-COMMON = ("Color", "Roughness", "IOR", "Normal")
-# shader: (what it always is, inputs that are read; a Color is the Base Color)
+MATTE = {"Color": "Base Color", "Normal": "Normal"}
+COMMON = {**MATTE, "Roughness": "Roughness", "IOR": "IOR"}
+# shader: (what it always is, {input that is read: what it is of the look})
 CLOSURES = {
-    "ShaderNodeBsdfDiffuse": ({"Specular": 0.0}, ("Color", "Normal")),
+    "ShaderNodeBsdfDiffuse": ({"Specular": 0.0}, MATTE),
     "ShaderNodeBsdfGlossy": ({"Metallic": 1.0}, COMMON),
     "ShaderNodeBsdfAnisotropic": ({"Metallic": 1.0}, COMMON),
     "ShaderNodeBsdfGlass": ({"Transmission": 1.0}, COMMON),
     "ShaderNodeBsdfRefraction": ({"Transmission": 1.0, "Specular": 0.0}, COMMON),
-    "ShaderNodeBsdfTransparent": ({"Transmission": 1.0, "Roughness": 0.0, "IOR": 1.0, THIN: True}, ("Color",)),
-    "ShaderNodeBsdfTranslucent": ({"Transmission": 1.0, "Roughness": TRANSLUCENT, "IOR": 1.0, THIN: True}, ("Color", "Normal")),
-    "ShaderNodeEmission": ({"Base Color": BLACK}, ()),
+    "ShaderNodeBsdfTransparent": ({"Transmission": 1.0, "Roughness": 0.0, "IOR": 1.0, THIN: True}, {"Color": "Base Color"}),
+    "ShaderNodeBsdfTranslucent": ({"Transmission": 1.0, "Roughness": TRANSLUCENT, "IOR": 1.0, THIN: True}, MATTE),
+    "ShaderNodeEmission": ({"Base Color": BLACK}, {"Color": "Emission Color", "Strength": "Emission Strength"}),
 }
 # Inputs of the Principled BSDF that are exported and read, by all names that they have had.
 PRINCIPLED = {
@@ -80,7 +81,7 @@ def with_amounts(look, names):
     return {**{name: 0.0 for name in amounts if name in names}, **look}
 
 
-class Reader:
+class ShaderReader:
     """Reads the shaders of one material."""
 
     def __init__(self, material):
@@ -126,29 +127,24 @@ class Reader:
     def closure(self, node):
         always, inputs = CLOSURES[node.bl_idname]
         look = dict(always)
-        for name in inputs:
+        for name, part in inputs.items():
             socket = node.inputs.get(name)
             if socket and (socket.is_linked or name != "Normal"):
-                look["Base Color" if name == "Color" else name] = value_of(socket)
+                look[part] = value_of(socket)
         if getattr(node, "distribution", "") == "SHARP":
             look["Roughness"] = 0.0
-        if node.bl_idname == "ShaderNodeEmission":
-            look["Emission Color"], look["Emission Strength"] = (value_of(node.inputs[n]) for n in ("Color", "Strength"))
         if node.bl_idname == "ShaderNodeBsdfTranslucent":
             self.say(LIGHT, "its translucence is taken as rough transmission, which scatters forwards")
-        self.report_inputs(node, (*inputs, "Color", "Strength") if node.bl_idname == "ShaderNodeEmission" else inputs)
+        self.report_inputs(node, inputs)
         return look
 
     def report_inputs(self, node, inputs):
         """Names what is set at a shader and not read: what differs from a fresh one. What belongs to a weight of 0 counts not."""
         nodes = self.material.node_tree.nodes
         fresh = nodes.new(node.bl_idname)
-        lost = []
-        for socket, default in zip(node.inputs, fresh.inputs):
-            if socket.name in inputs or socket.name == "Weight" or not hasattr(socket, "default_value"):
-                continue
-            if socket.is_linked or value_of(socket) != value_of(default):
-                lost.append(socket)
+        lost = [socket for socket, default in zip(node.inputs, fresh.inputs)
+                if socket.name not in inputs and socket.name != "Weight" and hasattr(socket, "default_value")
+                and (socket.is_linked or value_of(socket) != value_of(default))]
         nodes.remove(fresh)
         for socket in lost:
             family = socket.name.split()[0].replace("Tangent", "Anisotropic")

@@ -6,7 +6,7 @@ import bpy
 import numpy
 
 from losses import LIGHT, LOOK, NOTE, say
-from trees import AS_IT_LIGHTS, flatten
+from trees import AS_IT_LIGHTS, flatten, maker
 
 LARGEST = 8192  # pixels across that the programs read
 BAKED = (1024, 512)
@@ -14,56 +14,21 @@ BAKED_SAMPLES = 64  # of a pixel
 SUN_SAMPLES = 4096  # of a pixel near a sun, which is as wide as two
 
 
-def background_of(world):
-    """The one node that shines; None where there is none, or a mixture."""
-    output = world.node_tree.get_output_node("ALL")
-    surface = output and output.inputs["Surface"]
-    node = surface.links[0].from_node if surface and surface.is_linked else None
-    return node if node and node.bl_idname == "ShaderNodeBackground" else None
-
-
-def shines(world):
-    if not world:
-        return False
-    if not world.use_nodes:
-        return max(world.color) > 0
-    output = world.node_tree.get_output_node("ALL")
-    return bool(output and output.inputs["Surface"].is_linked)
-
-
-def mapped_turn(picture):
-    """How far a Mapping node turns the world, counter-clockwise seen from above [degrees]; None: not about the vertical alone."""
-    vector = picture.inputs["Vector"]
-    if not vector.is_linked:
-        return 0
-    node = vector.links[0].from_node
-    if node.bl_idname == "ShaderNodeTexCoord":
-        return 0 if vector.links[0].from_socket.name == "Generated" else None
-    if node.bl_idname != "ShaderNodeMapping":
-        return None
-    source = node.inputs["Vector"]
-    if source.is_linked:
-        from_node, name = source.links[0].from_node, source.links[0].from_socket.name
-        if from_node.bl_idname != "ShaderNodeTexCoord" or name != "Generated":
+def turn_of(picture):
+    """How far its Mapping node turns the world, counter-clockwise seen from above [degrees]; None: not about the vertical alone."""
+    node, sign = maker(picture.inputs["Vector"]), -1
+    if node and node.bl_idname == "ShaderNodeMapping":
+        turn, source = node.inputs["Rotation"].default_value, node.inputs["Vector"]
+        moved = [*turn[:2], *(s - 1 for s in node.inputs["Scale"].default_value)]
+        if node.vector_type in ("POINT", "TEXTURE"):
+            moved += node.inputs["Location"].default_value[:]
+        if any(abs(v) > 1e-4 for v in moved) or any(s.is_linked for s in node.inputs if s != source):
             return None
-    if any(node.inputs[name].is_linked for name in ("Location", "Rotation", "Scale") if name in node.inputs):
-        return None
-    moved = [*node.inputs["Rotation"].default_value[:2], *(s - 1 for s in node.inputs["Scale"].default_value)]
-    if node.vector_type in ("POINT", "TEXTURE"):
-        moved += node.inputs["Location"].default_value[:]
-    if any(abs(v) > 1e-4 for v in moved):
-        return None
-    turn = math.degrees(node.inputs["Rotation"].default_value[2])
-    return turn if node.vector_type == "TEXTURE" else -turn
-
-
-def plain_picture(background):
-    """(image, turn [degrees]) where the colour is a latitude-longitude picture that is at most turned; else None."""
-    node = background.inputs["Color"].links[0].from_node
-    if node.bl_idname != "ShaderNodeTexEnvironment" or not node.image or node.projection != "EQUIRECTANGULAR":
-        return None
-    turn = mapped_turn(node)
-    return None if turn is None else (node.image, turn)
+        sign, turn, node = 1 if node.vector_type == "TEXTURE" else -1, math.degrees(turn[2]), maker(source)
+    else:
+        turn, source = 0, picture.inputs["Vector"]
+    plain = not node or node.bl_idname == "ShaderNodeTexCoord" and source.links[0].from_socket.name == "Generated"
+    return sign * turn if plain else None
 
 
 def colour_of(colour, factor):
@@ -71,27 +36,28 @@ def colour_of(colour, factor):
     return {"environment": ",".join(f"{c:.6g}" for c in light)} if max(light) > 0 else {}
 
 
-def of(world, path):
-    """(extras, image or None) of what shines from all around; a baked picture is written to `path`."""
-    if not shines(world):
-        return {}, None
-    if not world.use_nodes:
-        return colour_of(world.color, 1), None
+def extras_of(world, out):
+    """What shines from all around, for the extras of the scene in the file OUT; a picture is written beside it."""
+    if not world or not world.use_nodes:
+        return colour_of(world.color, 1) if world else {}
     flatten(world.node_tree)
-    background = background_of(world)
-    if background and not background.inputs["Strength"].is_linked:
+    output = world.node_tree.get_output_node("ALL")
+    background, image, extras = output and maker(output.inputs["Surface"]), None, {"environment_rotation": -90}
+    if not background:
+        return {}
+    if background.bl_idname == "ShaderNodeBackground" and not background.inputs["Strength"].is_linked:
         factor, colour = background.inputs["Strength"].default_value, background.inputs["Color"]
-        if not factor > 0:
-            return {}, None
-        if not colour.is_linked:
-            return colour_of(colour.default_value, factor), None
-        plain = plain_picture(background)
-        if plain:
-            extras = {"environment_rotation": round((-90 + plain[1] + 180) % 360 - 180, 4)}
-            if factor != 1:
-                extras["environment_scale"] = factor
-            return extras, plain[0]
-    return {"environment_rotation": -90}, bake(world, path)
+        if not factor > 0 or not colour.is_linked:
+            return colour_of(colour.default_value, factor)
+        node = colour.links[0].from_node
+        turn = turn_of(node) if node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR" else None
+        if turn is not None and node.image:
+            image = node.image
+            extras = {"environment_rotation": round((-90 + turn + 180) % 360 - 180, 4), "environment_scale": factor}
+    path = os.path.splitext(out)[0] + ".sky.exr"
+    if not write_exr(image or bake(world, os.path.join(bpy.app.tempdir or os.path.dirname(path), "baked-sky.exr")), path):
+        return {}
+    return {"environment": os.path.basename(path), **extras}
 
 
 def as_light_sees_it(world):
@@ -105,6 +71,19 @@ def as_light_sees_it(world):
                 if isinstance(getattr(target, "default_value", None), float):
                     target.default_value = value
         say(LOOK, "world: the camera sees another one than lights the scene; it is taken as it lights")
+
+
+def linear_exr(scene):
+    """Lets Cycles render what it sees: linear, as it is sampled."""
+    render = scene.render
+    render.engine = "CYCLES"
+    render.resolution_percentage = 100
+    image = render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "IMAGE"
+    image.file_format, image.color_mode, image.color_depth = "OPEN_EXR", "RGB", "32"
+    scene.view_settings.view_transform = "Raw"
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
 
 
 def rendered(scene):
@@ -159,19 +138,10 @@ def bake(world, path):
     camera.rotation_euler = (math.pi / 2, 0, -math.pi / 2)
     scene.collection.objects.link(camera)
     scene.camera = camera
-    render = scene.render
-    render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y = BAKED
-    render.resolution_percentage = 100
-    render.filepath = path
-    if hasattr(render.image_settings, "media_type"):
-        render.image_settings.media_type = "IMAGE"
-    render.image_settings.file_format = "OPEN_EXR"
-    render.image_settings.color_mode = "RGB"
-    render.image_settings.color_depth = "32"
-    scene.view_settings.view_transform = "Raw"
+    linear_exr(scene)
+    scene.render.resolution_x, scene.render.resolution_y = BAKED
+    scene.render.filepath = path
     scene.cycles.samples = BAKED_SAMPLES
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BOX"
     scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0
     image = rendered(scene)
@@ -188,29 +158,11 @@ def is_linear(image):
     return image.colorspace_settings.is_data or name == "Raw" or name.startswith(("Linear", "scene_linear"))
 
 
-def suffix_of(head):
-    return ".exr" if head.startswith(b"\x76\x2f\x31\x01") else ".hdr" if head.startswith(b"#?") else ""
-
-
-def bytes_of(image):
-    """Its file as it is, and that file's path or None; no bytes where the programs cannot read it."""
-    width, height = image.size
-    fits = width == 2 * height and width <= LARGEST and is_linear(image) and image.source == "FILE"
-    if not fits or image.is_dirty:
-        return b"", None
-    if image.packed_file:
-        data = image.packed_file.data
-        return (data if suffix_of(data) else b""), None
-    path = bpy.path.abspath(image.filepath, library=image.library)
-    if not os.path.isfile(path):
-        return b"", None
-    with open(path, "rb") as file:
-        data = file.read()
-    return (data, os.path.realpath(path)) if suffix_of(data) else (b"", None)
-
-
 def write_exr(image, path):
-    """Linear, twice as wide as high, and no larger than is read. False, and no file, where it is black."""
+    """Linear, twice as wide as high, and no larger than is read. False, and no file, where it is black or cannot be loaded."""
+    if not image.has_data and not len(image.pixels):
+        say(LIGHT, f"world: its picture {image.name} cannot be loaded, and is lost")
+        return False
     width, height = image.size
     pixels = pixels_of(image).ravel()
     rgb = pixels.reshape(-1, 4)[:, :3]
@@ -228,41 +180,5 @@ def write_exr(image, path):
     copy.file_format = "OPEN_EXR"
     copy.save()
     bpy.data.images.remove(copy)
+    say(NOTE, f"world: its picture is {os.path.basename(path)}")
     return True
-
-
-def free_name(stem, suffix, data, own):
-    """Beside OUT, of no file that is there, but for one of the same bytes, and for `own`, which the last export wrote."""
-    number = 1
-    while True:
-        path = f"{stem}.sky{'' if number == 1 else f'-{number}'}{suffix}"
-        if not os.path.lexists(path) or os.path.basename(path) == own:
-            return path
-        with open(path, "rb") as file:
-            if data and file.read() == data:
-                return path
-        number += 1
-
-
-def keep(image, out, own):
-    """(name of the sky's picture, which lies beside OUT or below from now on, whether that is a copy)."""
-    folder, stem = os.path.dirname(out), os.path.splitext(out)[0]
-    if not image.has_data and not len(image.pixels):
-        say(LIGHT, f"world: its picture {image.name} cannot be loaded, and is lost")
-        return None, False
-    data, source = bytes_of(image)
-    real = os.path.realpath(folder) + os.sep
-    if source and source.startswith(real) and os.path.splitext(source)[0] != os.path.realpath(stem):
-        return source[len(real) :].replace(os.sep, "/"), False
-    path = free_name(stem, suffix_of(data) or ".exr", data, own)
-    name = os.path.basename(path)
-    if os.path.lexists(path) and name != own:
-        return name, False
-    if not data:
-        if not write_exr(image, path):
-            return None, False
-    else:
-        with open(path, "wb") as file:
-            file.write(data)
-    say(NOTE, f"world: its picture is copied to {name}")
-    return name, True

@@ -1,8 +1,8 @@
 """worth.py: what portals are worth to Cycles in a scene. Run by the extension in a Blender of its own:
-  worth.py FILE NAME FRAME PORTALS.json RESULT.json
-PORTALS: [[rows of a lamp's matrix, width, height], ...]. RESULT: {"gain": G, "low": L, "high": H}: without the portals Cycles
-needs G times as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, three pairs of seeds each
-way: error is half the mean squared difference of two pictures, over the squared mean."""
+  worth.py FILE NAME FRAME RESULT.json
+The portals are the lamps that the search has placed. RESULT: {"gain": G, "low": L, "high": H}: without them Cycles needs G times
+as long for the same noise; 90 % interval. Measured on small pictures by the scene's own settings, three pairs of seeds each way:
+error is half the mean squared difference of two pictures, over the squared mean."""
 import json
 import os
 import sys
@@ -10,65 +10,40 @@ import time
 
 import bpy
 import numpy
-from mathutils import Matrix
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from export import open_scene  # noqa: E402
+from world import linear_exr, pixels_of  # noqa: E402
 
 WIDTH = 128
 SECONDS = 0.6  # of a picture, in CPU time
 BLOCK = 8  # pixels
+PAIRS = 3
 
 
 def prepare(scene):
     render, cycles = scene.render, scene.cycles
-    render.engine = "CYCLES"
+    linear_exr(scene)
     share = WIDTH / max(render.resolution_x, render.resolution_y)
     render.resolution_x = max(8, round(render.resolution_x * share))
     render.resolution_y = max(8, round(render.resolution_y * share))
-    render.resolution_percentage = 100
     render.use_persistent_data = False  # Blender 5 then misses what is switched on and off
     render.use_border = render.use_compositing = render.use_sequencer = False
-    if hasattr(render.image_settings, "media_type"):
-        render.image_settings.media_type = "IMAGE"
-    render.image_settings.file_format, render.image_settings.color_mode = "OPEN_EXR", "RGB"
-    render.image_settings.color_depth = "32"
-    scene.view_settings.view_transform = "Raw"
-    cycles.device = "CPU"
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    if hasattr(cycles, "time_limit"):
-        cycles.time_limit = 0
+    render.filepath = os.path.join(bpy.app.tempdir or ".", "worth.exr")
+    cycles.device, cycles.time_limit = "CPU", 0
 
 
 def picture(scene, samples, seed):
-    """(pixels, CPU seconds)"""
+    """(brightness of pixels, CPU seconds)"""
     scene.cycles.samples, scene.cycles.seed = samples, seed
-    path = os.path.join(bpy.app.tempdir or ".", "worth.exr")
-    scene.render.filepath = path
     before = time.process_time()
     bpy.ops.render.render(write_still=True)
     seconds = time.process_time() - before
-    image = bpy.data.images.load(path)
-    pixels = numpy.empty(image.size[0] * image.size[1] * 4, numpy.float32)
-    image.pixels.foreach_get(pixels)
-    shape = (image.size[1], image.size[0], 4)
+    image = bpy.data.images.load(scene.render.filepath)
+    pixels = pixels_of(image)[..., :3].mean(2)
     bpy.data.images.remove(image)
-    return pixels.reshape(shape)[..., :3].mean(2), seconds
-
-
-def lamps_of(scene, portals):
-    lamps = []
-    for rows, width, height in portals:
-        lamp = bpy.data.lights.new("portal", "AREA")
-        lamp.shape = "RECTANGLE"
-        lamp.size, lamp.size_y = width, height
-        lamp.cycles.is_portal = True
-        thing = bpy.data.objects.new("portal", lamp)
-        thing.matrix_world = Matrix(rows)
-        scene.collection.objects.link(thing)
-        lamps.append(thing)
-    return lamps
+    return pixels, seconds
 
 
 def show(lamps, yes):
@@ -86,12 +61,10 @@ def samples_for(scene, one):
         samples *= 4
 
 
-def blocks_of(pixels):
-    h, w = (side // BLOCK * BLOCK for side in pixels.shape)
-    return pixels[:h, :w].reshape(h // BLOCK, BLOCK, w // BLOCK, BLOCK).mean((1, 3)).ravel()
-
-
-PAIRS = 3
+def block_means(pixels):
+    """Of whole blocks, as a table."""
+    h, w = (side // BLOCK for side in pixels.shape)
+    return pixels[: h * BLOCK, : w * BLOCK].reshape(h, BLOCK, w, BLOCK).mean((1, 3))
 
 
 def measure(scene, lamps):
@@ -102,46 +75,39 @@ def measure(scene, lamps):
         show(lamps, yes)
         picture(scene, 32, 9)  # warms up: the first pictures of a process take longer
     samples = samples_for(scene, min(picture(scene, 1, 1)[1] for _ in range(2)))
-    pairs, whole, first = ({False: [], True: []} for _ in range(3))
+    pairs, seconds = {False: [], True: []}, {False: [], True: []}  # seconds: of one sample, and of both pictures
     for turn in range(PAIRS):
         for yes in (False, True) if turn % 2 == 0 else (True, False):
             show(lamps, yes)
-            first[yes].append(picture(scene, 1, 1)[1])
-            made = [picture(scene, samples, 2 * turn + k) for k in (1, 2)]
-            pairs[yes].append([p for p, _ in made])
-            whole[yes].append([s for _, s in made])
-    mean = sum(sum(pair) for yes in pairs for pair in pairs[yes]) / (4 * PAIRS)
-    h, w = (side // BLOCK * BLOCK for side in mean.shape)
-    rows = numpy.repeat(numpy.repeat(blocks_of(mean).reshape(h // BLOCK, -1), BLOCK, 0), BLOCK, 1)
-    scale = rows**2 + (0.01 * mean.mean()) ** 2 + 1e-30
-    errors = {yes: numpy.array([blocks_of((a - b)[:h, :w] ** 2 / scale) for a, b in of]) for yes, of in pairs.items()}
-    whole, first = ({yes: numpy.array(of) for yes, of in times.items()} for times in (whole, first))
+            first = picture(scene, 1, 1)[1]
+            (a, time_a), (b, time_b) = (picture(scene, samples, 2 * turn + k) for k in (1, 2))
+            pairs[yes].append((a, b))
+            seconds[yes].append((first, (time_a + time_b) / 2))
+    mean = block_means(sum(a + b for yes in pairs for a, b in pairs[yes]) / (4 * PAIRS))
+    scale = mean**2 + (0.01 * mean.mean()) ** 2 + 1e-30
+    errors = {yes: numpy.array([(block_means((a - b) ** 2) / scale).ravel() for a, b in pairs[yes]]) for yes in pairs}
 
     def gain(turns, blocks):
-        seconds = {yes: max(1e-3, numpy.median(whole[yes][turns]) - numpy.median(first[yes][turns])) for yes in errors}
-        cost = {yes: errors[yes][turns][:, blocks].mean() * seconds[yes] for yes in errors}
-        return cost[False] / max(cost[True], 1e-30)
+        cost = {}
+        for yes in errors:
+            first, whole = numpy.median(numpy.array(seconds[yes])[turns], 0)
+            cost[yes] = errors[yes][turns][:, blocks].mean() * max(1e-3, whole - first)
+        return float(cost[False] / max(cost[True], 1e-30))
 
-    rng, n = numpy.random.default_rng(1), errors[True].shape[1]
-    gains = [gain(rng.integers(0, PAIRS, PAIRS), rng.integers(0, n, n)) for _ in range(400)]
-    low, high = numpy.quantile(gains, (0.05, 0.95))
-    return {"gain": float(gain(numpy.arange(PAIRS), numpy.arange(n))), "low": float(low), "high": float(high)}
+    rng, n = numpy.random.default_rng(1), scale.size
+    low, high = numpy.quantile([gain(rng.integers(0, PAIRS, PAIRS), rng.integers(0, n, n)) for _ in range(400)], (0.05, 0.95))
+    return {"gain": gain(numpy.arange(PAIRS), numpy.arange(n)), "low": float(low), "high": float(high)}
 
 
 def main():
-    file, name, frame, given, result = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    file, name, frame, result = sys.argv[sys.argv.index("--") + 1 :]
     open_scene(file, name)
     scene = bpy.context.scene
     scene.frame_set(int(float(frame) // 1), subframe=float(frame) % 1)
-    with open(given, encoding="utf-8") as text:
-        portals = json.load(text)
-    for thing in scene.objects:  # the portals of the last time
-        if thing.type == "LIGHT" and thing.get("tdpt_found"):
-            thing.hide_render = True
     prepare(scene)
-    told = measure(scene, lamps_of(scene, portals))
+    worth = measure(scene, [o for o in scene.objects if o.type == "LIGHT" and o.get("tdpt_found")])
     with open(result, "w", encoding="utf-8") as text:
-        json.dump(told, text)
+        json.dump(worth, text)
 
 
 main()

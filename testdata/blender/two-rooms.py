@@ -1,5 +1,5 @@
 # two-rooms.py: two rooms with a door ajar, a lamp in the far one, modelled by nothing but this script.
-#   blender -b --factory-startup --python-exit-code 1 -P tools/blender/two-rooms.py -- OUT.blend
+#   blender -b --factory-startup --python-exit-code 1 -P testdata/blender/two-rooms.py -- OUT.blend
 # Metres, +Z up. The camera stands in the near room (x 0..4), an area lamp hangs in the far one (x 4.1..7); brick and boards
 # are images that are made here, a glass ball and a table stand in the light that comes in.
 

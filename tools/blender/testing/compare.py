@@ -9,7 +9,8 @@ import sys
 import bpy
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.dirname(HERE)]
 
 import rooms  # noqa: E402
 import tdpt  # noqa: E402
@@ -34,7 +35,7 @@ def rendered(scene, path, seed):
     return pixels.reshape(shape)[..., :3].astype(float)
 
 
-def alike(scene):
+def ask_the_same(scene):
     """The same question to both: bounces without end, no clamping, no filter but a box."""
     scene.view_settings.view_transform = "Raw"
     cycles = scene.cycles
@@ -50,7 +51,7 @@ def alike(scene):
 
 def compare(name):
     scene = rooms.SCENES[name]()
-    alike(scene)
+    ask_the_same(scene)
     sums = {}
     for engine in ("CYCLES", "TDPT"):
         scene.render.engine = engine
