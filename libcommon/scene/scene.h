@@ -120,7 +120,7 @@ struct PunctualLight {
   enum class Kind : uint8_t { point, spot, directional } kind = Kind::point;
   std::string name;
   Vec3d position{};  ///< point, spot
-  /// spot, directional: unit, the direction in which light travels; with a profile its pole.
+  /// spot, directional, with a profile: unit, the direction in which light travels.
   Vec3d direction{0, 0, -1};
   /// point, spot: radiant intensity in canonical area [W/sr * scale^2], so that intensity / d^2
   /// with canonical d is irradiance [W/m2]. directional: perpendicular irradiance [W/m2].

@@ -174,9 +174,7 @@ SceneFiles files_of_scene(const std::string& path) {
   SceneFiles files;
   const std::string bytes = read_file(path);
   try {
-    std::vector<std::string> ignored;
-    const nlohmann::json json =
-        gltf::parse_json(gltf::split_chunks(bytes, path, ignored).json, path);
+    const nlohmann::json json = gltf::parse_json(gltf::split_chunks(bytes, path).json, path);
     add_uris(json, files.beside);
     const SceneDefaults defaults = defaults_of(json, path);
     files.has_environment = defaults.has_environment();

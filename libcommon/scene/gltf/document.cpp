@@ -10,9 +10,7 @@
 namespace tdpt::gltf {
 namespace {
 
-// Extensions by name: those that are read, and those that a renderer of still pictures may ignore
-// even if a file requires them.
-
+// Extensions that are read, or approximated with a warning.
 constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_materials_specular",
                                    "KHR_materials_ior",
@@ -42,26 +40,6 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_node_visibility",
                                    "EXT_mesh_gpu_instancing"};
 
-constexpr std::array kOfNoPicture = {
-    // Alternative materials and levels of detail: what the nodes refer to is rendered.
-    "KHR_materials_variants", "MSFT_lod",
-    // Animates properties outside of nodes; only animations of nodes are evaluated.
-    "KHR_animation_pointer",
-    // Interaction.
-    "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
-    // Metadata.
-    "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
-    "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
-    "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
-    // Physics and sound.
-    "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
-    "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
-    // Modelling history, and the drawing order of rasterisers.
-    "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
-    "GODOT_single_root",
-    // An offset of the whole scene, cameras and lamps included.
-    "CESIUM_RTC"};
-
 std::vector<std::string> read_texts(const Value& list) {
   std::vector<std::string> out;
   for (const Value& v : list.items()) out.push_back(v.text());
@@ -83,9 +61,7 @@ void read_extensions(Document& d) {
   const std::vector<std::string> required = read_texts(d.root()["extensionsRequired"]);
   d.draco_required = contains(required, "KHR_draco_mesh_compression");
   for (const std::string& name : required)
-    if (std::find(kOfNoPicture.begin(), kOfNoPicture.end(), name) != kOfNoPicture.end())
-      d.warnings.push_back(name + " is required, but changes no picture: passed over");
-    else if (!is_supported(name))
+    if (!is_supported(name))
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));
@@ -195,7 +171,7 @@ void open_document(const std::string& path, Document& d,
   d.file = display_name(path);
   d.bytes = read_file(path);
   d.folder = folder_of(path);
-  const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
+  const Chunks chunks = split_chunks(d.bytes, d.file);
   d.json = parse_json(chunks.json, d.file);
   read_version(d.root());  // another version may differ in everything else
   expect_memory_of_sections(d);

@@ -190,10 +190,8 @@ struct Chunks {
   std::string_view json, bin;
   bool has_bin = false;
 };
-/// Adds a sentence to `warnings` for container errors that do not prevent reading. Throws
-/// InputError.
-Chunks split_chunks(std::string_view bytes, const std::string& file,
-                    std::vector<std::string>& warnings);
+/// Throws InputError.
+Chunks split_chunks(std::string_view bytes, const std::string& file);
 
 /// The bytes behind a URI: a base64 data URI, or a file in the scene's folder or below. Throws
 /// InputError if it points elsewhere, NothingThere if it is missing or cannot be decoded.

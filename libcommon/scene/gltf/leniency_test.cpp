@@ -63,9 +63,7 @@ std::string refusal(const GlbBuilder& b) {
 
 TEST(Leniency, BytesBehindTheFilesOwn) {
   const std::string whole = square().glb();
-  EXPECT_EQ(told_of_square(whole + "more"),
-            Sentences{"the file has " + std::to_string(whole.size() + 4) + " bytes, but declares " +
-                      std::to_string(whole.size()) + ": the rest is left out"});
+  EXPECT_EQ(told_of_square(whole + "more"), Sentences{});
 }
 
 TEST(Leniency, ChunksBehindTheBinaryOne) {
@@ -78,24 +76,17 @@ TEST(Leniency, ChunksThatAreNotFilledUp) {
   const GlbBuilder b = with_buffer(square());
   std::string json = b.json.dump();
   while (json.size() % 4 != 1) json += ' ';
-  const auto glb = [&](const std::string& padding) {
-    std::string out("glTF\2\0\0\0\0\0\0\0", 12);
-    const auto chunk = [&](const std::string& content, uint32_t type) {
-      const size_t at = out.size();
-      out += std::string(8, '\0') + content;
-      set_u32(out, at, content.size());
-      set_u32(out, at + 4, type);
-    };
-    chunk(json, 0x4E4F534A);
-    out += padding;  // padded, but not counted
-    chunk(b.bin, 0x004E4942);
-    set_u32(out, 8, out.size());
-    return out;
+  std::string out("glTF\2\0\0\0\0\0\0\0", 12);
+  const auto chunk = [&](const std::string& content, uint32_t type) {
+    const size_t at = out.size();
+    out += std::string(8, '\0') + content;
+    set_u32(out, at, content.size());
+    set_u32(out, at + 4, type);
   };
-  const Sentences expected{"chunk[0] of the file has " + std::to_string(json.size()) +
-                           " bytes, expected a multiple of 4"};
-  EXPECT_EQ(told_of_square(glb("")), expected);
-  EXPECT_EQ(told_of_square(glb("   ")), expected);
+  chunk(json, 0x4E4F534A);
+  chunk(b.bin, 0x004E4942);
+  set_u32(out, 8, out.size());
+  EXPECT_EQ(told_of_square(out), Sentences{});
 }
 
 TEST(Leniency, JsonFilledUpByZeros) {
@@ -278,11 +269,9 @@ TEST(Leniency, AttributesThatAreNotReadMayBeAnything) {
             Sentences{});
 }
 
-TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {
-  for (const char* name :
-       {"KHR_materials_variants", "KHR_xmp_json_ld", "KHR_animation_pointer", "CESIUM_RTC"})
-    EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsRequired"] = {name}; }),
-              Sentences{std::string(name) + " is required, but changes no picture: passed over"});
+TEST(Leniency, ExtensionsThatAreNotReadMayBeUsedButNotRequired) {
+  EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsUsed"] = {"KHR_lights_environment"}; }),
+            Sentences{});
   GlbBuilder b = square();
   b.json["extensionsRequired"] = {"KHR_lights_environment"};
   EXPECT_NE(refusal(b).find("\"KHR_lights_environment\" is not supported"), std::string::npos);

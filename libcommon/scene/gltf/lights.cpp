@@ -165,8 +165,8 @@ void LightReader::add_luminaire(const PlacedNode& n, const Luminaire& luminaire)
     ++flat_;
     return;
   }
-  out.direction = normalize(axes->vector(out.profile->pole));
-  out.across = normalize(axes->vector(out.profile->zero));
+  out.direction = normalize(-axes->z);
+  out.across = normalize(axes->x);
   scene_.lights.push_back(out);
 }
 

@@ -20,7 +20,9 @@ uint32_t get_u32(const std::string& bytes, size_t at) {
 void container(MalformedList& l) {
   l.raw("empty", "", " is empty, expected a glTF 2.0 scene");
   l.raw("text", "hello\n",
-        " is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
+        " is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start: export it as "
+        "glTF "
+        "2.0 from its program, or convert it by tdpt-import (Mitsuba, pbrt, Tungsten)");
   l.raw("header-short", "glTF\2", "header: is cut short after 5 bytes, expected 12");
   l.spoil_bytes(
       "version-1", [](auto& s) { set_u32(s, 4, 1); }, "header: version is 1, expected 2");
