@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
 
 namespace tdpt::gltf {
@@ -16,9 +17,9 @@ namespace {
 
 constexpr Numbers kTimes = {"times", 1};
 constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, floats | unsigned_shares | signed_shares};
+constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
 constexpr Numbers kScales = {"scales", 3};
-constexpr Numbers kWeights = {"weights", 1, floats | unsigned_shares | signed_shares};
+constexpr Numbers kWeights = {"weights", 1, Numbers::Kind::shares};
 
 using Values = std::vector<double>;
 
@@ -183,7 +184,7 @@ class ChannelReader {
       const size_t node = target["node"].index("nodes");
       const size_t sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
       if (path.text() == "pointer") {
-        ++pointers_;
+        note("that move no node (KHR_animation_pointer)", out);
         continue;
       }
       const auto moved = static_cast<Channel::Path>(
@@ -194,34 +195,25 @@ class ChannelReader {
     }
   }
 
-  void warn() const {
-    const auto add = [&](size_t n, const char* one, const char* many, const char* rest) {
-      if (n > 0) d_.warnings.push_back(counted(n, "animation channel", one, many) + rest);
-    };
-    add(again_, "moves what one before it moves, and is left out",
-        "move what others before them move, and are left out",
-        ": --animation names the animations that count");
-    add(pointers_, "by KHR_animation_pointer is left out: it moves no node",
-        "by KHR_animation_pointer are left out: they move no node", "");
-    add(matrices_, "moves a node that has a matrix, and is left out",
-        "move nodes that have a matrix, and are left out", "");
+ private:
+  void note(const char* which, const Animation& animation) {
+    d_.notes.add(std::string("channels ") + which + " are left out",
+                 "animation \"" + shown(animation.name, 40) + '"');
   }
 
- private:
   void add(const Channel& c, Animation& out) {
     const Node& n = d_.nodes[c.node];
     const bool weights = c.path == Channel::Path::weights;
     if (!moved_.insert({c.node, c.path}).second)
-      ++again_;
+      note("that move what another one moves (--animation names those that count)", out);
     else if (!weights && !n.matrix.empty())
-      ++matrices_;
+      note("of nodes that have a matrix", out);
     else if (!weights || n.mesh != kNone)
       out.channels.push_back(c);
   }
 
   Document& d_;
   std::set<std::pair<size_t, Channel::Path>> moved_;
-  size_t again_ = 0, pointers_ = 0, matrices_ = 0;  // channels left out
 };
 
 }  // namespace
@@ -244,7 +236,6 @@ void read_animations(Document& d, const std::vector<std::string>& wanted) {
     d.animations.push_back({names[i], {}});
     if (wanted.empty() || has(wanted, names[i])) channels.read(all[i], d.animations.back());
   }
-  channels.warn();
 }
 
 Motion go_to(Document& d, double seconds) {

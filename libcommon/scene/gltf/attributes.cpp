@@ -52,22 +52,21 @@ float within(float c) {
 }
 
 // By AttributeKind.
-constexpr std::array<Numbers, kAttributes> kStored = {{
-    {"positions", 3, floats | quantized},
-    {"normals", 3, floats | quantized},
-    {"tangents", 4, floats | quantized},
-    {"texture coordinates", 2, floats | unsigned_shares | quantized},
-    {"texture coordinates", 2, floats | unsigned_shares | quantized},
-    {"vertex colours", 4, floats | unsigned_shares, 1},
+const std::array<Numbers, kAttributes> kStored = {{
+    {"positions", 3},
+    {"normals", 3},
+    {"tangents", 4},
+    {"texture coordinates", 2},
+    {"texture coordinates", 2},
+    {"vertex colours", 4, Numbers::Kind::shares, 1},
 }};
-constexpr unsigned kSharesOfDeltas = unsigned_shares | signed_shares;
-constexpr std::array<Numbers, kAttributes> kDeltas = {{
+const std::array<Numbers, kAttributes> kDeltas = {{
     kStored[kPosition],
     kStored[kNormal],
-    {"deltas of tangents", 3, floats | quantized},
-    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
-    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
-    {"deltas of vertex colours", 4, floats | kSharesOfDeltas, 0},
+    {"deltas of tangents", 3},
+    {"deltas of texture coordinates", 2},
+    {"deltas of texture coordinates", 2},
+    {"deltas of vertex colours", 4, Numbers::Kind::shares, 0},
 }};
 
 Accessors find_attributes(const Attributes& attributes) {

@@ -9,7 +9,6 @@
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/materials.h"
 #include "libcommon/scene/gltf/nodes.h"
-#include "libcommon/scene/gltf/skins.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {

@@ -50,13 +50,13 @@ Chunks split_chunks(std::string_view bytes, const std::string& file) {
     const size_t left = bytes.size() - at;
     if (left < kChunkHeader) {
       if (k > 0 && left < 4) break;  // padding
-      fail(where, fmt::format("is cut short: {}, expected a header of {}",
-                              tdpt::counted(left, "byte"), kChunkHeader));
+      fail(where, fmt::format("is cut short: {}, expected a header of {}", counted(left, "byte"),
+                              kChunkHeader));
     }
     const uint32_t size = u32_at(bytes, at), type = u32_at(bytes, at + 4);
     if (size > left - kChunkHeader)
-      fail(where, fmt::format("declares {}, but {} are left in the file",
-                              tdpt::counted(size, "byte"), left - kChunkHeader));
+      fail(where, fmt::format("declares {}, but {} are left in the file", counted(size, "byte"),
+                              left - kChunkHeader));
     const std::string_view content = bytes.substr(at + kChunkHeader, size);
     if (k == 0) {
       if (type != kJson) fail(where, "is not JSON, expected the JSON chunk first");

@@ -131,14 +131,28 @@ struct Animation {
   std::vector<Channel> channels;
 };
 
+/// Of materials and area lights, in Notes.
+constexpr const char* kFaint = "a radiance below 1e-30 counts as none";
+
+/// What is approximated or left out, and the names of the parts of the file that it concerns.
+class Notes {
+ public:
+  void add(const std::string& sentence, const std::string& name) { names_[sentence].insert(name); }
+  /// "iridescence is left out: material "a", materials[2], materials[4] and 5 more".
+  std::vector<std::string> sentences() const;
+
+ private:
+  std::map<std::string, std::set<std::string>> names_;  // by sentence
+};
+
 struct Document {
   std::string file;    ///< name in messages
   std::string folder;  ///< for external files; empty: none may be read
   std::string bytes;   ///< the file; buffers point into it
   Json json;
-  std::string hash;                   ///< over the file and the external buffers
-  std::vector<std::string> files;     ///< paths of external buffers
-  std::vector<std::string> warnings;  ///< sentences: errors that change no picture
+  std::string hash;                ///< over the file and the external buffers
+  std::vector<std::string> files;  ///< paths of external buffers
+  Notes notes;                     ///< on its animations and compressed meshes
 
   std::vector<std::string_view> buffers;  ///< of their declared byteLength; null: fallbacks
   std::deque<std::string> owned;          ///< decoded and external buffers
@@ -151,7 +165,6 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
   std::vector<Animation> animations;
-  bool quantized = false;       ///< KHR_mesh_quantization is used
   bool draco_required = false;  ///< KHR_draco_mesh_compression
 
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews decoded so far
@@ -167,10 +180,6 @@ struct Document {
 /// are not among `animations` (empty: all are wanted) move nothing. Throws InputError.
 void open_document(const std::string& path, Document& document,
                    const std::vector<std::string>& animations = {});
-
-/// "1 material is", "3 materials are".
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many);
 
 /// Makes names unique.
 class DistinctNames {
@@ -229,8 +238,7 @@ Lens read_lens(const Value& camera);
 Node read_node(const Value& node);
 std::vector<size_t> read_roots(const Document& document);
 Skin read_skin(const Value& skin);
-/// Needs the accessors.
-Mesh read_mesh(const Document& document, const Value& mesh);
+Mesh read_mesh(const Value& mesh);
 /// Needs nodes and accessors. Keeps the channels of the animations that are `wanted` (empty: all),
 /// and only the first that moves a given property of a node. Adds sentences to the warnings about
 /// those left out.

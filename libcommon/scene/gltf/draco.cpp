@@ -90,10 +90,6 @@ class DracoReader {
         user->attributes = job.primitive.attributes;
       }
     }
-    if (more_ > 0)
-      d_.warnings.push_back(counted(more_, "mesh",
-                                    "of Draco holds more than its accessors say: all is read",
-                                    "of Draco hold more than their accessors say: all is read"));
   }
 
  private:
@@ -164,7 +160,8 @@ class DracoReader {
       d_.fail(job.where, fmt::format("holds {} corners of triangles, expected at most {}, as the "
                                      "indices are {}",
                                      corners, most_corners, job.corners));
-    more_ += vertices > job.vertices || corners > job.corners;
+    if (vertices > job.vertices || corners > job.corners)
+      d_.notes.add("Draco holds more than the accessors declare, and all is read", job.where);
     for (const auto& [name, id] : p.draco->ids) {
       const draco::PointAttribute* from = mesh->GetAttributeByUniqueId(id);
       if (!from) d_.fail(job.where, fmt::format("holds no attribute {}", id));
@@ -206,7 +203,6 @@ class DracoReader {
   Document& d_;
   const size_t most_;  // bytes of all meshes
   size_t all_ = 0;     // bytes so far
-  size_t more_ = 0;    // meshes that contain more than their accessors declare
   std::vector<Job> jobs_;
   std::map<Primitive, size_t, ByDescription> known_;  // jobs
 };

@@ -21,6 +21,7 @@ constexpr double kLeast = 1e-30, kMost = 1e30;  // intensities
 // Memory per byte of a profile's text: a quarter is mirrored to a full circle, and a number takes
 // two bytes.
 constexpr uint64_t kMostPerByte = 40;
+constexpr const char* kFlatLight = "lights with a flat transform are left out";
 constexpr size_t kCorners = kMostOfAreaLight - 1;  // of a disk
 // Of light that meets one. Renderers whose area lights stop none let it pass; a black light over a
 // room of albedo 0.7 took 2.5 % of that room's light, one that reflects as the room does 0.1 %.
@@ -100,7 +101,8 @@ LightReader::AreaLamp LightReader::read_area_lamp(const Value& v) {
   return out;
 }
 
-LightReader::LightReader(const Document& d, Scene& scene) : d_(d), scene_(scene) {
+LightReader::LightReader(const Document& d, Scene& scene, Notes& notes)
+    : d_(d), scene_(scene), notes_(notes) {
   const auto lights = [&](const char* name) { return d.root().extension(name)["lights"].items(); };
   for (const Value& v : lights(kPunctual)) lamps_.push_back(read_lamp(v));
   for (const Value& v : lights(kIes)) profiles_.push_back(read_profile(v));
@@ -121,10 +123,7 @@ void LightReader::add_lamp(const PlacedNode& n, const Lamp& lamp) {
   out.position = n.to_world.t;
   if (out.kind != PunctualLight::Kind::point) {
     out.direction = direction_of(-n.to_world.z);
-    if (out.direction == Vec3d()) {
-      ++flat_;
-      return;
-    }
+    if (out.direction == Vec3d()) return notes_.add(kFlatLight, place("nodes", n.node));
   }
   scene_.lights.push_back(out);
 }
@@ -161,10 +160,7 @@ void LightReader::add_luminaire(const PlacedNode& n, const Luminaire& luminaire)
   out.intensity = Rgb(intensity);
   out.position = n.to_world.t;
   const std::optional<Affine> axes = axes_of_light(n.to_world);
-  if (!axes) {
-    ++flat_;
-    return;
-  }
+  if (!axes) return notes_.add(kFlatLight, place("nodes", n.node));
   out.direction = normalize(-axes->z);
   out.across = normalize(axes->x);
   scene_.lights.push_back(out);
@@ -210,15 +206,10 @@ void LightReader::add_area_light(const PlacedNode& n, std::vector<Vec3d>& world)
   if (index == kNone) return;
   const AreaLamp& l = area_lamps_[index];
   if (max_component(l.radiance) <= 0) return;
-  if (max_component(l.radiance) < kFaintestEmission) {
-    ++faint_;
-    return;
-  }
+  if (max_component(l.radiance) < kFaintestEmission)
+    return notes_.add(kFaint, place("nodes", n.node));
   const std::optional<Affine> axes = axes_of_light(n.to_world);
-  if (!axes) {
-    ++flat_;
-    return;
-  }
+  if (!axes) return notes_.add(kFlatLight, place("nodes", n.node));
   const double size = l.size * scale_of(n.to_world);
   scene_.area_lights.push_back(
       {static_cast<uint32_t>(scene_.materials.size()), size * size * (l.disk ? pi / 4 : l.aspect)});

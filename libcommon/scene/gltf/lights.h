@@ -20,7 +20,7 @@ constexpr size_t kMostOfAreaLight = 65;
 class LightReader {
  public:
   /// Reads all lights of the file, whether a node holds them or not. Throws InputError.
-  LightReader(const Document& document, Scene& scene);
+  LightReader(const Document& document, Scene& scene, Notes& notes);
 
   /// Adds the node's punctual light and luminaire, still in metres: position [m], intensity of
   /// points and spots [W/sr]. Profiles in files beside the scene are listed in scene.files and
@@ -32,9 +32,6 @@ class LightReader {
   /// and of the disk's area. Each light has a material of its own, whose emission is in the units
   /// of the file [take_lamps_as()].
   void add_area_light(const PlacedNode& node, std::vector<Vec3d>& world);
-
-  size_t flat() const { return flat_; }    ///< left out, as transforms destroy their directions
-  size_t faint() const { return faint_; }  ///< area lights left out, as they emit next to nothing
 
   /// Units of the file's lamps, once all are added.
   LampUnits units() const;
@@ -66,10 +63,10 @@ class LightReader {
 
   const Document& d_;
   Scene& scene_;
+  Notes& notes_;
   std::vector<Lamp> lamps_;
   std::vector<Profile> profiles_;
   std::vector<AreaLamp> area_lamps_;
-  size_t flat_ = 0, faint_ = 0;
   uint64_t bytes_of_profiles_ = 0;
   std::map<std::pair<size_t, std::string>, std::shared_ptr<const LightProfile>>
       known_;  // by view, uri

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <string_view>
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
@@ -13,23 +13,6 @@
 
 namespace tdpt::gltf {
 namespace {
-
-enum Approximation { unlit, far_uv_set, clamped, faint, kinds };
-
-struct Sentence {
-  const char *one, *many, *rest;
-};
-constexpr std::array<Sentence, kinds> kSentences = {{
-    {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
-    {"has a texture on TEXCOORD_2 or beyond", "have a texture on TEXCOORD_2 or beyond",
-     ": its factor alone is used"},
-    {"reflects more than all light", "reflect more than all light",
-     ": the base colour is clamped to 1"},
-    {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
-}};
-
-// At most so many textures are named individually; the rest are counted.
-constexpr size_t kNamed = 5;
 
 // A feature that is ignored with a warning if its `factor` is above 0.
 struct LeftOut {
@@ -65,31 +48,19 @@ bool is_black(const Rgb& c) {
   return max_component(c) <= 0;
 }
 
-/// "material "a"", "materials "a", "b", "c" and 2 more".
-std::string listed(const std::vector<std::string>& names) {
-  constexpr size_t kMost = 3;
-  std::string out = names.size() == 1 ? "material " : "materials ";
-  for (size_t i = 0; i < std::min(names.size(), kMost); ++i) {
-    const bool last = i > 0 && i + 1 == names.size();
-    out += (i == 0 ? "" : last ? " and " : ", ") + names[i];
-  }
-  if (names.size() > kMost) out += fmt::format(" and {} more", names.size() - kMost);
-  return out;
-}
-
 class MaterialReader {
  public:
-  MaterialReader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
+  MaterialReader(const Document& d, Scene& scene, Notes& notes)
+      : notes_(notes), textures_(d, scene) {}
 
   /// `used`: by a surface; else the values are read to find faults alone.
   Material read(const Value& v, size_t index, bool used, MaterialUse& use) {
     counts_ = used;
-    is_counted_.fill(false);
     Material m;
     m.name = v["name"].text();
     called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
     m.double_sided = v["doubleSided"].boolean(false);
-    read_left_out(v, index, m);
+    read_left_out(v);
     use.unlit = used && v.extension("KHR_materials_unlit");
     glossy_ = !use.unlit && v.extension(kGlossiness);
     conductor_ = read_conductor(v);
@@ -114,43 +85,21 @@ class MaterialReader {
     return out;
   }
 
-  void finish() {
-    warn_of_left_out();
-    for (size_t k = 0; k < kinds; ++k)
-      if (count_[k] > 0)
-        scene_.warnings.push_back(
-            counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
-            kSentences[k].rest);
-    warn_of_undecodable();
-    if (!textures_.external_bytes().empty())
-      scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
-  }
+  /// Content of external image files, for the scene's hash.
+  const std::string& external_bytes() const { return textures_.external_bytes(); }
 
  private:
-  /// Counts each material once.
-  void count(Approximation kind) {
-    if (!counts_) return;
-    if (!is_counted_[kind]) ++count_[kind];
-    is_counted_[kind] = true;
+  void note(const std::string& sentence) {
+    if (counts_) notes_.add(sentence, called_);
   }
 
-  void note(const char* name, const TextureReader::Fault& fault) {
-    if (fault.far_uv_set) count(far_uv_set);
-    if (!fault.image.empty())
-      undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
-                                         std::string_view(name).ends_with("ormalTexture")
-                                             ? "it is left out"
-                                             : "its factor alone is used"));
-  }
-
-  void warn_of_undecodable() {
-    const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
-    scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
-                           undecodable_.begin() + static_cast<ptrdiff_t>(named));
-    if (more > 0)
-      scene_.warnings.push_back(
-          counted(more, "more texture", "cannot be decoded", "cannot be decoded") +
-          ": their factors alone are used");
+  std::optional<Texture> decode(const TextureInfo& info, bool srgb, const std::string& name) {
+    std::string fault;
+    std::optional<Texture> out = textures_.read(info, srgb, fault);
+    if (!fault.empty())
+      notes_.add("textures that are not read are left out",
+                 fmt::format("{} {} ({})", called_, name, fault));
+    return out;
   }
 
   /// Multiplies the factors of `map` by a texture, if there is one and it `matters`; calls `fold`
@@ -160,9 +109,7 @@ class MaterialReader {
                const Fold& fold) {
     const TextureInfo info = read_texture_info(owner[name]);
     if (!info || !matters || !counts_) return;
-    TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(info, srgb, fault);
-    note(name, fault);
+    const std::optional<Texture> t = decode(info, srgb, name);
     if (t && t->uniform)
       fold(t->value);
     else
@@ -207,7 +154,7 @@ class MaterialReader {
     if (rgba.empty()) rgba = {1, 1, 1, 1};
     const Vec3d colour =
         conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
-    if (max_component(colour) > 1) count(clamped);
+    if (max_component(colour) > 1) note("base colours above 1 are clamped to 1");
     m.base_color = Rgb(min(colour, Vec3d(1)));
     m.alpha_mode =
         static_cast<Material::Alpha>(v["alphaMode"].one_of({"OPAQUE", "MASK", "BLEND"}, 0));
@@ -329,9 +276,7 @@ class MaterialReader {
     if (!info || !matters || !counts_) return;
     scale = static_cast<float>(std::clamp(info.scale, -1e6, 1e6));
     if (scale == 0) return;
-    TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(info, false, fault);
-    note(name, fault);
+    const std::optional<Texture> t = decode(info, false, name);
     // Bytes cannot represent "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t b) { return b == 127 || b == 128; };
     const bool flat =
@@ -339,40 +284,21 @@ class MaterialReader {
     if (!flat) maps_[map] = t;
   }
 
-  void read_left_out(const Value& v, size_t index, const Material& m) {
-    const std::string name =
-        m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
-    for (const auto& [extension, value] : v["extensions"].members()) {
+  void read_left_out(const Value& v) {
+    for (const auto& [name, value] : v["extensions"].members()) {
       if (!value.json().is_object()) value.fail("an object");
-      const auto known =
-          std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
-                       [&e = extension](const LeftOut& l) { return e == l.extension; });
+      const auto known = std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
+                                      [&n = name](const LeftOut& l) { return n == l.extension; });
       if (known != std::end(kLeftOut)) {
         const Value factor = value[known->factor];
         const double most = std::string_view(known->factor).ends_with("Color")
                                 ? max_component(factor.triple({}))
                                 : factor.number(0);
-        if (most > 0 && counts_) left_out_[known->words].push_back(name);
-      } else if (counts_ && extension.find("_materials_") != extension.npos &&
-                 !is_supported(extension)) {
-        unknown_[shown(extension, 60)].push_back(name);
+        if (most > 0) note(std::string(known->words) + " is left out");
+      } else if (name.find("_materials_") != name.npos && !is_supported(name)) {
+        note(shown(name, 60) + " is left out");
       }
     }
-  }
-
-  /// Reports ignored features; the number of different extensions in a file is unbounded.
-  void warn_of_left_out() {
-    constexpr size_t kMost = 8;
-    const auto add = [&](const std::string& words, const std::vector<std::string>& names) {
-      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
-    };
-    size_t named = 0;
-    for (const auto& [words, names] : unknown_)
-      if (named++ < kMost) add(words, names);
-    if (named > kMost)
-      scene_.warnings.push_back(counted(named - kMost, "more extension", "of materials is left out",
-                                        "of materials are left out"));
-    for (const auto& [words, names] : left_out_) add(words, names);
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
@@ -389,7 +315,7 @@ class MaterialReader {
       v.fail_because(
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
     if (max_component(radiance) > 0 && max_component(radiance) < kFaintestEmission) {
-      count(faint);
+      note(kFaint);
       maps_[MAP_EMISSION].reset();
       return;
     }
@@ -397,7 +323,7 @@ class MaterialReader {
   }
 
   void make_unlit(Material& m) {
-    count(unlit);
+    note("unlit materials are taken as black, emitting the base colour");
     m.emission = m.base_color;
     m.base_color = Rgb(0.0f);
     if (base() && !is_black(m.emission)) maps_[MAP_EMISSION] = base();
@@ -421,30 +347,26 @@ class MaterialReader {
 
   std::optional<Texture>& base() { return maps_[MAP_BASE]; }
 
-  const Document& d_;
-  Scene& scene_;
+  Notes& notes_;
   TextureReader textures_;
   std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the current material
   std::string called_;                                         // name of the current material
-  std::vector<std::string> undecodable_;                       // textures, with descriptions
-  std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
-  std::optional<Index> conductor_;                                      // of the current one
+  std::optional<Index> conductor_;                             // of the current one
   bool glossy_ = false;  // the current one is specular-glossiness
   bool counts_ = false;  // what is read of it matters
-  std::array<size_t, kinds> count_{};
-  std::array<bool, kinds> is_counted_{};  // for the current material
 };
 
 }  // namespace
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
-                                        Scene& scene) {
-  MaterialReader reader(d, scene);
+                                        Scene& scene, Notes& notes) {
+  MaterialReader reader(d, scene, notes);
   std::vector<MaterialUse> uses(used.size());
   const std::vector<Value> all = d.root()["materials"].items();
   for (size_t i = 0; i < used.size(); ++i)
     scene.materials.push_back(reader.read(all[i], i, used[i], uses[i]));
-  reader.finish();
+  if (!reader.external_bytes().empty())
+    scene.hash = content_hash(scene.hash + reader.external_bytes());
   return uses;
 }
 

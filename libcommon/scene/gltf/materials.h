@@ -22,11 +22,10 @@ struct MaterialUse {
 };
 
 /// Appends a material for each in the file that is `used` (others keep their defaults), with the
-/// images that they use. Adds one sentence to scene.warnings per kind of approximation, saying how
-/// many materials it affects, and adds external image files to scene.hash. Absorption is still per
+/// images that they use, and adds external image files to scene.hash. Absorption is still per
 /// metre. The result is parallel to the materials.
 std::vector<MaterialUse> read_materials(const Document& document, const std::vector<bool>& used,
-                                        Scene& scene);
+                                        Scene& scene, Notes& notes);
 
 /// Call when the vertex colours are known: makes a material opaque if alpha is 1 everywhere, and
 /// sets `plain` if nothing but base colour and emission matters.

@@ -15,7 +15,6 @@
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/lights.h"
-#include "libcommon/scene/gltf/skins.h"
 
 namespace tdpt::gltf {
 
@@ -76,21 +75,18 @@ bool encloses(const std::vector<uint32_t>& corners, const std::vector<Vec3d>& wo
 
 class MeshReader {
  public:
-  MeshReader(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
-             std::vector<MaterialUse>& uses)
-      : d_(d), scene_(scene), uses_(uses), nodes_(nodes), maps_(d, nodes) {}
+  MeshReader(const Document& d, const PlacedNodes& nodes, Scene& scene,
+             std::vector<MaterialUse>& uses, Notes& notes)
+      : d_(d), scene_(scene), uses_(uses), notes_(notes), nodes_(nodes) {}
 
   Meshes run() {
     make_room();
-    for (const PlacedNode& n : nodes_)
+    for (const PlacedNode& n : nodes_.of_scene)
       if (mesh_of(d_, n) != kNone) add_node(n);
-    warn();
     return std::move(out_);
   }
 
  private:
-  using Key = std::pair<size_t, size_t>;  // mesh, primitive
-
   void make_room() {
     const size_t bytes = most_bytes(d_);
     const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
@@ -101,7 +97,7 @@ class MeshReader {
       return std::min(d_.accessors[accessor].count, bytes);
     };
     size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
-    for (const PlacedNode& n : nodes_) {
+    for (const PlacedNode& n : nodes_.of_scene) {
       if (n.visible && d_.nodes[n.node].area_light != kNone) {  // far fewer than the limits
         vertices += kMostOfAreaLight;
         triangles += kMostOfAreaLight;
@@ -167,17 +163,14 @@ class MeshReader {
   void add_node(const PlacedNode& n) {
     const Deformation deformation = deformation_of(n.node);
     if (deformation.skinned) {  // the extension does not define instances of skinned meshes
-      if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
+      if (instances_declared(d_, n.node) > 1)
+        notes_.add("instances of skinned meshes are left out", place("nodes", n.node));
       add_mesh(n, deformation, {});
       return;
     }
     const auto& primitives = primitives_of(n);
-    if (std::none_of(primitives.begin(), primitives.end(),
-                     std::mem_fn(&Primitive::is_surface))) {  // needs no transform
-      no_surfaces_ += primitives.size();
-      return;
-    }
-    for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
+    if (std::any_of(primitives.begin(), primitives.end(), std::mem_fn(&Primitive::is_surface)))
+      for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
   }
 
   void add_mesh(const PlacedNode& n, const Deformation& deformation,
@@ -192,13 +185,10 @@ class MeshReader {
     for (size_t k = 0; k < primitives.size(); ++k) {
       const Primitive& p = primitives[k];
       const std::string where = place("meshes", mesh) + "." + place("primitives", k);
-      if (!p.is_surface()) {
-        ++no_surfaces_;
-        continue;
-      }
+      if (!p.is_surface()) continue;
       const size_t position = find_attribute(p.attributes, "POSITION");
       if (position == kNone) {
-        without_positions_.insert({mesh, k});
+        notes_.add("primitives without POSITION are left out", where);
         continue;
       }
       const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
@@ -214,11 +204,11 @@ class MeshReader {
       }
       const auto& [first, placing] = it->second;
       const size_t vertices = d_.accessors[position].count;
-      const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
+      const std::vector<uint32_t> corner = corners(p, vertices, where);
       add_triangles(corner, first, placing.mirrors, material_of(p));
       if (p.material != kNone) note_bubble(scene_.materials[material_of(p)], corner, first);
       note_grain(placing.to_world, position, corner, first);
-      note_primitive({mesh, k}, p, set, deformation);
+      note_primitive(where, p, set, deformation);
     }
   }
 
@@ -228,15 +218,13 @@ class MeshReader {
       const Affine& map = to_world ? *to_world : n.to_world;
       return {map, map.mirrors(), {}};
     }
-    const SkinMaps& skin = skin_of(n.node);
-    std::vector<Affine> of_vertices = skin.blend(set.joints);
-    const bool mirrors = most_mirror(of_vertices);
-    return {skin.first(), mirrors, std::move(of_vertices)};
-  }
-
-  const SkinMaps& skin_of(size_t node) {
-    const size_t skin = d_.nodes[node].skin;
-    return skins_.try_emplace(skin, d_, skin, maps_).first->second;
+    const size_t skin = d_.nodes[n.node].skin;
+    std::vector<Affine>& joints = skins_[skin];
+    if (joints.empty()) joints = joint_maps(d_, skin, nodes_);
+    std::vector<Affine> of_vertices = blend_joints(d_, joints, set.joints);
+    const auto mirrored = std::count_if(of_vertices.begin(), of_vertices.end(),
+                                        [](const Affine& a) { return a.mirrors(); });
+    return {joints.front(), 2 * mirrored > std::ssize(of_vertices), std::move(of_vertices)};
   }
 
   void add_vertices(const PlacedNode& n, const AttributeSet& set, const Placing& placing) {
@@ -249,7 +237,7 @@ class MeshReader {
     }
   }
 
-  std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const Key& key) {
+  std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const std::string& where) {
     std::vector<uint32_t> list;
     if (p.indices != kNone) {
       list = read_indices(d_, p.indices, vertices);
@@ -259,7 +247,8 @@ class MeshReader {
     }
     // Incomplete triangles are ignored, as in every graphics interface.
     const bool strips = p.mode != kTriangles;
-    if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+    if (strips ? list.size() < 3 : list.size() % 3 != 0)
+      notes_.add("corners that make no triangle are left out", where);
     if (!strips || list.size() < 3) {
       list.resize(list.size() - list.size() % 3);
       return list;
@@ -298,72 +287,45 @@ class MeshReader {
         std::max(out_.grain, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
   }
 
-  void note_primitive(const Key& key, const Primitive& p, const AttributeSet& set,
+  void note_primitive(const std::string& where, const Primitive& p, const AttributeSet& set,
                       const Deformation& deformation) {
     MaterialUse& use = uses_[material_of(p)];
     out_.unnamed_material |= p.material == kNone;
     note_colours(d_, set, use);
     for (size_t u = 0; u < 2; ++u)
-      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone) without_uv_.insert(key);
-    if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
-    if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
+      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone)
+        notes_.add("texture coordinates that a material asks for are missing, taken as 0", where);
+    if (use.unlit && p.attributes.contains("COLOR_0"))
+      notes_.add("vertex colours of unlit materials are left out", where);
+    if (deformation.skinned && set.joints.empty())
+      notes_.add("primitives of skinned meshes without joints are placed by their node", where);
   }
 
-  /// Counts glass objects modelled as thin sheets: closed transmitting surfaces whose material
+  /// Finds glass objects modelled as thin sheets: closed transmitting surfaces whose material
   /// lacks KHR_materials_volume. The format defines these as bubbles; usually a solid was meant.
   void note_bubble(const Material& m, const std::vector<uint32_t>& corner, uint32_t first) {
     const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
-    if (!thin_glass || corner.empty() || !encloses(corner, out_.world, first)) return;
-    if (bubbles_++ == 0)
-      first_bubble_ = m.name.empty() ? "" : " (material \"" + shown(m.name, 60) + "\")";
-  }
-
-  void warn() {
-    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
-      if (n > 0) out_.warnings.push_back(counted(n, noun, one, many));
-    };
-    if (bubbles_ > 0)
-      out_.warnings.push_back(
-          fmt::format("{} {} light{} without a thickness (KHR_materials_volume): soap bubbles, as "
-                      "the format has "
-                      "it, not solid glass",
-                      tdpt::counted(bubbles_, "closed mesh"),
-                      bubbles_ == 1 ? "transmits" : "transmit", first_bubble_));
-    add(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
-    add(without_positions_.size(), "primitive", "has no positions, and is left out",
-        "have no positions, and are left out");
-    add(incomplete_.size(), "primitive", "has corners left that make no triangle",
-        "have corners left that make no triangle");
-    add(without_uv_.size(), "primitive",
-        "lacks the texture coordinates that its material asks for: taken as 0",
-        "lack the texture coordinates that their materials ask for: taken as 0");
-    add(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
-        "have vertex colours, which are left out");
-    add(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
-        "of skinned meshes have no joints: placed by their nodes");
-    add(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
-        "are placed once, not as their instances ask for");
+    if (thin_glass && !corner.empty() && encloses(corner, out_.world, first))
+      notes_.add(
+          "closed meshes of glass without a thickness (KHR_materials_volume) are soap "
+          "bubbles, not solid",
+          "material \"" + shown(m.name, 60) + '"');
   }
 
   const Document& d_;
   Scene& scene_;
   std::vector<MaterialUse>& uses_;
-  const std::vector<PlacedNode>& nodes_;
-  NodeMaps maps_;
-  std::map<size_t, SkinMaps> skins_;
+  Notes& notes_;
+  const PlacedNodes& nodes_;
+  std::map<size_t, std::vector<Affine>> skins_;  // maps of their joints
   Meshes out_;
-  size_t bubbles_ = 0;        // closed meshes of thin glass
-  std::string first_bubble_;  // the material of the first
-  size_t no_surfaces_ = 0;
-  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
-  std::set<size_t> skinned_instances_;  // nodes
 };
 
 }  // namespace
 
-std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
+std::vector<bool> used_materials(const Document& d, const PlacedNodes& nodes) {
   std::vector<bool> used(d.root()["materials"].size());
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const size_t mesh = mesh_of(d, n);
     if (mesh == kNone) continue;
     for (const Primitive& p : d.meshes[mesh].primitives)
@@ -372,9 +334,9 @@ std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode
   return used;
 }
 
-Meshes read_meshes(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
-                   std::vector<MaterialUse>& uses) {
-  return MeshReader(d, nodes, scene, uses).run();
+Meshes read_meshes(const Document& d, const PlacedNodes& nodes, Scene& scene,
+                   std::vector<MaterialUse>& uses, Notes& notes) {
+  return MeshReader(d, nodes, scene, uses, notes).run();
 }
 
 }  // namespace tdpt::gltf

@@ -12,20 +12,19 @@
 namespace tdpt::gltf {
 
 /// Which materials the surfaces of visible meshes use.
-std::vector<bool> used_materials(const Document& document, const std::vector<PlacedNode>& nodes);
+std::vector<bool> used_materials(const Document& document, const PlacedNodes& nodes);
 
 /// What was read of the meshes besides their triangles and attributes.
 struct Meshes {
   std::vector<Vec3d> world;  ///< vertices [m]
   double grain = 0;          ///< largest rounding error of a vertex [m]
   bool unnamed_material = false;
-  std::vector<std::string> warnings;
 };
 
 /// Adds the meshes of all visible nodes to the scene. Makes room for the vertices of area lights,
 /// too. A scene whose instances would fill the memory is refused before any vertex is read. `uses`:
 /// per material of the file, followed by the default for surfaces without one.
-Meshes read_meshes(const Document& document, const std::vector<PlacedNode>& nodes, Scene& scene,
-                   std::vector<MaterialUse>& uses);
+Meshes read_meshes(const Document& document, const PlacedNodes& nodes, Scene& scene,
+                   std::vector<MaterialUse>& uses, Notes& notes);
 
 }  // namespace tdpt::gltf

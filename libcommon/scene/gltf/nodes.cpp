@@ -42,11 +42,10 @@ std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
   return reached;
 }
 
-/// Parents of the nodes in the scene; kNone for roots.
-std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reached) {
-  std::vector<size_t> parent(reached.size(), kNone);
-  for (size_t i = 0; i < reached.size(); ++i) {
-    if (!reached[i]) continue;
+/// Parents of all nodes; kNone for roots.
+std::vector<size_t> parents_of(const Document& d) {
+  std::vector<size_t> parent(d.nodes.size(), kNone);
+  for (size_t i = 0; i < parent.size(); ++i)
     for (const size_t child : d.nodes[i].children) {
       size_t& p = parent[child];
       if (p != kNone)
@@ -54,7 +53,6 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
                fmt::format("is reached twice, from nodes[{}] and nodes[{}]", p, i));
       p = i;
     }
-  }
   return parent;
 }
 
@@ -147,44 +145,37 @@ Affine local_map(const Document& d, size_t index) {
   return *map;
 }
 
-std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>& warnings) {
-  const std::vector<size_t>& named = d.roots;
-  const std::vector<bool> reached = reached_from(d, named);
-  const std::vector<size_t> parent = parents_of(d, reached);
-  std::vector<PlacedNode> out;
+PlacedNodes place_nodes(const Document& d) {
+  const std::vector<bool> reached = reached_from(d, d.roots);
+  const std::vector<size_t> parent = parents_of(d);
+  PlacedNodes out;
+  out.to_world.resize(parent.size());
   std::vector<PlacedNode> stack;  // with the parent's map; explicit, since depth is unbounded
-  size_t children = 0;
-  for (size_t i = named.size(); i-- > 0;)
-    if (parent[named[i]] == kNone)
-      stack.push_back({named[i], {}, true});
-    else
-      ++children;
-  std::vector<bool> placed(reached.size());
+  for (size_t i = 0; i < parent.size(); ++i)
+    if (parent[i] == kNone && !reached[i]) stack.push_back({i, {}, true});
+  for (size_t i = d.roots.size(); i-- > 0;)
+    if (parent[d.roots[i]] == kNone) stack.push_back({d.roots[i], {}, true});
+  std::vector<bool> placed(parent.size());
   while (!stack.empty()) {
     PlacedNode n = std::move(stack.back());
     stack.pop_back();
     n.to_world = map_below(d, n.to_world, n.node);
     n.visible = n.visible && !d.nodes[n.node].hidden;
     placed[n.node] = true;
+    out.to_world[n.node] = n.to_world;
     const auto& below = d.nodes[n.node].children;
     for (size_t i = below.size(); i-- > 0;) stack.push_back({below[i], n.to_world, n.visible});
-    out.push_back(std::move(n));
+    if (reached[n.node]) out.of_scene.push_back(std::move(n));
   }
-  for (size_t i = 0; i < reached.size(); ++i)
-    if (reached[i] && !placed[i])
-      d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
-  if (children > 0)
-    warnings.push_back(
-        counted(children, "node", "is a root of the scene and a child",
-                "are roots of the scene and children") +
-        (children == 1 ? ": placed once, below its parent" : ": placed once, below their parents"));
+  for (size_t i = 0; i < placed.size(); ++i)
+    if (!placed[i]) d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
   return out;
 }
 
 namespace {
 
 constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, floats | signed_shares};
+constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
 constexpr Numbers kScales = {"scales", 3};
 
 size_t count_of(const Document& d, size_t accessor) {

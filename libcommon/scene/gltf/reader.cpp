@@ -16,7 +16,6 @@
 #include "libcommon/scene/gltf/materials.h"
 #include "libcommon/scene/gltf/meshes.h"
 #include "libcommon/scene/gltf/nodes.h"
-#include "libcommon/scene/gltf/skins.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -30,13 +29,13 @@ constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / 
 
 /// Hash of where everything stands that light meets or comes from, of what moves at all: cameras
 /// aside. Places of nodes, not of vertices: cheap in a scene of any size.
-std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes) {
+std::string hash_of_pose(const Document& d, const PlacedNodes& nodes) {
   std::string bytes;
   const auto add = [&](const auto& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   };
   std::set<size_t> skins;
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const Node& node = d.nodes[n.node];
     const bool counts = n.visible && (node.mesh != kNone || node.holds_light());
     if (!counts) continue;
@@ -44,9 +43,8 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
     for (const double w : node.weights) add(w);
     if (node.skin != kNone) skins.insert(node.skin);
   }
-  NodeMaps maps(d, nodes);
   for (const size_t skin : skins)
-    for (const size_t joint : d.skins[skin].joints) add(maps.to_world(joint));
+    for (const size_t joint : d.skins[skin].joints) add(nodes.to_world[joint]);
   return content_hash(bytes);
 }
 
@@ -60,21 +58,16 @@ std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
       number_words(last, 3));
 }
 
-/// Cameras of nodes, still in metres, with distinct names, and how many are left out.
-struct Cameras {
-  std::vector<Camera> cameras;
-  size_t orthographic = 0, flat = 0;  ///< flat: the node's transform leaves it no direction
-};
-
-Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
-  Cameras all;
+/// Perspective cameras of nodes, still in metres, with distinct names.
+std::vector<Camera> read_cameras(const Document& d, const PlacedNodes& nodes, Notes& notes) {
+  std::vector<Camera> all;
   DistinctNames names;
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const Node& node = d.nodes[n.node];
     if (node.camera == kNone) continue;
     const Lens& lens = d.cameras[node.camera];
     if (!lens.perspective) {
-      ++all.orthographic;
+      notes.add("orthographic cameras are left out", place("nodes", n.node));
       continue;
     }
     Camera out;
@@ -84,13 +77,13 @@ Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
     out.forward = direction_of(-n.to_world.z);
     out.right = direction_of(cross(out.forward, direction_of(n.to_world.y)));
     if (out.right == Vec3d()) {
-      ++all.flat;
+      notes.add("cameras with a flat transform are left out", place("nodes", n.node));
       continue;
     }
     out.up = cross(out.right, out.forward);
     out.yfov = lens.yfov;
     out.aspect = lens.aspect;
-    all.cameras.push_back(out);
+    all.push_back(out);
   }
   return all;
 }
@@ -98,20 +91,19 @@ Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), lights_(document, scene) {}
+      : d_(document), scene_(scene), notes_(document.notes), lights_(document, scene, notes_) {}
 
   void run() {
-    const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
+    const PlacedNodes nodes = place_nodes(d_);
     if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
-    std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
+    std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_, notes_);
     uses.emplace_back();  // default for surfaces without a material
-    Meshes meshes = read_meshes(d_, nodes, scene_, uses);
-    const Cameras cameras = read_cameras(d_, nodes);
-    scene_.cameras = cameras.cameras;
-    for (const PlacedNode& n : nodes)
+    Meshes meshes = read_meshes(d_, nodes, scene_, uses, notes_);
+    scene_.cameras = read_cameras(d_, nodes, notes_);
+    for (const PlacedNode& n : nodes.of_scene)
       if (n.visible) lights_.add(n);
     if (meshes.unnamed_material) scene_.materials.emplace_back().name = "default";
-    for (const PlacedNode& n : nodes)
+    for (const PlacedNode& n : nodes.of_scene)
       if (n.visible) lights_.add_area_light(n, meshes.world);
     uses.resize(std::max(uses.size(), scene_.materials.size()));
     fill_attributes(meshes.world.size(), scene_);
@@ -126,7 +118,10 @@ class SceneReader {
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
     scene_.needs = needs_of(scene_);
-    warn(meshes, cameras);
+    if (meshes.unnamed_material)
+      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
+    const std::vector<std::string> sentences = notes_.sentences();
+    scene_.warnings.insert(scene_.warnings.end(), sentences.begin(), sentences.end());
   }
 
  private:
@@ -249,36 +244,21 @@ class SceneReader {
   }
 
   void drop_flat_triangles() {
-    dropped_ = std::erase_if(scene_.triangles, [&](const Triangle& t) {
+    const size_t dropped = std::erase_if(scene_.triangles, [&](const Triangle& t) {
       const Vec3d p(scene_.positions[t.vertex[0]]);
       const Vec3d n =
           cross(Vec3d(scene_.positions[t.vertex[1]]) - p, Vec3d(scene_.positions[t.vertex[2]]) - p);
       return !(length(n) > 0);
     });
     if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
-  }
-
-  void warn(const Meshes& meshes, const Cameras& cameras) {
-    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
-      if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
-    };
-    if (meshes.unnamed_material)
-      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
-    add(dropped_, "triangle", "without area is left out", "without area are left out");
-    scene_.warnings.insert(scene_.warnings.end(), meshes.warnings.begin(), meshes.warnings.end());
-    add(cameras.orthographic, "orthographic camera", "is left out", "are left out");
-    add(cameras.flat, "camera", "is left out, as its transform is flat",
-        "are left out, as their transforms are flat");
-    add(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
-        "emit a radiance below 1e-30, which counts as none");
-    add(lights_.flat(), "lamp", "is left out, as its transform is flat",
-        "are left out, as their transforms are flat");
+    if (dropped > 0)
+      scene_.warnings.push_back(counted(dropped, "triangle") + " without area: left out");
   }
 
   const Document& d_;
   Scene& scene_;
+  Notes notes_;
   LightReader lights_;
-  size_t dropped_ = 0;  // triangles without area
 };
 
 }  // namespace
@@ -304,10 +284,8 @@ Scene SceneFile::at(std::optional<double> seconds) {
   scene.path = impl_->path;
   scene.hash = document.hash;
   scene.files = document.files;
-  scene.warnings = document.warnings;
   scene.defaults = defaults_of(document.json, impl_->path);
-  scene.warnings.insert(scene.warnings.end(), scene.defaults.warnings.begin(),
-                        scene.defaults.warnings.end());
+  scene.warnings = scene.defaults.warnings;
   const Motion motion = impl_->go_to(seconds.value_or(0));
   scene.animations = motion.animations;
   scene.moves = motion.moves;
@@ -321,9 +299,9 @@ Scene SceneFile::at(std::optional<double> seconds) {
 SceneFile::Glance SceneFile::glance_at(double seconds) {
   Document& document = impl_->document;
   const bool moves = impl_->go_to(seconds).moves;
-  std::vector<std::string> ignored;
-  const std::vector<PlacedNode> nodes = place_nodes(document, ignored);
-  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes).cameras};
+  Notes ignored;
+  const PlacedNodes nodes = place_nodes(document);
+  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes, ignored)};
 }
 
 Scene read_gltf(const std::string& path, const Pose& pose) {

@@ -151,35 +151,34 @@ TextureReader::Decoded& TextureReader::decoded(size_t index) {
   return d;
 }
 
-std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, Fault& fault) {
-  Texture out;
-  const Source& texture = sources_[info.texture];
-  fault = {info.uv_set > 1, ""};
-  if (fault.far_uv_set) return {};
-  const Decoded* found = nullptr;
-  for (const size_t source : texture.images) {
-    const Decoded& tried = decoded(source);
-    if (fault.image.empty()) fault.image = tried.fault;
-    if (!tried.fault.empty()) continue;
-    found = &tried;
-    out.image = source;
-    break;
+std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, std::string& fault) {
+  if (info.uv_set > 1) {
+    fault = fmt::format("on TEXCOORD_{}", info.uv_set);
+    return {};
   }
-  if (!found && fault.image.empty()) fault.image = "without an image";
-  if (!found) return {};
-  fault.image.clear();
-  const Decoded& image = *found;
-
-  out.map = texture.map;
-  out.map.transform = info.transform;
-  out.map.srgb = srgb;
-  out.map.uv_set = static_cast<uint8_t>(info.uv_set);
-  out.uniform = image.uniform;
-  out.encoded = image.first;
-  for (size_t c = 0; c < 4; ++c)
-    out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
-  out.least_alpha = linear_of_byte()[image.least_alpha];
-  return out;
+  const Source& texture = sources_[info.texture];
+  std::string first_fault = "without an image";
+  for (const size_t source : texture.images) {
+    const Decoded& image = decoded(source);
+    if (!image.fault.empty()) {
+      if (source == texture.images.front()) first_fault = image.fault;
+      continue;
+    }
+    Texture out;
+    out.image = source;
+    out.map = texture.map;
+    out.map.transform = info.transform;
+    out.map.srgb = srgb;
+    out.map.uv_set = static_cast<uint8_t>(info.uv_set);
+    out.uniform = image.uniform;
+    out.encoded = image.first;
+    for (size_t c = 0; c < 4; ++c)
+      out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
+    out.least_alpha = linear_of_byte()[image.least_alpha];
+    return out;
+  }
+  fault = first_fault;
+  return {};
 }
 
 TextureMap TextureReader::keep(const Texture& texture) {

@@ -40,16 +40,10 @@ class TextureReader {
   /// Reads textures, samplers and images of the file, without decoding any. Throws InputError.
   TextureReader(const Document& document, Scene& scene);
 
-  /// Why there is no texture.
-  struct Fault {
-    bool far_uv_set = false;  ///< it asks for a third set of texture coordinates
-    std::string image;        ///< describes its image: "KTX2, which is not read"; else empty
-  };
-
   /// The texture that `info` names, from the first of its images that can be decoded. Empty if
-  /// there is none; then `fault` says why. Throws InputError if an image lies outside the scene's
-  /// folder or its buffer, or if all images together have too many texels.
-  std::optional<Texture> read(const TextureInfo& info, bool srgb, Fault& fault);
+  /// there is none; then `fault` says why: "KTX2, which is not read". Throws InputError if an image
+  /// lies outside the scene's folder or its buffer, or if all images together have too many texels.
+  std::optional<Texture> read(const TextureInfo& info, bool srgb, std::string& fault);
 
   /// The texture's map, after adding its image to scene.images.
   TextureMap keep(const Texture& texture);
