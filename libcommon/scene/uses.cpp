@@ -10,12 +10,17 @@
 namespace tdpt {
 namespace {
 
-// "2 of 5 materials shine".
-std::string share(size_t n, size_t of, const char* noun, const char* do_what) {
-  return fmt::format("{} of {} {} {}", n, of, noun, do_what);
+/// Whether something uses a feature, and why: "2 of 5 materials shine".
+struct Need {
+  bool used;
+  std::string reason;
+};
+
+Need share(size_t n, size_t of, const char* noun, const char* do_what) {
+  return {n > 0, fmt::format("{} of {} {} {}", n, of, noun, do_what)};
 }
 
-std::string of_materials(const Scene& s, bool (*which)(const Material&), const char* do_what) {
+Need of_materials(const Scene& s, bool (*which)(const Material&), const char* do_what) {
   const auto n = std::count_if(s.materials.begin(), s.materials.end(), which);
   return share(static_cast<size_t>(n), s.materials.size(), "materials", do_what);
 }
@@ -24,10 +29,10 @@ bool textured(const Material& m) {
   return std::any_of(m.maps.begin(), m.maps.end(), [](const TextureMap& map) { return bool(map); });
 }
 
-// A word of Scene::needs, how many things require it, and what is saved if none does.
+/// A feature, whether a scene needs it, and what is saved if not.
 struct Use {
   std::string_view word;
-  std::string (*who)(const Scene&);
+  Need (*need)(const Scene&);
   const char* saved;
 };
 
@@ -80,7 +85,8 @@ constexpr std::array kUses{
         "none is interpolated"},
     Use{"punctual lights",
         [](const Scene& s) {
-          return fmt::format("the scene has {} without surface", counted(s.lights.size(), "lamp"));
+          return Need{!s.lights.empty(), fmt::format("the scene has {} without surface",
+                                                     counted(s.lights.size(), "lamp"))};
         },
         "none is drawn"},
     Use{"absorption",
@@ -105,8 +111,8 @@ constexpr std::array kUses{
         "each emitter is even"},
     Use{"a sky",
         [](const Scene& s) {
-          return std::string(s.sky ? "an environment or a sun is given"
-                                   : "neither an environment nor a sun is given");
+          return Need{s.sky != nullptr, s.sky ? "an environment or a sun is given"
+                                              : "neither an environment nor a sun is given"};
         },
         "what leaves the scene is dropped"}};
 
@@ -118,14 +124,20 @@ std::vector<std::string_view> all_needs() {
   return words;
 }
 
+std::vector<std::string> needs_of(const Scene& scene) {
+  std::vector<std::string> words;
+  for (const Use& use : kUses)
+    if (use.need(scene).used) words.emplace_back(use.word);
+  return words;
+}
+
 cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& words) {
   cli::Decisions decisions;
   for (const Use& use : kUses) {
     if (std::find(words.begin(), words.end(), use.word) == words.end()) continue;
-    const bool used =
-        std::find(scene.needs.begin(), scene.needs.end(), use.word) != scene.needs.end();
+    const auto [used, reason] = use.need(scene);
     decisions.push_back(
-        {std::string(use.word), used ? "used" : "left out", use.who(scene), used ? "" : use.saved});
+        {std::string(use.word), used ? "used" : "left out", reason, used ? "" : use.saved});
   }
   return decisions;
 }

@@ -25,13 +25,6 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
-// Specular-glossiness is read as metallic-roughness with extensions. The extension defines
-//   c_diff = diffuse (1 - max specular),  F0 = specular,  F90 = 1,  alpha = (1 - glossiness)^2:
-// a dielectric with an infinite index of refraction, `specular` as specular colour and c_diff as
-// base colour. One texture holds specular (RGB) and glossiness (A); unless it is uniform, the
-// renderer evaluates both at each point [Material::glossy_map].
-constexpr const char* kGlossiness = "KHR_materials_pbrSpecularGlossiness";
-
 // An index of refraction of 0 means an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
 
@@ -62,7 +55,6 @@ class MaterialReader {
     m.double_sided = v["doubleSided"].boolean(false);
     read_left_out(v);
     use.unlit = used && v.extension("KHR_materials_unlit");
-    glossy_ = !use.unlit && v.extension(kGlossiness);
     conductor_ = read_conductor(v);
     read_base(v, m);
     if (use.unlit) {
@@ -147,10 +139,8 @@ class MaterialReader {
   }
 
   void read_base(const Value& v, Material& m) {
-    const Value pbr = v["pbrMetallicRoughness"], glossiness = v.extension(kGlossiness);
-    const std::vector<double> base = pbr["baseColorFactor"].numbers(4, 0),
-                              diffuse = glossiness["diffuseFactor"].numbers(4, 0);
-    std::vector<double> rgba = glossy_ ? diffuse : base;
+    const Value pbr = v["pbrMetallicRoughness"];
+    std::vector<double> rgba = pbr["baseColorFactor"].numbers(4, 0);
     if (rgba.empty()) rgba = {1, 1, 1, 1};
     const Vec3d colour =
         conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
@@ -162,12 +152,11 @@ class MaterialReader {
     m.alpha_cutoff = factor(v["alphaCutoff"], 0.5);
     if (!opaque) m.alpha = static_cast<float>(std::min(rgba[3], 1.0));
     const bool matters = !is_black(m.base_color) || !opaque;
-    const auto fold = [&](const std::array<float, 4>& texel) {
-      multiply(m, MAP_BASE, texel);
-      if (!opaque) m.alpha *= texel[3];
-    };
-    texture(pbr, "baseColorTexture", matters && !glossy_, true, MAP_BASE, fold);
-    texture(glossiness, "diffuseTexture", matters && glossy_, true, MAP_BASE, fold);
+    texture(pbr, "baseColorTexture", matters, true, MAP_BASE,
+            [&](const std::array<float, 4>& texel) {
+              multiply(m, MAP_BASE, texel);
+              if (!opaque) m.alpha *= texel[3];
+            });
   }
 
   void read_lobes(const Value& v, Material& m) {
@@ -182,32 +171,17 @@ class MaterialReader {
     m.specular = factor(specular["specularFactor"], 1, 1);
     m.specular_color = Rgb(min(triple(specular["specularColorFactor"], 1), Vec3d(1e6)));
     m.transmission = factor(transmission["transmissionFactor"], 0, 1);
-    const Value glossiness = v.extension(kGlossiness);
-    const Vec3d glossy_color = min(triple(glossiness["specularFactor"], 1), Vec3d(1e6));
-    const double glossy = glossiness["glossinessFactor"].number(1, 0, 1);
-    if (glossy_) {  // excludes the other extensions
-      m.metallic = m.ior = m.transmission = 0;
-      m.specular = 1;
-      m.specular_color = Rgb(glossy_color);
-      m.roughness = static_cast<float>(1 - glossy);
-    }
     if (conductor_) m.metallic = 1;
     if (m.ior == 0) m.ior = kInfiniteIor;
     if (m.ior == 1) m.specular = 0;
     // A metal has no dielectric reflection and no transmission.
-    const bool metal_map = !glossy_ && pbr["metallicRoughnessTexture"];
+    const bool metal_map = bool(pbr["metallicRoughnessTexture"]);
     const bool dielectric = m.metallic < 1 || metal_map;
     const bool reflects = m.specular > 0 && dielectric;
     if (!dielectric) m.transmission = 0;
-    texture(specular, "specularTexture", reflects && !glossy_, false, MAP_SPECULAR, m);
-    texture(specular, "specularColorTexture", reflects && !glossy_ && !is_black(m.specular_color),
-            true, MAP_SPECULAR_COLOR, m);
-    float alpha = 1;  // of a uniform texture
-    texture(glossiness, "specularGlossinessTexture", reflects && glossy_, true, MAP_SPECULAR_COLOR,
-            [&](const std::array<float, 4>& texel) {
-              multiply(m, MAP_SPECULAR_COLOR, texel);
-              alpha = texel[3];
-            });
+    texture(specular, "specularTexture", reflects, false, MAP_SPECULAR, m);
+    texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color), true,
+            MAP_SPECULAR_COLOR, m);
     texture(transmission, "transmissionTexture", m.transmission > 0, false, MAP_TRANSMISSION, m);
     const bool shines = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
     texture(pbr, "metallicRoughnessTexture",
@@ -219,17 +193,6 @@ class MaterialReader {
         maps_[map].reset();
     }
     read_volume(v.extension("KHR_materials_volume"), m);
-    if (glossy_) finish_glossiness(maps_[MAP_SPECULAR_COLOR].has_value(), alpha, m);
-  }
-
-  /// Applies the factor (1 - max specular) and the texture's glossiness. If `map`, both are
-  /// evaluated at each point; else at once, with `alpha` that of a uniform texture, which the
-  /// specular colour already contains.
-  static void finish_glossiness(bool map, float alpha, Material& m) {
-    m.glossy_map = map;
-    if (map) return;
-    m.roughness = 1 - (1 - m.roughness) * alpha;
-    m.base_color = m.base_color * std::max(1 - max_component(m.specular_color), 0.0f);
   }
 
   /// Absorption per metre: attenuationColor is the transmittance over attenuationDistance.
@@ -352,8 +315,7 @@ class MaterialReader {
   std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the current material
   std::string called_;                                         // name of the current material
   std::optional<Index> conductor_;                             // of the current one
-  bool glossy_ = false;  // the current one is specular-glossiness
-  bool counts_ = false;  // what is read of it matters
+  bool counts_ = false;                                        // what is read of it matters
 };
 
 }  // namespace
@@ -381,30 +343,6 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool maps = m.maps[MAP_BASE] || m.maps[MAP_EMISSION] || m.maps[MAP_NORMAL];
   m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
-}
-
-std::vector<std::string> needs_of(const Scene& scene) {
-  const auto any = [&](const auto& wants) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), wants);
-  };
-  std::vector<std::string> out;
-  const auto say = [&](bool needed, const char* word) {
-    if (needed) out.push_back(word);
-  };
-  say(!scene.images.empty(), "textures");
-  say(!scene.smooth.empty(), "shading normals");
-  say(any([](const Material& m) { return m.metallic > 0 || m.specular > 0; }), "specular");
-  say(any([](const Material& m) { return m.transmission > 0; }), "transmission");
-  say(any([](const Material& m) { return m.coat > 0; }), "clear coat");
-  say(any([](const Material& m) { return m.sheened(); }), "sheen");
-  say(any([](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; }), "alpha");
-  say(!scene.colours.empty(), "vertex colours");
-  say(!scene.lights.empty(), "punctual lights");
-  say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
-  say(any([](const Material& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; }),
-      "normal maps");
-  say(any([](const Material& m) { return bool(m.maps[MAP_EMISSION]); }), "textured emission");
-  return out;
 }
 
 }  // namespace tdpt::gltf

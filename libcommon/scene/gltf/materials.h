@@ -31,7 +31,4 @@ std::vector<MaterialUse> read_materials(const Document& document, const std::vec
 /// sets `plain` if nothing but base colour and emission matters.
 void finish_material(const MaterialUse& use, Material& material);
 
-/// Words for Scene::needs, always in the same order.
-std::vector<std::string> needs_of(const Scene& scene);
-
 }  // namespace tdpt::gltf

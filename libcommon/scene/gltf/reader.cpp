@@ -117,7 +117,6 @@ class SceneReader {
     bring_to_canonical(meshes.world, meshes.grain);
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
-    scene_.needs = needs_of(scene_);
     if (meshes.unnamed_material)
       scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
     const std::vector<std::string> sentences = notes_.sentences();
