@@ -4,7 +4,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/base/provenance.h"
-#include "libcommon/scene/gltf/images.h"
+#include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"

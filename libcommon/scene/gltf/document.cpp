@@ -39,27 +39,15 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_node_visibility",
                                    "EXT_mesh_gpu_instancing"};
 
-std::vector<std::string> read_texts(const Value& list) {
-  std::vector<std::string> out;
-  for (const Value& v : list.items()) out.push_back(v.text());
-  return out;
-}
-
-bool contains(const std::vector<std::string>& names, const char* name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 void read_version(const Value& root) {
   const Value version = root["asset"].needed()["version"].needed();
   if (const std::string text = version.text(); text != "2" && !text.starts_with("2."))
     version.fail("\"2.0\"");
 }
 
-void read_extensions(Document& d) {
-  const std::vector<std::string> required = read_texts(d.root()["extensionsRequired"]);
-  d.draco_required = contains(required, "KHR_draco_mesh_compression");
-  for (const std::string& name : required)
-    if (!is_supported(name))
+void check_extensions(const Document& d) {
+  for (const Value& v : d.root()["extensionsRequired"].items())
+    if (const std::string name = v.text(); !is_supported(name))
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));
@@ -192,7 +180,7 @@ void open_document(const std::string& path, Document& d,
   read_section(d, "bufferViews", d.views, read_view);
   read_section(d, "meshes", d.meshes, read_mesh);
   read_animations(d, animations);
-  read_extensions(d);
+  check_extensions(d);
   load_buffers(d, chunks);
   decode_draco_primitives(d);
 }

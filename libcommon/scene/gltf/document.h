@@ -165,7 +165,6 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
   std::vector<Animation> animations;
-  bool draco_required = false;  ///< KHR_draco_mesh_compression
 
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews decoded so far
   mutable size_t bytes_unpacked = 0;               ///< sum over all of them
@@ -252,9 +251,7 @@ bool is_read_attribute(const std::string& name);
 /// `read`: the primitive but for its extension.
 std::optional<Draco> read_draco(const Value& primitive, const Primitive& read);
 
-/// Decodes what Draco compressed, so that its accessors are like any others. A primitive whose
-/// accessors all have a bufferView is used uncompressed, unless Draco is required. Throws
-/// InputError.
+/// Decodes what Draco compressed, so that its accessors are like any others. Throws InputError.
 void decode_draco_primitives(Document& document);
 
 /// Whether a buffer is only a fallback for compressed bufferViews. It may have no bytes.

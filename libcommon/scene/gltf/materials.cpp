@@ -94,23 +94,20 @@ class MaterialReader {
     return out;
   }
 
-  /// Multiplies the factors of `map` by a texture, if there is one and it `matters`; calls `fold`
-  /// with the value of one that is uniform, which is no map any more.
-  template <class Fold>
-  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
-               const Fold& fold) {
+  /// Reads a texture of the current material, if there is one and it `matters`, as its map. Returns
+  /// what its factors are to be multiplied by: the value of a uniform texture, which is no map.
+  std::array<float, 4> texture(const Value& owner, const char* name, bool matters, uint32_t map) {
+    const bool srgb = map == MAP_BASE || map == MAP_EMISSION || map == MAP_SPECULAR_COLOR ||
+                      map == MAP_SHEEN_COLOR;
     const TextureInfo info = read_texture_info(owner[name]);
-    if (!info || !matters || !counts_) return;
+    if (!info || !matters || !counts_) return {1, 1, 1, 1};
     const std::optional<Texture> t = decode(info, srgb, name);
-    if (t && t->uniform)
-      fold(t->value);
-    else
-      maps_[map] = t;
+    if (t && t->image->uniform) return t->value;
+    maps_[map] = t;
+    return {1, 1, 1, 1};
   }
-  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
-               Material& m) {
-    texture(owner, name, matters, srgb, map,
-            [&](const std::array<float, 4>& v) { multiply(m, map, v); });
+  void texture(const Value& owner, const char* name, bool matters, uint32_t map, Material& m) {
+    multiply(m, map, texture(owner, name, matters, map));
   }
 
   /// A complex index of refraction for red, green and blue, in the extras: both parts or neither.
@@ -152,11 +149,9 @@ class MaterialReader {
     m.alpha_cutoff = factor(v["alphaCutoff"], 0.5);
     if (!opaque) m.alpha = static_cast<float>(std::min(rgba[3], 1.0));
     const bool matters = !is_black(m.base_color) || !opaque;
-    texture(pbr, "baseColorTexture", matters, true, MAP_BASE,
-            [&](const std::array<float, 4>& texel) {
-              multiply(m, MAP_BASE, texel);
-              if (!opaque) m.alpha *= texel[3];
-            });
+    const std::array<float, 4> texel = texture(pbr, "baseColorTexture", matters, MAP_BASE);
+    multiply(m, MAP_BASE, texel);
+    if (!opaque) m.alpha *= texel[3];
   }
 
   void read_lobes(const Value& v, Material& m) {
@@ -179,14 +174,14 @@ class MaterialReader {
     const bool dielectric = m.metallic < 1 || metal_map;
     const bool reflects = m.specular > 0 && dielectric;
     if (!dielectric) m.transmission = 0;
-    texture(specular, "specularTexture", reflects, false, MAP_SPECULAR, m);
-    texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color), true,
+    texture(specular, "specularTexture", reflects, MAP_SPECULAR, m);
+    texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color),
             MAP_SPECULAR_COLOR, m);
-    texture(transmission, "transmissionTexture", m.transmission > 0, false, MAP_TRANSMISSION, m);
+    texture(transmission, "transmissionTexture", m.transmission > 0, MAP_TRANSMISSION, m);
     const bool shines = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
     texture(pbr, "metallicRoughnessTexture",
-            metal_map && (m.metallic > 0 || (shines && m.roughness > 0)), false,
-            MAP_METALLIC_ROUGHNESS, m);
+            metal_map && (m.metallic > 0 || (shines && m.roughness > 0)), MAP_METALLIC_ROUGHNESS,
+            m);
     if (m.metallic >= 1 && !maps_[MAP_METALLIC_ROUGHNESS]) {
       m.transmission = 0;
       for (const uint32_t map : {MAP_SPECULAR, MAP_SPECULAR_COLOR, MAP_TRANSMISSION})
@@ -211,20 +206,18 @@ class MaterialReader {
   void read_coat(const Value& v, Material& m) {
     m.coat = factor(v["clearcoatFactor"], 0, 1);
     const float roughness = factor(v["clearcoatRoughnessFactor"], 0, 1);
-    texture(v, "clearcoatTexture", m.coat > 0, false, MAP_COAT, m);
+    texture(v, "clearcoatTexture", m.coat > 0, MAP_COAT, m);
     if (m.coat > 0) m.coat_roughness = roughness;
-    texture(v, "clearcoatRoughnessTexture", m.coat > 0 && roughness > 0, false, MAP_COAT_ROUGHNESS,
-            m);
+    texture(v, "clearcoatRoughnessTexture", m.coat > 0 && roughness > 0, MAP_COAT_ROUGHNESS, m);
     normal_map(v, "clearcoatNormalTexture", m.coat > 0, MAP_COAT_NORMAL, m.coat_normal_scale);
   }
 
   void read_sheen(const Value& v, Material& m) {
     m.sheen_color = Rgb(min(triple(v["sheenColorFactor"], 0), Vec3d(1)));
     const float roughness = factor(v["sheenRoughnessFactor"], 0, 1);
-    texture(v, "sheenColorTexture", m.sheened(), true, MAP_SHEEN_COLOR, m);
+    texture(v, "sheenColorTexture", m.sheened(), MAP_SHEEN_COLOR, m);
     if (m.sheened()) m.sheen_roughness = roughness;
-    texture(v, "sheenRoughnessTexture", m.sheened() && roughness > 0, false, MAP_SHEEN_ROUGHNESS,
-            m);
+    texture(v, "sheenRoughnessTexture", m.sheened() && roughness > 0, MAP_SHEEN_ROUGHNESS, m);
   }
 
   void read_normal_map(const Value& v, Material& m) {
@@ -242,8 +235,8 @@ class MaterialReader {
     const std::optional<Texture> t = decode(info, false, name);
     // Bytes cannot represent "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t b) { return b == 127 || b == 128; };
-    const bool flat =
-        t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128;
+    const bool flat = t && t->image->uniform && level(t->image->first[0]) &&
+                      level(t->image->first[1]) && t->image->first[2] > 128;
     if (!flat) maps_[map] = t;
   }
 
@@ -269,10 +262,8 @@ class MaterialReader {
     const double strength =
         v.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0);
     Vec3d radiance = triple(v["emissiveFactor"], 0) * strength;
-    texture(v, "emissiveTexture", max_component(radiance) > 0, true, MAP_EMISSION,
-            [&](const std::array<float, 4>& texel) {
-              radiance = radiance * Vec3d(texel[0], texel[1], texel[2]);
-            });
+    const auto texel = texture(v, "emissiveTexture", max_component(radiance) > 0, MAP_EMISSION);
+    radiance = radiance * Vec3d(texel[0], texel[1], texel[2]);
     if (!counts_) return;
     if (!(max_component(radiance) <= kBrightestEmission))
       v.fail_because(
@@ -294,9 +285,10 @@ class MaterialReader {
   }
 
   void keep_maps(Material& m, MaterialUse& use) {
-    use.least_alpha = m.alpha * (base() ? base()->least_alpha : 1);
+    const float least = base() ? linear_of_byte()[base()->image->least_alpha] : 1;
+    use.least_alpha = m.alpha * least;
     // An opaque texture cuts no holes; if the colour is black, it is not needed.
-    if (base() && is_black(m.base_color) && base()->least_alpha >= 1) base().reset();
+    if (is_black(m.base_color) && least >= 1) base().reset();
     for (size_t k = 0; k < maps_.size(); ++k) {
       if (!maps_[k]) continue;
       m.maps[k] = textures_.keep(*maps_[k]);

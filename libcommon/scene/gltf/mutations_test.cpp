@@ -5,7 +5,7 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/scene/gltf/images.h"
+#include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/scene/uses.h"
 #include "libcommon/testing/files/glb_builder.h"

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "libcommon/base/file.h"
-#include "libcommon/scene/gltf/images.h"
 #include "libcommon/scene/texture.h"
 
 namespace tdpt::gltf {
@@ -113,7 +112,7 @@ std::string_view TextureReader::bytes_of(size_t index, std::string& owned) {
   return owned;
 }
 
-void TextureReader::decode(size_t index, Decoded& out) {
+void TextureReader::decode(size_t index, DecodedImage& out) {
   const std::string where = place("images", index);
   std::string owned;
   std::string_view bytes;
@@ -138,9 +137,9 @@ void TextureReader::decode(size_t index, Decoded& out) {
   if (!out.image) out.fault = fault_of_image(bytes);
 }
 
-TextureReader::Decoded& TextureReader::decoded(size_t index) {
+DecodedImage& TextureReader::decoded(size_t index) {
   const auto [it, is_new] = known_.try_emplace(index);
-  Decoded& d = it->second;
+  DecodedImage& d = it->second;
   if (!is_new) return d;
   decode(index, d);
   if (!d.image) return d;
@@ -159,22 +158,19 @@ std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, s
   const Source& texture = sources_[info.texture];
   std::string first_fault = "without an image";
   for (const size_t source : texture.images) {
-    const Decoded& image = decoded(source);
+    DecodedImage& image = decoded(source);
     if (!image.fault.empty()) {
       if (source == texture.images.front()) first_fault = image.fault;
       continue;
     }
     Texture out;
-    out.image = source;
+    out.image = &image;
     out.map = texture.map;
     out.map.transform = info.transform;
     out.map.srgb = srgb;
     out.map.uv_set = static_cast<uint8_t>(info.uv_set);
-    out.uniform = image.uniform;
-    out.encoded = image.first;
     for (size_t c = 0; c < 4; ++c)
       out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
-    out.least_alpha = linear_of_byte()[image.least_alpha];
     return out;
   }
   fault = first_fault;
@@ -182,7 +178,7 @@ std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, s
 }
 
 TextureMap TextureReader::keep(const Texture& texture) {
-  Decoded& d = known_.at(texture.image);
+  DecodedImage& d = *texture.image;
   if (d.kept < 0) {
     d.kept = static_cast<int32_t>(scene_.images.size());
     scene_.images.push_back(std::move(*d.image));
