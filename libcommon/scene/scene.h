@@ -177,8 +177,6 @@ struct SceneDefaults {
   int width = 0, height = 0;  ///< pixels; 0: not set
   std::string camera;         ///< a camera's name; empty: not set
 
-  std::vector<std::string> warnings;  ///< sentences: settings that are ignored
-
   /// Whether an environment is set, other than "none".
   bool has_environment() const { return !environment.empty() && environment != "none"; }
   std::string place_of(const char* key) const { return place + "." + key; }

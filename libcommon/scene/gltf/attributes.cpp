@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/attributes.h"
+#include "libcommon/scene/gltf/meshes.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,7 +1,6 @@
 #include "libcommon/scene/gltf/defaults.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -19,26 +18,14 @@ namespace {
 using gltf::Json;
 using gltf::Value;
 
-constexpr std::array kKeys{"tdpt_environment",
-                           "tdpt_environment_rotation",
-                           "tdpt_environment_scale",
-                           "tdpt_width",
-                           "tdpt_height",
-                           "tdpt_camera"};
-
-/// Extras of the default scene, if they are there.
+/// Extras of the default scene; absent if it has none.
 std::optional<Value> extras_of(const std::string& file, const Json& gltf) {
-  const auto member = [](const Json& owner, const char* name) {
-    return owner.is_object() && owner.contains(name) ? &owner[name] : nullptr;
-  };
-  const Json *const scenes = member(gltf, "scenes"), *const shown = member(gltf, "scene");
-  const double index = shown && shown->is_number() ? shown->get<double>() : 0;
-  if (!scenes || !scenes->is_array() ||
-      !(index >= 0 && index < static_cast<double>(scenes->size())))
-    return {};
-  const Value scene = Value(file, gltf)["scenes"].items()[static_cast<size_t>(index)];
-  if (!scene.json().is_object() || !scene["extras"].json().is_object()) return {};
-  return scene["extras"];
+  const Value root(file, gltf);
+  const std::vector<Value> scenes = root["scenes"].items();
+  if (scenes.empty()) return {};
+  const size_t shown = root["scene"].index("scenes");
+  const Value extras = scenes[shown == tdpt::gltf::kNone ? 0 : shown]["extras"];
+  return extras.json().is_object() ? std::optional(extras) : std::nullopt;
 }
 
 /// A colour as an array becomes "R,G,B".
@@ -78,16 +65,6 @@ void find_environment_file(const std::string& file, SceneDefaults& d) {
   }
 }
 
-void warn_of_meaningless(const Json& extras, SceneDefaults& d) {
-  for (const auto& [key, value] : extras.items())
-    if (key.starts_with("tdpt_") && std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end())
-      d.warnings.push_back(fmt::format("{}.{} means nothing, expected one of {}", d.place,
-                                       shown(key, 60), fmt::join(kKeys, ", ")));
-  for (const char* key : {"tdpt_environment_rotation", "tdpt_environment_scale"})
-    if (d.environment.empty() && extras.contains(key))
-      d.warnings.push_back(d.place_of(key) + " means nothing without tdpt_environment");
-}
-
 }  // namespace
 
 SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
@@ -110,7 +87,6 @@ SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
   d.camera = (*extras)["tdpt_camera"].text();
   d.environment = read_environment((*extras)["tdpt_environment"]);
   find_environment_file(file, d);
-  warn_of_meaningless(extras->json(), d);
   return d;
 }
 

@@ -207,6 +207,19 @@ TEST(Leniency, FaultsInWhatNothingUsesAreErrors) {
   }
 }
 
+// The format says that an accessor without a bufferView holds zeros.
+TEST(Leniency, IndicesWithoutABufferView) {
+  EXPECT_EQ(
+      told([](GlbBuilder& b) {
+        const int zeros = static_cast<int>(b.json["accessors"].size());
+        b.json["accessors"].push_back({{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
+        Json primitive = b.json["meshes"][0]["primitives"][0];
+        primitive["indices"] = zeros;
+        b.mesh(primitive);
+      }),
+      Sentences{});
+}
+
 TEST(Leniency, CornersThatMakeNoTriangle) {
   const Sentences expected{"corners that make no triangle are left out: meshes[0].primitives[0]"};
   EXPECT_EQ(told([](GlbBuilder& b) {

@@ -22,7 +22,7 @@ constexpr double kLeast = 1e-30, kMost = 1e30;  // intensities
 // two bytes.
 constexpr uint64_t kMostPerByte = 40;
 constexpr const char* kFlatLight = "lights with a flat transform are left out";
-constexpr size_t kCorners = kMostOfAreaLight - 1;  // of a disk
+constexpr uint32_t kCorners = kMostOfAreaLight - 1;  // of a disk
 // Of light that meets one. Renderers whose area lights stop none let it pass; a black light over a
 // room of albedo 0.7 took 2.5 % of that room's light, one that reflects as the room does 0.1 %.
 constexpr float kAlbedo = 0.8f;
@@ -46,18 +46,6 @@ std::optional<Affine> axes_of_light(const Affine& map) {
   if (x == Vec3d()) x = direction_of(cross(direction_of(map.y), z));
   if (z == Vec3d() || x == Vec3d()) return {};
   return Affine{x, cross(z, x), z, map.t};
-}
-
-/// The largest factor by which the map stretches an axis.
-double scale_of(const Affine& map) {
-  return std::max({length(map.x), length(map.y), length(map.z)});
-}
-
-/// Circumscribed radius of a regular polygon with the area of a disk of radius 1: n corners have
-/// the area n/2 R^2 sin(2 pi / n) = pi.
-double radius_of_polygon() {
-  const double turn = 2 * pi / kCorners;
-  return std::sqrt(turn / std::sin(turn));
 }
 
 }  // namespace
@@ -86,7 +74,7 @@ LightReader::Lamp LightReader::read_lamp(const Value& v) {
 }
 
 LightReader::Profile LightReader::read_profile(const Value& v) {
-  const Profile out{v["name"].text(), v["uri"].text(), v["bufferView"].index("bufferViews")};
+  const Profile out{v["name"].text(), v["uri"].text(), v["bufferView"].index("bufferViews"), {}};
   if (out.view == kNone) v["uri"].needed("a profile needs one or a bufferView");
   return out;
 }
@@ -129,9 +117,8 @@ void LightReader::add_lamp(const PlacedNode& n, const Lamp& lamp) {
 }
 
 std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
-  const Profile& p = profiles_[index];
-  std::shared_ptr<const LightProfile>& known = known_[{p.view, p.view == kNone ? p.uri : ""}];
-  if (known) return known;
+  Profile& p = profiles_[index];
+  if (p.read) return p.read;
   const std::string where = fmt::format("extensions.{}.{}", kIes, place("lights", index));
   std::string file, owned;
   if (p.view == kNone) owned = read_uri(d_, p.uri, where + ".uri", file);
@@ -143,9 +130,9 @@ std::shared_ptr<const LightProfile> LightReader::profile(size_t index) {
   bytes_of_profiles_ += text.size();
   expect_memory(d_.file, where, fmt::format("{} bytes of profiles", bytes_of_profiles_),
                 kMostPerByte * bytes_of_profiles_);
-  known = std::make_shared<LightProfile>(
+  p.read = std::make_shared<LightProfile>(
       read_ies(text, file.empty() ? d_.file : file, file.empty() ? where : ""));
-  return known;
+  return p.read;
 }
 
 void LightReader::add_luminaire(const PlacedNode& n, const Luminaire& luminaire) {
@@ -210,7 +197,8 @@ void LightReader::add_area_light(const PlacedNode& n, std::vector<Vec3d>& world)
     return notes_.add(kFaint, place("nodes", n.node));
   const std::optional<Affine> axes = axes_of_light(n.to_world);
   if (!axes) return notes_.add(kFlatLight, place("nodes", n.node));
-  const double size = l.size * scale_of(n.to_world);
+  const double size =
+      l.size * std::max({length(n.to_world.x), length(n.to_world.y), length(n.to_world.z)});
   scene_.area_lights.push_back(
       {static_cast<uint32_t>(scene_.materials.size()), size * size * (l.disk ? pi / 4 : l.aspect)});
   Material& m = scene_.materials.emplace_back();
@@ -218,39 +206,32 @@ void LightReader::add_area_light(const PlacedNode& n, std::vector<Vec3d>& world)
   m.base_color = Rgb(kAlbedo);
   m.emission = Rgb(l.radiance);
 
-  // Counter-clockwise as seen from -Z.
-  std::vector<Vec3d> corners;
-  const auto add = [&](double x, double y) { corners.push_back(axes->point({x, y, 0})); };
+  // Counter-clockwise as seen from -Z: a rectangle, or a disk around its first corner.
+  const auto first = static_cast<uint32_t>(world.size());
+  const auto add_corner = [&](double x, double y) {
+    world.push_back(axes->point({x, y, 0}));
+    if (!is_finite(world.back()))
+      d_.fail(place("nodes", n.node), "its transform takes an area light beyond double precision");
+  };
+  const auto add_triangle = [&](uint32_t b, uint32_t c) {
+    scene_.triangles.push_back({{first, first + b, first + c}, scene_.area_lights.back().material});
+  };
   const double y = 0.5 * size, x = y * l.aspect;
   if (!l.disk) {
-    add(-x, -y), add(-x, y), add(x, y), add(x, -y);
-    return add_corners(n, corners, world);
+    add_corner(-x, -y), add_corner(-x, y), add_corner(x, y), add_corner(x, -y);
+    add_triangle(1, 2), add_triangle(2, 3);
+    return;
   }
-  const double radius = y * radius_of_polygon();
-  add(0, 0);
-  for (size_t i = 0; i < kCorners; ++i) {
-    const double angle = -2 * pi * static_cast<double>(i) / kCorners;
-    add(radius * std::cos(angle), radius * std::sin(angle));
+  // A regular polygon of n corners has the area n/2 R^2 sin(2 pi / n), which is pi for the disk of
+  // radius 1.
+  constexpr double kTurn = 2 * pi / kCorners;
+  const double radius = y * std::sqrt(kTurn / std::sin(kTurn));
+  add_corner(0, 0);
+  for (uint32_t i = 0; i < kCorners; ++i) {
+    const double angle = -2 * pi * i / kCorners;
+    add_corner(radius * std::cos(angle), radius * std::sin(angle));
+    add_triangle(1 + i, 1 + (i + 1) % kCorners);
   }
-  add_corners(n, corners, world);
-}
-
-/// A rectangle, or a disk whose first corner is its centre.
-void LightReader::add_corners(const PlacedNode& n, const std::vector<Vec3d>& corners,
-                              std::vector<Vec3d>& world) {
-  const auto first = static_cast<uint32_t>(world.size());
-  for (const Vec3d& p : corners) {
-    if (!is_finite(p))
-      d_.fail(place("nodes", n.node), "its transform takes an area light beyond double precision");
-    world.push_back(p);
-  }
-  const uint32_t material = scene_.area_lights.back().material;
-  const auto add = [&](uint32_t b, uint32_t c) {
-    scene_.triangles.push_back({{first, first + b, first + c}, material});
-  };
-  const auto last = static_cast<uint32_t>(corners.size()) - 1;
-  for (uint32_t i = 1; i < last; ++i) add(i, i + 1);
-  if (last == kCorners) add(last, 1);
 }
 
 }  // namespace tdpt::gltf

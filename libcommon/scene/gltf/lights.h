@@ -1,10 +1,8 @@
 // KHR_lights_punctual, EXT_lights_ies and EXT_lights_area (a draft: KhronosGroup/glTF, pull request
 // 2525). Internal to this room.
 #pragma once
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "libcommon/scene/gltf/document.h"
@@ -45,6 +43,7 @@ class LightReader {
   struct Profile {
     std::string name, uri;
     size_t view = kNone;  ///< kNone: the uri counts
+    std::shared_ptr<const LightProfile> read;
   };
   struct AreaLamp {
     std::string name;
@@ -57,8 +56,6 @@ class LightReader {
   static AreaLamp read_area_lamp(const Value& light);
   void add_lamp(const PlacedNode& node, const Lamp& lamp);
   void add_luminaire(const PlacedNode& node, const Luminaire& luminaire);
-  void add_corners(const PlacedNode& node, const std::vector<Vec3d>& corners,
-                   std::vector<Vec3d>& world);
   std::shared_ptr<const LightProfile> profile(size_t index);
 
   const Document& d_;
@@ -68,8 +65,6 @@ class LightReader {
   std::vector<Profile> profiles_;
   std::vector<AreaLamp> area_lamps_;
   uint64_t bytes_of_profiles_ = 0;
-  std::map<std::pair<size_t, std::string>, std::shared_ptr<const LightProfile>>
-      known_;  // by view, uri
 };
 
 /// asset.generator; empty: not given.

@@ -13,7 +13,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
-#include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/lights.h"
 
 namespace tdpt::gltf {
@@ -41,36 +40,6 @@ size_t bytes_of(const AttributeSet& set) {
   for (size_t k = kNormal; k < kAttributes; ++k)
     if (set.accessors[k] != kNone) bytes += kAttributeComponents[k] * sizeof(float);
   return bytes;
-}
-
-constexpr double kOpen = 1e-4;  // share of the extent; above it the surface is open
-// V / A^1.5 is 0.094 for a ball and 0.068 for a cube, but 0.0034 for a square pane, a box a
-// hundredth as thick as wide: for that, a thin sheet on each side is right.
-constexpr double kFlatVolume = 0.01;
-
-// A closed surface has no border: each edge is passed once each way, wherever the seams are, so the
-// integral of any field along the edges of all triangles is 0. The field here is a wave that fits
-// no symmetry: area vectors would cancel as well for panes in opposite walls, and for walls without
-// a lid. Of a closed surface the volume does not depend on the origin.
-bool encloses(const std::vector<uint32_t>& corners, const std::vector<Vec3d>& world,
-              uint32_t first) {
-  const Vec3d origin = world[first + corners[0]];
-  const auto at = [&](size_t i) { return world[first + corners[i]] - origin; };
-  double area = 0, volume = 0;
-  for (size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const Vec3d p = at(i), twice = cross(at(i + 1) - p, at(i + 2) - p);
-    area += 0.5 * length(twice);
-    volume += dot(p, twice) / 6;
-  }
-  const double extent = std::sqrt(area);
-  const Vec3d wave = Vec3d{1, 1.7, 2.6} / extent;
-  Vec3d border(0);
-  for (size_t i = 0; i + 2 < corners.size(); i += 3)
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d a = at(i + k), b = at(i + (k + 1) % 3);
-      border += (b - a) * std::cos(dot(wave, a + b));
-    }
-  return length(border) <= kOpen * extent && std::abs(volume) > kFlatVolume * std::pow(area, 1.5);
 }
 
 class MeshReader {
@@ -206,7 +175,6 @@ class MeshReader {
       const size_t vertices = d_.accessors[position].count;
       const std::vector<uint32_t> corner = corners(p, vertices, where);
       add_triangles(corner, first, placing.mirrors, material_of(p));
-      if (p.material != kNone) note_bubble(scene_.materials[material_of(p)], corner, first);
       note_grain(placing.to_world, position, corner, first);
       note_primitive(where, p, set, deformation);
     }
@@ -299,17 +267,6 @@ class MeshReader {
       notes_.add("vertex colours of unlit materials are left out", where);
     if (deformation.skinned && set.joints.empty())
       notes_.add("primitives of skinned meshes without joints are placed by their node", where);
-  }
-
-  /// Finds glass objects modelled as thin sheets: closed transmitting surfaces whose material
-  /// lacks KHR_materials_volume. The format defines these as bubbles; usually a solid was meant.
-  void note_bubble(const Material& m, const std::vector<uint32_t>& corner, uint32_t first) {
-    const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
-    if (thin_glass && !corner.empty() && encloses(corner, out_.world, first))
-      notes_.add(
-          "closed meshes of glass without a thickness (KHR_materials_volume) are soap "
-          "bubbles, not solid",
-          "material \"" + shown(m.name, 60) + '"');
   }
 
   const Document& d_;

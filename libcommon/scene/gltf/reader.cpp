@@ -9,7 +9,6 @@
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/gltf/document.h"
 #include "libcommon/scene/gltf/lights.h"
@@ -284,7 +283,6 @@ Scene SceneFile::at(std::optional<double> seconds) {
   scene.hash = document.hash;
   scene.files = document.files;
   scene.defaults = defaults_of(document.json, impl_->path);
-  scene.warnings = scene.defaults.warnings;
   const Motion motion = impl_->go_to(seconds.value_or(0));
   scene.animations = motion.animations;
   scene.moves = motion.moves;
