@@ -200,15 +200,15 @@ std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbe
   return read_all<double>(d, accessor, n, true, first, count);
 }
 
-std::vector<float> read_floats(const Document& d, size_t accessor, const Numbers& n) {
-  std::vector<float> out = read_all<float>(d, accessor, n, false);
+std::vector<float> read_floats(const Document& d, size_t accessor, const Numbers& n, size_t count) {
+  std::vector<float> out = read_all<float>(d, accessor, n, false, 0, count);
   if (n.fourth && d.accessors[accessor].type == ElementType::vec3)
     for (size_t i = 3; i < out.size(); i += 4) out[i] = static_cast<float>(*n.fourth);
   return out;
 }
 
-std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
-  return read_all<Vec3d>(d, accessor, {"positions", 3}, true);
+std::vector<Vec3d> read_positions(const Document& d, size_t accessor, size_t count) {
+  return read_all<Vec3d>(d, accessor, {"positions", 3}, true, 0, count);
 }
 
 std::vector<uint32_t> read_indices(const Document& d, size_t accessor, size_t vertices) {

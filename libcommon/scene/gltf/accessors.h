@@ -24,11 +24,13 @@ struct Numbers {
 std::vector<double> read_numbers(const Document& document, size_t accessor, const Numbers& numbers,
                                  size_t first = 0, size_t count = SIZE_MAX);
 
-/// All elements as stored: not necessarily finite.
-std::vector<float> read_floats(const Document& document, size_t accessor, const Numbers& numbers);
+/// The first `count` elements as stored: not necessarily finite.
+std::vector<float> read_floats(const Document& document, size_t accessor, const Numbers& numbers,
+                               size_t count);
 
-/// Vertex positions, or what is added to them. All are finite.
-std::vector<Vec3d> read_positions(const Document& document, size_t accessor);
+/// Vertex positions, or what is added to them, `count` (default: all). All are finite.
+std::vector<Vec3d> read_positions(const Document& document, size_t accessor,
+                                  size_t count = SIZE_MAX);
 
 /// Vertex indices, each below `vertices`.
 std::vector<uint32_t> read_indices(const Document& document, size_t accessor, size_t vertices);

@@ -77,13 +77,14 @@ Accessors find_attributes(const Attributes& attributes) {
 
 /// With the deltas of morph targets.
 std::vector<float> read_attribute(const Document& d, const AttributeSet& set, AttributeKind kind) {
-  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind]);
+  const size_t vertices = d.accessors[set.accessors[kPosition]].count;
+  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind], vertices);
   const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
   bool moved = false;
   for (const MorphTarget& t : set.targets) {
     if (t.accessors[kind] == kNone) continue;
     moved = true;
-    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind]);
+    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind], vertices);
     for (size_t i = 0; i < delta.size(); ++i) {
       float& v = out[components * (i / n) + i % n];
       v = static_cast<float>(double{v} + t.weight * double{delta[i]});
@@ -108,15 +109,14 @@ void add_normals(const Document& d, const AttributeSet& set, const Placing& plac
 }  // namespace
 
 AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
-                               const Deformation& deformation) {
+                               const std::vector<double>& weights, bool skinned) {
   AttributeSet set;
   Accessors& a = set.accessors = find_attributes(p.attributes);
   if (!use.tangents || a[kNormal] == kNone) a[kTangent] = kNone;  // meaningless without normals
   for (size_t k = 0; k < 2; ++k)
     if (!use.uv[k]) a[kTexCoord0 + k] = kNone;
   if (!use.colours) a[kColour] = kNone;
-  if (deformation.skinned) set.joints = joint_sets_of(p);
-  const std::vector<double>& weights = deformation.weights;
+  if (skinned) set.joints = joint_sets_of(p);
   for (size_t i = 0; i < std::min(p.targets.size(), weights.size()); ++i) {
     if (weights[i] == 0) continue;
     MorphTarget& t = set.targets.emplace_back();
@@ -125,26 +125,6 @@ AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
       if (a[k] == kNone) t.accessors[k] = kNone;  // a delta of an absent attribute has no effect
   }
   return set;
-}
-
-void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
-  const auto count = [&](size_t accessor) { return d.accessors[accessor].count; };
-  const size_t vertices = count(set.accessors[kPosition]);
-  const auto check = [&](size_t accessor, const char* owner, const std::string& name) {
-    if (accessor != kNone && count(accessor) != vertices)
-      d.fail(where + "." + owner + "." + name,
-             fmt::format("has {}, expected {} as POSITION has",
-                         tdpt::counted(count(accessor), "element"), vertices));
-  };
-  const auto check_all = [&](const Accessors& accessors, const char* owner) {
-    for (size_t k = 0; k < kAttributes; ++k) check(accessors[k], owner, kAttributeNames[k]);
-  };
-  check_all(set.accessors, "attributes");
-  for (size_t k = 0; k < set.joints.size(); ++k) {
-    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
-    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
-  }
-  for (const MorphTarget& t : set.targets) check_all(t.accessors, "targets");
 }
 
 void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
@@ -236,7 +216,7 @@ void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targ
   for (const MorphTarget& t : targets) {
     const size_t accessor = t.accessors[kPosition];
     if (accessor == kNone) continue;
-    const std::vector<Vec3d> deltas = read_positions(d, accessor);
+    const std::vector<Vec3d> deltas = read_positions(d, accessor, positions.size());
     for (size_t i = 0; i < deltas.size(); ++i) positions[i] += deltas[i] * t.weight;
   }
 }

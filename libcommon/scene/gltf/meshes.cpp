@@ -73,17 +73,16 @@ class MeshReader {
       }
       const size_t mesh = mesh_of(d_, n);
       if (mesh == kNone) continue;
-      const Deformation deformation = deformation_of(n.node);
       // Clamped so that no product overflows.
       const size_t times =
-          deformation.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
+          is_skinned(n.node) ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
       std::set<AttributeSet> seen;
       for (const Primitive& p : d_.meshes[mesh].primitives) {
         const size_t position = find_attribute(p.attributes, "POSITION");
         if (position == kNone) continue;
         const size_t points = std::min(count(position), kMostVertices + 1);
         if (p.is_surface()) {
-          const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
+          const AttributeSet set = attributes_of(p, n.node);
           bends += std::min(times * points, kMostVertices + 1) *
                        (set.targets.size() + set.joints.size()) +
                    p.targets.size();
@@ -117,8 +116,10 @@ class MeshReader {
     scene_.triangles.reserve(triangles);
   }
 
-  Deformation deformation_of(size_t node) const {
-    return {morph_weights(d_, node), d_.nodes[node].skin != kNone};
+  bool is_skinned(size_t node) const { return d_.nodes[node].skin != kNone; }
+
+  AttributeSet attributes_of(const Primitive& p, size_t node) const {
+    return choose_attributes(p, uses_[material_of(p)], morph_weights(d_, node), is_skinned(node));
   }
 
   const std::vector<Primitive>& primitives_of(const PlacedNode& n) const {
@@ -130,20 +131,18 @@ class MeshReader {
   }
 
   void add_node(const PlacedNode& n) {
-    const Deformation deformation = deformation_of(n.node);
-    if (deformation.skinned) {  // the extension does not define instances of skinned meshes
+    if (is_skinned(n.node)) {  // the extension does not define instances of skinned meshes
       if (instances_declared(d_, n.node) > 1)
         notes_.add("instances of skinned meshes are left out", place("nodes", n.node));
-      add_mesh(n, deformation, {});
+      add_mesh(n, {});
       return;
     }
     const auto& primitives = primitives_of(n);
     if (std::any_of(primitives.begin(), primitives.end(), std::mem_fn(&Primitive::is_surface)))
-      for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
+      for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, to_world);
   }
 
-  void add_mesh(const PlacedNode& n, const Deformation& deformation,
-                const std::optional<Affine>& to_world) {
+  void add_mesh(const PlacedNode& n, const std::optional<Affine>& to_world) {
     const size_t mesh = d_.nodes[n.node].mesh;
     struct Shared {
       uint32_t first;
@@ -160,8 +159,7 @@ class MeshReader {
         notes_.add("primitives without POSITION are left out", where);
         continue;
       }
-      const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
-      check_counts(d_, set, where);
+      const AttributeSet set = attributes_of(p, n.node);
       auto it = known.find(set);
       if (it == known.end()) {
         const auto first = static_cast<uint32_t>(out_.world.size());
@@ -176,7 +174,7 @@ class MeshReader {
       const std::vector<uint32_t> corner = corners(p, vertices, where);
       add_triangles(corner, first, placing.mirrors, material_of(p));
       note_grain(placing.to_world, position, corner, first);
-      note_primitive(where, p, set, deformation);
+      note_primitive(where, p, set, is_skinned(n.node));
     }
   }
 
@@ -189,7 +187,8 @@ class MeshReader {
     const size_t skin = d_.nodes[n.node].skin;
     std::vector<Affine>& joints = skins_[skin];
     if (joints.empty()) joints = joint_maps(d_, skin, nodes_);
-    std::vector<Affine> of_vertices = blend_joints(d_, joints, set.joints);
+    std::vector<Affine> of_vertices =
+        blend_joints(d_, joints, set.joints, d_.accessors[set.accessors[kPosition]].count);
     const auto mirrored = std::count_if(of_vertices.begin(), of_vertices.end(),
                                         [](const Affine& a) { return a.mirrors(); });
     return {joints.front(), 2 * mirrored > std::ssize(of_vertices), std::move(of_vertices)};
@@ -256,7 +255,7 @@ class MeshReader {
   }
 
   void note_primitive(const std::string& where, const Primitive& p, const AttributeSet& set,
-                      const Deformation& deformation) {
+                      bool skinned) {
     MaterialUse& use = uses_[material_of(p)];
     out_.unnamed_material |= p.material == kNone;
     note_colours(d_, set, use);
@@ -265,7 +264,7 @@ class MeshReader {
         notes_.add("texture coordinates that a material asks for are missing, taken as 0", where);
     if (use.unlit && p.attributes.contains("COLOR_0"))
       notes_.add("vertex colours of unlit materials are left out", where);
-    if (deformation.skinned && set.joints.empty())
+    if (skinned && set.joints.empty())
       notes_.add("primitives of skinned meshes without joints are placed by their node", where);
   }
 

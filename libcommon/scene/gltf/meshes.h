@@ -63,15 +63,10 @@ struct AttributeSet {
   auto operator<=>(const AttributeSet&) const = default;
 };
 
-/// How a mesh is deformed: morph targets and skin.
-struct Deformation {
-  const std::vector<double>& weights;  ///< of its morph targets
-  bool skinned = false;
-};
-
 /// Selects what a material needs of a primitive, which has a POSITION.
+/// `weights`: of the mesh's morph targets.
 AttributeSet choose_attributes(const Primitive& primitive, const MaterialUse& use,
-                               const Deformation& deformation);
+                               const std::vector<double>& weights, bool skinned);
 
 /// Transforms of vertices: one for all, or with a skin one per vertex.
 struct Placing {
@@ -82,9 +77,6 @@ struct Placing {
     return of_vertices.empty() ? to_world : of_vertices[vertex];
   }
 };
-
-/// Throws InputError if an attribute has another count than POSITION. `place`: of the primitive.
-void check_counts(const Document& document, const AttributeSet& set, const std::string& place);
 
 /// Appends all attributes of a set but the positions, for the vertices from `first` on.
 void add_attributes(const Document& document, const AttributeSet& set, const Placing& placing,

@@ -61,7 +61,7 @@ std::vector<Affine> joint_maps(const Document& document, size_t skin, const Plac
 /// The map of each vertex that follows these joints. Joints of weight 0 are ignored; a vertex
 /// without any weight follows its first joint. Throws InputError for joints that do not exist.
 std::vector<Affine> blend_joints(const Document& document, const std::vector<Affine>& joints,
-                                 const std::vector<JointSet>& sets);
+                                 const std::vector<JointSet>& sets, size_t vertices);
 
 // Animations: the pose of the nodes at a time (glTF 2.0, section 3.11 and appendix C).
 //

@@ -47,18 +47,14 @@ std::vector<Affine> joint_maps(const Document& d, size_t skin, const PlacedNodes
 }
 
 std::vector<Affine> blend_joints(const Document& d, const std::vector<Affine>& joints,
-                                 const std::vector<JointSet>& sets) {
-  std::vector<Affine> out;
-  std::vector<double> total, lone;  // lone: the first joint of each vertex
+                                 const std::vector<JointSet>& sets, size_t vertices) {
+  std::vector<Affine> out(vertices, {{}, {}, {}, {}});
+  std::vector<double> total(vertices), lone;  // lone: the first joint of each vertex
   for (const JointSet& set : sets) {
-    const std::vector<double> joint = read_numbers(d, set.joints, kJoints);
-    const std::vector<double> weight = read_numbers(d, set.weights, kWeights);
-    const size_t vertices = joint.size() / 4;
-    if (out.empty()) {
-      out.assign(vertices, {{}, {}, {}, {}});
-      total.assign(vertices, 0);
+    const std::vector<double> joint = read_numbers(d, set.joints, kJoints, 0, vertices);
+    const std::vector<double> weight = read_numbers(d, set.weights, kWeights, 0, vertices);
+    if (lone.empty())
       for (size_t v = 0; v < vertices; ++v) lone.push_back(joint[4 * v]);
-    }
     for (size_t i = 0; i < joint.size(); ++i) {
       if (weight[i] == 0) continue;
       const auto k = static_cast<size_t>(joint[i]);

@@ -139,10 +139,10 @@ void joints(MalformedList& l) {
       "accessors[3].componentType: joints are of type 5126, expected 5121, 5123 or 5125");
   skinned(
       l, "joints-count", [](GlbBuilder& b) { b.json["accessors"][2]["count"] = 3; },
-      "meshes[0].primitives[0].attributes.JOINTS_0: has 3 elements, expected 4 as POSITION has");
+      "accessors[2]: count is 3, expected at least 4 joints");
   skinned(
       l, "weights-count", [](GlbBuilder& b) { b.json["accessors"][3]["count"] = 3; },
-      "meshes[0].primitives[0].attributes.WEIGHTS_0: has 3 elements, expected 4 as POSITION has");
+      "accessors[3]: count is 3, expected at least 4 weights");
   skinned(
       l, "weights-integers", [](GlbBuilder& b) { primitive(b)["attributes"]["WEIGHTS_0"] = 2; },
       "accessors[2].componentType: weights are of type 5121, expected 5126 (float), or 5120 to "
@@ -168,7 +168,7 @@ void morphs(MalformedList& l) {
       [](GlbBuilder& b) {
         add_target(b, b.floats({0, 0, 1}, 3));
       },
-      "meshes[0].primitives[0].targets.POSITION: has 1 element, expected 4 as POSITION has");
+      "accessors[2]: count is 1, expected at least 4 positions");
   l.spoil(
       "target-vec2",
       [](GlbBuilder& b) {

@@ -28,9 +28,8 @@ void attributes(MalformedList& l) {
         },
         expected);
   };
-  const std::string primitive = "meshes[0].primitives[0].attributes.";
   attribute("normals-count", "NORMAL", 5126, "VEC3", 3, 36,
-            primitive + "NORMAL: has 3 elements, expected 4 as POSITION has");
+            "accessors[2]: count is 3, expected at least 4 normals");
   attribute("normals-vec4", "NORMAL", 5126, "VEC4", 4, 64,
             "accessors[2].type: normals are not VEC3");
   attribute("normals-beyond", "NORMAL", 5126, "VEC3", 4, 44,
@@ -38,8 +37,8 @@ void attributes(MalformedList& l) {
             "44 bytes");
   attribute("texcoords-vec3", "TEXCOORD_0", 5126, "VEC3", 4, 48,
             "accessors[2].type: texture coordinates are not VEC2");
-  attribute("texcoords-count", "TEXCOORD_0", 5126, "VEC2", 5, 40,
-            primitive + "TEXCOORD_0: has 5 elements, expected 4 as POSITION has");
+  attribute("texcoords-count", "TEXCOORD_0", 5126, "VEC2", 3, 24,
+            "accessors[2]: count is 3, expected at least 4 texture coordinates");
   attribute("colours-vec2", "COLOR_0", 5126, "VEC2", 4, 32,
             "accessors[2].type: vertex colours are not VEC3 or VEC4");
   attribute("colours-signed", "COLOR_0", 5120, "VEC4", 4, 16,
