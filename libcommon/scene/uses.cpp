@@ -124,13 +124,6 @@ std::vector<std::string_view> all_needs() {
   return words;
 }
 
-std::vector<std::string> needs_of(const Scene& scene) {
-  std::vector<std::string> words;
-  for (const Use& use : kUses)
-    if (use.need(scene).used) words.emplace_back(use.word);
-  return words;
-}
-
 cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& words) {
   cli::Decisions decisions;
   for (const Use& use : kUses) {

@@ -1,6 +1,5 @@
 // For --explain: which features a scene uses, and what is therefore left out.
 #pragma once
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,8 +10,6 @@ namespace tdpt {
 
 /// Words for all features, in order.
 std::vector<std::string_view> all_needs();
-/// Those of the features that a scene needs of a renderer.
-std::vector<std::string> needs_of(const Scene& scene);
 
 /// A decision for each of `words`: a tool lists those that would cause it work.
 cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& words);

@@ -23,12 +23,6 @@ Scene with_everything() {
   return scene;
 }
 
-TEST(uses, says_every_word_that_a_scene_may_say) {
-  const Scene scene = with_everything();
-  const std::vector<std::string_view> words = all_needs();
-  EXPECT_EQ(std::vector<std::string>(words.begin(), words.end()), needs_of(scene));
-}
-
 TEST(uses, of_a_scene_with_everything_nothing_is_left_out) {
   for (const cli::Decision& d : uses_of(with_everything(), all_needs())) {
     EXPECT_EQ(d.chosen, "used") << d.what;

@@ -7,9 +7,9 @@
 #include "libcommon/base/error.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/scene/texture.h"
-#include "libcommon/scene/uses.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::attributes_test {
 

@@ -6,10 +6,10 @@
 #include "libcommon/scene/ies.h"
 #include "libcommon/scene/lights.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/scene/uses.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/ies_text.h"
 #include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::lights_test {
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "libcommon/scene/texture.h"
-#include "libcommon/scene/uses.h"
 #include "libcommon/testing/scenes/materials.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::maps_test {
 

@@ -1,8 +1,8 @@
 // How materials are converted, and the warnings and needs that they cause.
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/uses.h"
 #include "libcommon/testing/scenes/materials.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::materials_test {
 

@@ -7,12 +7,12 @@
 #include "libcommon/math/rng.h"
 #include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/scene.h"
-#include "libcommon/scene/uses.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/sound_scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"
 #include "libcommon/testing/scenes/materials.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::mutations_test {
 
