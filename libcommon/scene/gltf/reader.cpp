@@ -90,7 +90,7 @@ std::vector<Camera> read_cameras(const Document& d, const PlacedNodes& nodes, No
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), notes_(document.notes), lights_(document, scene, notes_) {}
+      : d_(document), scene_(scene), notes_(document.notes) {}
 
   void run() {
     const PlacedNodes nodes = place_nodes(d_);
@@ -99,15 +99,11 @@ class SceneReader {
     uses.emplace_back();  // default for surfaces without a material
     Meshes meshes = read_meshes(d_, nodes, scene_, uses, notes_);
     scene_.cameras = read_cameras(d_, nodes, notes_);
-    for (const PlacedNode& n : nodes.of_scene)
-      if (n.visible) lights_.add(n);
     if (meshes.unnamed_material) scene_.materials.emplace_back().name = "default";
-    for (const PlacedNode& n : nodes.of_scene)
-      if (n.visible) lights_.add_area_light(n, meshes.world);
+    read_lights(d_, nodes, scene_, meshes.world, notes_);
     uses.resize(std::max(uses.size(), scene_.materials.size()));
     fill_attributes(meshes.world.size(), scene_);
     scene_.by_blender = is_blender(generator_of(d_));
-    if (scene_.has_lamps()) scene_.lamp_units = lights_.units();
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     for (size_t i = 0; i < scene_.materials.size(); ++i)
       finish_material(uses[i], scene_.materials[i]);
@@ -256,7 +252,6 @@ class SceneReader {
   const Document& d_;
   Scene& scene_;
   Notes notes_;
-  LightReader lights_;
 };
 
 }  // namespace
