@@ -165,56 +165,43 @@ class Animator {
   std::map<size_t, Values> times_;  // by accessor: channels share them
 };
 
-/// Reads the channels of the animations, and leaves out those that move nothing.
-class ChannelReader {
- public:
-  explicit ChannelReader(Document& d) : d_(d) {}
+using Moved = std::set<std::pair<size_t, Channel::Path>>;  // nodes and what moves of them
 
-  void read(const Value& v, Animation& out) {
-    struct Sampler {
-      size_t input, output, way;
-    };
-    std::vector<Sampler> samplers;
-    for (const Value& s : v["samplers"].items())
-      samplers.push_back({s["input"].needed().index("accessors"),
-                          s["output"].needed().index("accessors"),
-                          s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0)});
-    for (const Value& c : v["channels"].items()) {
-      const Value target = c["target"].needed(), path = target["path"].needed();
-      const size_t node = target["node"].index("nodes");
-      const size_t sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
-      if (path.text() == "pointer") {
-        note("that move no node (KHR_animation_pointer)", out);
-        continue;
-      }
-      const auto moved = static_cast<Channel::Path>(
-          path.one_of({"translation", "rotation", "scale", "weights"}, 0));
-      if (node == kNone) continue;  // an extension says what it moves
-      const Sampler& s = samplers[sampler];
-      add({node, moved, s.input, s.output, static_cast<Channel::Way>(s.way)}, out);
+/// Reads the channels of an animation; leaves out those that move nothing, or what is `moved`.
+void read_channels(Document& d, const Value& v, Moved& moved, Animation& out) {
+  std::vector<Channel> samplers;  // without what they move
+  for (const Value& s : v["samplers"].items())
+    samplers.push_back({0,
+                        {},
+                        s["input"].needed().index("accessors"),
+                        s["output"].needed().index("accessors"),
+                        static_cast<Channel::Way>(
+                            s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0))});
+  const auto leave_out = [&](const char* which) {
+    d.notes.add(fmt::format("channels {} are left out", which),
+                fmt::format("animation \"{}\"", shown(out.name, 40)));
+  };
+  for (const Value& c : v["channels"].items()) {
+    const Value target = c["target"].needed(), path = target["path"].needed();
+    const size_t node = target["node"].index("nodes");
+    Channel channel = samplers[c["sampler"].needed().index_below(samplers.size(), "samplers")];
+    if (path.text() == "pointer") {
+      leave_out("that move no node (KHR_animation_pointer)");
+      continue;
     }
+    channel.path =
+        static_cast<Channel::Path>(path.one_of({"translation", "rotation", "scale", "weights"}, 0));
+    if (node == kNone) continue;  // an extension says what it moves
+    channel.node = node;
+    const bool weights = channel.path == Channel::Path::weights;
+    if (!moved.insert({node, channel.path}).second)
+      leave_out("that move what another one moves (--animation names those that count)");
+    else if (!weights && !d.nodes[node].matrix.empty())
+      leave_out("of nodes that have a matrix");
+    else if (!weights || d.nodes[node].mesh != kNone)
+      out.channels.push_back(channel);
   }
-
- private:
-  void note(const char* which, const Animation& animation) {
-    d_.notes.add(std::string("channels ") + which + " are left out",
-                 "animation \"" + shown(animation.name, 40) + '"');
-  }
-
-  void add(const Channel& c, Animation& out) {
-    const Node& n = d_.nodes[c.node];
-    const bool weights = c.path == Channel::Path::weights;
-    if (!moved_.insert({c.node, c.path}).second)
-      note("that move what another one moves (--animation names those that count)", out);
-    else if (!weights && !n.matrix.empty())
-      note("of nodes that have a matrix", out);
-    else if (!weights || n.mesh != kNone)
-      out.channels.push_back(c);
-  }
-
-  Document& d_;
-  std::set<std::pair<size_t, Channel::Path>> moved_;
-};
+}
 
 }  // namespace
 
@@ -231,10 +218,11 @@ void read_animations(Document& d, const std::vector<std::string>& wanted) {
       d.fail("animations", names.empty() ? fmt::format("there is none, expected \"{}\"", name)
                                          : fmt::format("none is called \"{}\", expected one of {}",
                                                        name, fmt::join(names, ", ")));
-  ChannelReader channels(d);
+  Moved moved;
   for (size_t i = 0; i < all.size(); ++i) {
     d.animations.push_back({names[i], {}});
-    if (wanted.empty() || has(wanted, names[i])) channels.read(all[i], d.animations.back());
+    if (wanted.empty() || has(wanted, names[i]))
+      read_channels(d, all[i], moved, d.animations.back());
   }
 }
 

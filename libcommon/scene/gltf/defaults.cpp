@@ -18,6 +18,13 @@ namespace {
 using gltf::Json;
 using gltf::Value;
 
+std::optional<float> number(std::string_view text) {
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
 /// Extras of the default scene; absent if it has none.
 std::optional<Value> extras_of(const std::string& file, const Json& gltf) {
   const Value root(file, gltf);
@@ -65,6 +72,20 @@ void find_environment_file(const std::string& file, SceneDefaults& d) {
   }
 }
 
+void add(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
+  using Pointer = nlohmann::json::json_pointer;
+  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
+    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
+      if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
+      const std::string uri = one["uri"].get<std::string>();
+      if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);
+    }
+}
+
 }  // namespace
 
 SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
@@ -89,17 +110,6 @@ SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
   find_environment_file(file, d);
   return d;
 }
-
-namespace {
-
-std::optional<float> number(std::string_view text) {
-  float value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
-}  // namespace
 
 bool means_colour(const std::string& text) {
   if (text.find('/') != std::string::npos) return false;
@@ -127,24 +137,6 @@ std::optional<Rgb> parse_colour(const std::string& text, std::string& expected) 
   expected = "a colour that is not black";
   return {};
 }
-
-namespace {
-
-void add(const std::string& name, std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-}
-
-void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
-  using Pointer = nlohmann::json::json_pointer;
-  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
-    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
-      if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
-      const std::string uri = one["uri"].get<std::string>();
-      if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);
-    }
-}
-
-}  // namespace
 
 SceneFiles files_of_scene(const std::string& path) {
   SceneFiles files;
