@@ -17,13 +17,6 @@ double largest(const Vec3d& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// `v` normalised; 0 if it has no direction.
-Vec3d unit_or_zero(const Vec3d& v) {
-  const double most = largest(v);
-  if (!(most > 0) || !std::isfinite(most) || !is_finite(v)) return {};
-  return normalize(v / most);
-}
-
 /// Inverse transpose of the linear part, up to a positive factor: the map for normals. The columns
 /// may differ by any power of ten, so they are scaled first. All 0 for a flat map.
 Affine normal_map_of(const Affine& a) {
@@ -36,12 +29,6 @@ Affine normal_map_of(const Affine& a) {
           cross(z, x) * (sign * (least / size.y)),
           cross(x, y) * (sign * (least / size.z)),
           {}};
-}
-
-/// Appends to an array that may have been unused so far.
-template <class T>
-void pad(std::vector<T>& array, size_t size, const T& value) {
-  array.resize(size, value);
 }
 
 constexpr std::array<float, 4> kWhite{1, 1, 1, 1};
@@ -102,7 +89,7 @@ void add_normals(const Document& d, const AttributeSet& set, const Placing& plac
     const Vec3d n{v[i], v[i + 1], v[i + 2]};
     const bool alone = !placing.of_vertices.empty();
     const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
-    scene.normals.push_back(Vec3f(unit_or_zero(to)));
+    scene.normals.push_back(Vec3f(direction_of(to)));
   }
 }
 
@@ -130,15 +117,15 @@ AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
 void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
                     size_t first, Scene& scene) {
   if (set.accessors[kNormal] != kNone) {
-    pad(scene.normals, first, Vec3f{});
+    scene.normals.resize(first, Vec3f{});
     add_normals(d, set, placing, scene);
   }
   if (set.accessors[kTangent] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kTangent);
     const float mirrored = placing.mirrors ? -1 : 1;
-    pad(scene.tangents, first, {0, 0, 0, 1});
+    scene.tangents.resize(first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
-      const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
+      const Vec3d t = direction_of(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
       scene.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
@@ -148,12 +135,12 @@ void add_attributes(const Document& d, const AttributeSet& set, const Placing& p
     if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k);
         set.accessors[kind] != kNone) {
       const std::vector<float> v = read_attribute(d, set, kind);
-      pad(scene.uv[k], first, {0, 0});
+      scene.uv[k].resize(first, {0, 0});
       for (size_t i = 0; i < v.size(); i += 2) scene.uv[k].push_back({v[i], v[i + 1]});
     }
   if (set.accessors[kColour] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kColour);
-    pad(scene.colours, first, kWhite);
+    scene.colours.resize(first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
       scene.colours.push_back(
           {within(v[i]), within(v[i + 1]), within(v[i + 2]), std::min(within(v[i + 3]), 1.0f)});
@@ -171,11 +158,11 @@ void note_colours(const Document& d, const AttributeSet& set, MaterialUse& use) 
 }
 
 void fill_attributes(size_t vertices, Scene& scene) {
-  if (!scene.normals.empty()) pad(scene.normals, vertices, Vec3f{});
-  if (!scene.tangents.empty()) pad(scene.tangents, vertices, {0, 0, 0, 1});
+  if (!scene.normals.empty()) scene.normals.resize(vertices, Vec3f{});
+  if (!scene.tangents.empty()) scene.tangents.resize(vertices, {0, 0, 0, 1});
   for (auto& uv : scene.uv)
-    if (!uv.empty()) pad(uv, vertices, {0, 0});
-  if (!scene.colours.empty()) pad(scene.colours, vertices, kWhite);
+    if (!uv.empty()) uv.resize(vertices, {0, 0});
+  if (!scene.colours.empty()) scene.colours.resize(vertices, kWhite);
 }
 
 void mark_smooth_triangles(Scene& scene) {

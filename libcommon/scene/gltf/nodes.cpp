@@ -134,7 +134,7 @@ std::vector<size_t> read_roots(const Document& d) {
 
 Vec3d direction_of(const Vec3d& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return largest > 0 ? normalize(v / largest) : Vec3d();
+  return largest > 0 && is_finite(v) ? normalize(v / largest) : Vec3d();
 }
 
 Affine local_map(const Document& d, size_t index) {

@@ -13,7 +13,7 @@ namespace tdpt::gltf {
 /// The map of a node into its parent. Throws InputError if it is invalid.
 Affine local_map(const Document& document, size_t node);
 
-/// `v` normalised, even if very long or short; 0 if it has no direction.
+/// `v` normalised, even if very long or short; 0 if it has no direction or is not finite.
 Vec3d direction_of(const Vec3d& v);
 
 struct PlacedNode {
