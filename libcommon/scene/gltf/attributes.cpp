@@ -125,7 +125,7 @@ void add_attributes(const Document& d, const AttributeSet& set, const Placing& p
     const float mirrored = placing.mirrors ? -1 : 1;
     scene.tangents.resize(first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
-      const Vec3d t = direction_of(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
+      const Vec3d t = direction_of(placing.map_of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
       scene.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});

@@ -131,7 +131,7 @@ struct Animation {
   std::vector<Channel> channels;
 };
 
-/// Of materials and area lights, in Notes.
+/// A note on materials and area lights.
 constexpr const char* kFaint = "a radiance below 1e-30 counts as none";
 
 /// What is approximated or left out, and the names of the parts of the file that it concerns.
@@ -239,8 +239,8 @@ std::vector<size_t> read_roots(const Document& document);
 Skin read_skin(const Value& skin);
 Mesh read_mesh(const Value& mesh);
 /// Needs nodes and accessors. Keeps the channels of the animations that are `wanted` (empty: all),
-/// and only the first that moves a given property of a node. Adds sentences to the warnings about
-/// those left out.
+/// and only the first that moves a given property of a node. Notes those
+/// left out.
 void read_animations(Document& document, const std::vector<std::string>& wanted);
 
 // Compression.

@@ -23,8 +23,9 @@ constexpr double kLeast = 1e-30, kMost = 1e30;  // intensities
 constexpr uint64_t kMostPerByte = 40;
 constexpr const char* kFlatLight = "lights with a flat transform are left out";
 constexpr uint32_t kCorners = kMostOfAreaLight - 1;  // of a disk
-// Of light that meets one. Renderers whose area lights stop none let it pass; a black light over a
-// room of albedo 0.7 took 2.5 % of that room's light, one that reflects as the room does 0.1 %.
+// An area light reflects so much. Renderers whose area lights stop none let it pass; a black light
+// over a room of albedo 0.7 took 2.5 % of that room's light, one that reflects as the room does 0.1
+// %.
 constexpr float kAlbedo = 0.8f;
 
 std::string excess(double intensity) {

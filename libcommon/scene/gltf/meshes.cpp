@@ -198,7 +198,7 @@ class MeshReader {
     std::vector<Vec3d> positions = read_positions(d_, set.accessors[kPosition]);
     add_position_deltas(d_, set.targets, positions);
     for (size_t i = 0; i < positions.size(); ++i) {
-      out_.world.push_back(placing.of(i).point(positions[i]));
+      out_.world.push_back(placing.map_of(i).point(positions[i]));
       if (!is_finite(out_.world.back()))
         d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
     }

@@ -73,7 +73,7 @@ struct Placing {
   Affine to_world;  ///< with a skin: that of its first joint
   bool mirrors = false;
   std::vector<Affine> of_vertices{};  ///< empty: to_world for all
-  const Affine& of(size_t vertex) const {
+  const Affine& map_of(size_t vertex) const {
     return of_vertices.empty() ? to_world : of_vertices[vertex];
   }
 };

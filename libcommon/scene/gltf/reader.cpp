@@ -109,7 +109,7 @@ class SceneReader {
       finish_material(uses[i], scene_.materials[i]);
     if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
       scene_.colours = {};
-    bring_to_canonical(meshes.world, meshes.grain);
+    move_to_canonical(meshes.world, meshes.grain);
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
     if (meshes.unnamed_material)
@@ -181,7 +181,7 @@ class SceneReader {
         "start {} m off surfaces, and the picture is wrong by about {} %; divide that triangle",
         number_words(size, 2), number_words(offset, 1), number_words(100 * offset / room, 1)));
   }
-  // Of the farthest corner, along an axis.
+  // Along an axis, to the farthest corner.
   static double distance_of(const Triangle& t, const std::vector<Vec3d>& world,
                             const Vec3d& middle) {
     double distance = 0;
@@ -202,7 +202,7 @@ class SceneReader {
     return middle;
   }
 
-  void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
+  void move_to_canonical(std::vector<Vec3d>& world, double grain) {
     Extent all;
     for (const Triangle& t : scene_.triangles)
       for (uint32_t v : t.vertex) all.add(world[v]);
