@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/materials.h"
+#include "libcommon/scene/gltf/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>

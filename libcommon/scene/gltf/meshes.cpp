@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/meshes.h"
+#include "libcommon/scene/gltf/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -13,7 +13,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
-#include "libcommon/scene/gltf/lights.h"
 
 namespace tdpt::gltf {
 

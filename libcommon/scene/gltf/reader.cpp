@@ -11,10 +11,8 @@
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/gltf/document.h"
-#include "libcommon/scene/gltf/lights.h"
-#include "libcommon/scene/gltf/materials.h"
-#include "libcommon/scene/gltf/meshes.h"
 #include "libcommon/scene/gltf/nodes.h"
+#include "libcommon/scene/gltf/parts.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {

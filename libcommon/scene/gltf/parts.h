@@ -1,5 +1,5 @@
-// Meshes of placed nodes, as world-space triangles, and their vertex attributes, gathered into the
-// scene's arrays. Internal to this room.
+// What a document holds of a scene: materials, meshes with their vertex attributes, and lights.
+// Internal to this room.
 #pragma once
 #include <array>
 #include <string>
@@ -8,11 +8,57 @@
 #include "libcommon/math/vec.h"
 #include "libcommon/scene/gltf/accessors.h"
 #include "libcommon/scene/gltf/document.h"
-#include "libcommon/scene/gltf/materials.h"
 #include "libcommon/scene/gltf/nodes.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt::gltf {
+
+// Materials: glTF 2.0 metallic-roughness and the supported extensions.
+
+/// What a material needs of the meshes that use it, and what they report back.
+struct MaterialUse {
+  std::array<bool, 2> uv{};  ///< sets of texture coordinates that its maps use
+  bool tangents = false;     ///< it has a normal map
+  bool colours = true;       ///< vertex colours would change it
+  bool alpha = false;        ///< it is not opaque
+  bool unlit = false;     ///< its base colour became emission, which vertex colours do not change
+  float least_alpha = 1;  ///< factor times the minimum of its texture
+  float least_vertex_alpha = 1;  ///< set by the meshes
+  bool coloured = false;         ///< set by the meshes: some vertex colour is not white
+};
+
+/// Appends a material for each in the file that is `used` (others keep their defaults), with the
+/// images that they use, and adds external image files to scene.hash. Absorption is still per
+/// metre. The result is parallel to the materials.
+std::vector<MaterialUse> read_materials(const Document& document, const std::vector<bool>& used,
+                                        Scene& scene, Notes& notes);
+
+/// Call when the vertex colours are known: makes a material opaque if alpha is 1 everywhere, and
+/// sets `plain` if nothing but base colour and emission matters.
+void finish_material(const MaterialUse& use, Material& material);
+
+// Lights: KHR_lights_punctual, EXT_lights_ies and EXT_lights_area (a draft: KhronosGroup/glTF, pull
+// request 2525).
+
+/// Upper bound on the vertices and on the triangles of an area light.
+constexpr size_t kMostOfAreaLight = 65;
+
+/// Adds the lights of visible nodes: punctual ones and luminaires, still in metres (position [m],
+/// intensity of points and spots [W/sr]), and area lights, with their vertices [m], as materials
+/// and triangles of their own. Lights that emit nothing are passed over; profiles in files beside
+/// the scene are listed in scene.files and change its hash. Throws InputError, for lights that no
+/// node holds, too.
+void read_lights(const Document& document, const PlacedNodes& nodes, Scene& scene,
+                 std::vector<Vec3d>& world, Notes& notes);
+
+/// asset.generator; empty: not given.
+std::string generator_of(const Document& document);
+
+/// Transforms a light to the canonical frame. Throws InputError if its intensity there is outside
+/// the range of single precision.
+void to_canonical(const Document& document, const Frame& frame, PunctualLight& light);
+
+// Meshes of placed nodes, as world-space triangles.
 
 /// Which materials the surfaces of visible meshes use.
 std::vector<bool> used_materials(const Document& document, const PlacedNodes& nodes);
