@@ -72,6 +72,10 @@ struct Material : shader::SurfaceMaterial {
   /// Indexed by MAP_* [surface_layout.h]; mapped.h says what each multiplies. Normal maps are in
   /// tangent space, RGB -> [-1,1].
   std::array<TextureMap, MAPS_OF_MATERIAL> maps;
+  /// A of the specular colour's map is glossiness: roughness is 1 - (1 - roughness) A, and the base
+  /// colour is multiplied by 1 - the largest component of the specular colour
+  /// [specular-glossiness].
+  bool glossy_map = false;
 };
 
 // Window panes: thin, smooth, colourless and uniform sheets. Light that is not reflected continues

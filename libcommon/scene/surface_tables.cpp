@@ -126,7 +126,7 @@ shader::SurfaceMaterial surface_material(const Material& m) {
   const bool absorbs = m.solid && max_component(m.absorption) > 0;
   r.flags = (m.plain ? MATERIAL_PLAIN : 0u) | (emits ? MATERIAL_EMITS : 0u) |
             (m.double_sided ? MATERIAL_DOUBLE_SIDED : 0u) | (m.solid ? MATERIAL_SOLID : 0u) |
-            (absorbs ? MATERIAL_ABSORBS : 0u);
+            (m.glossy_map ? MATERIAL_GLOSSY_MAP : 0u) | (absorbs ? MATERIAL_ABSORBS : 0u);
   if (const Pane pane = pane_of(m))
     r.pane_share = pane.share, r.pane_f0 = pane.f0, r.pane_f90 = pane.f90;
   return r;

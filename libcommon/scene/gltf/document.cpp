@@ -36,6 +36,7 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_texture_basisu",
                                    "MSFT_texture_dds",
                                    "KHR_texture_transform",
+                                   "KHR_materials_pbrSpecularGlossiness",
                                    "KHR_node_visibility",
                                    "EXT_mesh_gpu_instancing"};
 

@@ -25,6 +25,13 @@ constexpr LeftOut kLeftOut[] = {
     {"KHR_materials_diffuse_transmission", "diffuseTransmissionFactor", "diffuse transmission"},
     {"KHR_materials_volume_scatter", "multiscatterColor", "scattering in its volume"}};
 
+// Specular-glossiness is read as metallic-roughness with extensions. The extension defines
+//   c_diff = diffuse (1 - max specular),  F0 = specular,  F90 = 1,  alpha = (1 - glossiness)^2:
+// a dielectric with an infinite index of refraction, `specular` as specular colour and c_diff as
+// base colour. One texture holds specular (RGB) and glossiness (A); unless it is uniform, the
+// renderer evaluates both at each point [Material::glossy_map].
+constexpr const char* kGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
 // An index of refraction of 0 means an infinite one: all light is reflected.
 constexpr float kInfiniteIor = 1e6f;
 
@@ -55,6 +62,7 @@ class MaterialReader {
     m.double_sided = v["doubleSided"].boolean(false);
     read_left_out(v);
     use.unlit = used && v.extension("KHR_materials_unlit");
+    glossy_ = !use.unlit && v.extension(kGlossiness);
     conductor_ = read_conductor(v);
     read_base(v, m);
     if (use.unlit) {
@@ -136,8 +144,10 @@ class MaterialReader {
   }
 
   void read_base(const Value& v, Material& m) {
-    const Value pbr = v["pbrMetallicRoughness"];
-    std::vector<double> rgba = pbr["baseColorFactor"].numbers(4, 0);
+    const Value pbr = v["pbrMetallicRoughness"], glossiness = v.extension(kGlossiness);
+    const std::vector<double> base = pbr["baseColorFactor"].numbers(4, 0),
+                              diffuse = glossiness["diffuseFactor"].numbers(4, 0);
+    std::vector<double> rgba = glossy_ ? diffuse : base;
     if (rgba.empty()) rgba = {1, 1, 1, 1};
     const Vec3d colour =
         conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
@@ -149,7 +159,9 @@ class MaterialReader {
     m.alpha_cutoff = factor(v["alphaCutoff"], 0.5);
     if (!opaque) m.alpha = static_cast<float>(std::min(rgba[3], 1.0));
     const bool matters = !is_black(m.base_color) || !opaque;
-    const std::array<float, 4> texel = texture(pbr, "baseColorTexture", matters, MAP_BASE);
+    const std::array<float, 4> texel =
+        glossy_ ? texture(glossiness, "diffuseTexture", matters, MAP_BASE)
+                : texture(pbr, "baseColorTexture", matters, MAP_BASE);
     multiply(m, MAP_BASE, texel);
     if (!opaque) m.alpha *= texel[3];
   }
@@ -166,17 +178,28 @@ class MaterialReader {
     m.specular = factor(specular["specularFactor"], 1, 1);
     m.specular_color = Rgb(min(triple(specular["specularColorFactor"], 1), Vec3d(1e6)));
     m.transmission = factor(transmission["transmissionFactor"], 0, 1);
+    const Value glossiness = v.extension(kGlossiness);
+    const Vec3d glossy_color = min(triple(glossiness["specularFactor"], 1), Vec3d(1e6));
+    const double glossy = glossiness["glossinessFactor"].number(1, 0, 1);
+    if (glossy_) {  // excludes the other extensions
+      m.metallic = m.ior = m.transmission = 0;
+      m.specular = 1;
+      m.specular_color = Rgb(glossy_color);
+      m.roughness = static_cast<float>(1 - glossy);
+    }
     if (conductor_) m.metallic = 1;
     if (m.ior == 0) m.ior = kInfiniteIor;
     if (m.ior == 1) m.specular = 0;
     // A metal has no dielectric reflection and no transmission.
-    const bool metal_map = bool(pbr["metallicRoughnessTexture"]);
+    const bool metal_map = !glossy_ && pbr["metallicRoughnessTexture"];
     const bool dielectric = m.metallic < 1 || metal_map;
     const bool reflects = m.specular > 0 && dielectric;
     if (!dielectric) m.transmission = 0;
-    texture(specular, "specularTexture", reflects, MAP_SPECULAR, m);
-    texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color),
-            MAP_SPECULAR_COLOR, m);
+    if (!glossy_) {
+      texture(specular, "specularTexture", reflects, MAP_SPECULAR, m);
+      texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color),
+              MAP_SPECULAR_COLOR, m);
+    }
     texture(transmission, "transmissionTexture", m.transmission > 0, MAP_TRANSMISSION, m);
     const bool shines = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
     texture(pbr, "metallicRoughnessTexture",
@@ -188,6 +211,19 @@ class MaterialReader {
         maps_[map].reset();
     }
     read_volume(v.extension("KHR_materials_volume"), m);
+    if (glossy_) read_glossiness_map(glossiness, reflects, m);
+  }
+
+  /// Applies the texture's glossiness and the factor (1 - max specular): at once where the texture
+  /// is uniform, else at each point.
+  void read_glossiness_map(const Value& glossiness, bool reflects, Material& m) {
+    const std::array<float, 4> texel =
+        texture(glossiness, "specularGlossinessTexture", reflects, MAP_SPECULAR_COLOR);
+    multiply(m, MAP_SPECULAR_COLOR, texel);
+    m.glossy_map = maps_[MAP_SPECULAR_COLOR].has_value();
+    if (m.glossy_map) return;
+    m.roughness = 1 - (1 - m.roughness) * texel[3];
+    m.base_color = m.base_color * std::max(1 - max_component(m.specular_color), 0.0f);
   }
 
   /// Absorption per metre: attenuationColor is the transmittance over attenuationDistance.
@@ -307,6 +343,7 @@ class MaterialReader {
   std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the current material
   std::string called_;                                         // name of the current material
   std::optional<Index> conductor_;                             // of the current one
+  bool glossy_ = false;  // the current one is specular-glossiness
   bool counts_ = false;                                        // what is read of it matters
 };
 

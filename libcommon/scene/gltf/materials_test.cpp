@@ -284,6 +284,75 @@ TEST(Materials, OneSentenceForEachKindOfApproximation) {
   EXPECT_EQ(s.materials[2].base_color, Rgb(1, 0.2f, 0.2f));
 }
 
+/// A material of the specular-glossiness model.
+Json glossy(const Json& model) {
+  return {{"name", "glossy"},
+          {"pbrMetallicRoughness", {{"baseColorFactor", {1, 0, 0, 1}}}},
+          {"extensions", {{"KHR_materials_pbrSpecularGlossiness", model}}}};
+}
+
+TEST(SpecularGlossiness, ReflectsItsSpecularColourAndDiffusesTheRest) {
+  const Material m = material(glossy({{"diffuseFactor", {0.5, 0.25, 1, 1}},
+                                      {"specularFactor", {0.25, 0.5, 0.125}},
+                                      {"glossinessFactor", 0.75}}));
+  EXPECT_EQ(m.base_color, Rgb(0.25f, 0.125f, 0.5f));
+  EXPECT_EQ(m.specular_color, Rgb(0.25f, 0.5f, 0.125f));
+  EXPECT_EQ(m.specular, 1);
+  EXPECT_EQ(m.metallic, 0);
+  EXPECT_EQ(m.roughness, 0.25f);
+  const float r = (m.ior - 1) / (m.ior + 1);
+  EXPECT_NEAR(r * r, 1, 1e-5);
+  EXPECT_FALSE(m.glossy_map);
+  EXPECT_EQ(m.name, "glossy");
+}
+
+TEST(SpecularGlossiness, IsAWhiteMirrorUnlessItSaysMore) {
+  const Material m = material(glossy(Json::object()));
+  EXPECT_EQ(m.base_color, Rgb(0.0f));
+  EXPECT_EQ(m.specular_color, Rgb(1.0f));
+  EXPECT_EQ(m.roughness, 0);
+}
+
+TEST(SpecularGlossiness, ATextureOfOneColourBecomesFactors) {
+  const Material m = material(
+      glossy({{"specularFactor", {0.5, 1, 1}}, {"specularGlossinessTexture", {{"index", 0}}}}),
+      with(kOne));
+  EXPECT_FALSE(m.maps[MAP_SPECULAR_COLOR]);
+  EXPECT_FALSE(m.glossy_map);
+  EXPECT_NEAR(m.specular_color.x, 0.5, 1e-6);
+  EXPECT_NEAR(m.specular_color.y, linear(0.2), 1e-6);
+  EXPECT_NEAR(m.roughness, 0.4, 1e-6);  // alpha is not encoded
+  EXPECT_NEAR(m.base_color.x, 0.5, 1e-6);
+}
+
+TEST(SpecularGlossiness, ATextureIsKeptWithItsGlossiness) {
+  const Json model = {{"diffuseTexture", {{"index", 0}}},
+                      {"specularFactor", {0, 0, 0}},
+                      {"glossinessFactor", 0.5},
+                      {"specularGlossinessTexture", {{"index", 0}}}};
+  Json m = glossy(model);
+  m["alphaMode"] = "BLEND";
+  const Material read = material(m, with(kTwo));
+  EXPECT_TRUE(read.glossy_map);
+  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR]);  // its alpha matters where its colours do not
+  EXPECT_TRUE(read.maps[MAP_SPECULAR_COLOR].srgb);
+  EXPECT_TRUE(read.maps[MAP_BASE]);
+  EXPECT_EQ(read.roughness, 0.5f);
+  EXPECT_EQ(read.base_color, Rgb(1.0f));
+  EXPECT_EQ(read.alpha_mode, Material::Alpha::blend);
+}
+
+TEST(SpecularGlossiness, StandsAloneBesideOtherModels) {
+  Json m = glossy({{"specularFactor", {0.5, 0.5, 0.5}}});
+  m["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 1}};
+  m["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
+  m["extensions"]["KHR_materials_ior"] = {{"ior", 1.1}};
+  const Material read = material(m);
+  EXPECT_EQ(read.transmission, 0);
+  EXPECT_EQ(read.specular, 1);
+  EXPECT_GT(read.ior, 1e5);
+}
+
 TEST(Materials, SurfacesWithoutOneAreGrey) {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);

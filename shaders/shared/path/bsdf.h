@@ -476,6 +476,8 @@ SHARED Bsdf bsdf_of(IN(SurfaceMaterial) m) MEMBER_CONST {
   b.f0 = m.base_color * m.metallic + f0 * dielectric;
   b.dip = m.dip * m.metallic;
   b.f90 = m.metallic + (m.ior != 1.0f ? m.specular * dielectric : 0.0f);
+  if (scene_has_textures && (m.flags & MATERIAL_GLOSSY_MAP) != 0u)
+    b.diffuse = b.diffuse * max(1.0f - largest(m.specular_color), 0.0f);
   bool pane = scene_has_panes && m.pane_share > 0.0f;
   if (!pane) b.through = m.base_color * (dielectric * m.transmission);  // rays pass through panes
   b.alpha = m.roughness * m.roughness;

@@ -18,7 +18,10 @@ SHARED void multiply(INOUT(SurfaceMaterial) m, uint which, Texel t) MEMBER_CONST
     m.metallic = m.metallic * t.rgb.z;
   }
   if (which == MAP_SPECULAR) m.specular = m.specular * t.alpha;
-  if (which == MAP_SPECULAR_COLOR) m.specular_color = m.specular_color * t.rgb;
+  if (which == MAP_SPECULAR_COLOR) {
+    m.specular_color = m.specular_color * t.rgb;
+    if ((m.flags & MATERIAL_GLOSSY_MAP) != 0u) m.roughness = 1.0f - (1.0f - m.roughness) * t.alpha;
+  }
   if (which == MAP_TRANSMISSION) m.transmission = m.transmission * t.rgb.x;
   if (which == MAP_EMISSION) m.emission = m.emission * t.rgb;
   if (which == MAP_COAT) m.coat = m.coat * t.rgb.x;

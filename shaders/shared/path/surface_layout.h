@@ -58,8 +58,9 @@ RECORD(SurfaceMaterial)
 #define MATERIAL_EMITS 2u
 #define MATERIAL_DOUBLE_SIDED 4u
 #define MATERIAL_SOLID 8u
-#define MATERIAL_ABSORBS 16u
-#define MATERIAL_BENDS 32u  // has normal maps
+#define MATERIAL_GLOSSY_MAP 16u
+#define MATERIAL_ABSORBS 32u
+#define MATERIAL_BENDS 64u  // has normal maps
 
 /// The same as tdpt::TextureMap.
 #define TEXELS_OF_SurfaceMap(VEC, WORDS, PART)                      \
