@@ -221,6 +221,23 @@ void note_lost_light(const Scene& scene, const cli::Common& common) {
       "them, or --environment a sky; see LIGHTS in gltf-scene(5)");
 }
 
+void tell_unit(const Scene& scene, const cli::Common& common) {
+  const std::optional<SceneUnit> unit = unit_of(scene);
+  if (!unit) return;
+  const std::string sentence =
+      fmt::format("{}: its rooms are {} m high, so it seems to be in {}, and glTF is in metres",
+                  display_name(scene.path), number_words(unit->height, 2), unit->name);
+  const std::string advice = fmt::format("export it scaled by {}", unit->metres);
+  const bool has_lamps = std::any_of(
+      scene.lights.begin(), scene.lights.end(),
+      [](const PunctualLight& lamp) { return lamp.kind != PunctualLight::Kind::directional; });
+  if (has_lamps)
+    common.warn(fmt::format("{}: its lamps are {} times too weak; {}", sentence,
+                            number_words(1 / (unit->metres * unit->metres), 2), advice));
+  else
+    common.note(sentence + ": " + advice);
+}
+
 void warn_of_lamps(const Scene& scene, const cli::Common& common) {
   if (!scene.has_lamps() || !has_emission(scene)) return;
   const Lights::KindProbabilities power = Lights(scene).powers();

@@ -43,6 +43,10 @@ TakenSky add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
 /// when the two are in different units.
 void warn_of_lamps(const Scene& scene, const cli::Common& common);
 
+/// Names the unit of a scene that seems to be in another than metres [units.h]: a warning
+/// where it has lamps, whose light depends on it, else a note.
+void tell_unit(const Scene& scene, const cli::Common& common);
+
 /// For a scene without light written by Blender's exporter, prints a note of what that leaves out.
 void note_lost_light(const Scene& scene, const cli::Common& common);
 

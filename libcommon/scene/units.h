@@ -1,12 +1,15 @@
-// Units of a file's lamps. glTF prescribes candela and lux, and nits for surfaces; exporters write
-// what they have, Blender for one candela beside surfaces in W/m2/sr.
+// The units of a scene: of its lamps, and of its lengths.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tdpt {
+
+// Units of a file's lamps. glTF prescribes candela and lux, and nits for surfaces; exporters write
+// what they have, Blender for one candela beside surfaces in W/m2/sr.
 
 struct AreaLight;
 struct PunctualLight;
@@ -52,5 +55,22 @@ double to_radiometric(LampUnits::Kind units, const AreaLight& light);
 /// Converts the scene's lamps, as read from the file, from these units. Call once. Throws
 /// InputError if the radiance of an area light is beyond single precision.
 void take_lamps_as(Scene& scene, LampUnits::Kind units);
+
+// Guesses the unit of a scene from its rooms. glTF is in metres; in a scene of centimetres the
+// light of a lamp falls with a distance that is a hundred times too long.
+//
+// Method: height of a room = from the first surface below a point to the first above it, where the
+// point is a camera or a lamp. The median of these heights, in metres, tells the unit: no storey is
+// 50 m high, and in each other unit most are near 2.7 m. Without a ceiling, and so for landscapes,
+// nothing is told.
+
+struct SceneUnit {
+  const char* name;  ///< "centimetres"
+  double metres;     ///< one of it
+  double height;     ///< of a room, taken as metres
+};
+
+/// Nothing for a scene that seems to be in metres, or that does not tell.
+std::optional<SceneUnit> unit_of(const Scene& scene);
 
 }  // namespace tdpt

@@ -128,6 +128,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   in.files.push_back({a.scene, in.scene.hash, {}});
   add_sky(in.scene, a.sky, common, in.files);
   warn_of_lamps(in.scene, common);
+  tell_unit(in.scene, common);
   note_lost_light(in.scene, common);
   if (Lights(in.scene).empty())
     throw InputError(

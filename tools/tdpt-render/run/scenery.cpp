@@ -66,7 +66,7 @@ void Scenery::read(const RenderArguments& a, const cli::Common& common, bool tel
   in_.files.push_back({a.scene, in_.scene.hash, {}});
   take_camera(a, common);
   in_.sky = add_sky(in_.scene, a.sky, common, in_.files);
-  if (tells) warn_of_lamps(in_.scene, common);
+  if (tells) warn_of_lamps(in_.scene, common), tell_unit(in_.scene, common);
   note_lost_light(in_.scene, common);
   files_but_portals_ = in_.files.size();
   read_portals(a, common);
