@@ -43,8 +43,8 @@ class PortalReader {
     read_asset(file);
     file.cameras = d_.cameras.size();
     read_lamps_and_materials(file);
-    std::vector<std::string> warnings;  // ignored: they concern pictures
-    for (const PlacedNode& n : place_nodes(d_, warnings))
+    const PlacedNodes nodes = place_nodes(d_);
+    for (const PlacedNode& n : nodes.of_scene)
       if (n.visible && d_.nodes[n.node].mesh != kNone) read_portal(n, file);
     return file;
   }

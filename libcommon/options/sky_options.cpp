@@ -163,8 +163,6 @@ void add_sky(Scene& scene, const SkyArguments& a, const cli::Common& common,
   std::vector<Sky::Sun> suns;
   if (a.sun_angle > 0) suns = take_suns(scene, 0.5 * a.sun_angle * kRadians);
   if (map.texels.empty() && suns.empty()) return;
-  if (scene.lights.empty()) std::erase(scene.needs, "punctual lights");
-  scene.needs.push_back("a sky");
   const std::string sky_hash = hash_of(map, sky.rotation, suns.empty() ? 0 : a.sun_angle);
   scene.sky_hash = scene.sky_hash.empty() ? sky_hash : content_hash(scene.sky_hash + sky_hash);
   scale(scene, sky.of_scene && !a.scale, sky.scale, map);

@@ -329,24 +329,6 @@ TEST(SkyOptions, DirectionalLampsBecomeSunsOfTheSameIrradiance) {
   }
 }
 
-// What --explain tells of a scene.
-TEST(SkyOptions, WhatTheSceneNeedsOfARenderer) {
-  const auto needs = [](Scene scene, const SkyArguments& a) {
-    std::vector<cli::Common::Input> files;
-    scene.needs = {"textures", "punctual lights"};
-    add_sky(scene, a, {}, files);
-    return scene.needs;
-  };
-  using Words = std::vector<std::string>;
-  Scene sunny = lamps();
-  sunny.lights.resize(1);
-  EXPECT_EQ(needs(lamps(), {}), (Words{"textures", "punctual lights"}));
-  EXPECT_EQ(needs(lamps(), environment("", {}, {}, 1)),
-            (Words{"textures", "punctual lights", "a sky"}));
-  EXPECT_EQ(needs(sunny, environment("", {}, {}, 1)), (Words{"textures", "a sky"}));
-  EXPECT_EQ(needs(sunny, environment("1,1,1")), (Words{"textures", "punctual lights", "a sky"}));
-}
-
 // Files belong to another scene if the light comes from elsewhere, not if it is brighter.
 TEST(SkyOptions, IdentityIsOfWhereTheLightComesFrom) {
   const File file, other(3);

@@ -18,7 +18,7 @@ constexpr double kDegree = pi / 180;
 constexpr double kClosest = 1e-4;  // angles [degrees] that differ less are equal to floats
 constexpr double kLeast = 1e-30, kMost = 1e30;
 
-struct Reader {
+struct IesReader {
   std::string_view text;
   const std::string &file, &place;
   size_t at = 0, line = 1;
@@ -89,47 +89,8 @@ struct Web {
   double at(size_t row, size_t column) const { return values[column * rows.size() + row]; }
 };
 
-// A file may list only one side of a distribution that is symmetric about 0.
-void mirror_rows(Web& web) {
-  if (web.rows.front() < 0) return;
-  const Web half = web;
-  web = {{}, half.columns, {}};
-  const size_t n = half.rows.size(), twice = half.rows.front() == 0 ? 1 : 0;
-  for (size_t r = n; r-- > twice;) web.rows.push_back(-half.rows[r]);
-  web.rows.insert(web.rows.end(), half.rows.begin(), half.rows.end());
-  for (size_t c = 0; c < half.columns.size(); ++c) {
-    for (size_t r = n; r-- > twice;) web.values.push_back(half.at(r, c));
-    for (size_t r = 0; r < n; ++r) web.values.push_back(half.at(r, c));
-  }
-}
-
-Web transposed(const Web& web) {
-  Web out{web.columns, web.rows, {}};
-  for (size_t r = 0; r < web.rows.size(); ++r)
-    for (size_t c = 0; c < web.columns.size(); ++c) out.values.push_back(web.at(r, c));
-  return out;
-}
-
-// Converts angles of elevation and of azimuth, -90 to 90, to polar angles: about the sideways axis
-// (B: 90 + azimuth) or the upward axis (A: 90 - elevation).
-Web about_a_pole(Web web, bool aside) {
-  mirror_rows(web);
-  web = transposed(web);
-  mirror_rows(web);
-  if (!aside) {
-    web = transposed(web);
-    std::reverse(web.rows.begin(), web.rows.end());
-    for (size_t c = 0; c < web.columns.size(); ++c) {
-      const auto first = web.values.begin() + static_cast<std::ptrdiff_t>(c * web.rows.size());
-      std::reverse(first, first + static_cast<std::ptrdiff_t>(web.rows.size()));
-    }
-  }
-  for (double& angle : web.rows) angle = aside ? 90 + angle : 90 - angle;
-  return web;
-}
-
 // Completes the circle from a quarter, a half, or all but the last column.
-Web all_around(const Reader& in, const Web& web) {
+Web all_around(const IesReader& in, const Web& web) {
   if (web.columns.size() == 1) return web;
   const double first = web.columns.front(), last = web.columns.back();
   const bool side = first == 90 && last == 270;
@@ -166,31 +127,26 @@ Web all_around(const Reader& in, const Web& web) {
   return out;
 }
 
-Web read_web(Reader& in, bool has_lamp_factor, LightProfile& profile) {
+Web read_web(IesReader& in, bool has_lamp_factor, LightProfile& profile) {
   const auto vertical = in.count("number of vertical angles", 2);
   const auto horizontal = in.count("number of horizontal angles", 1);
-  const double type = in.number("photometric type", 1, 3);
+  if (const double type = in.number("photometric type"); type != 1)
+    in.fail(fmt::format("photometric type: {}, expected 1, a goniophotometer of type C", type));
   for (const char* name : {"units", "width", "length", "height"}) in.number(name);
   profile.peak *= in.number("ballast factor", kLeast, kMost);
   const double lamp = in.number("ballast-lamp factor");
   if (has_lamp_factor && lamp > 0) profile.peak *= lamp;
   in.number("watts");
   Web web;
-  web.rows = in.angles("vertical angles", vertical, type == 1 ? 0 : -90, type == 1 ? 180 : 90);
-  web.columns =
-      in.angles("horizontal angles", horizontal, type == 1 ? 0 : -90, type == 1 ? 360 : 90);
+  web.rows = in.angles("vertical angles", vertical, 0, 180);
+  web.columns = in.angles("horizontal angles", horizontal, 0, 360);
   for (size_t i = 0; i < vertical * horizontal; ++i)
     web.values.push_back(in.number("intensities", 0, kMost));
   const double greatest = *std::max_element(web.values.begin(), web.values.end());
   profile.peak *= greatest;
   if (greatest > 0)
     for (double& value : web.values) value /= greatest;
-  if (type == 1) return all_around(in, web);
-  if (horizontal < 2)
-    in.fail("has one horizontal angle, expected two at least of a goniophotometer of type A or B");
-  profile.pole = type == 2 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0);
-  profile.zero = {0, 0, -1};
-  return about_a_pole(web, type == 2);
+  return all_around(in, web);
 }
 
 // Integral over directions between two rows and two columns, whose horizontal angles differ by
@@ -268,7 +224,7 @@ Rings rings_of(const Web& web, double reach) {
 }  // namespace
 
 LightProfile read_ies(std::string_view text, const std::string& file, const std::string& place) {
-  Reader in{text, file, place};
+  IesReader in{text, file, place};
   std::string_view line = in.next_line();
   // In later files this field has another meaning.
   const bool has_lamp_factor =

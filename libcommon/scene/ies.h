@@ -5,19 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "libcommon/math/vec.h"
-
 namespace tdpt {
 
-/// Intensity by direction. A row is a polar angle from `pole`; a column is an azimuth about it,
-/// from `zero` towards cross(zero, pole). Bilinear in both angles; 0 beyond the last row or column.
+/// Intensity by direction, in the luminaire's frame, which aims along -z. A row is a polar angle
+/// from -z; a column is an azimuth about it, from x towards y. Bilinear in both angles; 0 beyond
+/// the last row or column.
 struct LightProfile {
   double peak = 0;   ///< largest intensity [cd]
   double reach = 0;  ///< polar angle beyond which it is dark [rad], > 0
   double mean = 0;   ///< mean of intensity / peak over the directions within reach
-  /// In the luminaire's frame, which aims along -z. `pole`: the aim, or for goniophotometers of
-  /// type B and A the axis that they turn about; `zero`: azimuth 0.
-  Vec3d pole{0, 0, -1}, zero{1, 0, 0};
   /// Intensity / peak as lamp.h reads it: numbers of rows and columns, angles of rows and of
   /// columns, ascending [turns], and the values column by column, as floats. A single column means
   /// rotational symmetry. For importance sampling of rings between rows there follow, per row, 1 -

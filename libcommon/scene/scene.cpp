@@ -37,10 +37,6 @@ std::string no_camera(const std::vector<Camera>& cameras, const std::string& nam
                      names.empty() ? "a perspective camera" : "one of " + names);
 }
 
-}  // namespace
-
-namespace {
-
 std::string posed(const Scene& scene) {
   return scene.hash + (scene.pose_hash.empty() ? "" : '@' + scene.pose_hash);
 }

@@ -120,7 +120,7 @@ struct PunctualLight {
   enum class Kind : uint8_t { point, spot, directional } kind = Kind::point;
   std::string name;
   Vec3d position{};  ///< point, spot
-  /// spot, directional: unit, the direction in which light travels; with a profile its pole.
+  /// spot, directional, with a profile: unit, the direction in which light travels.
   Vec3d direction{0, 0, -1};
   /// point, spot: radiant intensity in canonical area [W/sr * scale^2], so that intensity / d^2
   /// with canonical d is irradiance [W/m2]. directional: perpendicular irradiance [W/m2].
@@ -181,8 +181,6 @@ struct SceneDefaults {
   int width = 0, height = 0;  ///< pixels; 0: not set
   std::string camera;         ///< a camera's name; empty: not set
 
-  std::vector<std::string> warnings;  ///< sentences: settings that are ignored
-
   /// Whether an environment is set, other than "none".
   bool has_environment() const { return !environment.empty() && environment != "none"; }
   std::string place_of(const char* key) const { return place + "." + key; }
@@ -227,7 +225,6 @@ struct Scene {
   std::vector<uint8_t> smooth;
 
   std::vector<std::string> warnings;  ///< sentences: what was approximated or ignored
-  std::vector<std::string> needs;  ///< features that its materials and lights require of a renderer
 
   /// Whether it has lights whose numbers are in `lamp_units`.
   bool has_lamps() const { return !lights.empty() || !area_lights.empty(); }

@@ -26,7 +26,12 @@ class Builder {
 
   SurfaceTables build() {
     for (const Material& m : scene_.materials) {
-      tables_.materials.push_back(material(m));
+      shader::SurfaceMaterial& r = tables_.materials.emplace_back(surface_material(m));
+      r.emission = Rgb(Vec3d(m.emission) * per_unit_);
+      const bool bends = m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL];
+      if (bends && !m.plain) r.flags |= MATERIAL_BENDS;
+      for (const TextureMap& map : m.maps)
+        tables_.material_maps.push_back(m.plain ? shader::kNoMap : this->map(map));
       note_features(m);
     }
     add_faces();
@@ -56,28 +61,15 @@ class Builder {
     return static_cast<uint32_t>(tables_.maps.size() - 1);
   }
 
-  shader::SurfaceMaterial material(const Material& m) {
-    shader::SurfaceMaterial r = surface_material(m);
-    r.emission = Rgb(Vec3d(m.emission) * per_unit_);
-    add_maps(m, r);
-    return r;
-  }
-  void add_maps(const Material& m, shader::SurfaceMaterial& r) {
-    const bool bends = m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL];
-    if (bends && !m.plain) r.flags |= MATERIAL_BENDS;
-    for (const TextureMap& map : m.maps)
-      tables_.material_maps.push_back(m.plain ? shader::kNoMap : this->map(map));
-  }
-
   void note_features(const Material& m) {
     SurfaceFeatures& f = tables_.features;
-    f.layers = f.layers || !m.plain;
-    f.coats = f.coats || m.coat > 0;
-    f.sheen = f.sheen || m.sheened();
     const bool pane = static_cast<bool>(pane_of(m));
-    f.panes = f.panes || pane;
-    f.transmission = f.transmission || (m.transmission > 0 && !pane);
-    f.absorption = f.absorption || (m.solid && max_component(m.absorption) > 0);
+    f.layers |= !m.plain;
+    f.coats |= m.coat > 0;
+    f.sheen |= m.sheened();
+    f.panes |= pane;
+    f.transmission |= m.transmission > 0 && !pane;
+    f.absorption |= m.solid && max_component(m.absorption) > 0;
   }
 
   void add_faces() {

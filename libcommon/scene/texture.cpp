@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libcommon/scene/surface_tables.h"
+#include "shaders/shared/texels.h"
 #include "shaders/shared/vector.h"
 
 namespace tdpt::shader {
@@ -35,19 +36,6 @@ struct Span {
   float share;
 };
 
-/// Index of texel `i` in an endlessly repeated image, i in [-1, 2n].
-int wrapped(int i, int n, TextureMap::Wrap wrap) {
-  switch (wrap) {
-    case TextureMap::Wrap::repeat:
-      return i < 0 ? i + n : i >= n ? i - n : i;
-    case TextureMap::Wrap::mirror:
-      return i < 0 ? 0 : i < n ? i : std::max(2 * n - 1 - i, 0);
-    case TextureMap::Wrap::clamp:
-      break;
-  }
-  return std::clamp(i, 0, n - 1);
-}
-
 /// floor(u) for |u| below 2^62; std::floor is a library call on plain x86-64.
 int64_t floor_of(double u) {
   const auto i = static_cast<int64_t>(u);
@@ -66,9 +54,10 @@ Span span_of(double u, int n, TextureMap::Wrap wrap, bool nearest) {
     u = std::clamp(u, 0.0, 1.0);
   const double x = nearest ? u * n : u * n - 0.5;  // the centre of texel i is at i + 1/2
   const int i = static_cast<int>(floor_of(x));
-  const int first = wrapped(i, n, wrap);
+  const bool mirror = wrap == TextureMap::Wrap::mirror, clamp = wrap == TextureMap::Wrap::clamp;
+  const int first = shader::wrapped_texel(i, n, mirror, clamp);
   if (nearest) return {first, first, 0};
-  return {first, wrapped(i + 1, n, wrap), static_cast<float>(x - i)};
+  return {first, shader::wrapped_texel(i + 1, n, mirror, clamp), static_cast<float>(x - i)};
 }
 
 /// Decodes texels: one table for RGB, one for alpha.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,22 +19,6 @@ namespace {
 using Kind = LampUnits::Kind;
 constexpr double kSphere = 4 * std::numbers::pi;  // [sr]
 constexpr std::string_view kBlender = "Khronos glTF Blender I/O v";
-using Version = std::array<int, 3>;
-// From this version on Blender's exporter has a lighting mode, by default Standard.
-constexpr Version kWithModes{3, 4, 40};
-
-std::optional<Version> blender_version(std::string_view generator) {
-  if (!is_blender(generator)) return {};
-  Version version{};
-  const char *at = generator.data() + kBlender.size(), *end = generator.data() + generator.size();
-  for (size_t i = 0; i < version.size(); ++i) {
-    if (i > 0 && (at == end || *at++ != '.')) return {};
-    const auto [next, error] = std::from_chars(at, end, version[i]);
-    if (error != std::errc()) return {};
-    at = next;
-  }
-  return version;
-}
 
 // The value that the user had set if the number was written in these units: W, or W/m2 for a sun.
 double setting(const LampNumber& lamp, Kind units) {
@@ -52,11 +34,11 @@ bool is_typed(double value) {
   return std::abs(value - typed) <= 0x1.01p-24 * typed;
 }
 
-// The units for which most lamps have such values; `first` if there is a tie.
-std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps, Kind first) {
+// The units for which most lamps have such values; photometric if there is a tie.
+std::optional<Kind> by_digits(const std::vector<LampNumber>& lamps) {
   std::optional<Kind> best;
   size_t most = lamps.size() / 2;
-  for (const Kind units : {first, Kind::radiometric, Kind::watts}) {
+  for (const Kind units : {Kind::photometric, Kind::radiometric, Kind::watts}) {
     const auto n =
         static_cast<size_t>(std::count_if(lamps.begin(), lamps.end(), [&](const LampNumber& l) {
           return is_typed(setting(l, units));
@@ -93,19 +75,13 @@ bool is_blender(std::string_view generator) {
 
 LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps) {
   if (lamps.empty()) return {};
-  const auto version = blender_version(generator);
-  if (!version) {
-    const bool alike = by_digits(lamps, Kind::photometric) == Kind::photometric;
+  const auto digits = by_digits(lamps);
+  if (!is_blender(generator))
     return {Kind::radiometric,
-            alike ? "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
-                    "--set light-units=photometric would divide them by 683 lm/W"
-                  : ""};
-  }
-  if (*version < kWithModes)
-    return {Kind::watts, fmt::format("lamps are taken as {}: so Blender's exporter before 3.4.40 "
-                                     "writes them",
-                                     words_of(Kind::watts))};
-  const auto digits = by_digits(lamps, Kind::photometric);
+            digits == Kind::photometric
+                ? "lamps are taken as W/sr and W/m2, but have the digits of Blender's candela: "
+                  "--set light-units=photometric would divide them by 683 lm/W"
+                : ""};
   const Kind kind = digits.value_or(Kind::photometric);
   return {kind,
           fmt::format("lamps are taken as {}: so Blender's exporter writes them {}", words_of(kind),

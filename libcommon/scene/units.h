@@ -37,8 +37,8 @@ struct LampNumber {
   bool directional;
 };
 
-/// Infers the units from the exporter (asset.generator), its version and, since files do not record
-/// the exporter's mode, the digits of the numbers: people set lamps to 60 W, not to 59.87.
+/// Infers the units from the exporter (asset.generator) and, since files do not record the
+/// exporter's mode, the digits of the numbers: people set lamps to 60 W, not to 59.87.
 LampUnits lamp_units_of(std::string_view generator, const std::vector<LampNumber>& lamps);
 
 /// Whether asset.generator is Blender's exporter.

@@ -1,7 +1,6 @@
 #include "libcommon/scene/uses.h"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 
@@ -10,105 +9,69 @@
 namespace tdpt {
 namespace {
 
-// "2 of 5 materials shine".
-std::string share(size_t n, size_t of, const char* noun, const char* do_what) {
-  return fmt::format("{} of {} {} {}", n, of, noun, do_what);
-}
-
-std::string of_materials(const Scene& s, bool (*which)(const Material&), const char* do_what) {
-  const auto n = std::count_if(s.materials.begin(), s.materials.end(), which);
-  return share(static_cast<size_t>(n), s.materials.size(), "materials", do_what);
-}
-
 bool textured(const Material& m) {
   return std::any_of(m.maps.begin(), m.maps.end(), [](const TextureMap& map) { return bool(map); });
 }
 
-// A word of Scene::needs, how many things require it, and what is saved if none does.
-struct Use {
-  std::string_view word;
-  std::string (*who)(const Scene&);
-  const char* saved;
+/// Whether a scene needs a feature, and why: "2 of 5 materials shine".
+struct Need {
+  bool used;
+  std::string reason;
 };
 
-constexpr std::array kUses{
-    Use{"textures", [](const Scene& s) { return of_materials(s, textured, "name an image"); },
-        "no look-up"},
-    Use{"shading normals",
-        [](const Scene& s) {
-          const auto flat = std::count(s.smooth.begin(), s.smooth.end(), 0);
-          return share(s.smooth.size() - static_cast<size_t>(flat), s.triangles.size(), "triangles",
-                       "have normals that are not their own");
-        },
-        "none is interpolated"},
-    Use{"specular",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.metallic > 0 || m.specular > 0; }, "shine");
-        },
-        "no microfacets"},
-    Use{"transmission",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.transmission > 0; }, "let light through");
-        },
-        "no refraction, no panes"},
-    Use{"clear coat",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.coat > 0; }, "have a clear coat");
-        },
-        "one layer only"},
-    Use{"sheen",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.sheened(); }, "have a sheen");
-        },
-        "no fibres"},
-    Use{"alpha",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; },
-              "have holes");
-        },
-        "no ray asks whether it is covered"},
-    Use{"vertex colours",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.coloured; }, "are tinted by their vertices");
-        },
-        "none is interpolated"},
-    Use{"punctual lights",
-        [](const Scene& s) {
-          return fmt::format("the scene has {} without surface", counted(s.lights.size(), "lamp"));
-        },
-        "none is drawn"},
-    Use{"absorption",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return max_component(m.absorption) > 0; },
-              "absorb light within");
-        },
-        "no edge asks what it lies in"},
-    Use{"normal maps",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; },
-              "name one");
-        },
-        "no look-up"},
-    Use{"textured emission",
-        [](const Scene& s) {
-          return of_materials(
-              s, [](const Material& m) { return bool(m.maps[MAP_EMISSION]); }, "name one");
-        },
-        "each emitter is even"},
-    Use{"a sky",
-        [](const Scene& s) {
-          return std::string(s.sky ? "an environment or a sun is given"
-                                   : "neither an environment nor a sun is given");
-        },
-        "what leaves the scene is dropped"}};
+/// A feature that some materials need, or something else in a scene.
+struct Use {
+  std::string_view word;
+  const char* saved;  ///< if none needs it
+  bool (*which)(const Material&);
+  const char* do_what;
+  Need (*of_scene)(const Scene&) = nullptr;
+
+  Need need(const Scene& s) const {
+    if (of_scene) return of_scene(s);
+    const auto n = std::count_if(s.materials.begin(), s.materials.end(), which);
+    return {n > 0, fmt::format("{} of {} materials {}", n, s.materials.size(), do_what)};
+  }
+};
+
+Need need_normals(const Scene& s) {
+  const auto n = std::ssize(s.smooth) - std::count(s.smooth.begin(), s.smooth.end(), 0);
+  return {n > 0, fmt::format("{} of {} triangles have normals that are not their own", n,
+                             s.triangles.size())};
+}
+
+Need need_lamps(const Scene& s) {
+  return {!s.lights.empty(),
+          fmt::format("the scene has {} without surface", counted(s.lights.size(), "lamp"))};
+}
+
+Need need_sky(const Scene& s) {
+  return {s.sky != nullptr,
+          s.sky ? "an environment or a sun is given" : "neither an environment nor a sun is given"};
+}
+
+using M = Material;
+constexpr Use kUses[] = {
+    {"textures", "no look-up", textured, "name an image"},
+    {"shading normals", "none is interpolated", nullptr, "", need_normals},
+    {"specular", "no microfacets", [](const M& m) { return m.metallic > 0 || m.specular > 0; },
+     "shine"},
+    {"transmission", "no refraction, no panes", [](const M& m) { return m.transmission > 0; },
+     "let light through"},
+    {"clear coat", "one layer only", [](const M& m) { return m.coat > 0; }, "have a clear coat"},
+    {"sheen", "no fibres", [](const M& m) { return m.sheened(); }, "have a sheen"},
+    {"alpha", "no ray asks whether it is covered",
+     [](const M& m) { return m.alpha_mode != M::Alpha::opaque; }, "have holes"},
+    {"vertex colours", "none is interpolated", [](const M& m) { return m.coloured; },
+     "are tinted by their vertices"},
+    {"punctual lights", "none is drawn", nullptr, "", need_lamps},
+    {"absorption", "no edge asks what it lies in",
+     [](const M& m) { return max_component(m.absorption) > 0; }, "absorb light within"},
+    {"normal maps", "no look-up",
+     [](const M& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; }, "name one"},
+    {"textured emission", "each emitter is even",
+     [](const M& m) { return bool(m.maps[MAP_EMISSION]); }, "name one"},
+    {"a sky", "what leaves the scene is dropped", nullptr, "", need_sky}};
 
 }  // namespace
 
@@ -122,10 +85,9 @@ cli::Decisions uses_of(const Scene& scene, const std::vector<std::string_view>& 
   cli::Decisions decisions;
   for (const Use& use : kUses) {
     if (std::find(words.begin(), words.end(), use.word) == words.end()) continue;
-    const bool used =
-        std::find(scene.needs.begin(), scene.needs.end(), use.word) != scene.needs.end();
+    const auto [used, reason] = use.need(scene);
     decisions.push_back(
-        {std::string(use.word), used ? "used" : "left out", use.who(scene), used ? "" : use.saved});
+        {std::string(use.word), used ? "used" : "left out", reason, used ? "" : use.saved});
   }
   return decisions;
 }

@@ -8,7 +8,7 @@
 
 namespace tdpt {
 
-/// The words of Scene::needs, in order.
+/// Words for all features, in order.
 std::vector<std::string_view> all_needs();
 
 /// A decision for each of `words`: a tool lists those that would cause it work.

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "libcommon/scene/gltf/materials.h"
-
 namespace tdpt::uses_test {
 
 Scene with_everything() {
@@ -22,15 +20,7 @@ Scene with_everything() {
   scene.colours.resize(1);
   scene.lights.resize(1);
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(1.0f)}}, 0.0, std::vector<Sky::Sun>{});
-  scene.needs = gltf::needs_of(scene);
-  scene.needs.push_back("a sky");  // add_sky()
   return scene;
-}
-
-TEST(uses, says_every_word_that_a_scene_may_say) {
-  const Scene scene = with_everything();
-  const std::vector<std::string_view> words = all_needs();
-  EXPECT_EQ(std::vector<std::string>(words.begin(), words.end()), scene.needs);
 }
 
 TEST(uses, of_a_scene_with_everything_nothing_is_left_out) {

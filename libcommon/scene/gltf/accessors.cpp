@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 namespace tdpt::gltf {
 namespace {
@@ -97,41 +98,35 @@ void for_elements(const Document& d, const std::string& where, const Accessor& a
   }
 }
 
-bool is_allowed(const Accessor& a, unsigned allowed, bool quantizes) {
-  const int type = a.component_type;
-  if (type == kFloat) return allowed & floats;
-  if (type == kU32) return allowed & any_integers;
-  if ((allowed & quantized) && quantizes) return true;
-  const bool is_unsigned = type == kU8 || type == kU16;
-  if (is_unsigned && (allowed & any_integers)) return true;
-  if (a.normalized) return allowed & (is_unsigned ? unsigned_shares : signed_shares);
-  return is_unsigned && (allowed & small_integers);
-}
-
 void check_type(const Document& d, const std::string& where, const Accessor& a, const Numbers& n) {
   const ElementType expected = type_of(n.components);
   if (a.type != expected && !(n.fourth && a.type == ElementType::vec3))
     d.fail(where + ".type", fmt::format("{} are not {}{}", n.noun, n.fourth ? "VEC3 or " : "",
                                         kTypes[static_cast<size_t>(expected)]));
-  if (is_allowed(a, n.allowed, d.quantized)) return;
-  constexpr std::pair<unsigned, const char*> kWords[] = {
-      {floats, "5126 (float)"},
-      {unsigned_shares, "5121 or 5123, normalized"},
-      {signed_shares, "5120 or 5122, normalized"},
-      {small_integers, "5121 or 5123"},
-      {any_integers, "5121, 5123 or 5125"}};
-  std::string words;
-  for (const auto& [kind, word] : kWords)
-    if (n.allowed & kind) words += (words.empty() ? "" : ", or ") + std::string(word);
-  d.fail(where + ".componentType",
-         fmt::format("{} are of type {}{}, expected {}", n.noun, a.component_type,
-                     a.normalized ? ", normalized" : "", words));
+  const int type = a.component_type;
+  const bool is_index = type == kU8 || type == kU16 || type == kU32;
+  if (n.kind == Numbers::Kind::indices
+          ? !is_index
+          : n.kind == Numbers::Kind::shares && type != kFloat && !(a.normalized && type != kU32))
+    d.fail(where + ".componentType",
+           fmt::format("{} are of type {}, expected {}", n.noun, type,
+                       n.kind == Numbers::Kind::indices
+                           ? "5121, 5123 or 5125"
+                           : "5126 (float), or 5120 to 5123, normalized"));
 }
 
-/// Calls `allocate(elements)`, then `store(element, component, value)` for all that are not zero.
-template <class Allocate, class Store>
-void read_elements(const Document& d, size_t accessor, const Numbers& n, size_t first, size_t count,
-                   const Allocate& allocate, const Store& store) {
+void put(std::vector<Vec3d>& out, size_t i, double value) {
+  out[i / 3][static_cast<int>(i % 3)] = value;
+}
+template <class T>
+void put(std::vector<T>& out, size_t i, double value) {
+  out[i] = static_cast<T>(value);
+}
+
+/// Components of `count` elements from `first` on; `finite`: all must be.
+template <class T>
+std::vector<T> read_all(const Document& d, size_t accessor, const Numbers& n, bool finite,
+                        size_t first = 0, size_t count = SIZE_MAX) {
   const Accessor& a = d.accessors[accessor];
   const std::string where = place("accessors", accessor);
   check_type(d, where, a, n);
@@ -140,21 +135,19 @@ void read_elements(const Document& d, size_t accessor, const Numbers& n, size_t 
     d.fail(where,
            fmt::format("count is {}, expected at least {} {}", a.count, first + count, n.noun));
   const size_t components = components_of(a.type), step = bytes_of_component(a.component_type);
-  for_elements(
-      d, where, a, components * step, first, count, [&] { allocate(count); },
-      [&](size_t k, const char* at) {
-        for (size_t c = 0; c < components; ++c)
-          store(k - first, c, load_component(at + c * step, a.component_type, a.normalized));
-      });
-}
-
-template <class T>
-std::vector<T> read_all(const Document& d, size_t accessor, const Numbers& n, size_t first = 0,
-                        size_t count = SIZE_MAX) {
   std::vector<T> out;
-  read_elements(
-      d, accessor, n, first, count, [&](size_t elements) { out.resize(n.components * elements); },
-      [&](size_t k, size_t c, double value) { out[n.components * k + c] = static_cast<T>(value); });
+  for_elements(
+      d, where, a, components * step, first, count,
+      [&] { out.resize(std::is_same_v<T, Vec3d> ? count : count * n.components); },
+      [&](size_t k, const char* at) {
+        for (size_t c = 0; c < components; ++c) {
+          const double value = load_component(at + c * step, a.component_type,
+                                              a.normalized && n.kind != Numbers::Kind::indices);
+          if (finite && !std::isfinite(value))
+            d.fail(where, fmt::format("element {} of {} is not finite", k, n.noun));
+          put(out, n.components * (k - first) + c, value);
+        }
+      });
   return out;
 }
 
@@ -204,36 +197,23 @@ Accessor read_accessor(const Value& v) {
 
 std::vector<double> read_numbers(const Document& d, size_t accessor, const Numbers& n, size_t first,
                                  size_t count) {
-  const std::vector<double> out = read_all<double>(d, accessor, n, first, count);
-  for (size_t i = 0; i < out.size(); ++i)
-    if (!std::isfinite(out[i]))
-      d.fail(place("accessors", accessor),
-             fmt::format("element {} of {} is not finite", first + i / n.components, n.noun));
-  return out;
+  return read_all<double>(d, accessor, n, true, first, count);
 }
 
-std::vector<float> read_floats(const Document& d, size_t accessor, const Numbers& n) {
-  std::vector<float> out = read_all<float>(d, accessor, n);
+std::vector<float> read_floats(const Document& d, size_t accessor, const Numbers& n, size_t count) {
+  std::vector<float> out = read_all<float>(d, accessor, n, false, 0, count);
   if (n.fourth && d.accessors[accessor].type == ElementType::vec3)
     for (size_t i = 3; i < out.size(); i += 4) out[i] = static_cast<float>(*n.fourth);
   return out;
 }
 
-std::vector<Vec3d> read_positions(const Document& d, size_t accessor) {
-  std::vector<Vec3d> out;
-  read_elements(
-      d, accessor, {"positions", 3, floats | quantized}, 0, SIZE_MAX,
-      [&](size_t elements) { out.resize(elements); },
-      [&](size_t k, size_t c, double value) { out[k][static_cast<int>(c)] = value; });
-  for (size_t i = 0; i < out.size(); ++i)
-    if (!is_finite(out[i]))
-      d.fail(place("accessors", accessor),
-             fmt::format("position {} is not finite, expected three finite numbers", i));
-  return out;
+std::vector<Vec3d> read_positions(const Document& d, size_t accessor, size_t count) {
+  return read_all<Vec3d>(d, accessor, {"positions", 3}, true, 0, count);
 }
 
 std::vector<uint32_t> read_indices(const Document& d, size_t accessor, size_t vertices) {
-  const std::vector<uint32_t> out = read_all<uint32_t>(d, accessor, {"indices", 1, any_integers});
+  const std::vector<uint32_t> out =
+      read_all<uint32_t>(d, accessor, {"indices", 1, Numbers::Kind::indices}, true);
   for (size_t i = 0; i < out.size(); ++i)
     if (out[i] >= vertices)
       d.fail(place("accessors", accessor),

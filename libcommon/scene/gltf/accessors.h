@@ -10,22 +10,12 @@
 
 namespace tdpt::gltf {
 
-/// Types of components that an accessor may have, besides its bounds. Shares are normalized
-/// integers of 8 or 16 bits, mapped to [0,1] or [-1,1].
-enum Components : unsigned {
-  floats = 1,
-  unsigned_shares = 2,
-  signed_shares = 4,
-  small_integers = 8,  ///< unsigned of 8 or 16 bits
-  any_integers = 16,   ///< unsigned of 8, 16 or 32 bits
-  quantized = 32       ///< integers of 8 or 16 bits, if the file uses KHR_mesh_quantization
-};
-
 /// What an accessor is expected to hold.
 struct Numbers {
   const char* noun;   ///< in messages
   size_t components;  ///< 1: SCALAR, 2 to 4: VEC, 16: MAT4
-  unsigned allowed = floats;
+  /// numbers: of any type; shares: floats or normalized integers; indices: unsigned integers.
+  enum class Kind { numbers, shares, indices } kind = Kind::numbers;
   std::optional<double> fourth{};  ///< VEC3 is allowed, too, and has this as its fourth component
 };
 
@@ -34,11 +24,13 @@ struct Numbers {
 std::vector<double> read_numbers(const Document& document, size_t accessor, const Numbers& numbers,
                                  size_t first = 0, size_t count = SIZE_MAX);
 
-/// All elements as stored: not necessarily finite.
-std::vector<float> read_floats(const Document& document, size_t accessor, const Numbers& numbers);
+/// The first `count` elements as stored: not necessarily finite.
+std::vector<float> read_floats(const Document& document, size_t accessor, const Numbers& numbers,
+                               size_t count);
 
-/// Vertex positions, or what is added to them. All are finite.
-std::vector<Vec3d> read_positions(const Document& document, size_t accessor);
+/// Vertex positions, or what is added to them, `count` (default: all). All are finite.
+std::vector<Vec3d> read_positions(const Document& document, size_t accessor,
+                                  size_t count = SIZE_MAX);
 
 /// Vertex indices, each below `vertices`.
 std::vector<uint32_t> read_indices(const Document& document, size_t accessor, size_t vertices);

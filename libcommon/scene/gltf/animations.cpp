@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
 
 namespace tdpt::gltf {
@@ -16,9 +17,9 @@ namespace {
 
 constexpr Numbers kTimes = {"times", 1};
 constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, floats | unsigned_shares | signed_shares};
+constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
 constexpr Numbers kScales = {"scales", 3};
-constexpr Numbers kWeights = {"weights", 1, floats | unsigned_shares | signed_shares};
+constexpr Numbers kWeights = {"weights", 1, Numbers::Kind::shares};
 
 using Values = std::vector<double>;
 
@@ -164,65 +165,43 @@ class Animator {
   std::map<size_t, Values> times_;  // by accessor: channels share them
 };
 
-/// Reads the channels of the animations, and leaves out those that move nothing.
-class ChannelReader {
- public:
-  explicit ChannelReader(Document& d) : d_(d) {}
+using Moved = std::set<std::pair<size_t, Channel::Path>>;  // nodes and what moves of them
 
-  void read(const Value& v, Animation& out) {
-    struct Sampler {
-      size_t input, output, way;
-    };
-    std::vector<Sampler> samplers;
-    for (const Value& s : v["samplers"].items())
-      samplers.push_back({s["input"].needed().index("accessors"),
-                          s["output"].needed().index("accessors"),
-                          s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0)});
-    for (const Value& c : v["channels"].items()) {
-      const Value target = c["target"].needed(), path = target["path"].needed();
-      const size_t node = target["node"].index("nodes");
-      const size_t sampler = c["sampler"].needed().index_below(samplers.size(), "samplers");
-      if (path.text() == "pointer") {
-        ++pointers_;
-        continue;
-      }
-      const auto moved = static_cast<Channel::Path>(
-          path.one_of({"translation", "rotation", "scale", "weights"}, 0));
-      if (node == kNone) continue;  // an extension says what it moves
-      const Sampler& s = samplers[sampler];
-      add({node, moved, s.input, s.output, static_cast<Channel::Way>(s.way)}, out);
+/// Reads the channels of an animation; leaves out those that move nothing, or what is `moved`.
+void read_channels(Document& d, const Value& v, Moved& moved, Animation& out) {
+  std::vector<Channel> samplers;  // without what they move
+  for (const Value& s : v["samplers"].items())
+    samplers.push_back({0,
+                        {},
+                        s["input"].needed().index("accessors"),
+                        s["output"].needed().index("accessors"),
+                        static_cast<Channel::Way>(
+                            s["interpolation"].one_of({"LINEAR", "STEP", "CUBICSPLINE"}, 0))});
+  const auto leave_out = [&](const char* which) {
+    d.notes.add(fmt::format("channels {} are left out", which),
+                fmt::format("animation \"{}\"", shown(out.name, 40)));
+  };
+  for (const Value& c : v["channels"].items()) {
+    const Value target = c["target"].needed(), path = target["path"].needed();
+    const size_t node = target["node"].index("nodes");
+    Channel channel = samplers[c["sampler"].needed().index_below(samplers.size(), "samplers")];
+    if (path.text() == "pointer") {
+      leave_out("that move no node (KHR_animation_pointer)");
+      continue;
     }
+    channel.path =
+        static_cast<Channel::Path>(path.one_of({"translation", "rotation", "scale", "weights"}, 0));
+    if (node == kNone) continue;  // an extension says what it moves
+    channel.node = node;
+    const bool weights = channel.path == Channel::Path::weights;
+    if (!moved.insert({node, channel.path}).second)
+      leave_out("that move what another one moves (--animation names those that count)");
+    else if (!weights && !d.nodes[node].matrix.empty())
+      leave_out("of nodes that have a matrix");
+    else if (!weights || d.nodes[node].mesh != kNone)
+      out.channels.push_back(channel);
   }
-
-  void warn() const {
-    const auto add = [&](size_t n, const char* one, const char* many, const char* rest) {
-      if (n > 0) d_.warnings.push_back(counted(n, "animation channel", one, many) + rest);
-    };
-    add(again_, "moves what one before it moves, and is left out",
-        "move what others before them move, and are left out",
-        ": --animation names the animations that count");
-    add(pointers_, "by KHR_animation_pointer is left out: it moves no node",
-        "by KHR_animation_pointer are left out: they move no node", "");
-    add(matrices_, "moves a node that has a matrix, and is left out",
-        "move nodes that have a matrix, and are left out", "");
-  }
-
- private:
-  void add(const Channel& c, Animation& out) {
-    const Node& n = d_.nodes[c.node];
-    const bool weights = c.path == Channel::Path::weights;
-    if (!moved_.insert({c.node, c.path}).second)
-      ++again_;
-    else if (!weights && !n.matrix.empty())
-      ++matrices_;
-    else if (!weights || n.mesh != kNone)
-      out.channels.push_back(c);
-  }
-
-  Document& d_;
-  std::set<std::pair<size_t, Channel::Path>> moved_;
-  size_t again_ = 0, pointers_ = 0, matrices_ = 0;  // channels left out
-};
+}
 
 }  // namespace
 
@@ -239,12 +218,12 @@ void read_animations(Document& d, const std::vector<std::string>& wanted) {
       d.fail("animations", names.empty() ? fmt::format("there is none, expected \"{}\"", name)
                                          : fmt::format("none is called \"{}\", expected one of {}",
                                                        name, fmt::join(names, ", ")));
-  ChannelReader channels(d);
+  Moved moved;
   for (size_t i = 0; i < all.size(); ++i) {
     d.animations.push_back({names[i], {}});
-    if (wanted.empty() || has(wanted, names[i])) channels.read(all[i], d.animations.back());
+    if (wanted.empty() || has(wanted, names[i]))
+      read_channels(d, all[i], moved, d.animations.back());
   }
-  channels.warn();
 }
 
 Motion go_to(Document& d, double seconds) {

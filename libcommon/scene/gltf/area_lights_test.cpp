@@ -276,13 +276,13 @@ TEST(AreaLights, DarkOnesAreNotThere) {
     EXPECT_EQ(s.warnings, Sentences{});
   }
   EXPECT_EQ(scene_with({{"type", "rect"}, {"intensity", 1e-31}}).warnings,
-            Sentences{"1 area light emits a radiance below 1e-30, which counts as none"});
+            Sentences{"a radiance below 1e-30 counts as none: nodes[1]"});
 }
 
 TEST(AreaLights, FlatTransformsLeaveThemOut) {
   const Json light = {{"type", "rect"}};
   EXPECT_EQ(scene_with(light, {{"scale", {1, 1, 0}}}).warnings,
-            Sentences{"1 lamp is left out, as its transform is flat"});
+            Sentences{"lights with a flat transform are left out: nodes[1]"});
   const Emitter e = only_emitter_of(scene_with(light, {{"scale", {0, 2, 1}}}));
   EXPECT_NEAR(e.area, 4, 1e-6);
 }

@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/attributes.h"
+#include "libcommon/scene/gltf/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -17,13 +17,6 @@ double largest(const Vec3d& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// `v` normalised; 0 if it has no direction.
-Vec3d unit_or_zero(const Vec3d& v) {
-  const double most = largest(v);
-  if (!(most > 0) || !std::isfinite(most) || !is_finite(v)) return {};
-  return normalize(v / most);
-}
-
 /// Inverse transpose of the linear part, up to a positive factor: the map for normals. The columns
 /// may differ by any power of ten, so they are scaled first. All 0 for a flat map.
 Affine normal_map_of(const Affine& a) {
@@ -38,12 +31,6 @@ Affine normal_map_of(const Affine& a) {
           {}};
 }
 
-/// Appends to an array that may have been unused so far.
-template <class T>
-void pad(std::vector<T>& array, size_t size, const T& value) {
-  array.resize(size, value);
-}
-
 constexpr std::array<float, 4> kWhite{1, 1, 1, 1};
 
 /// A component of a vertex colour, made finite and not negative.
@@ -52,22 +39,21 @@ float within(float c) {
 }
 
 // By AttributeKind.
-constexpr std::array<Numbers, kAttributes> kStored = {{
-    {"positions", 3, floats | quantized},
-    {"normals", 3, floats | quantized},
-    {"tangents", 4, floats | quantized},
-    {"texture coordinates", 2, floats | unsigned_shares | quantized},
-    {"texture coordinates", 2, floats | unsigned_shares | quantized},
-    {"vertex colours", 4, floats | unsigned_shares, 1},
+const std::array<Numbers, kAttributes> kStored = {{
+    {"positions", 3},
+    {"normals", 3},
+    {"tangents", 4},
+    {"texture coordinates", 2},
+    {"texture coordinates", 2},
+    {"vertex colours", 4, Numbers::Kind::shares, 1},
 }};
-constexpr unsigned kSharesOfDeltas = unsigned_shares | signed_shares;
-constexpr std::array<Numbers, kAttributes> kDeltas = {{
+const std::array<Numbers, kAttributes> kDeltas = {{
     kStored[kPosition],
     kStored[kNormal],
-    {"deltas of tangents", 3, floats | quantized},
-    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
-    {"deltas of texture coordinates", 2, floats | kSharesOfDeltas | quantized},
-    {"deltas of vertex colours", 4, floats | kSharesOfDeltas, 0},
+    {"deltas of tangents", 3},
+    {"deltas of texture coordinates", 2},
+    {"deltas of texture coordinates", 2},
+    {"deltas of vertex colours", 4, Numbers::Kind::shares, 0},
 }};
 
 Accessors find_attributes(const Attributes& attributes) {
@@ -78,13 +64,14 @@ Accessors find_attributes(const Attributes& attributes) {
 
 /// With the deltas of morph targets.
 std::vector<float> read_attribute(const Document& d, const AttributeSet& set, AttributeKind kind) {
-  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind]);
+  const size_t vertices = d.accessors[set.accessors[kPosition]].count;
+  std::vector<float> out = read_floats(d, set.accessors[kind], kStored[kind], vertices);
   const size_t components = kAttributeComponents[kind], n = kDeltas[kind].components;
   bool moved = false;
   for (const MorphTarget& t : set.targets) {
     if (t.accessors[kind] == kNone) continue;
     moved = true;
-    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind]);
+    const std::vector<float> delta = read_floats(d, t.accessors[kind], kDeltas[kind], vertices);
     for (size_t i = 0; i < delta.size(); ++i) {
       float& v = out[components * (i / n) + i % n];
       v = static_cast<float>(double{v} + t.weight * double{delta[i]});
@@ -102,22 +89,21 @@ void add_normals(const Document& d, const AttributeSet& set, const Placing& plac
     const Vec3d n{v[i], v[i + 1], v[i + 2]};
     const bool alone = !placing.of_vertices.empty();
     const Vec3d to = alone ? normal_map_of(placing.of_vertices[i / 3]).vector(n) : of_all.vector(n);
-    scene.normals.push_back(Vec3f(unit_or_zero(to)));
+    scene.normals.push_back(Vec3f(direction_of(to)));
   }
 }
 
 }  // namespace
 
 AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
-                               const Deformation& deformation) {
+                               const std::vector<double>& weights, bool skinned) {
   AttributeSet set;
   Accessors& a = set.accessors = find_attributes(p.attributes);
   if (!use.tangents || a[kNormal] == kNone) a[kTangent] = kNone;  // meaningless without normals
   for (size_t k = 0; k < 2; ++k)
     if (!use.uv[k]) a[kTexCoord0 + k] = kNone;
   if (!use.colours) a[kColour] = kNone;
-  if (deformation.skinned) set.joints = joint_sets_of(p);
-  const std::vector<double>& weights = deformation.weights;
+  if (skinned) set.joints = joint_sets_of(p);
   for (size_t i = 0; i < std::min(p.targets.size(), weights.size()); ++i) {
     if (weights[i] == 0) continue;
     MorphTarget& t = set.targets.emplace_back();
@@ -128,38 +114,18 @@ AttributeSet choose_attributes(const Primitive& p, const MaterialUse& use,
   return set;
 }
 
-void check_counts(const Document& d, const AttributeSet& set, const std::string& where) {
-  const auto count = [&](size_t accessor) { return d.accessors[accessor].count; };
-  const size_t vertices = count(set.accessors[kPosition]);
-  const auto check = [&](size_t accessor, const char* owner, const std::string& name) {
-    if (accessor != kNone && count(accessor) != vertices)
-      d.fail(where + "." + owner + "." + name,
-             fmt::format("has {}, expected {} as POSITION has",
-                         tdpt::counted(count(accessor), "element"), vertices));
-  };
-  const auto check_all = [&](const Accessors& accessors, const char* owner) {
-    for (size_t k = 0; k < kAttributes; ++k) check(accessors[k], owner, kAttributeNames[k]);
-  };
-  check_all(set.accessors, "attributes");
-  for (size_t k = 0; k < set.joints.size(); ++k) {
-    check(set.joints[k].joints, "attributes", fmt::format("JOINTS_{}", k));
-    check(set.joints[k].weights, "attributes", fmt::format("WEIGHTS_{}", k));
-  }
-  for (const MorphTarget& t : set.targets) check_all(t.accessors, "targets");
-}
-
 void add_attributes(const Document& d, const AttributeSet& set, const Placing& placing,
                     size_t first, Scene& scene) {
   if (set.accessors[kNormal] != kNone) {
-    pad(scene.normals, first, Vec3f{});
+    scene.normals.resize(first, Vec3f{});
     add_normals(d, set, placing, scene);
   }
   if (set.accessors[kTangent] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kTangent);
     const float mirrored = placing.mirrors ? -1 : 1;
-    pad(scene.tangents, first, {0, 0, 0, 1});
+    scene.tangents.resize(first, {0, 0, 0, 1});
     for (size_t i = 0; i < v.size(); i += 4) {
-      const Vec3d t = unit_or_zero(placing.of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
+      const Vec3d t = direction_of(placing.map_of(i / 4).vector({v[i], v[i + 1], v[i + 2]}));
       const float hand = v[i + 3] < 0 ? -mirrored : mirrored;
       scene.tangents.push_back(
           {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z), hand});
@@ -169,12 +135,12 @@ void add_attributes(const Document& d, const AttributeSet& set, const Placing& p
     if (const auto kind = static_cast<AttributeKind>(kTexCoord0 + k);
         set.accessors[kind] != kNone) {
       const std::vector<float> v = read_attribute(d, set, kind);
-      pad(scene.uv[k], first, {0, 0});
+      scene.uv[k].resize(first, {0, 0});
       for (size_t i = 0; i < v.size(); i += 2) scene.uv[k].push_back({v[i], v[i + 1]});
     }
   if (set.accessors[kColour] != kNone) {
     const std::vector<float> v = read_attribute(d, set, kColour);
-    pad(scene.colours, first, kWhite);
+    scene.colours.resize(first, kWhite);
     for (size_t i = 0; i < v.size(); i += 4)
       scene.colours.push_back(
           {within(v[i]), within(v[i + 1]), within(v[i + 2]), std::min(within(v[i + 3]), 1.0f)});
@@ -192,11 +158,11 @@ void note_colours(const Document& d, const AttributeSet& set, MaterialUse& use) 
 }
 
 void fill_attributes(size_t vertices, Scene& scene) {
-  if (!scene.normals.empty()) pad(scene.normals, vertices, Vec3f{});
-  if (!scene.tangents.empty()) pad(scene.tangents, vertices, {0, 0, 0, 1});
+  if (!scene.normals.empty()) scene.normals.resize(vertices, Vec3f{});
+  if (!scene.tangents.empty()) scene.tangents.resize(vertices, {0, 0, 0, 1});
   for (auto& uv : scene.uv)
-    if (!uv.empty()) pad(uv, vertices, {0, 0});
-  if (!scene.colours.empty()) pad(scene.colours, vertices, kWhite);
+    if (!uv.empty()) uv.resize(vertices, {0, 0});
+  if (!scene.colours.empty()) scene.colours.resize(vertices, kWhite);
 }
 
 void mark_smooth_triangles(Scene& scene) {
@@ -237,7 +203,7 @@ void add_position_deltas(const Document& d, const std::vector<MorphTarget>& targ
   for (const MorphTarget& t : targets) {
     const size_t accessor = t.accessors[kPosition];
     if (accessor == kNone) continue;
-    const std::vector<Vec3d> deltas = read_positions(d, accessor);
+    const std::vector<Vec3d> deltas = read_positions(d, accessor, positions.size());
     for (size_t i = 0; i < deltas.size(); ++i) positions[i] += deltas[i] * t.weight;
   }
 }

@@ -1,7 +1,6 @@
 #include "libcommon/scene/gltf/defaults.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -19,26 +18,21 @@ namespace {
 using gltf::Json;
 using gltf::Value;
 
-constexpr std::array kKeys{"tdpt_environment",
-                           "tdpt_environment_rotation",
-                           "tdpt_environment_scale",
-                           "tdpt_width",
-                           "tdpt_height",
-                           "tdpt_camera"};
+std::optional<float> number(std::string_view text) {
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
 
-/// Extras of the default scene, if they are there.
+/// Extras of the default scene; absent if it has none.
 std::optional<Value> extras_of(const std::string& file, const Json& gltf) {
-  const auto member = [](const Json& owner, const char* name) {
-    return owner.is_object() && owner.contains(name) ? &owner[name] : nullptr;
-  };
-  const Json *const scenes = member(gltf, "scenes"), *const shown = member(gltf, "scene");
-  const double index = shown && shown->is_number() ? shown->get<double>() : 0;
-  if (!scenes || !scenes->is_array() ||
-      !(index >= 0 && index < static_cast<double>(scenes->size())))
-    return {};
-  const Value scene = Value(file, gltf)["scenes"].items()[static_cast<size_t>(index)];
-  if (!scene.json().is_object() || !scene["extras"].json().is_object()) return {};
-  return scene["extras"];
+  const Value root(file, gltf);
+  const std::vector<Value> scenes = root["scenes"].items();
+  if (scenes.empty()) return {};
+  const size_t shown = root["scene"].index("scenes");
+  const Value extras = scenes[shown == tdpt::gltf::kNone ? 0 : shown]["extras"];
+  return extras.json().is_object() ? std::optional(extras) : std::nullopt;
 }
 
 /// A colour as an array becomes "R,G,B".
@@ -78,14 +72,18 @@ void find_environment_file(const std::string& file, SceneDefaults& d) {
   }
 }
 
-void warn_of_meaningless(const Json& extras, SceneDefaults& d) {
-  for (const auto& [key, value] : extras.items())
-    if (key.starts_with("tdpt_") && std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end())
-      d.warnings.push_back(fmt::format("{}.{} means nothing, expected one of {}", d.place,
-                                       shown(key, 60), fmt::join(kKeys, ", ")));
-  for (const char* key : {"tdpt_environment_rotation", "tdpt_environment_scale"})
-    if (d.environment.empty() && extras.contains(key))
-      d.warnings.push_back(d.place_of(key) + " means nothing without tdpt_environment");
+void add(const std::string& name, std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
+  using Pointer = nlohmann::json::json_pointer;
+  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
+    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
+      if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
+      const std::string uri = one["uri"].get<std::string>();
+      if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);
+    }
 }
 
 }  // namespace
@@ -110,20 +108,8 @@ SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file) {
   d.camera = (*extras)["tdpt_camera"].text();
   d.environment = read_environment((*extras)["tdpt_environment"]);
   find_environment_file(file, d);
-  warn_of_meaningless(extras->json(), d);
   return d;
 }
-
-namespace {
-
-std::optional<float> number(std::string_view text) {
-  float value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
-
-}  // namespace
 
 bool means_colour(const std::string& text) {
   if (text.find('/') != std::string::npos) return false;
@@ -152,31 +138,11 @@ std::optional<Rgb> parse_colour(const std::string& text, std::string& expected) 
   return {};
 }
 
-namespace {
-
-void add(const std::string& name, std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-}
-
-void add_uris(const nlohmann::json& gltf, std::vector<std::string>& names) {
-  using Pointer = nlohmann::json::json_pointer;
-  for (const char* list : {"/buffers", "/images", "/extensions/EXT_lights_ies/lights"})
-    for (const nlohmann::json& one : gltf.value(Pointer(list), nlohmann::json::array())) {
-      if (!one.is_object() || !one.contains("uri") || !one["uri"].is_string()) continue;
-      const std::string uri = one["uri"].get<std::string>();
-      if (!uri.starts_with("data:")) add(gltf::percent_decode(uri), names);
-    }
-}
-
-}  // namespace
-
 SceneFiles files_of_scene(const std::string& path) {
   SceneFiles files;
   const std::string bytes = read_file(path);
   try {
-    std::vector<std::string> ignored;
-    const nlohmann::json json =
-        gltf::parse_json(gltf::split_chunks(bytes, path, ignored).json, path);
+    const nlohmann::json json = gltf::parse_json(gltf::split_chunks(bytes, path).json, path);
     add_uris(json, files.beside);
     const SceneDefaults defaults = defaults_of(json, path);
     files.has_environment = defaults.has_environment();

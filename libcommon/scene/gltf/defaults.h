@@ -11,9 +11,9 @@
 
 namespace tdpt {
 
-/// Those of the default scene. `gltf`: the JSON of the file, checked or not; malformed parts are
-/// ignored. `file`: its path, "-" for standard input; files that the scene names are looked up
-/// beside it. Throws InputError for a value of the wrong type or out of range.
+/// Those of the default scene. `gltf`: the JSON of the file. `file`: its path, "-" for standard
+/// input; files that the scene names are looked up beside it. Throws InputError for a value of the
+/// wrong type or out of range.
 SceneDefaults defaults_of(const nlohmann::json& gltf, const std::string& file);
 
 constexpr double kBrightestSky = 1e30, kFaintestSky = 1e-30;  // [W/m2/sr]

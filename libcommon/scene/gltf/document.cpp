@@ -10,9 +10,7 @@
 namespace tdpt::gltf {
 namespace {
 
-// Extensions by name: those that are read, and those that a renderer of still pictures may ignore
-// even if a file requires them.
-
+// Extensions that are read, or approximated with a warning.
 constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_materials_specular",
                                    "KHR_materials_ior",
@@ -42,50 +40,15 @@ constexpr std::array kSupported = {"KHR_materials_emissive_strength",
                                    "KHR_node_visibility",
                                    "EXT_mesh_gpu_instancing"};
 
-constexpr std::array kOfNoPicture = {
-    // Alternative materials and levels of detail: what the nodes refer to is rendered.
-    "KHR_materials_variants", "MSFT_lod",
-    // Animates properties outside of nodes; only animations of nodes are evaluated.
-    "KHR_animation_pointer",
-    // Interaction.
-    "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "AGI_articulations",
-    // Metadata.
-    "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
-    "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata", "FB_geometry_metadata",
-    "VRM", "VRMC_node_constraint", "VRMC_springBone", "VRMC_vrm",
-    // Physics and sound.
-    "KHR_audio_emitter", "KHR_physics_rigid_bodies", "MSFT_audio_emitter", "OMI_collider",
-    "OMI_physics_body", "OMI_physics_joint", "OMI_physics_shape",
-    // Modelling history, and the drawing order of rasterisers.
-    "ADOBE_render_order", "CESIUM_primitive_outline", "EXT_mesh_manifold", "FB_ngon_encoding",
-    "GODOT_single_root",
-    // An offset of the whole scene, cameras and lamps included.
-    "CESIUM_RTC"};
-
-std::vector<std::string> read_texts(const Value& list) {
-  std::vector<std::string> out;
-  for (const Value& v : list.items()) out.push_back(v.text());
-  return out;
-}
-
-bool contains(const std::vector<std::string>& names, const char* name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 void read_version(const Value& root) {
   const Value version = root["asset"].needed()["version"].needed();
   if (const std::string text = version.text(); text != "2" && !text.starts_with("2."))
     version.fail("\"2.0\"");
 }
 
-void read_extensions(Document& d) {
-  d.quantized = contains(read_texts(d.root()["extensionsUsed"]), "KHR_mesh_quantization");
-  const std::vector<std::string> required = read_texts(d.root()["extensionsRequired"]);
-  d.draco_required = contains(required, "KHR_draco_mesh_compression");
-  for (const std::string& name : required)
-    if (std::find(kOfNoPicture.begin(), kOfNoPicture.end(), name) != kOfNoPicture.end())
-      d.warnings.push_back(name + " is required, but changes no picture: passed over");
-    else if (!is_supported(name))
+void check_extensions(const Document& d) {
+  for (const Value& v : d.root()["extensionsRequired"].items())
+    if (const std::string name = v.text(); !is_supported(name))
       d.fail("extensionsRequired",
              fmt::format("\"{}\" is not supported, expected a scene exported without it",
                          shown(name, 60)));
@@ -132,15 +95,15 @@ void load_buffers(Document& d, const Chunks& chunks) {
       d.owned.push_back(read_uri(d, uri.text(), where + ".uri", file));
       bytes = d.owned.back();
       beside += bytes.size();  // several buffers may refer to the same file
-      expect_memory(d.file, where, tdpt::counted(beside, "byte") + " of buffers", 2 * beside);
+      expect_memory(d.file, where, counted(beside, "byte") + " of buffers", 2 * beside);
       if (!file.empty()) {
         all += d.owned.back();
         d.files.push_back(file);
       }
     }
     if (bytes.size() < length)
-      d.fail(where, fmt::format("is cut short: {}, expected {}",
-                                tdpt::counted(bytes.size(), "byte"), length));
+      d.fail(where,
+             fmt::format("is cut short: {}, expected {}", counted(bytes.size(), "byte"), length));
     d.buffers.push_back(bytes.substr(0, length));
   }
   d.hash = all.empty() ? content_hash(d.bytes) : content_hash(d.bytes + all);
@@ -153,7 +116,7 @@ Attributes read_attributes(const Value& v) {
   return out;
 }
 
-Primitive read_primitive(const Document& d, const Value& v) {
+Primitive read_primitive(const Value& v) {
   Primitive p;
   p.mode = v["mode"].integer(kTriangles, 0, kFan);
   p.indices = v["indices"].index("accessors");
@@ -161,8 +124,6 @@ Primitive read_primitive(const Document& d, const Value& v) {
   p.attributes = read_attributes(v["attributes"].needed());
   p.draco = read_draco(v, p);
   for (const Value& target : v["targets"].items()) p.targets.push_back(read_attributes(target));
-  if (p.indices != kNone && d.accessors[p.indices].view == kNone && !p.draco)
-    d.fail(place("accessors", p.indices) + ".bufferView", "is missing, indices need one");
   return p.is_surface() ? p : Primitive{p.mode};  // points and lines are not rendered
 }
 
@@ -172,9 +133,22 @@ bool is_supported(const std::string& extension) {
   return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
 }
 
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many) {
-  return tdpt::counted(n, noun) + ' ' + (n == 1 ? one : many);
+std::vector<std::string> Notes::sentences() const {
+  constexpr size_t kMostSentences = 16, kMostNames = 3;  // a file may have any number
+  std::vector<std::string> out;
+  for (const auto& [sentence, names] : names_) {
+    if (out.size() == kMostSentences) {
+      out.push_back(counted(names_.size() - kMostSentences, "more approximation"));
+      break;
+    }
+    std::string list;
+    size_t listed = 0;
+    for (const std::string& name : names)
+      if (listed++ < kMostNames) list += (list.empty() ? "" : ", ") + name;
+    if (listed > kMostNames) list += fmt::format(" and {} more", listed - kMostNames);
+    out.push_back(sentence + ": " + list);
+  }
+  return out;
 }
 
 std::string DistinctNames::take(const std::string& first, const std::string& second,
@@ -195,7 +169,7 @@ void open_document(const std::string& path, Document& d,
   d.file = display_name(path);
   d.bytes = read_file(path);
   d.folder = folder_of(path);
-  const Chunks chunks = split_chunks(d.bytes, d.file, d.warnings);
+  const Chunks chunks = split_chunks(d.bytes, d.file);
   d.json = parse_json(chunks.json, d.file);
   read_version(d.root());  // another version may differ in everything else
   expect_memory_of_sections(d);
@@ -205,9 +179,9 @@ void open_document(const std::string& path, Document& d,
   read_section(d, "cameras", d.cameras, read_lens);
   read_section(d, "accessors", d.accessors, read_accessor);
   read_section(d, "bufferViews", d.views, read_view);
-  for (const Value& mesh : d.root()["meshes"].items()) d.meshes.push_back(read_mesh(d, mesh));
+  read_section(d, "meshes", d.meshes, read_mesh);
   read_animations(d, animations);
-  read_extensions(d);
+  check_extensions(d);
   load_buffers(d, chunks);
   decode_draco_primitives(d);
 }
@@ -235,12 +209,12 @@ size_t find_attribute(const Attributes& attributes, const std::string& name) {
   return found == attributes.end() ? kNone : found->second;
 }
 
-Mesh read_mesh(const Document& d, const Value& v) {
+Mesh read_mesh(const Value& v) {
   Mesh out;
   out.name = v["name"].text();
   out.weights = v["weights"].numbers(0);
   for (const Value& p : v["primitives"].needed().items())
-    out.primitives.push_back(read_primitive(d, p));
+    out.primitives.push_back(read_primitive(p));
   return out;
 }
 
@@ -249,9 +223,9 @@ std::string_view buffer_bytes(const Document& d, const std::string& where, size_
   const std::string_view buffer = d.buffers[index];
   if (!buffer.data()) d.fail(place("buffers", index), "has neither a uri nor a binary chunk");
   if (offset > buffer.size() || size > buffer.size() - offset)
-    d.fail(where, fmt::format("{} from byte {} reach{} beyond buffers[{}] of {}",
-                              tdpt::counted(size, "byte"), offset, size == 1 ? "es" : "", index,
-                              tdpt::counted(buffer.size(), "byte")));
+    d.fail(where,
+           fmt::format("{} from byte {} reach{} beyond buffers[{}] of {}", counted(size, "byte"),
+                       offset, size == 1 ? "es" : "", index, counted(buffer.size(), "byte")));
   return buffer.substr(offset, size);
 }
 

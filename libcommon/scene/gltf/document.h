@@ -131,14 +131,28 @@ struct Animation {
   std::vector<Channel> channels;
 };
 
+/// A note on materials and area lights.
+constexpr const char* kFaint = "a radiance below 1e-30 counts as none";
+
+/// What is approximated or left out, and the names of the parts of the file that it concerns.
+class Notes {
+ public:
+  void add(const std::string& sentence, const std::string& name) { names_[sentence].insert(name); }
+  /// "iridescence is left out: material "a", materials[2], materials[4] and 5 more".
+  std::vector<std::string> sentences() const;
+
+ private:
+  std::map<std::string, std::set<std::string>> names_;  // by sentence
+};
+
 struct Document {
   std::string file;    ///< name in messages
   std::string folder;  ///< for external files; empty: none may be read
   std::string bytes;   ///< the file; buffers point into it
   Json json;
-  std::string hash;                   ///< over the file and the external buffers
-  std::vector<std::string> files;     ///< paths of external buffers
-  std::vector<std::string> warnings;  ///< sentences: errors that change no picture
+  std::string hash;                ///< over the file and the external buffers
+  std::vector<std::string> files;  ///< paths of external buffers
+  Notes notes;                     ///< on its animations and compressed meshes
 
   std::vector<std::string_view> buffers;  ///< of their declared byteLength; null: fallbacks
   std::deque<std::string> owned;          ///< decoded and external buffers
@@ -151,8 +165,6 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
   std::vector<Animation> animations;
-  bool quantized = false;       ///< KHR_mesh_quantization is used
-  bool draco_required = false;  ///< KHR_draco_mesh_compression
 
   mutable std::map<size_t, std::string> unpacked;  ///< compressed bufferViews decoded so far
   mutable size_t bytes_unpacked = 0;               ///< sum over all of them
@@ -167,10 +179,6 @@ struct Document {
 /// are not among `animations` (empty: all are wanted) move nothing. Throws InputError.
 void open_document(const std::string& path, Document& document,
                    const std::vector<std::string>& animations = {});
-
-/// "1 material is", "3 materials are".
-std::string counted(size_t n, const std::string& noun, const std::string& one,
-                    const std::string& many);
 
 /// Makes names unique.
 class DistinctNames {
@@ -190,10 +198,8 @@ struct Chunks {
   std::string_view json, bin;
   bool has_bin = false;
 };
-/// Adds a sentence to `warnings` for container errors that do not prevent reading. Throws
-/// InputError.
-Chunks split_chunks(std::string_view bytes, const std::string& file,
-                    std::vector<std::string>& warnings);
+/// Throws InputError.
+Chunks split_chunks(std::string_view bytes, const std::string& file);
 
 /// The bytes behind a URI: a base64 data URI, or a file in the scene's folder or below. Throws
 /// InputError if it points elsewhere, NothingThere if it is missing or cannot be decoded.
@@ -231,11 +237,10 @@ Lens read_lens(const Value& camera);
 Node read_node(const Value& node);
 std::vector<size_t> read_roots(const Document& document);
 Skin read_skin(const Value& skin);
-/// Needs the accessors.
-Mesh read_mesh(const Document& document, const Value& mesh);
+Mesh read_mesh(const Value& mesh);
 /// Needs nodes and accessors. Keeps the channels of the animations that are `wanted` (empty: all),
-/// and only the first that moves a given property of a node. Adds sentences to the warnings about
-/// those left out.
+/// and only the first that moves a given property of a node. Notes those
+/// left out.
 void read_animations(Document& document, const std::vector<std::string>& wanted);
 
 // Compression.
@@ -246,9 +251,7 @@ bool is_read_attribute(const std::string& name);
 /// `read`: the primitive but for its extension.
 std::optional<Draco> read_draco(const Value& primitive, const Primitive& read);
 
-/// Decodes what Draco compressed, so that its accessors are like any others. A primitive whose
-/// accessors all have a bufferView is used uncompressed, unless Draco is required. Throws
-/// InputError.
+/// Decodes what Draco compressed, so that its accessors are like any others. Throws InputError.
 void decode_draco_primitives(Document& document);
 
 /// Whether a buffer is only a fallback for compressed bufferViews. It may have no bytes.

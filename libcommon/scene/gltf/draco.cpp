@@ -79,54 +79,27 @@ class DracoReader {
   explicit DracoReader(Document& d)
       : d_(d), most_(std::min(kAlways + kMostOfAByte * bytes_of_buffers(d), kMost)) {}
 
+  /// Primitives with the same description share one mesh.
   void run() {
     for (size_t mesh = 0; mesh < d_.meshes.size(); ++mesh)
-      for (size_t k = 0; k < d_.meshes[mesh].primitives.size(); ++k) collect(mesh, k);
-    for (Job& job : jobs_) {
-      decode_primitive(job);
-      for (Primitive* user : job.users) {
-        user->mode = job.primitive.mode;
-        user->indices = job.primitive.indices;
-        user->attributes = job.primitive.attributes;
+      for (size_t k = 0; k < d_.meshes[mesh].primitives.size(); ++k) {
+        Primitive& p = d_.meshes[mesh].primitives[k];
+        if (!p.draco) continue;
+        const auto [known, is_new] =
+            known_.try_emplace({*p.draco, p.attributes, p.indices, p.mode}, p);
+        const std::string where = place("meshes", mesh) + "." + place("primitives", k);
+        if (is_new) decode_primitive(known->second, where + ".extensions." + kDraco);
+        p.mode = kTriangles;
+        p.indices = known->second.indices;
+        p.attributes = known->second.attributes;
       }
-    }
-    if (more_ > 0)
-      d_.warnings.push_back(counted(more_, "mesh",
-                                    "of Draco holds more than its accessors say: all is read",
-                                    "of Draco hold more than their accessors say: all is read"));
   }
 
  private:
-  struct Job {
-    std::string where;
-    Primitive primitive;
-    std::vector<Primitive*> users;
-    size_t vertices, corners;  ///< as accessors declare them
-  };
-
   const Accessor& accessor(size_t index) const { return d_.accessors[index]; }
 
-  /// Adds a primitive to those to be decoded. Primitives with the same description share one mesh.
-  void collect(size_t mesh, size_t k) {
-    Primitive& p = d_.meshes[mesh].primitives[k];
-    if (!p.draco || (!d_.draco_required && is_plain(p))) return;
-    const auto [it, is_new] = known_.try_emplace(p, jobs_.size());
-    if (is_new) add_job(place("meshes", mesh) + "." + place("primitives", k), p);
-    jobs_[it->second].users.push_back(&p);
-  }
-
-  bool is_plain(const Primitive& p) const {
-    bool plain = accessor(p.indices).view != kNone;
-    for (const auto& [name, id] : p.draco->ids)
-      plain &= accessor(p.attributes.at(name)).view != kNone;
-    return plain;
-  }
-
-  void add_job(const std::string& owner, const Primitive& p) {
-    const std::string where = owner + ".extensions." + kDraco;
-    if (!p.draco->ids.contains("POSITION")) d_.fail(where, "has no attribute POSITION");
-    const size_t vertices = accessor(p.attributes.at("POSITION")).count;
-    const size_t corners = accessor(p.indices).count * (p.mode == kTriangles ? 1 : 3);
+  /// Checks what the accessors declare, before any of it is decoded.
+  void check_size(const Primitive& p, size_t vertices, size_t corners, const std::string& where) {
     size_t bytes_of_vertex = 0;
     for (const auto& [name, id] : p.draco->ids) {
       const Accessor& a = accessor(p.attributes.at(name));
@@ -142,73 +115,61 @@ class DracoReader {
                   fmt::format("{} vertices and {} corners of triangles, with those before,",
                               vertices, corners),
                   all_);
-    jobs_.push_back({where, p, {}, vertices, corners});
   }
 
-  /// Makes the accessors of the job's primitive hold its mesh. Its indices are not checked against
-  /// the number of vertices.
-  void decode_primitive(Job& job) {
-    Primitive& p = job.primitive;
+  /// Makes the accessors of a primitive hold its mesh. Its indices are not checked against the
+  /// number of vertices.
+  void decode_primitive(Primitive& p, const std::string& where) {
+    if (!p.draco->ids.contains("POSITION")) d_.fail(where, "has no attribute POSITION");
+    const size_t declared_vertices = accessor(p.attributes.at("POSITION")).count;
+    const size_t declared_corners = accessor(p.indices).count * (p.mode == kTriangles ? 1 : 3);
+    check_size(p, declared_vertices, declared_corners, where);
     const auto mesh = decode(view_bytes(d_, p.draco->view));
-    if (!mesh)
-      d_.fail(job.where, "cannot be decoded, expected a mesh of Draco, version 2.2 at most");
+    if (!mesh) d_.fail(where, "cannot be decoded, expected a mesh of Draco, version 2.2 at most");
     // Encoders split vertices where attributes meet, and some exporters do not update the counts;
     // others count triangles instead of corners. Viewers use what Draco contains.
     const size_t vertices = mesh->num_points(), corners = size_t{3} * mesh->num_faces();
-    const size_t most_corners = 3 * job.corners;
-    const size_t most_vertices = std::max(job.vertices, std::min(2 * job.vertices, most_corners));
+    const size_t most_corners = 3 * declared_corners;
+    const size_t most_vertices =
+        std::max(declared_vertices, std::min(2 * declared_vertices, most_corners));
     if (vertices > most_vertices)
-      d_.fail(job.where, fmt::format("holds {} vertices, expected at most {}, as POSITION has {}",
-                                     vertices, most_vertices, job.vertices));
+      d_.fail(where, fmt::format("holds {} vertices, expected at most {}, as POSITION has {}",
+                                 vertices, most_vertices, declared_vertices));
     if (corners > most_corners)
-      d_.fail(job.where, fmt::format("holds {} corners of triangles, expected at most {}, as the "
-                                     "indices are {}",
-                                     corners, most_corners, job.corners));
-    more_ += vertices > job.vertices || corners > job.corners;
+      d_.fail(where, fmt::format("holds {} corners of triangles, expected at most {}, as the "
+                                 "indices are {}",
+                                 corners, most_corners, declared_corners));
     for (const auto& [name, id] : p.draco->ids) {
       const draco::PointAttribute* from = mesh->GetAttributeByUniqueId(id);
-      if (!from) d_.fail(job.where, fmt::format("holds no attribute {}", id));
+      if (!from) d_.fail(where, fmt::format("holds no attribute {}", id));
       size_t& index = p.attributes.at(name);
       std::string bytes;
       if (static_cast<size_t>(from->num_components()) != components_of(accessor(index).type) ||
           !convert(*from, accessor(index).component_type, vertices, bytes))
-        d_.fail(job.where,
-                fmt::format("its attribute {} has other components than its accessor", id));
-      put_in_place(index, vertices, std::move(bytes));
+        d_.fail(where, fmt::format("its attribute {} has other components than its accessor", id));
+      replace(index, vertices, std::move(bytes));
     }
-    p.mode = kTriangles;
-    put_in_place(p.indices, corners, indices_of(*mesh)).component_type = kU32;
+    replace(p.indices, corners, indices_of(*mesh)).component_type = kU32;
   }
 
-  /// Makes the accessor, or a copy if it is used already, refer to `bytes`.
-  Accessor& put_in_place(size_t& index, size_t count, std::string bytes) {
-    if (accessor(index).view != kNone) {
-      d_.accessors.push_back(Accessor(accessor(index)));
-      index = d_.accessors.size() - 1;
-    }
-    Accessor& a = d_.accessors[index];
+  /// Replaces the accessor by a new one that refers to `bytes`.
+  Accessor& replace(size_t& index, size_t count, std::string bytes) {
+    Accessor a = accessor(index);
     a.view = d_.views.size();
     a.offset = 0;
     a.count = count;
+    a.sparse.reset();
     d_.views.push_back({d_.buffers.size(), 0, bytes.size(), 0, {}});
     d_.owned.push_back(std::move(bytes));
     d_.buffers.push_back(d_.owned.back());
-    return a;
+    index = d_.accessors.size();
+    return d_.accessors.emplace_back(a);
   }
 
-  struct ByDescription {
-    bool operator()(const Primitive& a, const Primitive& b) const {
-      return std::tie(a.draco, a.attributes, a.indices, a.mode) <
-             std::tie(b.draco, b.attributes, b.indices, b.mode);
-    }
-  };
-
   Document& d_;
-  const size_t most_;  // bytes of all meshes
-  size_t all_ = 0;     // bytes so far
-  size_t more_ = 0;    // meshes that contain more than their accessors declare
-  std::vector<Job> jobs_;
-  std::map<Primitive, size_t, ByDescription> known_;  // jobs
+  const size_t most_;                                                         // bytes of all meshes
+  size_t all_ = 0;                                                            // bytes so far
+  std::map<std::tuple<Draco, Attributes, size_t, size_t>, Primitive> known_;  // decoded
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Damaged images, and images whose headers lie.
-#include "libcommon/scene/gltf/images.h"
+#include "libcommon/scene/gltf/textures.h"
 
 #include <gtest/gtest.h>
 #include <cstring>

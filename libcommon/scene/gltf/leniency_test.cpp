@@ -63,9 +63,7 @@ std::string refusal(const GlbBuilder& b) {
 
 TEST(Leniency, BytesBehindTheFilesOwn) {
   const std::string whole = square().glb();
-  EXPECT_EQ(told_of_square(whole + "more"),
-            Sentences{"the file has " + std::to_string(whole.size() + 4) + " bytes, but declares " +
-                      std::to_string(whole.size()) + ": the rest is left out"});
+  EXPECT_EQ(told_of_square(whole + "more"), Sentences{});
 }
 
 TEST(Leniency, ChunksBehindTheBinaryOne) {
@@ -78,24 +76,17 @@ TEST(Leniency, ChunksThatAreNotFilledUp) {
   const GlbBuilder b = with_buffer(square());
   std::string json = b.json.dump();
   while (json.size() % 4 != 1) json += ' ';
-  const auto glb = [&](const std::string& padding) {
-    std::string out("glTF\2\0\0\0\0\0\0\0", 12);
-    const auto chunk = [&](const std::string& content, uint32_t type) {
-      const size_t at = out.size();
-      out += std::string(8, '\0') + content;
-      set_u32(out, at, content.size());
-      set_u32(out, at + 4, type);
-    };
-    chunk(json, 0x4E4F534A);
-    out += padding;  // padded, but not counted
-    chunk(b.bin, 0x004E4942);
-    set_u32(out, 8, out.size());
-    return out;
+  std::string out("glTF\2\0\0\0\0\0\0\0", 12);
+  const auto chunk = [&](const std::string& content, uint32_t type) {
+    const size_t at = out.size();
+    out += std::string(8, '\0') + content;
+    set_u32(out, at, content.size());
+    set_u32(out, at + 4, type);
   };
-  const Sentences expected{"chunk[0] of the file has " + std::to_string(json.size()) +
-                           " bytes, expected a multiple of 4"};
-  EXPECT_EQ(told_of_square(glb("")), expected);
-  EXPECT_EQ(told_of_square(glb("   ")), expected);
+  chunk(json, 0x4E4F534A);
+  chunk(b.bin, 0x004E4942);
+  set_u32(out, 8, out.size());
+  EXPECT_EQ(told_of_square(out), Sentences{});
 }
 
 TEST(Leniency, JsonFilledUpByZeros) {
@@ -113,17 +104,7 @@ TEST(Leniency, RootsThatAreChildren) {
   const Scene below = load(b);
   EXPECT_EQ(scene.positions, below.positions);
   EXPECT_EQ(scene.triangles.size(), 2u);
-  EXPECT_EQ(scene.warnings,
-            Sentences{"1 node is a root of the scene and a child: placed once, below its parent"});
   EXPECT_EQ(told([](GlbBuilder& c) { c.json["scenes"][0]["nodes"] = {0, 0, 1}; }), Sentences{});
-}
-
-TEST(Leniency, NodesOutsideOfTheSceneMayFormCycles) {
-  EXPECT_EQ(told([](GlbBuilder& b) {
-              b.json["nodes"].push_back({{"children", {3}}});
-              b.json["nodes"].push_back({{"children", {2}}});
-            }),
-            Sentences{});
 }
 
 TEST(Leniency, CamerasAndLampsWithoutDirection) {
@@ -133,8 +114,9 @@ TEST(Leniency, CamerasAndLampsWithoutDirection) {
   b.json["extensionsUsed"] = {"KHR_lights_punctual"};
   b.json["extensions"]["KHR_lights_punctual"]["lights"] = Json::array({{{"type", "spot"}}});
   b.node({{"scale", {1, 1, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
-  EXPECT_EQ(told_of_square(b.glb()), (Sentences{"1 camera is left out, as its transform is flat",
-                                                "1 lamp is left out, as its transform is flat"}));
+  EXPECT_EQ(told_of_square(b.glb()),
+            (Sentences{"cameras with a flat transform are left out: nodes[2]",
+                       "lights with a flat transform are left out: nodes[3]"}));
 }
 
 // The twin: a fault is a fault, whatever uses it.
@@ -225,8 +207,21 @@ TEST(Leniency, FaultsInWhatNothingUsesAreErrors) {
   }
 }
 
+// The format says that an accessor without a bufferView holds zeros.
+TEST(Leniency, IndicesWithoutABufferView) {
+  EXPECT_EQ(
+      told([](GlbBuilder& b) {
+        const int zeros = static_cast<int>(b.json["accessors"].size());
+        b.json["accessors"].push_back({{"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}});
+        Json primitive = b.json["meshes"][0]["primitives"][0];
+        primitive["indices"] = zeros;
+        b.mesh(primitive);
+      }),
+      Sentences{});
+}
+
 TEST(Leniency, CornersThatMakeNoTriangle) {
-  const Sentences expected{"1 primitive has corners left that make no triangle"};
+  const Sentences expected{"corners that make no triangle are left out: meshes[0].primitives[0]"};
   EXPECT_EQ(told([](GlbBuilder& b) {
               b.json["accessors"][1]["count"] = 8;
               b.json["bufferViews"][1]["byteLength"] = 16;
@@ -247,7 +242,7 @@ TEST(Leniency, PrimitivesWithoutPositions) {
   EXPECT_EQ(told([](GlbBuilder& b) {
               b.json["meshes"][0]["primitives"].push_back({{"attributes", Json::object()}});
             }),
-            Sentences{"1 primitive has no positions, and is left out"});
+            Sentences{"primitives without POSITION are left out: meshes[0].primitives[1]"});
 }
 
 Json& first_primitive(GlbBuilder& b) {
@@ -278,11 +273,9 @@ TEST(Leniency, AttributesThatAreNotReadMayBeAnything) {
             Sentences{});
 }
 
-TEST(Leniency, ExtensionsThatChangeNoPictureMayBeRequired) {
-  for (const char* name :
-       {"KHR_materials_variants", "KHR_xmp_json_ld", "KHR_animation_pointer", "CESIUM_RTC"})
-    EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsRequired"] = {name}; }),
-              Sentences{std::string(name) + " is required, but changes no picture: passed over"});
+TEST(Leniency, ExtensionsThatAreNotReadMayBeUsedButNotRequired) {
+  EXPECT_EQ(told([&](GlbBuilder& b) { b.json["extensionsUsed"] = {"KHR_lights_environment"}; }),
+            Sentences{});
   GlbBuilder b = square();
   b.json["extensionsRequired"] = {"KHR_lights_environment"};
   EXPECT_NE(refusal(b).find("\"KHR_lights_environment\" is not supported"), std::string::npos);

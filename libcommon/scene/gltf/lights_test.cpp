@@ -9,6 +9,7 @@
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/ies_text.h"
 #include "libcommon/testing/files/temp_folder.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::lights_test {
 
@@ -49,7 +50,7 @@ TEST(PunctualLights, PointsHaveAPlaceAndAnIntensity) {
   EXPECT_EQ(l.name, "bulb");
   expect_near(s.frame.to_metres(l.position), {1, 2, 3});
   EXPECT_EQ(l.intensity, Rgb(40, 20, 0));  // two metres long: the scale is 1
-  EXPECT_EQ(s.needs, std::vector<std::string>{"punctual lights"});
+  EXPECT_EQ(needs_of(s), std::vector<std::string>{"punctual lights"});
   EXPECT_EQ(s.warnings, std::vector<std::string>{});
 }
 
@@ -188,7 +189,7 @@ TEST(Luminaires, AimAlongMinusZOfTheirNodesAndTurnWithThem) {
   expect_near(l.direction, {-1, 0, 0});
   expect_near(l.across, {0, 0, -1});
   EXPECT_EQ(l.profile, s.lights[1].profile);
-  EXPECT_EQ(s.needs, std::vector<std::string>{"punctual lights"});
+  EXPECT_EQ(needs_of(s), std::vector<std::string>{"punctual lights"});
   EXPECT_EQ(s.lamp_units.kind, LampUnits::Kind::radiometric);
 }
 

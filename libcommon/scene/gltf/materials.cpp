@@ -1,9 +1,9 @@
-#include "libcommon/scene/gltf/materials.h"
+#include "libcommon/scene/gltf/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <string_view>
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
@@ -13,23 +13,6 @@
 
 namespace tdpt::gltf {
 namespace {
-
-enum Approximation { unlit, far_uv_set, clamped, faint, kinds };
-
-struct Sentence {
-  const char *one, *many, *rest;
-};
-constexpr std::array<Sentence, kinds> kSentences = {{
-    {"is unlit", "are unlit", ": taken as black, emitting the base colour"},
-    {"has a texture on TEXCOORD_2 or beyond", "have a texture on TEXCOORD_2 or beyond",
-     ": its factor alone is used"},
-    {"reflects more than all light", "reflect more than all light",
-     ": the base colour is clamped to 1"},
-    {"emits a radiance below 1e-30", "emit a radiance below 1e-30", ", which counts as none"},
-}};
-
-// At most so many textures are named individually; the rest are counted.
-constexpr size_t kNamed = 5;
 
 // A feature that is ignored with a warning if its `factor` is above 0.
 struct LeftOut {
@@ -65,31 +48,19 @@ bool is_black(const Rgb& c) {
   return max_component(c) <= 0;
 }
 
-/// "material "a"", "materials "a", "b", "c" and 2 more".
-std::string listed(const std::vector<std::string>& names) {
-  constexpr size_t kMost = 3;
-  std::string out = names.size() == 1 ? "material " : "materials ";
-  for (size_t i = 0; i < std::min(names.size(), kMost); ++i) {
-    const bool last = i > 0 && i + 1 == names.size();
-    out += (i == 0 ? "" : last ? " and " : ", ") + names[i];
-  }
-  if (names.size() > kMost) out += fmt::format(" and {} more", names.size() - kMost);
-  return out;
-}
-
 class MaterialReader {
  public:
-  MaterialReader(const Document& d, Scene& scene) : d_(d), scene_(scene), textures_(d, scene) {}
+  MaterialReader(const Document& d, Scene& scene, Notes& notes)
+      : notes_(notes), textures_(d, scene) {}
 
   /// `used`: by a surface; else the values are read to find faults alone.
   Material read(const Value& v, size_t index, bool used, MaterialUse& use) {
     counts_ = used;
-    is_counted_.fill(false);
     Material m;
     m.name = v["name"].text();
     called_ = m.name.empty() ? place("materials", index) : "material \"" + shown(m.name, 40) + "\"";
     m.double_sided = v["doubleSided"].boolean(false);
-    read_left_out(v, index, m);
+    read_left_out(v);
     use.unlit = used && v.extension("KHR_materials_unlit");
     glossy_ = !use.unlit && v.extension(kGlossiness);
     conductor_ = read_conductor(v);
@@ -114,64 +85,37 @@ class MaterialReader {
     return out;
   }
 
-  void finish() {
-    warn_of_left_out();
-    for (size_t k = 0; k < kinds; ++k)
-      if (count_[k] > 0)
-        scene_.warnings.push_back(
-            counted(count_[k], "material", kSentences[k].one, kSentences[k].many) +
-            kSentences[k].rest);
-    warn_of_undecodable();
-    if (!textures_.external_bytes().empty())
-      scene_.hash = content_hash(scene_.hash + textures_.external_bytes());
-  }
+  /// Content of external image files, for the scene's hash.
+  const std::string& external_bytes() const { return textures_.external_bytes(); }
 
  private:
-  /// Counts each material once.
-  void count(Approximation kind) {
-    if (!counts_) return;
-    if (!is_counted_[kind]) ++count_[kind];
-    is_counted_[kind] = true;
+  void note(const std::string& sentence) {
+    if (counts_) notes_.add(sentence, called_);
   }
 
-  void note(const char* name, const TextureReader::Fault& fault) {
-    if (fault.far_uv_set) count(far_uv_set);
-    if (!fault.image.empty())
-      undecodable_.push_back(fmt::format("{}: {} is {}: {}", called_, name, fault.image,
-                                         std::string_view(name).ends_with("ormalTexture")
-                                             ? "it is left out"
-                                             : "its factor alone is used"));
+  std::optional<Texture> decode(const TextureInfo& info, bool srgb, const std::string& name) {
+    std::string fault;
+    std::optional<Texture> out = textures_.read(info, srgb, fault);
+    if (!fault.empty())
+      notes_.add("textures that are not read are left out",
+                 fmt::format("{} {} ({})", called_, name, fault));
+    return out;
   }
 
-  void warn_of_undecodable() {
-    const size_t named = std::min(undecodable_.size(), kNamed), more = undecodable_.size() - named;
-    scene_.warnings.insert(scene_.warnings.end(), undecodable_.begin(),
-                           undecodable_.begin() + static_cast<ptrdiff_t>(named));
-    if (more > 0)
-      scene_.warnings.push_back(
-          counted(more, "more texture", "cannot be decoded", "cannot be decoded") +
-          ": their factors alone are used");
-  }
-
-  /// Multiplies the factors of `map` by a texture, if there is one and it `matters`; calls `fold`
-  /// with the value of one that is uniform, which is no map any more.
-  template <class Fold>
-  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
-               const Fold& fold) {
+  /// Reads a texture of the current material, if there is one and it `matters`, as its map. Returns
+  /// what its factors are to be multiplied by: the value of a uniform texture, which is no map.
+  std::array<float, 4> texture(const Value& owner, const char* name, bool matters, uint32_t map) {
+    const bool srgb = map == MAP_BASE || map == MAP_EMISSION || map == MAP_SPECULAR_COLOR ||
+                      map == MAP_SHEEN_COLOR;
     const TextureInfo info = read_texture_info(owner[name]);
-    if (!info || !matters || !counts_) return;
-    TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(info, srgb, fault);
-    note(name, fault);
-    if (t && t->uniform)
-      fold(t->value);
-    else
-      maps_[map] = t;
+    if (!info || !matters || !counts_) return {1, 1, 1, 1};
+    const std::optional<Texture> t = decode(info, srgb, name);
+    if (t && t->image->uniform) return t->value;
+    maps_[map] = t;
+    return {1, 1, 1, 1};
   }
-  void texture(const Value& owner, const char* name, bool matters, bool srgb, uint32_t map,
-               Material& m) {
-    texture(owner, name, matters, srgb, map,
-            [&](const std::array<float, 4>& v) { multiply(m, map, v); });
+  void texture(const Value& owner, const char* name, bool matters, uint32_t map, Material& m) {
+    multiply(m, map, texture(owner, name, matters, map));
   }
 
   /// A complex index of refraction for red, green and blue, in the extras: both parts or neither.
@@ -207,7 +151,7 @@ class MaterialReader {
     if (rgba.empty()) rgba = {1, 1, 1, 1};
     const Vec3d colour =
         conductor_ ? reflectance(*conductor_, m) : Vec3d(rgba[0], rgba[1], rgba[2]);
-    if (max_component(colour) > 1) count(clamped);
+    if (max_component(colour) > 1) note("base colours above 1 are clamped to 1");
     m.base_color = Rgb(min(colour, Vec3d(1)));
     m.alpha_mode =
         static_cast<Material::Alpha>(v["alphaMode"].one_of({"OPAQUE", "MASK", "BLEND"}, 0));
@@ -215,12 +159,11 @@ class MaterialReader {
     m.alpha_cutoff = factor(v["alphaCutoff"], 0.5);
     if (!opaque) m.alpha = static_cast<float>(std::min(rgba[3], 1.0));
     const bool matters = !is_black(m.base_color) || !opaque;
-    const auto fold = [&](const std::array<float, 4>& texel) {
-      multiply(m, MAP_BASE, texel);
-      if (!opaque) m.alpha *= texel[3];
-    };
-    texture(pbr, "baseColorTexture", matters && !glossy_, true, MAP_BASE, fold);
-    texture(glossiness, "diffuseTexture", matters && glossy_, true, MAP_BASE, fold);
+    const std::array<float, 4> texel =
+        glossy_ ? texture(glossiness, "diffuseTexture", matters, MAP_BASE)
+                : texture(pbr, "baseColorTexture", matters, MAP_BASE);
+    multiply(m, MAP_BASE, texel);
+    if (!opaque) m.alpha *= texel[3];
   }
 
   void read_lobes(const Value& v, Material& m) {
@@ -252,36 +195,34 @@ class MaterialReader {
     const bool dielectric = m.metallic < 1 || metal_map;
     const bool reflects = m.specular > 0 && dielectric;
     if (!dielectric) m.transmission = 0;
-    texture(specular, "specularTexture", reflects && !glossy_, false, MAP_SPECULAR, m);
-    texture(specular, "specularColorTexture", reflects && !glossy_ && !is_black(m.specular_color),
-            true, MAP_SPECULAR_COLOR, m);
-    float alpha = 1;  // of a uniform texture
-    texture(glossiness, "specularGlossinessTexture", reflects && glossy_, true, MAP_SPECULAR_COLOR,
-            [&](const std::array<float, 4>& texel) {
-              multiply(m, MAP_SPECULAR_COLOR, texel);
-              alpha = texel[3];
-            });
-    texture(transmission, "transmissionTexture", m.transmission > 0, false, MAP_TRANSMISSION, m);
+    if (!glossy_) {
+      texture(specular, "specularTexture", reflects, MAP_SPECULAR, m);
+      texture(specular, "specularColorTexture", reflects && !is_black(m.specular_color),
+              MAP_SPECULAR_COLOR, m);
+    }
+    texture(transmission, "transmissionTexture", m.transmission > 0, MAP_TRANSMISSION, m);
     const bool shines = m.metallic > 0 || m.specular > 0 || m.transmission > 0;
     texture(pbr, "metallicRoughnessTexture",
-            metal_map && (m.metallic > 0 || (shines && m.roughness > 0)), false,
-            MAP_METALLIC_ROUGHNESS, m);
+            metal_map && (m.metallic > 0 || (shines && m.roughness > 0)), MAP_METALLIC_ROUGHNESS,
+            m);
     if (m.metallic >= 1 && !maps_[MAP_METALLIC_ROUGHNESS]) {
       m.transmission = 0;
       for (const uint32_t map : {MAP_SPECULAR, MAP_SPECULAR_COLOR, MAP_TRANSMISSION})
         maps_[map].reset();
     }
     read_volume(v.extension("KHR_materials_volume"), m);
-    if (glossy_) finish_glossiness(maps_[MAP_SPECULAR_COLOR].has_value(), alpha, m);
+    if (glossy_) read_glossiness_map(glossiness, reflects, m);
   }
 
-  /// Applies the factor (1 - max specular) and the texture's glossiness. If `map`, both are
-  /// evaluated at each point; else at once, with `alpha` that of a uniform texture, which the
-  /// specular colour already contains.
-  static void finish_glossiness(bool map, float alpha, Material& m) {
-    m.glossy_map = map;
-    if (map) return;
-    m.roughness = 1 - (1 - m.roughness) * alpha;
+  /// Applies the texture's glossiness and the factor (1 - max specular): at once where the texture
+  /// is uniform, else at each point.
+  void read_glossiness_map(const Value& glossiness, bool reflects, Material& m) {
+    const std::array<float, 4> texel =
+        texture(glossiness, "specularGlossinessTexture", reflects, MAP_SPECULAR_COLOR);
+    multiply(m, MAP_SPECULAR_COLOR, texel);
+    m.glossy_map = maps_[MAP_SPECULAR_COLOR].has_value();
+    if (m.glossy_map) return;
+    m.roughness = 1 - (1 - m.roughness) * texel[3];
     m.base_color = m.base_color * std::max(1 - max_component(m.specular_color), 0.0f);
   }
 
@@ -301,20 +242,18 @@ class MaterialReader {
   void read_coat(const Value& v, Material& m) {
     m.coat = factor(v["clearcoatFactor"], 0, 1);
     const float roughness = factor(v["clearcoatRoughnessFactor"], 0, 1);
-    texture(v, "clearcoatTexture", m.coat > 0, false, MAP_COAT, m);
+    texture(v, "clearcoatTexture", m.coat > 0, MAP_COAT, m);
     if (m.coat > 0) m.coat_roughness = roughness;
-    texture(v, "clearcoatRoughnessTexture", m.coat > 0 && roughness > 0, false, MAP_COAT_ROUGHNESS,
-            m);
+    texture(v, "clearcoatRoughnessTexture", m.coat > 0 && roughness > 0, MAP_COAT_ROUGHNESS, m);
     normal_map(v, "clearcoatNormalTexture", m.coat > 0, MAP_COAT_NORMAL, m.coat_normal_scale);
   }
 
   void read_sheen(const Value& v, Material& m) {
     m.sheen_color = Rgb(min(triple(v["sheenColorFactor"], 0), Vec3d(1)));
     const float roughness = factor(v["sheenRoughnessFactor"], 0, 1);
-    texture(v, "sheenColorTexture", m.sheened(), true, MAP_SHEEN_COLOR, m);
+    texture(v, "sheenColorTexture", m.sheened(), MAP_SHEEN_COLOR, m);
     if (m.sheened()) m.sheen_roughness = roughness;
-    texture(v, "sheenRoughnessTexture", m.sheened() && roughness > 0, false, MAP_SHEEN_ROUGHNESS,
-            m);
+    texture(v, "sheenRoughnessTexture", m.sheened() && roughness > 0, MAP_SHEEN_ROUGHNESS, m);
   }
 
   void read_normal_map(const Value& v, Material& m) {
@@ -329,50 +268,29 @@ class MaterialReader {
     if (!info || !matters || !counts_) return;
     scale = static_cast<float>(std::clamp(info.scale, -1e6, 1e6));
     if (scale == 0) return;
-    TextureReader::Fault fault{};
-    const std::optional<Texture> t = textures_.read(info, false, fault);
-    note(name, fault);
+    const std::optional<Texture> t = decode(info, false, name);
     // Bytes cannot represent "straight up" exactly: both 127 and 128 mean it.
     const auto level = [](uint8_t b) { return b == 127 || b == 128; };
-    const bool flat =
-        t && t->uniform && level(t->encoded[0]) && level(t->encoded[1]) && t->encoded[2] > 128;
+    const bool flat = t && t->image->uniform && level(t->image->first[0]) &&
+                      level(t->image->first[1]) && t->image->first[2] > 128;
     if (!flat) maps_[map] = t;
   }
 
-  void read_left_out(const Value& v, size_t index, const Material& m) {
-    const std::string name =
-        m.name.empty() ? place("materials", index) : "\"" + shown(m.name, 60) + "\"";
-    for (const auto& [extension, value] : v["extensions"].members()) {
+  void read_left_out(const Value& v) {
+    for (const auto& [name, value] : v["extensions"].members()) {
       if (!value.json().is_object()) value.fail("an object");
-      const auto known =
-          std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
-                       [&e = extension](const LeftOut& l) { return e == l.extension; });
+      const auto known = std::find_if(std::begin(kLeftOut), std::end(kLeftOut),
+                                      [&n = name](const LeftOut& l) { return n == l.extension; });
       if (known != std::end(kLeftOut)) {
         const Value factor = value[known->factor];
         const double most = std::string_view(known->factor).ends_with("Color")
                                 ? max_component(factor.triple({}))
                                 : factor.number(0);
-        if (most > 0 && counts_) left_out_[known->words].push_back(name);
-      } else if (counts_ && extension.find("_materials_") != extension.npos &&
-                 !is_supported(extension)) {
-        unknown_[shown(extension, 60)].push_back(name);
+        if (most > 0) note(std::string(known->words) + " is left out");
+      } else if (name.find("_materials_") != name.npos && !is_supported(name)) {
+        note(shown(name, 60) + " is left out");
       }
     }
-  }
-
-  /// Reports ignored features; the number of different extensions in a file is unbounded.
-  void warn_of_left_out() {
-    constexpr size_t kMost = 8;
-    const auto add = [&](const std::string& words, const std::vector<std::string>& names) {
-      scene_.warnings.push_back(fmt::format("{} is left out: {}", words, listed(names)));
-    };
-    size_t named = 0;
-    for (const auto& [words, names] : unknown_)
-      if (named++ < kMost) add(words, names);
-    if (named > kMost)
-      scene_.warnings.push_back(counted(named - kMost, "more extension", "of materials is left out",
-                                        "of materials are left out"));
-    for (const auto& [words, names] : left_out_) add(words, names);
   }
 
   /// Radiance [W/m2/sr]: emissiveFactor x emissiveStrength.
@@ -380,16 +298,14 @@ class MaterialReader {
     const double strength =
         v.extension("KHR_materials_emissive_strength")["emissiveStrength"].number(1, 0);
     Vec3d radiance = triple(v["emissiveFactor"], 0) * strength;
-    texture(v, "emissiveTexture", max_component(radiance) > 0, true, MAP_EMISSION,
-            [&](const std::array<float, 4>& texel) {
-              radiance = radiance * Vec3d(texel[0], texel[1], texel[2]);
-            });
+    const auto texel = texture(v, "emissiveTexture", max_component(radiance) > 0, MAP_EMISSION);
+    radiance = radiance * Vec3d(texel[0], texel[1], texel[2]);
     if (!counts_) return;
     if (!(max_component(radiance) <= kBrightestEmission))
       v.fail_because(
           fmt::format("emits a radiance of {}, expected at most 1e30", max_component(radiance)));
     if (max_component(radiance) > 0 && max_component(radiance) < kFaintestEmission) {
-      count(faint);
+      note(kFaint);
       maps_[MAP_EMISSION].reset();
       return;
     }
@@ -397,7 +313,7 @@ class MaterialReader {
   }
 
   void make_unlit(Material& m) {
-    count(unlit);
+    note("unlit materials are taken as black, emitting the base colour");
     m.emission = m.base_color;
     m.base_color = Rgb(0.0f);
     if (base() && !is_black(m.emission)) maps_[MAP_EMISSION] = base();
@@ -405,9 +321,10 @@ class MaterialReader {
   }
 
   void keep_maps(Material& m, MaterialUse& use) {
-    use.least_alpha = m.alpha * (base() ? base()->least_alpha : 1);
+    const float least = base() ? linear_of_byte()[base()->image->least_alpha] : 1;
+    use.least_alpha = m.alpha * least;
     // An opaque texture cuts no holes; if the colour is black, it is not needed.
-    if (base() && is_black(m.base_color) && base()->least_alpha >= 1) base().reset();
+    if (is_black(m.base_color) && least >= 1) base().reset();
     for (size_t k = 0; k < maps_.size(); ++k) {
       if (!maps_[k]) continue;
       m.maps[k] = textures_.keep(*maps_[k]);
@@ -421,30 +338,26 @@ class MaterialReader {
 
   std::optional<Texture>& base() { return maps_[MAP_BASE]; }
 
-  const Document& d_;
-  Scene& scene_;
+  Notes& notes_;
   TextureReader textures_;
   std::array<std::optional<Texture>, MAPS_OF_MATERIAL> maps_;  // of the current material
   std::string called_;                                         // name of the current material
-  std::vector<std::string> undecodable_;                       // textures, with descriptions
-  std::map<std::string, std::vector<std::string>> left_out_, unknown_;  // names of materials
-  std::optional<Index> conductor_;                                      // of the current one
+  std::optional<Index> conductor_;                             // of the current one
   bool glossy_ = false;  // the current one is specular-glossiness
-  bool counts_ = false;  // what is read of it matters
-  std::array<size_t, kinds> count_{};
-  std::array<bool, kinds> is_counted_{};  // for the current material
+  bool counts_ = false;                                        // what is read of it matters
 };
 
 }  // namespace
 
 std::vector<MaterialUse> read_materials(const Document& d, const std::vector<bool>& used,
-                                        Scene& scene) {
-  MaterialReader reader(d, scene);
+                                        Scene& scene, Notes& notes) {
+  MaterialReader reader(d, scene, notes);
   std::vector<MaterialUse> uses(used.size());
   const std::vector<Value> all = d.root()["materials"].items();
   for (size_t i = 0; i < used.size(); ++i)
     scene.materials.push_back(reader.read(all[i], i, used[i], uses[i]));
-  reader.finish();
+  if (!reader.external_bytes().empty())
+    scene.hash = content_hash(scene.hash + reader.external_bytes());
   return uses;
 }
 
@@ -459,30 +372,6 @@ void finish_material(const MaterialUse& use, Material& m) {
   const bool maps = m.maps[MAP_BASE] || m.maps[MAP_EMISSION] || m.maps[MAP_NORMAL];
   m.coloured = use.coloured;
   m.plain = !lobes && !maps && !use.coloured && m.alpha_mode == Material::Alpha::opaque;
-}
-
-std::vector<std::string> needs_of(const Scene& scene) {
-  const auto any = [&](const auto& wants) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), wants);
-  };
-  std::vector<std::string> out;
-  const auto say = [&](bool needed, const char* word) {
-    if (needed) out.push_back(word);
-  };
-  say(!scene.images.empty(), "textures");
-  say(!scene.smooth.empty(), "shading normals");
-  say(any([](const Material& m) { return m.metallic > 0 || m.specular > 0; }), "specular");
-  say(any([](const Material& m) { return m.transmission > 0; }), "transmission");
-  say(any([](const Material& m) { return m.coat > 0; }), "clear coat");
-  say(any([](const Material& m) { return m.sheened(); }), "sheen");
-  say(any([](const Material& m) { return m.alpha_mode != Material::Alpha::opaque; }), "alpha");
-  say(!scene.colours.empty(), "vertex colours");
-  say(!scene.lights.empty(), "punctual lights");
-  say(any([](const Material& m) { return max_component(m.absorption) > 0; }), "absorption");
-  say(any([](const Material& m) { return m.maps[MAP_NORMAL] || m.maps[MAP_COAT_NORMAL]; }),
-      "normal maps");
-  say(any([](const Material& m) { return bool(m.maps[MAP_EMISSION]); }), "textured emission");
-  return out;
 }
 
 }  // namespace tdpt::gltf

@@ -1,4 +1,4 @@
-#include "libcommon/scene/gltf/meshes.h"
+#include "libcommon/scene/gltf/parts.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -13,9 +13,6 @@
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
 #include "libcommon/scene/gltf/accessors.h"
-#include "libcommon/scene/gltf/attributes.h"
-#include "libcommon/scene/gltf/lights.h"
-#include "libcommon/scene/gltf/skins.h"
 
 namespace tdpt::gltf {
 
@@ -44,53 +41,20 @@ size_t bytes_of(const AttributeSet& set) {
   return bytes;
 }
 
-constexpr double kOpen = 1e-4;  // share of the extent; above it the surface is open
-// V / A^1.5 is 0.094 for a ball and 0.068 for a cube, but 0.0034 for a square pane, a box a
-// hundredth as thick as wide: for that, a thin sheet on each side is right.
-constexpr double kFlatVolume = 0.01;
-
-// A closed surface has no border: each edge is passed once each way, wherever the seams are, so the
-// integral of any field along the edges of all triangles is 0. The field here is a wave that fits
-// no symmetry: area vectors would cancel as well for panes in opposite walls, and for walls without
-// a lid. Of a closed surface the volume does not depend on the origin.
-bool encloses(const std::vector<uint32_t>& corners, const std::vector<Vec3d>& world,
-              uint32_t first) {
-  const Vec3d origin = world[first + corners[0]];
-  const auto at = [&](size_t i) { return world[first + corners[i]] - origin; };
-  double area = 0, volume = 0;
-  for (size_t i = 0; i + 2 < corners.size(); i += 3) {
-    const Vec3d p = at(i), twice = cross(at(i + 1) - p, at(i + 2) - p);
-    area += 0.5 * length(twice);
-    volume += dot(p, twice) / 6;
-  }
-  const double extent = std::sqrt(area);
-  const Vec3d wave = Vec3d{1, 1.7, 2.6} / extent;
-  Vec3d border(0);
-  for (size_t i = 0; i + 2 < corners.size(); i += 3)
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3d a = at(i + k), b = at(i + (k + 1) % 3);
-      border += (b - a) * std::cos(dot(wave, a + b));
-    }
-  return length(border) <= kOpen * extent && std::abs(volume) > kFlatVolume * std::pow(area, 1.5);
-}
-
 class MeshReader {
  public:
-  MeshReader(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
-             std::vector<MaterialUse>& uses)
-      : d_(d), scene_(scene), uses_(uses), nodes_(nodes), maps_(d, nodes) {}
+  MeshReader(const Document& d, const PlacedNodes& nodes, Scene& scene,
+             std::vector<MaterialUse>& uses, Notes& notes)
+      : d_(d), scene_(scene), uses_(uses), notes_(notes), nodes_(nodes) {}
 
   Meshes run() {
     make_room();
-    for (const PlacedNode& n : nodes_)
+    for (const PlacedNode& n : nodes_.of_scene)
       if (mesh_of(d_, n) != kNone) add_node(n);
-    warn();
     return std::move(out_);
   }
 
  private:
-  using Key = std::pair<size_t, size_t>;  // mesh, primitive
-
   void make_room() {
     const size_t bytes = most_bytes(d_);
     const auto most = [&](size_t limit) { return std::min(limit, kSome + kPerByte * bytes); };
@@ -101,24 +65,23 @@ class MeshReader {
       return std::min(d_.accessors[accessor].count, bytes);
     };
     size_t vertices = 0, triangles = 0, bends = 0, of_attributes = 0, bent = 0;
-    for (const PlacedNode& n : nodes_) {
+    for (const PlacedNode& n : nodes_.of_scene) {
       if (n.visible && d_.nodes[n.node].area_light != kNone) {  // far fewer than the limits
         vertices += kMostOfAreaLight;
         triangles += kMostOfAreaLight;
       }
       const size_t mesh = mesh_of(d_, n);
       if (mesh == kNone) continue;
-      const Deformation deformation = deformation_of(n.node);
       // Clamped so that no product overflows.
       const size_t times =
-          deformation.skinned ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
+          is_skinned(n.node) ? 1 : std::min(instances_declared(d_, n.node), kMostTriangles + 1);
       std::set<AttributeSet> seen;
       for (const Primitive& p : d_.meshes[mesh].primitives) {
         const size_t position = find_attribute(p.attributes, "POSITION");
         if (position == kNone) continue;
         const size_t points = std::min(count(position), kMostVertices + 1);
         if (p.is_surface()) {
-          const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
+          const AttributeSet set = attributes_of(p, n.node);
           bends += std::min(times * points, kMostVertices + 1) *
                        (set.targets.size() + set.joints.size()) +
                    p.targets.size();
@@ -152,8 +115,10 @@ class MeshReader {
     scene_.triangles.reserve(triangles);
   }
 
-  Deformation deformation_of(size_t node) const {
-    return {morph_weights(d_, node), d_.nodes[node].skin != kNone};
+  bool is_skinned(size_t node) const { return d_.nodes[node].skin != kNone; }
+
+  AttributeSet attributes_of(const Primitive& p, size_t node) const {
+    return choose_attributes(p, uses_[material_of(p)], morph_weights(d_, node), is_skinned(node));
   }
 
   const std::vector<Primitive>& primitives_of(const PlacedNode& n) const {
@@ -165,23 +130,18 @@ class MeshReader {
   }
 
   void add_node(const PlacedNode& n) {
-    const Deformation deformation = deformation_of(n.node);
-    if (deformation.skinned) {  // the extension does not define instances of skinned meshes
-      if (instances_declared(d_, n.node) > 1) skinned_instances_.insert(n.node);
-      add_mesh(n, deformation, {});
+    if (is_skinned(n.node)) {  // the extension does not define instances of skinned meshes
+      if (instances_declared(d_, n.node) > 1)
+        notes_.add("instances of skinned meshes are left out", place("nodes", n.node));
+      add_mesh(n, {});
       return;
     }
     const auto& primitives = primitives_of(n);
-    if (std::none_of(primitives.begin(), primitives.end(),
-                     std::mem_fn(&Primitive::is_surface))) {  // needs no transform
-      no_surfaces_ += primitives.size();
-      return;
-    }
-    for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, deformation, to_world);
+    if (std::any_of(primitives.begin(), primitives.end(), std::mem_fn(&Primitive::is_surface)))
+      for (const Affine& to_world : place_instances(d_, n)) add_mesh(n, to_world);
   }
 
-  void add_mesh(const PlacedNode& n, const Deformation& deformation,
-                const std::optional<Affine>& to_world) {
+  void add_mesh(const PlacedNode& n, const std::optional<Affine>& to_world) {
     const size_t mesh = d_.nodes[n.node].mesh;
     struct Shared {
       uint32_t first;
@@ -192,17 +152,13 @@ class MeshReader {
     for (size_t k = 0; k < primitives.size(); ++k) {
       const Primitive& p = primitives[k];
       const std::string where = place("meshes", mesh) + "." + place("primitives", k);
-      if (!p.is_surface()) {
-        ++no_surfaces_;
-        continue;
-      }
+      if (!p.is_surface()) continue;
       const size_t position = find_attribute(p.attributes, "POSITION");
       if (position == kNone) {
-        without_positions_.insert({mesh, k});
+        notes_.add("primitives without POSITION are left out", where);
         continue;
       }
-      const AttributeSet set = choose_attributes(p, uses_[material_of(p)], deformation);
-      check_counts(d_, set, where);
+      const AttributeSet set = attributes_of(p, n.node);
       auto it = known.find(set);
       if (it == known.end()) {
         const auto first = static_cast<uint32_t>(out_.world.size());
@@ -214,11 +170,10 @@ class MeshReader {
       }
       const auto& [first, placing] = it->second;
       const size_t vertices = d_.accessors[position].count;
-      const std::vector<uint32_t> corner = corners(p, vertices, {mesh, k});
+      const std::vector<uint32_t> corner = corners(p, vertices, where);
       add_triangles(corner, first, placing.mirrors, material_of(p));
-      if (p.material != kNone) note_bubble(scene_.materials[material_of(p)], corner, first);
       note_grain(placing.to_world, position, corner, first);
-      note_primitive({mesh, k}, p, set, deformation);
+      note_primitive(where, p, set, is_skinned(n.node));
     }
   }
 
@@ -228,28 +183,27 @@ class MeshReader {
       const Affine& map = to_world ? *to_world : n.to_world;
       return {map, map.mirrors(), {}};
     }
-    const SkinMaps& skin = skin_of(n.node);
-    std::vector<Affine> of_vertices = skin.blend(set.joints);
-    const bool mirrors = most_mirror(of_vertices);
-    return {skin.first(), mirrors, std::move(of_vertices)};
-  }
-
-  const SkinMaps& skin_of(size_t node) {
-    const size_t skin = d_.nodes[node].skin;
-    return skins_.try_emplace(skin, d_, skin, maps_).first->second;
+    const size_t skin = d_.nodes[n.node].skin;
+    std::vector<Affine>& joints = skins_[skin];
+    if (joints.empty()) joints = joint_maps(d_, skin, nodes_);
+    std::vector<Affine> of_vertices =
+        blend_joints(d_, joints, set.joints, d_.accessors[set.accessors[kPosition]].count);
+    const auto mirrored = std::count_if(of_vertices.begin(), of_vertices.end(),
+                                        [](const Affine& a) { return a.mirrors(); });
+    return {joints.front(), 2 * mirrored > std::ssize(of_vertices), std::move(of_vertices)};
   }
 
   void add_vertices(const PlacedNode& n, const AttributeSet& set, const Placing& placing) {
     std::vector<Vec3d> positions = read_positions(d_, set.accessors[kPosition]);
     add_position_deltas(d_, set.targets, positions);
     for (size_t i = 0; i < positions.size(); ++i) {
-      out_.world.push_back(placing.of(i).point(positions[i]));
+      out_.world.push_back(placing.map_of(i).point(positions[i]));
       if (!is_finite(out_.world.back()))
         d_.fail(place("nodes", n.node), "its transform takes a vertex beyond double precision");
     }
   }
 
-  std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const Key& key) {
+  std::vector<uint32_t> corners(const Primitive& p, size_t vertices, const std::string& where) {
     std::vector<uint32_t> list;
     if (p.indices != kNone) {
       list = read_indices(d_, p.indices, vertices);
@@ -259,7 +213,8 @@ class MeshReader {
     }
     // Incomplete triangles are ignored, as in every graphics interface.
     const bool strips = p.mode != kTriangles;
-    if (strips ? list.size() < 3 : list.size() % 3 != 0) incomplete_.insert(key);
+    if (strips ? list.size() < 3 : list.size() % 3 != 0)
+      notes_.add("corners that make no triangle are left out", where);
     if (!strips || list.size() < 3) {
       list.resize(list.size() - list.size() % 3);
       return list;
@@ -298,72 +253,34 @@ class MeshReader {
         std::max(out_.grain, (floats ? 0x1p-24 : 0) * reach + 0x1p-53 * (length(moved) + reach));
   }
 
-  void note_primitive(const Key& key, const Primitive& p, const AttributeSet& set,
-                      const Deformation& deformation) {
+  void note_primitive(const std::string& where, const Primitive& p, const AttributeSet& set,
+                      bool skinned) {
     MaterialUse& use = uses_[material_of(p)];
     out_.unnamed_material |= p.material == kNone;
     note_colours(d_, set, use);
     for (size_t u = 0; u < 2; ++u)
-      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone) without_uv_.insert(key);
-    if (use.unlit && p.attributes.contains("COLOR_0")) coloured_.insert(key);
-    if (deformation.skinned && set.joints.empty()) without_joints_.insert(key);
-  }
-
-  /// Counts glass objects modelled as thin sheets: closed transmitting surfaces whose material
-  /// lacks KHR_materials_volume. The format defines these as bubbles; usually a solid was meant.
-  void note_bubble(const Material& m, const std::vector<uint32_t>& corner, uint32_t first) {
-    const bool thin_glass = m.transmission > 0 && !m.solid && m.ior != 1;
-    if (!thin_glass || corner.empty() || !encloses(corner, out_.world, first)) return;
-    if (bubbles_++ == 0)
-      first_bubble_ = m.name.empty() ? "" : " (material \"" + shown(m.name, 60) + "\")";
-  }
-
-  void warn() {
-    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
-      if (n > 0) out_.warnings.push_back(counted(n, noun, one, many));
-    };
-    if (bubbles_ > 0)
-      out_.warnings.push_back(
-          fmt::format("{} {} light{} without a thickness (KHR_materials_volume): soap bubbles, as "
-                      "the format has "
-                      "it, not solid glass",
-                      tdpt::counted(bubbles_, "closed mesh"),
-                      bubbles_ == 1 ? "transmits" : "transmit", first_bubble_));
-    add(no_surfaces_, "set", "of points or lines is left out", "of points or lines are left out");
-    add(without_positions_.size(), "primitive", "has no positions, and is left out",
-        "have no positions, and are left out");
-    add(incomplete_.size(), "primitive", "has corners left that make no triangle",
-        "have corners left that make no triangle");
-    add(without_uv_.size(), "primitive",
-        "lacks the texture coordinates that its material asks for: taken as 0",
-        "lack the texture coordinates that their materials ask for: taken as 0");
-    add(coloured_.size(), "unlit primitive", "has vertex colours, which are left out",
-        "have vertex colours, which are left out");
-    add(without_joints_.size(), "primitive", "of a skinned mesh has no joints: placed by its node",
-        "of skinned meshes have no joints: placed by their nodes");
-    add(skinned_instances_.size(), "skinned mesh", "is placed once, not as its instances ask for",
-        "are placed once, not as their instances ask for");
+      if (use.uv[u] && set.accessors[kTexCoord0 + u] == kNone)
+        notes_.add("texture coordinates that a material asks for are missing, taken as 0", where);
+    if (use.unlit && p.attributes.contains("COLOR_0"))
+      notes_.add("vertex colours of unlit materials are left out", where);
+    if (skinned && set.joints.empty())
+      notes_.add("primitives of skinned meshes without joints are placed by their node", where);
   }
 
   const Document& d_;
   Scene& scene_;
   std::vector<MaterialUse>& uses_;
-  const std::vector<PlacedNode>& nodes_;
-  NodeMaps maps_;
-  std::map<size_t, SkinMaps> skins_;
+  Notes& notes_;
+  const PlacedNodes& nodes_;
+  std::map<size_t, std::vector<Affine>> skins_;  // maps of their joints
   Meshes out_;
-  size_t bubbles_ = 0;        // closed meshes of thin glass
-  std::string first_bubble_;  // the material of the first
-  size_t no_surfaces_ = 0;
-  std::set<Key> without_positions_, incomplete_, without_uv_, coloured_, without_joints_;
-  std::set<size_t> skinned_instances_;  // nodes
 };
 
 }  // namespace
 
-std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode>& nodes) {
+std::vector<bool> used_materials(const Document& d, const PlacedNodes& nodes) {
   std::vector<bool> used(d.root()["materials"].size());
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const size_t mesh = mesh_of(d, n);
     if (mesh == kNone) continue;
     for (const Primitive& p : d.meshes[mesh].primitives)
@@ -372,9 +289,9 @@ std::vector<bool> used_materials(const Document& d, const std::vector<PlacedNode
   return used;
 }
 
-Meshes read_meshes(const Document& d, const std::vector<PlacedNode>& nodes, Scene& scene,
-                   std::vector<MaterialUse>& uses) {
-  return MeshReader(d, nodes, scene, uses).run();
+Meshes read_meshes(const Document& d, const PlacedNodes& nodes, Scene& scene,
+                   std::vector<MaterialUse>& uses, Notes& notes) {
+  return MeshReader(d, nodes, scene, uses, notes).run();
 }
 
 }  // namespace tdpt::gltf

@@ -161,7 +161,8 @@ TEST(Skins, WhatHasNoJointsIsPlacedByItsNode) {
   const Scene s = load(b);
   expect_near(s, still(moved));
   EXPECT_EQ(s.warnings,
-            Sentences{"1 primitive of a skinned mesh has no joints: placed by its node"});
+            Sentences{"primitives of skinned meshes without joints are placed by their node: "
+                      "meshes[0].primitives[0]"});
 }
 
 TEST(Skins, MirroringJointsKeepTheFrontTheFront) {
@@ -356,9 +357,10 @@ TEST(Animations, TheFirstThatMovesAPropertyCounts) {
     animate(b, "translation", b.floats({4, 4, 4, 7, 7, 7}, 3));
   });
   expect_same(s, moved({{"translation", {1, 2, 3}}}));
-  EXPECT_EQ(s.warnings.front(),
-            "1 animation channel moves what one before it moves, and is left out: --animation "
-            "names the animations that count");
+  EXPECT_EQ(
+      s.warnings.front(),
+      "channels that move what another one moves (--animation names those that count) are left "
+      "out: animation \"animation.1\"");
 }
 
 TEST(Animations, MoveWeights) {
@@ -377,8 +379,9 @@ TEST(Animations, ThatMoveNothingAreToldOf) {
       });
   expect_same(s, moved({{"translation", {1, 2, 3}}}));
   EXPECT_EQ(s.warnings,
-            (Sentences{"1 animation channel by KHR_animation_pointer is left out: it moves no node",
-                       "1 animation channel moves a node that has a matrix, and is left out"}));
+            (Sentences{"channels of nodes that have a matrix are left out: animation \"animation\"",
+                       "channels that move no node (KHR_animation_pointer) are left out: animation "
+                       "\"animation.1\""}));
 }
 
 }  // namespace tdpt::testing::motion_test

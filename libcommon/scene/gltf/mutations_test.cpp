@@ -5,13 +5,14 @@
 #include "libcommon/base/error.h"
 #include "libcommon/base/file.h"
 #include "libcommon/math/rng.h"
-#include "libcommon/scene/gltf/images.h"
+#include "libcommon/scene/gltf/textures.h"
 #include "libcommon/scene/scene.h"
 #include "libcommon/testing/files/glb_builder.h"
 #include "libcommon/testing/files/sound_scene.h"
 #include "libcommon/testing/files/temp_folder.h"
 #include "libcommon/testing/rooms/squares.h"
 #include "libcommon/testing/scenes/materials.h"
+#include "libcommon/testing/scenes/needs.h"
 
 namespace tdpt::testing::mutations_test {
 
@@ -168,7 +169,7 @@ GlbBuilder rich() {
   return b;
 }
 
-/// A scene with skinned, morphed, animated and instanced meshes and specular-glossiness materials.
+/// A scene with skinned, morphed, animated and instanced meshes.
 GlbBuilder moving() {
   GlbBuilder b;
   const int p = b.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.25f}, 3);
@@ -180,11 +181,7 @@ GlbBuilder moving() {
                                          1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1};
   const int matrices = b.accessor(
       b.view(std::string(reinterpret_cast<const char*>(identities.data()), 128)), 5126, "MAT4", 2);
-  b.material({{"extensions",
-               {{"KHR_materials_pbrSpecularGlossiness",
-                 {{"diffuseFactor", {0.5, 0.5, 0.5, 1}},
-                  {"specularFactor", {0.5, 0.25, 1}},
-                  {"glossinessFactor", 0.5}}}}}});
+  b.material(lambert(0.5, 0.5, 0.5));
   nlohmann::ordered_json bent = {
       {"attributes",
        {{"POSITION", p}, {"NORMAL", n}, {"JOINTS_0", joints}, {"WEIGHTS_0", weights}}},
@@ -265,7 +262,7 @@ void spoil_every_number(const GlbBuilder& b, int least) {
 
 TEST(Mutations, ExtremeNumbersInEveryFieldOfARichScene) {
   const Scene unspoilt = load(rich());
-  EXPECT_EQ(unspoilt.needs.size(), 10u);  // all that there are
+  EXPECT_EQ(needs_of(unspoilt).size(), 10u);  // all that there are
   EXPECT_EQ(unspoilt.warnings, std::vector<std::string>{});
   spoil_every_number(rich(), 200);
 }

@@ -42,11 +42,10 @@ std::vector<bool> reached_from(const Document& d, std::vector<size_t> next) {
   return reached;
 }
 
-/// Parents of the nodes in the scene; kNone for roots.
-std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reached) {
-  std::vector<size_t> parent(reached.size(), kNone);
-  for (size_t i = 0; i < reached.size(); ++i) {
-    if (!reached[i]) continue;
+/// Parents of all nodes; kNone for roots.
+std::vector<size_t> parents_of(const Document& d) {
+  std::vector<size_t> parent(d.nodes.size(), kNone);
+  for (size_t i = 0; i < parent.size(); ++i)
     for (const size_t child : d.nodes[i].children) {
       size_t& p = parent[child];
       if (p != kNone)
@@ -54,7 +53,6 @@ std::vector<size_t> parents_of(const Document& d, const std::vector<bool>& reach
                fmt::format("is reached twice, from nodes[{}] and nodes[{}]", p, i));
       p = i;
     }
-  }
   return parent;
 }
 
@@ -136,7 +134,7 @@ std::vector<size_t> read_roots(const Document& d) {
 
 Vec3d direction_of(const Vec3d& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  return largest > 0 ? normalize(v / largest) : Vec3d();
+  return largest > 0 && is_finite(v) ? normalize(v / largest) : Vec3d();
 }
 
 Affine local_map(const Document& d, size_t index) {
@@ -147,44 +145,37 @@ Affine local_map(const Document& d, size_t index) {
   return *map;
 }
 
-std::vector<PlacedNode> place_nodes(const Document& d, std::vector<std::string>& warnings) {
-  const std::vector<size_t>& named = d.roots;
-  const std::vector<bool> reached = reached_from(d, named);
-  const std::vector<size_t> parent = parents_of(d, reached);
-  std::vector<PlacedNode> out;
+PlacedNodes place_nodes(const Document& d) {
+  const std::vector<bool> reached = reached_from(d, d.roots);
+  const std::vector<size_t> parent = parents_of(d);
+  PlacedNodes out;
+  out.to_world.resize(parent.size());
   std::vector<PlacedNode> stack;  // with the parent's map; explicit, since depth is unbounded
-  size_t children = 0;
-  for (size_t i = named.size(); i-- > 0;)
-    if (parent[named[i]] == kNone)
-      stack.push_back({named[i], {}, true});
-    else
-      ++children;
-  std::vector<bool> placed(reached.size());
+  for (size_t i = 0; i < parent.size(); ++i)
+    if (parent[i] == kNone && !reached[i]) stack.push_back({i, {}, true});
+  for (size_t i = d.roots.size(); i-- > 0;)
+    if (parent[d.roots[i]] == kNone) stack.push_back({d.roots[i], {}, true});
+  std::vector<bool> placed(parent.size());
   while (!stack.empty()) {
     PlacedNode n = std::move(stack.back());
     stack.pop_back();
     n.to_world = map_below(d, n.to_world, n.node);
     n.visible = n.visible && !d.nodes[n.node].hidden;
     placed[n.node] = true;
+    out.to_world[n.node] = n.to_world;
     const auto& below = d.nodes[n.node].children;
     for (size_t i = below.size(); i-- > 0;) stack.push_back({below[i], n.to_world, n.visible});
-    out.push_back(std::move(n));
+    if (reached[n.node]) out.of_scene.push_back(std::move(n));
   }
-  for (size_t i = 0; i < reached.size(); ++i)
-    if (reached[i] && !placed[i])
-      d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
-  if (children > 0)
-    warnings.push_back(
-        counted(children, "node", "is a root of the scene and a child",
-                "are roots of the scene and children") +
-        (children == 1 ? ": placed once, below its parent" : ": placed once, below their parents"));
+  for (size_t i = 0; i < placed.size(); ++i)
+    if (!placed[i]) d.fail(place("nodes", i), "is its own ancestor, expected a tree of nodes");
   return out;
 }
 
 namespace {
 
 constexpr Numbers kTranslations = {"translations", 3};
-constexpr Numbers kRotations = {"rotations", 4, floats | signed_shares};
+constexpr Numbers kRotations = {"rotations", 4, Numbers::Kind::shares};
 constexpr Numbers kScales = {"scales", 3};
 
 size_t count_of(const Document& d, size_t accessor) {
@@ -227,6 +218,81 @@ std::vector<Affine> place_instances(const Document& d, const PlacedNode& n) {
       d.fail(place("accessors", accessors[1]),
              fmt::format("rotation {} is zero, expected a unit quaternion", i));
     out.push_back(n.to_world * *map);
+  }
+  return out;
+}
+
+namespace {
+
+constexpr Numbers kMatrices = {"inverse bind matrices", 16};
+constexpr Numbers kJoints = {"joints", 4, Numbers::Kind::indices};
+constexpr Numbers kJointWeights = {"weights", 4, Numbers::Kind::shares};
+
+void add_scaled(Affine& sum, const Affine& a, double weight) {
+  sum.x += a.x * weight;
+  sum.y += a.y * weight;
+  sum.z += a.z * weight;
+  sum.t += a.t * weight;
+}
+
+}  // namespace
+
+std::vector<JointSet> joint_sets_of(const Primitive& p) {
+  std::vector<JointSet> out;
+  for (size_t k = 0;; ++k) {
+    const size_t joints = find_attribute(p.attributes, fmt::format("JOINTS_{}", k));
+    const size_t weights = find_attribute(p.attributes, fmt::format("WEIGHTS_{}", k));
+    if (joints == kNone || weights == kNone) return out;
+    out.push_back({joints, weights});
+  }
+}
+
+std::vector<Affine> joint_maps(const Document& d, size_t skin, const PlacedNodes& nodes) {
+  const Skin& s = d.skins[skin];
+  const size_t count = s.joints.size();
+  std::vector<double> m;
+  if (s.matrices != kNone) m = read_numbers(d, s.matrices, kMatrices, 0, count);
+  std::vector<Affine> out;
+  for (size_t k = 0; k < count; ++k) {
+    out.push_back(nodes.to_world[s.joints[k]]);
+    if (m.empty()) continue;
+    const auto column = [&](size_t c) {
+      return Vec3d(m[16 * k + 4 * c], m[16 * k + 4 * c + 1], m[16 * k + 4 * c + 2]);
+    };
+    out.back() = out.back() * Affine{column(0), column(1), column(2), column(3)};
+  }
+  return out;
+}
+
+std::vector<Affine> blend_joints(const Document& d, const std::vector<Affine>& joints,
+                                 const std::vector<JointSet>& sets, size_t vertices) {
+  std::vector<Affine> out(vertices, {{}, {}, {}, {}});
+  std::vector<double> total(vertices), lone;  // lone: the first joint of each vertex
+  for (const JointSet& set : sets) {
+    const std::vector<double> joint = read_numbers(d, set.joints, kJoints, 0, vertices);
+    const std::vector<double> weight = read_numbers(d, set.weights, kJointWeights, 0, vertices);
+    if (lone.empty())
+      for (size_t v = 0; v < vertices; ++v) lone.push_back(joint[4 * v]);
+    for (size_t i = 0; i < joint.size(); ++i) {
+      if (weight[i] == 0) continue;
+      const auto k = static_cast<size_t>(joint[i]);
+      if (k >= joints.size())
+        d.fail(place("accessors", set.joints),
+               fmt::format("joint {} of vertex {} is out of range, the skin has {} joints", k,
+                           i / 4, joints.size()));
+      add_scaled(out[i / 4], joints[k], weight[i]);
+      total[i / 4] += weight[i];
+    }
+  }
+  for (size_t v = 0; v < out.size(); ++v) {
+    if (total[v] > 0) {
+      const double scale = 1 / total[v];
+      Affine& a = out[v];
+      a = {a.x * scale, a.y * scale, a.z * scale, a.t * scale};
+    } else {
+      out[v] =
+          joints[lone[v] < static_cast<double>(joints.size()) ? static_cast<size_t>(lone[v]) : 0];
+    }
   }
   return out;
 }

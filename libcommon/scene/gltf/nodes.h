@@ -1,5 +1,5 @@
-// Nodes and cameras. Flattens the node hierarchy: every node of the scene with its world transform,
-// in double precision. Internal to this room.
+// Where nodes stand: the hierarchy with world transforms in double precision, instances, skins and
+// animations. Internal to this room.
 #pragma once
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace tdpt::gltf {
 /// The map of a node into its parent. Throws InputError if it is invalid.
 Affine local_map(const Document& document, size_t node);
 
-/// `v` normalised, even if very long or short; 0 if it has no direction.
+/// `v` normalised, even if very long or short; 0 if it has no direction or is not finite.
 Vec3d direction_of(const Vec3d& v);
 
 struct PlacedNode {
@@ -22,10 +22,15 @@ struct PlacedNode {
   bool visible;  ///< neither it nor an ancestor is hidden
 };
 
-/// Nodes of the default scene (else of the first scene, else all roots and what is below), parents
-/// first, in file order. Throws InputError for cycles, nodes with two parents and invalid maps.
-/// Adds a sentence to `warnings` about roots that are also children.
-std::vector<PlacedNode> place_nodes(const Document& document, std::vector<std::string>& warnings);
+struct PlacedNodes {
+  /// Those of the default scene (else of the first scene, else all), parents first, in file order.
+  std::vector<PlacedNode> of_scene;
+  std::vector<Affine> to_world;  ///< of all nodes of the file: joints may lie outside of the scene
+};
+
+/// A root that is also a child is placed below its parent. Throws InputError for cycles, nodes with
+/// two parents and invalid maps.
+PlacedNodes place_nodes(const Document& document);
 
 // EXT_mesh_gpu_instancing: a node's mesh, placed several times.
 
@@ -36,6 +41,27 @@ size_t instances_declared(const Document& document, size_t node);
 /// Their transforms: the node's after that of the instance. Throws InputError for missing numbers
 /// and invalid transforms.
 std::vector<Affine> place_instances(const Document& document, const PlacedNode& node);
+
+// Skins: vertices that follow joints, by linear blend skinning (glTF 2.0, section 3.7.3).
+//   world = sum_k w_k (to_world of joint k) (inverse bind matrix of joint k) vertex, sum_k w_k = 1
+// The transform of the node that holds the mesh is ignored.
+
+/// Accessors of one set of up to four joints per vertex.
+struct JointSet {
+  size_t joints, weights;
+  auto operator<=>(const JointSet&) const = default;
+};
+
+/// JOINTS_0 with WEIGHTS_0 and the sets that follow.
+std::vector<JointSet> joint_sets_of(const Primitive& primitive);
+
+/// World transforms of what follows each joint of a skin. Throws InputError.
+std::vector<Affine> joint_maps(const Document& document, size_t skin, const PlacedNodes& nodes);
+
+/// The map of each vertex that follows these joints. Joints of weight 0 are ignored; a vertex
+/// without any weight follows its first joint. Throws InputError for joints that do not exist.
+std::vector<Affine> blend_joints(const Document& document, const std::vector<Affine>& joints,
+                                 const std::vector<JointSet>& sets, size_t vertices);
 
 // Animations: the pose of the nodes at a time (glTF 2.0, section 3.11 and appendix C).
 //

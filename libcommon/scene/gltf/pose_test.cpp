@@ -194,8 +194,8 @@ TEST(Poses, AnimationsAreChosenByName) {
   };
   const Scene all = shot.at(1);
   expect_near(place(all), {1, 0, 0});
-  EXPECT_EQ(all.warnings, Sentences{"1 animation channel moves what one before it moves, and is "
-                                    "left out: --animation names the animations that count"});
+  EXPECT_EQ(all.warnings, Sentences{"channels that move what another one moves (--animation names "
+                                    "those that count) are left out: animation \"jump\""});
   const Scene jump = shot.at(1, {"jump"});
   expect_near(place(jump), {0, 0.5, 0});
   EXPECT_EQ(jump.warnings, Sentences{});

@@ -9,14 +9,10 @@
 
 #include "libcommon/base/provenance.h"
 #include "libcommon/base/words.h"
-#include "libcommon/scene/gltf/attributes.h"
 #include "libcommon/scene/gltf/defaults.h"
 #include "libcommon/scene/gltf/document.h"
-#include "libcommon/scene/gltf/lights.h"
-#include "libcommon/scene/gltf/materials.h"
-#include "libcommon/scene/gltf/meshes.h"
 #include "libcommon/scene/gltf/nodes.h"
-#include "libcommon/scene/gltf/skins.h"
+#include "libcommon/scene/gltf/parts.h"
 #include "libcommon/scene/scene.h"
 
 namespace tdpt {
@@ -30,13 +26,13 @@ constexpr double kCoarsest = 1e-4;  // largest invisible rounding of vertices / 
 
 /// Hash of where everything stands that light meets or comes from, of what moves at all: cameras
 /// aside. Places of nodes, not of vertices: cheap in a scene of any size.
-std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes) {
+std::string hash_of_pose(const Document& d, const PlacedNodes& nodes) {
   std::string bytes;
   const auto add = [&](const auto& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   };
   std::set<size_t> skins;
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const Node& node = d.nodes[n.node];
     const bool counts = n.visible && (node.mesh != kNone || node.holds_light());
     if (!counts) continue;
@@ -44,9 +40,8 @@ std::string hash_of_pose(const Document& d, const std::vector<PlacedNode>& nodes
     for (const double w : node.weights) add(w);
     if (node.skin != kNone) skins.insert(node.skin);
   }
-  NodeMaps maps(d, nodes);
   for (const size_t skin : skins)
-    for (const size_t joint : d.skins[skin].joints) add(maps.to_world(joint));
+    for (const size_t joint : d.skins[skin].joints) add(nodes.to_world[joint]);
   return content_hash(bytes);
 }
 
@@ -60,21 +55,16 @@ std::string beginning_sentence(const std::vector<AnimationFacts>& animations) {
       number_words(last, 3));
 }
 
-/// Cameras of nodes, still in metres, with distinct names, and how many are left out.
-struct Cameras {
-  std::vector<Camera> cameras;
-  size_t orthographic = 0, flat = 0;  ///< flat: the node's transform leaves it no direction
-};
-
-Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
-  Cameras all;
+/// Perspective cameras of nodes, still in metres, with distinct names.
+std::vector<Camera> read_cameras(const Document& d, const PlacedNodes& nodes, Notes& notes) {
+  std::vector<Camera> all;
   DistinctNames names;
-  for (const PlacedNode& n : nodes) {
+  for (const PlacedNode& n : nodes.of_scene) {
     const Node& node = d.nodes[n.node];
     if (node.camera == kNone) continue;
     const Lens& lens = d.cameras[node.camera];
     if (!lens.perspective) {
-      ++all.orthographic;
+      notes.add("orthographic cameras are left out", place("nodes", n.node));
       continue;
     }
     Camera out;
@@ -84,13 +74,13 @@ Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
     out.forward = direction_of(-n.to_world.z);
     out.right = direction_of(cross(out.forward, direction_of(n.to_world.y)));
     if (out.right == Vec3d()) {
-      ++all.flat;
+      notes.add("cameras with a flat transform are left out", place("nodes", n.node));
       continue;
     }
     out.up = cross(out.right, out.forward);
     out.yfov = lens.yfov;
     out.aspect = lens.aspect;
-    all.cameras.push_back(out);
+    all.push_back(out);
   }
   return all;
 }
@@ -98,35 +88,32 @@ Cameras read_cameras(const Document& d, const std::vector<PlacedNode>& nodes) {
 class SceneReader {
  public:
   SceneReader(const Document& document, Scene& scene)
-      : d_(document), scene_(scene), lights_(document, scene) {}
+      : d_(document), scene_(scene), notes_(document.notes) {}
 
   void run() {
-    const std::vector<PlacedNode> nodes = place_nodes(d_, scene_.warnings);
+    const PlacedNodes nodes = place_nodes(d_);
     if (scene_.moves) scene_.pose_hash = hash_of_pose(d_, nodes);
-    std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_);
+    std::vector<MaterialUse> uses = read_materials(d_, used_materials(d_, nodes), scene_, notes_);
     uses.emplace_back();  // default for surfaces without a material
-    Meshes meshes = read_meshes(d_, nodes, scene_, uses);
-    const Cameras cameras = read_cameras(d_, nodes);
-    scene_.cameras = cameras.cameras;
-    for (const PlacedNode& n : nodes)
-      if (n.visible) lights_.add(n);
+    Meshes meshes = read_meshes(d_, nodes, scene_, uses, notes_);
+    scene_.cameras = read_cameras(d_, nodes, notes_);
     if (meshes.unnamed_material) scene_.materials.emplace_back().name = "default";
-    for (const PlacedNode& n : nodes)
-      if (n.visible) lights_.add_area_light(n, meshes.world);
+    read_lights(d_, nodes, scene_, meshes.world, notes_);
     uses.resize(std::max(uses.size(), scene_.materials.size()));
     fill_attributes(meshes.world.size(), scene_);
     scene_.by_blender = is_blender(generator_of(d_));
-    if (scene_.has_lamps()) scene_.lamp_units = lights_.units();
     if (scene_.triangles.empty()) d_.fail("", "has no triangles in its scene");
     for (size_t i = 0; i < scene_.materials.size(); ++i)
       finish_material(uses[i], scene_.materials[i]);
     if (std::none_of(uses.begin(), uses.end(), [](const auto& u) { return u.coloured; }))
       scene_.colours = {};
-    bring_to_canonical(meshes.world, meshes.grain);
+    move_to_canonical(meshes.world, meshes.grain);
     drop_flat_triangles();
     mark_smooth_triangles(scene_);
-    scene_.needs = needs_of(scene_);
-    warn(meshes, cameras);
+    if (meshes.unnamed_material)
+      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
+    const std::vector<std::string> sentences = notes_.sentences();
+    scene_.warnings.insert(scene_.warnings.end(), sentences.begin(), sentences.end());
   }
 
  private:
@@ -192,7 +179,7 @@ class SceneReader {
         "start {} m off surfaces, and the picture is wrong by about {} %; divide that triangle",
         number_words(size, 2), number_words(offset, 1), number_words(100 * offset / room, 1)));
   }
-  // Of the farthest corner, along an axis.
+  // Along an axis, to the farthest corner.
   static double distance_of(const Triangle& t, const std::vector<Vec3d>& world,
                             const Vec3d& middle) {
     double distance = 0;
@@ -213,7 +200,7 @@ class SceneReader {
     return middle;
   }
 
-  void bring_to_canonical(std::vector<Vec3d>& world, double grain) {
+  void move_to_canonical(std::vector<Vec3d>& world, double grain) {
     Extent all;
     for (const Triangle& t : scene_.triangles)
       for (uint32_t v : t.vertex) all.add(world[v]);
@@ -249,36 +236,20 @@ class SceneReader {
   }
 
   void drop_flat_triangles() {
-    dropped_ = std::erase_if(scene_.triangles, [&](const Triangle& t) {
+    const size_t dropped = std::erase_if(scene_.triangles, [&](const Triangle& t) {
       const Vec3d p(scene_.positions[t.vertex[0]]);
       const Vec3d n =
           cross(Vec3d(scene_.positions[t.vertex[1]]) - p, Vec3d(scene_.positions[t.vertex[2]]) - p);
       return !(length(n) > 0);
     });
     if (scene_.triangles.empty()) d_.fail("", "has no triangle with an area");
-  }
-
-  void warn(const Meshes& meshes, const Cameras& cameras) {
-    const auto add = [&](size_t n, const char* noun, const char* one, const char* many) {
-      if (n > 0) scene_.warnings.push_back(counted(n, noun, one, many));
-    };
-    if (meshes.unnamed_material)
-      scene_.warnings.push_back("surfaces without a material are taken as diffuse grey of 0.8");
-    add(dropped_, "triangle", "without area is left out", "without area are left out");
-    scene_.warnings.insert(scene_.warnings.end(), meshes.warnings.begin(), meshes.warnings.end());
-    add(cameras.orthographic, "orthographic camera", "is left out", "are left out");
-    add(cameras.flat, "camera", "is left out, as its transform is flat",
-        "are left out, as their transforms are flat");
-    add(lights_.faint(), "area light", "emits a radiance below 1e-30, which counts as none",
-        "emit a radiance below 1e-30, which counts as none");
-    add(lights_.flat(), "lamp", "is left out, as its transform is flat",
-        "are left out, as their transforms are flat");
+    if (dropped > 0)
+      scene_.warnings.push_back(counted(dropped, "triangle") + " without area: left out");
   }
 
   const Document& d_;
   Scene& scene_;
-  LightReader lights_;
-  size_t dropped_ = 0;  // triangles without area
+  Notes notes_;
 };
 
 }  // namespace
@@ -304,10 +275,7 @@ Scene SceneFile::at(std::optional<double> seconds) {
   scene.path = impl_->path;
   scene.hash = document.hash;
   scene.files = document.files;
-  scene.warnings = document.warnings;
   scene.defaults = defaults_of(document.json, impl_->path);
-  scene.warnings.insert(scene.warnings.end(), scene.defaults.warnings.begin(),
-                        scene.defaults.warnings.end());
   const Motion motion = impl_->go_to(seconds.value_or(0));
   scene.animations = motion.animations;
   scene.moves = motion.moves;
@@ -321,9 +289,9 @@ Scene SceneFile::at(std::optional<double> seconds) {
 SceneFile::Glance SceneFile::glance_at(double seconds) {
   Document& document = impl_->document;
   const bool moves = impl_->go_to(seconds).moves;
-  std::vector<std::string> ignored;
-  const std::vector<PlacedNode> nodes = place_nodes(document, ignored);
-  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes).cameras};
+  Notes ignored;
+  const PlacedNodes nodes = place_nodes(document);
+  return {moves ? hash_of_pose(document, nodes) : "", read_cameras(document, nodes, ignored)};
 }
 
 Scene read_gltf(const std::string& path, const Pose& pose) {

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "libcommon/base/file.h"
-#include "libcommon/scene/gltf/images.h"
 #include "libcommon/scene/texture.h"
 
 namespace tdpt::gltf {
@@ -113,7 +112,7 @@ std::string_view TextureReader::bytes_of(size_t index, std::string& owned) {
   return owned;
 }
 
-void TextureReader::decode(size_t index, Decoded& out) {
+void TextureReader::decode(size_t index, DecodedImage& out) {
   const std::string where = place("images", index);
   std::string owned;
   std::string_view bytes;
@@ -138,9 +137,9 @@ void TextureReader::decode(size_t index, Decoded& out) {
   if (!out.image) out.fault = fault_of_image(bytes);
 }
 
-TextureReader::Decoded& TextureReader::decoded(size_t index) {
+DecodedImage& TextureReader::decoded(size_t index) {
   const auto [it, is_new] = known_.try_emplace(index);
-  Decoded& d = it->second;
+  DecodedImage& d = it->second;
   if (!is_new) return d;
   decode(index, d);
   if (!d.image) return d;
@@ -151,39 +150,35 @@ TextureReader::Decoded& TextureReader::decoded(size_t index) {
   return d;
 }
 
-std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, Fault& fault) {
-  Texture out;
-  const Source& texture = sources_[info.texture];
-  fault = {info.uv_set > 1, ""};
-  if (fault.far_uv_set) return {};
-  const Decoded* found = nullptr;
-  for (const size_t source : texture.images) {
-    const Decoded& tried = decoded(source);
-    if (fault.image.empty()) fault.image = tried.fault;
-    if (!tried.fault.empty()) continue;
-    found = &tried;
-    out.image = source;
-    break;
+std::optional<Texture> TextureReader::read(const TextureInfo& info, bool srgb, std::string& fault) {
+  if (info.uv_set > 1) {
+    fault = fmt::format("on TEXCOORD_{}", info.uv_set);
+    return {};
   }
-  if (!found && fault.image.empty()) fault.image = "without an image";
-  if (!found) return {};
-  fault.image.clear();
-  const Decoded& image = *found;
-
-  out.map = texture.map;
-  out.map.transform = info.transform;
-  out.map.srgb = srgb;
-  out.map.uv_set = static_cast<uint8_t>(info.uv_set);
-  out.uniform = image.uniform;
-  out.encoded = image.first;
-  for (size_t c = 0; c < 4; ++c)
-    out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
-  out.least_alpha = linear_of_byte()[image.least_alpha];
-  return out;
+  const Source& texture = sources_[info.texture];
+  std::string first_fault = "without an image";
+  for (const size_t source : texture.images) {
+    DecodedImage& image = decoded(source);
+    if (!image.fault.empty()) {
+      if (source == texture.images.front()) first_fault = image.fault;
+      continue;
+    }
+    Texture out;
+    out.image = &image;
+    out.map = texture.map;
+    out.map.transform = info.transform;
+    out.map.srgb = srgb;
+    out.map.uv_set = static_cast<uint8_t>(info.uv_set);
+    for (size_t c = 0; c < 4; ++c)
+      out.value[c] = (srgb && c < 3 ? linear_of_srgb() : linear_of_byte())[image.first[c]];
+    return out;
+  }
+  fault = first_fault;
+  return {};
 }
 
 TextureMap TextureReader::keep(const Texture& texture) {
-  Decoded& d = known_.at(texture.image);
+  DecodedImage& d = *texture.image;
   if (d.kept < 0) {
     d.kept = static_cast<int32_t>(scene_.images.size());
     scene_.images.push_back(std::move(*d.image));

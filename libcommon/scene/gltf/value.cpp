@@ -40,20 +40,20 @@ std::string brief(const Json& value) {
   return out.size() > 40 ? out.substr(0, 40) + "..." : out;
 }
 
-/// Extends `place`, that of `in`, to that of `sought`, if it lies there.
-bool find_place(const Json& in, const Json* sought, std::string& place) {
-  if (&in == sought) return true;
+/// Extends `place`, that of `in`, to that of `target`, if it lies there.
+bool find_place(const Json& in, const Json* target, std::string& place) {
+  if (&in == target) return true;
   const size_t length = place.size();
   if (in.is_object())
     for (const auto& [name, value] : in.items()) {
       place += (length == 0 ? "" : ".") + name.substr(0, 60);
-      if (find_place(value, sought, place)) return true;
+      if (find_place(value, target, place)) return true;
       place.resize(length);
     }
   if (in.is_array())
     for (size_t i = 0; i < in.size(); ++i) {
       place += fmt::format("[{}]", i);
-      if (find_place(in[i], sought, place)) return true;
+      if (find_place(in[i], target, place)) return true;
       place.resize(length);
     }
   return false;

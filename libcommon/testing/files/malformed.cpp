@@ -20,7 +20,9 @@ uint32_t get_u32(const std::string& bytes, size_t at) {
 void container(MalformedList& l) {
   l.raw("empty", "", " is empty, expected a glTF 2.0 scene");
   l.raw("text", "hello\n",
-        " is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start");
+        " is no glTF scene, expected \"glTF\" (.glb) or \"{\" (.gltf) at its start: export it as "
+        "glTF "
+        "2.0 from its program, or convert it by tdpt-import (Mitsuba, pbrt, Tungsten)");
   l.raw("header-short", "glTF\2", "header: is cut short after 5 bytes, expected 12");
   l.spoil_bytes(
       "version-1", [](auto& s) { set_u32(s, 4, 1); }, "header: version is 1, expected 2");
@@ -100,10 +102,10 @@ void json(MalformedList& l) {
             Json::array({"two\nlines\x1b[2J"}),
             "extensionsRequired: \"two?lines?[2J\" is not supported, expected a scene exported "
             "without it");
-  l.replace("extensions-list", "/extensionsUsed", "x",
-            "extensionsUsed: is \"x\", expected an array");
-  l.replace("extensions-names", "/extensionsUsed", {1},
-            "extensionsUsed[0]: is 1, expected a string");
+  l.replace("extensions-list", "/extensionsRequired", "x",
+            "extensionsRequired: is \"x\", expected an array");
+  l.replace("extensions-names", "/extensionsRequired", {1},
+            "extensionsRequired[0]: is 1, expected a string");
 }
 
 void buffers(MalformedList& l) {
@@ -154,22 +156,20 @@ void accessors(MalformedList& l) {
             "bufferViews[0].byteStride: is 2, expected an integer from 4 to 252");
   l.replace("positions-vec2", "/accessors/0/type", "VEC2",
             "accessors[0].type: positions are not VEC3");
-  l.replace("positions-integer", "/accessors/0/componentType", 5122,
-            "accessors[0].componentType: positions are of type 5122, expected 5126 (float)");
   l.spoil(
       "positions-nan",
       [](GlbBuilder& b) {
         const float nan = std::numeric_limits<float>::quiet_NaN();
         std::memcpy(b.bin.data() + 12, &nan, 4);
       },
-      "accessors[0]: position 1 is not finite, expected three finite numbers");
+      "accessors[0]: element 1 of positions is not finite");
   l.spoil(
       "positions-infinite",
       [](GlbBuilder& b) {
         const float infinite = std::numeric_limits<float>::infinity();
         std::memcpy(b.bin.data() + 44, &infinite, 4);
       },
-      "accessors[0]: position 3 is not finite, expected three finite numbers");
+      "accessors[0]: element 3 of positions is not finite");
   l.spoil(
       "claims-memory",
       [](GlbBuilder& b) {
@@ -184,9 +184,6 @@ void accessors(MalformedList& l) {
             "accessors[1].type: indices are not SCALAR");
   l.replace("indices-signed", "/accessors/1/componentType", 5122,
             "accessors[1].componentType: indices are of type 5122, expected 5121, 5123 or 5125");
-  l.spoil(
-      "indices-nowhere", [](GlbBuilder& b) { b.json["accessors"][1].erase("bufferView"); },
-      "accessors[1].bufferView: is missing, indices need one");
   const auto sparse = [](int count, int type, int offset) {
     return Json{{"count", count},
                 {"indices", {{"bufferView", 1}, {"componentType", type}, {"byteOffset", offset}}},

@@ -28,28 +28,22 @@ void attributes(MalformedList& l) {
         },
         expected);
   };
-  const std::string primitive = "meshes[0].primitives[0].attributes.";
   attribute("normals-count", "NORMAL", 5126, "VEC3", 3, 36,
-            primitive + "NORMAL: has 3 elements, expected 4 as POSITION has");
+            "accessors[2]: count is 3, expected at least 4 normals");
   attribute("normals-vec4", "NORMAL", 5126, "VEC4", 4, 64,
             "accessors[2].type: normals are not VEC3");
-  attribute("normals-integer", "NORMAL", 5122, "VEC3", 4, 24,
-            "accessors[2].componentType: normals are of type 5122, expected 5126 (float)");
   attribute("normals-beyond", "NORMAL", 5126, "VEC3", 4, 44,
             "accessors[2]: 4 elements, 12 bytes apart, from byte 0 reach beyond bufferViews[2] of "
             "44 bytes");
   attribute("texcoords-vec3", "TEXCOORD_0", 5126, "VEC3", 4, 48,
             "accessors[2].type: texture coordinates are not VEC2");
-  attribute("texcoords-integer", "TEXCOORD_0", 5121, "VEC2", 4, 8,
-            "accessors[2].componentType: texture coordinates are of type 5121, expected 5126 "
-            "(float), or 5121 or 5123, normalized");
-  attribute("texcoords-count", "TEXCOORD_0", 5126, "VEC2", 5, 40,
-            primitive + "TEXCOORD_0: has 5 elements, expected 4 as POSITION has");
+  attribute("texcoords-count", "TEXCOORD_0", 5126, "VEC2", 3, 24,
+            "accessors[2]: count is 3, expected at least 4 texture coordinates");
   attribute("colours-vec2", "COLOR_0", 5126, "VEC2", 4, 32,
             "accessors[2].type: vertex colours are not VEC3 or VEC4");
   attribute("colours-signed", "COLOR_0", 5120, "VEC4", 4, 16,
             "accessors[2].componentType: vertex colours are of type 5120, expected 5126 (float), "
-            "or 5121 or 5123, normalized");
+            "or 5120 to 5123, normalized");
   l.replace("attribute-missing", "/meshes/0/primitives/0/attributes/NORMAL", 9,
             "meshes[0].primitives[0].attributes.NORMAL: is 9, expected an index into the 2 "
             "accessors");

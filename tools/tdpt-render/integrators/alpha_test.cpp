@@ -38,7 +38,6 @@ Scene outdoors() {
   camera.up = {0, 1, 0};
   camera.forward = {0, 0, -1};
   scene.cameras.push_back(camera);
-  scene.needs = {"alpha", "transmission", "specular"};
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {kSky}}, 0);
   return scene;
 }

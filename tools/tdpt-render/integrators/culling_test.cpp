@@ -116,7 +116,6 @@ Scene lamp_before_a_wall(bool double_sided) {
   camera.forward = {0, 0, -1};
   camera.culls = true;
   scene.cameras.push_back(camera);
-  scene.needs = {"punctual lights"};
   return scene;
 }
 
@@ -157,7 +156,6 @@ Scene wall_before_the_sky() {
   Scene scene = lamp_before_a_wall(false);
   scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 2);
   scene.lights.clear();
-  scene.needs = {};
   scene.sky = std::make_shared<Sky>(Sky::Map{1, 1, {Rgb(3, 2, 1)}}, 0);
   return scene;
 }

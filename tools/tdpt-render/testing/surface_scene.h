@@ -101,7 +101,6 @@ class SurfaceHeap {
     m.maps[MAP_NORMAL] = map(0.4);
     m.maps[MAP_SPECULAR] = map(0.3);
     m.maps[MAP_SPECULAR_COLOR] = map(0.3, true);
-    m.glossy_map = m.maps[MAP_SPECULAR_COLOR] && chance(0.5);
     m.maps[MAP_TRANSMISSION] = map(0.3);
     m.maps[MAP_COAT] = map(0.3);
     m.maps[MAP_COAT_ROUGHNESS] = map(0.3);
