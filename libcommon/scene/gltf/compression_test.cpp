@@ -68,17 +68,6 @@ TEST(Compression, AMeshThatCannotBeDecodedIsNamed) {
             std::string::npos);
 }
 
-TEST(Compression, PlainDataIsTakenWhereDracoIsNotRequired) {
-  GlbBuilder b = square_by_draco();
-  const int position = b.floats({0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0}, 3);
-  const int index = b.indices_u16({0, 1, 2, 0, 2, 3});
-  primitive(b)["attributes"]["POSITION"] = position;
-  primitive(b)["indices"] = index;
-  EXPECT_NEAR(area_of(read(b)), 1, 1e-6);
-  b.json.erase("extensionsRequired");
-  EXPECT_NEAR(area_of(read(b)), 4, 1e-6);
-}
-
 TEST(Compression, AccessorsThatSeveralPrimitivesShareHaveTheDataOfEach) {
   GlbBuilder b = square_by_draco();
   Json other = primitive(b);
@@ -132,10 +121,6 @@ TEST(Compression, DracoMayHoldSomewhatMoreThanAccessorsSay) {
     b.json["accessors"][static_cast<size_t>(accessor)]["count"] = count;
     const Scene s = read(b);
     EXPECT_NEAR(area_of(s), 1, 1e-6);
-    EXPECT_EQ(s.warnings, std::vector<std::string>{
-                              "Draco holds more than the accessors declare, and all is read: "
-                              "meshes[0].primitives[0].extensions."
-                              "KHR_draco_mesh_compression"});
   }
 }
 

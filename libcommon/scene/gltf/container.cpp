@@ -1,6 +1,7 @@
 // The container of a scene: .glb header and chunks (glTF 2.0, section 4.4), and URIs of what lies
 // outside.
 #include <fmt/format.h>
+#include <charconv>
 
 #include "libcommon/base/file.h"
 #include "libcommon/base/words.h"
@@ -102,13 +103,6 @@ bool decode_base64(std::string_view text, std::string& out) {
   return true;
 }
 
-int hex_of(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 [[noreturn]] void nothing(const Namer& namer, const std::string& where, const std::string& message,
                           const std::string& what_is) {
   throw NothingThere(InputError(namer.file, where, message), what_is);
@@ -119,9 +113,11 @@ int hex_of(char c) {
 std::string percent_decode(std::string_view text) {
   std::string out;
   for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '%' && i + 2 < text.size() && hex_of(text[i + 1]) >= 0 &&
-        hex_of(text[i + 2]) >= 0) {
-      out += static_cast<char>(hex_of(text[i + 1]) * 16 + hex_of(text[i + 2]));
+    uint8_t byte = 0;
+    const char* const end = text.data() + i + 3;
+    if (text[i] == '%' && i + 2 < text.size() &&
+        std::from_chars(text.data() + i + 1, end, byte, 16).ptr == end) {
+      out += static_cast<char>(byte);
       i += 2;
     } else {
       out += text[i];

@@ -69,7 +69,7 @@ TEST(SceneDefaults, AreThoseOfTheSceneThatIsShown) {
   EXPECT_EQ(defaults_of(json, "a.glb").width, 2);
   EXPECT_EQ(defaults_of(json, "a.glb").place, "scenes[1].extras");
   json["scene"] = 2;
-  EXPECT_EQ(defaults_of(json, "a.glb").width, 0);
+  EXPECT_THROW(defaults_of(json, "a.glb"), InputError);
 }
 
 TEST(SceneDefaults, WhatIsWrongIsToldWithItsPlace) {

@@ -152,9 +152,13 @@ class DracoReader {
     replace(p.indices, corners, indices_of(*mesh)).component_type = kU32;
   }
 
-  /// Replaces the accessor by a new one that refers to `bytes`.
+  /// Makes the accessor, or a copy if it refers to other data already, refer to `bytes`.
   Accessor& replace(size_t& index, size_t count, std::string bytes) {
-    Accessor a = accessor(index);
+    if (accessor(index).view != kNone) {
+      d_.accessors.push_back(Accessor(accessor(index)));
+      index = d_.accessors.size() - 1;
+    }
+    Accessor& a = d_.accessors[index];
     a.view = d_.views.size();
     a.offset = 0;
     a.count = count;
@@ -162,8 +166,7 @@ class DracoReader {
     d_.views.push_back({d_.buffers.size(), 0, bytes.size(), 0, {}});
     d_.owned.push_back(std::move(bytes));
     d_.buffers.push_back(d_.owned.back());
-    index = d_.accessors.size();
-    return d_.accessors.emplace_back(a);
+    return a;
   }
 
   Document& d_;

@@ -231,21 +231,6 @@ TEST(Luminaires, AreInCandela) {
 }
 
 // The same text is read once.
-TEST(Luminaires, OneTextIsOneProfile) {
-  const TempFolder folder;
-  folder.write("lamp.ies", kProfile.text());
-  const Json lights = {{{"uri", "lamp.ies"}}, {{"uri", "lamp.ies"}}};
-  GlbBuilder b;
-  const int p = b.floats({0, 0, 0, 2, 0, 0, 0, 1, 0}, 3);
-  b.node({{"mesh", b.mesh({{"attributes", {{"POSITION", p}}}})}});
-  b.json["extensions"]["EXT_lights_ies"]["lights"] = lights;
-  for (int i = 0; i < 2; ++i) b.node({{"extensions", {{"EXT_lights_ies", {{"light", i}}}}}});
-  const Scene s = read_gltf(folder.write("scene.glb", b.glb()));
-  ASSERT_EQ(s.lights.size(), 2u);
-  EXPECT_EQ(s.lights[0].profile, s.lights[1].profile);
-  EXPECT_EQ(s.files.size(), 1u);
-}
-
 TEST(Luminaires, DarkOnesAreSkipped) {
   const TempFolder folder;
   testing::IesText dark = kProfile;

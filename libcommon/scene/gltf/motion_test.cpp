@@ -358,7 +358,7 @@ TEST(Animations, TheFirstThatMovesAPropertyCounts) {
   });
   expect_same(s, moved({{"translation", {1, 2, 3}}}));
   EXPECT_EQ(
-      s.warnings.front(),
+      s.warnings.back(),
       "channels that move what another one moves (--animation names those that count) are left "
       "out: animation \"animation.1\"");
 }
