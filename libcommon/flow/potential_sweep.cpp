@@ -162,18 +162,15 @@ Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
     if (!p.terminal(v)) s.order.push_back(v);
   std::sort(s.order.begin(), s.order.end(),
             [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
-  std::vector<uint8_t> before(p.network.nodes, 0);
-  double area = 0, volume = 0, crossing = 0, weight = 0;
+  std::vector<uint8_t> passed(p.network.nodes, 0);
+  double crossing = 0;
+  s.before.emplace_back();
   for (const uint32_t v : s.order) {
-    before[v] = 1;
-    area += p.samples[v];
-    volume += links.total[v];
+    passed[v] = 1;
     for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
-      crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
-    s.area.push_back(area);
-    s.volume.push_back(volume);
-    weight += p.weight_of(v);
-    s.weight.push_back(weight);
+      crossing += passed[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
+    s.before.push_back(s.before.back());
+    s.before.back() += {p.samples[v], links.total[v], p.weight_of(v)};
     s.crossing.push_back(crossing);
   }
   return s;

@@ -23,17 +23,17 @@
 
 namespace tdpt {
 
-/// What the solution needs to know of one patch; of a bin of the sky only `emitted` counts.
-struct PatchTerms {
-  double emitted = 0;          ///< E_i
-  double direct = 0;           ///< D_i, in the same unit
-  std::vector<double> seen{};  ///< W_i of each camera
-  double albedo = 0;           ///< r_i
+/// What the solution needs to know of each patch; of a bin of the sky only `emitted` counts.
+struct LightTerms {
+  std::vector<double> emitted;            ///< E_i
+  std::vector<double> direct;             ///< D_i, in the same unit
+  std::vector<double> albedo;             ///< r_i
+  std::vector<std::vector<double>> seen;  ///< of each camera W_i
 };
 
 /// b and v of each patch, v 0 for cameras that none of the light reaches; empty if it reaches none.
 std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
-                                     const std::vector<PatchTerms>& terms);
+                                     const LightTerms& terms);
 
 /// Albedo of each material of a scene, luminance: that of its factors and of the mean of its
 /// texture; what it transmits is no part of it.

@@ -30,16 +30,11 @@ inline constexpr double kCapacityScale = 4096;
 
 struct LightFlow {
   PatchMap patches;
-  std::vector<Patch> geometry;  ///< per patch
   Etendue etendue;
-  std::vector<double> hits_light;                 ///< H_E per patch
-  std::vector<std::vector<double>> hits_cameras;  ///< H_W of each camera, per patch
-  std::vector<uint8_t> lit;          ///< of each camera: whether light was found to reach its room
-  std::vector<double> begun;         ///< light walks that begin on each patch
-  std::vector<double> lit_by_sky;    ///< the part of H_E from walks that begin in the sky
-  std::vector<PatchLight> light;     ///< per patch; empty: none reaches a camera
-  FlowNetwork network;               ///< node 0: source, 1: the first camera's sink, k + 2: patch k
-  std::vector<uint32_t> more_sinks;  ///< of the other cameras, the last nodes
+  std::vector<uint8_t> lit;  ///< of each camera: whether light was found to reach its room
+  /// Node 0: source, 1: the first camera's sink, k + 2: patch k; then the other cameras' sinks. It
+  /// names neither cameras nor provenance.
+  DimacsFile file;
 };
 
 /// The walks from the light and from the cameras.
@@ -60,8 +55,5 @@ LightFlow light_flow(PatchMap patches, const BothWalks& walks, const Tracer& tra
 /// opening. `side`: per patch.
 std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
                                 double share);
-
-/// Network and geometry as a file, without provenance.
-DimacsFile dimacs_file(const LightFlow& flow);
 
 }  // namespace tdpt

@@ -75,7 +75,7 @@ SkyLines::Towards SkyLines::towards(Rng& rng) const {
   return {w, luminance(sky_->radiance(w)) / pdf_w};
 }
 
-// Of lines along w through this place [1/canonical area].
+// The density of lines along w through this place [1/canonical area].
 double SkyLines::density_across(const Vec3d& through, const Vec3d& w) const {
   constexpr std::array<double, 3> kShares{kAimed, kWider, 1 - kAimed - kWider};
   double density = 0;
@@ -198,10 +198,10 @@ LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSetti
                            from = starts[i].from;
                            return starts[i].direction;
                          });
-  for (uint32_t i = 0; i < starts.size(); ++i) {
-    walks.power.push_back(starts[i].power);
-    if (starts[i].at.face != kNoFace) walks.starts.push_back({i, starts[i].at});
-    if (lines) walks.bin.push_back(starts[i].bin);
+  for (const Start& start : starts) {
+    walks.power.push_back(start.power);
+    walks.start.push_back(start.at);
+    if (lines) walks.bin.push_back(start.bin);
   }
   return walks;
 }
@@ -228,7 +228,8 @@ size_t hits_in(const Walks& walks) {
 namespace {
 
 constexpr double kMargin = 0.5;  // of the diagonal: fine cells extend this far around the region
-// Of the diagonal of all regions: a camera in a closet does not make the whole house fine.
+// Share of the diagonal of all regions that a camera's has at least: a camera in a closet does not
+// make the whole house fine.
 constexpr double kSmallest = 0.5;
 constexpr int kMostLevels = 6;         // of cells between the region and the whole scene
 constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the region
