@@ -1,8 +1,8 @@
-#include "tools/ffgraph/camera_light.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "tools/ffgraph/light_flow.h"
 
 namespace tdpt::camera_light_test {
 

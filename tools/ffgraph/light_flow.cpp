@@ -6,7 +6,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/flow/potential_sweep.h"
-#include "tools/ffgraph/camera_light.h"
 
 namespace tdpt {
 namespace {

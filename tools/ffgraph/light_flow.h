@@ -41,7 +41,6 @@ struct LightFlow {
 struct BothWalks {
   LightWalks light;
   std::vector<Walks> cameras;
-  size_t of_light = 0;            ///< number of light walks
   std::vector<double> sky_grade;  ///< data term of each bin: share of its etendue that is its
                                   ///< capacity from the source
 };
@@ -55,5 +54,22 @@ LightFlow light_flow(PatchMap patches, const BothWalks& walks, const Tracer& tra
 /// opening. `side`: per patch.
 std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
                                 double share);
+
+/// What the light of the pictures needs to know of each patch [camera_light.cpp]; only `emitted`
+/// counts for a bin of the sky.
+struct LightTerms {
+  std::vector<double> emitted;            ///< E_i
+  std::vector<double> direct;             ///< D_i, in the same unit
+  std::vector<double> albedo;             ///< r_i
+  std::vector<std::vector<double>> seen;  ///< of each camera W_i
+};
+
+/// b and v of each patch, v 0 for cameras that none of the light reaches; empty if it reaches none.
+std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
+                                     const LightTerms& terms);
+
+/// Albedo of each material of a scene, luminance: that of its factors and of the mean of its
+/// texture; what it transmits is no part of it.
+std::vector<double> albedos_of(const Scene& scene);
 
 }  // namespace tdpt

@@ -85,7 +85,7 @@ void declare_options(cli::Options& options, Arguments& a) {
 constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
 
-struct Loaded {
+struct Inputs {
   Scene scene;
   std::vector<Camera> cameras;
   std::optional<CutFile> refine;
@@ -104,8 +104,8 @@ void check(const Arguments& a) {
   if (!a.preview.empty()) draw::check_fonts();
 }
 
-Loaded load(const Arguments& a, const cli::Common& common) {
-  Loaded in;
+Inputs load(const Arguments& a, const cli::Common& common) {
+  Inputs in;
   SceneFile file(a.scene, a.pose.animations);
   in.scene = file.at(a.shot.is_given() ? frame_range(a.shot).first / a.shot.fps : a.pose.seconds);
   common.also_read(in.scene.files);
@@ -139,7 +139,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   return in;
 }
 
-void warn_of_no_flow(const cli::Common& common, const Loaded& in, const GraphReport& report) {
+void warn_of_no_flow(const cli::Common& common, const Inputs& in, const GraphReport& report) {
   if (report.light_hits == 0)
     common.warn("no light reaches a surface: the network carries no flow");
   for (size_t k = 0; k < in.cameras.size(); ++k)
@@ -154,7 +154,7 @@ cli::Decisions decisions_on(const Scene& scene) {
   return uses_of(scene, {"transmission", "alpha", "punctual lights", "a sky"});
 }
 
-DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Loaded& in,
+DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Inputs& in,
                             Phases& phases, Json& summary) {
   GraphSettings settings;
   settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
@@ -173,9 +173,7 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
                                     [](const RoundReport& round) { return round.split > 0; });
   common.explain_by([&] {
     cli::Decisions all = decisions_on(in.scene);
-    all.push_back({"walks",
-                   fmt::format("{} from the light, {} from {} camera", report.light_walks,
-                               report.camera_walks, several ? "each" : "the"),
+    all.push_back({"walks", fmt::format("{} from the light", a.walks),
                    fmt::format("they hit {} and {} surfaces, and both reached {} of {} patches",
                                report.light_hits, report.hits_of_cameras(), report.reached_by_both,
                                flow.patches.size()),
@@ -201,7 +199,7 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   return std::move(flow.file);
 }
 
-DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Loaded& in,
+DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Inputs& in,
                               Phases& phases, Json& summary) {
   TriangleSettings settings;
   settings.seed = common.seed;
@@ -228,7 +226,7 @@ DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, con
 int run(const Arguments& a, const cli::Common& common) {
   check(a);
   Phases phases;
-  const Loaded in = load(a, common);
+  const Inputs in = load(a, common);
   phases.done("load");
   Json summary;
   DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)

@@ -91,22 +91,17 @@ Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
   return reach;
 }
 
-// The etendue is estimated from the walks of all together.
-uint32_t walks_of_each(uint32_t walks, size_t cameras) {
-  return cameras > 1 ? static_cast<uint32_t>(kOfSeveral * walks) : walks;
-}
-
 BothWalks both_walks(const Scene& scene, const std::vector<Camera>& cameras, const Tracer& tracer,
                      WalkSettings settings) {
   BothWalks walks;
   WalkSettings each = settings;
-  each.walks = walks_of_each(settings.walks, cameras.size());
+  // The etendue is estimated from the walks of all together.
+  if (cameras.size() > 1) each.walks = static_cast<uint32_t>(kOfSeveral * settings.walks);
   for (const Camera& camera : cameras)
     walks.cameras.push_back(camera_walks(scene, camera, tracer, each));
   if (std::all_of(walks.cameras.begin(), walks.cameras.end(),
                   [](const Walks& of_camera) { return hits_in(of_camera) == 0; }))
     settings.walks = std::min(settings.walks, kFewWalks);
-  walks.of_light = settings.walks;
   if (!lit_from_infinity(scene)) {
     walks.light = light_walks(scene, tracer, settings);
     return walks;
@@ -142,8 +137,6 @@ LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
   phases.done("bvh");
   const BothWalks walks = both_walks(scene, cameras, tracer, settings.walks);
   phases.done("walks");
-  report.light_walks = walks.of_light;
-  report.camera_walks = walks_of_each(settings.walks.walks, cameras.size());
   report.light_hits = hits_in(walks.light.hits);
   for (const Walks& of_camera : walks.cameras) report.camera_hits.push_back(hits_in(of_camera));
   // A network that carries no flow is for inspection only.

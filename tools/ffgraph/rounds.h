@@ -25,8 +25,6 @@ struct RoundReport {
 };
 
 struct GraphReport {
-  size_t light_walks = 0;           ///< fewer if no camera sees anything
-  size_t camera_walks = 0;          ///< of each camera; several share those of one
   size_t light_hits = 0;            ///< surfaces hit by the walks
   std::vector<size_t> camera_hits;  ///< the same of each camera
   uint64_t rays = 0;                ///< etendue rays of all rounds

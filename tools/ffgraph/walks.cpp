@@ -144,43 +144,32 @@ Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
   return hits;
 }
 
-// How a light walk begins.
-struct Start {
-  Tracer::Origin from;
-  Vec3d direction;
-  double power = 0;
-  uint32_t bin = kSkyBins;
-  WalkHit at{kNoFace, {}};
-};
-
-Start leave_light(const Scene& scene, const LightSelection& selection, const SkyLines* lines,
-                  Rng& rng) {
+// Begins light walk i from `from`; returns its direction.
+Vec3d leave_light(const Scene& scene, const LightSelection& selection, const SkyLines* lines,
+                  uint32_t i, Rng& rng, LightWalks& walks, Tracer::Origin& from) {
   const Lights::Point point = selection.sample(rng);
-  Start start;
   if (lines && point.source->at_infinity()) {
     const SkyLines::Line line = lines->draw(rng);
-    start.from = {line.origin, {}};
-    start.direction = line.direction;
-    start.bin = line.bin;
-    start.power = line.power / (selection.shares().parallel + selection.shares().sky);
-    return start;
+    walks.bin[i] = line.bin;
+    walks.power[i] = line.power / (selection.shares().parallel + selection.shares().sky);
+    from = {line.origin, {}};
+    return line.direction;
   }
   const double u = rng.uniform();
   const double v = rng.uniform();
   const Lights::Ray ray = selection.lights().leave(point, u, v);
-  start.from = {ray.origin, point.normal};
-  start.direction = ray.direction;
   Rgb radiance{};
   Vec3d front{};
   if (point.source->is_surface()) {
     front = shape_of(scene, point.triangle).normal;
     radiance = scene.materials[scene.triangles[point.triangle].material].emission;
     const bool back = dot(point.normal, front) < 0;
-    start.at = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
+    walks.start[i] = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
   }
-  start.power = luminance(point.source->emitted(front, radiance, ray.direction)) *
-                point.source->cos_per_pdf_w(ray.direction) / point.pdf;
-  return start;
+  walks.power[i] = luminance(point.source->emitted(front, radiance, ray.direction)) *
+                   point.source->cos_per_pdf_w(ray.direction) / point.pdf;
+  from = {ray.origin, point.normal};
+  return ray.direction;
 }
 
 }  // namespace
@@ -191,18 +180,13 @@ LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSetti
   const Lights lights(scene);
   if (lights.empty()) return walks;
   const LightSelection selection(lights);
-  std::vector<Start> starts(settings.walks);
+  walks.power.resize(settings.walks);
+  walks.start.resize(settings.walks, {kNoFace, {}});
+  if (lines) walks.bin.resize(settings.walks, kSkyBins);
   walks.hits = run_walks(scene, tracer, settings, kWalksFromLight,
                          [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
-                           starts[i] = leave_light(scene, selection, lines, rng);
-                           from = starts[i].from;
-                           return starts[i].direction;
+                           return leave_light(scene, selection, lines, i, rng, walks, from);
                          });
-  for (const Start& start : starts) {
-    walks.power.push_back(start.power);
-    walks.start.push_back(start.at);
-    if (lines) walks.bin.push_back(start.bin);
-  }
   return walks;
 }
 

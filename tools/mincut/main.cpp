@@ -126,20 +126,15 @@ Json json_of(const CutFacts& facts, const std::string& camera) {
   return json;
 }
 
-std::string bottlenecks_sentence(const std::vector<CutFacts>& cuts) {
-  const auto narrowest = std::min_element(
-      cuts.begin(), cuts.end(),
-      [](const CutFacts& a, const CutFacts& b) { return a.conductance < b.conductance; });
-  return fmt::format("{} between light and camera{} lets {} of the light through",
-                     counted(cuts.size(), "bottleneck"),
-                     cuts.size() > 1 ? "; the narrowest" : ", which",
-                     percent_words(narrowest->conductance));
-}
-
 // Describes the light's way to one camera. `cuts`: those that serve it.
 std::string sentence_of(const SeriesCut& found, const std::vector<CutFacts>& cuts) {
-  if (found.reason.empty() && cuts.empty()) return "the cuts of other cameras fill the file";
-  return found.reason.empty() ? bottlenecks_sentence(cuts) : "no bottleneck: " + found.reason;
+  if (!found.reason.empty()) return "no bottleneck: " + found.reason;
+  if (cuts.empty()) return "the cuts of other cameras fill the file";
+  double narrowest = 1;
+  for (const CutFacts& cut : cuts) narrowest = std::min(narrowest, cut.conductance);
+  return fmt::format("{} between light and camera{} lets {} of the light through",
+                     counted(cuts.size(), "bottleneck"),
+                     cuts.size() > 1 ? "; the narrowest" : ", which", percent_words(narrowest));
 }
 
 size_t pairs_of(const CutFile& cut, size_t c) {

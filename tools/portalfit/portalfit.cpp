@@ -73,7 +73,7 @@ double way_out_of_glass(const LightGrid& grid, const Aperture& a) {
 
 // Whether they stand so near each other that they may be one opening, like the two narrow places
 // beside a door ajar or the two faces of a thick wall.
-bool near(const Aperture& a, const Aperture& b) {
+bool may_be_one(const Aperture& a, const Aperture& b) {
   const auto ball = [](const Aperture& of) {
     const std::vector<Vec3d> corners = corners_of(of);
     Vec3d centre{};
@@ -130,7 +130,8 @@ class Fit {
       explained += crossed.size();
     }
     std::vector<Opening> openings;
-    for (size_t k = 0; k < found.size(); ++k) add(chosen(std::move(found[k]), k), k, openings);
+    for (size_t k = 0; k < found.size(); ++k)
+      merge(distinct_openings(std::move(found[k]), k), k, openings);
     std::stable_sort(openings.begin(), openings.end(), [](const Opening& a, const Opening& b) {
       return a.most_light() > b.most_light();
     });
@@ -293,17 +294,17 @@ class Fit {
 
   // Whether two cuts of a camera, or one cut twice, have found one opening.
   bool same_opening(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
+    return may_be_one(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
   }
 
   // Whether each could stand for the other.
   bool interchangeable(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= kMostly;
+    return may_be_one(a, b) && std::min(passing(a, b), passing(b, a)) >= kMostly;
   }
 
   // The openings of all cuts of camera k that carry most light, each once: the smallest that passes
   // most of its light.
-  std::vector<Opening> chosen(std::vector<Aperture> found, size_t k) const {
+  std::vector<Opening> distinct_openings(std::vector<Aperture> found, size_t k) const {
     sort_by_light(found);
     std::vector<Opening> kept;
     for (Aperture& a : found) {
@@ -322,8 +323,8 @@ class Fit {
     return kept;
   }
 
-  // Adds those of camera k to those of the cameras before it.
-  void add(std::vector<Opening> of_camera, size_t k, std::vector<Opening>& all) const {
+  // Merges those of camera k into those of the cameras before it.
+  void merge(std::vector<Opening> of_camera, size_t k, std::vector<Opening>& all) const {
     for (Opening& opening : of_camera) {
       const auto same = std::find_if(all.begin(), all.end(), [&](const Opening& other) {
         return other.light[k] == 0 && interchangeable(opening.aperture, other.aperture);
