@@ -18,7 +18,7 @@ NEAR = 1e-5  # metres, and of a unit vector: files and readers have single preci
 
 # frame: a matrix to the world whose x and y are along width and height; light: which way along its z the light goes
 Light = namedtuple("Light", "frame width height light")
-OF_THE_SKY = 0.1  # least figure `sky` of a portal that is written as a light, others are comments
+OF_THE_SKY = 0.1  # least figure `sky` of a portal that is written as a light; others are left out
 
 
 def complaints(corners, normal, light):

@@ -176,7 +176,7 @@ class Efficiency(Stamp):
 
 
 class ForOthers(Stamp):
-    """Rooms under a sky: with an inner door, whose portal is a comment, and with three windows, the whole askew."""
+    """Rooms under a sky: with an inner door, whose portal is left out, and with three windows, the whole askew."""
 
     def askew(self, content):
         document, binary = formats.glb_parse(content)

@@ -14,12 +14,12 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   double carried[2] = {0, 0}, straight = 0, scattered = 0, lamps = 0;
   for (uint32_t v = 0; v < net.nodes; ++v) {
     if (!p.begun.empty() && side(v) == 0 && !p.is_sky(v)) lamps += p.begun[v];
-    if (!p.terminal(v)) f.area[side(v)] += p.samples[v], f.weight[side(v)] += p.weight_of(v);
+    if (!p.terminal(v)) f.side[side(v)] += {p.samples[v], 0, p.weight_of(v)};
   }
   for (const FlowArc& a : net.arcs) {
     if (p.terminal(a.from) || p.terminal(a.to) || a.from == a.to) continue;
     const double capacity = static_cast<double>(a.capacity);
-    f.volume[side(a.from)] += capacity;
+    f.side[side(a.from)].volume += capacity;
     if (side(a.from) == side(a.to)) continue;
     if (side(a.from) == 0) f.crossing += capacity;
     if (side(a.from) == 0 && !p.begun.empty() && p.samples[a.from] > 0) {
@@ -33,13 +33,11 @@ CutFacts facts_of(const PatchNetwork& p, const std::vector<uint8_t>& source_side
   if (!p.brightness.empty()) f.carried = carried[0], f.carried_back = carried[1];
   if (straight + scattered > 0) f.straight = straight / (straight + scattered);
   if (lamps > 0) f.seen = std::min(1.0, straight / lamps);
-  const double smaller = std::min(f.volume[0], f.volume[1]);
+  const double smaller = std::min(f.side[0].volume, f.side[1].volume);
   if (smaller > 0) f.conductance = f.crossing / smaller;
-  for (auto* of_sides : {&f.area, &f.volume, &f.weight}) {
-    const double all = (*of_sides)[0] + (*of_sides)[1];
-    if (all > 0)
-      for (double& share : *of_sides) share /= all;
-  }
+  SetSize all = f.side[0];
+  all += f.side[1];
+  for (SetSize& size : f.side) size = size.share_of(all);
   return f;
 }
 
@@ -52,11 +50,11 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         "from it, and sampling the lamp finds the opening as a portal would",
         percent_words(*f.straight));
   if (small) {
-    const size_t s = f.side(0) < f.side(1) ? 0 : 1;
+    const size_t s = f.side[0].largest() < f.side[1].largest() ? 0 : 1;
     return fmt::format(
         "the {} side of the cut has {:.1f} % of the surface and {:.1f} % of the exchanged light, "
         "less than {:.1f} %: light and camera share one open space",
-        s == 0 ? "light's" : "camera's", 100 * f.area[s], 100 * f.volume[s],
+        s == 0 ? "light's" : "camera's", 100 * f.side[s].area, 100 * f.side[s].volume,
         100 * limits.least_area);
   }
   if (f.carried && *f.carried < limits.least_carried)
@@ -67,16 +65,6 @@ std::string why_refused(const CutFacts& f, const CutLimits& limits) {
         "{} of the smaller side's light crosses the cut, more than {}: the opening is wide",
         number_words(f.conductance, 2), number_words(limits.largest_conductance, 2));
   return "";
-}
-
-std::string words_for(const CutFacts& f) {
-  return fmt::format(
-      "{} of the surface lies on the light's side{}; {} of the smaller side's light crosses the "
-      "cut",
-      percent_words(f.area[0]),
-      f.carried ? fmt::format(", by the network {} of the light crosses", percent_words(*f.carried))
-                : "",
-      number_words(f.conductance, 2));
 }
 
 double promise_of(const CutFacts& f) {

@@ -11,7 +11,7 @@
 
 namespace tdpt {
 
-/// The numbers that a verdict of mincut hangs on.
+/// The numbers that decide whether a cut is a bottleneck.
 struct CutLimits {
   /// Each side of a bottleneck must have at least this share of the surface, of the light that
   /// surfaces exchange, or of the nodes' weight.
@@ -58,40 +58,55 @@ struct PatchNetwork {
   bool terminal(uint32_t v) const { return v == network.source || v == network.sink; }
 };
 
+/// How large a set of nodes is, by each of three measures.
+struct SetSize {
+  double area = 0;    ///< [samples]
+  double volume = 0;  ///< sum c_ij over arcs from its patches to others
+  double weight = 0;  ///< PatchNetwork::weight
+
+  SetSize& operator+=(const SetSize& b) {
+    area += b.area, volume += b.volume, weight += b.weight;
+    return *this;
+  }
+  friend SetSize operator-(const SetSize& a, const SetSize& b) {
+    return {a.area - b.area, a.volume - b.volume, a.weight - b.weight};
+  }
+  /// Its shares of `all`; 0 of nothing.
+  SetSize share_of(const SetSize& all) const {
+    const auto share = [](double part, double whole) { return whole > 0 ? part / whole : 0; };
+    return {share(area, all.area), share(volume, all.volume), share(weight, all.weight)};
+  }
+  double largest() const { return std::max({area, volume, weight}); }
+};
+
 /// Figures of a cut with sides S (0, the light's) and T (1, the camera's); c_ij is the capacity
 /// between patches.
 struct CutFacts {
-  std::array<double, 2> area{};    ///< share of the surface
-  std::array<double, 2> volume{};  ///< share of sum c_ij over arcs from the side's patches
-  double crossing = 0;             ///< sum of c_ij from S to T
-  double conductance = 1;          ///< crossing / smaller sum c_ij of a side
+  std::array<SetSize, 2> side{};  ///< shares of the whole
+  double crossing = 0;            ///< sum of c_ij from S to T
+  double conductance = 1;         ///< crossing / smaller volume of a side
   /// Share of the camera's light that crosses from S to T, and from T to S; unknown without b_i and
   /// v_j. Light that crosses several times counts each time.
   std::optional<double> carried, carried_back;
-  std::array<double, 2> weight{};  ///< share of PatchNetwork::weight
   /// Light walks that cross from S to T: from patch i they do with probability sum_{j in T} c_ij /
   /// n_i. Share of them that come straight from a lamp, without a surface in between; and share of
   /// all that lamps on S emit that does so. Unknown without walks.
   std::optional<double> straight, seen;
 
   /// Compared with least_area: a wide ground has much area and exchanges little light.
-  double side(size_t s) const { return std::max({area[s], volume[s], weight[s]}); }
-  double smaller_side() const { return std::min(side(0), side(1)); }
+  double smaller_side() const { return std::min(side[0].largest(), side[1].largest()); }
 };
 
 /// `source_side`: per node.
 CutFacts facts_of(const PatchNetwork& problem, const std::vector<uint8_t>& source_side);
 
-/// Of a camera that a flow of 0 reaches.
+/// The reason where the flow to the camera is 0.
 inline constexpr const char* kNoLightFound =
     "no light was found to reach the camera's room: is its door shut? A very small opening may "
     "have been missed";
 
 /// A plain sentence why the cut is no bottleneck; empty if it is one.
 std::string why_refused(const CutFacts& facts, const CutLimits& limits);
-
-/// Describes the cut, without a full stop.
-std::string words_for(const CutFacts& facts);
 
 /// Score of a bottleneck: larger if more of the camera's light crosses it, and if it is narrower.
 double promise_of(const CutFacts& facts);

@@ -44,9 +44,6 @@ struct FlowGraph::Layout {
   std::vector<uint32_t> edge;  // per arc; of a loop UINT32_MAX
 };
 
-FlowGraph::~FlowGraph() = default;
-FlowGraph::FlowGraph(FlowGraph&&) noexcept = default;
-
 FlowGraph::FlowGraph(const FlowNetwork& network) {
   const std::vector<FlowArc>& arcs = network.arcs;
   const auto leads_back = [&](size_t i) {
@@ -59,7 +56,7 @@ FlowGraph::FlowGraph(const FlowNetwork& network) {
       i += leads_back(i);
     }
   };
-  auto layout = std::make_unique<Layout>();
+  auto layout = std::make_shared<Layout>();
   std::vector<uint32_t> next(size_t{network.nodes} + 1, 0);
   each_pair([&](size_t i) { ++next[arcs[i].from + 1], ++next[arcs[i].to + 1]; });
   std::partial_sum(next.begin(), next.end(), next.begin());
@@ -102,7 +99,7 @@ MaxFlow FlowGraph::solve(const FlowNetwork& network) const {
   result.value = boost::boykov_kolmogorov_max_flow(
       g, per_edge(capacity), per_edge(residual), per_edge(reverse), per_node(parent),
       per_node(tree), per_node(distance), index, network.source, network.sink);
-  // Of two arcs that are one edge at most one carries flow. Boost leaves the reverse of an edge at
+  // At most one of two arcs that are one edge carries flow. Boost leaves the reverse of an edge at
   // the source or the sink as it was, so that each arc asks its own.
   result.flow.assign(arcs.size(), 0);
   for (size_t i = 0; i < arcs.size(); ++i)

@@ -30,8 +30,6 @@ struct MaxFlow {
 class FlowGraph {
  public:
   explicit FlowGraph(const FlowNetwork& network);
-  ~FlowGraph();
-  FlowGraph(FlowGraph&&) noexcept;
 
   /// The minimum cut nearest to the source. `network`: with the arcs of the constructor's, and any
   /// capacities. Thread-safe.
@@ -39,7 +37,7 @@ class FlowGraph {
 
  private:
   struct Layout;
-  std::unique_ptr<const Layout> layout_;
+  std::shared_ptr<const Layout> layout_;
 };
 
 /// The minimum cut nearest to the source.

@@ -65,21 +65,6 @@ Links links_of(const PatchNetwork& p) {
   return l;
 }
 
-// Light and importance per sample of each node: where they are unknown, the walks that hit it, or
-// else the terminals' part of it.
-struct Ends {
-  std::vector<double> brightness, importance;
-};
-
-Ends ends_of(const PatchNetwork& p, const Links& l) {
-  if (!p.brightness.empty()) return {p.brightness, p.importance};
-  Ends ends = p.lit.empty() ? Ends{l.from_source, l.to_sink} : Ends{p.lit, p.viewed};
-  for (uint32_t v = 0; v < p.network.nodes; ++v)
-    for (std::vector<double>* of : {&ends.brightness, &ends.importance})
-      (*of)[v] = p.samples[v] > 0 ? (*of)[v] / p.samples[v] : 0;
-  return ends;
-}
-
 // What holds the potential of a node: where, and how strongly [share of its samples].
 struct Hold {
   double at = 0, strength = 0;
@@ -88,18 +73,27 @@ struct Hold {
 // log(v_i / b_i), in units of their means, a mean over the node's surroundings: from room to room
 // light falls by a factor, and the camera's part rises. All of the sky is one light, bright or not.
 std::vector<Hold> holds_of(const PatchNetwork& p, const Links& l, double hold) {
-  const Ends ends = ends_of(p, l);
+  // Per sample of each node; where they are unknown, the walks that hit it, or else the terminals'
+  // part of it.
+  const bool known = !p.brightness.empty(), walked = !p.lit.empty();
+  std::vector<double> light = known    ? p.brightness
+                              : walked ? p.lit
+                                       : l.from_source,
+                      use = known    ? p.importance
+                            : walked ? p.viewed
+                                     : l.to_sink;
   double samples = 0, brightness = 0, importance = 0;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
+    for (std::vector<double>* of : {&light, &use})
+      if (!known) (*of)[v] = p.samples[v] > 0 ? (*of)[v] / p.samples[v] : 0;
     samples += p.samples[v];
-    brightness += p.samples[v] * ends.brightness[v];
-    importance += p.samples[v] * ends.importance[v];
+    brightness += p.samples[v] * light[v];
+    importance += p.samples[v] * use[v];
   }
   std::vector<Hold> holds(p.network.nodes);
   if (!(brightness > 0 && importance > 0)) return holds;
   for (uint32_t v = 0; v < p.network.nodes; ++v) {
-    const double b = ends.brightness[v] * samples / brightness,
-                 i = ends.importance[v] * samples / importance;
+    const double b = light[v] * samples / brightness, i = use[v] * samples / importance;
     if (p.is_sky(v))
       holds[v] = {2 * std::log(kFaintest), kPinned};
     else if (b > 0 || i > 0)
@@ -162,18 +156,15 @@ Sweep sweep_of(const PatchNetwork& p, const CutLimits& limits) {
     if (!p.terminal(v)) s.order.push_back(v);
   std::sort(s.order.begin(), s.order.end(),
             [&](uint32_t a, uint32_t b) { return s.u[a] != s.u[b] ? s.u[a] < s.u[b] : a < b; });
-  std::vector<uint8_t> before(p.network.nodes, 0);
-  double area = 0, volume = 0, crossing = 0, weight = 0;
+  std::vector<uint8_t> passed(p.network.nodes, 0);
+  double crossing = 0;
+  s.before.emplace_back();
   for (const uint32_t v : s.order) {
-    before[v] = 1;
-    area += p.samples[v];
-    volume += links.total[v];
+    passed[v] = 1;
     for (size_t k = links.first[v]; k < links.first[v + 1]; ++k)
-      crossing += before[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
-    s.area.push_back(area);
-    s.volume.push_back(volume);
-    weight += p.weight_of(v);
-    s.weight.push_back(weight);
+      crossing += passed[links.links[k].to] ? -links.links[k].capacity : links.links[k].capacity;
+    s.before.push_back(s.before.back());
+    s.before.back() += {p.samples[v], links.total[v], p.weight_of(v)};
     s.crossing.push_back(crossing);
   }
   return s;

@@ -18,20 +18,16 @@ namespace tdpt {
 struct Sweep {
   std::vector<uint32_t> order;
   std::vector<double> u;         ///< of each node of the network
-  std::vector<double> area;      ///< sum up to and including this node [samples of etendue]
-  std::vector<double> volume;    ///< likewise, capacity of arcs to other patches
-  std::vector<double> weight;    ///< likewise, PatchNetwork::weight
+  std::vector<SetSize> before;   ///< of all nodes before each, and of all
   std::vector<double> crossing;  ///< capacity across the cut after this node
 
   size_t size() const { return order.size(); }
-  /// The part of one of the sums that belongs to nodes low .. high (exclusive).
-  static double between(const std::vector<double>& sum, size_t low, size_t high) {
-    return (high == 0 ? 0 : sum[high - 1]) - (low == 0 ? 0 : sum[low - 1]);
-  }
+  /// The size of nodes low .. high (exclusive).
+  SetSize between(size_t low, size_t high) const { return before[high] - before[low]; }
   /// Conductance of the cut after node `at` - 1 within the part low .. high of the sweep; 1 if a
   /// side is empty.
   double conductance(size_t at, size_t low, size_t high) const {
-    const double smaller = std::min(between(volume, low, at), between(volume, at, high));
+    const double smaller = std::min(between(low, at).volume, between(at, high).volume);
     return smaller > 0 ? crossing[at - 1] / smaller : 1;
   }
 };

@@ -38,16 +38,14 @@ struct Candidate {
   std::string why;  // why it is no bottleneck; empty if it is one
 };
 
-// One arc between the terminals, two for each patch from the source and to the sink, and then the
-// arcs between patches.
+// Arc 2 v leads from the source to node v, arc 2 v + 1 from v to the sink; the arcs between patches
+// follow.
 FlowNetwork arcs_with_terminals(const PatchNetwork& p) {
   FlowNetwork net{p.network.nodes, p.network.source, p.network.sink, {}};
-  net.arcs.push_back({net.source, net.sink, 0});
-  for (uint32_t v = 0; v < net.nodes; ++v)
-    if (!p.terminal(v)) {
-      net.arcs.push_back({net.source, v, 0});
-      net.arcs.push_back({v, net.sink, 0});
-    }
+  for (uint32_t v = 0; v < net.nodes; ++v) {
+    net.arcs.push_back({net.source, v, 0});
+    net.arcs.push_back({v, net.sink, 0});
+  }
   for (const FlowArc& a : p.network.arcs)
     if (!p.terminal(a.from) && !p.terminal(a.to)) net.arcs.push_back(a);
   return net;
@@ -71,7 +69,7 @@ class SeriesCutter {
       deliver({judged(whole_network())}, nothing);
       return std::move(result_);
     }
-    const std::vector<Drop> drops = drops_to_look_at();
+    const std::vector<Drop> drops = drops_to_examine();
     // The minimum cut first, then each drop alone: its rooms end at other drops that are at least
     // as narrow.
     std::vector<std::optional<Candidate>> alone(1 + drops.size());
@@ -79,9 +77,7 @@ class SeriesCutter {
       if (i == 0)
         alone[0] = judged(whole_network());
       else
-        alone[i] = cut_between(drops, i - 1, [&](size_t k) {
-          return drops[k].conductance <= drops[i - 1].conductance;
-        });
+        alone[i] = cut_between(drops, i - 1, drops[i - 1].conductance);
     });
     const Candidate whole = std::move(*alone[0]);
     std::vector<Candidate> kept = bottlenecks_among(drops, {alone.begin() + 1, alone.end()});
@@ -105,16 +101,11 @@ class SeriesCutter {
   // The problem's own network.
   FlowNetwork whole_network() const {
     FlowNetwork net = all_arcs_;
-    std::vector<size_t> of_patch(net.nodes, 0);
-    for (size_t i = 1; i < net.arcs.size() && net.arcs[i].from == net.source; i += 2)
-      of_patch[net.arcs[i].to] = i;
     for (const FlowArc& a : net_.arcs)
-      if (a.from == a.to)
-        continue;
-      else if (a.from == net.source)
-        net.arcs[a.to == net.sink ? 0 : of_patch[a.to]].capacity += a.capacity;
+      if (a.from == net.source)
+        net.arcs[2 * a.to].capacity += a.capacity;
       else if (a.to == net.sink)
-        net.arcs[of_patch[a.from] + 1].capacity += a.capacity;
+        net.arcs[2 * a.from + 1].capacity += a.capacity;
     return net;
   }
 
@@ -133,11 +124,7 @@ class SeriesCutter {
 
   // Share of the surface, of the exchanged light or of the nodes' weight, whichever is largest.
   double share(size_t low, size_t high) const {
-    const auto of = [&](const std::vector<double>& sum) {
-      const double all = Sweep::between(sum, 0, sweep_.size());
-      return all > 0 ? Sweep::between(sum, low, high) / all : 0;
-    };
-    return std::max({of(sweep_.area), of(sweep_.volume), of(sweep_.weight)});
+    return sweep_.between(low, high).share_of(sweep_.before.back()).largest();
   }
 
   // Finds the drops between `low` and `high` (exclusive), in order: the best one, and recursively
@@ -177,33 +164,29 @@ class SeriesCutter {
     if (high - low < limits_.least_drop) return {};
     const double at = 0.5 * (u[sweep_.order[drop - 1]] + u[sweep_.order[drop]]);
     FlowNetwork net = all_arcs_;
-    size_t next = 1;
     for (uint32_t v = 0; v < net_.nodes; ++v) {
       if (problem_.terminal(v)) continue;
       const double whole = problem_.samples[v] * problem_.scale;
       const double pull =
           u[v] < at ? (at - u[v]) / (at - low) : (u[v] - at) / std::max(high - at, 1e-300);
-      const auto capacity = static_cast<int64_t>(std::llround(whole * std::min(1.0, pull)));
-      net.arcs[next + (u[v] < at ? 0 : 1)].capacity = capacity;
-      next += 2;
+      net.arcs[2 * v + (u[v] < at ? 0 : 1)].capacity = std::llround(whole * std::min(1.0, pull));
     }
     return judged(net);
   }
 
-  // The cut at drop c, within the part of the sweep up to its neighbours among the `drops` with
-  // counts(k).
-  template <class Counts>
+  // The cut at drop c, within the part of the sweep up to its neighbours among the `drops` that are
+  // no wider than this.
   std::optional<Candidate> cut_between(const std::vector<Drop>& drops, size_t c,
-                                       const Counts& counts) const {
+                                       double widest) const {
     size_t low = 0, high = sweep_.size();
     for (size_t k = 0; k < drops.size(); ++k) {
-      if (k == c || !counts(k)) continue;
+      if (k == c || drops[k].conductance > widest) continue;
       (k < c ? low : high) = k < c ? drops[k].at : std::min(high, drops[k].at);
     }
     return cut_at(drops[c].at, low, high);
   }
 
-  std::vector<Drop> drops_to_look_at() {
+  std::vector<Drop> drops_to_examine() {
     std::vector<Drop> drops;
     find_drops(0, sweep_.size(), drops);
     const auto most = static_cast<size_t>(limits_.most_drops);
@@ -223,7 +206,6 @@ class SeriesCutter {
     std::vector<Drop> good;
     std::vector<Candidate> candidates;
     for (size_t c = 0; c < drops.size(); ++c) {
-      result_.closets += !alone[c];
       if (!alone[c]) continue;
       if (!alone[c]->why.empty()) {
         refuse(*alone[c], alone[c]->why);
@@ -235,9 +217,8 @@ class SeriesCutter {
     keep_most(good, candidates);
     if (good.size() < 2) return candidates;
     std::vector<std::optional<Candidate>> again(good.size());
-    tbb::parallel_for(size_t{0}, good.size(), [&](size_t c) {
-      again[c] = cut_between(good, c, [](size_t) { return true; });
-    });
+    tbb::parallel_for(size_t{0}, good.size(),
+                      [&](size_t c) { again[c] = cut_between(good, c, INFINITY); });
     std::vector<Candidate> kept;
     for (size_t c = 0; c < good.size(); ++c)
       add(again[c] && again[c]->why.empty() ? *again[c] : candidates[c], kept);
@@ -260,7 +241,7 @@ class SeriesCutter {
   // if it hardly differs from a kept one or is no longer a bottleneck.
   bool add(Candidate c, std::vector<Candidate>& kept) {
     size_t place = 0;
-    for (const Candidate& k : kept) place += k.facts.area[0] < c.facts.area[0];
+    for (const Candidate& k : kept) place += k.facts.side[0].area < c.facts.side[0].area;
     for (size_t i = 0; i < kept.size(); ++i)
       for (size_t v = 0; v < c.source_side.size(); ++v)
         if (i < place)
@@ -282,19 +263,17 @@ class SeriesCutter {
   // Share of the surface, of the exchanged light or of the nodes' weight between two cuts.
   double difference(const Candidate& a, const Candidate& b) const {
     const auto differs = [&](uint32_t v) { return a.source_side[v] != b.source_side[v]; };
-    double area = 0, all = 0, weight = 0, weights = 0, volume = 0, whole = 0;
-    for (uint32_t v = 0; v < net_.nodes; ++v) {
-      all += problem_.samples[v], weights += problem_.weight_of(v);
-      if (differs(v)) area += problem_.samples[v], weight += problem_.weight_of(v);
-    }
-    for (const FlowArc& arc : net_.arcs) {
-      if (problem_.terminal(arc.from) || problem_.terminal(arc.to)) continue;
-      const auto capacity = static_cast<double>(arc.capacity);
-      whole += capacity;
-      if (differs(arc.from)) volume += capacity;
-    }
-    return std::max({all > 0 ? area / all : 0, whole > 0 ? volume / whole : 0,
-                     weights > 0 ? weight / weights : 0});
+    SetSize part, all;
+    const auto add = [&](uint32_t v, const SetSize& size) {
+      all += size;
+      if (differs(v)) part += size;
+    };
+    for (uint32_t v = 0; v < net_.nodes; ++v)
+      add(v, {problem_.samples[v], 0, problem_.weight_of(v)});
+    for (const FlowArc& arc : net_.arcs)
+      if (!problem_.terminal(arc.from) && !problem_.terminal(arc.to))
+        add(arc.from, {0, static_cast<double>(arc.capacity), 0});
+    return part.share_of(all).largest();
   }
 
   // Adds the minimum cut of the whole network; if the only other one is the same opening, replaces
@@ -367,7 +346,7 @@ bool counts(const PatchNetwork& p, uint32_t v) {
   return p.terminal(v) || p.is_sky(v) || p.lit[v] > 0 || p.viewed[v] > 0;
 }
 
-// Of each node its number among those that count, or kNone.
+// The number of each node among those that count, or kNone.
 std::vector<uint32_t> numbers_of(const PatchNetwork& p) {
   std::vector<uint32_t> numbers(p.network.nodes, kNone);
   uint32_t next = 0;

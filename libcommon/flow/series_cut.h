@@ -28,9 +28,8 @@ struct SeriesCut {
   };
   std::vector<Refused> refused;
 
-  size_t drops = 0;    ///< drops of the potential that were examined
-  size_t passed = 0;   ///< further drops, not examined: the widest openings
-  size_t closets = 0;  ///< examined drops that carry no current, so nothing was cut
+  size_t drops = 0;   ///< drops of the potential that were examined
+  size_t passed = 0;  ///< further drops, not examined: the widest openings
 };
 
 /// Called with each maximum flow and the network that it solves; may verify it. Several threads.

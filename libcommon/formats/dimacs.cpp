@@ -201,18 +201,38 @@ DimacsFile read_dimacs(const std::string& path) {
   return file;
 }
 
-FlowNetwork network_of(const FlowNetwork& network, const std::vector<uint32_t>& more_sinks,
-                       size_t camera) {
-  FlowNetwork net{
-      static_cast<uint32_t>(network.nodes - more_sinks.size()), network.source, network.sink, {}};
-  const uint32_t own = camera == 0 ? net.sink : more_sinks[camera - 1];
-  for (FlowArc arc : network.arcs) {
-    const bool to_sink = arc.to == network.sink || arc.to >= net.nodes;
+PatchNetwork network_between(const DimacsFile& file, size_t camera) {
+  const FlowNetwork& all = file.network;
+  PatchNetwork p;
+  p.scale = file.scale;
+  p.network = {static_cast<uint32_t>(all.nodes - file.more_sinks.size()), all.source, all.sink, {}};
+  const size_t nodes = p.network.nodes;
+  const uint32_t own = camera == 0 ? all.sink : file.more_sinks[camera - 1];
+  for (FlowArc arc : all.arcs) {
+    const bool to_sink = arc.to == all.sink || arc.to >= nodes;
     if (to_sink && arc.to != own) continue;
-    if (to_sink) arc.to = net.sink;
-    net.arcs.push_back(arc);
+    if (to_sink) arc.to = all.sink;
+    p.network.arcs.push_back(arc);
   }
-  return net;
+  p.samples.assign(nodes, 0);
+  if (!file.walks.empty()) p.begun = p.lit = p.viewed = p.samples;
+  const bool lit = std::any_of(file.light.begin(), file.light.end(),
+                               [&](const PatchLight& l) { return l.importance[camera] > 0; });
+  if (lit) p.brightness = p.importance = p.samples;
+  for (size_t i = 0; i < file.patches.size(); ++i) {
+    const size_t node = file.patches[i].node - 1;
+    p.samples[node] = file.patches[i].samples;
+    if (file.patches[i].is_sky()) p.sky.resize(nodes, 0), p.sky[node] = 1;
+    if (lit) {
+      p.brightness[node] = file.light[i].brightness;
+      p.importance[node] = file.light[i].importance[camera];
+    }
+    if (file.walks.empty()) continue;
+    p.begun[node] = file.walks[i].begun;
+    p.lit[node] = file.walks[i].light;
+    p.viewed[node] = file.walks[i].camera[camera];
+  }
+  return p;
 }
 
 std::string dimacs_text(const DimacsFile& file) {

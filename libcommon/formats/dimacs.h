@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "libcommon/base/provenance.h"
+#include "libcommon/flow/cut_facts.h"
 #include "libcommon/formats/cut.h"
-#include "libcommon/flow/max_flow.h"
 
 namespace tdpt {
 
@@ -29,10 +29,9 @@ struct DimacsFile : PatchFile {
   std::vector<PatchWalks> walks;  ///< per patch; empty: unknown
 };
 
-/// The network of one camera, 0 the first: without the sinks of the others [DimacsFile], and with
-/// its own for `sink`. Its nodes are those of `network` but the last ones.
-FlowNetwork network_of(const FlowNetwork& network, const std::vector<uint32_t>& more_sinks,
-                       size_t camera);
+/// The network between the light and one camera, 0 the first: without the sinks of the others
+/// [DimacsFile], and with its own for `sink`. Its nodes are those of the file's but the last ones.
+PatchNetwork network_between(const DimacsFile& file, size_t camera);
 
 /// Throws InputError with the line for anything but a maximum-flow problem with integer capacities:
 /// fractions, negative capacities, sums beyond kLargestCapacitySum, nodes out of range, missing or

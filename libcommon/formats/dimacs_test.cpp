@@ -99,7 +99,7 @@ TEST(dimacs, reads_back_several_cameras) {
 TEST(dimacs, has_a_network_for_each_camera) {
   const DimacsFile f = of_two_cameras();
   for (const size_t k : {0, 1}) {
-    const FlowNetwork net = network_of(f.network, f.more_sinks, k);
+    const FlowNetwork net = network_between(f, k).network;
     EXPECT_EQ(net.nodes, 4u);
     ASSERT_EQ(net.arcs.size(), 4u);
     const FlowArc& last = net.arcs.back();

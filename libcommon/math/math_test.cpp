@@ -6,6 +6,7 @@
 #include "libcommon/math/discrete.h"
 #include "libcommon/math/reach.h"
 #include "libcommon/math/rng.h"
+#include "libcommon/math/streams.h"
 #include "libcommon/math/vec.h"
 
 namespace tdpt::math_test {
@@ -129,5 +130,11 @@ TEST(Thinned, KeepsOrderAndSpacing) {
   for (size_t most = 1; most < 1100; most += 7) EXPECT_LE(thinned(many, most).size(), most);
   EXPECT_TRUE(thinned(std::vector<int>{}, 5).empty());
 }
+
+// disjoint() can fail: because of one stream, one of several rounds, a seed.
+static_assert(!disjoint(std::array{Streams{0, 4}, Streams{4, 1}, Streams{3, 1}}));
+static_assert(!disjoint(streams_of({3, 8}), streams_of({4})));
+static_assert(!disjoint(Streams{0, 1, 1}, Streams{0, 1}) &&
+              !disjoint(Streams{0, 1, 1}, Streams{0, 1, 1}));
 
 }  // namespace tdpt::math_test

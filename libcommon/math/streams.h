@@ -89,10 +89,4 @@ constexpr Streams kPivotLines{1 << 16, 0x400}, kTriedLines{2 << 16, 0x400},
     kChains{0x6c67'0002, uint64_t{1} << 40};
 static_assert(disjoint(std::array{kPivotLines, kTriedLines, kChains}));
 
-// disjoint() can fail: because of one stream, one of several rounds, a seed.
-static_assert(!disjoint(std::array{Streams{0, 4}, Streams{4, 1}, Streams{3, 1}}));
-static_assert(!disjoint(streams_of({3, 8}), streams_of({4})));
-static_assert(!disjoint(Streams{0, 1, 1}, Streams{0, 1}) &&
-              !disjoint(Streams{0, 1, 1}, Streams{0, 1, 1}));
-
 }  // namespace tdpt

@@ -1,4 +1,21 @@
-#include "tools/ffgraph/camera_light.h"
+// The light of the pictures on its way from patch to patch: finite-element radiosity on the
+// network, solved once for how bright patches are and once per camera for what they mean to its
+// picture.
+//
+// n_i, n_ij  samples and etendue of patches and pairs [etendue.h]: A_i F_ij ~ n_ij / 2
+// D_i        power that reaches patch i straight from lamps and sky (first hits of light walks)
+// W_i        what patch i means to a picture: the pixels that show it (first hits of camera
+//            walks), half as they are and half each divided by its light. So light that few bright
+//            pixels have counts, and light that many dark ones have
+// r_i        albedo
+//   n_i e_i = D_i + sum_j n_ij/2 r_j e_j     irradiance e_i
+//   n_i m_i = W_i + sum_j n_ij/2 r_j m_j     importance m_i, the adjoint
+// With E_i the power that patch i itself emits, the share of the picture's light that goes from i
+// to j without a surface in between is
+//   n_ij/2 b_i v_j,  b_i = (E_i / n_i + r_i e_i) / sum_k W_k r_k e_k,  v_j = r_j m_j.
+// What a camera sees of the lamps themselves does not count. All cameras share one b, that of the
+// first; v of each is scaled so that the formula gives the share of its own picture's light.
+#include "tools/ffgraph/light_flow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,12 +108,12 @@ namespace {
 // What of each patch's light is handed on: albedo per sample. Estimates of small patches are rough:
 // none may hand on more than it has.
 std::vector<double> handed_on(const PatchMap& patches, const Etendue& etendue,
-                              const std::vector<PatchTerms>& terms,
+                              const std::vector<double>& albedo,
                               const std::vector<double>& exchanged) {
-  std::vector<double> handed(terms.size(), 0);
-  for (uint32_t i = 0; i < terms.size(); ++i)
+  std::vector<double> handed(albedo.size(), 0);
+  for (uint32_t i = 0; i < handed.size(); ++i)
     if (!patches.is_sky(i) && etendue.samples[i] > 0)
-      handed[i] = terms[i].albedo / std::max(etendue.samples[i], exchanged[i]);
+      handed[i] = albedo[i] / std::max(etendue.samples[i], exchanged[i]);
   return handed;
 }
 
@@ -124,27 +141,24 @@ Pixels pixels_of(std::vector<double> seen, const std::vector<double>& handed,
 }  // namespace
 
 std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
-                                     const std::vector<PatchTerms>& terms) {
-  const size_t n = terms.size(), cameras = terms.empty() ? 0 : terms[0].seen.size();
-  std::vector<double> exchanged(n, 0), direct(n);
+                                     const LightTerms& terms) {
+  const size_t n = terms.direct.size(), cameras = terms.seen.size();
+  std::vector<double> exchanged(n, 0);
   for (const Etendue::Pair& p : etendue.pairs)
     for (const uint32_t end : {p.i, p.j}) exchanged[end] += 0.5 * p.count;
-  const std::vector<double> handed = handed_on(patches, etendue, terms, exchanged);
-  std::vector<std::vector<double>> seen(cameras), measures(cameras);
-  for (size_t i = 0; i < n; ++i) {
-    direct[i] = terms[i].direct;
-    for (size_t k = 0; k < cameras; ++k) {
-      seen[k].push_back(terms[i].seen[k]);
-      measures[k].push_back(terms[i].seen[k] * handed[i]);
-    }
-  }
-  const std::vector<double> light = transported(etendue, handed, direct, measures);
-  std::vector<double> of_light(n);
-  for (size_t i = 0; i < n; ++i) of_light[i] = direct[i] * handed[i];
+  const std::vector<double> handed = handed_on(patches, etendue, terms.albedo, exchanged);
+  const auto times_handed = [&](std::vector<double> of_patches) {
+    for (size_t i = 0; i < n; ++i) of_patches[i] *= handed[i];
+    return of_patches;
+  };
+  std::vector<std::vector<double>> measures;
+  for (const std::vector<double>& seen : terms.seen) measures.push_back(times_handed(seen));
+  const std::vector<double> light = transported(etendue, handed, terms.direct, measures);
+  const std::vector<double> of_light = times_handed(terms.direct);
   std::vector<PatchLight> of_patch(n);
   double unit = 0;  // light of the first picture that has any
   for (size_t k = 0; k < cameras; ++k) {
-    const Pixels pixels = pixels_of(seen[k], handed, light);
+    const Pixels pixels = pixels_of(terms.seen[k], handed, light);
     for (PatchLight& p : of_patch) p.importance.push_back(0);
     if (!(pixels.all > 0)) continue;
     if (unit == 0) unit = pixels.all;
@@ -156,7 +170,7 @@ std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& ete
   for (uint32_t i = 0; i < n; ++i) {
     const double samples = patches.is_sky(i) ? exchanged[i] : etendue.samples[i];
     if (samples > 0)
-      of_patch[i].brightness = (terms[i].emitted / samples + handed[i] * light[i]) / unit;
+      of_patch[i].brightness = (terms.emitted[i] / samples + handed[i] * light[i]) / unit;
   }
   spread_sky(patches, exchanged, of_patch);
   return of_patch;

@@ -1,8 +1,8 @@
-#include "tools/ffgraph/camera_light.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "tools/ffgraph/light_flow.h"
 
 namespace tdpt::camera_light_test {
 
@@ -11,13 +11,13 @@ struct Rooms {
   Scene scene;
   PatchMap patches;
   Etendue etendue;
-  std::vector<PatchTerms> terms;
+  LightTerms terms;
 
   explicit Rooms(double to_closet = 10) : patches(empty_map(scene)) {
     for (int32_t i = 0; i < 3; ++i) patches.add({{i, 0, 0}, 0, 0});
     etendue.samples = {100, 100, 100};
     etendue.pairs = {{0, 1, 20}, {0, 2, to_closet}};
-    terms = {{0, 50, {0}, 0.5}, {0, 0, {10}, 0.5}, {0, 0, {0}, 0.5}};
+    terms = {{0, 0, 0}, {50, 0, 0}, {0.5, 0.5, 0.5}, {{0, 10, 0}}};
   }
   static PatchMap empty_map(Scene& scene) {
     scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -58,9 +58,8 @@ TEST(CameraLight, KnowsWhatAClosetIsWorth) {
 TEST(CameraLight, IsThatOfEachCamera) {
   Rooms both;
   for (const bool first : {true, false}) {
-    for (PatchTerms& t : both.terms) t.seen = {0, 0};
-    both.terms[1].seen[first ? 0 : 1] = 10;
-    both.terms[0].seen[first ? 1 : 0] = 30;
+    both.terms.seen = {{0, 10, 0}, {30, 0, 0}};
+    if (!first) std::swap(both.terms.seen[0], both.terms.seen[1]);
     const Rooms alone;
     EXPECT_NEAR(both.share(0, 1, first ? 0 : 1), alone.share(0, 1), 1e-3);
     EXPECT_LT(both.share(0, 1, first ? 1 : 0), 0.1);
@@ -69,7 +68,7 @@ TEST(CameraLight, IsThatOfEachCamera) {
 
 TEST(CameraLight, OfACameraThatSeesNoLightHasNoImportance) {
   Rooms both;
-  for (PatchTerms& t : both.terms) t.seen.insert(t.seen.begin(), 0);
+  both.terms.seen = {{0, 0, 0}, {0, 10, 0}};
   const auto light = camera_light(both.patches, both.etendue, both.terms);
   ASSERT_FALSE(light.empty());
   for (const PatchLight& l : light) EXPECT_EQ(l.importance[0], 0);
@@ -78,7 +77,7 @@ TEST(CameraLight, OfACameraThatSeesNoLightHasNoImportance) {
 
 TEST(CameraLight, IsNothingWhereTheCameraSeesNoLight) {
   Rooms dark;
-  dark.terms[0].direct = 0;
+  dark.terms.direct[0] = 0;
   EXPECT_TRUE(camera_light(dark.patches, dark.etendue, dark.terms).empty());
 }
 
@@ -86,7 +85,7 @@ TEST(CameraLight, IsNothingWhereTheCameraSeesNoLight) {
 TEST(CameraLight, NoPatchHandsOnMoreThanItHas) {
   Rooms rooms;
   rooms.etendue.samples[0] = 0.01;
-  rooms.terms[0].albedo = rooms.terms[1].albedo = 0.95;
+  rooms.terms.albedo = {0.95, 0.95, 0.5};
   EXPECT_TRUE(std::isfinite(rooms.share(0, 1)));
   EXPECT_LT(rooms.share(0, 1), 40);
 }

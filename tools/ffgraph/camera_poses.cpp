@@ -38,8 +38,10 @@ std::vector<size_t> telling_poses(const std::vector<Camera>& frames) {
   return few;
 }
 
-void check_stands_still(SceneFile& file, const Scene& scene, const ShotArguments& shot) {
+std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene,
+                                 const std::vector<Camera>& cameras, const ShotArguments& shot) {
   const FrameRange range = frame_range(shot);
+  std::vector<std::vector<Camera>> frames(cameras.size());
   for (int64_t k = range.first; k <= range.last; ++k) {
     const SceneFile::Glance now = file.glance_at(static_cast<double>(k) / shot.fps);
     if (now.pose_hash != scene.pose_hash)
@@ -47,28 +49,23 @@ void check_stands_still(SceneFile& file, const Scene& scene, const ShotArguments
                        fmt::format("move more than cameras between frames {} and {}: portals are "
                                    "found frame by frame, with --at or --frames {}",
                                    range.first, k, range.first));
-  }
-}
-
-std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std::string& name,
-                                 const ShotArguments& shot) {
-  const FrameRange range = frame_range(shot);
-  std::vector<Camera> frames;
-  for (int64_t k = range.first; k <= range.last; ++k) {
-    const SceneFile::Glance now = file.glance_at(static_cast<double>(k) / shot.fps);
-    const auto camera = std::find_if(now.cameras.begin(), now.cameras.end(),
-                                     [&](const Camera& c) { return c.name == name; });
-    if (camera == now.cameras.end())
-      throw InputError(display_name(scene.path), "cameras",
-                       fmt::format("\"{}\" is not there at frame {}", name, k));
-    frames.push_back(*camera);
-    frames.back().position = scene.frame.to_canonical(camera->position);
+    for (size_t c = 0; c < cameras.size(); ++c) {
+      const auto camera = std::find_if(now.cameras.begin(), now.cameras.end(),
+                                       [&](const Camera& b) { return b.name == cameras[c].name; });
+      if (camera == now.cameras.end())
+        throw InputError(display_name(scene.path), "cameras",
+                         fmt::format("\"{}\" is not there at frame {}", cameras[c].name, k));
+      Camera& frame = frames[c].emplace_back(*camera);
+      frame.position = scene.frame.to_canonical(camera->position);
+      frame.culls = cameras[c].culls;
+    }
   }
   std::vector<Camera> poses;
-  for (const size_t i : telling_poses(frames)) {
-    poses.push_back(frames[i]);
-    poses.back().name = camera_at_frame(name, range.first + static_cast<int64_t>(i));
-  }
+  for (const std::vector<Camera>& of_camera : frames)
+    for (const size_t i : telling_poses(of_camera)) {
+      Camera& pose = poses.emplace_back(of_camera[i]);
+      pose.name = camera_at_frame(pose.name, range.first + static_cast<int64_t>(i));
+    }
   return poses;
 }
 

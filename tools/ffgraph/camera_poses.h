@@ -11,22 +11,20 @@
 
 namespace tdpt {
 
-/// A pose that is so far from the one before it counts [canonical length, rad]: shares of both add
-/// up.
+/// A pose counts if it is this far from the one before it [canonical length, rad]; shares of both
+/// add up.
 inline constexpr double kMovedFar = 0.25, kTurnedFar = 0.8;
 
-/// Of a longer way they lie farther apart: each costs walks and cuts of its own.
+/// On a longer way the poses lie farther apart, since each costs walks and cuts of its own.
 inline constexpr size_t kMostPoses = 12;
 
 /// Indices of the poses out of those of all frames, in order.
 std::vector<size_t> telling_poses(const std::vector<Camera>& frames);
 
-/// Throws InputError if more than cameras moves in these frames.
-void check_stands_still(SceneFile& file, const Scene& scene, const ShotArguments& shot);
-
-/// The telling poses of a camera of the scene in these frames, in the scene's canonical frame, each
-/// with the name camera_at_frame(). `name`: of the camera.
-std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene, const std::string& name,
-                                 const ShotArguments& shot);
+/// The telling poses of these cameras of the scene in all frames, camera by camera, in the scene's
+/// canonical frame, each with the name camera_at_frame(). Throws InputError if more than cameras
+/// moves.
+std::vector<Camera> camera_poses(SceneFile& file, const Scene& scene,
+                                 const std::vector<Camera>& cameras, const ShotArguments& shot);
 
 }  // namespace tdpt

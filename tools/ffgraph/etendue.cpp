@@ -147,12 +147,6 @@ struct Fragments::Walker {
   }
 };
 
-Fragments::Fragments(const PatchMap& patches) : Fragments(patches, nullptr) {}
-
-Fragments Fragments::with_all_of_split(PatchMap& patches) {
-  return {patches, &patches};
-}
-
 Fragments::Fragments(const PatchMap& patches, PatchMap* grow) : patches_(patches) {
   constexpr uint32_t kFaces = 4096;  // per part
   const auto faces = static_cast<uint32_t>(2 * patches.scene().triangles.size());
@@ -202,12 +196,11 @@ Fragments::Point Fragments::sample(uint32_t f, Rng& rng) const {
   double b1, b2;
   uniform_triangle(u, v, b1, b2);
   const Vec3d q = poly[0] + (poly[corner] - poly[0]) * b1 + (poly[corner + 1] - poly[0]) * b2;
-  const TriangleShape s = shape_of(patches_.scene(), fragment.face / 2);
+  const TriangleShape s = facing(patches_.scene(), fragment.face);
   const Vec3d p =
       patches_.scene().frame.to_canonical(q * patches_.grid().base_cell + patches_.grid().origin);
   // Projects back onto the triangle: the transform to the grid and back loses some last digits.
-  return {fragment.patch, p - s.normal * dot(p - s.p0, s.normal),
-          fragment.face & 1 ? -s.normal : s.normal};
+  return {fragment.patch, p - s.normal * dot(p - s.p0, s.normal), s.normal};
 }
 
 namespace {
@@ -221,7 +214,6 @@ double density(int level) {
 
 using Ends = std::pair<uint32_t, uint32_t>;  // smaller index first
 
-// For walks that left to the sky, the sky's patch replaces the end mark.
 void add_steps(const PatchMap& patches, const PatchTrace& walks, std::vector<double>& starts,
                std::vector<Ends>& rays) {
   const auto on_patch = [](uint32_t entry) { return entry < kTraceStopped; };

@@ -30,10 +30,9 @@ class Fragments {
     Vec3d centroid;  ///< canonical
   };
 
-  explicit Fragments(const PatchMap& patches);
-  /// First adds all cells of split patches that contain a piece of their surface: what a walk
-  /// touched remains complete when it is split.
-  static Fragments with_all_of_split(PatchMap& patches);
+  /// `grow`: null, or `patches`, to which are first added all cells of split patches that contain a
+  /// piece of their surface: what a walk touched remains complete when it is split.
+  explicit Fragments(const PatchMap& patches, PatchMap* grow = nullptr);
 
   /// Ordered by patch, then by face.
   const std::vector<Fragment>& all() const { return fragments_; }
@@ -51,8 +50,6 @@ class Fragments {
  private:
   struct Part;
   struct Walker;
-  Fragments(const PatchMap& patches, PatchMap* grow);
-
   const PatchMap& patches_;
   std::vector<Fragment> fragments_;
 };
@@ -68,9 +65,10 @@ struct Etendue {
 };
 
 /// The patches that walks visited: the patch of each hit, kNoPatch if there is none; after each
-/// walk one of the two end marks.
+/// walk the patch of the sky to which it left, kNoPatch if there is none, or kTraceStopped if it
+/// stopped on a surface.
 using PatchTrace = std::vector<uint32_t>;
-inline constexpr uint32_t kTraceLeft = UINT32_MAX - 1, kTraceStopped = UINT32_MAX - 2;
+inline constexpr uint32_t kTraceStopped = UINT32_MAX - 1;
 
 /// Uses `rays` samples and the steps of `walks`. A patch at level l is sampled 4^(l - L) times as
 /// densely per area (up to 4^2), L: level of the fine region, so that the small pieces of a split

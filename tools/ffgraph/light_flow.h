@@ -30,23 +30,17 @@ inline constexpr double kCapacityScale = 4096;
 
 struct LightFlow {
   PatchMap patches;
-  std::vector<Patch> geometry;  ///< per patch
   Etendue etendue;
-  std::vector<double> hits_light;                 ///< H_E per patch
-  std::vector<std::vector<double>> hits_cameras;  ///< H_W of each camera, per patch
-  std::vector<uint8_t> lit;          ///< of each camera: whether light was found to reach its room
-  std::vector<double> begun;         ///< light walks that begin on each patch
-  std::vector<double> lit_by_sky;    ///< the part of H_E from walks that begin in the sky
-  std::vector<PatchLight> light;     ///< per patch; empty: none reaches a camera
-  FlowNetwork network;               ///< node 0: source, 1: the first camera's sink, k + 2: patch k
-  std::vector<uint32_t> more_sinks;  ///< of the other cameras, the last nodes
+  std::vector<uint8_t> lit;  ///< of each camera: whether light was found to reach its room
+  /// Node 0: source, 1: the first camera's sink, k + 2: patch k; then the other cameras' sinks. It
+  /// names neither cameras nor provenance.
+  DimacsFile file;
 };
 
 /// The walks from the light and from the cameras.
 struct BothWalks {
   LightWalks light;
   std::vector<Walks> cameras;
-  size_t of_light = 0;            ///< number of light walks
   std::vector<double> sky_grade;  ///< data term of each bin: share of its etendue that is its
                                   ///< capacity from the source
 };
@@ -61,7 +55,21 @@ LightFlow light_flow(PatchMap patches, const BothWalks& walks, const Tracer& tra
 std::vector<uint8_t> straddling(const Etendue& etendue, const std::vector<Side>& side,
                                 double share);
 
-/// Network and geometry as a file, without provenance.
-DimacsFile dimacs_file(const LightFlow& flow);
+/// What the light of the pictures needs to know of each patch [camera_light.cpp]; only `emitted`
+/// counts for a bin of the sky.
+struct LightTerms {
+  std::vector<double> emitted;            ///< E_i
+  std::vector<double> direct;             ///< D_i, in the same unit
+  std::vector<double> albedo;             ///< r_i
+  std::vector<std::vector<double>> seen;  ///< of each camera W_i
+};
+
+/// b and v of each patch, v 0 for cameras that none of the light reaches; empty if it reaches none.
+std::vector<PatchLight> camera_light(const PatchMap& patches, const Etendue& etendue,
+                                     const LightTerms& terms);
+
+/// Albedo of each material of a scene, luminance: that of its factors and of the mean of its
+/// texture; what it transmits is no part of it.
+std::vector<double> albedos_of(const Scene& scene);
 
 }  // namespace tdpt

@@ -1,4 +1,5 @@
 // ffgraph: writes the light transport of a scene as a flow network.
+#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -84,7 +85,7 @@ void declare_options(cli::Options& options, Arguments& a) {
 constexpr int64_t kMostHits = 100000000;
 using Json = nlohmann::ordered_json;
 
-struct Loaded {
+struct Inputs {
   Scene scene;
   std::vector<Camera> cameras;
   std::optional<CutFile> refine;
@@ -103,21 +104,8 @@ void check(const Arguments& a) {
   if (!a.preview.empty()) draw::check_fonts();
 }
 
-// Of a shot: in the place of each camera its poses.
-void take_poses(const Arguments& a, SceneFile& file, Loaded& in) {
-  check_stands_still(file, in.scene, a.shot);
-  if (!a.camera.look_from.empty() || a.camera.frame) return;  // it does not move
-  std::vector<Camera> poses;
-  for (const Camera& camera : in.cameras)
-    for (Camera& pose : camera_poses(file, in.scene, camera.name, a.shot)) {
-      pose.culls = camera.culls;
-      poses.push_back(std::move(pose));
-    }
-  in.cameras = std::move(poses);
-}
-
-Loaded load(const Arguments& a, const cli::Common& common) {
-  Loaded in;
+Inputs load(const Arguments& a, const cli::Common& common) {
+  Inputs in;
   SceneFile file(a.scene, a.pose.animations);
   in.scene = file.at(a.shot.is_given() ? frame_range(a.shot).first / a.shot.fps : a.pose.seconds);
   common.also_read(in.scene.files);
@@ -134,7 +122,11 @@ Loaded load(const Arguments& a, const cli::Common& common) {
         display_name(a.scene), "",
         "nothing emits light, expected an emissive surface, a lamp or an --environment");
   in.cameras = chosen_cameras(in.scene, a.camera, common);
-  if (a.shot.is_given()) take_poses(a, file, in);
+  if (a.shot.is_given()) {
+    const bool stands = !a.camera.look_from.empty() || a.camera.frame;
+    auto poses = camera_poses(file, in.scene, stands ? std::vector<Camera>() : in.cameras, a.shot);
+    if (!stands) in.cameras = std::move(poses);
+  }
   if (a.triangles() && in.cameras.size() > 1)
     throw UsageError(
         fmt::format("--nodes triangles is for one camera, {} are given", in.cameras.size()));
@@ -146,8 +138,7 @@ Loaded load(const Arguments& a, const cli::Common& common) {
   return in;
 }
 
-// Of ends that see nothing of each other.
-void warn_of_no_flow(const cli::Common& common, const Loaded& in, const GraphReport& report) {
+void warn_of_no_flow(const cli::Common& common, const Inputs& in, const GraphReport& report) {
   if (report.light_hits == 0)
     common.warn("no light reaches a surface: the network carries no flow");
   for (size_t k = 0; k < in.cameras.size(); ++k)
@@ -157,81 +148,12 @@ void warn_of_no_flow(const cli::Common& common, const Loaded& in, const GraphRep
                               in.cameras.size() > 1 ? " to it" : ""));
 }
 
-// ---- The text of --explain ----
-
-using cli::Decision;
-using cli::Decisions;
-
 // All surfaces are treated as diffuse: only transmission and lamps matter.
-Decisions of_scene(const Scene& scene) {
+cli::Decisions decisions_on(const Scene& scene) {
   return uses_of(scene, {"transmission", "alpha", "punctual lights", "a sky"});
 }
 
-// `after`: conductance of the narrowest opening after the round.
-std::string gain(const RoundReport& round, double after) {
-  return fmt::format("the narrowest of {} let {} of the smaller side's light pass, now {}",
-                     counted(round.openings, "opening"), number_words(round.conductance, 2),
-                     number_words(after, 2));
-}
-
-// A round is worthwhile if the conductance falls below this factor: leaks of a twentieth move no
-// border.
-constexpr double kPays = 0.95;
-
-Decision of_round(size_t i, const RoundReport& round, double after) {
-  const std::string what = fmt::format("round {}", i + 1), price = cli::price_of(round.cpu_seconds);
-  if (round.conductance >= 1)
-    return {what,
-            fmt::format("{} split",
-                        round.split == 1 ? "1 patch" : fmt::format("{} patches", round.split)),
-            "no opening was found in the network before", price};
-  if (round.split == 0) return {what, "not needed", "no patch straddles an opening", price};
-  return {what,
-          fmt::format("{} split, {}", round.split,
-                      after < kPays * round.conductance ? "which paid" : "which changed little"),
-          gain(round, after), price};
-}
-
-Decisions decisions_of(const Scene& scene, const LightFlow& flow, const GraphReport& report) {
-  Decisions all = of_scene(scene);
-  all.push_back({"walks",
-                 fmt::format("{} from the light, {} from {} camera", report.light_walks,
-                             report.camera_walks, report.camera_hits.size() > 1 ? "each" : "the"),
-                 fmt::format("they hit {} and {} surfaces, and both reached {} of {} patches",
-                             report.light_hits, report.hits_of_cameras(), report.reached_by_both,
-                             flow.patches.size()),
-                 cli::price_of(report.phases, {"walks"})});
-  for (size_t i = 0; i < report.by_round.size(); ++i) {
-    const bool last = i + 1 == report.by_round.size();
-    all.push_back(of_round(i, report.by_round[i],
-                           last ? narrowest_opening(flow) : report.by_round[i + 1].conductance));
-  }
-  all.push_back(
-      {"splitting", fmt::format("stopped after {}", counted(report.rounds, "round")),
-       report.why_stopped,
-       fmt::format("{} rays, {} in all", report.rays, cli::price_of(report.phases, {"patches"}))});
-  return all;
-}
-
-Decisions decisions_of(const Scene& scene, const TriangleSettings& settings,
-                       const TriangleReport& report) {
-  Decisions all = of_scene(scene);
-  const auto largest = [&](const char* what, size_t found, size_t kept) {
-    return Decision{what, fmt::format("{} of {} kept", kept, found),
-                    found > kept
-                        ? fmt::format("those with most hits, {} at most", settings.largest_set)
-                        : fmt::format("there are no more than {}", settings.largest_set),
-                    cli::price_of(report.phases, {"walks"})};
-  };
-  all.push_back(largest("triangles that are lit", report.lit, report.kept_lit));
-  all.push_back(largest("triangles that are seen", report.seen, report.kept_seen));
-  all.push_back({"light and camera", report.shared > 0 ? "joined directly" : "not joined directly",
-                 fmt::format("{} are both lit and seen", counted(report.shared, "triangle")),
-                 cli::price_of(report.phases, {"patches"})});
-  return all;
-}
-
-DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Loaded& in,
+DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const Inputs& in,
                             Phases& phases, Json& summary) {
   GraphSettings settings;
   settings.walks = {common.seed, static_cast<uint32_t>(a.walks), static_cast<uint32_t>(a.bounces)};
@@ -239,45 +161,78 @@ DimacsFile graph_of_patches(const Arguments& a, const cli::Common& common, const
   settings.rounds = static_cast<int>(a.rounds);
   settings.cells = static_cast<double>(a.cells);
   GraphReport report;
-  report.phases = phases;
-  const LightFlow flow =
-      build_graph(in.scene, in.cameras, settings, in.refine ? &*in.refine : nullptr, report);
-  phases = report.phases;
+  LightFlow flow = build_graph(in.scene, in.cameras, settings, in.refine ? &*in.refine : nullptr,
+                               report, phases);
+  const bool several = in.cameras.size() > 1;
   common.note(fmt::format("light and {} both reach {} of {} patches of surface",
-                          in.cameras.size() > 1 ? "cameras" : "camera", report.reached_by_both,
+                          several ? "cameras" : "camera", report.reached_by_both,
                           flow.patches.size()));
   warn_of_no_flow(common, in, report);
-  common.explain_by([&] { return decisions_of(in.scene, flow, report); });
+  const auto rounds = std::count_if(report.rounds.begin(), report.rounds.end(),
+                                    [](const RoundReport& round) { return round.split > 0; });
+  common.explain_by([&] {
+    cli::Decisions all = decisions_on(in.scene);
+    all.push_back({"walks", fmt::format("{} from the light", a.walks),
+                   fmt::format("they hit {} and {} surfaces, and both reached {} of {} patches",
+                               report.light_hits, report.hits_of_cameras(), report.reached_by_both,
+                               flow.patches.size()),
+                   cli::price_of(phases, {"walks"})});
+    for (const RoundReport& round : report.rounds)
+      all.push_back({"round", fmt::format("{} split", round.split),
+                     fmt::format("so many patches straddle {}", counted(round.openings, "opening")),
+                     cli::price_of(round.cpu_seconds)});
+    all.push_back(
+        {"splitting",
+         fmt::format("stopped after {}", counted(static_cast<size_t>(rounds), "round")),
+         report.why_stopped,
+         fmt::format("{} rays, {} in all", report.rays, cli::price_of(phases, {"patches"}))});
+    return all;
+  });
   summary["light_hits"] = report.light_hits;
   summary["camera_hits"] = report.hits_of_cameras();
   summary["reached_by_both"] = report.reached_by_both;
   summary["rays"] = report.rays;
-  summary["rounds"] = report.rounds;
-  summary["split"] = report.split;
+  summary["rounds"] = rounds;
+  summary["split"] = report.split();
   summary["stopped"] = report.why_stopped;
-  return dimacs_file(flow);
+  return std::move(flow.file);
 }
 
-DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Loaded& in,
+DimacsFile graph_of_triangles(const Arguments& a, const cli::Common& common, const Inputs& in,
                               Phases& phases, Json& summary) {
   TriangleSettings settings;
   settings.seed = common.seed;
   settings.rays = static_cast<uint32_t>(a.walks);
   TriangleReport report;
-  report.phases = phases;
-  DimacsFile file = triangle_flow(in.scene, in.cameras[0], settings, report);
-  phases = report.phases;
+  DimacsFile file = triangle_flow(in.scene, in.cameras[0], settings, report, phases);
   common.note(fmt::format("{} triangles are lit directly, the camera sees {}, {} are both",
                           report.lit, report.seen, report.shared));
-  common.explain_by([&] { return decisions_of(in.scene, settings, report); });
+  common.explain_by([&] {
+    cli::Decisions all = decisions_on(in.scene);
+    all.push_back({"light and camera",
+                   report.shared > 0 ? "joined directly" : "not joined directly",
+                   fmt::format("of the {} triangles most lit and most seen {} are both",
+                               settings.largest_set, report.shared),
+                   cli::price_of(phases, {"walks", "patches"})});
+    return all;
+  });
   summary["lit"] = report.lit;
   summary["seen"] = report.seen;
   summary["shared"] = report.shared;
   return file;
 }
 
-void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
-             const DimacsFile& network, Phases& phases) {
+int run(const Arguments& a, const cli::Common& common) {
+  check(a);
+  Phases phases;
+  const Inputs in = load(a, common);
+  phases.done("load");
+  Json summary;
+  DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
+                                     : graph_of_patches(a, common, in, phases, summary);
+  network.provenance = common.provenance(in.files);
+  for (const Camera& camera : in.cameras)
+    network.cameras.push_back(viewpoint_text(in.scene.frame, camera));
   const auto text = [&] { return dimacs_text(network); };
   const auto preview = [&] {
     return draw::draw(network_preview(in.scene, in.cameras[0], network, a.triangles()))
@@ -286,20 +241,6 @@ void deliver(const Arguments& a, const cli::Common& common, const Loaded& in,
   const auto debug_glb = [&] { return network_debug_glb(in.scene, network, a.triangles()); };
   cli::deliver({{common.output, text}, {a.preview, preview}, {a.debug_glb, debug_glb}}, common,
                phases);
-}
-
-int run(const Arguments& a, const cli::Common& common) {
-  check(a);
-  Phases phases;
-  const Loaded in = load(a, common);
-  phases.done("load");
-  Json summary;
-  DimacsFile network = a.triangles() ? graph_of_triangles(a, common, in, phases, summary)
-                                     : graph_of_patches(a, common, in, phases, summary);
-  network.provenance = common.provenance(in.files);
-  for (const Camera& camera : in.cameras)
-    network.cameras.push_back(viewpoint_text(in.scene.frame, camera));
-  deliver(a, common, in, network, phases);
   summary["patches"] = network.patches.size();
   summary["arcs"] = network.network.arcs.size();
   cli::report(common, summary, phases);

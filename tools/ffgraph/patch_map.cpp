@@ -5,6 +5,7 @@
 #include <numeric>
 #include <unordered_map>
 
+#include <oneapi/tbb/parallel_for.h>
 #include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
@@ -124,10 +125,6 @@ std::array<int32_t, 3> cell_at(const Vec3d& q, int level) {
 
 }  // namespace
 
-std::array<int32_t, 3> PatchMap::cell(const Vec3d& canonical, int level) const {
-  return cell_at(in_grid(canonical), level);
-}
-
 PatchMap::PatchMap(const Scene& scene, const PatchGrid& grid, std::vector<uint32_t> component,
                    const FineRegion& fine)
     : scene_(&scene),
@@ -178,6 +175,22 @@ uint32_t PatchMap::find(uint32_t face, const Vec3d& canonical) const {
 uint32_t PatchMap::find_or_add(uint32_t face, const Vec3d& canonical) {
   const auto [key, found] = search(face, canonical);
   return found == kNoPatch ? add(key) : found;
+}
+
+void PatchMap::add_all(const std::vector<WalkHit>& places) {
+  const auto on_face = [&](const WalkHit& p) { return p.face / 2 < component_->size(); };
+  // Short blocks first, while most points add a patch.
+  std::vector<uint8_t> is_new;
+  for (size_t first = 0, block = 1 << 10; first < places.size(); first += is_new.size()) {
+    is_new.assign(std::min(block, places.size() - first), 0);
+    tbb::parallel_for(size_t{0}, is_new.size(), [&](size_t k) {
+      const WalkHit& p = places[first + k];
+      is_new[k] = on_face(p) && find(p.face, Vec3d(p.position)) == kNoPatch;
+    });
+    for (size_t k = 0; k < is_new.size(); ++k)
+      if (is_new[k]) find_or_add(places[first + k].face, Vec3d(places[first + k].position));
+    block = std::min<size_t>(2 * block, 1 << 18);
+  }
 }
 
 uint32_t PatchMap::add(const PatchKey& key) {

@@ -7,11 +7,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <unordered_map>
 #include <vector>
-
-#include <oneapi/tbb/parallel_for.h>
 
 #include "libcommon/formats/cut.h"
 #include "libcommon/math/rng.h"
@@ -24,6 +21,18 @@ inline constexpr uint32_t kNoFace = UINT32_MAX;
 inline constexpr uint32_t kNoPatch = UINT32_MAX;
 /// Piece of the patches that are bins of the sky; their cell is {bin, 0, 0}.
 inline constexpr uint32_t kSkyPiece = UINT32_MAX;
+
+struct WalkHit {
+  uint32_t face;   ///< or one of the end marks after a walk's last hit [walks.h]
+  Vec3f position;  ///< canonical
+};
+
+/// The triangle of a face; its normal is that of the side.
+inline TriangleShape facing(const Scene& scene, uint32_t face) {
+  TriangleShape shape = shape_of(scene, face / 2);
+  if (face & 1) shape.normal = -shape.normal;
+  return shape;
+}
 
 struct PatchKey {
   std::array<int32_t, 3> cell{};
@@ -71,22 +80,13 @@ class PatchMap {
   int fine_level() const { return fine_level_; }
   uint32_t piece(uint32_t face) const { return 2 * (*component_)[face / 2] + (face & 1); }
 
-  /// Cell of a point (canonical) at a level.
-  std::array<int32_t, 3> cell(const Vec3d& canonical, int level) const;
-
   /// Patch at a point on `face`; kNoPatch if none exists.
   uint32_t find(uint32_t face, const Vec3d& canonical) const;
   /// The same, but adds the patch if it does not exist yet.
   uint32_t find_or_add(uint32_t face, const Vec3d& canonical);
 
-  struct SurfacePoint {
-    uint32_t face;
-    Vec3d canonical;
-  };
-  /// Equivalent to find_or_add() of place(0), ..., place(n - 1) in this order, skipping empty ones,
-  /// but with parallel look-ups. place(k): std::optional<SurfacePoint>.
-  template <class PlaceAt>
-  void add_all(size_t n, const PlaceAt& place);
+  /// Equivalent to find_or_add() of all places on faces in this order, but with parallel look-ups.
+  void add_all(const std::vector<WalkHit>& places);
 
   /// Adds a patch under `key`, and the splits above it.
   uint32_t add(const PatchKey& key);
@@ -152,24 +152,5 @@ class PatchMap {
   std::vector<uint8_t> piece_touched_;
   bool sky_ = false;  // whether the sky has patches
 };
-
-template <class PlaceAt>
-void PatchMap::add_all(size_t n, const PlaceAt& place) {
-  // Short blocks first, while most points add a patch.
-  std::vector<uint8_t> is_new;
-  for (size_t first = 0, block = 1 << 10; first < n; first += is_new.size()) {
-    is_new.assign(std::min(block, n - first), 0);
-    tbb::parallel_for(size_t{0}, is_new.size(), [&](size_t k) {
-      const std::optional<SurfacePoint> p = place(first + k);
-      is_new[k] = p && find(p->face, p->canonical) == kNoPatch;
-    });
-    for (size_t k = 0; k < is_new.size(); ++k)
-      if (is_new[k]) {
-        const std::optional<SurfacePoint> p = place(first + k);
-        find_or_add(p->face, p->canonical);
-      }
-    block = std::min<size_t>(2 * block, 1 << 18);
-  }
-}
 
 }  // namespace tdpt

@@ -23,35 +23,42 @@ Scene sheet(uint32_t n) {
   return s;
 }
 
-PatchMap::SurfacePoint random_place(const Scene& s, uint64_t k) {
+WalkHit random_place(const Scene& s, uint64_t k) {
   Rng rng(4, 0, k);
   const uint32_t t = rng.below(static_cast<uint32_t>(s.triangles.size()));
   const double u = rng.uniform();
   const TriangleShape shape = shape_of(s, t);
-  return {2 * t, shape.p0 + shape.e1 * (0.5 * u) + shape.e2 * 0.3};
+  return {2 * t, Vec3f(shape.p0 + shape.e1 * (0.5 * u) + shape.e2 * 0.3)};
+}
+
+std::vector<WalkHit> random_places(const Scene& s, size_t n) {
+  std::vector<WalkHit> places;
+  for (size_t k = 0; k < n; ++k) places.push_back(random_place(s, k));
+  return places;
 }
 
 TEST(patch_map, many_places_at_once_make_the_patches_of_one_after_the_other) {
   const Scene s = sheet(30);
   PatchMap one(s, {{-1.03, -1.07, -0.1}, 0.04}, surface_components(s)), many = one;
-  constexpr size_t kPlaces = 20000;
-  for (size_t k = 0; k < kPlaces; ++k)
-    if (const auto p = random_place(s, k); k % 5 != 0) one.find_or_add(p.face, p.canonical);
-  many.add_all(kPlaces, [&](size_t k) {
-    return k % 5 != 0 ? std::optional(random_place(s, k)) : std::nullopt;
-  });
+  std::vector<WalkHit> places = random_places(s, 20000);
+  PatchMap all = one;
+  all.add_all(places);
+  for (size_t k = 0; k < places.size(); ++k)
+    if (k % 5 != 0)
+      one.find_or_add(places[k].face, Vec3d(places[k].position));
+    else
+      places[k].face = kNoFace;
+  many.add_all(places);
   EXPECT_GT(one.size(), 1000u);
   EXPECT_EQ(one.keys(), many.keys());
   // Skipped points matter: with them the patches come in another order.
-  PatchMap all(s, one.grid(), surface_components(s));
-  all.add_all(kPlaces, [&](size_t k) { return std::optional(random_place(s, k)); });
   EXPECT_NE(one.keys(), all.keys());
 }
 
 TEST(fragments, of_many_faces_come_patch_by_patch_and_within_it_face_by_face) {
   const Scene s = sheet(80);  // more faces than one thread clips at a time
   PatchMap map(s, {{-1.03, -1.07, -0.1}, 0.4}, surface_components(s));
-  map.add_all(20000, [&](size_t k) { return std::optional(random_place(s, k)); });
+  map.add_all(random_places(s, 20000));
   const Fragments fragments(map);
   double area = 0;
   for (size_t k = 0; k < fragments.all().size(); ++k) {
@@ -80,14 +87,15 @@ Scene sheet_on_a_ground(bool ground) {
 Walks walks_on(const Scene& s, size_t far_one_in) {
   Walks walks;
   for (size_t k = 0; k < 20000; ++k) {
-    PatchMap::SurfacePoint p = random_place(sheet(30), k);
+    WalkHit p = random_place(sheet(30), k);
     Rng rng(5, 0, k);
     if (k % far_one_in == 0) {
       const double x = rng.uniform();
       const double y = rng.uniform();
-      p = {static_cast<uint32_t>(2 * s.triangles.size() - 2), {200 * x - 100, 200 * y - 100, -0.1}};
+      p = {static_cast<uint32_t>(2 * s.triangles.size() - 2),
+           Vec3f(Vec3d(200 * x - 100, 200 * y - 100, -0.1))};
     }
-    walks.push_back({p.face, Vec3f(p.canonical)});
+    walks.push_back(p);
   }
   return walks;
 }

@@ -16,94 +16,55 @@ namespace {
 // For a network that carries no flow.
 constexpr uint32_t kFewRays = 1000, kFewWalks = 1000;
 
-// The rays that decide where to split are independent of those that measure.
-constexpr uint64_t kLookSeed = 0x5eed;
+// Added to the seed: the rays that decide where to split are independent of those that measure.
+constexpr uint64_t kSplittingSeed = 0x5eed;
 
 // Maximum number of openings in series that ffgraph itself looks for.
 constexpr size_t kMostCuts = 8;
 
-// Of the walks of one camera that each of several has: they also see what others' walks see.
+// Each of several cameras has this share of the walks of a single one: it also gains from what the
+// others' walks hit.
 constexpr double kOfSeveral = 0.5;
 
-// Of the camera's hits: walks that have passed several openings reach few places.
+// This share of a camera's hits is left out: walks that have passed several openings reach few
+// places.
 constexpr double kSeldomShare = 0.001;
 
 // Patches that straddle an opening make it look wider than it is.
 constexpr double kLeaks = 1.5;
 
-struct OwnCuts {
-  std::vector<std::vector<Side>> cuts;  // of each cut, per patch
-  double conductance = 1;               // of the narrowest cut
-};
+// The side of every patch, for each cut.
+using Sides = std::vector<std::vector<Side>>;
 
-double narrowest(const auto& cuts) {
-  double least = 1;
-  for (const auto& c : cuts) least = std::min(least, c.conductance);
-  return least;
-}
-
-// The network between the light and one camera.
-PatchNetwork network_between(const LightFlow& f, size_t camera) {
-  const auto of_nodes = [](const std::vector<double>& of_patches) {
-    std::vector<double> all(2, 0);
-    all.insert(all.end(), of_patches.begin(), of_patches.end());
-    return all;
-  };
-  PatchNetwork patches{network_of(f.network, f.more_sinks, camera),
-                       of_nodes(f.etendue.samples),
-                       kCapacityScale,
-                       of_nodes(f.begun),
-                       of_nodes(f.hits_light),
-                       of_nodes(f.hits_cameras[camera])};
-  if (f.patches.has_sky()) {
-    patches.weight = patches.viewed;
-    patches.sky.assign(patches.network.nodes, 0);
-    for (uint32_t i = 0; i < f.patches.size(); ++i) patches.sky[i + 2] = f.patches.is_sky(i);
-  }
-  return patches;
-}
-
-// Those of all cameras, one after the other; the same opening may occur several times.
-OwnCuts own_cuts(const LightFlow& f) {
+// The cuts of all cameras, one after the other; the same opening may occur several times.
+Sides own_cuts(const LightFlow& f) {
   CutLimits limits;
   limits.largest_conductance *= kLeaks;
-  std::vector<SeriesCut> of_camera(f.hits_cameras.size());
+  std::vector<SeriesCut> of_camera(f.lit.size());
   tbb::parallel_for(size_t{0}, of_camera.size(), [&](size_t k) {
-    const PatchNetwork network = network_between(f, k);
+    PatchNetwork network = network_between(f.file, k);
+    // Rounds look for openings by the walks alone.
+    network.brightness.clear();
+    network.importance.clear();
+    network.weight = network.sky.empty() ? std::vector<double>() : network.viewed;
     of_camera[k] = of_camera.size() > 1 ? camera_cut(network, kMostCuts, limits)
                                         : series_cut(network, kMostCuts, limits);
   });
-  OwnCuts own;
-  std::vector<CutFacts> facts;
+  Sides cuts;
   for (const SeriesCut& series : of_camera)
     for (size_t c = 0; c < series.cuts.size(); ++c) {
-      std::vector<Side>& sides = own.cuts.emplace_back();
+      std::vector<Side>& sides = cuts.emplace_back();
       for (uint32_t i = 0; i < f.patches.size(); ++i)
         sides.push_back(series.region[i + 2] <= c ? Side::source : Side::sink);
-      if (series.bottleneck) facts.push_back(series.cuts[c].facts);
     }
-  own.conductance = narrowest(facts);
-  return own;
+  return cuts;
 }
 
-OwnCuts given_cuts(const CutFile& file) {
-  OwnCuts given;
-  for (size_t c = 0; c < file.cuts.size(); ++c) {
-    std::vector<Side>& sides = given.cuts.emplace_back();
-    for (size_t i = 0; i < file.patches.size(); ++i) sides.push_back(file.side_of(i, c));
-  }
-  given.conductance = narrowest(file.cuts);
-  return given;
-}
-
-// Patches that straddle any of the cuts.
-std::vector<uint8_t> straddling_any(const Etendue& etendue, const OwnCuts& own, double share) {
-  std::vector<uint8_t> chosen(etendue.samples.size(), 0);
-  for (const std::vector<Side>& side : own.cuts) {
-    const std::vector<uint8_t> of_cut = straddling(etendue, side, share);
-    for (size_t i = 0; i < chosen.size(); ++i) chosen[i] |= of_cut[i];
-  }
-  return chosen;
+Sides given_cuts(const CutFile& file) {
+  Sides cuts(file.cuts.size());
+  for (size_t c = 0; c < cuts.size(); ++c)
+    for (size_t i = 0; i < file.patches.size(); ++i) cuts[c].push_back(file.side_of(i, c));
+  return cuts;
 }
 
 // A map of this scene with the patches of a cut, in the cut's order.
@@ -130,22 +91,17 @@ Extent reach_of_hits(const std::vector<Walks>& cameras, double share) {
   return reach;
 }
 
-// The etendue is estimated from the walks of all together.
-uint32_t walks_of_each(uint32_t walks, size_t cameras) {
-  return cameras > 1 ? static_cast<uint32_t>(kOfSeveral * walks) : walks;
-}
-
 BothWalks both_walks(const Scene& scene, const std::vector<Camera>& cameras, const Tracer& tracer,
                      WalkSettings settings) {
   BothWalks walks;
   WalkSettings each = settings;
-  each.walks = walks_of_each(settings.walks, cameras.size());
+  // The etendue is estimated from the walks of all together.
+  if (cameras.size() > 1) each.walks = static_cast<uint32_t>(kOfSeveral * settings.walks);
   for (const Camera& camera : cameras)
     walks.cameras.push_back(camera_walks(scene, camera, tracer, each));
   if (std::all_of(walks.cameras.begin(), walks.cameras.end(),
                   [](const Walks& of_camera) { return hits_in(of_camera) == 0; }))
     settings.walks = std::min(settings.walks, kFewWalks);
-  walks.of_light = settings.walks;
   if (!lit_from_infinity(scene)) {
     walks.light = light_walks(scene, tracer, settings);
     return walks;
@@ -171,131 +127,78 @@ void check_patches(const std::string& file, const Scene& scene, const CutFile& c
     throw InputError(file, "", "two patches in one place, expected patches made by ffgraph");
 }
 
-double narrowest_opening(const LightFlow& flow) {
-  return own_cuts(flow).conductance;
-}
+LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
+                      const GraphSettings& settings, const CutFile* refine, GraphReport& report,
+                      Phases& phases) {
+  const std::vector<uint32_t> component = surface_components(scene);
+  phases.done("surfaces");
+  // Constructed after steps with a high temporary memory use.
+  const Tracer tracer(scene, cameras[0].culls);
+  phases.done("bvh");
+  const BothWalks walks = both_walks(scene, cameras, tracer, settings.walks);
+  phases.done("walks");
+  report.light_hits = hits_in(walks.light.hits);
+  for (const Walks& of_camera : walks.cameras) report.camera_hits.push_back(hits_in(of_camera));
+  // A network that carries no flow is for inspection only.
+  const bool flows = report.light_hits > 0 && report.hits_of_cameras() > 0;
+  const uint32_t rays = flows ? settings.rays : std::min(settings.rays, kFewRays);
+  const GridOfWalks grid = grid_for(scene, walks.light.hits, walks.cameras, settings.cells);
 
-namespace {
-
-// Builds networks of one scene, coarse to fine.
-class Rounds {
- public:
-  // The cameras must not differ in `culls`.
-  Rounds(const Scene& scene, const std::vector<Camera>& cameras, const GraphSettings& settings,
-         GraphReport& report)
-      : scene_(scene),
-        settings_(settings),
-        report_(report),
-        component_(components(scene, report)),
-        tracer_(scene, cameras[0].culls) {
-    report.phases.done("bvh");
-    walks_ = both_walks(scene, cameras, tracer_, settings.walks);
-    report.phases.done("walks");
-    report.light_walks = walks_.of_light;
-    report.camera_walks = walks_of_each(settings.walks.walks, cameras.size());
-    report.light_hits = hits_in(walks_.light.hits);
-    for (const Walks& walks : walks_.cameras) report.camera_hits.push_back(hits_in(walks));
-    // Then no network carries a flow, and patches are needed for inspection only.
-    if (report.light_hits == 0 || report.hits_of_cameras() == 0) {
-      settings_.rays = std::min(settings_.rays, kFewRays);
-      settings_.rounds = 0;
+  uint64_t estimates = 0;
+  const auto estimate = [&](PatchMap map) {
+    report.rays += rays;
+    return light_flow(std::move(map), walks, tracer, settings.walks.seed + estimates++ * 0x10001,
+                      rays);
+  };
+  // Begins the report of a round; the map without the patches that straddle any of the cuts.
+  const auto split = [&](const PatchMap& map, const Etendue& etendue, const Sides& cuts) {
+    std::vector<uint8_t> chosen(map.size(), 0);
+    for (const std::vector<Side>& side : cuts) {
+      const std::vector<uint8_t> of_cut = straddling(etendue, side, settings.straddle_share);
+      for (uint32_t i = 0; i < map.size(); ++i)
+        chosen[i] |=
+            of_cut[i] && !map.is_sky(i) && map.keys()[i].level < map.fine_level() + kDeepestSplit;
     }
-    grid_ = grid_for(scene, walks_.light.hits, walks_.cameras, settings_.cells);
-  }
+    const auto count = std::count(chosen.begin(), chosen.end(), 1);
+    report.rounds.push_back({cuts.size(), static_cast<size_t>(count), 0});
+    return map.split(chosen);
+  };
 
-  /// Splits where patches straddle the openings of the given cut.
-  LightFlow by_cut(const CutFile& cut) {
+  LightFlow flow;
+  if (refine) {
     const double cpu = cpu_seconds();
     // Walks with other settings may have had another grid; then coarse cells remain where there are
     // no patches.
-    const bool same = grid_.grid.base_cell == cut.grid.base_cell;
-    const PatchMap map = map_of(scene_, component_, cut, same ? grid_.fine : FineRegion{});
-    const Etendue etendue = measure_etendue(map, Fragments(map), tracer_,
-                                            kLookSeed + settings_.walks.seed, settings_.rays);
-    report_.rays += settings_.rays;
-    report_.rounds = 1;
-    report_.why_stopped = "a cut was given";
-    const std::vector<uint8_t> chosen = chosen_to_split(map, etendue, given_cuts(cut));
-    LightFlow flow = estimate(map.split(chosen));
-    report_.by_round.back().cpu_seconds = cpu_seconds() - cpu;
-    return flow;
-  }
-
-  /// Splits by cuts of its own.
-  LightFlow by_itself() {
-    LightFlow flow = estimate(PatchMap(scene_, grid_.grid, component_, grid_.fine));
-    report_.why_stopped = report_.hits_of_cameras() == 0 ? "the camera sees no surface"
-                          : report_.light_hits == 0      ? "no light reaches a surface"
-                                                         : "--set rounds allows no more";
-    while (report_.rounds < static_cast<size_t>(settings_.rounds)) {
+    const bool same = grid.grid.base_cell == refine->grid.base_cell;
+    const PatchMap map = map_of(scene, component, *refine, same ? grid.fine : FineRegion{});
+    const Etendue etendue =
+        measure_etendue(map, Fragments(map), tracer, kSplittingSeed + settings.walks.seed, rays);
+    report.rays += rays;
+    flow = estimate(split(map, etendue, given_cuts(*refine)));
+    report.rounds.back().cpu_seconds = cpu_seconds() - cpu;
+    report.why_stopped = "a cut was given";
+  } else {
+    flow = estimate(PatchMap(scene, grid.grid, component, grid.fine));
+    report.why_stopped = report.hits_of_cameras() == 0 ? "the camera sees no surface"
+                         : report.light_hits == 0      ? "no light reaches a surface"
+                                                       : "--set rounds allows no more";
+    for (int round = 0; flows && round < settings.rounds; ++round) {
       const double cpu = cpu_seconds();
-      const std::vector<uint8_t> chosen =
-          chosen_to_split(flow.patches, flow.etendue, own_cuts(flow));
-      RoundReport& round = report_.by_round.back();
-      if (round.split > 0) {
-        ++report_.rounds;
-        flow = estimate(flow.patches.split(chosen));
-      }
-      round.cpu_seconds = cpu_seconds() - cpu;
-      if (round.split > 0) continue;
-      report_.why_stopped = "nothing straddles any more";
+      PatchMap finer = split(flow.patches, flow.etendue, own_cuts(flow));
+      const bool done = report.rounds.back().split == 0;
+      if (!done) flow = estimate(std::move(finer));
+      report.rounds.back().cpu_seconds = cpu_seconds() - cpu;
+      if (!done) continue;
+      report.why_stopped = "nothing straddles any more";
       break;
     }
-    return flow;
   }
-
- private:
-  static std::vector<uint32_t> components(const Scene& scene, GraphReport& report) {
-    std::vector<uint32_t> found = surface_components(scene);
-    report.phases.done("surfaces");
-    return found;
-  }
-
-  // Begins the report of a round and chooses the patches to split.
-  std::vector<uint8_t> chosen_to_split(const PatchMap& map, const Etendue& etendue,
-                                       const OwnCuts& cuts) {
-    std::vector<uint8_t> chosen = straddling_any(etendue, cuts, settings_.straddle_share);
-    size_t split = 0;
-    for (size_t i = 0; i < chosen.size(); ++i) {
-      if (map.is_sky(static_cast<uint32_t>(i)) ||
-          map.keys()[i].level >= map.fine_level() + kDeepestSplit)
-        chosen[i] = 0;
-      split += chosen[i];
-    }
-    report_.split += split;
-    report_.by_round.push_back({cuts.cuts.size(), cuts.conductance, split, 0});
-    return chosen;
-  }
-
-  LightFlow estimate(PatchMap map) {
-    report_.rays += settings_.rays;
-    return light_flow(std::move(map), walks_, tracer_,
-                      settings_.walks.seed + estimates_++ * 0x10001, settings_.rays);
-  }
-
-  const Scene& scene_;
-  GraphSettings settings_;
-  GraphReport& report_;
-  const std::vector<uint32_t> component_;
-  const Tracer tracer_;  // constructed after steps with a high temporary memory use
-  BothWalks walks_;
-  GridOfWalks grid_;
-  uint64_t estimates_ = 0;
-};
-
-}  // namespace
-
-LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
-                      const GraphSettings& settings, const CutFile* refine, GraphReport& report) {
-  Rounds rounds(scene, cameras, settings, report);
-  LightFlow flow = refine ? rounds.by_cut(*refine) : rounds.by_itself();
-  for (size_t i = 0; i < flow.hits_light.size(); ++i) {
+  for (const PatchWalks& patch : flow.file.walks) {
     bool viewed = false;
-    for (size_t k = 0; k < cameras.size(); ++k)
-      viewed |= flow.lit[k] && flow.hits_cameras[k][i] > 0;
-    report.reached_by_both += viewed && flow.hits_light[i] > 0;
+    for (size_t k = 0; k < cameras.size(); ++k) viewed |= flow.lit[k] && patch.camera[k] > 0;
+    report.reached_by_both += viewed && patch.light > 0;
   }
-  report.phases.done("patches");
+  phases.done("patches");
   return flow;
 }
 

@@ -20,39 +20,38 @@ struct GraphSettings {
 /// One round of splitting.
 struct RoundReport {
   size_t openings = 0;     ///< cuts whose patches were examined
-  double conductance = 1;  ///< of the narrowest of them, before the round
   size_t split = 0;        ///< patches that straddle one of them
   double cpu_seconds = 0;  ///< of the examination and of the estimate after it
 };
 
 struct GraphReport {
-  size_t light_walks = 0;           ///< fewer if no camera sees anything
-  size_t camera_walks = 0;          ///< of each camera; several share those of one
   size_t light_hits = 0;            ///< surfaces hit by the walks
   std::vector<size_t> camera_hits;  ///< the same of each camera
+  uint64_t rays = 0;                ///< etendue rays of all rounds
+  std::vector<RoundReport> rounds;  ///< including the one that found nothing to split
+  size_t reached_by_both = 0;       ///< patches with hits from the light and a camera
+  const char* why_stopped = "";     ///< completes "because ..."
+
   size_t hits_of_cameras() const {
     return std::accumulate(camera_hits.begin(), camera_hits.end(), size_t{0});
   }
-  size_t rounds = 0;                  ///< number of refinements
-  size_t split = 0;                   ///< patches split in all of them together
-  uint64_t rays = 0;                  ///< etendue rays of all rounds
-  std::vector<RoundReport> by_round;  ///< including the one that found nothing to split
-  size_t reached_by_both = 0;         ///< patches with hits from the light and a camera
-  const char* why_stopped = "";       ///< completes "because ..."
-  Phases phases;                      ///< surfaces, bvh, walks, patches
+  /// Patches split in all rounds together.
+  size_t split() const {
+    size_t sum = 0;
+    for (const RoundReport& round : rounds) sum += round.split;
+    return sum;
+  }
 };
 
 /// Throws InputError for `file` when the patches of `cut` cannot be those of `scene`.
 void check_patches(const std::string& file, const Scene& scene, const CutFile& cut);
 
-/// Conductance of the narrowest opening between the light and any camera, as rounds look for it; 1
-/// where there is none.
-double narrowest_opening(const LightFlow& flow);
-
 /// Splits where the patches of `refine` (a cut of this scene) straddle its opening. Without it,
 /// makes cuts of its own, for at most `rounds` rounds, and stops when nothing straddles. `refine`
-/// must have passed check_patches.
+/// must have passed check_patches. The cameras must not differ in `culls`. Times the phases
+/// surfaces, bvh, walks and patches.
 LightFlow build_graph(const Scene& scene, const std::vector<Camera>& cameras,
-                      const GraphSettings& settings, const CutFile* refine, GraphReport& report);
+                      const GraphSettings& settings, const CutFile* refine, GraphReport& report,
+                      Phases& phases);
 
 }  // namespace tdpt

@@ -16,7 +16,7 @@
 namespace tdpt {
 namespace {
 
-std::vector<Vec3d> points_on(const FacingTriangle& t, int n, Rng& rng) {
+std::vector<Vec3d> points_on(const TriangleShape& t, int n, Rng& rng) {
   std::vector<Vec3d> points;
   for (int k = 0; k < n; ++k) {
     const double u = rng.uniform();
@@ -30,12 +30,7 @@ std::vector<Vec3d> points_on(const FacingTriangle& t, int n, Rng& rng) {
 
 }  // namespace
 
-FacingTriangle facing(const Scene& scene, uint32_t face) {
-  const TriangleShape s = shape_of(scene, face / 2);
-  return {s.p0, s.e1, s.e2, face & 1 ? -s.normal : s.normal, s.area};
-}
-
-double form_factor(const FacingTriangle& i, const FacingTriangle& j, int n, int m, Rng& rng,
+double form_factor(const TriangleShape& i, const TriangleShape& j, int n, int m, Rng& rng,
                    const Tracer* tracer) {
   const std::vector<Vec3d> on_i = points_on(i, n, rng);
   const std::vector<Vec3d> on_j = points_on(j, m, rng);
@@ -88,7 +83,7 @@ PatchGrid one_cell(const Scene& scene) {
 }
 
 Patch patch_of(const Scene& scene, uint32_t node, uint32_t face) {
-  const FacingTriangle t = facing(scene, face);
+  const TriangleShape t = facing(scene, face);
   Patch p;
   p.node = node;
   p.samples = t.area;
@@ -101,17 +96,15 @@ Patch patch_of(const Scene& scene, uint32_t node, uint32_t face) {
 }  // namespace
 
 DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
-                         TriangleReport& report) {
+                         TriangleReport& report, Phases& phases) {
   const Tracer tracer(scene, camera.culls);
-  report.phases.done("bvh");
+  phases.done("bvh");
   const WalkSettings first_hit{settings.seed, settings.rays, 1};
   const std::vector<Seen> lit =
       most_hit(light_walks(scene, tracer, first_hit).hits, settings, report.lit);
   const std::vector<Seen> seen =
       most_hit(camera_walks(scene, camera, tracer, first_hit), settings, report.seen);
-  report.phases.done("walks");
-  report.kept_lit = lit.size();
-  report.kept_seen = seen.size();
+  phases.done("walks");
 
   DimacsFile file;
   file.has_patches = true;
@@ -155,7 +148,7 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
   double area = 0;
   for (const Patch& p : file.patches) area += p.samples;
   for (Patch& p : file.patches) p.samples *= kSamples / area;
-  report.phases.done("patches");
+  phases.done("patches");
   return file;
 }
 

@@ -24,16 +24,15 @@ struct TriangleSettings {
 };
 
 struct TriangleReport {
-  size_t lit = 0, seen = 0;            ///< faces in S_d and S_p
-  size_t kept_lit = 0, kept_seen = 0;  ///< of these, in the network
-  size_t shared = 0;                   ///< in both: light and camera are connected directly
-  Phases phases;                       ///< bvh, walks, patches
+  size_t lit = 0, seen = 0;  ///< faces in S_d and S_p
+  size_t shared = 0;         ///< kept in both: light and camera are connected directly
 };
 
 /// A face is one side of a triangle. Capacities: light -> i is the share of the light's rays that
-/// hit i, j -> camera the share of the camera's rays, i -> j is F_ij, light -> camera 1.
+/// hit i, j -> camera the share of the camera's rays, i -> j is F_ij, light -> camera 1. Times the
+/// phases bvh, walks and patches.
 DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const TriangleSettings& settings,
-                         TriangleReport& report);
+                         TriangleReport& report, Phases& phases);
 
 // Form factors between triangles, with visibility; symbols as in radiosity.
 //
@@ -42,19 +41,10 @@ DimacsFile triangle_flow(const Scene& scene, const Camera& camera, const Triangl
 // is the share of the diffuse light leaving i that arrives at j: A_i F_ij = A_j F_ji, and in a
 // closed box the F_ij sum to 1 over j. (The paper labels it j -> i.)
 
-/// A triangle seen from one side.
-struct FacingTriangle {
-  Vec3d p0, e1, e2;
-  Vec3d normal;  ///< unit, of the side that it faces
-  double area;
-};
-
-/// The side of `face` = 2 * triangle + side.
-FacingTriangle facing(const Scene& scene, uint32_t face);
-
 /// Estimate of F_ij from n points on i times m points on j: A_j / (n m) sum sum cos_i cos_j V / (pi
-/// r^2) [eq. 10], which the paper prints without V. Without a tracer everything is visible.
-double form_factor(const FacingTriangle& i, const FacingTriangle& j, int n, int m, Rng& rng,
+/// r^2) [eq. 10], which the paper prints without V. `i` and `j` face along their normals. Without a
+/// tracer everything is visible.
+double form_factor(const TriangleShape& i, const TriangleShape& j, int n, int m, Rng& rng,
                    const Tracer* tracer);
 
 }  // namespace tdpt

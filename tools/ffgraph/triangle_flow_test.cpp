@@ -10,7 +10,7 @@ namespace tdpt::triangle_flow_test {
 // (perpendicular rectangles with a common edge). Squares are two triangles, so
 // F_AB = (1/A) sum over triangles i of A, j of B: A_i F_ij.
 
-using Square = std::array<FacingTriangle, 2>;
+using Square = std::array<TriangleShape, 2>;
 
 Square square(const Vec3d& corner, const Vec3d& a, const Vec3d& b) {
   const Vec3d n = normalize(cross(a, b));
@@ -110,11 +110,11 @@ TEST(form_factor, is_0_through_a_wall_and_whole_without) {
   scene.materials.resize(1);
   scene.triangles = {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}};
   const Tracer tracer(scene);
-  const FacingTriangle low{{0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0}, {0, 1, 0}, 0.005};
-  const FacingTriangle high{{0, 1, 0}, {0.1, 0, 0}, {0, 0, 0.1}, {0, -1, 0}, 0.005};
+  const TriangleShape low{{0, 0, 0}, {0, 0, 0.1}, {0.1, 0, 0}, {0, 1, 0}, 0.005};
+  const TriangleShape high{{0, 1, 0}, {0.1, 0, 0}, {0, 0, 0.1}, {0, -1, 0}, 0.005};
   Rng rng(1, 0, 0);
   EXPECT_EQ(form_factor(low, high, 8, 8, rng, &tracer), 0);
-  const FacingTriangle near{{0, 0.4, 0}, {0.1, 0, 0}, {0, 0, 0.1}, {0, -1, 0}, 0.005};
+  const TriangleShape near{{0, 0.4, 0}, {0.1, 0, 0}, {0, 0, 0.1}, {0, -1, 0}, 0.005};
   EXPECT_GT(form_factor(low, near, 8, 8, rng, &tracer), 0);
 }
 

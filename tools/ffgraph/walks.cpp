@@ -75,7 +75,7 @@ SkyLines::Towards SkyLines::towards(Rng& rng) const {
   return {w, luminance(sky_->radiance(w)) / pdf_w};
 }
 
-// Of lines along w through this place [1/canonical area].
+// The density of lines along w through this place [1/canonical area].
 double SkyLines::density_across(const Vec3d& through, const Vec3d& w) const {
   constexpr std::array<double, 3> kShares{kAimed, kWider, 1 - kAimed - kWider};
   double density = 0;
@@ -144,43 +144,32 @@ Walks run_walks(const Scene& scene, const Tracer& tracer, const WalkSettings& s,
   return hits;
 }
 
-// How a light walk begins.
-struct Start {
-  Tracer::Origin from;
-  Vec3d direction;
-  double power = 0;
-  uint32_t bin = kSkyBins;
-  WalkHit at{kNoFace, {}};
-};
-
-Start leave_light(const Scene& scene, const LightSelection& selection, const SkyLines* lines,
-                  Rng& rng) {
+// Begins light walk i from `from`; returns its direction.
+Vec3d leave_light(const Scene& scene, const LightSelection& selection, const SkyLines* lines,
+                  uint32_t i, Rng& rng, LightWalks& walks, Tracer::Origin& from) {
   const Lights::Point point = selection.sample(rng);
-  Start start;
   if (lines && point.source->at_infinity()) {
     const SkyLines::Line line = lines->draw(rng);
-    start.from = {line.origin, {}};
-    start.direction = line.direction;
-    start.bin = line.bin;
-    start.power = line.power / (selection.shares().parallel + selection.shares().sky);
-    return start;
+    walks.bin[i] = line.bin;
+    walks.power[i] = line.power / (selection.shares().parallel + selection.shares().sky);
+    from = {line.origin, {}};
+    return line.direction;
   }
   const double u = rng.uniform();
   const double v = rng.uniform();
   const Lights::Ray ray = selection.lights().leave(point, u, v);
-  start.from = {ray.origin, point.normal};
-  start.direction = ray.direction;
   Rgb radiance{};
   Vec3d front{};
   if (point.source->is_surface()) {
     front = shape_of(scene, point.triangle).normal;
     radiance = scene.materials[scene.triangles[point.triangle].material].emission;
     const bool back = dot(point.normal, front) < 0;
-    start.at = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
+    walks.start[i] = {2 * point.triangle + (back ? 1 : 0), Vec3f(point.position)};
   }
-  start.power = luminance(point.source->emitted(front, radiance, ray.direction)) *
-                point.source->cos_per_pdf_w(ray.direction) / point.pdf;
-  return start;
+  walks.power[i] = luminance(point.source->emitted(front, radiance, ray.direction)) *
+                   point.source->cos_per_pdf_w(ray.direction) / point.pdf;
+  from = {ray.origin, point.normal};
+  return ray.direction;
 }
 
 }  // namespace
@@ -191,18 +180,13 @@ LightWalks light_walks(const Scene& scene, const Tracer& tracer, const WalkSetti
   const Lights lights(scene);
   if (lights.empty()) return walks;
   const LightSelection selection(lights);
-  std::vector<Start> starts(settings.walks);
+  walks.power.resize(settings.walks);
+  walks.start.resize(settings.walks, {kNoFace, {}});
+  if (lines) walks.bin.resize(settings.walks, kSkyBins);
   walks.hits = run_walks(scene, tracer, settings, kWalksFromLight,
                          [&](uint32_t i, Rng& rng, Tracer::Origin& from) {
-                           starts[i] = leave_light(scene, selection, lines, rng);
-                           from = starts[i].from;
-                           return starts[i].direction;
+                           return leave_light(scene, selection, lines, i, rng, walks, from);
                          });
-  for (uint32_t i = 0; i < starts.size(); ++i) {
-    walks.power.push_back(starts[i].power);
-    if (starts[i].at.face != kNoFace) walks.starts.push_back({i, starts[i].at});
-    if (lines) walks.bin.push_back(starts[i].bin);
-  }
   return walks;
 }
 
@@ -228,7 +212,8 @@ size_t hits_in(const Walks& walks) {
 namespace {
 
 constexpr double kMargin = 0.5;  // of the diagonal: fine cells extend this far around the region
-// Of the diagonal of all regions: a camera in a closet does not make the whole house fine.
+// Share of the diagonal of all regions that a camera's has at least: a camera in a closet does not
+// make the whole house fine.
 constexpr double kSmallest = 0.5;
 constexpr int kMostLevels = 6;         // of cells between the region and the whole scene
 constexpr size_t kMostPlaces = 40000;  // per set of walks, used to find the region

@@ -70,10 +70,7 @@ struct WalkSettings {
   uint32_t bounces = 12;    ///< surfaces hit by one walk at most
 };
 
-struct WalkHit {
-  uint32_t face;   ///< 2 * triangle + side, or one of the end marks after a walk's last hit
-  Vec3f position;  ///< canonical
-};
+// End marks of walks [WalkHit].
 inline constexpr uint32_t kWalkLeft = UINT32_MAX - 1;     ///< the walk left the scene
 inline constexpr uint32_t kWalkStopped = UINT32_MAX - 2;  ///< it had hit `bounces` surfaces
 /// The walk left the scene towards bin h.face - kWalkToSky of the sky; only if light comes from
@@ -92,15 +89,9 @@ using Walks = std::vector<WalkHit>;
 
 struct LightWalks {
   Walks hits;
-  std::vector<double> power;  ///< per walk: the light that it stands for [any unit]
-
-  /// Where walks begin: on a face, or in a bin of the sky.
-  struct Start {
-    uint32_t walk;
-    WalkHit at;  ///< face kNoFace: not on a surface
-  };
-  std::vector<Start> starts;  ///< of the walks that begin on a surface
-  std::vector<uint32_t> bin;  ///< per walk from infinity its bin, else kSkyBins; empty: none
+  std::vector<double> power;   ///< per walk: the light that it stands for [any unit]
+  std::vector<WalkHit> start;  ///< per walk: where it begins; face kNoFace: not on a surface
+  std::vector<uint32_t> bin;   ///< per walk from infinity its bin, else kSkyBins; empty: none
   bool from_sky(size_t walk) const { return !bin.empty() && bin[walk] < kSkyBins; }
 };
 /// `lines`: where walks from infinity begin; null: outside the scene, spread over all of it.

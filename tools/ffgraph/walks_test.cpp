@@ -45,7 +45,8 @@ LightFlow flow_of(const Scene& scene) {
   settings.rays = 100000;
   settings.rounds = 0;
   GraphReport report;
-  return build_graph(scene, {kCamera}, settings, nullptr, report);
+  Phases phases;
+  return build_graph(scene, {kCamera}, settings, nullptr, report, phases);
 }
 
 bool inside(const Patch& p) {
@@ -57,11 +58,11 @@ bool inside(const Patch& p) {
 double through_hole(const Scene& scene) {
   const LightFlow f = flow_of(scene);
   double across = 0, wall = 0;
-  for (const Patch& p : f.geometry)
+  for (const Patch& p : f.file.patches)
     if (inside(p) && p.normal.x > 0.9) wall += p.samples;
   for (const Etendue::Pair& p : f.etendue.pairs)
-    if ((f.patches.is_sky(p.i) && inside(f.geometry[p.j])) ||
-        (f.patches.is_sky(p.j) && inside(f.geometry[p.i])))
+    if ((f.patches.is_sky(p.i) && inside(f.file.patches[p.j])) ||
+        (f.patches.is_sky(p.j) && inside(f.file.patches[p.i])))
       across += 0.5 * p.count;
   return across / wall;
 }
@@ -82,15 +83,15 @@ TEST(sky_patches, have_the_samples_that_they_exchange_and_begin_walks_that_land)
   double begun = 0;
   for (uint32_t i = 0; i < f.patches.size(); ++i) {
     if (!f.patches.is_sky(i)) continue;
-    EXPECT_EQ(f.geometry[i].sky, static_cast<int32_t>(bins++));
-    EXPECT_TRUE(f.geometry[i].faces.empty());
-    EXPECT_EQ(f.hits_light[i], 0);
-    EXPECT_EQ(f.hits_cameras[0][i], 0);
+    EXPECT_EQ(f.file.patches[i].sky, static_cast<int32_t>(bins++));
+    EXPECT_TRUE(f.file.patches[i].faces.empty());
+    EXPECT_EQ(f.file.walks[i].light, 0);
+    EXPECT_EQ(f.file.walks[i].camera[0], 0);
     double exchanged = 0;
     for (const Etendue::Pair& p : f.etendue.pairs)
       if (p.i == i || p.j == i) exchanged += 0.5 * p.count;
-    EXPECT_NEAR(f.geometry[i].samples, exchanged, 1e-9 * exchanged);
-    begun += f.begun[i];
+    EXPECT_NEAR(f.file.patches[i].samples, exchanged, 1e-9 * exchanged);
+    begun += f.file.walks[i].begun;
   }
   EXPECT_EQ(bins, kSkyBins);
   EXPECT_GT(begun, 5000);
@@ -102,7 +103,7 @@ TEST(sky_patches, keep_their_places_when_the_network_is_refined) {
   const LightFlow f = flow_of(scene);
   CutFile cut;
   cut.grid = f.patches.grid();
-  cut.patches = f.geometry;
+  cut.patches = f.file.patches;
   cut.cuts.resize(1);
   for (const Patch& p : cut.patches) cut.sides.push_back(inside(p));
   check_patches("a.cut", scene, cut);
@@ -110,7 +111,8 @@ TEST(sky_patches, keep_their_places_when_the_network_is_refined) {
   settings.walks.walks = 5000;
   settings.rays = 20000;
   GraphReport report;
-  const LightFlow finer = build_graph(scene, {kCamera}, settings, &cut, report);
+  Phases phases;
+  const LightFlow finer = build_graph(scene, {kCamera}, settings, &cut, report, phases);
   uint32_t bins = 0;
   for (uint32_t i = 0; i < finer.patches.size(); ++i) bins += finer.patches.is_sky(i);
   EXPECT_EQ(bins, kSkyBins);

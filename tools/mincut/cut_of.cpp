@@ -1,7 +1,6 @@
 #include "tools/mincut/cut_of.h"
 
 #include <algorithm>
-#include <atomic>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -50,39 +49,13 @@ void verify_max_flow(const FlowNetwork& network, const MaxFlow& result) {
 
 namespace {
 
-// The camera's light that each node scatters: beside a landscape rooms have little surface, and the
-// sky scatters nothing.
-std::vector<double> scattered(const PatchNetwork& p) {
-  std::vector<double> light(p.network.nodes, 0);
+// Beside a landscape rooms have little surface: under a sky the camera's light that a node scatters
+// counts, too. The sky itself scatters nothing.
+void weigh_by_light(PatchNetwork& p) {
+  if (p.brightness.empty() || p.sky.empty()) return;
+  p.weight.assign(p.network.nodes, 0);
   for (uint32_t v = 0; v < p.network.nodes; ++v)
-    if (!p.is_sky(v)) light[v] = p.samples[v] * p.brightness[v] * p.importance[v];
-  return light;
-}
-
-// The network between the light and one camera.
-PatchNetwork network_between(const DimacsFile& problem, size_t camera) {
-  PatchNetwork p{network_of(problem.network, problem.more_sinks, camera), {}, problem.scale};
-  const size_t nodes = p.network.nodes;
-  p.samples.assign(nodes, 0);
-  if (!problem.walks.empty()) p.begun = p.lit = p.viewed = p.samples;
-  const bool lit = std::any_of(problem.light.begin(), problem.light.end(),
-                               [&](const PatchLight& l) { return l.importance[camera] > 0; });
-  if (lit) p.brightness = p.importance = p.samples;
-  for (size_t i = 0; i < problem.patches.size(); ++i) {
-    const size_t node = problem.patches[i].node - 1;
-    p.samples[node] = problem.patches[i].samples;
-    if (problem.patches[i].is_sky()) p.sky.resize(nodes, 0), p.sky[node] = 1;
-    if (lit) {
-      p.brightness[node] = problem.light[i].brightness;
-      p.importance[node] = problem.light[i].importance[camera];
-    }
-    if (problem.walks.empty()) continue;
-    p.begun[node] = problem.walks[i].begun;
-    p.lit[node] = problem.walks[i].light;
-    p.viewed[node] = problem.walks[i].camera[camera];
-  }
-  if (lit && !p.sky.empty()) p.weight = scattered(p);
-  return p;
+    if (!p.is_sky(v)) p.weight[v] = p.samples[v] * p.brightness[v] * p.importance[v];
 }
 
 // The arcs between patches that cross some cut.
@@ -142,15 +115,12 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   FoundCuts found;
   std::vector<SeriesCut>& series = found.cameras;
   series.resize(cameras);
-  std::atomic<size_t> flows = 0;
-  const auto verify = [&](const FlowNetwork& network, const MaxFlow& flow) {
-    ++flows;
-    verify_max_flow(network, flow);
-  };
   tbb::parallel_for(size_t{0}, cameras, [&](size_t k) {
-    const PatchNetwork network = network_between(problem, k);
-    series[k] = cameras > 1 && !problem.walks.empty() ? camera_cut(network, most, limits, verify)
-                                                      : series_cut(network, most, limits, verify);
+    PatchNetwork network = network_between(problem, k);
+    weigh_by_light(network);
+    series[k] = cameras > 1 && !problem.walks.empty()
+                    ? camera_cut(network, most, limits, verify_max_flow)
+                    : series_cut(network, most, limits, verify_max_flow);
   });
   CutFile& cut = found.file;
   cut.scene_hash = problem.scene_hash;
@@ -159,7 +129,6 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.patches = problem.patches;
   cut.light = problem.light;
   std::vector<CutOf> cuts = cuts_of_all(series);
-  found.left_out = cuts.size() - std::min<size_t>(cuts.size(), kMostCuts);
   keep_most_promising(cuts, series, kMostCuts);
   cut.sides.assign(cut.patches.size(), 0);
   for (const auto& [camera, c] : cuts) {
@@ -174,7 +143,6 @@ FoundCuts cut_of(const DimacsFile& problem, size_t most, const CutLimits& limits
   cut.arcs = pivot_pairs(problem, cut);
   for (const SeriesCut& s : series) cut.bottleneck |= s.bottleneck;
   if (!cut.bottleneck) cut.reason = series[0].reason;
-  found.flows = flows;
   return found;
 }
 

@@ -11,8 +11,6 @@ struct FoundCuts {
   CutFile file;                 ///< without provenance
   std::vector<CutFacts> facts;  ///< by cut
   std::vector<SeriesCut> cameras;
-  size_t left_out = 0;  ///< cuts beyond kMostCuts
-  size_t flows = 0;     ///< maximum flows, each verified
 };
 
 /// At most `most` cuts for each camera of a network with patches, each verified. Cameras are cut

@@ -22,17 +22,12 @@ namespace {
 constexpr double kDenseCell = 0.1;    // of the mean density: least of a cell in the bundle
 constexpr double kPointsPerCell = 8;  // of the finer histograms
 
-Plane tilted(const Plane& plane, double a, double b, double along) {
-  const Onb<double> frame(plane.n);
-  return {plane.o + plane.n * along, normalize(plane.n + frame.x * a + frame.y * b)};
-}
-
 }  // namespace
 
 std::vector<LightLine> Bundle::lines() const {
-  std::vector<LightLine> some;
-  for (const uint32_t l : which) some.push_back(line(l));
-  return some;
+  std::vector<LightLine> lines;
+  for (const uint32_t l : which) lines.push_back(line(l));
+  return lines;
 }
 
 Vec3d fullest_place(const LightGrid& grid, const Bundle& bundle) {
@@ -180,21 +175,16 @@ Bundle members(const Bundle& bundle, const Tube& tube, double h) {
   }
 }
 
-namespace {
-
 // Pattern search over slide and tilt: derivatives of trimmed quantities are too rough.
-struct WaistSearch {
-  std::vector<LightLine> lines;
-  std::vector<double> lengths{};  // of the lines
-  Moments moments{};
-  std::vector<Vec2d> points{};
-
-  explicit WaistSearch(std::vector<LightLine> some) : lines(std::move(some)) {
-    for (const LightLine& line : lines) lengths.push_back(length(line.camera - line.light));
-  }
-
-  double badness(const Plane& plane) {
-    const auto size = static_cast<double>(lines.size());
+Plane waist(const Bundle& bundle, const Plane& start) {
+  const std::vector<LightLine> lines =
+      Bundle{bundle.of, thinned(bundle.which, kRoughLines)}.lines();
+  const auto size = static_cast<double>(lines.size());
+  std::vector<double> lengths;
+  for (const LightLine& line : lines) lengths.push_back(length(line.camera - line.light));
+  std::vector<Vec2d> points;
+  Moments moments;  // of the last plane
+  const auto badness_of = [&](const Plane& plane) -> double {
     points.clear();
     const Slab slab({plane, 0});
     for (size_t i = 0; i < lines.size(); ++i)
@@ -205,47 +195,34 @@ struct WaistSearch {
     moments = trimmed_moments(points);
     const double det = moments.determinant();
     if (!(det > 0)) return INFINITY;
-    const double spread = 0.5 * std::log(det);
     // Crossings per area, with a higher price for lost lines: far from the waist a plane must not
     // gain by approaching the lines' ends.
-    return spread - kWorthOfKnown * std::log(moments.n / size);
-  }
-
-  Plane run(Plane best, double slide, double tilt) {
-    double least = badness(best);
-    if (!std::isfinite(least)) return best;
-    const double unit = std::pow(moments.determinant(), 0.25);
-    slide *= unit;
-    best.o = to_space(best, moments.mean);  // centre of rotation: the mean of its crossings
-    const bool turns = tilt > 0;
-    while (slide > 2e-3 * unit || tilt > 2e-3) {
-      bool better = false;
-      const std::array<std::array<double, 3>, 6> moves{{{0, 0, slide},
-                                                        {0, 0, -slide},
-                                                        {tilt, 0, 0},
-                                                        {-tilt, 0, 0},
-                                                        {0, tilt, 0},
-                                                        {0, -tilt, 0}}};
-      for (size_t m = 0; m < (turns ? 6u : 2u); ++m) {
-        Plane next = tilted(best, moves[m][0], moves[m][1], moves[m][2]);
-        const double bad = badness(next);
-        if (!(bad < least)) continue;
-        next.o = to_space(next, moments.mean);
-        best = next;
-        least = bad;
-        better = true;
-      }
-      if (!better) slide *= 0.5, tilt *= 0.5;
+    return 0.5 * std::log(det) - kWorthOfKnown * std::log(moments.n / size);
+  };
+  Plane best = start;
+  double least = badness_of(best);
+  if (!std::isfinite(least)) return best;
+  const double unit = std::pow(moments.determinant(), 0.25);
+  best.o = to_space(best, moments.mean);  // centre of rotation: the mean of its crossings
+  double slide = unit, tilt = 0.3;
+  while (slide > 2e-3 * unit || tilt > 2e-3) {
+    bool better = false;
+    for (const auto& [a, b, along] : std::array<std::array<double, 3>, 6>{{{0, 0, slide},
+                                                                           {0, 0, -slide},
+                                                                           {tilt, 0, 0},
+                                                                           {-tilt, 0, 0},
+                                                                           {0, tilt, 0},
+                                                                           {0, -tilt, 0}}}) {
+      const Onb<double> frame(best.n);
+      Plane next{best.o + best.n * along, normalize(best.n + frame.x * a + frame.y * b)};
+      const double badness = badness_of(next);
+      if (!(badness < least)) continue;
+      next.o = to_space(next, moments.mean);
+      best = next, least = badness, better = true;
     }
-    return best;
+    if (!better) slide *= 0.5, tilt *= 0.5;
   }
-};
-
-}  // namespace
-
-Plane waist(const Bundle& bundle, const Plane& start) {
-  const Bundle some{bundle.of, thinned(bundle.which, kRoughLines)};
-  return WaistSearch(some.lines()).run(start, 1, 0.3);
+  return best;
 }
 
 }  // namespace tdpt

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "libcommon/base/error.h"
@@ -13,11 +14,10 @@
 #include "libcommon/formats/portal.h"
 #include "libcommon/formats/viewpoint.h"
 #include "libcommon/options/shot_options.h"
-#include "tools/portalfit/merit.h"
+#include "tools/portalfit/plane.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/preview.h"
 #include "tools/portalfit/renderers.h"
-#include "tools/portalfit/report.h"
 
 namespace tdpt {
 namespace {
@@ -32,8 +32,7 @@ constexpr cli::Program kProgram{"portalfit",
 
 struct Arguments {
   std::vector<std::string> grid{"-"};
-  std::string method = "tube", renderer, preview, scene, debug_glb;
-  int64_t max_portals = 8;
+  std::string renderer, preview, scene, debug_glb;
   PortalFitOptions fit;
   bool require_portal = false;
   Pose pose;
@@ -45,9 +44,9 @@ void declare_options(cli::Options& options, Arguments& a) {
                     "them; default standard input");
   options.option("--threshold,--set threshold", a.fit.threshold, "T",
                  "Smallest share of a camera's light that makes a portal; default 0.02", 0.0001, 1);
-  options.option("--max-portals,--set max-portals", a.max_portals, "N",
+  options.option("--max-portals,--set max-portals", a.fit.max_portals, "N",
                  "Most portals for each camera; default 8", 1, 1000);
-  options.choice("--set method", a.method, {"tube", "paper"},
+  options.choice("--set method", a.fit.method, {"tube", "paper"},
                  "How a portal is fitted: tube, the default, or the rule of the paper");
   options.choice(
       "--for", a.renderer, renderer_names(),
@@ -67,21 +66,6 @@ void declare_options(cli::Options& options, Arguments& a) {
   options.limit("least-edge", a.fit.least_edge, 0, 1);
 }
 
-constexpr const char* kNoOpening = "no planar opening fits the light";
-
-PortalFitOptions options_of(const Arguments& a) {
-  PortalFitOptions how = a.fit;
-  how.max_portals = static_cast<size_t>(a.max_portals);
-  how.by_paper = a.method == "paper";
-  return how;
-}
-
-FitResult fit(const Arguments& a, const LightGrid& grid) {
-  FitResult result = fit_portals(grid, options_of(a));
-  appraise(grid, result.portals);
-  return result;
-}
-
 // The plans of the scene, for the first camera that the grid was made for, where it says so.
 std::string plan_of(const Arguments& a, const cli::Common& common, const LightGrid& grid,
                     const FitResult& found, const std::string& why_none) {
@@ -95,9 +79,24 @@ std::string plan_of(const Arguments& a, const cli::Common& common, const LightGr
   return draw::draw(plan_preview(scene, camera, found, why_none)).file_named(a.preview);
 }
 
+// "3 portals: portal.0 0.69 m2, ..."; of many only the first are named.
+std::string portals_sentence(const std::vector<Portal>& portals) {
+  constexpr size_t kMostNamed = 4;
+  const size_t n = portals.size(), shown = n <= kMostNamed ? n : kMostNamed - 1;
+  std::vector<std::string> named;
+  for (size_t i = 0; i < shown; ++i) {
+    const auto& f = portals[i].figures;
+    const std::string drawback = drawback_of(f);
+    named.push_back(fmt::format("portal.{} {} m2{}", i, number_words(f.at("area"), 2),
+                                drawback.empty() ? "" : " (" + drawback + ")"));
+  }
+  if (shown < n) named.push_back(fmt::format("and {} more", n - shown));
+  return fmt::format("{}: {}", counted(n, "portal"), fmt::join(named, ", "));
+}
+
 // Notes, and what the summary says of the portals.
 nlohmann::json portals_json(const cli::Common& common, const FitResult& found) {
-  nlohmann::json written = nlohmann::json::array();
+  nlohmann::json written = nlohmann::json::array(), refused = nlohmann::json::array();
   for (const Portal& portal : found.portals) {
     nlohmann::json entry = portal.figures;
     entry["name"] = fmt::format("portal.{}", written.size());
@@ -108,34 +107,36 @@ nlohmann::json portals_json(const cli::Common& common, const FitResult& found) {
   if (!found.portals.empty()) common.note(portals_sentence(found.portals));
   if (!written.empty() && !found.refused.empty() && found.explained < kPlaneHolds)
     common.note("no further opening: the rest of the light does not pass one narrow place");
-  std::vector<std::string> refused;
   for (const FitResult::Refusal& r : found.refused) refused.push_back(r.why);
   return {{"portals", written}, {"explained", found.explained}, {"refused", refused}};
 }
 
-// Nothing is written: says why, or throws where a portal is required.
-std::string why_none(const Arguments& a, const cli::Common& common, const LightGrid& grid) {
-  const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  if (a.require_portal)
-    throw InputError(display_name(a.grid.front()), "", "gives no portal: " + why);
-  common.note((grid.bottleneck ? "no portal: " : "no bottleneck: ") + why);
-  return why;
-}
-
-void deliver(const Arguments& a, const cli::Common& common, const LightGrid& grid,
-             const FitResult& found, const PortalFile& file, Phases& phases) {
-  const std::string why = grid.bottleneck ? kNoOpening : grid.reason;
-  cli::deliver(
-      {{common.output,
-        [&] { return a.renderer.empty() ? portal_bytes(file) : portals_for(a.renderer, file); }},
-       {a.preview,
-        [&] {
-          if (!a.scene.empty()) return plan_of(a, common, grid, found, why);
-          return draw::draw(portal_preview(grid, found.portals, found.lines, a.grid.front(), why))
-              .file_named(a.preview);
-        }},
-       {a.debug_glb, [&] { return portal_debug_glb(grid, file); }}},
-      common, phases);
+// Each portal that is written or refused, with its figure and the limit.
+cli::Decisions decisions_of(const LightGrid& grid, const PortalFitOptions& options,
+                            const FitResult& found, const Phases& phases) {
+  cli::Decisions all;
+  all.push_back({"search",
+                 fmt::format("{} fitted, {} refused", found.portals.size(), found.refused.size()),
+                 grid.bottleneck ? fmt::format("{} of {} lines cross what was found",
+                                               percent_words(found.explained, 3), grid.lines.size())
+                                 : grid.reason,
+                 cli::price_of(phases, {"fit"})});
+  for (size_t n = 0; n < found.portals.size(); ++n) {
+    const auto& f = found.portals[n].figures;
+    std::string why =
+        fmt::format("by the network {} of the light crosses it, at least {}; ",
+                    percent_words(f.at("flux_share"), 3), percent_words(options.threshold, 3));
+    if (const auto support = f.find("support"); support != f.end())
+      why += fmt::format("{} of the lines through it join the two sides, at least {}; ",
+                         percent_words(support->second, 3), percent_words(kMost, 3));
+    why += fmt::format("{}; {:.0f} degrees between its normal and the mean direction of the light",
+                       worth_sentence(f, f.at("area")), f.at("direction_angle"));
+    all.push_back(
+        {fmt::format("portal.{}", n), "written", why, number_words(f.at("area")) + " m2"});
+  }
+  for (const FitResult::Refusal& r : found.refused)
+    all.push_back({"candidate", "refused", r.why, ""});
+  return all;
 }
 
 // Which of the portals another renderer is given: those of the sky.
@@ -145,10 +146,10 @@ void note_inner_portals(const cli::Common& common, const LightGrid& grid,
       static_cast<size_t>(std::count_if(portals.begin(), portals.end(), lets_in_sky));
   if (outer == portals.size()) return;
   if (outer > 0)
-    return common.note(fmt::format("{} of {} portals {} in the sky; the others are comments", outer,
+    return common.note(fmt::format("{} of {} portals {} in the sky; the others are left out", outer,
                                    portals.size(), outer == 1 ? "lets" : "let"));
   common.warn(fmt::format(
-      "no portal lets in the sky, which other renderers have portals for; all are comments{}",
+      "no portal lets in the sky, which other renderers have portals for; all are left out{}",
       is_under_sky(grid.scene_hash) ? ""
                                     : ". The scene has no sky: give ffgraph and lightgrid an "
                                       "--environment"));
@@ -163,7 +164,8 @@ int run(const Arguments& a, const cli::Common& common) {
   std::vector<cli::Common::Input> files;
   const LightGrid grid = read_light(a.grid, files);
   phases.done("load");
-  const FitResult found = fit(a, grid);
+  FitResult found = fit_portals(grid, a.fit);
+  appraise(grid, found.portals);
   phases.done("fit");
   PortalFile file;
   file.portals = found.portals;
@@ -171,10 +173,26 @@ int run(const Arguments& a, const cli::Common& common) {
   file.made_for = grid.cameras;
   file.provenance = common.provenance(files);
   nlohmann::json summary = portals_json(common, found);
-  if (found.portals.empty()) summary["reason"] = why_none(a, common, grid);
+  const std::string why_none = grid.bottleneck ? "no planar opening fits the light" : grid.reason;
+  if (found.portals.empty()) {
+    if (a.require_portal)
+      throw InputError(display_name(a.grid.front()), "", "gives no portal: " + why_none);
+    common.note((grid.bottleneck ? "no portal: " : "no bottleneck: ") + why_none);
+    summary["reason"] = why_none;
+  }
   if (!a.renderer.empty()) note_inner_portals(common, grid, file.portals);
-  common.explain_by([&] { return decisions_of(grid, options_of(a), found, phases); });
-  deliver(a, common, grid, found, file, phases);
+  common.explain_by([&] { return decisions_of(grid, a.fit, found, phases); });
+  const auto portals = [&] {
+    return a.renderer.empty() ? portal_bytes(file) : portals_for(a.renderer, file);
+  };
+  const auto preview = [&] {
+    if (!a.scene.empty()) return plan_of(a, common, grid, found, why_none);
+    return draw::draw(portal_preview(grid, found.portals, found.lines, a.grid.front(), why_none))
+        .file_named(a.preview);
+  };
+  const auto debug_glb = [&] { return portal_debug_glb(grid, file); };
+  cli::deliver({{common.output, portals}, {a.preview, preview}, {a.debug_glb, debug_glb}}, common,
+               phases);
   cli::report(common, summary, phases);
   return 0;
 }

@@ -1,11 +1,11 @@
 // Lines through walls of known thickness, whose tightness has a closed form.
-#include "tools/portalfit/merit.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "libcommon/math/rng.h"
+#include "tools/portalfit/portalfit.h"
 
 namespace tdpt::merit_test {
 

@@ -1,4 +1,4 @@
-#include "tools/portalfit/neighbours.h"
+#include "tools/portalfit/opening.h"
 
 #include <algorithm>
 #include <cmath>
@@ -100,11 +100,17 @@ bool join_best(std::vector<Group>& groups, std::vector<std::vector<double>>& wor
   return true;
 }
 
-std::vector<Vec2d> places_in(const Plane& plane, const std::vector<LightLine>& lines) {
+// The opening near `start` that all of these lines pass.
+std::optional<Aperture> opening_of(const LightGrid& grid, const std::vector<LightLine>& lines,
+                                   const Tube& start, Strays strays = Strays::trimmed) {
+  Aperture a{turned_into_wall(lines, holding_plane(lines, start), grid.walls), {}, {}};
   std::vector<Vec2d> places;
   for (const LightLine& line : lines)
-    if (const auto at = clear_crossing(plane, line)) places.push_back(*at);
-  return places;
+    if (const auto at = clear_crossing(a.tube.middle, line)) places.push_back(*at);
+  if (places.size() < kFewestLines) return {};
+  a.polygon = outline_of(places, strays);
+  if (a.polygon.empty()) return {};
+  return a;
 }
 
 // The lines of all `parts` but number `but`.
@@ -119,14 +125,11 @@ std::vector<uint32_t> lines_of(const std::vector<Aperture>& parts, size_t but = 
 
 // Fits one opening to the lines of all parts; returns the parts if that fails.
 std::vector<Aperture> refitted(const LightGrid& grid, const Bundle& all, const Group& parts) {
-  const Joint joint = joint_of(grid, parts);
   const std::vector<LightLine> lines = Bundle{all.of, lines_of(parts)}.lines();
-  Aperture a{holding_plane(lines, {joint.plane, 0}), {}, {}};
-  if (const auto square = tube_in_wall(lines, a.tube, grid.walls)) a.tube = *square;
-  a.polygon = outline_of(places_in(a.tube.middle, lines));
-  if (a.polygon.empty()) return parts;
-  a.lines = lines_across(all, a);
-  return {a};
+  auto a = opening_of(grid, lines, {joint_of(grid, parts).plane, 0});
+  if (!a) return parts;
+  a->lines = lines_across(all, *a);
+  return {*a};
 }
 
 }  // namespace
@@ -180,8 +183,8 @@ std::vector<Aperture> joined_in_planes(const LightGrid& grid, const Bundle& all,
   }
   std::vector<Aperture> joined;
   for (const Group& group : groups) {
-    const auto some = group.size() > 1 ? refitted(grid, all, group) : group;
-    joined.insert(joined.end(), some.begin(), some.end());
+    const auto openings = group.size() > 1 ? refitted(grid, all, group) : group;
+    joined.insert(joined.end(), openings.begin(), openings.end());
   }
   return joined;
 }
@@ -238,17 +241,13 @@ std::vector<LightLine> lines_near(const Bundle& all, const Plane& plane, const P
 
 // Fits the opening again, to all lines that pass here and not through the others.
 std::optional<Aperture> fitted_again(const LightGrid& grid, const Bundle& all,
-                                     const std::vector<uint32_t>& taken, Aperture a) {
+                                     const std::vector<uint32_t>& taken,
+                                     std::optional<Aperture> a) {
   constexpr int kRounds = 6;
-  for (int round = 0; round < kRounds; ++round) {
-    const auto own = lines_near(all, a.tube.middle, a.polygon, taken);
+  for (int round = 0; a && round < kRounds; ++round) {
+    const auto own = lines_near(all, a->tube.middle, a->polygon, taken);
     if (own.size() < kFewestLines) return {};
-    a.tube = holding_plane(own, a.tube);
-    if (const auto square = tube_in_wall(own, a.tube, grid.walls)) a.tube = *square;
-    const auto places = places_in(a.tube.middle, own);
-    if (places.size() < kFewestLines) return {};
-    a.polygon = outline_of(places, round + 1 == kRounds ? Strays::none : Strays::some);
-    if (a.polygon.empty()) return {};
+    a = opening_of(grid, own, a->tube, round + 1 == kRounds ? Strays::kept : Strays::trimmed);
   }
   return a;
 }

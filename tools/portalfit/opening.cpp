@@ -14,9 +14,6 @@
 // s  1: maximum likelihood for any distribution of directions; 0: for light from all directions
 //    alike. Lines have density 1/A per etendue dA cos dw times that of their directions, so where
 //    these favour one side, A alone falls as the plane turns to face it
-//
-// In thin walls a wrong tilt shows in A, which grows with the lines' slant; in thick ones in the
-// outlines on the two faces, which no longer coincide.
 #include "tools/portalfit/opening.h"
 
 #include <algorithm>
@@ -45,7 +42,7 @@ constexpr double kHardlyAny = 0.002;
 constexpr size_t kMany = 500;        // lines that tell their mean direction
 constexpr size_t kFineLines = 8192;  // of the searches that are not rough
 constexpr double kTurn = 0.25;       // tangent between the starts of a search
-// Of a search, in shorter sides: its first step, which is also the largest tilt of a step, that of
+// Steps of a search, in shorter sides: the first, which is also the largest tilt of a step, that of
 // a search that goes on, and the last steps.
 constexpr double kFirstStep = 0.3, kFineStep = 0.1, kRoughLast = 0.05, kFineLast = 0.004;
 constexpr double kBlindEnd = 0.1;     // of a tube's depth: lines end on the end of a room behind it
@@ -93,35 +90,18 @@ enum Move { slide, both, front, rear, long_tilt, short_tilt, moves };
 // The tube moved by `by` [metres] along one coordinate; a tilt about its middle's `o` moves its far
 // ends by that.
 Tube moved(Tube tube, const Extents& e, Move move, double by, double most_tilt) {
+  constexpr double kAlong[] = {1, 0, 0.5, 0.5, 0, 0}, kDeeper[] = {0, 0.5, 0.5, -0.5, 0, 0};
   const Vec3d n = tube.middle.n;
   const Onb<double> frame(n);
-  const auto tilt = [&, depth = tube.half](const Vec3d& towards, double side) {
-    tube.middle.n = normalize(
-        n + towards * std::clamp(by / std::hypot(side, 2 * depth), -most_tilt, most_tilt));
-  };
-  switch (move) {
-    case slide:
-      tube.middle.o += n * by;
-      break;
-    case both:
-      tube.half += 0.5 * by;
-      break;
-    case front:
-      tube.middle.o += n * (0.5 * by), tube.half += 0.5 * by;
-      break;
-    case rear:
-      tube.middle.o += n * (0.5 * by), tube.half -= 0.5 * by;
-      break;
-    case long_tilt:
-      tilt(frame.x * e.axis.x + frame.y * e.axis.y, e.longer);
-      break;
-    case short_tilt:
-      tilt(frame.y * e.axis.x - frame.x * e.axis.y, e.shorter);
-      break;
-    case moves:
-      break;
+  if (move == long_tilt || move == short_tilt) {
+    const Vec3d towards = move == long_tilt ? frame.x * e.axis.x + frame.y * e.axis.y
+                                            : frame.y * e.axis.x - frame.x * e.axis.y;
+    const double side = move == long_tilt ? e.longer : e.shorter;
+    const double tilt = by / std::hypot(side, 2 * tube.half);
+    tube.middle.n = normalize(n + towards * std::clamp(tilt, -most_tilt, most_tilt));
   }
-  tube.half = std::max(tube.half, 0.0);
+  tube.middle.o += n * (kAlong[move] * by);
+  tube.half = std::max(tube.half + kDeeper[move] * by, 0.0);
   return tube;
 }
 
@@ -223,23 +203,15 @@ class Search {
     return true;
   }
 
-  // Extent along the axis without the `beyond` farthest crossings: the least of a heap of the
-  // farthest, which few crossings ever enter. -INFINITY if there are no more than `beyond`.
+  // Extent along the axis without the `beyond` farthest crossings; -INFINITY if there are no more.
   double reach_of(const std::vector<Vec2d>& places, Vec2d axis, size_t beyond) {
     if (places.size() <= beyond) return -INFINITY;
-    farthest_.clear();
-    for (const Vec2d& p : places) {
-      const double at = dot(p, axis);
-      if (farthest_.size() <= beyond) {
-        farthest_.push_back(at);
-        std::push_heap(farthest_.begin(), farthest_.end(), std::greater<>());
-      } else if (at > farthest_.front()) {
-        std::pop_heap(farthest_.begin(), farthest_.end(), std::greater<>());
-        farthest_.back() = at;
-        std::push_heap(farthest_.begin(), farthest_.end(), std::greater<>());
-      }
-    }
-    return farthest_.front();
+    heights_.clear();
+    for (const Vec2d& p : places) heights_.push_back(dot(p, axis));
+    farthest_.resize(beyond + 1);
+    std::partial_sort_copy(heights_.begin(), heights_.end(), farthest_.begin(), farthest_.end(),
+                           std::greater<>());
+    return farthest_.back();
   }
 
   bool improved(Fitted& best, Move move, double by) {
@@ -262,7 +234,7 @@ class Search {
   std::vector<Vec2d> places_;   // crossings of the last measurement, both faces
   std::vector<Vec2d> outer_;    // those not within inner_, which may matter to the outline
   double inner_ = 0;            // radius within all tangents of the previous, similar measurement
-  std::vector<double> farthest_;
+  std::vector<double> heights_, farthest_;
 };
 
 Fitted least_plane(std::span<const LightLine> lines, Tube start, const Goal& goal) {
@@ -284,36 +256,17 @@ bool is_blind(std::span<const LightLine> lines, const Tube& tube) {
   return 2 * std::max(begin, end) > through;
 }
 
-// Result of a search with few lines.
-struct RoughFit {
-  Tube tube;
-  double cost, density, waistedness;
-};
-using RoughTubes = std::array<RoughFit, 5>;
-
-// From several starts, since the objective has several valleys.
-RoughTubes rough_tubes(const std::vector<LightLine>& some, const Tube& start) {
+// Searches with few lines from several starts, since the objective has several valleys.
+std::array<Fitted, 5> rough_tubes(const std::vector<LightLine>& lines, const Tube& start) {
   const std::array<Vec2d, 5> turns{{{0, 0}, {kTurn, 0}, {-kTurn, 0}, {0, kTurn}, {0, -kTurn}}};
   const Onb<double> frame(start.middle.n);
-  RoughTubes rough;
+  std::array<Fitted, 5> rough;
   tbb::parallel_for(size_t{0}, turns.size(), [&](size_t k) {
-    Search search(some, kTubes);
     Tube from = start;
     from.middle.n = normalize(start.middle.n + frame.x * turns[k].x + frame.y * turns[k].y);
-    const Fitted found = search.run(from, kFirstStep, kRoughLast);
-    rough[k] = {found.tube, found.measured.cost, search.density(found), search.waistedness(found)};
+    rough[k] = Search(lines, kTubes).run(from, kFirstStep, kRoughLast);
   });
   return rough;
-}
-
-// The best of those at least as dense as `enough`; `otherwise` if there is none.
-Tube best_of(const RoughTubes& rough, double enough, const Tube& otherwise) {
-  Tube best = otherwise;
-  double least = INFINITY;
-  for (const RoughFit& r : rough)
-    if (r.density >= enough && r.cost < least && r.waistedness < kWidening)
-      least = r.cost, best = r.tube;
-  return best;
 }
 
 }  // namespace
@@ -332,31 +285,40 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   const std::vector<LightLine> fine = thinned(lines, kFineLines);
   const Goal flat = lines.size() < kMany ? kPlaneOfFew : kPlaneOfMany;
   if (near && start.half == 0) return least_plane(fine, start, flat).tube;
-  const std::vector<LightLine> some = thinned(lines, kRoughLines);
+  const std::vector<LightLine> few = thinned(lines, kRoughLines);
   Search search(fine, kTubes);
   Fitted narrowest, found;
-  RoughTubes rough;
+  std::array<Fitted, 5> rough;
   tbb::parallel_invoke(
       [&] {
-        narrowest = Search(some, kNarrowestPlane).run({start.middle, 0}, kFirstStep, kRoughLast);
+        narrowest = Search(few, kNarrowestPlane).run({start.middle, 0}, kFirstStep, kRoughLast);
       },
       [&] {
         if (near)
           found = search.run(start, kFineStep, kFineLast);
         else
-          rough = rough_tubes(some, start);
+          rough = rough_tubes(few, start);
       });
   // If the whole tube passes light, its density of lines per etendue is that of its narrowest
   // plane.
-  const double enough = kMost * Search(some, kTubes).density(narrowest);
+  Search rough_search(few, kTubes);
+  const double enough = kMost * rough_search.density(narrowest);
   const auto narrow = [&] {
     return Search(fine, kNarrowestPlane).run(narrowest.tube, kFineStep, kFineLast).tube;
   };
-  if (!near) found = search.run(best_of(rough, enough, start), kFineStep, kFineLast);
+  if (!near) {
+    Fitted best;
+    best.tube = start;
+    for (const Fitted& f : rough)
+      if (f.measured.cost < best.measured.cost && rough_search.density(f) >= enough &&
+          rough_search.waistedness(f) < kWidening)
+        best = f;
+    found = search.run(best.tube, kFineStep, kFineLast);
+  }
   if (search.density(found) < enough || is_blind(fine, found.tube)) return narrow();
   const double waistedness = search.waistedness(found);
   if (!(waistedness < kWidening)) return narrow();
-  if (waistedness < kAlikeArea || form_factor(found) <= kMost) return found.tube;
+  if (waistedness < kSimilarArea || form_factor(found) <= kMost) return found.tube;
   // If the opening is no prism, as beside a door ajar, its narrowest plane is the portal.
   const Fitted plane = least_plane(fine, found.tube, flat);
   const bool holds_too_few = static_cast<double>(plane.measured.held) <
@@ -364,12 +326,12 @@ Tube least_tube(const std::vector<LightLine>& lines, const Tube& start, bool nea
   return holds_too_few ? found.tube : plane.tube;
 }
 
-std::optional<Tube> tube_in_wall(const std::vector<LightLine>& lines, const Tube& tube,
-                                 std::span<const Vec3d> walls) {
+Tube turned_into_wall(const std::vector<LightLine>& lines, const Tube& tube,
+                      std::span<const Vec3d> walls) {
   const std::vector<LightLine> fine = thinned(lines, kFineLines);
   Search search(fine, tube.half > 0 ? kTubes : kNarrowestPlane);
   double most = search.measure(tube).cost + kMostInWall;
-  std::optional<Tube> best;
+  Tube best = tube;
   for (const Vec3d& wall : walls) {
     const double cosine = dot(wall, tube.middle.n);
     if (std::abs(cosine) < kNearlyParallel) continue;

@@ -118,29 +118,30 @@ TEST(Tube, LiesInAWallThatFacesNearlyAsItDoes) {
   const auto lines = leaning_lines(400);
   const Tube tilted = least_tube(lines, {{{0, 0, 0.002}, normalize(Vec3d{0.02, 0.1, 1})}, 0}, true);
   EXPECT_GT(degrees_from_z(tilted), 3);
-  const auto in_wall = tube_in_wall(lines, tilted, walls);
-  ASSERT_TRUE(in_wall);
-  EXPECT_LT(degrees_from_z(*in_wall), 1e-6);
-  EXPECT_NEAR(in_wall->middle.o.z, 0, 0.005);
-  EXPECT_FALSE(tube_in_wall(lines, tilted, {}));
+  const Tube in_wall = turned_into_wall(lines, tilted, walls);
+  EXPECT_LT(degrees_from_z(in_wall), 1e-6);
+  EXPECT_NEAR(in_wall.middle.o.z, 0, 0.005);
+  EXPECT_EQ(turned_into_wall(lines, tilted, {}).middle.n, tilted.middle.n);
 }
 
 // Twin: an opening that is really turned against the wall, as beside a door ajar, stays.
 TEST(Tube, StaysOutOfAWallThatItsLinesDoNotFit) {
   const auto lines = testing::lines_of_tube(1, 1, 0.1, 6000);
   const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
-  EXPECT_FALSE(tube_in_wall(lines, tube, std::vector<Vec3d>{normalize(Vec3d{1, 0.25, 0})}));
+  const std::vector<Vec3d> wall{normalize(Vec3d{1, 0.25, 0})};
+  EXPECT_EQ(turned_into_wall(lines, tube, wall).middle.n, tube.middle.n);
 }
 
 TEST(Tube, LinesThatEndInsideCount) {
   const Tube tube{{{0, 0, 0}, {1, 0, 0}}, 0.1};
   const LightLine on_jamb{{-1, 0, 0}, {-0.05, 0.3, 0}}, before{{-1, 0, 0}, {-0.2, 0, 0}},
       against{{1, 0, 0}, {-1, 0, 0}};
-  const auto at = inside_at(tube, on_jamb, 0);
-  ASSERT_TRUE(at);
-  EXPECT_NEAR(std::hypot(at->x, at->y), 0.3, 1e-12);
-  EXPECT_FALSE(inside_at(tube, before, 0));
-  EXPECT_FALSE(inside_at(tube, against, 0));
+  const Slab slab(tube);
+  const auto passage = slab.passage(on_jamb);
+  ASSERT_TRUE(passage);
+  EXPECT_NEAR(std::hypot(passage->at(0).x, passage->at(0).y), 0.3, 1e-12);
+  EXPECT_FALSE(slab.passage(before));
+  EXPECT_FALSE(slab.passage(against));
 }
 
 }  // namespace tdpt::opening_test

@@ -1,4 +1,4 @@
-#include "tools/portalfit/outline.h"
+#include "tools/portalfit/opening.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,6 @@
 #include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
-
-#include "tools/portalfit/merit.h"
 
 namespace tdpt {
 namespace {
@@ -92,7 +90,7 @@ Bundle lines_across(const Bundle& lines, const Aperture& a) {
 Polygon outline_of(std::vector<Vec2d> points, Strays strays) {
   Polygon hull = convex_hull(points);
   if (hull.size() < 3 || !(area(hull) > 0)) return {};
-  if (strays == Strays::some) hull = trimmed(std::move(hull), points);
+  if (strays == Strays::trimmed) hull = trimmed(std::move(hull), points);
   return simplified(completed(hull, points.size()), kSlight);
 }
 
@@ -100,13 +98,11 @@ std::optional<Aperture> outlined(const LightGrid& grid, const Bundle& lines, con
                                  bool again) {
   Aperture a{tube, {}, {}};
   Bundle bundle;
-  for (int round = 0; round < 3; ++round) {
-    if (round > 0) a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
-    bundle = members(lines, a.tube, grid.voxel);
-    if (bundle.size() < kFewestLines) return {};
-  }
-  if (const auto square = tube_in_wall(bundle.lines(), a.tube, grid.walls)) {
-    a.tube = *square;
+  for (int round = 0; round < 4; ++round) {
+    if (round == 1 || round == 2)
+      a.tube = least_tube(bundle.lines(), a.tube, again || round > 1);
+    else if (round == 3)
+      a.tube = turned_into_wall(bundle.lines(), a.tube, grid.walls);
     bundle = members(lines, a.tube, grid.voxel);
     if (bundle.size() < kFewestLines) return {};
   }

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/portalfit/neighbours.h"
-#include "tools/portalfit/outline.h"
+#include "tools/portalfit/opening.h"
 #include "tools/portalfit/portalfit.h"
 #include "tools/portalfit/testing/bundle.h"
 #include "tools/portalfit/testing/windows.h"

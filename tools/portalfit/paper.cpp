@@ -52,9 +52,10 @@ VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share) {
   return axes;
 }
 
-std::optional<PaperPortal> portal_by_paper(const LightGrid& grid) {
+FitResult portal_by_paper(const LightGrid& grid) {
+  FitResult found;
   const VoxelAxes axes = axes_of_full_voxels(grid, kMost);
-  if (axes.centres.empty()) return {};
+  if (axes.centres.empty()) return found;
   Vec3d light{};
   for (const LightLine& l : grid.lines) light += normalize(l.camera - l.light);
   const auto fullest = std::max_element(grid.count.begin(), grid.count.end()) - grid.count.begin();
@@ -68,17 +69,18 @@ std::optional<PaperPortal> portal_by_paper(const LightGrid& grid) {
     if (std::abs(dot(p - plane.o, n)) <= reach) points.push_back(in_plane(plane, p));
   const Polygon hull = convex_hull(points);
   // Voxels in one row have no width: the hull is rounding error.
-  if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return {};
-  PaperPortal found;
-  Portal& portal = found.portal;
+  if (hull.size() < 3 || !(area(hull) > 1e-3 * grid.voxel * grid.voxel)) return found;
+  Portal& portal = found.portals.emplace_back();
+  std::vector<uint32_t>& lines = found.lines.emplace_back();
   for (const Vec2d& p : hull) portal.vertices.push_back(to_space(plane, p));
   portal.triangles = triangulate(hull);
   for (uint32_t l = 0; l < grid.lines.size(); ++l)
     if (const auto at = clear_crossing(plane, grid.lines[l]); at && contains(hull, *at))
-      found.lines.push_back(l);
+      lines.push_back(l);
+  found.explained = static_cast<double>(lines.size()) /
+                    static_cast<double>(std::max<size_t>(grid.lines.size(), 1));
   portal.figures["area"] = area(hull);
-  portal.figures["flux_share"] = static_cast<double>(found.lines.size()) /
-                                 static_cast<double>(std::max<size_t>(grid.lines.size(), 1));
+  portal.figures["flux_share"] = found.explained;
   const double slant = std::abs(dot(light, plane.n)) / std::max(length(light), 1e-300);
   portal.figures["direction_angle"] = std::acos(std::min(1.0, slant)) * 57.29577951308232;
   return found;

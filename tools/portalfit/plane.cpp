@@ -130,14 +130,10 @@ Extents extents_of(const std::vector<Vec2d>& points) {
           std::sqrt(12 * std::max(0.0, half - spread))};
 }
 
-std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset) {
-  const auto passage = Slab(tube).passage(line);
-  if (!passage) return {};
-  return passage->at(offset);
-}
-
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line) {
-  return inside_at({plane, 0}, line, 0);
+  const auto passage = Slab({plane, 0}).passage(line);
+  if (!passage) return {};
+  return passage->at(0);
 }
 
 std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line) {

@@ -22,18 +22,18 @@ inline constexpr double kMost = 0.5;
 /// light of two cameras that passes both portals, then they are one; support, and with less one of
 /// two windows may be the opening.
 inline constexpr double kMostly = 0.8;
-/// Of an area or of lines, what does not matter: what one corner fewer adds, or strays; and lines
-/// that two openings share.
+/// Share of an area or of lines that does not matter: what one corner fewer adds, or strays; and
+/// lines that two openings share.
 inline constexpr double kSlight = 0.01;
-/// Ratio of areas up to which they are alike: of a prism's faces and middle, of an outline and one
-/// that takes all of its lines.
-inline constexpr double kAlikeArea = 1.08;
+/// Ratio of areas up to which they are similar: of a prism's faces and middle, of an outline and
+/// one that takes all of its lines.
+inline constexpr double kSimilarArea = 1.08;
 /// Ratio of areas from which one is clearly the wider: of a tube's faces over its middle, of what
 /// is near an outline over the outline.
 inline constexpr double kWidening = 1.5;
 /// Voxels: narrower bars do not show, nor do edges of what is less than twice as wide.
 inline constexpr double kResolved = 2;
-/// Of its shorter side or its size, how far what belongs to an opening may be from it: lines that
+/// How far what belongs to an opening may be from it, of its shorter side or its size: lines that
 /// end before it or behind it, mullions within it, panes that are not quite in one plane; a room
 /// that it opens into goes on farther than that.
 inline constexpr double kBeside = 0.2;
@@ -170,9 +170,6 @@ class Slab {
 std::optional<Vec2d> crossing(const Plane& plane, const LightLine& line);
 /// The same, but nothing at grazing angles, where the crossing is ill-defined.
 std::optional<Vec2d> clear_crossing(const Plane& plane, const LightLine& line);
-/// The point of `line` inside the slab nearest to the height `offset` above the middle: see
-/// Passage::at.
-std::optional<Vec2d> inside_at(const Tube& tube, const LightLine& line, double offset);
 
 Vec3d to_space(const Plane& plane, Vec2d at);
 /// The inverse, for the foot of the perpendicular from `place`.

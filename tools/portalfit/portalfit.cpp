@@ -20,9 +20,7 @@
 
 #include "libcommon/base/words.h"
 #include "libcommon/formats/viewpoint.h"
-#include "tools/portalfit/neighbours.h"
 #include "tools/portalfit/opening.h"
-#include "tools/portalfit/outline.h"
 #include "tools/portalfit/plane.h"
 
 namespace tdpt {
@@ -34,7 +32,7 @@ constexpr double kBeforeGlass = 0.1;  // of its thickness: how far before it a p
 // Removes lines that come through the opening, or end within or close before it: they tell nothing
 // of other openings.
 Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
-  const Polygon wider = enlarged(a.polygon, kAlikeArea);
+  const Polygon wider = enlarged(a.polygon, kSimilarArea);
   const Extents e = extents_of(a.polygon);
   Tube deeper = a.tube;
   deeper.half += kBeside * e.shorter;
@@ -46,17 +44,6 @@ Bundle lines_not_at(const Bundle& lines, const Aperture& a) {
       if (contains(wider, passage->at(offset))) return false;
     return true;
   });
-}
-
-// Angles between n and the main and minor axis of the voxels with over half the fullest one's
-// count.
-std::pair<double, double> pca_angles(const LightGrid& grid, double full, const Vec3d& n) {
-  const VoxelAxes axes = axes_of_full_voxels(grid, full);
-  const auto angle = [&](const Vec3d& axis) {
-    return kDegrees * std::acos(std::min(1.0, std::abs(dot(axis, n))));
-  };
-  return axes.centres.empty() ? std::pair{0.0, 0.0}
-                              : std::pair{angle(axes.main), angle(axes.minor)};
 }
 
 // How far towards the camera the opening's plane is moved to lie before the solid glass that holds
@@ -86,7 +73,7 @@ double way_out_of_glass(const LightGrid& grid, const Aperture& a) {
 
 // Whether they stand so near each other that they may be one opening, like the two narrow places
 // beside a door ajar or the two faces of a thick wall.
-bool near(const Aperture& a, const Aperture& b) {
+bool may_be_one(const Aperture& a, const Aperture& b) {
   const auto ball = [](const Aperture& of) {
     const std::vector<Vec3d> corners = corners_of(of);
     Vec3d centre{};
@@ -118,10 +105,6 @@ std::vector<std::string> names_of_cameras(const LightGrid& grid) {
   return names;
 }
 
-std::string at_least(double share) {
-  return fmt::format("at least {}", percent_words(share));
-}
-
 // Fits the openings of a grid.
 class Fit {
  public:
@@ -147,7 +130,8 @@ class Fit {
       explained += crossed.size();
     }
     std::vector<Opening> openings;
-    for (size_t k = 0; k < found.size(); ++k) add(chosen(std::move(found[k])), k, openings);
+    for (size_t k = 0; k < found.size(); ++k)
+      merge(distinct_openings(std::move(found[k]), k), k, openings);
     std::stable_sort(openings.begin(), openings.end(), [](const Opening& a, const Opening& b) {
       return a.most_light() > b.most_light();
     });
@@ -160,16 +144,10 @@ class Fit {
   }
 
  private:
-  // An opening, found by the light of one or several cuts of a camera.
-  struct OfCamera {
-    Aperture aperture;
-    double light;  // share of the camera's that passes it
-  };
-
-  // One that several cameras may have found.
+  // An opening that one or several cameras have found.
   struct Opening {
     Aperture aperture;
-    std::vector<double> light;  // of each camera's; 0: it does not serve it
+    std::vector<double> light;  // share of each camera's that passes it; 0: it does not serve it
     double most_light() const { return *std::max_element(light.begin(), light.end()); }
   };
 
@@ -202,15 +180,18 @@ class Fit {
     f["direction_angle"] = kDegrees * std::acos(std::clamp(dot(mean, a.tube.middle.n), -1.0, 1.0));
     if (const auto edge = edge_share(grid_, a)) f["edge"] = *edge;
     f["concentration"] = length(sum) / static_cast<double>(a.lines.size());
-    const auto [main, minor] = pca_angles(grid_, kMost, a.tube.middle.n);
-    f["pca_main_angle"] = main;
-    f["pca_minor_angle"] = minor;
+    const VoxelAxes axes = axes_of_full_voxels(grid_, kMost);
+    const auto angle = [&](const Vec3d& axis) {
+      if (axes.centres.empty()) return 0.0;
+      return kDegrees * std::acos(std::min(1.0, std::abs(dot(axis, a.tube.middle.n))));
+    };
+    f["pca_main_angle"] = angle(axes.main);
+    f["pca_minor_angle"] = angle(axes.minor);
     return portal;
   }
 
-  void refuse(const std::string& why, const std::string& limit = "",
-              const std::vector<Aperture>& which = {}) {
-    result_.refused.push_back({why, limit, {}});
+  void refuse(const std::string& why, double least, const std::vector<Aperture>& which) {
+    result_.refused.push_back({fmt::format("{}, less than {}", why, percent_words(least)), {}});
     for (const Aperture& a : which) result_.refused.back().polygons.push_back(corners_of(a));
   }
 
@@ -234,7 +215,6 @@ class Fit {
         rest = without_crowd(rest);
         continue;
       }
-      ++result_.candidates;
       if (support_of(grid_, *found).value_or(1) < kMostly)
         if (auto part = part_of_directions(grid_, rest, *found)) found = std::move(part);
       if (is_opening(*found) && found->lines.size() >= kFewestLines) parts.push_back(*found);
@@ -245,22 +225,19 @@ class Fit {
 
   // Whether a candidate lies between the two sides and bounds the light; otherwise refuses it.
   bool is_opening(const Aperture& a) {
-    const auto support = support_of(grid_, a);
-    if (support && *support < kMost) {
-      refuse(fmt::format(
-                 "a candidate lies within one side: only {:.0f} % of the lines through it join the "
-                 "two",
-                 100 * *support),
-             at_least(kMost), {a});
-      return false;
-    }
-    const double edge = edge_share(grid_, a).value_or(1);
-    if (edge < options_.least_edge)
+    const double support = support_of(grid_, a).value_or(1),
+                 edge = edge_share(grid_, a).value_or(1);
+    if (support < kMost)
+      refuse(fmt::format("a candidate lies within one side: only {:.0f} % of the lines through it "
+                         "join the two",
+                         100 * support),
+             kMost, {a});
+    else if (edge < options_.least_edge)
       refuse(fmt::format("a candidate of {} m2 lies across a room: only {:.0f} % of its outline is "
                          "an edge",
                          number_words(area(a.polygon), 2), 100 * edge),
-             at_least(options_.least_edge), {a});
-    return edge >= options_.least_edge;
+             options_.least_edge, {a});
+    return support >= kMost && edge >= options_.least_edge;
   }
 
   // Keeps the openings that carry enough light, the most first.
@@ -276,7 +253,7 @@ class Fit {
     if (!weak.empty())
       refuse(fmt::format("by the network only {:.1f} % of the light crosses {}", 100 * too_little,
                          counted(weak.size(), "candidate")),
-             at_least(options_.threshold), weak);
+             options_.threshold, weak);
     return enough;
   }
 
@@ -290,16 +267,16 @@ class Fit {
   std::vector<Aperture> fit_cut(const Bundle& all) {
     const double light = light_of(all);
     if (light < options_.threshold) {
-      refuse(fmt::format("by the network {} of the light crosses a cut: it is not fitted",
+      refuse(fmt::format("by the network {} of the light crosses a cut that is not fitted",
                          percent_words(light)),
-             at_least(options_.threshold));
+             options_.threshold, {});
       return {};
     }
     std::vector<Aperture> found =
         joined_in_planes(grid_, all, parts_of(all), std::numeric_limits<size_t>::max());
     found = enough_light(std::move(found));
-    if (found.size() > options_.max_portals)
-      found = enough_light(joined_in_planes(grid_, all, std::move(found), options_.max_portals));
+    if (const auto most = static_cast<size_t>(options_.max_portals); found.size() > most)
+      found = enough_light(joined_in_planes(grid_, all, std::move(found), most));
     part_from_each_other(grid_, all, found);
     part_at_shared_edges(grid_, all, found);
     return found;
@@ -307,7 +284,7 @@ class Fit {
 
   // Share of the light of `a` that passes `b`, too.
   double passing(const Aperture& a, const Aperture& b) const {
-    const Polygon wider = enlarged(b.polygon, kAlikeArea);
+    const Polygon wider = enlarged(b.polygon, kSimilarArea);
     const Bundle both = a.lines.where([&](const LightLine& line) {
       const auto at = crossing(b.tube.middle, line);
       return at && contains(wider, *at);
@@ -317,51 +294,45 @@ class Fit {
 
   // Whether two cuts of a camera, or one cut twice, have found one opening.
   bool same_opening(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
+    return may_be_one(a, b) && std::max(passing(a, b), passing(b, a)) >= kMost;
   }
 
   // Whether each could stand for the other.
   bool interchangeable(const Aperture& a, const Aperture& b) const {
-    return near(a, b) && std::min(passing(a, b), passing(b, a)) >= kMostly;
+    return may_be_one(a, b) && std::min(passing(a, b), passing(b, a)) >= kMostly;
   }
 
-  // Of the openings of all cuts of a camera those with most light, each once: the smallest that
-  // passes most of its light.
-  std::vector<OfCamera> chosen(std::vector<Aperture> found) {
+  // The openings of all cuts of camera k that carry most light, each once: the smallest that passes
+  // most of its light.
+  std::vector<Opening> distinct_openings(std::vector<Aperture> found, size_t k) const {
     sort_by_light(found);
-    std::vector<OfCamera> kept;
+    std::vector<Opening> kept;
     for (Aperture& a : found) {
       const double light = light_of(a.lines);
-      const auto same = std::find_if(
-          kept.begin(), kept.end(), [&](const OfCamera& b) { return same_opening(a, b.aperture); });
+      const auto same = std::find_if(kept.begin(), kept.end(),
+                                     [&](const Opening& b) { return same_opening(a, b.aperture); });
       if (same == kept.end()) {
-        kept.push_back({std::move(a), light});
-        continue;
-      }
-      ++result_.repeated;
-      if (area(a.polygon) < area(same->aperture.polygon) &&
-          light >= kMost * light_of(same->aperture.lines))
+        kept.push_back({std::move(a), std::vector<double>(grid_.number_of_cameras(), 0)});
+        kept.back().light[k] = light;
+      } else if (area(a.polygon) < area(same->aperture.polygon) &&
+                 light >= kMost * light_of(same->aperture.lines)) {
         same->aperture = std::move(a);
+      }
     }
-    if (kept.size() > options_.max_portals) {
-      result_.repeated += kept.size() - options_.max_portals;
-      kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(options_.max_portals), kept.end());
-    }
+    kept.resize(std::min(kept.size(), static_cast<size_t>(options_.max_portals)));
     return kept;
   }
 
-  // Adds those of camera k to those of the cameras before it.
-  void add(std::vector<OfCamera> of_camera, size_t k, std::vector<Opening>& all) {
-    for (OfCamera& opening : of_camera) {
-      auto same = std::find_if(all.begin(), all.end(), [&](const Opening& other) {
+  // Merges those of camera k into those of the cameras before it.
+  void merge(std::vector<Opening> of_camera, size_t k, std::vector<Opening>& all) const {
+    for (Opening& opening : of_camera) {
+      const auto same = std::find_if(all.begin(), all.end(), [&](const Opening& other) {
         return other.light[k] == 0 && interchangeable(opening.aperture, other.aperture);
       });
       if (same == all.end())
-        same = all.insert(
-            same, {std::move(opening.aperture), std::vector<double>(grid_.number_of_cameras(), 0)});
+        all.push_back(std::move(opening));
       else
-        ++result_.repeated;
-      same->light[k] = opening.light;
+        same->light[k] = opening.light[k];
     }
   }
 
@@ -375,17 +346,8 @@ class Fit {
 }  // namespace
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options) {
-  FitResult result;
-  if (!grid.bottleneck || grid.lines.empty()) return result;
-  if (!options.by_paper) return Fit(grid, options).run();
-  result.candidates = 1;
-  if (auto found = portal_by_paper(grid)) {
-    result.portals.push_back(std::move(found->portal));
-    result.explained =
-        static_cast<double>(found->lines.size()) / static_cast<double>(grid.lines.size());
-    result.lines.push_back(std::move(found->lines));
-  }
-  return result;
+  if (!grid.bottleneck || grid.lines.empty()) return {};
+  return options.method == "paper" ? portal_by_paper(grid) : Fit(grid, options).run();
 }
 
 }  // namespace tdpt

@@ -1,7 +1,7 @@
 // Planar portals fitted to the lines of a light grid (section 4.3).
 #pragma once
 #include <cstdint>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "libcommon/formats/light_grid.h"
@@ -10,9 +10,9 @@
 namespace tdpt {
 
 struct PortalFitOptions {
-  size_t max_portals = 8;   ///< of each camera
-  bool by_paper = false;    ///< use the paper's rule instead [portal_by_paper]
-  double threshold = 0.02;  ///< smallest share of a camera's light that makes a portal
+  std::string method = "tube";  ///< or "paper": portal_by_paper()
+  int64_t max_portals = 8;      ///< of each camera
+  double threshold = 0.02;      ///< smallest share of a camera's light that makes a portal
   /// Least share of its outline that is an edge: of most openings it is 0.4 to 1, of planes across
   /// a room 0 to 0.2.
   double least_edge = 0.3;
@@ -28,8 +28,7 @@ struct PortalFitOptions {
 struct FitResult {
   /// A rejected candidate.
   struct Refusal {
-    std::string why;                             ///< a plain sentence with its figure
-    std::string limit;                           ///< the limit for that figure; empty: none
+    std::string why;                             ///< a plain sentence with its figure and the limit
     std::vector<std::vector<Vec3d>> polygons{};  ///< its outline [metres], or those of several
   };
   std::vector<Portal> portals;
@@ -37,11 +36,17 @@ struct FitResult {
   std::vector<std::vector<uint32_t>> lines;
   double explained = 0;  ///< share of all lines that cross some portal
   std::vector<Refusal> refused;
-  size_t candidates = 0;  ///< examined, before joining
-  size_t repeated = 0;    ///< openings of one cut that another already has, or too many
 };
 
 FitResult fit_portals(const LightGrid& grid, const PortalFitOptions& options);
+
+/// Adds figures of portal(5) to each portal: `cut` (the one that has the largest share of its lines
+/// cross the portal), `tightness` (share of the lines through the portal that pass from one side to
+/// the other: positions uniform, directions cosine-distributed), and `conductance` if the grid
+/// knows its cuts (of the cut, as far as its lines cross its portals), and `sky` (share of the
+/// portal's lines that come from outside the grid and pass no other portal before it; left out if
+/// the grid names no scene or does not tell air from walls, as tables).
+void appraise(const LightGrid& grid, std::vector<Portal>& portals);
 
 // The paper's rule (section 4.3), for comparison: the normal is the main principal axis (PCA) of
 // the full voxels; those that the plane through the fullest of them intersects are projected onto
@@ -55,12 +60,8 @@ struct VoxelAxes {
 };
 VoxelAxes axes_of_full_voxels(const LightGrid& grid, double share);
 
-struct PaperPortal {
-  Portal portal;
-  std::vector<uint32_t> lines;  ///< that cross it along its normal, as indices into grid.lines
-};
-/// One portal, whose front is turned the way the light goes. Nothing if the centres of the voxels
-/// make no polygon.
-std::optional<PaperPortal> portal_by_paper(const LightGrid& grid);
+/// One portal, whose front is turned the way the light goes. None if the centres of the voxels make
+/// no polygon.
+FitResult portal_by_paper(const LightGrid& grid);
 
 }  // namespace tdpt

@@ -221,8 +221,7 @@ TEST(plan_preview, a_portal_is_green) {
 
 TEST(plan_preview, portals_and_refused_are_labelled) {
   FitResult found = one_portal();
-  found.refused.push_back(
-      {"a candidate of 2 m2 lies in the open", "", {found.portals[0].vertices}});
+  found.refused.push_back({"a candidate of 2 m2 lies in the open", {found.portals[0].vertices}});
   const draw::Drawing drawing = plan_preview(two_rooms(), two_rooms().camera(""), found, "");
   ASSERT_FALSE(drawing.labels.empty());
   EXPECT_EQ(drawing.labels.front().words, "A");
@@ -235,7 +234,7 @@ TEST(plan_preview, what_was_refused_is_grey_and_nothing_is_drawn_where_nothing_w
   EXPECT_EQ(pixels_of(draw::kPortal, found), 0u);
   EXPECT_LT(pixels_of(draw::kRefused, found), 30u);
   found.refused.push_back(
-      {"a candidate of 2 m2 lies in the open", "", {one_portal().portals[0].vertices}});
+      {"a candidate of 2 m2 lies in the open", {one_portal().portals[0].vertices}});
   EXPECT_GT(pixels_of(draw::kRefused, found), 50u);
 }
 

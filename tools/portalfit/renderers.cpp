@@ -1,128 +1,135 @@
 #include "tools/portalfit/renderers.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "tdpt_version.h"
+#include "tools/portalfit/plane.h"
 
 namespace tdpt {
 namespace {
 
-// Of a portal's lines, the share that comes from the sky past no other portal: 0.2 to 1 of windows,
-// less than 0.04 of doors within a building (doc/cycles.md).
-constexpr double kOfTheSky = 0.1;
+// ---- Rectangles ----
 
-std::string plain(std::string text) {
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
-  return text;
+constexpr double kSameWay = 0.9;   // cosine between normals
+constexpr double kOverlap = 1e-6;  // of the smaller area
+constexpr double kLevel = 1e-9;    // cosine with the vertical
+
+// The rectangle of least area has a side along an edge of the points' convex hull (Freeman and
+// Shapira 1975), so each edge is tried; outlines have a dozen corners.
+Rectangle rectangle_around(const Plane& plane, const std::vector<Vec3d>& points) {
+  std::vector<Vec2d> places;
+  for (const Vec3d& p : points) places.push_back(in_plane(plane, p));
+  const Polygon hull = convex_hull(places);
+  Rectangle r;
+  r.normal = plane.n;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Vec2d edge = hull[(i + 1) % hull.size()] - hull[i];
+    const double length = std::sqrt(dot(edge, edge));
+    if (!(length > 0)) continue;
+    const Vec2d u = edge * (1 / length), v{-u.y, u.x};
+    Vec2d low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};
+    for (const Vec2d& p : hull) {
+      const Vec2d at{dot(p, u), dot(p, v)};
+      low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+      high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+    }
+    const Vec2d size = high - low, middle = (low + high) * 0.5;
+    // Edges of the same rectangle differ only by rounding: the first is kept.
+    if (!(size.x * size.y < least * (1 - 1e-12))) continue;
+    least = size.x * size.y;
+    r.width = size.x, r.height = size.y;
+    r.centre = to_space(plane, u * middle.x + v * middle.y);
+    r.x = to_space({{}, plane.n}, u);
+    r.y = cross(r.normal, r.x);
+  }
+  const bool level = std::abs(r.x.y) < kLevel && std::abs(r.y.y) < kLevel;
+  if (level ? r.height > r.width : std::abs(r.x.y) > std::abs(r.y.y)) {
+    std::swap(r.width, r.height);
+    r.y = r.x;
+  }
+  if (!level && r.y.y < 0) r.y = -r.y;
+  r.x = cross(r.y, r.normal);
+  return r;
+}
+
+// In the plane of the larger one.
+Rectangle joined(const Rectangle& a, const Rectangle& b) {
+  const Rectangle& larger = a.area() < b.area() ? b : a;
+  std::vector<Vec3d> corners = a.corners();
+  for (const Vec3d& corner : b.corners()) corners.push_back(corner);
+  Rectangle both = rectangle_around({larger.centre, larger.normal}, corners);
+  both.name = a.name + ", " + b.name;
+  return both;
+}
+
+// Whether `a` and `b` overlap when seen along the normal of `a`, and are close along it.
+bool overlap(const Rectangle& a, const Rectangle& b) {
+  if (dot(a.normal, b.normal) < kSameWay) return false;
+  const double close = 0.5 * std::min({a.width, a.height, b.width, b.height});
+  if (std::abs(dot(b.centre - a.centre, a.normal)) > close) return false;
+  Polygon seen;
+  for (const Vec3d& corner : b.corners())
+    seen.push_back({dot(corner - a.centre, a.x), dot(corner - a.centre, a.y)});
+  const double smaller = std::min(a.area(), area(seen));
+  for (const Vec2d& side : {Vec2d{1, 0}, Vec2d{-1, 0}, Vec2d{0, 1}, Vec2d{0, -1}})
+    if (!seen.empty()) seen = clipped(seen, side, 0.5 * (side.x != 0 ? a.width : a.height));
+  return seen.size() > 2 && area(seen) > kOverlap * smaller;
 }
 
 }  // namespace
 
-bool lets_in_sky(const Portal& portal) {
-  const auto sky = portal.figures.find("sky");
-  return sky == portal.figures.end() || sky->second >= kOfTheSky;
+std::vector<Vec3d> Rectangle::corners() const {
+  const Vec3d a = x * (0.5 * width), b = y * (0.5 * height);
+  return {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+}
+
+Rectangle rectangle_of(const Portal& portal) {
+  std::vector<Vec3d> corners;
+  for (const auto& t : portal.triangles)
+    for (const uint32_t v : t) corners.push_back(portal.vertices[v]);
+  Rectangle r = rectangle_around(shape_of(portal).plane, corners);
+  r.name = portal.name;
+  return r;
+}
+
+std::vector<Rectangle> without_overlaps(std::vector<Rectangle> rectangles) {
+  for (size_t i = 0; i < rectangles.size(); ++i)
+    for (size_t j = i + 1; j < rectangles.size(); ++j) {
+      if (!overlap(rectangles[i], rectangles[j])) continue;
+      rectangles[i] = joined(rectangles[i], rectangles[j]);
+      rectangles.erase(rectangles.begin() + static_cast<std::ptrdiff_t>(j));
+      return without_overlaps(std::move(rectangles));  // it may overlap with one examined before
+    }
+  return rectangles;
 }
 
 namespace {
 
-// Portals named portal.0, portal.1, ...: those that let in the sky, and those further in, where
-// the light of the sky has passed another portal. Guiding the sampling of an environment, the
-// latter are of no use: they stand in the texts as comments.
-struct SkyPortals {
-  std::vector<Portal> outer, inner;
-  std::vector<std::string> remarks;
+// ---- Texts ----
+
+// Least share of a portal's lines that comes from the sky past no other portal: windows have 0.2 to
+// 1, doors within a building less than 0.04 (doc/cycles.md).
+constexpr double kOfTheSky = 0.1;
+
+// Templates of fmt.
+struct Renderer {
+  const char* name;
+  const char* remark;  // a comment
+  const char* text;    // {remarks}, {portals} and {paths}
+  const char* portal;  // see text_of()
 };
 
-// "portal_0" of portal.0.
-std::string identifier(const Portal& portal) {
-  std::string name = portal.name;
-  std::replace(name.begin(), name.end(), '.', '_');
-  return name;
-}
-
-// `text` with `mark` before each of its lines, after a line that says why the portal is no light.
-std::string commented(const Portal& portal, const std::string& text, const std::string& mark) {
-  std::string all = fmt::format("{}{}: no light from the sky meets it first\n", mark, portal.name);
-  for (size_t at = 0; at < text.size();) {
-    const size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
-    all += mark + text.substr(at, end - at);
-    at = end;
-  }
-  return all;
-}
-
-// Comments for the file: what made it, and of which scene. Plain ASCII without control characters,
-// since file names are not trusted.
-std::vector<std::string> remarks_on(const PortalFile& file) {
-  const auto outer =
-      static_cast<size_t>(std::count_if(file.portals.begin(), file.portals.end(), lets_in_sky));
-  std::vector<std::string> remarks{
-      fmt::format("{} light {} by portalfit (tdpt {}), in metres",
-                  file.portals.empty() ? std::string("No") : std::to_string(file.portals.size()),
-                  file.portals.size() == 1 ? "portal" : "portals", TDPT_VERSION)};
-  if (outer < file.portals.size())
-    remarks.push_back(fmt::format("{} of them {} in the sky", outer, outer == 1 ? "lets" : "let"));
-  if (!file.scene_hash.empty()) remarks.push_back(plain("scene " + file.scene_hash));
-  for (const std::string& line : file.provenance.lines) remarks.push_back(plain(line));
-  return remarks;
-}
-
-SkyPortals sky_portals(const PortalFile& file) {
-  SkyPortals sorted{{}, {}, remarks_on(file)};
-  for (size_t n = 0; n < file.portals.size(); ++n) {
-    Portal portal = file.portals[n];
-    portal.name = fmt::format("portal.{}", n);
-    (lets_in_sky(portal) ? sorted.outer : sorted.inner).push_back(std::move(portal));
-  }
-  return sorted;
-}
-
-// The remarks as lines of comments that begin with #.
-std::string hashed(const std::vector<std::string>& remarks) {
-  std::string text;
-  for (const std::string& remark : remarks) text += "# " + remark + "\n";
-  return text;
-}
-
-// Shortest decimals that read back as the same number, separated by `between`; no negative zero.
-std::string numbers(const std::vector<double>& values, const char* between = " ") {
-  std::string text;
-  for (const double v : values) text += fmt::format("{}{}", text.empty() ? "" : between, v + 0.0);
-  return text;
-}
-
-// Columns of the matrix from a portal's own frame to the world's: points are columns, the last
-// column is the origin.
-struct Placement {
-  Vec3d x, y, z, origin;
-
-  // Rows of the 4 x 4 matrix for points as columns.
-  std::vector<std::vector<double>> rows() const {
-    std::vector<std::vector<double>> rows;
-    for (int i = 0; i < 3; ++i) rows.push_back({x[i], y[i], z[i], origin[i]});
-    rows.push_back({0, 0, 0, 1});
-    return rows;
-  }
-};
-
-// Placement of a lamp at the centre of the rectangle which shines along its -Z, the way the light
-// goes; width along x, height along y.
-Placement shining_along_minus_z(const Rectangle& r) {
-  return {r.x, -r.y, -r.normal, r.centre};
-}
-
-// ---- Cycles ----
-
-// Cycles: an area lamp with Portal set guides the sampling of the world's light. It helps points on
-// the side of its -Z, to which it would shine. bench/cycles_blender.py has Blender run the text.
-//   https://docs.blender.org/manual/en/latest/render/cycles/light_settings.html
-
-constexpr const char* kUse =
-    R"(# Cycles: an area lamp for each window, set to be a portal of the world's light. For the scene as Blender imports it
+constexpr Renderer kRenderers[] = {
+    // An area lamp with Portal set guides the sampling of the world's light. It helps points on the
+    // side of its -Z, to which it would shine. bench/cycles_blender.py has Blender run the text.
+    //   https://docs.blender.org/manual/en/latest/render/cycles/light_settings.html
+    {"cycles", "# {}\n",
+     R"({remarks}# Cycles: an area lamp for each window, set to be a portal of the world's light. For the scene as Blender imports it
 # from glTF:
 #   blender -b scene.blend --python portals.py -f 1
 # or Run Script in the text editor. Run again, it replaces its lamps.
@@ -131,9 +138,7 @@ from mathutils import Matrix
 
 # Name, width and height [m], and the rows of the lamp's matrix: it shines along its -Z, into the room. Z is up.
 PORTALS = [
-)";
-
-constexpr const char* kProgram = R"(]
+{portals}]
 
 for name, width, height, matrix in PORTALS:
     old = bpy.data.objects.get(name)
@@ -145,189 +150,155 @@ for name, width, height, matrix in PORTALS:
     portal = bpy.data.objects.new(name, lamp)
     portal.matrix_world = Matrix(matrix)
     bpy.context.scene.collection.objects.link(portal)
-)";
-
-// The axes that Blender's glTF importer gives.
-Vec3d z_up(const Vec3d& v) {
-  return {v.x, -v.z, v.y};
-}
-
-std::string row_of(const Portal& portal) {
-  const Rectangle r = rectangle_of(portal);
-  const Placement p = shining_along_minus_z(r);
-  std::string text =
-      fmt::format("    (\"{}\", {},\n     (", portal.name, numbers({r.width, r.height}, ", "));
-  const char* between = "";
-  for (const auto& row : Placement{z_up(p.x), z_up(p.y), z_up(p.z), z_up(p.origin)}.rows()) {
-    text += fmt::format("{}({})", between, numbers(row, ", "));
-    between = ",\n      ";
-  }
-  return text + ")),\n";
-}
-
-std::string text_for_cycles(const SkyPortals& portals) {
-  std::string text = hashed(portals.remarks) + kUse;
-  for (const Portal& portal : portals.outer) text += row_of(portal);
-  for (const Portal& portal : portals.inner) text += commented(portal, row_of(portal), "# ");
-  return text + kProgram;
-}
-
-// ---- pbrt ----
-
-// pbrt-v4: an infinite light with `portal`, four corners of a rectangle in world axes,
-// counter-clockwise seen from the room: PortalImageInfiniteLight takes z = cross(p3 - p0, p1 - p0)
-// as the way out. Such a light shines through its portal only, so each window has its own. Light
-// through two portals would count twice: only portals that the sky's light meets first become
-// lights, without overlaps. The sides of an opening outside the portal get no light. Rendered by
-// hand with pbrt-v4 of June 2026 (doc/cycles.md).
-//   https://pbrt.org/fileformat-v4#lights
-
-constexpr const char* kUseInPbrt =
-    R"(# pbrt-v4: Include this in the scene's world, in place of its infinite light. A light with a portal shines through it
+)",
+     R"(    ("{name}", {width}, {height},
+     (({blender_x}),
+      ({blender_y}),
+      ({blender_z}),
+      (0, 0, 0, 1))),
+)"},
+    // pbrt-v4: an infinite light with `portal`, four corners of a rectangle in world axes,
+    // counter-clockwise seen from the room: PortalImageInfiniteLight takes z = cross(p3 - p0,
+    // p1 - p0) as the way out. Such a light shines through its portal only, so each window has its
+    // own. Light through two portals would count twice: only portals that the sky's light meets
+    // first become lights, without overlaps. The sides of an opening outside the portal get no
+    // light. Rendered by hand with pbrt-v4 of June 2026 (doc/cycles.md).
+    //   https://pbrt.org/fileformat-v4#lights
+    {"pbrt", "# {}\n",
+     R"({remarks}# pbrt-v4: Include this in the scene's world, in place of its infinite light. A light with a portal shines through it
 # and nowhere else: so there is one for each window, windows whose rectangles overlap share one, and what the map sends
 # past them, as onto a house from outside, is missing.
 # sky.exr is a map in pbrt's equal-area parameterization, as "imgtool makeequiarea" makes it. The transform puts up a
 # map that was latitude-longitude as tdpt-render's: its centre looks to -Z, three quarters of its width to +X, y is up.
-)";
+{portals})",
+     R"(
+# {name}
+AttributeBegin
+    ConcatTransform [ 0 0 1 0  -1 0 0 0  0 1 0 0  0 0 0 1 ]
+    LightSource "infinite" "string filename" "sky.exr"
+        "point3 portal" [ {corners} ]
+AttributeEnd
+)"},
+    // Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z points
+    // away from the environment. Documented at the head of its src/emitters/portal.cpp, which came
+    // after version 3.9.1; `include` in docs/src/key_topics/scene_format.rst. bench/readers.py has
+    // its parser read the text.
+    {"mitsuba", "<!-- {} -->\n",
+     R"(<?xml version="1.0" encoding="utf-8"?>
+{remarks}<!-- Mitsuba 3 with the emitter "portal", which its sources have since September 2026 and
+     version 3.9.1 lacks:
+     <include filename="portals.xml"/> in the scene, beside its envmap or constant. -->
+<scene version="3.0.0">
+{portals}</scene>
+)",
+     R"(    <emitter type="portal" id="{id}">
+        <transform name="to_world">
+            <matrix value="{square} 0 0 0 1"/>
+        </transform>
+    </emitter>
+)"},
+    // OpenUSD: a PortalLight is a rectangle in its local XY plane, width along X and height along
+    // Y, which transmits light along -Z; a DomeLight names its portals. Points are rows.
+    // bench/readers.py has usd-core validate and read the text.
+    //   https://openusd.org/release/user_guides/schemas/usdLux/PortalLight.html
+    //   https://openusd.org/release/user_guides/schemas/usdLux/DomeLight.html
+    {"usd", "# {}\n",
+     R"(#usda 1.0
+(
+    defaultPrim = "Portals"
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+{remarks}
+def Xform "Portals"
+{{
+{portals}}}
 
-std::string light(const Portal& portal) {
-  std::vector<double> places;
-  for (const Vec3d& corner : rectangle_of(portal).corners())
-    for (int i = 0; i < 3; ++i) places.push_back(corner[i]);
-  return fmt::format(
-      "AttributeBegin\n"
-      "    ConcatTransform [ 0 0 1 0  -1 0 0 0  0 1 0 0  0 0 0 1 ]\n"
-      "    LightSource \"infinite\" \"string filename\" \"sky.exr\"\n"
-      "        \"point3 portal\" [ {} ]\n"
-      "AttributeEnd\n",
-      numbers(places));
-}
+# As a sublayer of a stage whose dome light is at /Sky; for another, move this opinion there.
+over "Sky"
+{{
+    rel portals = [{paths}]
+}}
+)",
+     R"(    def PortalLight "{id}"
+    {{
+        float inputs:height = {height}
+        float inputs:width = {width}
+        matrix4d xformOp:transform = ( ({x}, 0), ({y}, 0), ({z}, 0), ({centre}, 1) )
+        uniform token[] xformOpOrder = ["xformOp:transform"]
+    }}
+)"}};
 
-std::string text_for_pbrt(const SkyPortals& portals) {
-  std::string text = hashed(portals.remarks) + kUseInPbrt;
-  for (const Portal& portal : without_overlaps(portals.outer))
-    text += fmt::format("\n# {}\n{}", portal.name, light(portal));
-  for (const Portal& portal : portals.inner) text += "\n" + commented(portal, light(portal), "# ");
+// Comments for the file: what made it, and of which scene. Plain ASCII without control characters,
+// since file names are not trusted, and for XML without two dashes in a row.
+std::string remarks_on(const PortalFile& file, size_t outer, const Renderer& to) {
+  const size_t n = file.portals.size();
+  std::vector<std::string> remarks{fmt::format("{} light {} by portalfit (tdpt {}), in metres",
+                                               n == 0 ? "No" : std::to_string(n),
+                                               n == 1 ? "portal" : "portals", TDPT_VERSION)};
+  if (outer < n)
+    remarks.push_back(fmt::format("{} of them {} in the sky; the others are left out", outer,
+                                  outer == 1 ? "lets" : "let"));
+  if (!file.scene_hash.empty()) remarks.push_back("scene " + file.scene_hash);
+  const std::vector<std::string>& lines = file.provenance.lines;
+  remarks.insert(remarks.end(), lines.begin(), lines.end());
+  std::string text;
+  for (const std::string& remark : remarks) {
+    std::string plain;
+    for (const char c : remark) {
+      if (c == '-' && plain.ends_with('-') && to.remark[0] == '<') plain += ' ';
+      plain += c < ' ' || c > '~' ? '?' : c;
+    }
+    text += fmt::format(fmt::runtime(to.remark), plain);
+  }
   return text;
 }
 
-// ---- Mitsuba ----
-
-// Mitsuba 3: the emitter `portal` is the square [-1, 1] x [-1, 1] of its frame; its +Z points away
-// from the environment. Documented at the head of its src/emitters/portal.cpp, which came after
-// version 3.9.1; `include` in docs/src/key_topics/scene_format.rst. bench/readers.py has its parser
-// read the text.
-
-// XML comments may not contain two dashes in a row.
-std::string in_comment(const std::string& text) {
-  std::string spaced;
-  for (const char c : text) {
-    if (c == '-' && spaced.ends_with('-')) spaced += ' ';
-    spaced += c;
-  }
-  return spaced;
-}
-
-std::string emitter(const Portal& portal) {
-  const Rectangle r = rectangle_of(portal);
-  const Placement p{r.x * (0.5 * r.width), r.y * (0.5 * r.height), r.normal, r.centre};
-  std::vector<double> matrix;
-  for (const auto& row : p.rows()) matrix.insert(matrix.end(), row.begin(), row.end());
-  return fmt::format(
-      "    <emitter type=\"portal\" id=\"{}\">\n"
-      "        <transform name=\"to_world\">\n"
-      "            <matrix value=\"{}\"/>\n"
-      "        </transform>\n"
-      "    </emitter>\n",
-      identifier(portal), numbers(matrix));
-}
-
-std::string text_for_mitsuba(const SkyPortals& portals) {
-  std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
-  for (const std::string& remark : portals.remarks)
-    text += fmt::format("<!-- {} -->\n", in_comment(remark));
-  text +=
-      "<!-- Mitsuba 3 with the emitter \"portal\", which its sources have since September 2026 "
-      "and\n"
-      "     version 3.9.1 lacks:\n"
-      "     <include filename=\"portals.xml\"/> in the scene, beside its envmap or constant. -->\n"
-      "<scene version=\"3.0.0\">\n";
-  for (const Portal& portal : portals.outer) text += emitter(portal);
-  for (const Portal& portal : portals.inner)
-    text += "    <!--\n" + commented(portal, emitter(portal), "") + "    -->\n";
-  return text + "</scene>\n";
-}
-
-// ---- OpenUSD ----
-
-// OpenUSD: a PortalLight is a rectangle in its local XY plane, width along X and height along Y,
-// which transmits light along -Z; a DomeLight names its portals. bench/readers.py has usd-core
-// validate and read the text.
-//   https://openusd.org/release/user_guides/schemas/usdLux/PortalLight.html
-//   https://openusd.org/release/user_guides/schemas/usdLux/DomeLight.html
-
-// USD has points as rows.
-std::string transposed(const Placement& p) {
-  std::vector<std::string> rows;
-  for (const Vec3d& v : {p.x, p.y, p.z})
-    rows.push_back(fmt::format("({})", numbers({v.x, v.y, v.z, 0}, ", ")));
-  rows.push_back(fmt::format("({})", numbers({p.origin.x, p.origin.y, p.origin.z, 1}, ", ")));
-  return fmt::format("( {} )", fmt::join(rows, ", "));
-}
-
-std::string prim(const Portal& portal) {
-  const Rectangle r = rectangle_of(portal);
-  return fmt::format(
-      "    def PortalLight \"{}\"\n"
-      "    {{\n"
-      "        float inputs:height = {}\n"
-      "        float inputs:width = {}\n"
-      "        matrix4d xformOp:transform = {}\n"
-      "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
-      "    }}\n",
-      identifier(portal), numbers({r.height}), numbers({r.width}),
-      transposed(shining_along_minus_z(r)));
-}
-
-std::string text_for_usd(const SkyPortals& portals) {
-  std::string text =
-      "#usda 1.0\n"
-      "(\n"
-      "    defaultPrim = \"Portals\"\n"
-      "    metersPerUnit = 1\n"
-      "    upAxis = \"Y\"\n"
-      ")\n" +
-      hashed(portals.remarks);
-  text += "\ndef Xform \"Portals\"\n{\n";
-  std::vector<std::string> paths;
-  for (const Portal& portal : portals.outer) {
-    text += prim(portal);
-    paths.push_back(fmt::format("</Portals/{}>", identifier(portal)));
-  }
-  for (const Portal& portal : portals.inner) text += commented(portal, prim(portal), "# ");
-  text += fmt::format(
-      "}}\n"
-      "\n"
-      "# As a sublayer of a stage whose dome light is at /Sky; for another, move this opinion "
-      "there.\n"
-      "over \"Sky\"\n"
-      "{{\n"
-      "    rel portals = [{}]\n"
-      "}}\n",
-      fmt::join(paths, ", "));
+// Shortest decimals that read back as the same number, separated by `between`; no negative zero.
+std::string numbers(const std::vector<double>& values, const char* between = ", ") {
+  std::string text;
+  for (const double v : values) text += fmt::format("{}{}", text.empty() ? "" : between, v + 0.0);
   return text;
 }
 
-struct Renderer {
-  const char* name;
-  std::string (*text)(const SkyPortals&);
-};
-constexpr Renderer kRenderers[] = {{"cycles", text_for_cycles},
-                                   {"pbrt", text_for_pbrt},
-                                   {"mitsuba", text_for_mitsuba},
-                                   {"usd", text_for_usd}};
+std::string list(const Vec3d& v) {
+  return numbers({v.x, v.y, v.z});
+}
+
+// "portal_0" of portal.0.
+std::string identifier(std::string name) {
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+}
+
+// {blender_x}, {blender_y}, {blender_z}: rows of the matrix of a lamp at the centre, in the axes
+// that Blender's glTF importer gives: x, -z, y. {x}, {y}, {z}: its columns in those of the scene.
+// It shines along its -Z. {square}: the first rows of the matrix that maps the square [-1, 1] x
+// [-1, 1] to the rectangle.
+std::string text_of(const Rectangle& r, const Renderer& to) {
+  const Vec3d x = r.x, y = -r.y, z = -r.normal, o = r.centre;
+  std::vector<double> corners, square;
+  for (const Vec3d& corner : r.corners())
+    for (int i = 0; i < 3; ++i) corners.push_back(corner[i]);
+  const Vec3d half_x = r.x * (0.5 * r.width), half_y = r.y * (0.5 * r.height);
+  for (int i = 0; i < 3; ++i)
+    square.insert(square.end(), {half_x[i], half_y[i], r.normal[i], o[i]});
+  return fmt::format(
+      fmt::runtime(to.portal), fmt::arg("name", r.name), fmt::arg("id", identifier(r.name)),
+      fmt::arg("width", numbers({r.width})), fmt::arg("height", numbers({r.height})),
+      fmt::arg("blender_x", numbers({x.x, y.x, z.x, o.x})),
+      fmt::arg("blender_y", numbers({-x.z, -y.z, -z.z, -o.z})),
+      fmt::arg("blender_z", numbers({x.y, y.y, z.y, o.y})), fmt::arg("x", list(x)),
+      fmt::arg("y", list(y)), fmt::arg("z", list(z)), fmt::arg("centre", list(o)),
+      fmt::arg("corners", numbers(corners, " ")), fmt::arg("square", numbers(square, " ")));
+}
 
 }  // namespace
+
+bool lets_in_sky(const Portal& portal) {
+  const auto sky = portal.figures.find("sky");
+  return sky == portal.figures.end() || sky->second >= kOfTheSky;
+}
 
 std::vector<std::string> renderer_names() {
   std::vector<std::string> names;
@@ -336,9 +307,23 @@ std::vector<std::string> renderer_names() {
 }
 
 std::string portals_for(const std::string& renderer, const PortalFile& file) {
-  for (const Renderer& r : kRenderers)
-    if (renderer == r.name) return r.text(sky_portals(file));
-  return {};
+  const auto to = std::find_if(std::begin(kRenderers), std::end(kRenderers),
+                               [&](const Renderer& r) { return renderer == r.name; });
+  if (to == std::end(kRenderers)) return {};
+  std::vector<Rectangle> outer;
+  std::vector<std::string> paths;
+  for (size_t n = 0; n < file.portals.size(); ++n) {
+    if (!lets_in_sky(file.portals[n])) continue;
+    outer.push_back(rectangle_of(file.portals[n]));
+    outer.back().name = fmt::format("portal.{}", n);
+    paths.push_back(fmt::format("</Portals/{}>", identifier(outer.back().name)));
+  }
+  const std::string remarks = remarks_on(file, outer.size(), *to);
+  if (renderer == "pbrt") outer = without_overlaps(std::move(outer));
+  std::string portals;
+  for (const Rectangle& r : outer) portals += text_of(r, *to);
+  return fmt::format(fmt::runtime(to->text), fmt::arg("remarks", remarks),
+                     fmt::arg("portals", portals), fmt::arg("paths", fmt::join(paths, ", ")));
 }
 
 }  // namespace tdpt

@@ -10,7 +10,8 @@
 namespace tdpt {
 
 std::vector<std::string> renderer_names();
-/// Whether the sky's light meets the portal first, as far as its figure `sky` says.
+/// Whether the sky's light meets the portal first, as far as its figure `sky` says. Guiding the
+/// sampling of an environment, portals further in are of no use: no text has them.
 bool lets_in_sky(const Portal& portal);
 /// The text for the renderer of that name:
 /// cycles   a Python script for Blender: area lamps as portals. Z up, as by its glTF importer
@@ -23,9 +24,11 @@ std::string portals_for(const std::string& renderer, const PortalFile& file);
 /// goes; width is along x, height along y. y is the more vertical side (+Y); in a horizontal
 /// rectangle, such as a skylight, x is the longer side.
 struct Rectangle {
+  std::string name{};  ///< of the portal
   Vec3d centre, x, y, normal;
   double width = 0, height = 0;
 
+  double area() const { return width * height; }
   /// Counter-clockwise seen from where the light goes.
   std::vector<Vec3d> corners() const;
 };
@@ -34,8 +37,8 @@ struct Rectangle {
 /// area.
 Rectangle rectangle_of(const Portal& portal);
 
-/// Merges overlapping portals: those that face the same way and whose rectangles overlap along
-/// their normal become the rectangle around both, with both names and the figures of the first.
-std::vector<Portal> without_overlaps(std::vector<Portal> portals);
+/// Merges rectangles that face the same way and overlap along their normal: they become the
+/// rectangle around both, with both names.
+std::vector<Rectangle> without_overlaps(std::vector<Rectangle> rectangles);
 
 }  // namespace tdpt

@@ -171,9 +171,7 @@ TEST(Renderers, PbrtCountsNoLightTwice) {
             (std::vector<double>{2, 1, 2, 2, 1, 5, 2, 2.5, 5, 2, 2.5, 2}));
   EXPECT_NE(text.find("\n# portal.0, portal.1\nAttributeBegin\n"), std::string::npos);
   EXPECT_NE(text.find("\n# portal.2\nAttributeBegin\n"), std::string::npos);
-  const std::string door = tail(text, "\n# portal.3: no light from the sky");
-  for (size_t at = 0; (at = door.find('\n', at)) + 1 < door.size(); ++at)
-    EXPECT_EQ(door[at + 1], '#') << door.substr(at);
+  EXPECT_EQ(text.find("portal.3"), std::string::npos);
 }
 
 TEST(Renderers, UsdHasAPortalLightForAWindow) {
