@@ -5,7 +5,7 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -30,7 +30,7 @@ constexpr const char* kSampling =
     "volume_photons work_units";
 
 // What an integrator leaves out of the light.
-void read_integrator(const Object& integrator) {
+void read_integrator(const Element& integrator) {
   Source& source = *integrator.source;
   if (integrator.type == "direct")
     source.lose_longer_paths(integrator.place, 2);
@@ -41,7 +41,7 @@ void read_integrator(const Object& integrator) {
   source.lose_longer_paths(integrator.place, integrator.integer("max_depth", -1));
   if (integrator.flag("hide_emitters", false))
     integrator.lose("lamps that the camera does not see (hide_emitters) are seen");
-  for (const Object* inner : integrator.nested("integrator")) read_integrator(*inner);
+  for (const Element* inner : integrator.nested("integrator")) read_integrator(*inner);
   integrator.ignore(kSampling);
 }
 
@@ -61,11 +61,11 @@ bool is_clipped(const Described& scene, const Camera& camera, double near, doubl
 }
 
 // Width and height of the picture.
-void read_film(const Object& sensor, Camera& camera) {
+void read_film(const Element& sensor, Camera& camera) {
   camera.width = 768, camera.height = 576;
   const auto films = sensor.nested("film");
   if (films.empty()) return;
-  const Object& film = *films[0];
+  const Element& film = *films[0];
   camera.width = film.integer("width", camera.width);
   camera.height = film.integer("height", camera.height);
   if (camera.width < 1 || camera.height < 1 || camera.width > kMostPixels ||
@@ -75,7 +75,7 @@ void read_film(const Object& sensor, Camera& camera) {
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
     film.lose("the crop window is left out");
-  for (const Object* filter : film.nested("rfilter"))
+  for (const Element* filter : film.nested("rfilter"))
     filter->ignore("B C lobes radius stddev");  // other than this renderer's
   film.ignore(
       "attach_log banner burn channel_names compensate component_format "
@@ -88,7 +88,7 @@ double in_radians(double degrees) {
 }
 
 // Full vertical angle.
-double yfov(const Object& sensor, double aspect) {
+double yfov(const Element& sensor, double aspect) {
   double degrees = 0;
   std::string axis = sensor.text("fov_axis", "x");
   if (sensor.find("fov")) {
@@ -111,7 +111,7 @@ double yfov(const Object& sensor, double aspect) {
   sensor.find("fov_axis")->fail(fmt::format("a fov_axis \"{}\"", shown(axis, 40)));
 }
 
-void add_camera(Described& scene, const Object& sensor) {
+void add_camera(Described& scene, const Element& sensor) {
   if (sensor.type != "perspective" && sensor.type != "thinlens")
     return sensor.lose(
         fmt::format("sensors of type \"{}\" are not read and left out", shown(sensor.type, 40)));
@@ -119,7 +119,7 @@ void add_camera(Described& scene, const Object& sensor) {
   camera.name = sensor.id.empty() ? sensor.type : sensor.id;
   read_film(sensor, camera);
   camera.yfov = yfov(sensor, static_cast<double>(camera.width) / camera.height);
-  const Affine map = sensor.map("to_world"), axes = axes_of(map, sensor.place);
+  const Affine map = sensor.transform("to_world"), axes = axes_of(map, sensor.place);
   // Mitsuba looks along +z with +x to the left.
   camera.to_world = {-axes.x, axes.y, -axes.z, map.t};
   camera.shift_x = sensor.number("principal_point_offset_x", 0);
@@ -134,9 +134,9 @@ void add_camera(Described& scene, const Object& sensor) {
   if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
     sensor.lose("what is nearer than near_clip or farther than far_clip is not cut away");
   sensor.ignore("focus_distance shutter_open shutter_close");  // nothing moves
-  for (const Object* sampler : sensor.nested("sampler"))
+  for (const Element* sampler : sensor.nested("sampler"))
     sampler->ignore("dimension jitter sample_count scramble seed strength");
-  for (const Object* medium : sensor.nested("medium")) medium->lose(kMedia);
+  for (const Element* medium : sensor.nested("medium")) medium->lose(kMedia);
   scene.cameras.push_back(camera);
 }
 
@@ -145,12 +145,12 @@ void add_camera(Described& scene, const Object& sensor) {
 // Mitsuba's maps have +z, not -z, in their centre.
 constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
 
-void add_lamp(Context& in, const Object& e) {
+void add_lamp(Context& in, const Element& e) {
   Lamp lamp;
   lamp.name = e.id.empty() ? e.type : e.id;
   lamp.intensity = plain_colour(in, e, e.type == "directional" ? "irradiance" : "intensity", Rgb(1),
                                 Role::light);
-  const auto map = [&] { return e.map("to_world"); };
+  const auto map = [&] { return e.transform("to_world"); };
   if (e.type == "point") {
     lamp.at = map().t;
     lamp.at = e.vector("position").value_or(lamp.at);
@@ -176,7 +176,7 @@ void add_lamp(Context& in, const Object& e) {
   in.scene.lamps.push_back(lamp);
 }
 
-void add_sky(Context& in, const Object& e) {
+void add_sky(Context& in, const Element& e) {
   Sky sky;
   if (e.type == "constant") {
     sky.colour = plain_colour(in, e, "radiance", Rgb(1), Role::light);
@@ -185,7 +185,7 @@ void add_sky(Context& in, const Object& e) {
     sky.image = image(in, e);
     sky.colour = Rgb(static_cast<float>(e.number("scale", 1)));
     if (e.number("gamma", 0) != 0) e.lose("the gamma of an envmap is left out");
-    sky.to_map = kHalfTurn * inverse(axes_of(e.map("to_world"), e.place), e.place);
+    sky.to_map = kHalfTurn * inverse(axes_of(e.transform("to_world"), e.place), e.place);
   }
   if (in.scene.sky)
     e.lose("of several skies the first is taken");
@@ -193,7 +193,7 @@ void add_sky(Context& in, const Object& e) {
     in.scene.sky = sky;
 }
 
-void add_emitter(Context& in, const Object& e) {
+void add_emitter(Context& in, const Element& e) {
   if (is_one_of(e.type, "point spot directional")) {
     add_lamp(in, e);
   } else if (is_one_of(e.type, "constant envmap")) {
@@ -201,7 +201,7 @@ void add_emitter(Context& in, const Object& e) {
   } else if (e.type == "portal") {  // the square of a rectangle; +z leads into the room
     Shape out;
     out.mesh = in.scene.meshes.size();
-    out.to_world = e.map("to_world");
+    out.to_world = e.transform("to_world");
     in.scene.meshes.push_back(square());
     in.scene.portals.push_back(out);
   } else {
@@ -209,7 +209,7 @@ void add_emitter(Context& in, const Object& e) {
         fmt::format("emitters of type \"{}\" are not read and left out", shown(e.type, 40)));
   }
   e.ignore("sampling_weight mis_compensation cache");  // how it is sampled and kept
-  for (const Object* medium : e.nested("medium")) medium->lose(kMedia);
+  for (const Element* medium : e.nested("medium")) medium->lose(kMedia);
 }
 
 }  // namespace
@@ -219,17 +219,17 @@ namespace tdpt::foreign {
 
 Described read_mitsuba(Source& source, const std::map<std::string, std::string>& parameters) {
   using namespace mitsuba;
-  const Document document = parse(source, parameters);
-  const Object& root = *document.scene;
+  const std::deque<Element> elements = parse(source, parameters);
+  const Element& root = elements.front();
   Described scene;
   Context in{scene};
-  for (const Object* shape : root.nested("shape")) add_shape(in, *shape);
-  for (const Object* emitter : root.nested("emitter"))
+  for (const Element* shape : root.nested("shape")) add_shape(in, *shape);
+  for (const Element* emitter : root.nested("emitter"))
     if (emitter->type != "area" && !in.portals.contains(emitter))  // those of shapes
       add_emitter(in, *emitter);
-  for (const Object* sensor : root.nested("sensor")) add_camera(scene, *sensor);
-  for (const Object* integrator : root.nested("integrator")) read_integrator(*integrator);
-  for (const Object* scattering : root.nested("subsurface"))
+  for (const Element* sensor : root.nested("sensor")) add_camera(scene, *sensor);
+  for (const Element* integrator : root.nested("integrator")) read_integrator(*integrator);
+  for (const Element* scattering : root.nested("subsurface"))
     scattering->lose("subsurface scattering is left out");
   for (const char* kind :
        {"bsdf", "film", "medium", "phase", "random", "rfilter", "sampler", "texture", "volume"})

@@ -7,7 +7,7 @@
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
 #include "tools/tdpt-import/meshes/meshes.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -49,7 +49,7 @@ size_t mesh(Context& in, const std::string& key, const Make& make) {
   return in.meshes[key] = in.scene.meshes.size() - 1;
 }
 
-Shape from_file(Context& in, const Object& shape) {
+Shape from_file(Context& in, const Element& shape) {
   const std::string file = shape.needed_text("filename");
   const Place& place = shape.find("filename")->place;
   const bool flat = shape.flag("face_normals", false);
@@ -82,15 +82,15 @@ Shape from_file(Context& in, const Object& shape) {
     return m;
   });
   if (has_normals) in.meshes_with_normals.insert(out.mesh);
-  out.to_world = shape.map("to_world");
+  out.to_world = shape.transform("to_world");
   // Without normals the front is found after the mesh is placed.
   out.turned = !in.meshes_with_normals.contains(out.mesh) && out.to_world.mirrors();
   return out;
 }
 
-std::optional<Shape> round_or_flat(Context& in, const Object& shape) {
+std::optional<Shape> round_or_flat(Context& in, const Element& shape) {
   Shape out;
-  const Affine to_world = shape.map("to_world");
+  const Affine to_world = shape.transform("to_world");
   out.to_world = to_world;
   const std::string& type = shape.type;
   if (type == "rectangle") {
@@ -141,19 +141,19 @@ Surface default_surface(Context& in, const std::string& name) {
 }
 
 // Surface, medium and emission.
-void dress(Context& in, const Object& shape, Shape& out) {
+void dress(Context& in, const Element& shape, Shape& out) {
   const auto bsdfs = shape.nested("bsdf");
   if (bsdfs.size() > 1) shape.lose("of several bsdfs of a shape the first is taken");
-  const Object* interior = nullptr;
+  const Element* interior = nullptr;
   bool has_medium = false;
-  for (const Value& v : shape.values)
-    if (v.object && v.object->tag == "medium") {
-      v.key.take();
+  for (const Element* v : shape.children)
+    if (v->tag == "medium") {
+      v->key.take();
       has_medium = true;
-      if (v.name == "interior" && !bsdfs.empty())
-        interior = v.object;
+      if (v->name == "interior" && !bsdfs.empty())
+        interior = v->object;
       else
-        v.lose(kMedia);
+        v->lose(kMedia);
     }
   const auto emitters = shape.nested("emitter");
   const char* otherwise = !emitters.empty()         ? "black"
@@ -163,7 +163,7 @@ void dress(Context& in, const Object& shape, Shape& out) {
       bsdfs.empty() ? default_surface(in, otherwise) : surface(in, *bsdfs[0], interior);
   out.material = made.material;
   out.turned ^= made.turned;
-  for (const Object* e : emitters)
+  for (const Element* e : emitters)
     if (e->type != "area") {
       e->lose(fmt::format("emitters of type \"{}\" are not read and left out", shown(e->type, 40)));
     } else {
@@ -189,20 +189,20 @@ void dress(Context& in, const Object& shape, Shape& out) {
     shape.lose(kBlackBack);
 }
 
-void place(Context& in, const Object& shape, const Affine& outer, bool in_group);
+void place(Context& in, const Element& shape, const Affine& outer, bool in_group);
 
-void place_instance(Context& in, const Object& shape, const Affine& outer) {
-  const Affine map = outer * shape.map("to_world");
+void place_instance(Context& in, const Element& shape, const Affine& outer) {
+  const Affine map = outer * shape.transform("to_world");
   const auto groups = shape.nested("shape");
   if (groups.empty()) shape.fail("the instance has no shapegroup");
-  for (const Object* group : groups) {
+  for (const Element* group : groups) {
     if (group->type != "shapegroup")
       shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", group->described()));
-    for (const Object* inner : group->nested("shape")) place(in, *inner, map, true);
+    for (const Element* inner : group->nested("shape")) place(in, *inner, map, true);
   }
 }
 
-void place(Context& in, const Object& shape, const Affine& outer, bool in_group) {
+void place(Context& in, const Element& shape, const Affine& outer, bool in_group) {
   if (++in.visited_shapes > kMostShapes)
     shape.fail(fmt::format("more than {} shapes", kMostShapes));
   if (shape.type == "shapegroup") return;  // only its instances are seen
@@ -211,7 +211,7 @@ void place(Context& in, const Object& shape, const Affine& outer, bool in_group)
     return place_instance(in, shape, outer);
   }
   if (shape.type == "merge") {
-    for (const Object* inner : shape.nested("shape")) place(in, *inner, outer, in_group);
+    for (const Element* inner : shape.nested("shape")) place(in, *inner, outer, in_group);
     return;
   }
   std::optional<Shape> out =
@@ -225,7 +225,7 @@ void place(Context& in, const Object& shape, const Affine& outer, bool in_group)
   for (const Vec3d& v : {out->to_world.x, out->to_world.y, out->to_world.z, out->to_world.t})
     if (!is_finite(v) || length(v) > 1e30) shape.fail("the shape is too large or too far away");
   if (shape.flag("flip_normals", false)) out->turned = !out->turned;
-  for (const Object* e : shape.nested("emitter"))
+  for (const Element* e : shape.nested("emitter"))
     if (e->type == "portal") {  // an opening and no surface
       shape.ignore_all();
       in.portals.insert(e);
@@ -240,7 +240,7 @@ void place(Context& in, const Object& shape, const Affine& outer, bool in_group)
 
 }  // namespace
 
-void add_shape(Context& in, const Object& shape) {
+void add_shape(Context& in, const Element& shape) {
   place(in, shape, {}, false);
 }
 

@@ -5,7 +5,7 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -27,22 +27,19 @@ struct Read {
   bool turned = false, two_sided = false;
   bool opaque = true;
 };
-Read read(Context& in, const Object& bsdf);
+Read read(Context& in, const Element& bsdf);
 
-void near_to(const Object& bsdf, const char* what) {
+void near_to(const Element& bsdf, const char* what) {
   bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(bsdf.type, 40), what));
 }
 
-double ior(const Object& bsdf, const char* name, const char* otherwise) {
-  const Value* v = bsdf.find(name);
+double ior(const Element& bsdf, const char* name, const char* otherwise) {
+  const Element* v = bsdf.find(name);
   double n = 0;
   if (v && v->tag != "string") {
     n = bsdf.number(name, 1);
   } else {
-    std::string material = bsdf.text(name, otherwise);
-    std::transform(material.begin(), material.end(), material.begin(), [](char c) {
-      return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    });
+    const std::string material = lower_case(bsdf.text(name, otherwise));
     const auto known = ior_named(material);
     if (!known)
       v->fail(
@@ -53,12 +50,12 @@ double ior(const Object& bsdf, const char* name, const char* otherwise) {
   return n;
 }
 
-double relative_ior(const Object& bsdf, const char* inside) {
+double relative_ior(const Element& bsdf, const char* inside) {
   if (bsdf.find("eta") && !bsdf.find("int_ior")) return bsdf.number("eta", 1);
   return ior(bsdf, "int_ior", inside) / ior(bsdf, "ext_ior", "air");
 }
 
-Number alpha(Context& in, const Object& bsdf) {
+Number alpha(Context& in, const Element& bsdf) {
   const std::string distribution = bsdf.text("distribution", "beckmann");
   if (distribution != "ggx")
     bsdf.lose(fmt::format("microfacets of type \"{}\" become GGX", shown(distribution, 40)));
@@ -70,7 +67,7 @@ Number alpha(Context& in, const Object& bsdf) {
   return {single(std::sqrt(std::max(0.0, u * v))), {}, {}};
 }
 
-Read nested(Context& in, const Object& bsdf) {
+Read nested(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   if (all.empty()) bsdf.fail(fmt::format("the {} has no bsdf in it", bsdf.described()));
   return read(in, *all[0]);
@@ -78,7 +75,7 @@ Read nested(Context& in, const Object& bsdf) {
 
 // ---- each type
 
-Read twosided(Context& in, const Object& bsdf) {
+Read twosided(Context& in, const Element& bsdf) {
   Read out = nested(in, bsdf);
   if (bsdf.nested("bsdf").size() > 1)
     bsdf.lose("of the two bsdfs of a twosided surface the first is taken");
@@ -87,7 +84,7 @@ Read twosided(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read plain(Context& in, const Object& bsdf) {
+Read plain(Context& in, const Element& bsdf) {
   if (bsdf.type == "roughdiffuse") {
     near_to(bsdf, "Lambertian");
     bsdf.ignore("alpha use_fast_approx");  // of Oren-Nayar
@@ -97,7 +94,7 @@ Read plain(Context& in, const Object& bsdf) {
 }
 
 // Those of which only the diffuse part is understood.
-Read coloured_plain(Context& in, const Object& bsdf) {
+Read coloured_plain(Context& in, const Element& bsdf) {
   const bool has_colour = bsdf.find("diffuse_reflectance") || bsdf.find("reflectance");
   bsdf.lose(fmt::format("surfaces of type \"{}\" are not read: Lambertian of {} in their place",
                         shown(bsdf.type, 40), has_colour ? "their diffuse colour" : "grey 0.5"));
@@ -107,7 +104,7 @@ Read coloured_plain(Context& in, const Object& bsdf) {
                          Rgb(0.5f)))};
 }
 
-Read plastic_like(Context& in, const Object& bsdf) {
+Read plastic_like(Context& in, const Element& bsdf) {
   const Number rough = bsdf.type == "plastic" ? Number{0.0f, {}, {}} : alpha(in, bsdf);
   const Colour base = colour(in, bsdf, "diffuse_reflectance", Rgb(0.5f));
   const double n = relative_ior(bsdf, "polypropylene");
@@ -129,7 +126,7 @@ Read plastic_like(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read conductor_like(Context& in, const Object& bsdf) {
+Read conductor_like(Context& in, const Element& bsdf) {
   const Number rough = bsdf.type == "conductor" ? Number{0.0f, {}, {}} : alpha(in, bsdf);
   if (const std::string lost = lost_of_rough_metal(rough); !lost.empty()) bsdf.lose(lost);
   const Colour tint = colour(in, bsdf, "specular_reflectance", Rgb(1));
@@ -161,7 +158,7 @@ Read conductor_like(Context& in, const Object& bsdf) {
   return {conductor(eta_k[0], eta_k[1], tint, rough)};
 }
 
-Read glass_like(Context& in, const Object& bsdf) {
+Read glass_like(Context& in, const Element& bsdf) {
   const bool solid = bsdf.type != "thindielectric";
   const Number rough = bsdf.type == "roughdielectric" ? alpha(in, bsdf) : Number{0.0f, {}, {}};
   double n = relative_ior(bsdf, "bk7");
@@ -176,7 +173,7 @@ Read glass_like(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read mask(Context& in, const Object& bsdf) {
+Read mask(Context& in, const Element& bsdf) {
   Read out = nested(in, bsdf);
   Number opacity = number(in, bsdf, "opacity", 0.5);
   opacity.factor *= out.material.opacity.factor;
@@ -185,13 +182,12 @@ Read mask(Context& in, const Object& bsdf) {
     if (!opacity.texture) opacity.texture = out.material.opacity.texture;
   }
   out.material.opacity = opacity;
-  if (const Value* v = bsdf.find("opacity"); v && is_colour(*v))
-    if (!is_grey(colour_of(*v, bsdf.old, Role::surface)))
-      bsdf.lose("the colour of an opacity becomes grey");
+  if (const Element* v = bsdf.find("opacity"); v && is_colour(*v))
+    if (!is_grey(colour_of(*v, Role::surface))) bsdf.lose("the colour of an opacity becomes grey");
   return out;
 }
 
-Read bump(Context& in, const Object& bsdf) {
+Read bump(Context& in, const Element& bsdf) {
   Read out = nested(in, bsdf);
   const auto maps = bsdf.nested("texture");
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", bsdf.described()));
@@ -210,7 +206,7 @@ Read bump(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read blend(Context& in, const Object& bsdf) {
+Read blend(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   if (all.size() != 2)
     bsdf.fail(fmt::format("the blendbsdf has {} bsdfs in it, expected 2", all.size()));
@@ -219,14 +215,11 @@ Read blend(Context& in, const Object& bsdf) {
   return read(in, *all[!weight.texture && weight.factor > 0.5f ? 1 : 0]);
 }
 
-Read mixture(Context& in, const Object& bsdf) {
+Read mixture(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   std::vector<double> weights;
   for (const std::string& word : split(bsdf.needed_text("weights"), " ,;\t\r\n")) {
-    const auto w = number_of(word);
-    if (!w)
-      bsdf.find("weights")->fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
-    weights.push_back(*w);
+    weights.push_back(bsdf.find("weights")->finite(word));
   }
   if (weights.size() != all.size() || all.empty())
     bsdf.fail(
@@ -238,7 +231,7 @@ Read mixture(Context& in, const Object& bsdf) {
 
 // A coat sends what its inside throws back nowhere, so it darkens what scatters widely
 // [coating.cpp]. Over a Lambertian surface it is plastic without that light; otherwise glTF's coat.
-Read coated(Context& in, const Object& bsdf) {
+Read coated(Context& in, const Element& bsdf) {
   Read out = nested(in, bsdf);
   Material& m = out.material;
   const double n = relative_ior(bsdf, "bk7"), inside = n < 1 ? n : 1 / n;
@@ -273,7 +266,7 @@ Read coated(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read invisible(Context&, const Object&) {
+Read invisible(Context&, const Element&) {
   Read out{diffuse({Rgb(0), {}, {}})};
   out.material.invisible = true;
   out.opaque = false;
@@ -281,7 +274,7 @@ Read invisible(Context&, const Object&) {
 }
 
 // [Burley 2012, 2015]: what glTF has of it.
-Read principled(Context& in, const Object& bsdf) {
+Read principled(Context& in, const Element& bsdf) {
   const bool thin = bsdf.type == "principledthin";
   const Colour base = colour(in, bsdf, "base_color", Rgb(0.5f));
   const Number roughness = number(in, bsdf, "roughness", 0.5);
@@ -335,8 +328,8 @@ Read principled(Context& in, const Object& bsdf) {
   return out;
 }
 
-Read read(Context& in, const Object& bsdf) {
-  static constexpr std::pair<const char*, Read (*)(Context&, const Object&)> kReaders[] = {
+Read read(Context& in, const Element& bsdf) {
+  static constexpr std::pair<const char*, Read (*)(Context&, const Element&)> kReaders[] = {
       {"twosided", twosided},
       {"diffuse lambertian roughdiffuse", plain},
       {"plastic roughplastic", plastic_like},
@@ -350,7 +343,7 @@ Read read(Context& in, const Object& bsdf) {
       {"null", invisible},
       {"principled principledthin", principled},
   };
-  bsdf.key.take();
+  bsdf.contents.take();
   for (const auto& [types, reader] : kReaders)
     if (is_one_of(bsdf.type, types)) return reader(in, bsdf);
   return coloured_plain(in, bsdf);
@@ -359,11 +352,11 @@ Read read(Context& in, const Object& bsdf) {
 // ---- media
 
 // What is in a body: glTF has absorption alone.
-void absorb(Context& in, const Object& medium, Read& surface) {
+void absorb(Context& in, const Element& medium, Read& surface) {
   if (medium.type != "homogeneous" || surface.opaque || !surface.material.solid || surface.turned)
     return medium.lose(kMedia);
-  for (const Value& v : medium.values)  // volumes and named materials
-    if ((v.object && v.object->tag != "phase") || v.name == "material") return medium.lose(kMedia);
+  for (const Element* v : medium.children)  // volumes and named materials
+    if ((v->object && v->tag != "phase") || v->name == "material") return medium.lose(kMedia);
   medium.nested("phase");
   medium.ignore("has_spectral_extinction sample_emitters");  // how it is sampled
   const Rgb scale = Rgb(single(medium.number("scale", 1)));
@@ -386,7 +379,7 @@ void absorb(Context& in, const Object& medium, Read& surface) {
 
 }  // namespace
 
-Surface surface(Context& in, const Object& bsdf, const Object* interior) {
+Surface surface(Context& in, const Element& bsdf, const Element* interior) {
   const auto key = std::pair{&bsdf, interior};
   if (const auto it = in.surfaces.find(key); it != in.surfaces.end()) return it->second;
   Read r = read(in, bsdf);

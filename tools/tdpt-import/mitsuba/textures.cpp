@@ -4,7 +4,7 @@
 
 #include "libcommon/base/words.h"
 #include "tools/tdpt-import/materials.h"
-#include "tools/tdpt-import/mitsuba/context.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 namespace tdpt::foreign::mitsuba {
 namespace {
@@ -17,14 +17,11 @@ float single(double v) {
   return static_cast<float>(v);
 }
 
-double finite(const std::string& word, const Value& value) {
-  if (const auto n = number_of(word); n && std::abs(*n) < 1e30) return *n;
-  value.fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
-}
+constexpr double kMost = 1e30;  // of a component
 
 // One or three numbers, or #rrggbb.
-Rgb three(const Value& value) {
-  const auto words = split(value.text());
+Rgb three(const Element& value) {
+  const auto words = split(value.attribute());
   if (words.size() == 1 && words[0][0] == '#') {
     if (words[0].size() != 7 ||
         words[0].find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
@@ -34,7 +31,9 @@ Rgb three(const Value& value) {
   }
   if (words.size() != 1 && words.size() != 3)
     value.fail(fmt::format("a colour of {} numbers, expected 3", words.size()));
-  const auto at = [&](size_t i) { return single(finite(words[words.size() == 1 ? 0 : i], value)); };
+  const auto at = [&](size_t i) {
+    return single(value.finite(words[words.size() == 1 ? 0 : i], kMost));
+  };
   return {at(0), at(1), at(2)};
 }
 
@@ -78,39 +77,40 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-Rgb sampled(Samples samples, const Value& value, bool old, Role role) {
+Rgb sampled(Samples samples, const Element& value, Role role) {
   if (samples.empty()) value.fail("a spectrum without values");
   for (size_t i = 0; i < samples.size(); ++i) {
     const double nm = samples[i][0];
     if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
     if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
   }
-  if (!old && role == Role::surface) return lit(samples);
+  if (!value.old && role == Role::surface) return lit(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
   samples.push_back({samples.back()[0], 0});
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
 // Pairs of a wavelength and a value, one a line.
-Samples file(const Value& value) {
+Samples file(const Element& value) {
   Samples out;
-  for (std::string line : split(value.source->read(value.text("filename"), value.place), "\r\n")) {
+  for (std::string line :
+       split(value.source->read(value.attribute("filename"), value.place), "\r\n")) {
     line = line.substr(0, line.find('#'));
     const auto words = split(line);
     if (words.empty()) continue;
     if (words.size() < 2)
       value.fail("its file has a line with one number, expected a wavelength and a value");
-    out.push_back({finite(words[0], value), finite(words[1], value)});
+    out.push_back({value.finite(words[0], kMost), value.finite(words[1], kMost)});
   }
   return out;
 }
 
-Rgb spectrum(const Value& value, bool old, Role role) {
-  if (value.attributes.contains("filename")) return sampled(file(value), value, old, role);
-  const auto words = split(value.text());
+Rgb spectrum(const Element& value, Role role) {
+  if (value.attributes.contains("filename")) return sampled(file(value), value, role);
+  const auto words = split(value.attribute());
   if (words.size() == 1 && words[0].find(':') == std::string::npos) {
-    const Rgb grey(single(finite(words[0], value)));
-    return !old && role == Role::light ? grey * of_equal_energy() : grey;
+    const Rgb grey(single(value.finite(words[0], kMost)));
+    return !value.old && role == Role::light ? grey * of_equal_energy() : grey;
   }
   if (words.empty()) value.fail("a spectrum without values");
   if (words[0].find(':') == std::string::npos) {
@@ -125,9 +125,9 @@ Rgb spectrum(const Value& value, bool old, Role role) {
     if (colon == word.npos)
       value.fail(fmt::format("\"{}\" is no pair wavelength:value", shown(word, 40)));
     samples.push_back(
-        {finite(word.substr(0, colon), value), finite(word.substr(colon + 1), value)});
+        {value.finite(word.substr(0, colon), kMost), value.finite(word.substr(colon + 1), kMost)});
   }
-  return sampled(std::move(samples), value, old, role);
+  return sampled(std::move(samples), value, role);
 }
 
 // Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it. Values and objects fail alike.
@@ -145,24 +145,25 @@ Rgb blackbody(double kelvin, const Holder& holder) {
 
 }  // namespace
 
-bool is_colour(const Value& value) {
+bool is_colour(const Element& value) {
   return is_one_of(value.tag, "float integer rgb srgb spectrum blackbody");
 }
 
-Rgb colour_of(const Value& value, bool old, Role role) {
+Rgb colour_of(const Element& value, Role role) {
   if (value.tag == "rgb") return three(value);
   if (value.tag == "srgb") {
     const Rgb c = three(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
-  if (value.tag == "spectrum") return spectrum(value, old, role);
+  if (value.tag == "spectrum") return spectrum(value, role);
   if (value.tag == "blackbody") {
-    std::string kelvin = value.text("temperature");
+    std::string kelvin = value.attribute("temperature");
     kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
-    const double scale = value.attributes.contains("scale") ? value.number("scale") : 1;
-    return blackbody(finite(kelvin, value), value) * single(scale);
+    const double scale =
+        value.attributes.contains("scale") ? value.finite(value.attribute("scale")) : 1;
+    return blackbody(value.finite(kelvin, kMost), value) * single(scale);
   }
-  return Rgb(single(finite(value.text(), value)));
+  return Rgb(single(value.finite(value.attribute(), kMost)));
 }
 
 float mean(const Rgb& c) {
@@ -180,15 +181,15 @@ Colour plain(const Rgb& c) {
   return {c, {}, {}};
 }
 
-Colour value_of(Context& in, const Value& value, bool old, Role role) {
-  if (is_colour(value)) return plain(colour_of(value, old, role));
+Colour value_of(Context& in, const Element& value, Role role) {
+  if (is_colour(value)) return plain(colour_of(value, role));
   if (value.object && value.object->tag == "texture") return texture(in, *value.object, role);
   value.fail(fmt::format("\"{}\" is a {}, expected a colour or texture", shown(value.name, 40),
                          shown(value.tag, 40)));
 }
 
 // Mitsuba's v = 0 is the top row of an image, as glTF's.
-std::array<double, 6> placement(const Object& texture) {
+std::array<double, 6> placement(const Element& texture) {
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
   if (texture.old) {
     const double both = texture.number("uvscale", 1);
@@ -198,11 +199,11 @@ std::array<double, 6> placement(const Object& texture) {
            texture.number("vscale", both), texture.number("voffset", 0)};
   }
   if (!texture.find("to_uv")) return map;
-  const Affine m = texture.map("to_uv");
+  const Affine m = texture.transform("to_uv");
   return {m.x.x, m.y.x, m.t.x, m.x.y, m.y.y, m.t.y};
 }
 
-Texture::Wrap wrap(const Object& texture, const std::string& mode) {
+Texture::Wrap wrap(const Element& texture, const std::string& mode) {
   if (mode == "mirror") return Texture::Wrap::mirror;
   if (mode == "repeat") return Texture::Wrap::repeat;
   if (mode != "clamp")
@@ -210,7 +211,7 @@ Texture::Wrap wrap(const Object& texture, const std::string& mode) {
   return Texture::Wrap::clamp;
 }
 
-Colour bitmap(Context& in, const Object& texture, bool raw) {
+Colour bitmap(Context& in, const Element& texture, bool raw) {
   Texture t;
   t.image = image(in, texture);
   t.map = placement(texture);
@@ -232,7 +233,7 @@ Colour bitmap(Context& in, const Object& texture, bool raw) {
   return {Rgb(1), t, {}};
 }
 
-Colour checkerboard(Context& in, const Object& texture) {
+Colour checkerboard(Context& in, const Element& texture) {
   const Rgb a = plain_colour(in, texture, "color0", Rgb(0.4f));
   const Rgb b = plain_colour(in, texture, "color1", Rgb(0.2f));
   in.scene.images.push_back({"checkerboard", {}, 2, 2, {a, b, b, a}});
@@ -244,19 +245,19 @@ Colour checkerboard(Context& in, const Object& texture) {
 }
 
 // A spectrum of two lists.
-Colour irregular(const Object& texture, Role role) {
+Colour irregular(const Element& texture, Role role) {
   const auto nm = split(texture.needed_text("wavelengths")),
              v = split(texture.needed_text("values"));
   if (nm.size() != v.size() || nm.empty())
     texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), v.size()));
-  const Value& values = *texture.find("values");
+  const Element& values = *texture.find("values");
   Samples samples;
   for (size_t i = 0; i < nm.size(); ++i)
-    samples.push_back({finite(nm[i], values), finite(v[i], values)});
-  return plain(sampled(std::move(samples), values, texture.old, role));
+    samples.push_back({values.finite(nm[i], kMost), values.finite(v[i], kMost)});
+  return plain(sampled(std::move(samples), values, role));
 }
 
-Colour read_texture(Context& in, const Object& texture, Role role, bool raw) {
+Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
   const std::string& type = texture.type;
   // That of the texture within, if there is one, or of the value of that name.
   const auto inner = [&](const std::string& name) {
@@ -298,20 +299,20 @@ Colour read_texture(Context& in, const Object& texture, Role role, bool raw) {
 
 }  // namespace
 
-Colour colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
+Colour colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
               Role role) {
-  const Value* v = object.find(name);
-  return v ? value_of(in, *v, object.old, role) : plain(otherwise);
+  const Element* v = object.find(name);
+  return v ? value_of(in, *v, role) : plain(otherwise);
 }
 
-Number number(Context& in, const Object& object, const std::string& name, double otherwise) {
+Number number(Context& in, const Element& object, const std::string& name, double otherwise) {
   const Colour c = colour(in, object, name, Rgb(single(otherwise)));
   Number out{object.find(name) ? mean(c.factor) : single(otherwise), c.texture, {}};
   if (out.texture) out.texture->luminance = !object.old;
   return out;
 }
 
-Rgb plain_colour(Context& in, const Object& object, const std::string& name, const Rgb& otherwise,
+Rgb plain_colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
                  Role role) {
   const Colour c = colour(in, object, name, otherwise, role);
   if (!c.texture) return c.factor;
@@ -320,17 +321,17 @@ Rgb plain_colour(Context& in, const Object& object, const std::string& name, con
   return otherwise;
 }
 
-double plain_number(Context& in, const Object& object, const std::string& name, double otherwise) {
+double plain_number(Context& in, const Element& object, const std::string& name, double otherwise) {
   return mean(plain_colour(in, object, name, Rgb(single(otherwise))));
 }
 
-Colour texture(Context& in, const Object& object, Role role, bool raw) {
+Colour texture(Context& in, const Element& object, Role role, bool raw) {
   const auto key = std::tuple{&object, role, raw};
   if (const auto it = in.textures.find(key); it != in.textures.end()) return it->second;
   return in.textures[key] = read_texture(in, object, role, raw);
 }
 
-size_t image(Context& in, const Object& object) {
+size_t image(Context& in, const Element& object) {
   const std::string file = object.needed_text("filename");
   const auto it = in.images.find(file);
   if (it != in.images.end()) return it->second;

@@ -1,4 +1,4 @@
-#include "tools/tdpt-import/mitsuba/object.h"
+#include "tools/tdpt-import/mitsuba/mitsuba.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,136 +30,129 @@ std::vector<std::string> split(const std::string& text, const std::string& separ
   return parts;
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 bool is_one_of(const std::string& word, const std::string& words) {
   const auto all = split(words, " ");
   return std::find(all.begin(), all.end(), word) != all.end();
 }
 
-// ---- Values
-
-bool Value::has(const std::string& attribute) const {
-  const auto it = attributes.find(attribute);
-  return it != attributes.end() && (it->second.key.take(), !it->second.text.empty());
-}
-
-const std::string& Value::text(const std::string& attribute) const {
-  contents.take();
-  const auto it = attributes.find(attribute);
-  if (it == attributes.end())
-    fail(fmt::format("the {} \"{}\" has no attribute \"{}\"", tag, shown(name, 40), attribute));
-  it->second.key.take();
-  return it->second.text;
-}
-
-double Value::number(const std::string& attribute) const {
-  const std::string& word = text(attribute);
-  if (const auto n = number_of(word)) return *n;
+double Element::finite(const std::string& word, double most) const {
+  if (const auto n = number_of(word); n && std::abs(*n) < most) return *n;
   fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
 }
 
-std::vector<double> Value::numbers(const std::string& attribute) const {
+const std::string& Element::attribute(const std::string& attribute) const {
+  const auto it = attributes.find(attribute);
+  if (it != attributes.end()) return it->second;
+  fail(fmt::format("the {} \"{}\" has no attribute \"{}\"", tag, shown(name, 40), attribute));
+}
+
+std::string Element::optional(const std::string& attribute) const {
+  const auto it = attributes.find(attribute);
+  return it == attributes.end() ? "" : it->second;
+}
+
+std::vector<double> Element::numbers(const std::string& which) const {
   std::vector<double> all;
-  for (const std::string& word : split(text(attribute))) {
-    const auto n = number_of(word);
-    if (!n) fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
-    all.push_back(*n);
-  }
+  for (const std::string& word : split(attribute(which))) all.push_back(finite(word));
   return all;
 }
 
-Vec3d Value::three(const std::string& attribute) const {
-  const auto all = numbers(attribute);
-  if (all.size() != 3) fail(fmt::format("{} numbers in \"{}\", expected 3", all.size(), attribute));
+Vec3d Element::three(const std::string& which) const {
+  const auto all = numbers(which);
+  if (all.size() != 3) fail(fmt::format("{} numbers in \"{}\", expected 3", all.size(), which));
   return {all[0], all[1], all[2]};
 }
 
-// ---- Objects
-
-std::string Object::described() const {
+std::string Element::described() const {
   return fmt::format("{} \"{}\"", tag, shown(type, 40));
 }
 
-const Value* Object::find(const std::string& name) const {
-  key.take();
-  for (auto v = values.rbegin(); v != values.rend(); ++v)
-    if (v->name == name) {
-      v->key.take();
-      return &*v;
-    }
-  return nullptr;
+const Element* Element::find(const std::string& child) const {
+  contents.take();
+  const auto it = std::find_if(children.rbegin(), children.rend(),
+                               [&](const Element* v) { return v->name == child; });
+  if (it == children.rend()) return nullptr;
+  (*it)->key.take();
+  return *it;
 }
 
-const Value* Object::find(const std::string& name, const std::string& tags) const {
-  const Value* v = find(name);
+const Element* Element::find(const std::string& child, const std::string& tags) const {
+  const Element* v = find(child);
   if (v && !is_one_of(v->tag, tags))
-    v->fail(fmt::format("\"{}\" is a {}, expected a {}", name, shown(v->tag, 40),
+    v->fail(fmt::format("\"{}\" is a {}, expected a {}", child, shown(v->tag, 40),
                         fmt::join(split(tags), " or ")));
   return v;
 }
 
-double Object::number(const std::string& name, double otherwise) const {
-  const Value* v = find(name, "float integer");
-  return v ? v->number() : otherwise;
+double Element::number(const std::string& child, double otherwise) const {
+  const Element* v = find(child, "float integer");
+  return v ? v->finite(v->attribute()) : otherwise;
 }
 
-int Object::integer(const std::string& name, int otherwise) const {
-  const double n = number(name, otherwise);
+int Element::integer(const std::string& child, int otherwise) const {
+  const double n = number(child, otherwise);
   if (n != std::floor(n) || std::abs(n) > 1e9)
-    find(name)->fail(fmt::format("\"{}\" is {}, expected an integer", name, n));
+    find(child)->fail(fmt::format("\"{}\" is {}, expected an integer", child, n));
   return static_cast<int>(n);
 }
 
-bool Object::flag(const std::string& name, bool otherwise) const {
-  const Value* v = find(name, "boolean");
+bool Element::flag(const std::string& child, bool otherwise) const {
+  const Element* v = find(child, "boolean");
   if (!v) return otherwise;
-  const std::string& word = v->text();
+  const std::string& word = v->attribute();
   if (!is_one_of(word, "true True false False"))
     v->fail(fmt::format("\"{}\" is neither \"true\" nor \"false\"", shown(word, 40)));
   return is_one_of(word, "true True");
 }
 
-std::string Object::text(const std::string& name, const std::string& otherwise) const {
-  const Value* v = find(name, "string");
-  return v ? v->text() : otherwise;
+std::string Element::text(const std::string& child, const std::string& otherwise) const {
+  const Element* v = find(child, "string");
+  return v ? v->attribute() : otherwise;
 }
 
-std::string Object::needed_text(const std::string& name) const {
-  if (!find(name)) fail(fmt::format("the {} has no \"{}\"", described(), name));
-  return text(name, "");
+std::string Element::needed_text(const std::string& child) const {
+  if (!find(child)) fail(fmt::format("the {} has no \"{}\"", described(), child));
+  return text(child, "");
 }
 
-std::optional<Vec3d> Object::vector(const std::string& name) const {
-  const Value* v = find(name, "point vector");
+std::optional<Vec3d> Element::vector(const std::string& child) const {
+  const Element* v = find(child, "point vector");
   if (!v) return {};
   if (v->attributes.contains("value")) return v->three();
-  return Vec3d{v->number("x"), v->number("y"), v->number("z")};
+  const auto at = [&](const char* axis) { return v->finite(v->attribute(axis)); };
+  return Vec3d{at("x"), at("y"), at("z")};
 }
 
-Affine Object::map(const std::string& name) const {
-  const Value* v = find(name, "transform animation");
+Affine Element::transform(const std::string& child) const {
+  const Element* v = find(child, "transform animation");
   if (!v) return {};
-  v->contents.take();
   if (v->is_animated) v->lose("of moving objects the first place is taken");
   return v->map;
 }
 
-std::vector<const Object*> Object::nested(const std::string& kind) const {
-  key.take();
-  std::vector<const Object*> out;
-  for (const Value& v : values)
-    if (v.object && v.object->tag == kind) {
-      v.key.take();
-      out.push_back(v.object);
+std::vector<const Element*> Element::nested(const std::string& kind) const {
+  contents.take();
+  std::vector<const Element*> out;
+  for (const Element* v : children)
+    if (v->object && v->tag == kind) {
+      v->key.take();
+      out.push_back(v->object);
     }
   return out;
 }
 
-void Object::ignore(const std::string& names) const {
-  for (const std::string& name : split(names)) find(name);
+void Element::ignore(const std::string& names) const {
+  for (const std::string& child : split(names)) find(child);
 }
 
-void Object::ignore_all() const {
-  for (const Value& v : values) v.key.take();
+void Element::ignore_all() const {
+  for (const Element* v : children) v->key.take();
 }
 
 // ---- Transforms
@@ -167,31 +160,31 @@ void Object::ignore_all() const {
 namespace {
 
 // x, y and z, or value with one or three numbers.
-Vec3d vector_of(const Value& step, double otherwise) {
-  const auto one = [&](const char* name) { return step.has(name) ? step.number(name) : otherwise; };
-  if (!step.has("value")) {
-    const double x = one("x"), y = one("y"), z = one("z");
-    return {x, y, z};
-  }
-  if (step.has("x") || step.has("y") || step.has("z"))
-    step.fail("both \"value\" and \"x\", \"y\" or \"z\"");
+Vec3d vector_of(const Element& step, double otherwise) {
+  const auto has = [&](const char* name) { return !step.optional(name).empty(); };
+  const auto at = [&](const char* axis) {
+    return has(axis) ? step.finite(step.attribute(axis)) : otherwise;
+  };
+  if (!has("value")) return {at("x"), at("y"), at("z")};
+  if (has("x") || has("y") || has("z")) step.fail("both \"value\" and \"x\", \"y\" or \"z\"");
   const auto all = step.numbers();
   return all.size() == 1 ? Vec3d(all[0]) : step.three();
 }
 
-Affine rotation(const Value& step) {
+Affine rotation(const Element& step) {
   const Vec3d axis = vector_of(step, 0);
-  const double half = step.number("angle") * std::numbers::pi / 360, l = length(axis);
+  const double half = step.finite(step.attribute("angle")) * std::numbers::pi / 360,
+               l = length(axis);
   if (!(l > 0)) step.fail("a rotation about an axis of length 0");
   const Vec3d a = axis * (std::sin(half) / l);
   return *affine_of({}, {a.x, a.y, a.z, std::cos(half)}, Vec3d(1));
 }
 
-Affine look_at(const Value& step) {
+Affine look_at(const Element& step) {
   const Vec3d from = step.three("origin"), to = step.three("target");
   if (!(length(to - from) > 0)) step.fail("origin and target are one point");
   const Vec3d ahead = normalize(to - from);
-  Vec3d up = step.has("up") ? step.three("up") : Vec3d(0);
+  Vec3d up = step.optional("up").empty() ? Vec3d(0) : step.three("up");
   if (!(length(up) > 0))  // any
     up = std::abs(ahead.x) > std::abs(ahead.y) ? cross(Vec3d{ahead.z, 0, -ahead.x}, ahead)
                                                : cross(Vec3d{0, ahead.z, -ahead.y}, ahead);
@@ -201,7 +194,7 @@ Affine look_at(const Value& step) {
   return {x, cross(ahead, x), ahead, from};
 }
 
-Affine matrix(const Value& step) {
+Affine matrix(const Element& step) {
   const auto m = step.numbers();
   if (m.size() == 9) return {{m[0], m[3], m[6]}, {m[1], m[4], m[7]}, {m[2], m[5], m[8]}, {}};
   if (m.size() != 16) step.fail(fmt::format("a matrix of {} numbers, expected 16", m.size()));
@@ -214,7 +207,7 @@ Affine matrix(const Value& step) {
 
 }  // namespace
 
-std::optional<Affine> map_of_step(const Value& step) {
+std::optional<Affine> map_of_step(const Element& step) {
   if (step.tag == "translate") return Affine{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, vector_of(step, 0)};
   if (step.tag == "rotate") return rotation(step);
   if (is_one_of(step.tag, "lookat lookAt look_at")) return look_at(step);
