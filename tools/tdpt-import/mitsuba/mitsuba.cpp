@@ -14,21 +14,6 @@ namespace {
 constexpr const char* kWhole =
     "adaptive aov bdpt erpt irrcache mlt moment path ppm photonmapper prb pssmlt ptracer sppm "
     "stokes vpl volpath prb_basic prb_projective prbvolpath volpath_simple volpathmis";
-// Parameters of how they sample.
-constexpr const char* kSampling =
-    "alpha aovs auto_cancel_gathering bidirectional bidirectional_mutation block_size "
-    "bsdf_samples caustic_lookup_radius caustic_lookup_size caustic_perturbation "
-    "caustic_photons chain_length clamping debug derivatives_only direct_samples "
-    "emitter_samples first_stage first_stage_size_reduction gather_locally global_lookup_radius "
-    "global_lookup_size global_photons glossy_samples gradients granularity guiding "
-    "initial_radius kelemen_style_weights lambda lens_perturbation light_image lookup_size "
-    "luminance_samples manifold_perturbation max_chains max_error max_passes max_sample_factor "
-    "multi_chain_perturbation mutation_size_high mutation_size_low num_chains overture p_large "
-    "p_value photon_count prob_factor quality quality_adjustment resolution rr_depth "
-    "sample_direct samples_per_pass shading_samples shadow_map_resolution show_weighted "
-    "strict_normals timeout two_stage use_spectral_mis verbose volume_lookup_size "
-    "volume_photons work_units";
-
 // What an integrator leaves out of the light.
 void read_integrator(const Element& integrator) {
   Source& source = *integrator.source;
@@ -42,23 +27,12 @@ void read_integrator(const Element& integrator) {
   if (integrator.flag("hide_emitters", false))
     integrator.lose("lamps that the camera does not see (hide_emitters) are seen");
   for (const Element* inner : integrator.nested("integrator")) read_integrator(*inner);
-  integrator.ignore(kSampling);
+  integrator.ignore_all();  // how it samples
 }
 
 // ---- Sensors as cameras ----
 
 constexpr int kMostPixels = 65535;  // on a side
-
-// Whether Mitsuba cuts something away that lies ahead of the camera.
-bool is_clipped(const Described& scene, const Camera& camera, double near, double far) {
-  for (const Shape& shape : scene.shapes)
-    for (const Vec3f& p : scene.meshes[shape.mesh].positions) {
-      const double ahead =
-          -dot(shape.to_world.point({p.x, p.y, p.z}) - camera.to_world.t, camera.to_world.z);
-      if ((ahead > 0 && ahead < near) || ahead > far) return true;
-    }
-  return false;
-}
 
 // Width and height of the picture.
 void read_film(const Element& sensor, Camera& camera) {
@@ -75,12 +49,7 @@ void read_film(const Element& sensor, Camera& camera) {
       film.integer("crop_height", camera.height) != camera.height ||
       film.integer("crop_offset_x", 0) != 0 || film.integer("crop_offset_y", 0) != 0)
     film.lose("the crop window is left out");
-  for (const Element* filter : film.nested("rfilter"))
-    filter->ignore("B C lobes radius stddev");  // other than this renderer's
-  film.ignore(
-      "attach_log banner burn channel_names compensate component_format "
-      "digits exposure file_format filename gamma high_quality_edges key "
-      "pixel_format sample_border tonemap_method variable");  // of the file that is written
+  film.ignore_all();  // the filter, and how the file is written
 }
 
 double in_radians(double degrees) {
@@ -131,11 +100,8 @@ void add_camera(Described& scene, const Element& sensor) {
       sensor.fail(fmt::format("a lens of radius {} focused at {}", camera.lens_radius,
                               camera.focus_distance));
   }
-  if (is_clipped(scene, camera, sensor.number("near_clip", 1e-2), sensor.number("far_clip", 1e4)))
-    sensor.lose("what is nearer than near_clip or farther than far_clip is not cut away");
-  sensor.ignore("focus_distance shutter_open shutter_close");  // nothing moves
-  for (const Element* sampler : sensor.nested("sampler"))
-    sampler->ignore("dimension jitter sample_count scramble seed strength");
+  sensor.ignore("near_clip far_clip focus_distance shutter_open shutter_close");
+  sensor.nested("sampler");
   for (const Element* medium : sensor.nested("medium")) medium->lose(kMedia);
   scene.cameras.push_back(camera);
 }
@@ -208,7 +174,7 @@ void add_emitter(Context& in, const Element& e) {
     return e.lose(
         fmt::format("emitters of type \"{}\" are not read and left out", shown(e.type, 40)));
   }
-  e.ignore("sampling_weight mis_compensation cache");  // how it is sampled and kept
+  e.ignore("mis_compensation cache");
   for (const Element* medium : e.nested("medium")) medium->lose(kMedia);
 }
 
@@ -231,16 +197,7 @@ Described read_mitsuba(Source& source, const std::map<std::string, std::string>&
   for (const Element* integrator : root.nested("integrator")) read_integrator(*integrator);
   for (const Element* scattering : root.nested("subsurface"))
     scattering->lose("subsurface scattering is left out");
-  for (const char* kind :
-       {"bsdf", "film", "medium", "phase", "random", "rfilter", "sampler", "texture", "volume"})
-    root.nested(kind);  // they wait for a reference to them, or are how to render
-  root.ignore(
-      "allow_thread_reordering compact_acceleration_structures "
-      "embree_use_robust_intersections kd_clip kd_empty_space_bonus "
-      "kd_exact_primitive_threshold kd_intersection_cost kd_max_bad_refines "
-      "kd_max_depth kd_min_max_bins kd_parallel_build kd_retract "
-      "kd_retract_bad_splits kd_stop_prims kd_traversal_cost");  // how rays are traced
-  lose_backs(in);
+  root.ignore_all();  // what waits for a reference to it, and how to render
   return scene;
 }
 

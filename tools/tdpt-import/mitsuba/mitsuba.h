@@ -108,10 +108,8 @@ struct Context {
   std::map<std::pair<const Element*, const Element*>, Surface> surfaces{};  ///< of bsdf and medium
   std::map<std::string, size_t> default_materials{};
   std::set<size_t> meshes_with_normals{};  ///< in their files
-  std::vector<std::pair<const Element*, size_t>>
-      bodies{};                           ///< one-sided ones, with their shapes' indices
-  std::map<size_t, size_t> green_down{};  ///< materials with their normal maps turned
-  std::set<const Element*> portals{};     ///< emitters of shapes
+  std::map<size_t, size_t> green_down{};   ///< materials with their normal maps turned
+  std::set<const Element*> portals{};      ///< emitters of shapes
   size_t visited_shapes = 0;
 };
 
@@ -120,6 +118,9 @@ struct Context {
 bool is_colour(const Element& value);
 /// The colour of a float, rgb, srgb, spectrum or blackbody.
 Rgb colour_of(const Element& value, Role role);
+inline float single(double v) {
+  return static_cast<float>(v);
+}
 float mean(const Rgb& c);
 bool is_grey(const Rgb& c);
 
@@ -141,7 +142,5 @@ Surface surface(Context& in, const Element& bsdf, const Element* interior);
 
 /// Adds a shape of the scene, with all that it holds.
 void add_shape(Context& in, const Element& shape);
-/// When all is read: names bodies that a camera sees from behind.
-void lose_backs(const Context& in);
 
 }  // namespace tdpt::foreign::mitsuba

@@ -13,10 +13,6 @@ namespace {
 
 using Samples = std::vector<std::array<double, 2>>;
 
-float single(double v) {
-  return static_cast<float>(v);
-}
-
 constexpr double kMost = 1e30;  // of a component
 
 // One or three numbers, or #rrggbb.
@@ -35,10 +31,6 @@ Rgb three(const Element& value) {
     return single(value.finite(words[words.size() == 1 ? 0 : i], kMost));
   };
   return {at(0), at(1), at(2)};
-}
-
-float linear(float v) {
-  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
 }
 
 // Colour of a light with a spectrum of which 1 is a constant 1: not white.
@@ -77,12 +69,17 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-Rgb sampled(Samples samples, const Element& value, Role role) {
-  if (samples.empty()) value.fail("a spectrum without values");
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const double nm = samples[i][0];
+// Of a wavelength and a value in turn.
+Rgb sampled(const std::vector<std::string>& words, const Element& value, Role role) {
+  if (words.empty() || words.size() % 2 != 0)
+    value.fail(
+        fmt::format("a spectrum of {} numbers, expected pairs wavelength:value", words.size()));
+  Samples samples;
+  for (size_t i = 0; i < words.size(); i += 2) {
+    const double nm = value.finite(words[i], kMost);
     if (!(nm > 0 && nm < 1e6)) value.fail(fmt::format("a wavelength of {} nm", nm));
-    if (i > 0 && !(nm > samples[i - 1][0])) value.fail("wavelengths are not in ascending order");
+    if (i > 0 && !(nm > samples.back()[0])) value.fail("wavelengths are not in ascending order");
+    samples.push_back({nm, value.finite(words[i + 1], kMost)});
   }
   if (!value.old && role == Role::surface) return lit(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
@@ -90,50 +87,25 @@ Rgb sampled(Samples samples, const Element& value, Role role) {
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
-// Pairs of a wavelength and a value, one a line.
-Samples file(const Element& value) {
-  Samples out;
-  for (std::string line :
-       split(value.source->read(value.attribute("filename"), value.place), "\r\n")) {
-    line = line.substr(0, line.find('#'));
-    const auto words = split(line);
-    if (words.empty()) continue;
-    if (words.size() < 2)
-      value.fail("its file has a line with one number, expected a wavelength and a value");
-    out.push_back({value.finite(words[0], kMost), value.finite(words[1], kMost)});
-  }
-  return out;
-}
-
+// A file of pairs with comments, pairs with colons, or one number.
 Rgb spectrum(const Element& value, Role role) {
-  if (value.attributes.contains("filename")) return sampled(file(value), value, role);
-  const auto words = split(value.attribute());
-  if (words.size() == 1 && words[0].find(':') == std::string::npos) {
-    const Rgb grey(single(value.finite(words[0], kMost)));
-    return !value.old && role == Role::light ? grey * of_equal_energy() : grey;
+  if (value.attributes.contains("filename")) {
+    std::string numbers;
+    const std::string text = value.source->read(value.attribute("filename"), value.place);
+    for (const std::string& line : split(text, "\r\n"))
+      numbers += line.substr(0, line.find('#')) + " ";
+    return sampled(split(numbers), value, role);
   }
-  if (words.empty()) value.fail("a spectrum without values");
-  if (words[0].find(':') == std::string::npos) {
-    if (words.size() != 3)
-      value.fail(
-          fmt::format("a spectrum of {} values, expected pairs wavelength:value", words.size()));
-    return three(value);
-  }
-  Samples samples;
-  for (const std::string& word : words) {
-    const size_t colon = word.find(':');
-    if (colon == word.npos)
-      value.fail(fmt::format("\"{}\" is no pair wavelength:value", shown(word, 40)));
-    samples.push_back(
-        {value.finite(word.substr(0, colon), kMost), value.finite(word.substr(colon + 1), kMost)});
-  }
-  return sampled(std::move(samples), value, role);
+  const std::string& text = value.attribute();
+  if (text.find(':') != text.npos) return sampled(split(text, " :,\t\r\n"), value, role);
+  const Rgb c = three(value);
+  const bool is_even = split(text).size() == 1 && !value.old && role == Role::light;
+  return is_even ? c * of_equal_energy() : c;
 }
 
-// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it. Values and objects fail alike.
-template <class Holder>
-Rgb blackbody(double kelvin, const Holder& holder) {
-  if (!(kelvin > 0 && kelvin < 1e6)) holder.fail(fmt::format("a temperature of {} K", kelvin));
+// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it.
+Rgb blackbody(double kelvin, const Element& value) {
+  if (!(kelvin > 0 && kelvin < 1e6)) value.fail(fmt::format("a temperature of {} K", kelvin));
   Samples samples;
   for (double nm = 360; nm <= 830; nm += 5) {
     const double m = nm * 1e-9, c = 299792458, h = 6.62607015e-34, k = 1.380649e-23;
@@ -152,6 +124,9 @@ bool is_colour(const Element& value) {
 Rgb colour_of(const Element& value, Role role) {
   if (value.tag == "rgb") return three(value);
   if (value.tag == "srgb") {
+    const auto linear = [](float v) {
+      return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    };
     const Rgb c = three(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
@@ -159,9 +134,8 @@ Rgb colour_of(const Element& value, Role role) {
   if (value.tag == "blackbody") {
     std::string kelvin = value.attribute("temperature");
     kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
-    const double scale =
-        value.attributes.contains("scale") ? value.finite(value.attribute("scale")) : 1;
-    return blackbody(value.finite(kelvin, kMost), value) * single(scale);
+    const std::string scale = value.attributes.contains("scale") ? value.attribute("scale") : "1";
+    return blackbody(value.finite(kelvin, kMost), value) * single(value.finite(scale));
   }
   return Rgb(single(value.finite(value.attribute(), kMost)));
 }
@@ -179,13 +153,6 @@ namespace {
 
 Colour plain(const Rgb& c) {
   return {c, {}, {}};
-}
-
-Colour value_of(Context& in, const Element& value, Role role) {
-  if (is_colour(value)) return plain(colour_of(value, role));
-  if (value.object && value.object->tag == "texture") return texture(in, *value.object, role);
-  value.fail(fmt::format("\"{}\" is a {}, expected a colour or texture", shown(value.name, 40),
-                         shown(value.tag, 40)));
 }
 
 // Mitsuba's v = 0 is the top row of an image, as glTF's.
@@ -247,50 +214,38 @@ Colour checkerboard(Context& in, const Element& texture) {
 // A spectrum of two lists.
 Colour irregular(const Element& texture, Role role) {
   const auto nm = split(texture.needed_text("wavelengths")),
-             v = split(texture.needed_text("values"));
-  if (nm.size() != v.size() || nm.empty())
-    texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), v.size()));
-  const Element& values = *texture.find("values");
-  Samples samples;
-  for (size_t i = 0; i < nm.size(); ++i)
-    samples.push_back({values.finite(nm[i], kMost), values.finite(v[i], kMost)});
-  return plain(sampled(std::move(samples), values, role));
+             values = split(texture.needed_text("values"));
+  if (nm.size() != values.size())
+    texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), values.size()));
+  std::vector<std::string> pairs;
+  for (size_t i = 0; i < nm.size(); ++i) pairs.insert(pairs.end(), {nm[i], values[i]});
+  return plain(sampled(pairs, *texture.find("values"), role));
 }
 
 Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
   const std::string& type = texture.type;
+  texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");  // of what is visible
   // That of the texture within, if there is one, or of the value of that name.
   const auto inner = [&](const std::string& name) {
     const auto nested = texture.nested("texture");
     return nested.empty() ? colour(in, texture, name, Rgb(1), role)
                           : mitsuba::texture(in, *nested[0], role, raw);
   };
-  const auto ignore_ends = [&] {  // outside of what is visible
-    texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");
-  };
-  if (type == "bitmap" || type == "ldrtexture") return bitmap(in, texture, raw);
+  if (is_one_of(type, "bitmap ldrtexture")) return bitmap(in, texture, raw);
   if (type == "checkerboard") return checkerboard(in, texture);
-  if (type == "scale") {
+  if (is_one_of(type, "scale uniform rawconstant d65")) {
     const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
-    Colour c = inner("value");
+    Colour c = inner(texture.find("color") ? "color" : "value");
     c.factor = c.factor * scale;
     return c;
-  }
-  if (is_one_of(type, "uniform rawconstant d65")) {
-    const Colour c = inner(texture.find("color") ? "color" : "value");
-    ignore_ends();
-    return {c.factor * single(texture.number("scale", 1)), c.texture, {}};
   }
   if (type == "srgb") {
     texture.ignore("unbounded");  // a check
     return colour(in, texture, "color", Rgb(0), role);
   }
   if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, role);
-  if (type == "blackbody") {
-    if (!texture.find("temperature")) texture.fail("the blackbody has no \"temperature\"");
-    ignore_ends();
+  if (type == "blackbody" && texture.find("temperature"))
     return plain(blackbody(texture.number("temperature", 0), texture));
-  }
   texture.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
                            shown(type, 40)));
   texture.ignore_all();
@@ -302,7 +257,10 @@ Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
 Colour colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
               Role role) {
   const Element* v = object.find(name);
-  return v ? value_of(in, *v, role) : plain(otherwise);
+  if (!v) return plain(otherwise);
+  if (is_colour(*v)) return plain(colour_of(*v, role));
+  if (v->tag == "texture") return texture(in, *v->object, role);
+  v->fail(fmt::format("\"{}\" is a {}, expected a colour or texture", name, shown(v->tag, 40)));
 }
 
 Number number(Context& in, const Element& object, const std::string& name, double otherwise) {

@@ -133,7 +133,7 @@ class Parser {
     return out;
   }
 
-  // What to say if nobody asks for an element of `holder`.
+  // What to say if nobody asks for an element of `holder`; nothing of how it is sampled.
   static std::string missing(const Element& e, const Element& holder) {
     const auto word = [&](const char* attribute) {
       const std::string text = e.optional(attribute);
@@ -145,6 +145,7 @@ class Parser {
     if (e.object)
       return fmt::format("the {} \"{}\" in a {} is left out", e.tag, word("type"),
                          holder.described());
+    if (e.name.find("sampl") != e.name.npos) return "";
     return fmt::format("the parameter \"{}\" of the {} is not read", word("name"),
                        holder.described());
   }
