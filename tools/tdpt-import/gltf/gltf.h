@@ -1,4 +1,5 @@
-// What the chapters of the writer share: the file as JSON and bytes, its materials, its sky.
+// A described scene as a .glb, its environment and its portals beside it; and what the chapters of
+// the writer share.
 #pragma once
 #include <map>
 #include <nlohmann/json.hpp>
@@ -7,34 +8,52 @@
 #include <string_view>
 #include <vector>
 
+#include "libcommon/base/provenance.h"
 #include "tools/tdpt-import/described.h"
-#include "tools/tdpt-import/gltf/writer.h"
 #include "tools/tdpt-import/images.h"
 
 namespace tdpt::foreign {
 
+/// The frame in which a scene is written: right-handed, +y up, as glTF wants it.
+struct Frame {
+  Affine to_gltf{};       ///< orthogonal; of the source's coordinates
+  bool mirrored = false;  ///< the source's frame is left-handed
+  std::string up = "y";   ///< the axis that is up in the source, or down if `downwards`
+  bool downwards = false;
+};
+
+struct Writing {
+  std::string up = "auto";    ///< the axis x, y or z; auto: by the camera
+  int longest_texture = 0;    ///< longer sides of textures are scaled down to it; 0: none are
+  std::string environment{};  ///< name of the file beside the scene, without suffix
+  std::string format{};       ///< of the source, such as "Tungsten"
+  Provenance provenance{};
+};
+
+struct Written {
+  std::string glb;
+  std::string environment, environment_suffix;  ///< its bytes; empty: there is no such file
+  std::string portals;                          ///< a file of portals; empty: there are none
+  Frame frame;
+  size_t triangles = 0, shapes = 0, materials = 0, textures = 0, emitters = 0;
+};
+
+/// Names what glTF cannot hold as lost.
+Written written(const Described& scene, const Writing& writing, Source& source);
+
 using GltfJson = nlohmann::ordered_json;
 
 /// A .glb that is being written: its JSON, and the binary part that the JSON describes.
-class Glb {
- public:
+struct Glb {
   GltfJson root{};
+  std::string bin{};
 
-  // Each returns the index of its accessor.
-  size_t positions(const std::vector<Vec3f>& values);
-  size_t normals(const std::vector<Vec3f>& values);
-  size_t uv(const std::vector<std::array<float, 2>>& values);
-  size_t indices(const std::vector<std::array<uint32_t, 3>>& triangles, size_t vertices);
-  /// The index of its bufferView.
-  size_t bytes(std::string_view bytes, int target = 0);
-
+  /// Adds an element to a list of the root; its index.
+  size_t add(const char* section, GltfJson value);
+  /// Adds bytes to the binary part; the index of their bufferView.
+  size_t add(std::string_view bytes, int target = 0);
   /// The whole file.
   std::string file();
-
- private:
-  size_t accessor(std::string_view bytes, int target, int type, size_t count, const char* shape);
-
-  std::string bin_;
 };
 
 /// The scene's materials and their textures as glTF has them: 8 bits, PNG or JPEG. Files pass
@@ -42,9 +61,8 @@ class Glb {
 /// out.
 class Surfaces {
  public:
-  /// `longest`: longer sides of textures are scaled down to it; 0: none are.
-  Surfaces(const Described& scene, Glb& glb, Source& source, int longest)
-      : scene_(scene), glb_(glb), source_(source), longest_(longest) {}
+  Surfaces(const Described& scene, Glb& glb, Source& source, int longest_texture)
+      : scene_(scene), glb_(glb), source_(source), longest_(longest_texture) {}
 
   struct Written {
     size_t index = 0;
@@ -65,7 +83,8 @@ class Surfaces {
   const Texels* texels(const Texture& texture);
   bool passes(const Texture& texture);
   GltfJson info(const Texture& texture, const std::string& bytes);
-  void add_map(const Texture& texture, GltfJson& info);
+  GltfJson transform(const Texture& texture);
+  size_t index_of(const char* section, const GltfJson& value);
 
   GltfJson surface(const Material& m);
   void add_layers(const Material& m, GltfJson& out);
@@ -77,20 +96,18 @@ class Surfaces {
   Glb& glb_;
   Source& source_;
   int longest_;
-  std::map<size_t, Texels> decoded_;  ///< by image; empty: cannot be decoded
-  std::map<std::string, size_t> images_, samplers_, textures_;
-  std::map<std::string, size_t> written_;  ///< by its JSON
-  std::map<size_t, Written> dark_;         ///< by material, those that emit nothing
+  std::map<size_t, Texels> decoded_;      ///< by image; empty: cannot be decoded
+  std::map<std::string, size_t> images_;  ///< by the hash of their bytes
+  std::map<std::string, std::map<std::string, size_t>> known_{};  ///< by section and JSON
+  std::map<size_t, Written> dark_;  ///< by material, those that emit nothing
   std::set<std::string> extensions_;
+  bool textured_ = false;  ///< the material that is being written
 };
 
-struct WrittenSky {
-  std::string suffix,
-      bytes;  ///< of the file beside the scene, ".exr" or ".hdr"; empty: there is none
-  GltfJson extras = GltfJson::object();  ///< keys of the scene's extras but the name of the file
-};
-/// A map that only has to be turned about +y is copied; any other is resampled in the scene's
-/// frame. Empty extras: there is no light.
-WrittenSky written_sky(const Described& scene, const Frame& frame, Source& source);
+/// Adds the keys of the sky to the scene's extras, and its file to `out`. A map that only has to be
+/// turned about +y is copied; any other is resampled in the scene's frame. `name`: of the file,
+/// without suffix.
+void add_sky(const Described& scene, Source& source, const std::string& name, GltfJson& extras,
+             Written& out);
 
 }  // namespace tdpt::foreign

@@ -195,28 +195,26 @@ bool is_near(const Vec3d& a, const Vec3d& b) {
 
 }  // namespace
 
-WrittenSky written_sky(const Described& scene, const Frame& frame, Source& source) {
-  WrittenSky out;
-  if (!scene.sky || !(max_component(scene.sky->colour) > 0)) return out;
+void add_sky(const Described& scene, Source& source, const std::string& name, GltfJson& extras,
+             Written& out) {
+  if (!scene.sky || !(max_component(scene.sky->colour) > 0)) return;
   const Sky& sky = *scene.sky;
-  if (!sky.image) {
-    out.extras["tdpt_environment"] = {sky.colour.x, sky.colour.y, sky.colour.z};
-    return out;
-  }
+  const auto one_colour = [&](const Rgb& c) { extras["tdpt_environment"] = {c.x, c.y, c.z}; };
+  if (!sky.image) return one_colour(sky.colour);
   const Image& image = scene.images[*sky.image];
-  const std::string name = source.shown_name(image.name);
-  Texels t = image.texels.empty() ? decode(image.bytes, name)
+  const std::string file = source.shown_name(image.name);
+  Texels t = image.texels.empty() ? decode(image.bytes, file)
                                   : Texels{image.width, image.height, false, image.texels, {}};
   if (t.is_8bit && sky.srgb)
     for (Rgb& c : t.rgb) c = linear_of(c);
   if (sky.layout == Sky::Layout::octahedral && t.width != t.height)
-    throw InputError(name, "",
+    throw InputError(file, "",
                      fmt::format("is {} x {} texels, expected a square, as pbrt-v4's skies are",
                                  t.width, t.height));
   bool negative = false;
   for (size_t i = 0; i < t.rgb.size(); ++i) {
     if (!(max_component(t.rgb[i]) <= 1e30f) || !is_finite(t.rgb[i]))
-      throw InputError(name,
+      throw InputError(file,
                        fmt::format("pixel {} {}", i % static_cast<size_t>(t.width),
                                    i / static_cast<size_t>(t.width)),
                        "is no radiance of a sky, expected finite numbers up to 1e30");
@@ -224,39 +222,35 @@ WrittenSky written_sky(const Described& scene, const Frame& frame, Source& sourc
     t.rgb[i] = max(t.rgb[i], Rgb(0));
   }
   if (negative) source.lose({source.path(), ""}, "negative radiances of the sky become 0");
-  if (t.rgb.size() == 1) {
-    const Rgb c = t.rgb[0] * sky.colour;
-    out.extras["tdpt_environment"] = {c.x, c.y, c.z};
-    return out;
-  }
+  if (t.rgb.size() == 1) return one_colour(t.rgb[0] * sky.colour);
   if (std::all_of(t.rgb.begin(), t.rgb.end(), [](const Rgb& c) { return !(max_component(c) > 0); }))
-    return out;
+    return;
 
-  const Affine to_map = sky.to_map * frame.to_gltf.transposed();
+  const Affine to_map = sky.to_map * out.frame.to_gltf.transposed();
   const bool grey = sky.colour.x == sky.colour.y && sky.colour.y == sky.colour.z;
   const bool turned = is_near(to_map.y, {0, 1, 0}) && !to_map.mirrors();
   const bool plain = sky.layout == Sky::Layout::latlong && t.width == 2 * t.height &&
                      t.width <= kWidest && !negative;
   const bool exr = image.bytes.starts_with("\x76\x2f\x31\x01"), hdr = is_radiance_hdr(image.bytes);
-  if (grey && turned && plain && (exr || hdr)) {
-    out.suffix = exr ? ".exr" : ".hdr";
-    out.bytes = image.bytes;
+  const bool copied = grey && turned && plain && (exr || hdr);
+  out.environment_suffix = copied && hdr ? ".hdr" : ".exr";
+  extras["tdpt_environment"] = name + out.environment_suffix;
+  if (copied) {
+    out.environment = image.bytes;
     // The map's -z lies at to_map's inverse of it; a positive rotation is counter-clockwise from
     // above.
     const Vec3d centre = to_map.transposed().vector({0, 0, -1});
     const double degrees = std::atan2(-centre.x, -centre.z) * 180 / pi;
-    if (std::abs(degrees) > 1e-9) out.extras["tdpt_environment_rotation"] = degrees;
-    if (sky.colour.x != 1) out.extras["tdpt_environment_scale"] = sky.colour.x;
-    return out;
+    if (std::abs(degrees) > 1e-9) extras["tdpt_environment_rotation"] = degrees;
+    if (sky.colour.x != 1) extras["tdpt_environment_scale"] = sky.colour.x;
+    return;
   }
   // As fine as the given one; equal-area squares have texels of 3.5 rad / width.
   const int width =
       std::clamp(sky.layout == Sky::Layout::octahedral ? 2 * t.width : t.width, 4, kWidest);
-  ExrFile file;
-  file.picture = Turned(t, sky, to_map.transposed(), width / 2 * 2).picture();
-  out.suffix = ".exr";
-  out.bytes = exr_bytes(file);
-  return out;
+  ExrFile resampled;
+  resampled.picture = Turned(t, sky, to_map.transposed(), width / 2 * 2).picture();
+  out.environment = exr_bytes(resampled);
 }
 
 }  // namespace tdpt::foreign

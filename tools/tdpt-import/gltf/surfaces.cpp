@@ -58,17 +58,14 @@ std::array<double, 2> in_other(const Texture& from, double u, double v, const Te
 }
 
 // A picture of `at(x, y)`, four channels, reduced by whole boxes so that no side exceeds `longest`.
-struct Reduced {
-  int width, height;
-  std::vector<std::array<float, 4>> pixels;
-};
 template <class At>
-Reduced reduced(int width, int height, int longest, const At& at) {
+std::string png_of(int width, int height, int longest, bool coded, bool with_alpha, const At& at) {
   const int step = longest > 0 ? std::max(1, (std::max(width, height) + longest - 1) / longest) : 1;
-  Reduced out{std::max(1, width / step), std::max(1, height / step), {}};
-  out.pixels.reserve(static_cast<size_t>(out.width) * static_cast<size_t>(out.height));
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
+  const int columns = std::max(1, width / step), rows = std::max(1, height / step);
+  std::vector<uint8_t> bytes;
+  bytes.reserve(static_cast<size_t>(columns) * static_cast<size_t>(rows) * 4);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) {
       std::array<float, 4> sum{};
       int n = 0;
       for (int j = y * step; j < std::min(height, (y + 1) * step); ++j)
@@ -77,19 +74,10 @@ Reduced reduced(int width, int height, int longest, const At& at) {
           for (size_t c = 0; c < 4; ++c) sum[c] += p[c];
         }
       for (float& s : sum) s /= static_cast<float>(n);
-      out.pixels.push_back(sum);
+      for (size_t c = 0; c < 3; ++c) bytes.push_back(coded ? coded_of(sum[c]) : byte_of(sum[c]));
+      if (with_alpha) bytes.push_back(byte_of(sum[3]));
     }
-  return out;
-}
-
-std::string png_of(const Reduced& image, bool coded, bool with_alpha) {
-  std::vector<uint8_t> bytes;
-  bytes.reserve(image.pixels.size() * 4);
-  for (const auto& p : image.pixels) {
-    for (size_t c = 0; c < 3; ++c) bytes.push_back(coded ? coded_of(p[c]) : byte_of(p[c]));
-    if (with_alpha) bytes.push_back(byte_of(p[3]));
-  }
-  return png_of_rgb8(image.width, image.height, bytes);
+  return png_of_rgb8(columns, rows, bytes);
 }
 
 bool is_png(const std::string& bytes) {
@@ -134,9 +122,9 @@ bool Surfaces::passes(const Texture& texture) {
   return t && (longest_ == 0 || std::max(t->width, t->height) <= longest_);
 }
 
-void Surfaces::add_map(const Texture& texture, GltfJson& info) {
+// Empty for the identity.
+GltfJson Surfaces::transform(const Texture& texture) {
   const auto& m = texture.map;
-  if (m == std::array<double, 6>{1, 0, 0, 0, 1, 0}) return;
   double r = 0, su = m[0], sv = m[4];
   if (m[1] != 0 || m[3] != 0) {
     r = std::atan2(-m[3], m[0]);
@@ -149,28 +137,36 @@ void Surfaces::add_map(const Texture& texture, GltfJson& info) {
   if (m[2] != 0 || m[5] != 0) t["offset"] = {m[2], m[5]};
   if (r != 0) t["rotation"] = r;
   if (su != 1 || sv != 1) t["scale"] = {su, sv};
-  info["extensions"]["KHR_texture_transform"] = std::move(t);
+  return t;
+}
+
+// Equal ones share one.
+size_t Surfaces::index_of(const char* section, const GltfJson& value) {
+  const std::string text = value.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
+  std::map<std::string, size_t>& known = known_[section];
+  const auto [it, is_new] = known.try_emplace(text, known.size());
+  if (is_new) glb_.add(section, value);
+  return it->second;
 }
 
 GltfJson Surfaces::info(const Texture& texture, const std::string& bytes) {
-  const auto [image, new_image] = images_.try_emplace(content_hash(bytes), images_.size());
-  if (new_image)
-    glb_.root["images"].push_back({{"name", shown(scene_.images[texture.image].name, 200)},
-                                   {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"},
-                                   {"bufferView", glb_.bytes(bytes)}});
-  GltfJson sampler = GltfJson::object(), t = {{"source", image->second}};
+  const auto [image, is_new] = images_.try_emplace(content_hash(bytes), images_.size());
+  if (is_new) {
+    glb_.add("images", {{"name", shown(scene_.images[texture.image].name, 200)},
+                        {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"}});
+    const size_t view = glb_.add(bytes);
+    glb_.root["images"].back()["bufferView"] = view;
+  }
+  GltfJson t = {{"source", image->second}};
+  GltfJson sampler = GltfJson::object();
   if (texture.nearest) sampler["magFilter"] = 9728, sampler["minFilter"] = 9728;
   for (const auto& [key, wrap] : {std::pair{"wrapS", texture.wrap_u}, {"wrapT", texture.wrap_v}})
     if (wrap != Texture::Wrap::repeat) sampler[key] = wrap == Texture::Wrap::mirror ? 33648 : 33071;
-  if (!sampler.empty()) {
-    const auto [at, is_new] = samplers_.try_emplace(sampler.dump(), samplers_.size());
-    if (is_new) glb_.root["samplers"].push_back(sampler);
-    t["sampler"] = at->second;
-  }
-  const auto [at, is_new] = textures_.try_emplace(t.dump(), textures_.size());
-  if (is_new) glb_.root["textures"].push_back(std::move(t));
-  GltfJson out = {{"index", at->second}};
-  add_map(texture, out);
+  if (!sampler.empty()) t["sampler"] = index_of("samplers", sampler);
+  GltfJson out = {{"index", index_of("textures", t)}};
+  textured_ = true;
+  if (GltfJson map = transform(texture); !map.empty())
+    extension(out, "KHR_texture_transform") = std::move(map);
   return out;
 }
 
@@ -210,9 +206,9 @@ GltfJson Surfaces::colour(const Colour& colour, const Number* opacity, float sca
     }
     return {c.x / scale, c.y / scale, c.z / scale, alpha};
   };
-  const Reduced out = reduced(t->width, t->height, longest_, at);
+  const std::string png = png_of(t->width, t->height, longest_, true, cut, at);
   if (above_1) lose("reflectances above 1 are taken as 1");
-  return info(lead, png_of(out, true, cut));
+  return info(lead, png);
 }
 
 GltfJson Surfaces::roughness(const Number& roughness) {
@@ -224,7 +220,7 @@ GltfJson Surfaces::roughness(const Number& roughness) {
     const float r = number_at(*t, *roughness.texture, i);
     return {1, roughness.curve ? roughness.curve(r) : r, 1, 1};
   };
-  return info(*roughness.texture, png_of(reduced(t->width, t->height, longest_, at), false, false));
+  return info(*roughness.texture, png_of(t->width, t->height, longest_, false, false, at));
 }
 
 GltfJson Surfaces::normal_map(const Texture& texture) {
@@ -236,7 +232,7 @@ GltfJson Surfaces::normal_map(const Texture& texture) {
     const Rgb& c = t->rgb[t->index(x, y)];
     return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
   };
-  return info(texture, png_of(reduced(t->width, t->height, longest_, at), false, false));
+  return info(texture, png_of(t->width, t->height, longest_, false, false, at));
 }
 
 namespace {
@@ -340,6 +336,7 @@ GltfJson Surfaces::surface(const Material& m) {
 
 Surfaces::Written Surfaces::written(size_t material, const std::optional<Emission>& emission) {
   if (const auto it = dark_.find(material); !emission && it != dark_.end()) return it->second;
+  textured_ = false;
   GltfJson out = surface(with_factors_within_1(scene_.materials[material]));
   if (emission) {
     add_emission(*emission, out);
@@ -348,13 +345,9 @@ Surfaces::Written Surfaces::written(size_t material, const std::optional<Emissio
     else
       out.erase("doubleSided");
   }
-  const std::string text = out.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
-  const bool textured = text.find("Texture\":") != text.npos;
-  if (text.find("KHR_texture_transform") != text.npos) extensions_.insert("KHR_texture_transform");
-  const auto [it, is_new] = written_.try_emplace(text, written_.size());
-  if (is_new) glb_.root["materials"].push_back(std::move(out));
-  if (!emission) dark_[material] = {it->second, textured};
-  return {it->second, textured};
+  const Written all{index_of("materials", out), textured_};
+  if (!emission) dark_[material] = all;
+  return all;
 }
 
 }  // namespace tdpt::foreign

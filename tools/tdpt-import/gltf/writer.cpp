@@ -10,6 +10,7 @@
 #include "libcommon/base/words.h"
 #include "libcommon/formats/portal.h"
 #include "tdpt_version.h"
+#include "tools/tdpt-import/meshes/meshes.h"
 
 namespace tdpt::foreign {
 
@@ -19,63 +20,59 @@ namespace {
 
 constexpr int kFloat = 5126, kShort = 5123, kInt = 5125, kVertices = 34962, kIndices = 34963;
 
+// The index of an accessor of `count` elements.
 template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+size_t add_accessor(Glb& glb, const std::vector<T>& values, int component, size_t count,
+                    const char* type) {
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()),
+                               values.size() * sizeof(T));
+  const size_t view = glb.add(bytes, component == kFloat ? kVertices : kIndices);
+  return glb.add(
+      "accessors",
+      {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}});
+}
+
+size_t add_positions(Glb& glb, const std::vector<Vec3f>& values) {
+  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
+  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
+  const size_t at = add_accessor(glb, values, kFloat, values.size(), "VEC3");
+  glb.root["accessors"][at]["min"] = {low.x, low.y, low.z};
+  glb.root["accessors"][at]["max"] = {high.x, high.y, high.z};
+  return at;
+}
+
+template <class Index>
+size_t add_indices(Glb& glb, const Mesh& mesh, bool turned, int component) {
+  std::vector<Index> corners;
+  for (auto [a, b, c] : mesh.triangles) {
+    if (turned) std::swap(b, c);
+    for (const uint32_t i : {a, b, c}) corners.push_back(static_cast<Index>(i));
+  }
+  return add_accessor(glb, corners, component, corners.size(), "SCALAR");
 }
 
 }  // namespace
 
-size_t Glb::bytes(std::string_view bytes, int target) {
-  GltfJson v = {{"buffer", 0}, {"byteOffset", bin_.size()}, {"byteLength", bytes.size()}};
-  if (target) v["target"] = target;
-  root["bufferViews"].push_back(std::move(v));
-  bin_ += bytes;
-  bin_.resize((bin_.size() + 3) / 4 * 4);
-  return root["bufferViews"].size() - 1;
+size_t Glb::add(const char* section, GltfJson value) {
+  root[section].push_back(std::move(value));
+  return root[section].size() - 1;
 }
 
-size_t Glb::accessor(std::string_view values, int target, int type, size_t count,
-                     const char* shape) {
-  const size_t view = bytes(values, target);
-  root["accessors"].push_back(
-      {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}});
-  return root["accessors"].size() - 1;
-}
-
-size_t Glb::positions(const std::vector<Vec3f>& values) {
-  Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
-  for (const Vec3f& p : values) low = min(low, p), high = max(high, p);
-  const size_t at = normals(values);
-  root["accessors"][at]["min"] = {low.x, low.y, low.z};
-  root["accessors"][at]["max"] = {high.x, high.y, high.z};
-  return at;
-}
-
-size_t Glb::normals(const std::vector<Vec3f>& values) {
-  static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC3");
-}
-
-size_t Glb::uv(const std::vector<std::array<float, 2>>& values) {
-  return accessor(bytes_of(values), kVertices, kFloat, values.size(), "VEC2");
-}
-
-size_t Glb::indices(const std::vector<std::array<uint32_t, 3>>& triangles, size_t vertices) {
-  if (vertices > 65535)
-    return accessor(bytes_of(triangles), kIndices, kInt, 3 * triangles.size(), "SCALAR");
-  std::vector<uint16_t> small;
-  for (const auto& t : triangles)
-    for (const uint32_t i : t) small.push_back(static_cast<uint16_t>(i));
-  return accessor(bytes_of(small), kIndices, kShort, small.size(), "SCALAR");
+size_t Glb::add(std::string_view bytes, int target) {
+  GltfJson view = {{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", bytes.size()}};
+  if (target) view["target"] = target;
+  bin += bytes;
+  bin.resize((bin.size() + 3) / 4 * 4);
+  return add("bufferViews", std::move(view));
 }
 
 std::string Glb::file() {
   constexpr uint32_t kGlbMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinChunk = 0x004e4942;
-  if (!bin_.empty()) root["buffers"] = GltfJson::array({{{"byteLength", bin_.size()}}});
+  if (!bin.empty()) root["buffers"] = GltfJson::array({{{"byteLength", bin.size()}}});
   std::string text = root.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
-  const size_t total = 12 + 8 + text.size() + (bin_.empty() ? 0 : 8 + bin_.size());
+  const size_t total = 12 + 8 + text.size() + (bin.empty() ? 0 : 8 + bin.size());
   if (total > std::numeric_limits<uint32_t>::max())
     throw Error(Exit::bad_input, "the scene takes more than 4 GiB, which no .glb holds");
   std::string glb;
@@ -86,9 +83,9 @@ std::string Glb::file() {
   };
   word(kGlbMagic), word(2), word(total), word(text.size()), word(kJsonChunk);
   glb += text;
-  if (!bin_.empty()) {
-    word(bin_.size()), word(kBinChunk);
-    glb += bin_;
+  if (!bin.empty()) {
+    word(bin.size()), word(kBinChunk);
+    glb += bin;
   }
   return glb;
 }
@@ -99,24 +96,23 @@ namespace {
 
 // Mirrors the scene along x if its first camera is mirrored, and turns `up` to +y. By the camera:
 // the axis that is nearest to what is up in its picture.
-Frame frame_of(const Described& scene, Up up) {
+Frame frame_of(const Described& scene, const std::string& up) {
   Frame frame;
+  if (up != "auto") frame.up = up;
   if (!scene.cameras.empty()) {
     const Affine& camera = scene.cameras.front().to_world;
     frame.mirrored = camera.mirrors();
-    if (up == Up::by_camera) {
+    if (up == "auto") {
       const Vec3d& y = camera.y;
       const double x = std::abs(y.x), z = std::abs(y.z), upright = std::abs(y.y);
-      up = upright >= x && upright >= z ? Up::y : z >= x ? Up::z : Up::x;
-      frame.downwards = (up == Up::y ? y.y : up == Up::z ? y.z : y.x) < 0;
+      frame.up = upright >= x && upright >= z ? "y" : z >= x ? "z" : "x";
+      frame.downwards = (frame.up == "y" ? y.y : frame.up == "z" ? y.z : y.x) < 0;
     }
   }
-  if (up == Up::by_camera) up = Up::y;
-  frame.up = up;
   // Rotations that take the axis to +y and keep one of the others.
   Affine turn;
-  if (up == Up::z) turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
-  if (up == Up::x) turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
+  if (frame.up == "z") turn = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {}};
+  if (frame.up == "x") turn = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {}};
   if (frame.downwards) turn = Affine{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {}} * turn;
   if (frame.mirrored) turn = turn * Affine{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}};
   frame.to_gltf = turn;
@@ -163,48 +159,15 @@ bool put_trs(const Affine& m, GltfJson& node) {
   return true;
 }
 
-Vec3d to_double(const Vec3f& v) {
-  return {v.x, v.y, v.z};
-}
-Vec3f to_float(const Vec3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 // The mesh itself placed, for maps that a node cannot have.
 Mesh baked(const Mesh& mesh, const Affine& m) {
   Mesh out = mesh;
-  for (Vec3f& p : out.positions) p = to_float(m.point(to_double(p)));
+  for (Vec3f& p : out.positions) p = in_single(m.point(in_double(p)));
   const double sign = m.mirrors() ? -1 : 1;
   const Affine normals{cross(m.y, m.z) * sign, cross(m.z, m.x) * sign, cross(m.x, m.y) * sign, {}};
-  for (Vec3f& n : out.normals) n = to_float(normals.vector(to_double(n)));
+  for (Vec3f& n : out.normals) n = in_single(normals.vector(in_double(n)));
   if (m.mirrors())
     for (auto& t : out.triangles) std::swap(t[1], t[2]);
-  return out;
-}
-
-// Of length 1; where the file has none, those of the triangles.
-std::vector<Vec3f> unit_normals(const Mesh& mesh) {
-  std::vector<Vec3f> out;
-  std::vector<Vec3d> of_triangles;
-  for (size_t i = 0; i < mesh.normals.size(); ++i) {
-    const Vec3d n = to_double(mesh.normals[i]);
-    const double l = length(n);
-    if (l > 1e-30 && std::isfinite(l)) {
-      out.push_back(to_float(n / l));
-      continue;
-    }
-    if (of_triangles.empty()) {
-      of_triangles.resize(mesh.positions.size());
-      for (const auto& [a, b, c] : mesh.triangles) {
-        const Vec3d pa = to_double(mesh.positions[a]);
-        const Vec3d across =
-            cross(to_double(mesh.positions[b]) - pa, to_double(mesh.positions[c]) - pa);
-        for (const uint32_t k : {a, b, c}) of_triangles[k] = of_triangles[k] + across;
-      }
-    }
-    const double s = length(of_triangles[i]);
-    out.push_back(s > 0 ? to_float(of_triangles[i] / s) : Vec3f(0, 0, 1));
-  }
   return out;
 }
 
@@ -240,13 +203,13 @@ class Writer {
 
  private:
   void add(GltfJson node) {
-    root_["nodes"].push_back(std::move(node));
-    root_["scenes"][0]["nodes"].push_back(root_["nodes"].size() - 1);
+    const size_t index = glb_.add("nodes", std::move(node));
+    root_["scenes"][0]["nodes"].push_back(index);
   }
   void add(const Camera& camera);
   void add(const Lamp& lamp);
   void add(const Shape& shape);
-  size_t mesh_of(const Shape& shape, const Mesh& mesh, bool shared);
+  size_t mesh_of(const Shape& shape, const Mesh& mesh, size_t number);
   void add_defaults();
   void add_portals();
 
@@ -261,14 +224,15 @@ class Writer {
   Surfaces surfaces_;
   Written out_;
   bool has_lamps_ = false;
-  std::map<std::array<size_t, 3>, size_t> meshes_;     // mesh, material, turned
-  std::map<std::array<size_t, 3>, size_t> accessors_;  // attribute, mesh, turned
+  std::map<std::array<size_t, 3>, size_t> meshes_;     // by number, material, turned
+  std::map<std::array<size_t, 3>, size_t> accessors_;  // by attribute, number, turned
 };
 
 void Writer::add(const Camera& camera) {
   const Affine m = out_.frame.to_gltf * camera.to_world;
   const double aspect = static_cast<double>(camera.width) / std::max(camera.height, 1);
-  root_["cameras"].push_back(
+  const size_t index = glb_.add(
+      "cameras",
       {{"name", shown(camera.name, 200)},
        {"type", "perspective"},
        {"perspective", {{"yfov", camera.yfov}, {"aspectRatio", aspect}, {"znear", 0.01}}}});
@@ -282,7 +246,7 @@ void Writer::add(const Camera& camera) {
   if (camera.shift_x != 0 || camera.shift_y != 0) lose("the shift of the camera is left out");
   // Exactly at right angles: y is kept up in the picture.
   const Vec3d z = normalize(m.z), x = normalize(cross(m.y, z));
-  GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", root_["cameras"].size() - 1}};
+  GltfJson node = {{"name", shown(camera.name, 200)}, {"camera", index}};
   put_trs({x, cross(z, x), z, m.t}, node);
   add(std::move(node));
 }
@@ -316,43 +280,42 @@ void Writer::add(const Lamp& lamp) {
   add(std::move(node));
 }
 
-size_t Writer::mesh_of(const Shape& shape, const Mesh& mesh, bool shared) {
+// `number`: shapes with the same one have the same mesh.
+size_t Writer::mesh_of(const Shape& shape, const Mesh& mesh, size_t number) {
   const Surfaces::Written surface = surfaces_.written(shape.material, shape.emission);
-  const std::array<size_t, 3> key{shape.mesh, surface.index, shape.turned};
-  if (const auto it = meshes_.find(key); shared && it != meshes_.end()) return it->second;
+  const std::array<size_t, 3> key{number, surface.index, shape.turned};
+  if (const auto it = meshes_.find(key); it != meshes_.end()) return it->second;
   const auto accessor = [&](Attribute attribute, bool turned, const auto& make) {
-    if (!shared) return make();
-    const std::array<size_t, 3> of{attribute, shape.mesh, turned};
+    const std::array<size_t, 3> of{attribute, number, turned};
     const auto it = accessors_.find(of);
     return it != accessors_.end() ? it->second : accessors_[of] = make();
   };
   GltfJson primitive;
   GltfJson& attributes = primitive["attributes"];
   attributes["POSITION"] =
-      accessor(kPosition, false, [&] { return glb_.positions(mesh.positions); });
+      accessor(kPosition, false, [&] { return add_positions(glb_, mesh.positions); });
   if (mesh.normals.size() == mesh.positions.size())
     attributes["NORMAL"] = accessor(kNormal, shape.turned, [&] {
-      std::vector<Vec3f> normals = unit_normals(mesh);
+      Mesh checked = mesh;
+      check(checked, source_.path());  // scales normals to length 1
+      checked.normals.resize(mesh.positions.size(), {0, 0, 1});
       if (shape.turned)
-        for (Vec3f& n : normals) n = -n;
-      return glb_.normals(normals);
+        for (Vec3f& n : checked.normals) n = -n;
+      return add_accessor(glb_, checked.normals, kFloat, checked.normals.size(), "VEC3");
     });
   if (surface.textured && mesh.uv.size() == mesh.positions.size())
-    attributes["TEXCOORD_0"] = accessor(kTexcoord, false, [&] { return glb_.uv(mesh.uv); });
+    attributes["TEXCOORD_0"] = accessor(kTexcoord, false, [&] {
+      return add_accessor(glb_, mesh.uv, kFloat, mesh.uv.size(), "VEC2");
+    });
   primitive["indices"] = accessor(kIndex, shape.turned, [&] {
-    auto triangles = mesh.triangles;
-    if (shape.turned)
-      for (auto& t : triangles) std::swap(t[1], t[2]);
-    return glb_.indices(triangles, mesh.positions.size());
+    return mesh.positions.size() > 65535 ? add_indices<uint32_t>(glb_, mesh, shape.turned, kInt)
+                                         : add_indices<uint16_t>(glb_, mesh, shape.turned, kShort);
   });
   primitive["material"] = surface.index;
   GltfJson out;
   if (!shape.name.empty()) out["name"] = shown(shape.name, 200);
   out["primitives"] = GltfJson::array({std::move(primitive)});
-  root_["meshes"].push_back(std::move(out));
-  const size_t at = root_["meshes"].size() - 1;
-  if (shared) meshes_[key] = at;
-  return at;
+  return meshes_[key] = glb_.add("meshes", std::move(out));
 }
 
 void Writer::add(const Shape& shape) {
@@ -364,10 +327,10 @@ void Writer::add(const Shape& shape) {
   if (!shape.name.empty()) node["name"] = shown(shape.name, 200);
   GltfJson placed = node;
   if (put_trs(m, placed)) {
-    placed["mesh"] = mesh_of(shape, mesh, true);
+    placed["mesh"] = mesh_of(shape, mesh, shape.mesh);
     add(std::move(placed));
   } else {
-    node["mesh"] = mesh_of(shape, baked(mesh, m), false);
+    node["mesh"] = mesh_of(shape, baked(mesh, m), scene_.meshes.size() + out_.shapes);
     add(std::move(node));
   }
   ++out_.shapes;
@@ -381,11 +344,7 @@ void Writer::add_defaults() {
     extras["tdpt_width"] = scene_.cameras.front().width;
     extras["tdpt_height"] = scene_.cameras.front().height;
   }
-  WrittenSky sky = written_sky(scene_, out_.frame, source_);
-  if (!sky.bytes.empty()) extras["tdpt_environment"] = how_.environment + sky.suffix;
-  extras.update(sky.extras);
-  out_.environment = std::move(sky.bytes);
-  out_.environment_suffix = sky.suffix;
+  add_sky(scene_, source_, how_.environment, extras, out_);
   if (!extras.empty()) root_["scenes"][0]["extras"] = std::move(extras);
 }
 
@@ -397,15 +356,12 @@ void Writer::add_portals() {
     const Mesh mesh = baked(scene_.meshes[shape.mesh], out_.frame.to_gltf * shape.to_world);
     Portal portal;
     for (const Vec3f& p : mesh.positions) {
-      if (!(length(to_double(p)) < 1e30))
+      if (!(length(in_double(p)) < 1e30))
         throw InputError(source_.path(), "", "has a portal that is too large or too far away");
-      portal.vertices.push_back(to_double(p));
+      portal.vertices.push_back(in_double(p));
     }
-    for (const auto& t : mesh.triangles) {
-      const Vec3d& at = portal.vertices[t[0]];
-      if (length(cross(portal.vertices[t[1]] - at, portal.vertices[t[2]] - at)) > 0)
-        portal.triangles.push_back(t);
-    }
+    for (const auto& t : mesh.triangles)
+      if (length(front_of(mesh, t)) > 0) portal.triangles.push_back(t);
     if (portal.triangles.empty()) {
       lose("a portal without an area is left out");
       continue;
@@ -414,10 +370,8 @@ void Writer::add_portals() {
     if (!scene_.cameras.empty()) {
       const Vec3d eye = out_.frame.to_gltf.point(scene_.cameras.front().to_world.t);
       double sum = 0;
-      for (const auto& [a, b, c] : portal.triangles) {
-        const Vec3d at = portal.vertices[a];
-        sum += dot(cross(portal.vertices[b] - at, portal.vertices[c] - at), eye - at);
-      }
+      for (const auto& t : portal.triangles)
+        sum += dot(front_of(mesh, t), eye - portal.vertices[t[0]]);
       portal.both_ways = sum * towards_camera < 0;
       towards_camera = sum;
     }
