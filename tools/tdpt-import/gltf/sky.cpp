@@ -195,14 +195,13 @@ bool is_near(const Vec3d& a, const Vec3d& b) {
 
 }  // namespace
 
-void add_sky(const Described& scene, Source& source, const std::string& name, GltfJson& extras,
-             Written& out) {
-  if (!scene.sky || !(max_component(scene.sky->colour) > 0)) return;
-  const Sky& sky = *scene.sky;
+void add_sky(GltfFile& f, GltfJson& extras) {
+  if (!f.scene.sky || !(max_component(f.scene.sky->colour) > 0)) return;
+  const Sky& sky = *f.scene.sky;
   const auto one_colour = [&](const Rgb& c) { extras["tdpt_environment"] = {c.x, c.y, c.z}; };
   if (!sky.image) return one_colour(sky.colour);
-  const Image& image = scene.images[*sky.image];
-  const std::string file = source.shown_name(image.name);
+  const Image& image = f.scene.images[*sky.image];
+  const std::string file = f.source.shown_name(image.name);
   Texels t = image.texels.empty() ? decode(image.bytes, file)
                                   : Texels{image.width, image.height, false, image.texels, {}};
   if (t.is_8bit && sky.srgb)
@@ -221,22 +220,22 @@ void add_sky(const Described& scene, Source& source, const std::string& name, Gl
     negative |= std::min({t.rgb[i].x, t.rgb[i].y, t.rgb[i].z}) < 0;
     t.rgb[i] = max(t.rgb[i], Rgb(0));
   }
-  if (negative) source.lose({source.path(), ""}, "negative radiances of the sky become 0");
+  if (negative) f.lose("negative radiances of the sky become 0");
   if (t.rgb.size() == 1) return one_colour(t.rgb[0] * sky.colour);
   if (std::all_of(t.rgb.begin(), t.rgb.end(), [](const Rgb& c) { return !(max_component(c) > 0); }))
     return;
 
-  const Affine to_map = sky.to_map * out.frame.to_gltf.transposed();
+  const Affine to_map = sky.to_map * f.out.frame.to_gltf.transposed();
   const bool grey = sky.colour.x == sky.colour.y && sky.colour.y == sky.colour.z;
   const bool turned = is_near(to_map.y, {0, 1, 0}) && !to_map.mirrors();
   const bool plain = sky.layout == Sky::Layout::latlong && t.width == 2 * t.height &&
                      t.width <= kWidest && !negative;
   const bool exr = image.bytes.starts_with("\x76\x2f\x31\x01"), hdr = is_radiance_hdr(image.bytes);
   const bool copied = grey && turned && plain && (exr || hdr);
-  out.environment_suffix = copied && hdr ? ".hdr" : ".exr";
-  extras["tdpt_environment"] = name + out.environment_suffix;
+  f.out.environment_suffix = copied && hdr ? ".hdr" : ".exr";
+  extras["tdpt_environment"] = f.how.environment + f.out.environment_suffix;
   if (copied) {
-    out.environment = image.bytes;
+    f.out.environment = image.bytes;
     // The map's -z lies at to_map's inverse of it; a positive rotation is counter-clockwise from
     // above.
     const Vec3d centre = to_map.transposed().vector({0, 0, -1});
@@ -250,7 +249,7 @@ void add_sky(const Described& scene, Source& source, const std::string& name, Gl
       std::clamp(sky.layout == Sky::Layout::octahedral ? 2 * t.width : t.width, 4, kWidest);
   ExrFile resampled;
   resampled.picture = Turned(t, sky, to_map.transposed(), width / 2 * 2).picture();
-  out.environment = exr_bytes(resampled);
+  f.out.environment = exr_bytes(resampled);
 }
 
 }  // namespace tdpt::foreign

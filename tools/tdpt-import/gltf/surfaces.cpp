@@ -87,43 +87,33 @@ bool is_jpeg(const std::string& bytes) {
   return bytes.starts_with("\xff\xd8\xff");
 }
 
-}  // namespace
-
-const Texels* Surfaces::texels(const Texture& texture) {
-  auto it = decoded_.find(texture.image);
-  if (it == decoded_.end()) {
-    const Image& image = scene_.images[texture.image];
+const Texels* texels(GltfFile& f, const Texture& texture) {
+  auto it = f.decoded.find(texture.image);
+  if (it == f.decoded.end()) {
+    const Image& image = f.scene.images[texture.image];
     Texels t;
     if (!image.texels.empty()) {
       t = {image.width, image.height, false, image.texels, {}};
     } else {
       try {
-        t = decode(image.bytes, source_.shown_name(image.name));
+        t = decode(image.bytes, f.source.shown_name(image.name));
       } catch (const InputError& e) {
-        lose(std::string("a picture is left out: ") + e.what());
+        f.lose(std::string("a picture is left out: ") + e.what());
       }
     }
     const auto is_value = [](const Rgb& c) { return is_finite(c) && max_component(c) <= 1e30f; };
     if (!std::all_of(t.rgb.begin(), t.rgb.end(), is_value)) {
       for (Rgb& c : t.rgb)
         if (!is_value(c)) c = Rgb(0);
-      lose("texels that are not finite or above 1e30 become 0");
+      f.lose("texels that are not finite or above 1e30 become 0");
     }
-    it = decoded_.emplace(texture.image, std::move(t)).first;
+    it = f.decoded.emplace(texture.image, std::move(t)).first;
   }
   return it->second.rgb.empty() ? nullptr : &it->second;
 }
 
-// Whether the file may be used as it is for a colour.
-bool Surfaces::passes(const Texture& texture) {
-  const std::string& bytes = scene_.images[texture.image].bytes;
-  if (!is_png(bytes) && !is_jpeg(bytes)) return false;
-  const Texels* t = texels(texture);
-  return t && (longest_ == 0 || std::max(t->width, t->height) <= longest_);
-}
-
-// Empty for the identity.
-GltfJson Surfaces::transform(const Texture& texture) {
+// Of a texture's coordinates; empty for the identity.
+GltfJson transform(GltfFile& f, const Texture& texture) {
   const auto& m = texture.map;
   double r = 0, su = m[0], sv = m[4];
   if (m[1] != 0 || m[3] != 0) {
@@ -131,7 +121,8 @@ GltfJson Surfaces::transform(const Texture& texture) {
     su = std::hypot(m[0], m[3]);
     sv = m[1] * std::sin(r) + m[4] * std::cos(r);
     const double off = std::hypot(m[1] - sv * std::sin(r), m[4] - sv * std::cos(r));
-    if (off > 1e-5 * std::hypot(m[1], m[4])) lose("texture coordinates that shear are not sheared");
+    if (off > 1e-5 * std::hypot(m[1], m[4]))
+      f.lose("texture coordinates that shear are not sheared");
   }
   GltfJson t = GltfJson::object();
   if (m[2] != 0 || m[5] != 0) t["offset"] = {m[2], m[5]};
@@ -140,39 +131,40 @@ GltfJson Surfaces::transform(const Texture& texture) {
   return t;
 }
 
-// Equal ones share one.
-size_t Surfaces::index_of(const char* section, const GltfJson& value) {
-  const std::string text = value.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
-  std::map<std::string, size_t>& known = known_[section];
-  const auto [it, is_new] = known.try_emplace(text, known.size());
-  if (is_new) glb_.add(section, value);
-  return it->second;
-}
-
-GltfJson Surfaces::info(const Texture& texture, const std::string& bytes) {
-  const auto [image, is_new] = images_.try_emplace(content_hash(bytes), images_.size());
+// A textureInfo of glTF for a file of these bytes.
+GltfJson info(GltfFile& f, const Texture& texture, const std::string& bytes) {
+  const auto [image, is_new] = f.images.try_emplace(content_hash(bytes), f.images.size());
   if (is_new) {
-    glb_.add("images", {{"name", shown(scene_.images[texture.image].name, 200)},
-                        {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"}});
-    const size_t view = glb_.add(bytes);
-    glb_.root["images"].back()["bufferView"] = view;
+    f.add("images", {{"name", shown(f.scene.images[texture.image].name, 200)},
+                     {"mimeType", is_jpeg(bytes) ? "image/jpeg" : "image/png"}});
+    const size_t view = f.add(bytes);
+    f.root["images"].back()["bufferView"] = view;
   }
   GltfJson t = {{"source", image->second}};
   GltfJson sampler = GltfJson::object();
   if (texture.nearest) sampler["magFilter"] = 9728, sampler["minFilter"] = 9728;
   for (const auto& [key, wrap] : {std::pair{"wrapS", texture.wrap_u}, {"wrapT", texture.wrap_v}})
     if (wrap != Texture::Wrap::repeat) sampler[key] = wrap == Texture::Wrap::mirror ? 33648 : 33071;
-  if (!sampler.empty()) t["sampler"] = index_of("samplers", sampler);
-  GltfJson out = {{"index", index_of("textures", t)}};
-  textured_ = true;
-  if (GltfJson map = transform(texture); !map.empty())
-    extension(out, "KHR_texture_transform") = std::move(map);
+  if (!sampler.empty()) t["sampler"] = f.index_of("samplers", sampler);
+  GltfJson out = {{"index", f.index_of("textures", t)}};
+  f.is_textured = true;
+  if (GltfJson map = transform(f, texture); !map.empty())
+    f.extension(out, "KHR_texture_transform") = std::move(map);
   return out;
 }
 
-float Surfaces::largest(const Colour& colour) {
+// The same for the texture's own file; null if it cannot be used as it is.
+GltfJson unchanged(GltfFile& f, const Texture& texture) {
+  const std::string& bytes = f.scene.images[texture.image].bytes;
+  const Texels* t = is_png(bytes) || is_jpeg(bytes) ? texels(f, texture) : nullptr;
+  const int longest = f.how.longest_texture;
+  if (!t || (longest > 0 && std::max(t->width, t->height) > longest)) return nullptr;
+  return info(f, texture, plain_file(bytes));
+}
+
+float largest(GltfFile& f, const Colour& colour) {
   if (!colour.texture) return 1;
-  const Texels* t = texels(*colour.texture);
+  const Texels* t = texels(f, *colour.texture);
   float most = 0;
   for (size_t i = 0; t && i < t->rgb.size(); ++i) {
     const Rgb c = colour_at(*t, *colour.texture, i);
@@ -181,15 +173,16 @@ float Surfaces::largest(const Colour& colour) {
   return most;
 }
 
-GltfJson Surfaces::colour(const Colour& colour, const Number* opacity, float scale) {
+// Each of these returns a textureInfo of glTF, null without a texture. Base colour or emission has
+// the opacity in alpha if its texture is given; texels are divided by `scale`.
+GltfJson colour(GltfFile& f, const Colour& colour, const Number* opacity, float scale = 1) {
   const Texture* cut = opacity && opacity->texture ? &*opacity->texture : nullptr;
   if (!colour.texture && !cut) return nullptr;
   const Texture& lead = colour.texture ? *colour.texture : *cut;
-  if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb && passes(lead))
-    return info(lead, plain_file(scene_.images[lead.image].bytes));
-
-  const Texels* t = texels(lead);
-  const Texels* holes = cut ? texels(*cut) : nullptr;
+  if (colour.texture && !cut && !colour.curve && scale == 1 && lead.srgb)
+    if (GltfJson file = unchanged(f, lead); !file.is_null()) return file;
+  const Texels* t = texels(f, lead);
+  const Texels* holes = cut ? texels(f, *cut) : nullptr;
   if (!t || (cut && !holes)) return nullptr;
   bool above_1 = false;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
@@ -206,36 +199,35 @@ GltfJson Surfaces::colour(const Colour& colour, const Number* opacity, float sca
     }
     return {c.x / scale, c.y / scale, c.z / scale, alpha};
   };
-  const std::string png = png_of(t->width, t->height, longest_, true, cut, at);
-  if (above_1) lose("reflectances above 1 are taken as 1");
-  return info(lead, png);
+  const std::string png = png_of(t->width, t->height, f.how.longest_texture, true, cut, at);
+  if (above_1) f.lose("reflectances above 1 are taken as 1");
+  return info(f, lead, png);
 }
 
-GltfJson Surfaces::roughness(const Number& roughness) {
+GltfJson roughness(GltfFile& f, const Number& roughness) {
   if (!roughness.texture) return nullptr;
-  const Texels* t = texels(*roughness.texture);
+  const Texels* t = texels(f, *roughness.texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const size_t i = t->index(x, y);
     const float r = number_at(*t, *roughness.texture, i);
     return {1, roughness.curve ? roughness.curve(r) : r, 1, 1};
   };
-  return info(*roughness.texture, png_of(t->width, t->height, longest_, false, false, at));
+  return info(f, *roughness.texture,
+              png_of(t->width, t->height, f.how.longest_texture, false, false, at));
 }
 
-GltfJson Surfaces::normal_map(const Texture& texture) {
-  if (!texture.green_down && passes(texture))
-    return info(texture, plain_file(scene_.images[texture.image].bytes));
-  const Texels* t = texels(texture);
+GltfJson normal_map(GltfFile& f, const Texture& texture) {
+  if (!texture.green_down)
+    if (GltfJson file = unchanged(f, texture); !file.is_null()) return file;
+  const Texels* t = texels(f, texture);
   if (!t) return nullptr;
   const auto at = [&](int x, int y) -> std::array<float, 4> {
     const Rgb& c = t->rgb[t->index(x, y)];
     return {c.x, texture.green_down ? 1 - c.y : c.y, c.z, 1};
   };
-  return info(texture, png_of(t->width, t->height, longest_, false, false, at));
+  return info(f, texture, png_of(t->width, t->height, f.how.longest_texture, false, false, at));
 }
-
-namespace {
 
 // ---- Materials ----
 
@@ -263,25 +255,18 @@ Material with_factors_within_1(Material m) {
   return m;
 }
 
-}  // namespace
-
-GltfJson& Surfaces::extension(GltfJson& out, const char* name) {
-  extensions_.insert(name);
-  return out["extensions"][name];
-}
-
-void Surfaces::add_layers(const Material& m, GltfJson& out) {
+void add_layers(GltfFile& f, const Material& m, GltfJson& out) {
   if (m.metallic < 1) {
-    if (m.specular != 1) extension(out, "KHR_materials_specular")["specularFactor"] = m.specular;
+    if (m.specular != 1) f.extension(out, "KHR_materials_specular")["specularFactor"] = m.specular;
     if (m.specular > 0 && !is_white(m.specular_colour))
-      extension(out, "KHR_materials_specular")["specularColorFactor"] = three(m.specular_colour);
+      f.extension(out, "KHR_materials_specular")["specularColorFactor"] = three(m.specular_colour);
     if (m.ior != 1.5f && (m.specular > 0 || m.transmission > 0))
-      extension(out, "KHR_materials_ior")["ior"] = std::max(m.ior, 1.0f);
+      f.extension(out, "KHR_materials_ior")["ior"] = std::max(m.ior, 1.0f);
   }
   if (m.transmission > 0) {
-    extension(out, "KHR_materials_transmission")["transmissionFactor"] = m.transmission;
+    f.extension(out, "KHR_materials_transmission")["transmissionFactor"] = m.transmission;
     if (m.solid) {
-      GltfJson& volume = extension(out, "KHR_materials_volume");
+      GltfJson& volume = f.extension(out, "KHR_materials_volume");
       volume["thicknessFactor"] = 1;
       if (!is_white(m.attenuation)) {
         volume["attenuationColor"] = three(within_1(m.attenuation));
@@ -290,64 +275,68 @@ void Surfaces::add_layers(const Material& m, GltfJson& out) {
     }
   }
   if (m.coat > 0) {
-    GltfJson& coat = extension(out, "KHR_materials_clearcoat");
+    GltfJson& coat = f.extension(out, "KHR_materials_clearcoat");
     coat["clearcoatFactor"] = m.coat;
     coat["clearcoatRoughnessFactor"] = m.coat_roughness;
   }
 }
 
-void Surfaces::add_emission(const Emission& e, GltfJson& out) {
+void add_emission(GltfFile& f, const Emission& e, GltfJson& out) {
   // Texels of a file that are at most 1 pass as they are.
-  const float texel = largest(e.radiance), scale = texel > 1 ? texel : 1;
+  const float texel = largest(f, e.radiance), scale = texel > 1 ? texel : 1;
   const Rgb radiance = max(e.radiance.factor, Rgb(0)) * scale;
   const float strength = max_component(radiance);
   out["emissiveFactor"] = three(strength > 0 ? radiance / strength : Rgb(0));
   if (strength > 0 && strength != 1)
-    extension(out, "KHR_materials_emissive_strength")["emissiveStrength"] = strength;
-  put(out, "emissiveTexture", colour(e.radiance, nullptr, scale));
+    f.extension(out, "KHR_materials_emissive_strength")["emissiveStrength"] = strength;
+  put(out, "emissiveTexture", colour(f, e.radiance, nullptr, scale));
 }
 
-GltfJson Surfaces::surface(const Material& m) {
+GltfJson surface(GltfFile& f, const Material& m) {
   GltfJson out;
   if (!m.name.empty()) out["name"] = shown(m.name, 200);
   GltfJson& pbr = out["pbrMetallicRoughness"];
   const Rgb base = within_1(m.base.factor);
-  if (max_component(m.base.factor) > 1) lose("reflectances above 1 are taken as 1");
+  if (max_component(m.base.factor) > 1) f.lose("reflectances above 1 are taken as 1");
   const bool see_through = m.opacity.factor < 1 || m.opacity.texture;
   pbr["baseColorFactor"] = {base.x, base.y, base.z, std::clamp(m.opacity.factor, 0.0f, 1.0f)};
-  put(pbr, "baseColorTexture", colour(m.base, &m.opacity));
+  put(pbr, "baseColorTexture", colour(f, m.base, &m.opacity));
   pbr["metallicFactor"] = m.metallic;
   pbr["roughnessFactor"] = std::clamp(m.roughness.factor, 0.0f, 1.0f);
-  put(pbr, "metallicRoughnessTexture", roughness(m.roughness));
+  put(pbr, "metallicRoughnessTexture", roughness(f, m.roughness));
   if (see_through) out["alphaMode"] = "BLEND";
   // Glass must not be, by its extension.
   if (!(m.transmission > 0 && m.solid)) out["doubleSided"] = true;
-  if (m.normal) put(out, "normalTexture", normal_map(*m.normal));
+  if (m.normal) put(out, "normalTexture", normal_map(f, *m.normal));
   if (m.tinted)
-    lose("metals and mirrors that are darkened at all angles reflect all light at grazing ones");
-  if (m.bump) lose("bump maps are left out");
+    f.lose("metals and mirrors that are darkened at all angles reflect all light at grazing ones");
+  if (m.bump) f.lose("bump maps are left out");
   if (m.eta_k) {
     out["extras"]["tdpt_eta"] = three((*m.eta_k)[0]);
     out["extras"]["tdpt_k"] = three((*m.eta_k)[1]);
   }
-  add_layers(m, out);
+  add_layers(f, m, out);
   return out;
 }
 
-Surfaces::Written Surfaces::written(size_t material, const std::optional<Emission>& emission) {
-  if (const auto it = dark_.find(material); !emission && it != dark_.end()) return it->second;
-  textured_ = false;
-  GltfJson out = surface(with_factors_within_1(scene_.materials[material]));
+}  // namespace
+
+std::pair<size_t, bool> written_surface(GltfFile& f, size_t material,
+                                        const std::optional<Emission>& emission) {
+  const auto it = f.dark_surfaces.find(material);
+  if (!emission && it != f.dark_surfaces.end()) return it->second;
+  f.is_textured = false;
+  GltfJson out = surface(f, with_factors_within_1(f.scene.materials[material]));
   if (emission) {
-    add_emission(*emission, out);
+    add_emission(f, *emission, out);
     if (emission->both_sides)
       out["doubleSided"] = true;
     else
       out.erase("doubleSided");
   }
-  const Written all{index_of("materials", out), textured_};
-  if (!emission) dark_[material] = all;
-  return all;
+  const std::pair written{f.index_of("materials", out), f.is_textured};
+  if (!emission) f.dark_surfaces[material] = written;
+  return written;
 }
 
 }  // namespace tdpt::foreign

@@ -415,7 +415,7 @@ TEST(ImportWriter, OpacityBecomesAlpha) {
 TEST(ImportWriter, PicturesStayWithoutACamera) {
   Described d = room({});
   d.cameras.clear();
-  d.images.push_back({"grey", {}, 1, 1, {Rgb(0.5f)}});
+  d.images.push_back({"grey", {}, 2, 1, {Rgb(0), Rgb(1)}});
   d.materials[0].base.texture = Texture{};
   EXPECT_EQ(write(d).scene.images.size(), 1u);
 }
