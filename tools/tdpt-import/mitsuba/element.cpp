@@ -11,15 +11,6 @@
 
 namespace tdpt::foreign::mitsuba {
 
-std::optional<double> number_of(const std::string& text) {
-  constexpr const char* white = " \t\r\n";
-  const size_t first = text.find_first_not_of(white);
-  if (first == text.npos) return {};
-  const size_t last = text.find_last_not_of(white) + 1;
-  const auto number = number_in(std::string_view(text).substr(first, last - first));
-  return number && std::isfinite(*number) ? number : std::nullopt;
-}
-
 std::vector<std::string> split(const std::string& text, const std::string& separators) {
   std::vector<std::string> parts;
   for (size_t at = 0; (at = text.find_first_not_of(separators, at)) != text.npos;) {
@@ -42,7 +33,9 @@ bool is_one_of(const std::string& word, const std::string& words) {
 }
 
 double Element::finite(const std::string& word, double most) const {
-  if (const auto n = number_of(word); n && std::abs(*n) < most) return *n;
+  const auto words = split(word, " \t\r\n");  // white space around it is allowed
+  const auto n = words.size() == 1 ? number_in(words[0]) : std::nullopt;
+  if (n && std::abs(*n) < most) return *n;
   fail(fmt::format("\"{}\" is not a finite number", shown(word, 40)));
 }
 
@@ -159,7 +152,7 @@ void Element::ignore_all() const {
 
 namespace {
 
-// x, y and z, or value with one or three numbers.
+// Reads x, y and z, or a value of one or three numbers.
 Vec3d vector_of(const Element& step, double otherwise) {
   const auto has = [&](const char* name) { return !step.optional(name).empty(); };
   const auto at = [&](const char* axis) {

@@ -10,11 +10,11 @@
 namespace tdpt::foreign::mitsuba {
 namespace {
 
-// Integrators that show all light.
+// These integrators compute all light.
 constexpr const char* kWhole =
     "adaptive aov bdpt erpt irrcache mlt moment path ppm photonmapper prb pssmlt ptracer sppm "
     "stokes vpl volpath prb_basic prb_projective prbvolpath volpath_simple volpathmis";
-// What an integrator leaves out of the light.
+// Names the light that an integrator leaves out.
 void read_integrator(const Element& integrator) {
   Source& source = *integrator.source;
   if (integrator.type == "direct")
@@ -34,7 +34,7 @@ void read_integrator(const Element& integrator) {
 
 constexpr int kMostPixels = 65535;  // on a side
 
-// Width and height of the picture.
+// Reads the width and height of the picture.
 void read_film(const Element& sensor, Camera& camera) {
   camera.width = 768, camera.height = 576;
   const auto films = sensor.nested("film");
@@ -56,7 +56,7 @@ double in_radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-// Full vertical angle.
+// The full vertical angle [rad].
 double yfov(const Element& sensor, double aspect) {
   double degrees = 0;
   std::string axis = sensor.text("fov_axis", "x");
@@ -65,9 +65,9 @@ double yfov(const Element& sensor, double aspect) {
   } else {  // of a picture of 36 x 24 mm
     std::string mm = sensor.text("focal_length", "50mm");
     if (mm.ends_with("mm")) mm.resize(mm.size() - 2);
-    const auto f = number_of(mm);
-    if (!f || !(*f > 0)) sensor.fail(fmt::format("a focal_length of \"{}\"", shown(mm, 40)));
-    degrees = 2 * std::atan(std::hypot(36, 24) / (2 * *f)) * 180 / std::numbers::pi;
+    const double f = sensor.finite(mm);
+    if (!(f > 0)) sensor.fail(fmt::format("a focal_length of {} mm", f));
+    degrees = 2 * std::atan(std::hypot(36, 24) / (2 * f)) * 180 / std::numbers::pi;
     axis = "diagonal";
   }
   if (!(degrees > 0 && degrees < 180)) sensor.fail(fmt::format("a fov of {} degrees", degrees));
@@ -108,7 +108,7 @@ void add_camera(Described& scene, const Element& sensor) {
 
 // ---- Emitters that are no shapes ----
 
-// Mitsuba's maps have +z, not -z, in their centre.
+// The centre of Mitsuba's maps is +z, not -z.
 constexpr Affine kHalfTurn{{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}, {}};
 
 void add_lamp(Context& in, const Element& e) {

@@ -14,34 +14,34 @@
 
 namespace tdpt::foreign::mitsuba {
 
-/// A parameter (`<float name="radius" value="2"/>`), an object that has parameters and objects as
-/// its children (`<bsdf type="diffuse">`), or a reference to an object. What is asked for counts as
-/// read.
+/// An element of the XML: a parameter (`<float name="radius" value="2"/>`), an object with
+/// parameters and objects as its children (`<bsdf type="diffuse">`), or a reference to an object.
+/// Asking for an element marks it as read; unread ones are named as lost.
 struct Element {
   Source* source;
-  std::string tag;  ///< of a reference the object's
+  std::string tag;  ///< a reference has the tag of its object
   Place place;
-  bool old = false;          ///< of a file for Mitsuba 0.x
+  bool old = false;          ///< its file is for Mitsuba 0.x
   std::string name{};        ///< in snake_case; may be empty for objects
-  std::string type{}, id{};  ///< of an object; id also of what a reference names
+  std::string type{}, id{};  ///< of an object; a reference has the id of its object
   std::map<std::string, std::string> attributes{};
-  Affine map{};                     ///< of a transform
-  bool is_animated = false;         ///< `map` is its first place
+  Affine map{};                     ///< the value of a transform
+  bool is_animated = false;         ///< `map` is its first transform
   const Element* object = nullptr;  ///< itself, what a reference names, or null for a parameter
   std::vector<const Element*> children{};
-  Key key{};       ///< taken by who asks for the element
-  Key contents{};  ///< taken by the first question about its children: before, nobody misses them
+  Key key{};       ///< taken when the element is asked for
+  Key contents{};  ///< taken when a child is asked for; until then no child is missed
 
   [[noreturn]] void fail(const std::string& message) const { Source::fail(place, message); }
   void lose(const std::string& sentence) const { source->lose(place, sentence); }
   /// "bitmap "wood"" in messages.
   std::string described() const;
 
-  /// A number in one of its texts; `most`: larger ones count as infinite.
+  /// Parses a number; fails unless it is finite and below `most`.
   double finite(const std::string& word, double most = 1e300) const;
   /// An attribute, which must be there, as text and as numbers.
   const std::string& attribute(const std::string& attribute = "value") const;
-  /// The same; empty without it.
+  /// The same; empty if there is none.
   std::string optional(const std::string& attribute) const;
   std::vector<double> numbers(const std::string& attribute = "value") const;
   Vec3d three(const std::string& attribute = "value") const;
@@ -56,21 +56,19 @@ struct Element {
   std::string text(const std::string& name, const std::string& otherwise) const;
   std::string needed_text(const std::string& name) const;
   std::optional<Vec3d> vector(const std::string& name) const;
-  /// A transform; the identity without one. An animated one is named as lost.
+  /// The transform of that name, or the identity. An animated one is named as lost.
   Affine transform(const std::string& name) const;
-  /// Objects of a kind, named or not.
+  /// The objects with this tag, named or not.
   std::vector<const Element*> nested(const std::string& kind) const;
-  /// Takes children that do not change the picture, or whose loss is named otherwise. `names` are
-  /// separated by spaces.
+  /// Marks children as read that do not change the picture, or whose loss is named otherwise.
+  /// Spaces separate `names`.
   void ignore(const std::string& names) const;
   void ignore_all() const;
 };
 
-/// A finite number; std::nullopt for other texts. White space around it is allowed.
-std::optional<double> number_of(const std::string& text);
 /// Parts of a text between any of `separators`, without empty ones.
 std::vector<std::string> split(const std::string& text, const std::string& separators = " ,\t\r\n");
-/// A to Z become a to z.
+/// The text with a to z for A to Z.
 std::string lower_case(std::string text);
 /// Whether `word` is one of `words`, which spaces separate.
 bool is_one_of(const std::string& word, const std::string& words);
@@ -90,8 +88,8 @@ std::deque<Element> parse(Source& source, const std::map<std::string, std::strin
 
 constexpr const char* kMedia = "media (fog, absorption, scattering) are left out";
 
-/// What a colour is of: Mitsuba 3 lets a spectrum of equal energy reflect white light as white and
-/// shine yellowish.
+/// What a colour belongs to. In Mitsuba 3 a spectrum of equal energy is white as a reflectance and
+/// yellowish as a light.
 enum class Role { surface, light };
 
 /// The material of a bsdf.
@@ -115,9 +113,6 @@ struct Context {
 
 // Numbers and colours as linear Rec.709, with or without a texture.
 
-bool is_colour(const Element& value);
-/// The colour of a float, rgb, srgb, spectrum or blackbody.
-Rgb colour_of(const Element& value, Role role);
 inline float single(double v) {
   return static_cast<float>(v);
 }

@@ -172,7 +172,7 @@ TEST_F(scene, takes_lamps_by_reference) {
   EXPECT_EQ(d.shapes.at(1).emission->radiance.factor.x, 2);
   expect_nothing_lost();
   v3("<shape type=\"sphere\"><sampler type=\"independent\"/></shape>");
-  expect_lost("the sampler \"independent\" in a shape \"sphere\" is left out");
+  expect_lost("the sampler \"independent\" of the shape \"sphere\" is not read");
 }
 
 TEST_F(scene, names_limits_of_integrators) {

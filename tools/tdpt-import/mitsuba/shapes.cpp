@@ -1,4 +1,4 @@
-// uv of described.h are Mitsuba's own: its v = 0 is the top row of an image as well.
+// Shapes. Texture coordinates stay: v = 0 is the top row of an image in Mitsuba, too.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kMostShapes = 1000000;
 
-// The front is where a file's normals point to, whichever way its triangles run.
+// Turns triangles so that their fronts are where the file's normals point to.
 void front_by_normals(Mesh& mesh) {
   for (auto& t : mesh.triangles) {
     const Vec3d n = in_double(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]);
@@ -22,7 +22,7 @@ void front_by_normals(Mesh& mesh) {
   }
 }
 
-// Whether images are mirrored on it, seen from its front.
+// Whether images on the mesh are mirrored, seen from its front.
 bool mirrors_images(const Mesh& mesh) {
   if (mesh.uv.empty() || mesh.triangles.empty()) return false;
   double sum = 0;
@@ -39,15 +39,15 @@ Mesh disc_with_radius_as_u() {
   return mesh;
 }
 
-// The index of a mesh, which is made when its key is new.
+// The index of the mesh with this key; makes the mesh if the key is new.
 template <class Make>
-size_t mesh(Context& in, const std::string& key, const Make& make) {
+size_t mesh_index(Context& in, const std::string& key, const Make& make) {
   const auto [it, is_new] = in.meshes.try_emplace(key, in.scene.meshes.size());
   if (is_new) in.scene.meshes.push_back(make());
   return it->second;
 }
 
-Shape from_file(Context& in, const Element& shape) {
+Shape shape_from_file(Context& in, const Element& shape) {
   const std::string file = shape.needed_text("filename");
   const Element& filename = *shape.find("filename");
   const bool is_obj = shape.type == "obj", flat = shape.flag("face_normals", false);
@@ -59,29 +59,30 @@ Shape from_file(Context& in, const Element& shape) {
   shape.ignore("collapse load_materials srgb");  // of parts and colours that are not read
   Shape out;
   out.to_world = shape.transform("to_world");
-  out.mesh = mesh(in, fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file), [&] {
-    const auto bytes = shape.source->read_mesh(file, filename.place);
-    if (!bytes) return Mesh{};
-    const std::string name = shape.source->shown_name(file);
-    Mesh m = is_obj                ? read_obj(*bytes, name)
-             : shape.type == "ply" ? read_ply(*bytes, name)
-                                   : read_serialized(*bytes, name, static_cast<size_t>(index));
-    if (flip != is_obj) flip_v(m);
-    if (flat) m.normals.clear();
-    if (!m.normals.empty()) {
-      front_by_normals(m);
-      in.meshes_with_normals.insert(in.scene.meshes.size());
-    } else if (!flat) {
-      smooth(m, false);  // vertices at one place that the file keeps apart stay apart
-    }
-    return m;
-  });
+  out.mesh =
+      mesh_index(in, fmt::format("{}:{}:{}:{}:{}", shape.type, index, flip, flat, file), [&] {
+        const auto bytes = shape.source->read_mesh(file, filename.place);
+        if (!bytes) return Mesh{};
+        const std::string name = shape.source->shown_name(file);
+        Mesh m = is_obj                ? read_obj(*bytes, name)
+                 : shape.type == "ply" ? read_ply(*bytes, name)
+                                       : read_serialized(*bytes, name, static_cast<size_t>(index));
+        if (flip != is_obj) flip_v(m);
+        if (flat) m.normals.clear();
+        if (!m.normals.empty()) {
+          front_by_normals(m);
+          in.meshes_with_normals.insert(in.scene.meshes.size());
+        } else if (!flat) {
+          smooth(m, false);  // vertices at one place that the file keeps apart stay apart
+        }
+        return m;
+      });
   // Without normals the front is found after the mesh is placed.
   out.turned = !in.meshes_with_normals.contains(out.mesh) && out.to_world.mirrors();
   return out;
 }
 
-std::optional<Shape> round_or_flat(Context& in, const Element& shape) {
+std::optional<Shape> primitive_shape(Context& in, const Element& shape) {
   static const std::map<std::string, Mesh (*)()> kMeshes = {
       {"rectangle", [] { return flipped(square()); }},
       {"cube", cube},
@@ -92,7 +93,7 @@ std::optional<Shape> round_or_flat(Context& in, const Element& shape) {
   const auto known = kMeshes.find(shape.type);
   if (known == kMeshes.end()) return {};
   Shape out;
-  out.mesh = mesh(in, shape.type, known->second);
+  out.mesh = mesh_index(in, shape.type, known->second);
   out.to_world = shape.transform("to_world");
   if (shape.type == "sphere") {
     const Vec3d centre = shape.vector("center").value_or(Vec3d(0));
@@ -120,7 +121,7 @@ std::optional<Shape> round_or_flat(Context& in, const Element& shape) {
   return out;
 }
 
-// What Mitsuba gives to shapes without a bsdf: grey, black, or nothing to be seen.
+// The surface of shapes without a bsdf: grey, black or invisible.
 Surface default_surface(Context& in, const std::string& name) {
   const auto [it, is_new] = in.default_materials.try_emplace(name, in.scene.materials.size());
   if (is_new) {
@@ -132,8 +133,8 @@ Surface default_surface(Context& in, const std::string& name) {
   return {it->second, false, name == "default"};
 }
 
-// Surface, medium and emission.
-void dress(Context& in, const Element& shape, Shape& out) {
+// Gives a shape its surface and what it emits.
+void set_surface(Context& in, const Element& shape, Shape& out) {
   const auto bsdfs = shape.nested("bsdf");
   if (bsdfs.size() > 1) shape.lose("of several bsdfs of a shape the first is taken");
   const auto media = shape.nested("medium");
@@ -149,16 +150,15 @@ void dress(Context& in, const Element& shape, Shape& out) {
   const char* otherwise = !emitters.empty()             ? "black"
                           : !media.empty() && shape.old ? "null"
                                                         : "default";
-  const Surface made =
+  const Surface front =
       bsdfs.empty() ? default_surface(in, otherwise) : surface(in, *bsdfs[0], interior);
-  out.material = made.material;
-  out.turned ^= made.turned;
+  out.material = front.material;
+  out.turned ^= front.turned;
   for (const Element* e : emitters)
-    if (e->type != "area") {
-      e->lose(fmt::format("emitters of type \"{}\" are not read and left out", shown(e->type, 40)));
-    } else {
+    if (e->type == "area")
       out.emission = Emission{colour(in, *e, "radiance", Rgb(1), Role::light), false};
-    }
+    else
+      e->lose(fmt::format("emitters of type \"{}\" are not read and left out", shown(e->type, 40)));
   // In Mitsuba +Y of a normal map is normal x dp/du, in glTF up in the image.
   if (in.scene.materials[out.material].normal &&
       mirrors_images(in.scene.meshes[out.mesh]) != (out.turned != out.to_world.mirrors())) {
@@ -172,39 +172,30 @@ void dress(Context& in, const Element& shape, Shape& out) {
   const Number& opacity = in.scene.materials[out.material].opacity;
   const bool closed =
       is_one_of(shape.type, "sphere cube") && opacity.factor >= 1 && !opacity.texture;
-  if (made.one_sided && !closed)
+  if (front.one_sided && !closed)
     shape.lose(
         "surfaces that are not \"twosided\" are black on their back in Mitsuba and have two sides "
         "in glTF");
 }
 
-void place(Context& in, const Element& shape, const Affine& outer, bool in_group);
-
-void place_instance(Context& in, const Element& shape, const Affine& outer) {
-  const Affine map = outer * shape.transform("to_world");
-  const auto groups = shape.nested("shape");
-  if (groups.empty()) shape.fail("the instance has no shapegroup");
-  for (const Element* group : groups) {
-    if (group->type != "shapegroup")
-      shape.fail(fmt::format("the instance is of a {}, expected a shapegroup", group->described()));
-    for (const Element* inner : group->nested("shape")) place(in, *inner, map, true);
-  }
-}
-
-void place(Context& in, const Element& shape, const Affine& outer, bool in_group) {
+void add_placed(Context& in, const Element& shape, const Affine& outer) {
   if (++in.visited_shapes > kMostShapes)
     shape.fail(fmt::format("more than {} shapes", kMostShapes));
   if (shape.type == "shapegroup") return;  // only its instances are seen
-  if (shape.type == "instance") {
-    if (in_group) shape.fail("an instance in a shapegroup, which Mitsuba does not allow");
-    return place_instance(in, shape, outer);
-  }
-  if (shape.type == "merge") {
-    for (const Element* inner : shape.nested("shape")) place(in, *inner, outer, in_group);
+  if (is_one_of(shape.type, "instance merge")) {
+    const auto parts = shape.nested("shape");
+    const Affine map = outer * shape.transform("to_world");
+    if (parts.empty()) shape.fail(fmt::format("the {} has no shape in it", shape.described()));
+    for (const Element* part : parts)
+      if (part->type == "shapegroup")
+        for (const Element* inner : part->nested("shape")) add_placed(in, *inner, map);
+      else
+        add_placed(in, *part, map);
     return;
   }
-  std::optional<Shape> out =
-      is_one_of(shape.type, "obj ply serialized") ? from_file(in, shape) : round_or_flat(in, shape);
+  std::optional<Shape> out = is_one_of(shape.type, "obj ply serialized")
+                                 ? shape_from_file(in, shape)
+                                 : primitive_shape(in, shape);
   if (!out) {
     shape.lose(fmt::format("the shape \"{}\" is not read and left out", shown(shape.type, 40)));
     return shape.ignore_all();
@@ -221,7 +212,7 @@ void place(Context& in, const Element& shape, const Affine& outer, bool in_group
       in.scene.portals.push_back(std::move(*out));
       return;
     }
-  dress(in, shape, *out);
+  set_surface(in, shape, *out);
   out->name = shape.id;
   in.scene.shapes.push_back(std::move(*out));
 }
@@ -229,7 +220,7 @@ void place(Context& in, const Element& shape, const Affine& outer, bool in_group
 }  // namespace
 
 void add_shape(Context& in, const Element& shape) {
-  place(in, shape, {}, false);
+  add_placed(in, shape, {});
 }
 
 }  // namespace tdpt::foreign::mitsuba

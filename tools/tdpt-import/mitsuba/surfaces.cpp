@@ -14,18 +14,18 @@ bool all_are(const Rgb& c, float value) {
   return is_grey(c) && c.x == value;
 }
 
-// A surface as its type says.
+// A bsdf as a material; `turned` says that the material is that of the back.
 struct Bsdf {
   Material material;
   bool turned = false, two_sided = false, opaque = true;
 };
-Bsdf read(Context& in, const Element& bsdf);
+Bsdf read_bsdf(Context& in, const Element& bsdf);
 
-void become(const Element& bsdf, const char* what) {
+void lose_kind(const Element& bsdf, const char* what) {
   bsdf.lose(fmt::format("surfaces of type \"{}\" become {}", shown(bsdf.type, 40), what));
 }
 
-// A number, or one of the names that have one.
+// An index of refraction: a number or the name of a medium.
 double ior(const Element& bsdf, const char* name, const char* otherwise) {
   const Element* v = bsdf.find(name);
   const bool is_number = v && v->tag != "string";
@@ -47,7 +47,7 @@ void lose_reflectance(Context& in, const Element& bsdf) {
     bsdf.lose("the specular_reflectance of glass and coats is left out");
 }
 
-// 0 of smooth ones.
+// The roughness alpha; 0 for the types of smooth surfaces.
 Number alpha(Context& in, const Element& bsdf) {
   if (!bsdf.type.starts_with("rough")) return {0.0f, {}, {}};
   const std::string distribution = bsdf.text("distribution", "beckmann");
@@ -60,16 +60,16 @@ Number alpha(Context& in, const Element& bsdf) {
   return {single(std::sqrt(std::max(0.0, u * v))), {}, {}};
 }
 
-Bsdf nested(Context& in, const Element& bsdf) {
+Bsdf read_nested(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   if (all.empty()) bsdf.fail(fmt::format("the {} has no bsdf in it", bsdf.described()));
-  return read(in, *all[0]);
+  return read_bsdf(in, *all[0]);
 }
 
-// ---- each type
+// ---- One function per family of types
 
-Bsdf twosided(Context& in, const Element& bsdf) {
-  Bsdf out = nested(in, bsdf);
+Bsdf read_twosided(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   if (bsdf.nested("bsdf").size() > 1)
     bsdf.lose("of the two bsdfs of a twosided surface the first is taken");
   bsdf.ignore("allow_transmission");  // lets a nested bsdf transmit
@@ -77,17 +77,17 @@ Bsdf twosided(Context& in, const Element& bsdf) {
   return out;
 }
 
-// Also in the place of what is not read.
-Bsdf lambertian(Context& in, const Element& bsdf) {
+// Lambertian surfaces, which also replace types that are not read.
+Bsdf read_diffuse(Context& in, const Element& bsdf) {
   if (!is_one_of(bsdf.type, "diffuse lambertian")) {
-    become(bsdf, "Lambertian");
+    lose_kind(bsdf, "Lambertian");
     bsdf.ignore_all();
   }
   const char* name = bsdf.find("reflectance") ? "reflectance" : "diffuse_reflectance";
   return {diffuse(colour(in, bsdf, name, Rgb(0.5f)))};
 }
 
-Bsdf plastics(Context& in, const Element& bsdf) {
+Bsdf read_plastic(Context& in, const Element& bsdf) {
   const Number rough = alpha(in, bsdf);
   const Colour base = colour(in, bsdf, "diffuse_reflectance", Rgb(0.5f));
   const double n = relative_ior(bsdf, "polypropylene");
@@ -108,7 +108,7 @@ Bsdf plastics(Context& in, const Element& bsdf) {
   return out;
 }
 
-Bsdf conductors(Context& in, const Element& bsdf) {
+Bsdf read_conductor(Context& in, const Element& bsdf) {
   const Number rough = alpha(in, bsdf);
   if (const std::string lost = lost_of_rough_metal(rough); !lost.empty()) bsdf.lose(lost);
   const Colour tint = colour(in, bsdf, "specular_reflectance", Rgb(1));
@@ -130,12 +130,12 @@ Bsdf conductors(Context& in, const Element& bsdf) {
   return {conductor(eta_k[0], eta_k[1], tint, rough)};
 }
 
-Bsdf dielectrics(Context& in, const Element& bsdf) {
+Bsdf read_dielectric(Context& in, const Element& bsdf) {
   const bool solid = bsdf.type != "thindielectric";
   const Number rough = alpha(in, bsdf);
   double n = relative_ior(bsdf, "bk7");
   Bsdf out;
-  // A body that is thinner than what is around it is what is around it, seen from the back.
+  // A body of the lower index is a body of the medium around it, seen from the back.
   out.turned = solid && n < 1;
   if (n < 1) n = 1 / n;
   out.material = glass(n, colour(in, bsdf, "specular_transmittance", Rgb(1)), rough, solid);
@@ -144,8 +144,8 @@ Bsdf dielectrics(Context& in, const Element& bsdf) {
   return out;
 }
 
-Bsdf mask(Context& in, const Element& bsdf) {
-  Bsdf out = nested(in, bsdf);
+Bsdf read_mask(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   Number opacity = number(in, bsdf, "opacity", 0.5);
   opacity.factor *= out.material.opacity.factor;
   if (out.material.opacity.texture) {
@@ -153,13 +153,11 @@ Bsdf mask(Context& in, const Element& bsdf) {
     if (!opacity.texture) opacity.texture = out.material.opacity.texture;
   }
   out.material.opacity = opacity;
-  if (const Element* v = bsdf.find("opacity"); v && is_colour(*v))
-    if (!is_grey(colour_of(*v, Role::surface))) bsdf.lose("the colour of an opacity becomes grey");
   return out;
 }
 
-Bsdf bump(Context& in, const Element& bsdf) {
-  Bsdf out = nested(in, bsdf);
+Bsdf read_bump(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   const auto maps = bsdf.nested("texture");
   if (maps.empty()) bsdf.fail(fmt::format("the {} has no texture in it", bsdf.described()));
   bsdf.ignore("flip_invalid_normals use_shadowing_function");  // of normals seen from behind
@@ -177,8 +175,8 @@ Bsdf bump(Context& in, const Element& bsdf) {
   return out;
 }
 
-// The heaviest of those that are mixed.
-Bsdf mixed(Context& in, const Element& bsdf) {
+// A mixture becomes its heaviest part.
+Bsdf read_mixture(Context& in, const Element& bsdf) {
   const auto all = bsdf.nested("bsdf");
   std::vector<double> weights;
   if (bsdf.type == "blendbsdf") {
@@ -192,15 +190,16 @@ Bsdf mixed(Context& in, const Element& bsdf) {
   if (weights.size() != all.size() || all.empty())
     bsdf.fail(
         fmt::format("the {} has {} bsdfs and {} weights", bsdf.type, all.size(), weights.size()));
-  become(bsdf, "the heaviest of those mixed");
-  return read(in, *all[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) -
-                                           weights.begin())]);
+  lose_kind(bsdf, "the heaviest of those mixed");
+  return read_bsdf(in, *all[static_cast<size_t>(std::max_element(weights.begin(), weights.end()) -
+                                                weights.begin())]);
 }
 
-// A coat sends what its inside throws back nowhere, so it darkens what scatters widely
-// [coating.cpp]. Over a Lambertian surface it is plastic without that light; otherwise glTF's coat.
-Bsdf coated(Context& in, const Element& bsdf) {
-  Bsdf out = nested(in, bsdf);
+// Mitsuba's coats drop the light that they reflect back inside, so they darken diffuse surfaces
+// [coating.cpp]. A coat over a Lambertian surface becomes plastic without that light, others become
+// glTF's clear coat.
+Bsdf read_coating(Context& in, const Element& bsdf) {
+  Bsdf out = read_nested(in, bsdf);
   Material& m = out.material;
   const double n = relative_ior(bsdf, "bk7"), inside = n < 1 ? n : 1 / n;
   const bool smooth = bsdf.type == "coating";
@@ -229,15 +228,15 @@ Bsdf coated(Context& in, const Element& bsdf) {
   return out;
 }
 
-Bsdf invisible(Context&, const Element&) {
+Bsdf read_null(Context&, const Element&) {
   Bsdf out{diffuse({Rgb(0), {}, {}})};
   out.material.invisible = true;
   out.opaque = false;
   return out;
 }
 
-// [Burley 2012, 2015]: what glTF has of it.
-Bsdf principled(Context& in, const Element& bsdf) {
+// The parts of [Burley 2012, 2015] that glTF has.
+Bsdf read_principled(Context& in, const Element& bsdf) {
   const bool thin = bsdf.type == "principledthin";
   const Colour base = colour(in, bsdf, "base_color", Rgb(0.5f));
   const Number roughness = number(in, bsdf, "roughness", 0.5);
@@ -281,28 +280,28 @@ Bsdf principled(Context& in, const Element& bsdf) {
   return out;
 }
 
-Bsdf read(Context& in, const Element& bsdf) {
+Bsdf read_bsdf(Context& in, const Element& bsdf) {
   static constexpr std::pair<const char*, Bsdf (*)(Context&, const Element&)> kReaders[] = {
-      {"twosided", twosided},
-      {"plastic roughplastic", plastics},
-      {"conductor roughconductor", conductors},
-      {"dielectric roughdielectric thindielectric", dielectrics},
-      {"mask", mask},
-      {"bumpmap bump normalmap", bump},
-      {"blendbsdf mixturebsdf", mixed},
-      {"coating roughcoating", coated},
-      {"null", invisible},
-      {"principled principledthin", principled},
+      {"twosided", read_twosided},
+      {"plastic roughplastic", read_plastic},
+      {"conductor roughconductor", read_conductor},
+      {"dielectric roughdielectric thindielectric", read_dielectric},
+      {"mask", read_mask},
+      {"bumpmap bump normalmap", read_bump},
+      {"blendbsdf mixturebsdf", read_mixture},
+      {"coating roughcoating", read_coating},
+      {"null", read_null},
+      {"principled principledthin", read_principled},
   };
   bsdf.contents.take();
   for (const auto& [types, reader] : kReaders)
     if (is_one_of(bsdf.type, types)) return reader(in, bsdf);
-  return lambertian(in, bsdf);
+  return read_diffuse(in, bsdf);
 }
 
-// ---- media
+// ---- Media
 
-// What is in a body: glTF has absorption alone.
+// Adds the medium inside a body; glTF has absorption only.
 void absorb(Context& in, const Element& medium, Bsdf& surface) {
   if (medium.type != "homogeneous" || surface.opaque || !surface.material.solid || surface.turned)
     return medium.lose(kMedia);
@@ -333,7 +332,7 @@ void absorb(Context& in, const Element& medium, Bsdf& surface) {
 Surface surface(Context& in, const Element& bsdf, const Element* interior) {
   const auto key = std::pair{&bsdf, interior};
   if (const auto it = in.surfaces.find(key); it != in.surfaces.end()) return it->second;
-  Bsdf r = read(in, bsdf);
+  Bsdf r = read_bsdf(in, bsdf);
   if (interior) absorb(in, *interior, r);
   r.material.name = bsdf.id.empty() ? bsdf.type : bsdf.id;
   const bool black =

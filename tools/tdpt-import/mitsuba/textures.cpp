@@ -15,8 +15,8 @@ using Samples = std::vector<std::array<double, 2>>;
 
 constexpr double kMost = 1e30;  // of a component
 
-// One or three numbers, or #rrggbb.
-Rgb three(const Element& value) {
+// Parses one or three numbers, or #rrggbb.
+Rgb rgb_numbers(const Element& value) {
   const auto words = split(value.attribute());
   if (words.size() == 1 && words[0][0] == '#') {
     if (words[0].size() != 7 ||
@@ -33,7 +33,7 @@ Rgb three(const Element& value) {
   return {at(0), at(1), at(2)};
 }
 
-// Colour of a light with a spectrum of which 1 is a constant 1: not white.
+// The colour of a light whose spectrum is 1 at all wavelengths; it is not white.
 Rgb of_equal_energy() {
   return rgb_of_xyz(Rgb(1));
 }
@@ -45,7 +45,7 @@ constexpr double kD65[] = {49.98,  54.65,  82.75,  91.49,  93.43,  86.68,  104.8
                            80.03,  80.21,  82.28,  78.28,  69.72,  71.61,  74.35,  61.60,  69.89,
                            75.09,  63.59,  46.42,  66.81,  63.38};
 
-// Outside its samples a spectrum is 0.
+// The spectrum at a wavelength [nm]; 0 outside its samples.
 double value_at(const Samples& samples, double nm) {
   if (nm < samples.front()[0] || nm > samples.back()[0]) return 0;
   for (size_t i = 1; i < samples.size(); ++i)
@@ -56,8 +56,8 @@ double value_at(const Samples& samples, double nm) {
   return samples.back()[1];
 }
 
-// Colour of a surface in the light that shines white.
-Rgb lit(const Samples& samples) {
+// The colour of a surface in the light D65, which is white.
+Rgb reflected_colour(const Samples& samples) {
   Samples light, reflected;
   for (int nm = 380; nm <= 780; nm += 2) {
     const int i = (nm - 380) / 10, rest = (nm - 380) % 10;
@@ -69,8 +69,8 @@ Rgb lit(const Samples& samples) {
   return {c.x / white.x, c.y / white.y, c.z / white.z};
 }
 
-// Of a wavelength and a value in turn.
-Rgb sampled(const std::vector<std::string>& words, const Element& value, Role role) {
+// The colour of a spectrum; `words` are a wavelength [nm] and a value in turn.
+Rgb sampled_colour(const std::vector<std::string>& words, const Element& value, Role role) {
   if (words.empty() || words.size() % 2 != 0)
     value.fail(
         fmt::format("a spectrum of {} numbers, expected pairs wavelength:value", words.size()));
@@ -81,30 +81,30 @@ Rgb sampled(const std::vector<std::string>& words, const Element& value, Role ro
     if (i > 0 && !(nm > samples.back()[0])) value.fail("wavelengths are not in ascending order");
     samples.push_back({nm, value.finite(words[i + 1], kMost)});
   }
-  if (!value.old && role == Role::surface) return lit(samples);
+  if (!value.old && role == Role::surface) return reflected_colour(samples);
   samples.insert(samples.begin(), {samples.front()[0], 0});
   samples.push_back({samples.back()[0], 0});
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
-// A file of pairs with comments, pairs with colons, or one number.
-Rgb spectrum(const Element& value, Role role) {
+// Reads a file of pairs with comments, pairs with colons, or one number.
+Rgb spectrum_colour(const Element& value, Role role) {
   if (value.attributes.contains("filename")) {
     std::string numbers;
     const std::string text = value.source->read(value.attribute("filename"), value.place);
     for (const std::string& line : split(text, "\r\n"))
       numbers += line.substr(0, line.find('#')) + " ";
-    return sampled(split(numbers), value, role);
+    return sampled_colour(split(numbers), value, role);
   }
   const std::string& text = value.attribute();
-  if (text.find(':') != text.npos) return sampled(split(text, " :,\t\r\n"), value, role);
-  const Rgb c = three(value);
+  if (text.find(':') != text.npos) return sampled_colour(split(text, " :,\t\r\n"), value, role);
+  const Rgb c = rgb_numbers(value);
   const bool is_even = split(text).size() == 1 && !value.old && role == Role::light;
   return is_even ? c * of_equal_energy() : c;
 }
 
-// Radiance per nanometre [W/m2/sr/nm], as Mitsuba takes it.
-Rgb blackbody(double kelvin, const Element& value) {
+// The radiance of a black body per nanometre [W/m2/sr/nm], as Mitsuba has it.
+Rgb blackbody_colour(double kelvin, const Element& value) {
   if (!(kelvin > 0 && kelvin < 1e6)) value.fail(fmt::format("a temperature of {} K", kelvin));
   Samples samples;
   for (double nm = 360; nm <= 830; nm += 5) {
@@ -115,48 +115,38 @@ Rgb blackbody(double kelvin, const Element& value) {
   return rgb_of_spectrum(samples) * of_equal_energy();
 }
 
-}  // namespace
-
 bool is_colour(const Element& value) {
   return is_one_of(value.tag, "float integer rgb srgb spectrum blackbody");
 }
 
+// The colour of a float, rgb, srgb, spectrum or blackbody.
 Rgb colour_of(const Element& value, Role role) {
-  if (value.tag == "rgb") return three(value);
+  if (value.tag == "rgb") return rgb_numbers(value);
   if (value.tag == "srgb") {
     const auto linear = [](float v) {
       return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
     };
-    const Rgb c = three(value);
+    const Rgb c = rgb_numbers(value);
     return {linear(c.x), linear(c.y), linear(c.z)};
   }
-  if (value.tag == "spectrum") return spectrum(value, role);
+  if (value.tag == "spectrum") return spectrum_colour(value, role);
   if (value.tag == "blackbody") {
     std::string kelvin = value.attribute("temperature");
     kelvin.resize(kelvin.find_last_not_of(" kK") + 1);
     const std::string scale = value.attributes.contains("scale") ? value.attribute("scale") : "1";
-    return blackbody(value.finite(kelvin, kMost), value) * single(value.finite(scale));
+    return blackbody_colour(value.finite(kelvin, kMost), value) * single(value.finite(scale));
   }
   return Rgb(single(value.finite(value.attribute(), kMost)));
 }
 
-float mean(const Rgb& c) {
-  return (c.x + c.y + c.z) / 3;
-}
-bool is_grey(const Rgb& c) {
-  return c.x == c.y && c.y == c.z;
-}
-
 // ---- Textures ----
 
-namespace {
-
-Colour plain(const Rgb& c) {
+Colour without_texture(const Rgb& c) {
   return {c, {}, {}};
 }
 
-// Mitsuba's v = 0 is the top row of an image, as glTF's.
-std::array<double, 6> placement(const Element& texture) {
+// The map of texture coordinates. v = 0 is the top row of an image in Mitsuba and in glTF.
+std::array<double, 6> uv_map(const Element& texture) {
   std::array<double, 6> map{1, 0, 0, 0, 1, 0};
   if (texture.old) {
     const double both = texture.number("uvscale", 1);
@@ -170,7 +160,7 @@ std::array<double, 6> placement(const Element& texture) {
   return {m.x.x, m.y.x, m.t.x, m.x.y, m.y.y, m.t.y};
 }
 
-Texture::Wrap wrap(const Element& texture, const std::string& mode) {
+Texture::Wrap wrap_of(const Element& texture, const std::string& mode) {
   if (mode == "mirror") return Texture::Wrap::mirror;
   if (mode == "repeat") return Texture::Wrap::repeat;
   if (mode != "clamp")
@@ -178,15 +168,15 @@ Texture::Wrap wrap(const Element& texture, const std::string& mode) {
   return Texture::Wrap::clamp;
 }
 
-Colour bitmap(Context& in, const Element& texture, bool raw) {
+Colour read_bitmap(Context& in, const Element& texture, bool raw) {
   Texture t;
   t.image = image(in, texture);
-  t.map = placement(texture);
+  t.map = uv_map(texture);
   t.nearest = texture.text("filter_type", "bilinear") == "nearest";
   const std::string mode = texture.text("wrap_mode", "repeat");
-  t.wrap_u = wrap(texture, texture.text("wrap_mode_u", mode));
-  t.wrap_v = wrap(texture, texture.text("wrap_mode_v", mode));
-  // 0: as the file says.
+  t.wrap_u = wrap_of(texture, texture.text("wrap_mode_u", mode));
+  t.wrap_v = wrap_of(texture, texture.text("wrap_mode_v", mode));
+  // A gamma of 0 means that of the file.
   const double gamma = texture.number("gamma", texture.old && raw ? 1 : 0);
   t.srgb = gamma != 1 && !texture.flag("raw", false);
   if (gamma != 0 && gamma != 1 && gamma != -1)
@@ -200,39 +190,39 @@ Colour bitmap(Context& in, const Element& texture, bool raw) {
   return {Rgb(1), t, {}};
 }
 
-Colour checkerboard(Context& in, const Element& texture) {
+Colour read_checkerboard(Context& in, const Element& texture) {
   const Rgb a = plain_colour(in, texture, "color0", Rgb(0.4f));
   const Rgb b = plain_colour(in, texture, "color1", Rgb(0.2f));
   in.scene.images.push_back({"checkerboard", {}, 2, 2, {a, b, b, a}});
   Texture t;
   t.image = in.scene.images.size() - 1;
   t.nearest = true;
-  t.map = placement(texture);
+  t.map = uv_map(texture);
   return {Rgb(1), t, {}};
 }
 
-// A spectrum of two lists.
-Colour irregular(const Element& texture, Role role) {
+// Reads a spectrum from a list of wavelengths and a list of values.
+Colour read_irregular(const Element& texture, Role role) {
   const auto nm = split(texture.needed_text("wavelengths")),
              values = split(texture.needed_text("values"));
   if (nm.size() != values.size())
     texture.fail(fmt::format("{} wavelengths and {} values", nm.size(), values.size()));
   std::vector<std::string> pairs;
   for (size_t i = 0; i < nm.size(); ++i) pairs.insert(pairs.end(), {nm[i], values[i]});
-  return plain(sampled(pairs, *texture.find("values"), role));
+  return without_texture(sampled_colour(pairs, *texture.find("values"), role));
 }
 
 Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
   const std::string& type = texture.type;
   texture.ignore("wavelength_min wavelength_max lambda_min lambda_max");  // of what is visible
-  // That of the texture within, if there is one, or of the value of that name.
+  // The nested texture, or the value of that name if there is none.
   const auto inner = [&](const std::string& name) {
     const auto nested = texture.nested("texture");
     return nested.empty() ? colour(in, texture, name, Rgb(1), role)
                           : mitsuba::texture(in, *nested[0], role, raw);
   };
-  if (is_one_of(type, "bitmap ldrtexture")) return bitmap(in, texture, raw);
-  if (type == "checkerboard") return checkerboard(in, texture);
+  if (is_one_of(type, "bitmap ldrtexture")) return read_bitmap(in, texture, raw);
+  if (type == "checkerboard") return read_checkerboard(in, texture);
   if (is_one_of(type, "scale uniform rawconstant d65")) {
     const Rgb scale = plain_colour(in, texture, "scale", Rgb(1), role);
     Colour c = inner(texture.find("color") ? "color" : "value");
@@ -243,22 +233,29 @@ Colour read_texture(Context& in, const Element& texture, Role role, bool raw) {
     texture.ignore("unbounded");  // a check
     return colour(in, texture, "color", Rgb(0), role);
   }
-  if (type == "irregular" && texture.find("wavelengths")) return irregular(texture, role);
+  if (type == "irregular" && texture.find("wavelengths")) return read_irregular(texture, role);
   if (type == "blackbody" && texture.find("temperature"))
-    return plain(blackbody(texture.number("temperature", 0), texture));
+    return without_texture(blackbody_colour(texture.number("temperature", 0), texture));
   texture.lose(fmt::format("textures of type \"{}\" are not read: grey of 0.5 in their place",
                            shown(type, 40)));
   texture.ignore_all();
-  return plain(Rgb(0.5f));
+  return without_texture(Rgb(0.5f));
 }
 
 }  // namespace
 
+float mean(const Rgb& c) {
+  return (c.x + c.y + c.z) / 3;
+}
+bool is_grey(const Rgb& c) {
+  return c.x == c.y && c.y == c.z;
+}
+
 Colour colour(Context& in, const Element& object, const std::string& name, const Rgb& otherwise,
               Role role) {
   const Element* v = object.find(name);
-  if (!v) return plain(otherwise);
-  if (is_colour(*v)) return plain(colour_of(*v, role));
+  if (!v) return without_texture(otherwise);
+  if (is_colour(*v)) return without_texture(colour_of(*v, role));
   if (v->tag == "texture") return texture(in, *v->object, role);
   v->fail(fmt::format("\"{}\" is a {}, expected a colour or texture", name, shown(v->tag, 40)));
 }

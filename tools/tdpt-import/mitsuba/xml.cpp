@@ -12,10 +12,10 @@ namespace tdpt::foreign::mitsuba {
 namespace {
 
 constexpr int kDeepestInclude = 15, kDeepest = 64;
-// Included and substituted text [bytes], which could else grow without bound.
+// The most included and substituted text [bytes]; without a limit it could grow exponentially.
 constexpr size_t kMostText = size_t{1} << 28;
 
-// toWorld, intIOR -> to_world, int_ior; as Mitsuba 3 does with older files.
+// Converts toWorld and intIOR to to_world and int_ior, as Mitsuba 3 does with older files.
 std::string snake_case(const std::string& name) {
   std::string out;
   for (size_t i = 0; i < name.size(); ++i) {
@@ -26,10 +26,10 @@ std::string snake_case(const std::string& name) {
   return lower_case(out);
 }
 
-// One file while it is parsed.
+// A file that is being parsed.
 struct File {
   std::string name;
-  int includes = 0;  // that lead to it
+  int includes = 0;  // how many includes lead to it
   std::vector<size_t> line_ends{};
   bool old = false;
 
@@ -124,30 +124,13 @@ class Parser {
     read_file(text, source_.shown_name(name), includes, into);
   }
 
-  // An element without its place among others.
+  // An element without its children, not yet added to its parent.
   Element element_of(const pugi::xml_node& node, const File& file) {
     Element out{&source_, node.name(), file.place(node.offset_debug()), file.old};
     for (const pugi::xml_attribute& a : node.attributes())
       out.attributes[a.name()] = substituted(a.value(), out.place);
     out.name = out.optional("name");
     return out;
-  }
-
-  // What to say if nobody asks for an element of `holder`; nothing of how it is sampled.
-  static std::string missing(const Element& e, const Element& holder) {
-    const auto word = [&](const char* attribute) {
-      const std::string text = e.optional(attribute);
-      return shown(text.empty() ? e.tag : text, 40);
-    };
-    if (e.tag == "ref")
-      return fmt::format("the reference to \"{}\" in a {} is left out", word("id"),
-                         holder.described());
-    if (e.object)
-      return fmt::format("the {} \"{}\" in a {} is left out", e.tag, word("type"),
-                         holder.described());
-    if (e.name.find("sampl") != e.name.npos) return "";
-    return fmt::format("the parameter \"{}\" of the {} is not read", word("name"),
-                       holder.described());
   }
 
   void read_children(const pugi::xml_node& node, const File& file, int depth, Element& into) {
@@ -172,7 +155,10 @@ class Parser {
     if (file.old) e.name = snake_case(e.name);
     if (e.tag == "ref") {
       e.id = e.attribute("id");
-    } else if (e.tag == "transform") {
+      add(std::move(e), "id", into);
+      return;
+    }
+    if (e.tag == "transform") {
       e.map = map_of(node, file);
     } else if (e.tag == "animation") {
       e.is_animated = true;
@@ -189,19 +175,27 @@ class Parser {
     } else if (e.name.empty()) {
       e.fail(fmt::format("a {} without a name", e.tag));
     }
-    add(std::move(e), into);
+    add(std::move(e), "name", into);
   }
 
-  Element& add(Element&& e, Element& into) {
-    e.key = source_.enter(into.contents, e.place, missing(e, into));
+  // `called`: the attribute that names the element in the message that it is not read. Parameters
+  // of sampling do not change the picture, so there is no message for them.
+  Element& add(Element&& e, const char* called, Element& into) {
+    const std::string what = e.tag == "ref" ? "reference" : e.tag, word = e.optional(called);
+    const bool is_parameter = called == std::string("name");
+    e.key = source_.enter(
+        into.contents, e.place,
+        is_parameter && e.name.find("sampl") != e.name.npos
+            ? ""
+            : fmt::format("the {} \"{}\" of the {} is not read", is_parameter ? "parameter" : what,
+                          shown(word.empty() ? e.tag : word, 40), into.described()));
     into.children.push_back(&elements_.emplace_back(std::move(e)));
     return elements_.back();
   }
 
   void read_object(const pugi::xml_node& node, const File& file, int depth, Element&& e,
                    Element& into) {
-    e.object = &e;  // for missing()
-    Element& object = add(std::move(e), into);
+    Element& object = add(std::move(e), "type", into);
     object.object = &object;
     object.contents = source_.enter(object.key, object.place, "");
     if (object.tag == "spectrum") object.tag = "texture";
@@ -268,12 +262,12 @@ class Parser {
 
   Source& source_;
   std::deque<Element> elements_{};
-  // By "$name". $width2 is not $width and 2.
+  // Values by "$name"; longer names come first, since $width2 is not $width followed by 2.
   std::map<std::string, std::string, LongerFirst> parameters_{};
   std::unordered_map<std::string, const Element*> named_{};
   std::unordered_map<const Element*, int> heights_{};
-  std::set<std::string> unused_{};  // "$name" of --define
-  size_t taken_ = 0;                // of kMostText
+  std::set<std::string> unused_{};  // each "$name" of --define that is not used so far
+  size_t taken_ = 0;                // included and substituted so far [bytes]
 };
 
 }  // namespace
